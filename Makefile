@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+# Everything from a bare Debian 12: `make demo` shows it, `make test` proves it.
+
+# Where the demo looks for recordings: pairs NAME.mp4 and NAME.csv in any folder below.
+# Empty, or a folder that is missing: a rendered scene.
+RECORDINGS ?= ../shared/data
+# Time that the demo trains, per entity, and the length of a rendered scene.
+DEMO_BUDGET ?= 120s
+DEMO_SECONDS ?= 60
+
+.PHONY: help packages build test demo bench check-headers clean
+
+help:
+	@echo "make demo    record, compress, train, recall and predict, with measured figures"
+	@echo "             (RECORDINGS=dir, DEMO_BUDGET=120s, DEMO_SECONDS=60)"
+	@echo "make test    build with debug information and run all tests"
+	@echo "make build   release build: build/release/bin/engram"
+	@echo "make bench   run the benchmarks"
+	@echo "make clean   remove what was built and the demo's memory"
+
+packages:
+	@cmake/install_packages.sh
+
+build/%/build.ninja: CMakeLists.txt CMakePresets.json | packages
+	cmake --preset $*
+
+build: build/release/build.ninja packages
+	cmake --build --preset release
+
+test: build/dev/build.ninja packages
+	cmake --build --preset dev
+	ctest --preset dev
+
+demo: build
+	experiments/demo.sh build/release/bin/engram demo "$(RECORDINGS)" $(DEMO_BUDGET) $(DEMO_SECONDS)
+
+bench: build
+	build/release/bin/engram_benchmark
+
+# Every public header compiles alone.
+check-headers: build/dev/build.ninja packages
+	cmake --build --preset dev --target all_verify_interface_header_sets
+
+clean:
+	rm -rf build demo

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+# Finds every package that Engram builds on; read by the build and by projects that use it.
+
+# Another Python may come first on the PATH, without Debian's packages.
+set(Python3_EXECUTABLE /usr/bin/python3)
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(re2 REQUIRED IMPORTED_TARGET re2)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)
+find_package(CLI11 REQUIRED)
+find_package(Threads REQUIRED)
+
+if(ENGRAM_LEARNING)
+  find_package(Torch REQUIRED)
+  # LibTorch multiplies matrices through the system's BLAS. With the reference BLAS it reaches
+  # 6 GFLOP/s where OpenBLAS reaches 213 (docs/design.md, section 5): training would never end.
+  execute_process(COMMAND readlink -f /usr/lib/${CMAKE_CXX_LIBRARY_ARCHITECTURE}/libblas.so.3
+                  OUTPUT_VARIABLE engram_blas OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(NOT engram_blas MATCHES "openblas|mkl|blis|atlas")
+    message(FATAL_ERROR
+      "Only the reference BLAS is installed (found '${engram_blas}').\n"
+      "LibTorch would train 35 times slower than it can. Install OpenBLAS:\n"
+      "    apt-get install libopenblas0-pthread")
+  endif()
+endif()

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# Settings that every target of ours shares.
+add_library(engram_options INTERFACE)
+target_compile_features(engram_options INTERFACE cxx_std_20)
+# GCC 12 takes moved-from variants for uninitialised ones.
+target_compile_options(engram_options INTERFACE
+  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+                    -Wcast-align -Wunused -Wnull-dereference -Wno-missing-field-initializers -Wno-maybe-uninitialized>)
+install(TARGETS engram_options EXPORT engram)
+
+# engram_add_library(store SOURCES a.cpp HEADERS a.h PUBLIC engram::codec PRIVATE hdf5)
+#
+# Declares one room as engram::<name>. Paths are relative to the room; headers are included from
+# the repository root, install under include/engram/ and must each compile alone
+# (target all_verify_interface_header_sets).
+function(engram_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  if(ARG_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "engram_add_library(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
+  endif()
+  set(target engram_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(engram::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERIFY_INTERFACE_HEADER_SETS ON
+                                             POSITION_INDEPENDENT_CODE ON)
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
+                                  FILES ${ARG_HEADERS})
+  target_link_libraries(${target} PUBLIC engram_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  install(TARGETS ${target} EXPORT engram FILE_SET HEADERS
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/engram)
+endfunction()

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+include(GoogleTest)
+find_package(GTest REQUIRED)
+
+# engram_add_test(store_test SOURCES a_test.cpp LINK engram::store LABELS fast)
+#
+# One GoogleTest program of a room; each TEST becomes a ctest. LABELS default to fast.
+function(engram_add_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
+  if(ARG_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "engram_add_test(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
+  endif()
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS fast)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE ENGRAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+endfunction()

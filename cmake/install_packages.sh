@@ -1,0 +1,30 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Installs the packages of packages.txt that are missing; does nothing where all are there.
+set -eu
+cd "$(dirname "$0")/.."
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "engram: this is no Debian system; install the equivalents of packages.txt by hand" >&2
+  exit 0
+fi
+
+missing=
+for package in $(sed 's/#.*//' packages.txt); do
+  state=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+  [ "$state" = "install ok installed" ] || missing="$missing $package"
+done
+[ -n "$missing" ] || exit 0
+
+echo "engram: installing$missing" >&2
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || {
+    echo "engram: needs root (or sudo) to install:$missing" >&2
+    exit 1
+  }
+  as_root="sudo"
+fi
+$as_root apt-get update -qq
+# shellcheck disable=SC2086  # one argument per package
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
