@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <utility>
+
+namespace engram::log {
+
+enum class Level { kDebug, kInfo, kWarning, kError, kOff };
+
+/// Messages below `level` are dropped. Default: kInfo.
+/// Threading: thread-safe.
+void set_level(Level level);
+
+[[nodiscard]] Level level();
+
+/// Writes one line to stderr. stdout belongs to results.
+/// Threading: thread-safe.
+void write(Level level, std::string_view message);
+
+template <typename... Args>
+void debug(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::kDebug, fmt::format(text, std::forward<Args>(args)...));
+}
+template <typename... Args>
+void info(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::kInfo, fmt::format(text, std::forward<Args>(args)...));
+}
+template <typename... Args>
+void warning(fmt::format_string<Args...> text, Args&&... args) {
+  write(Level::kWarning, fmt::format(text, std::forward<Args>(args)...));
+}
+
+}  // namespace engram::log

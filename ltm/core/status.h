@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "ltm/core/check.h"
+
+namespace engram {
+
+/// What kind of failure the world handed us. Bugs of our own abort instead (ltm/core/check.h).
+enum class StatusCode {
+  kOk,
+  kInvalidArgument,     ///< The caller or its configuration asks for what cannot be.
+  kNotFound,            ///< The named thing does not exist.
+  kAlreadyExists,       ///< The named thing exists and must not.
+  kFailedPrecondition,  ///< Right request, wrong state (locked store, newer format, ...).
+  kDataLoss,            ///< Bytes are damaged, truncated or contradict themselves.
+  kResourceExhausted,   ///< Disk, memory or a configured limit is used up.
+  kUnavailable,         ///< The operating system or a peer refused; may work later.
+  kCancelled,           ///< Somebody asked to stop.
+};
+
+[[nodiscard]] std::string_view to_string(StatusCode code);
+
+/// Outcome of an operation that can fail: ok, or a code with a message.
+///
+/// The message names the object, what was found and what was needed.
+/// Threading: immutable but for assignment.
+class [[nodiscard]] Status {
+ public:
+  Status() = default;
+  Status(StatusCode code, std::string message) : code_(code), message_(std::move(message)) {
+    ENGRAM_CHECK(code != StatusCode::kOk, "an error needs an error code");
+  }
+
+  [[nodiscard]] bool ok() const { return code_ == StatusCode::kOk; }
+  [[nodiscard]] StatusCode code() const { return code_; }
+  [[nodiscard]] const std::string& message() const { return message_; }
+
+  /// "data loss: journal/000001.log: ..."; "ok" if ok.
+  [[nodiscard]] std::string to_string() const;
+
+  /// The same failure told by an outer object: `context` + ": " + message.
+  [[nodiscard]] Status with_context(std::string_view context) const;
+
+ private:
+  StatusCode code_ = StatusCode::kOk;
+  std::string message_;
+};
+
+/// A value, or the Status that says why there is none.
+///
+/// Errors: reading the value of a failed result is a bug and aborts.
+template <typename T>
+class [[nodiscard]] Result {
+ public:
+  // Implicit on purpose: `return value;` and `return status;` both read well.
+  Result(T value) : value_(std::move(value)) {}
+  Result(Status status) : status_(std::move(status)) {
+    ENGRAM_CHECK(!status_.ok(), "a result without a value needs an error");
+  }
+
+  [[nodiscard]] bool ok() const { return status_.ok(); }
+  [[nodiscard]] const Status& status() const { return status_; }
+
+  [[nodiscard]] T& value() & { return check(), *value_; }
+  [[nodiscard]] const T& value() const& { return check(), *value_; }
+  [[nodiscard]] T&& value() && { return check(), *std::move(value_); }
+  [[nodiscard]] T value_or(T fallback) const { return ok() ? *value_ : std::move(fallback); }
+
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T&& operator*() && { return std::move(*this).value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+
+ private:
+  void check() const { ENGRAM_CHECK(ok(), "no value: {}", status_.to_string()); }
+
+  Status status_;
+  std::optional<T> value_;
+};
+
+/// Makes an error; `text` is a fmt format string. One function per code, named after it.
+#define ENGRAM_STATUS_MAKER(function, code)                              \
+  template <typename... Args>                                            \
+  [[nodiscard]] Status function(fmt::format_string<Args...> text, Args&&... args) { \
+    return Status(StatusCode::code, fmt::format(text, std::forward<Args>(args)...)); \
+  }
+ENGRAM_STATUS_MAKER(invalid_argument, kInvalidArgument)
+ENGRAM_STATUS_MAKER(not_found, kNotFound)
+ENGRAM_STATUS_MAKER(already_exists, kAlreadyExists)
+ENGRAM_STATUS_MAKER(failed_precondition, kFailedPrecondition)
+ENGRAM_STATUS_MAKER(data_loss, kDataLoss)
+ENGRAM_STATUS_MAKER(resource_exhausted, kResourceExhausted)
+ENGRAM_STATUS_MAKER(unavailable, kUnavailable)
+ENGRAM_STATUS_MAKER(cancelled, kCancelled)
+#undef ENGRAM_STATUS_MAKER
+
+}  // namespace engram
+
+#define ENGRAM_CONCAT_INNER(a, b) a##b
+#define ENGRAM_CONCAT(a, b) ENGRAM_CONCAT_INNER(a, b)
+
+/// Returns the error of `expression` (a Status) from the enclosing function, if it is one.
+#define ENGRAM_RETURN_IF_ERROR(expression) \
+  ENGRAM_RETURN_IF_ERROR_INNER(ENGRAM_CONCAT(engram_status_, __COUNTER__), expression)
+#define ENGRAM_RETURN_IF_ERROR_INNER(status, expression)                    \
+  do {                                                                      \
+    if (::engram::Status status = (expression); !status.ok()) return status; \
+  } while (false)
+
+/// `ENGRAM_ASSIGN_OR_RETURN(auto x, f())`: takes the value of a Result or returns its error.
+#define ENGRAM_ASSIGN_OR_RETURN(target, expression) \
+  ENGRAM_ASSIGN_OR_RETURN_INNER(ENGRAM_CONCAT(engram_result_, __COUNTER__), target, expression)
+#define ENGRAM_ASSIGN_OR_RETURN_INNER(result, target, expression) \
+  auto result = (expression);                                     \
+  if (!result.ok()) return result.status();                       \
+  target = std::move(result).value()

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/core/time.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+namespace engram {
+
+namespace {
+
+using std::chrono::days;
+using std::chrono::hours;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+constexpr int64_t kNsPerSecond = 1'000'000'000;
+
+struct Unit {
+  std::string_view name;
+  int64_t ns;
+};
+
+// Largest first, so that printing finds the shortest form; aliases last.
+constexpr std::array<Unit, 8> kUnits{{{"d", 86400 * kNsPerSecond},
+                                      {"h", 3600 * kNsPerSecond},
+                                      {"min", 60 * kNsPerSecond},
+                                      {"s", kNsPerSecond},
+                                      {"ms", 1'000'000},
+                                      {"us", 1'000},
+                                      {"ns", 1},
+                                      {"m", 60 * kNsPerSecond}}};
+
+/// Consumes digits from the front; at least `min`, at most `max` of them.
+std::optional<int64_t> take_digits(std::string_view& text, size_t min, size_t max) {
+  size_t count = 0;
+  int64_t value = 0;
+  while (count < text.size() && count < max && text[count] >= '0' && text[count] <= '9')
+    value = value * 10 + (text[count++] - '0');
+  if (count < min) return std::nullopt;
+  text.remove_prefix(count);
+  return value;
+}
+
+bool take(std::string_view& text, std::string_view expected_one_of) {
+  if (text.empty() || expected_one_of.find(text.front()) == std::string_view::npos) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+/// Fraction digits after the point as nanoseconds; more than nine digits do not fit.
+std::optional<int64_t> take_fraction_ns(std::string_view& text) {
+  const size_t before = text.size();
+  auto digits = take_digits(text, 1, 9);
+  if (!digits) return std::nullopt;
+  for (size_t i = before - text.size(); i < 9; ++i) *digits *= 10;
+  return digits;
+}
+
+/// The offset of "Z", "+01:00" or nothing.
+std::optional<Duration> take_zone(std::string_view& text) {
+  if (text.empty() || take(text, "Zz")) return Duration(0);
+  const bool is_behind = text.front() == '-';
+  if (!take(text, "+-")) return std::nullopt;
+  const auto hour = take_digits(text, 2, 2);
+  if (!hour || !take(text, ":")) return std::nullopt;
+  const auto minute = take_digits(text, 2, 2);
+  if (!minute || *hour > 23 || *minute > 59) return std::nullopt;
+  const Duration offset = hours(*hour) + minutes(*minute);
+  return is_behind ? -offset : offset;
+}
+
+std::optional<Time> parse_calendar(std::string_view text) {
+  using namespace std::chrono;
+  const auto y = take_digits(text, 4, 4);
+  if (!y || !take(text, "-")) return std::nullopt;
+  const auto m = take_digits(text, 2, 2);
+  if (!m || !take(text, "-")) return std::nullopt;
+  const auto d = take_digits(text, 2, 2);
+  if (!d) return std::nullopt;
+  const year_month_day date{year(static_cast<int>(*y)), month(static_cast<unsigned>(*m)),
+                            day(static_cast<unsigned>(*d))};
+  if (!date.ok() || *y < 1678 || *y > 2261) return std::nullopt;
+  Time time = sys_days(date);
+  if (text.empty()) return time;
+  if (!take(text, " Tt")) return std::nullopt;
+  const auto hour = take_digits(text, 2, 2);
+  if (!hour || !take(text, ":")) return std::nullopt;
+  const auto minute = take_digits(text, 2, 2);
+  if (!minute || *hour > 23 || *minute > 59) return std::nullopt;
+  int64_t second = 0, fraction = 0;
+  if (take(text, ":")) {
+    const auto whole = take_digits(text, 2, 2);
+    if (!whole || *whole > 59) return std::nullopt;
+    second = *whole;
+    if (take(text, ".")) {
+      const auto part = take_fraction_ns(text);
+      if (!part) return std::nullopt;
+      fraction = *part;
+    }
+  }
+  const auto zone = take_zone(text);
+  if (!zone || !text.empty()) return std::nullopt;
+  return time + hours(*hour) + minutes(*minute) + seconds(second) + Duration(fraction) - *zone;
+}
+
+}  // namespace
+
+Time system_now() { return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now()); }
+
+Result<Duration> duration_from_seconds(double value) {
+  const double ns = value * 1e9;
+  if (!std::isfinite(ns) || std::abs(ns) >= 9.2e18)
+    return invalid_argument("{} seconds: needs a finite number of at most 292 years", value);
+  return Duration(std::llround(ns));
+}
+
+std::string to_string(Time time) {
+  const auto day_point = std::chrono::floor<days>(time);
+  const std::chrono::year_month_day date(day_point);
+  const int64_t ns = (time - day_point).count();
+  const int64_t second_of_day = ns / kNsPerSecond;
+  const int64_t fraction = ns % kNsPerSecond;
+  std::string text = fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}",
+                                 static_cast<int>(date.year()),
+                                 static_cast<unsigned>(date.month()),
+                                 static_cast<unsigned>(date.day()), second_of_day / 3600,
+                                 second_of_day / 60 % 60, second_of_day % 60);
+  return fraction % 1000 == 0 ? fmt::format("{}.{:06}", text, fraction / 1000)
+                              : fmt::format("{}.{:09}", text, fraction);
+}
+
+Result<Time> parse_time(std::string_view text) {
+  int64_t ns = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ns);
+  if (error == std::errc() && end == text.data() + text.size() && !text.empty())
+    return time_from_ns(ns);
+  if (const auto time = parse_calendar(text)) return *time;
+  return invalid_argument(
+      "'{}' is no time: needs '2022-02-18 13:06:56.492182', RFC 3339, or integer nanoseconds since "
+      "1970",
+      text);
+}
+
+Result<Duration> parse_duration(std::string_view text) {
+  std::string_view digits = text;
+  if (digits.starts_with('+')) digits.remove_prefix(1);
+  double number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  const std::string_view name(end, static_cast<size_t>(digits.data() + digits.size() - end));
+  if (error == std::errc() && !digits.starts_with('+')) {
+    for (const Unit& unit : kUnits) {
+      if (unit.name != name) continue;
+      // Integers stay exact; doubles carry 53 bits only.
+      int64_t whole = 0;
+      const auto integer = std::from_chars(digits.data(), end, whole);
+      int64_t product = 0;
+      if (integer.ptr == end && !__builtin_mul_overflow(whole, unit.ns, &product))
+        return Duration(product);
+      return duration_from_seconds(number * static_cast<double>(unit.ns) / 1e9);
+    }
+  }
+  return invalid_argument("'{}' is no duration: needs a number and one of ns us ms s min h d", text);
+}
+
+std::string to_string(Duration duration) {
+  const int64_t ns = duration.count();
+  if (ns == 0) return "0s";
+  for (const Unit& unit : kUnits)
+    if (ns % unit.ns == 0) return fmt::format("{}{}", ns / unit.ns, unit.name);
+  return fmt::format("{}ns", ns);
+}
+
+}  // namespace engram
