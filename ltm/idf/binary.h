@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ltm/core/buffer.h"
+#include "ltm/idf/data.h"
+
+namespace engram::idf {
+
+/// Deepest nesting of lists and dicts that the binary and JSON forms carry.
+inline constexpr int kMaxDepth = 64;
+
+/// Exact number of bytes that `encode` writes.
+[[nodiscard]] size_t encoded_size(const Data& data);
+
+/// The binary form, version 1: little-endian, ndarrays aligned to 8 bytes from the start.
+///
+/// Errors: kInvalidArgument where the value nests deeper than kMaxDepth.
+/// Source: docs/format.md, section "IDF binary form".
+Result<std::vector<std::byte>> encode(const Data& data);
+
+/// Reads the binary form. ndarrays view `buffer` where its start is aligned to 8 bytes (as every
+/// allocation is); they are copied otherwise.
+///
+/// Safe on hostile bytes: depth, counts and lengths are checked before anything is allocated.
+/// Errors: kDataLoss naming the offset, what was found and what was needed.
+Result<Data> decode(const Buffer& buffer);
+
+}  // namespace engram::idf

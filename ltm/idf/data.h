@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "ltm/core/status.h"
+#include "ltm/idf/ndarray.h"
+
+namespace engram::idf {
+
+class Data;
+struct DictEntry;
+
+/// The value of an optional member that is absent.
+struct None {
+  friend bool operator==(None, None) { return true; }
+};
+
+using List = std::vector<Data>;
+
+/// Map with unique keys that keeps the order of insertion. Look-up is linear: keys are members.
+class Dict {
+ public:
+  Dict() = default;
+  Dict(std::initializer_list<DictEntry> entries);
+
+  /// Replaces the value of an existing key, else appends.
+  void set(std::string_view key, Data value);
+
+  /// Appends without looking for the key. The caller knows that `key` is new.
+  void append_unique(std::string key, Data value);
+
+  /// Null where there is no such key; valid until the dict changes.
+  [[nodiscard]] const Data* find(std::string_view key) const;
+  [[nodiscard]] Data* find(std::string_view key);
+
+  [[nodiscard]] size_t size() const { return entries_.size(); }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  void reserve(size_t count);
+
+  [[nodiscard]] std::vector<DictEntry>::const_iterator begin() const { return entries_.begin(); }
+  [[nodiscard]] std::vector<DictEntry>::const_iterator end() const { return entries_.end(); }
+
+  /// Order matters: two dicts are equal if they print alike.
+  friend bool operator==(const Dict& a, const Dict& b);
+
+ private:
+  std::vector<DictEntry> entries_;
+};
+
+/// One value of the Interpretable Data Format: everything in a memory is one of these.
+///
+/// Walk it with `std::visit` on `value()`, or reach into it with `at("pose/position")`.
+/// Copying shares ndarray buffers. Equality is bit-wise for numbers: NaN equals the same NaN.
+/// Source: docs/design.md, section 2.
+class Data {
+ public:
+  using Value =
+      std::variant<None, bool, int32_t, int64_t, float, double, std::string, NdArray, List, Dict>;
+
+  Data() = default;
+  Data(None) {}
+  // Exact types only: a silent conversion (pointer to bool, size_t to double) would lie.
+  template <typename T>
+    requires(std::same_as<T, bool> || std::same_as<T, int32_t> || std::same_as<T, int64_t> ||
+             std::same_as<T, float> || std::same_as<T, double>)
+  Data(T value) : value_(value) {}
+  Data(std::string value) : value_(std::move(value)) {}
+  Data(std::string_view value) : value_(std::string(value)) {}
+  Data(const char* value) : value_(std::string(value)) {}
+  Data(NdArray value) : value_(std::move(value)) {}
+  Data(List value) : value_(std::move(value)) {}
+  Data(Dict value) : value_(std::move(value)) {}
+
+  [[nodiscard]] const Value& value() const { return value_; }
+  [[nodiscard]] Value& value() { return value_; }
+
+  template <typename T>
+  [[nodiscard]] bool is() const {
+    return std::holds_alternative<T>(value_);
+  }
+  /// Null if this is not a T.
+  template <typename T>
+  [[nodiscard]] const T* get_if() const {
+    return std::get_if<T>(&value_);
+  }
+  template <typename T>
+  [[nodiscard]] T* get_if() {
+    return std::get_if<T>(&value_);
+  }
+  /// Aborts if this is not a T: for values that were checked before.
+  template <typename T>
+  [[nodiscard]] const T& get() const {
+    const T* value = get_if<T>();
+    ENGRAM_CHECK(value != nullptr, "value is {}", kind_name());
+    return *value;
+  }
+
+  /// "none", "bool", "int32", "string", "ndarray", "list", "dict", ...
+  [[nodiscard]] std::string_view kind_name() const;
+
+  /// The value at a path of dict keys and list indices; null where there is none.
+  /// A `/` inside a key is written `\/`. The empty path is this value itself.
+  [[nodiscard]] const Data* at(std::string_view path) const;
+  [[nodiscard]] Data* at(std::string_view path);
+
+  /// A scalar (bool, int or float) as double; nothing for other kinds.
+  [[nodiscard]] std::optional<double> as_number() const;
+
+  friend bool operator==(const Data& a, const Data& b);
+
+ private:
+  Value value_;
+};
+
+struct DictEntry {
+  std::string key;
+  Data value;
+
+  friend bool operator==(const DictEntry& a, const DictEntry& b);
+};
+
+/// Splits "a\/b/c" into {"a/b", "c"}; `\\` is a backslash, `\e` an empty name.
+[[nodiscard]] std::vector<std::string> split_path(std::string_view path);
+
+/// Appends `name` to `path`, escaped so that split_path gives it back.
+[[nodiscard]] std::string join_path(std::string_view path, std::string_view name);
+
+}  // namespace engram::idf
