@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <compare>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ltm/core/time.h"
+
+namespace engram::ltm {
+
+/// Address of anything in a memory: a prefix of memory / core segment / provider segment / entity
+/// / timestamp / instance index. It addresses, links and prints every level.
+///
+/// Threading: immutable but for assignment.
+/// Source: docs/design.md, section 2.
+class MemoryId {
+ public:
+  static constexpr size_t kNameLevels = 4;
+
+  /// The empty ID: all memories.
+  MemoryId() = default;
+
+  /// Reads "Vision/RGB/head/cam/2022-02-18 13:06:56.492182/0" or any prefix of it. A `/` inside a
+  /// name is written `\/`, a backslash `\\`.
+  /// Errors: kInvalidArgument naming the text and the part that does not fit.
+  static Result<MemoryId> parse(std::string_view text);
+
+  /// The first names of an ID, at most four, none of them empty.
+  /// Errors: kInvalidArgument.
+  static Result<MemoryId> from_names(std::vector<std::string> names);
+
+  /// This entity at `time`. Needs an ID of an entity or deeper (checked).
+  [[nodiscard]] MemoryId at(Time time) const;
+
+  /// Instance `index` of this snapshot. Needs an ID of a snapshot or deeper (checked).
+  [[nodiscard]] MemoryId instance(int32_t index) const;
+
+  /// The ID of the entity that this belongs to. Needs an entity or deeper (checked).
+  [[nodiscard]] MemoryId entity() const;
+
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] std::optional<Time> time() const { return time_; }
+  [[nodiscard]] std::optional<int32_t> index() const { return index_; }
+
+  [[nodiscard]] bool has_entity() const { return names_.size() == kNameLevels; }
+  [[nodiscard]] bool is_entity() const { return has_entity() && !time_; }
+
+  /// True where `other` is this or lies below it.
+  [[nodiscard]] bool contains(const MemoryId& other) const;
+
+  [[nodiscard]] std::string to_string() const;
+
+  friend auto operator<=>(const MemoryId&, const MemoryId&) = default;
+
+ private:
+  std::vector<std::string> names_;
+  std::optional<Time> time_;
+  std::optional<int32_t> index_;
+};
+
+}  // namespace engram::ltm
+
+template <>
+struct std::hash<engram::ltm::MemoryId> {
+  size_t operator()(const engram::ltm::MemoryId& id) const {
+    return std::hash<std::string>()(id.to_string());
+  }
+};
