@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/codec/zstd.h"
+
+#include <zstd.h>
+
+namespace engram::ltm {
+
+std::vector<std::byte> compress_zstd(std::span<const std::byte> bytes, int level) {
+  std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
+  const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
+  ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
+  out.resize(size);
+  return out;
+}
+
+Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes, size_t max_size) {
+  const unsigned long long announced = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+  if (announced == ZSTD_CONTENTSIZE_ERROR || announced == ZSTD_CONTENTSIZE_UNKNOWN)
+    return data_loss("{} bytes are no zstd frame of known size", bytes.size());
+  if (announced > max_size)
+    return data_loss("zstd frame announces {} bytes, at most {} fit", announced, max_size);
+  std::vector<std::byte> out(announced);
+  const size_t size = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
+  if (ZSTD_isError(size) != 0) return data_loss("zstd frame: {}", ZSTD_getErrorName(size));
+  if (size != out.size()) return data_loss("zstd frame: has {} bytes, announced {}", size, announced);
+  return out;
+}
+
+}  // namespace engram::ltm

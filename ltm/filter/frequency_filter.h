@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "ltm/filter/filter.h"
+
+namespace engram::ltm {
+
+/// Keeps at most `max_rate_hz` snapshots per second, evenly: the first one that falls into each
+/// period, counted from the first snapshot, within a tenth of a period.
+class FrequencyFilter final : public Filter {
+ public:
+  struct Options {
+    /// Unit: snapshots per second.
+    double max_rate_hz = 5;
+
+    [[nodiscard]] Status validate() const;
+  };
+
+  /// Errors: kInvalidArgument if `options` do not validate.
+  static Result<FrequencyFilter> create(const Options& options);
+
+  [[nodiscard]] std::string_view name() const override { return "frequency"; }
+  [[nodiscard]] bool keeps(const Snapshot& snapshot) override;
+
+ private:
+  explicit FrequencyFilter(Duration period) : period_(period) {}
+
+  Duration period_;
+  std::optional<Time> next_;
+};
+
+}  // namespace engram::ltm
