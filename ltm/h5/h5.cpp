@@ -1,0 +1,468 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/h5/h5.h"
+
+#include <hdf5.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+namespace engram::h5 {
+
+namespace {
+
+/// Rows of a chunk are chosen so that it takes about this much.
+constexpr uint64_t kChunkBytes = 256 << 10;
+/// Smaller datasets lie in their header: a chunk would cost more than it saves.
+constexpr uint64_t kCompactBytes = 128;
+constexpr unsigned kDeflateLevel = 6;
+constexpr uint64_t kMaxStrings = 1 << 24;
+
+/// HDF5 keeps global state; one lock serialises all our calls, whatever the library's build.
+std::mutex& library_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// Closes an HDF5 identifier when it goes.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Handle() = default;
+  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  Handle(Handle&& other) noexcept
+      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Handle() {
+    if (valid()) close_(id_);
+  }
+  [[nodiscard]] bool valid() const { return id_ >= 0; }
+  operator hid_t() const { return id_; }  // NOLINT: an HDF5 handle is used as one
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Close close_ = nullptr;
+};
+
+hid_t memory_type(Type type) {
+  switch (type) {
+    case Type::kInt8: return H5T_NATIVE_INT8;
+    case Type::kInt16: return H5T_NATIVE_INT16;
+    case Type::kInt32: return H5T_NATIVE_INT32;
+    case Type::kInt64: return H5T_NATIVE_INT64;
+    case Type::kUInt8: return H5T_NATIVE_UINT8;
+    case Type::kUInt16: return H5T_NATIVE_UINT16;
+    case Type::kUInt32: return H5T_NATIVE_UINT32;
+    case Type::kUInt64: return H5T_NATIVE_UINT64;
+    case Type::kFloat32: return H5T_NATIVE_FLOAT;
+    case Type::kFloat64: break;
+  }
+  return H5T_NATIVE_DOUBLE;
+}
+
+std::optional<Type> type_of(hid_t h5_type) {
+  for (int i = 0; i <= static_cast<int>(Type::kFloat64); ++i)
+    if (H5Tequal(h5_type, memory_type(static_cast<Type>(i))) > 0) return static_cast<Type>(i);
+  return std::nullopt;
+}
+
+/// A string type: variable length UTF-8.
+Handle string_type() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+Handle creation_list(Storage storage, Type type, std::span<const uint64_t> shape) {
+  Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  // The same content must give the same bytes.
+  H5Pset_obj_track_times(list, false);
+  uint64_t total = size_bytes(type);
+  for (const uint64_t size : shape) total *= size;
+  if (storage == Storage::kCompressed && total > 0 && total <= kCompactBytes) {
+    H5Pset_layout(list, H5D_COMPACT);
+    return list;
+  }
+  if (storage == Storage::kContiguous || shape.empty() || total == 0) {
+    H5Pset_layout(list, H5D_CONTIGUOUS);
+    if (total > 0) H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
+    return list;
+  }
+  uint64_t row_bytes = size_bytes(type);
+  for (size_t i = 1; i < shape.size(); ++i) row_bytes *= shape[i];
+  std::vector<hsize_t> chunk(shape.begin(), shape.end());
+  chunk[0] = std::clamp<uint64_t>(kChunkBytes / row_bytes, 1, shape[0]);
+  H5Pset_chunk(list, static_cast<int>(chunk.size()), chunk.data());
+  H5Pset_shuffle(list);
+  H5Pset_deflate(list, kDeflateLevel);
+  H5Pset_fletcher32(list);
+  return list;
+}
+
+}  // namespace
+
+struct File::State {
+  std::filesystem::path path;
+  Handle file;
+
+  ~State() {
+    const std::scoped_lock lock(library_mutex());
+    file = Handle();
+  }
+
+  Status error(StatusCode code, const std::string& object, std::string_view what) const {
+    return Status(code, fmt::format("HDF5 file '{}': '{}': {}", path.string(), object, what));
+  }
+  Status broken(const std::string& object, std::string_view what) const {
+    return error(StatusCode::kDataLoss, object, what);
+  }
+  Status write_failed(const std::string& object) const {
+    return error(StatusCode::kUnavailable, object, "cannot be written");
+  }
+
+  /// H5Lexists fails on paths whose parents are missing: look at each level.
+  bool exists(const std::string& object) const {
+    if (object == "/") return true;
+    for (size_t slash = object.find('/', 1);; slash = object.find('/', slash + 1)) {
+      if (H5Lexists(file, object.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+      if (slash == std::string::npos) return true;
+    }
+  }
+
+  Result<Handle> open_dataset(const std::string& object) const {
+    if (!exists(object)) return error(StatusCode::kNotFound, object, "does not exist");
+    Handle dataset(H5Dopen2(file, object.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!dataset.valid()) return broken(object, "is no dataset");
+    return dataset;
+  }
+
+  Result<Handle> open_attribute(const std::string& object, const std::string& name) const {
+    if (!exists(object)) return error(StatusCode::kNotFound, object, "does not exist");
+    Handle attribute(
+        H5Aopen_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    if (!attribute.valid())
+      return error(StatusCode::kNotFound, object, fmt::format("has no attribute '{}'", name));
+    return attribute;
+  }
+
+  Result<DatasetInfo> info(const std::string& object, hid_t dataset) const {
+    const Handle type(H5Dget_type(dataset), H5Tclose);
+    const Handle space(H5Dget_space(dataset), H5Sclose);
+    DatasetInfo info;
+    const auto element = type_of(type);
+    if (!element) return broken(object, "has an element type that is no plain number");
+    info.type = *element;
+    const int rank = H5Sget_simple_extent_ndims(space);
+    if (rank < 0) return broken(object, "has no shape");
+    info.shape.resize(static_cast<size_t>(rank));
+    std::vector<hsize_t> sizes(info.shape.size());
+    H5Sget_simple_extent_dims(space, sizes.data(), nullptr);
+    std::ranges::copy(sizes, info.shape.begin());
+    uint64_t total = size_bytes(*element);
+    for (const uint64_t size : info.shape)
+      if (__builtin_mul_overflow(total, size, &total)) return broken(object, "is larger than 64 bits");
+    const haddr_t offset = H5Dget_offset(dataset);
+    if (offset != HADDR_UNDEF) info.offset = offset;
+    return info;
+  }
+
+  /// Creates intermediate groups on the way to a new object.
+  static Handle link_list() {
+    Handle list(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+    H5Pset_create_intermediate_group(list, 1);
+    return list;
+  }
+
+  Status write_attribute(const std::string& object, const std::string& name, hid_t type,
+                         const void* value) {
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle attribute(H5Acreate_by_name(file, object.c_str(), name.c_str(), type, space,
+                                             H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Aclose);
+    if (!attribute.valid() || H5Awrite(attribute, type, value) < 0)
+      return write_failed(object + "@" + name);
+    return {};
+  }
+
+  template <typename T>
+  Result<T> number_attribute(const std::string& object, const std::string& name, hid_t type,
+                             H5T_class_t type_class) const {
+    ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, open_attribute(object, name));
+    const Handle stored(H5Aget_type(attribute), H5Tclose);
+    const Handle space(H5Aget_space(attribute), H5Sclose);
+    T value{};
+    if (H5Tget_class(stored) != type_class || H5Sget_simple_extent_npoints(space) != 1 ||
+        H5Aread(attribute, type, &value) < 0)
+      return broken(object, fmt::format("attribute '{}' is not one number", name));
+    return value;
+  }
+};
+
+size_t size_bytes(Type type) {
+  switch (type) {
+    case Type::kInt8:
+    case Type::kUInt8: return 1;
+    case Type::kInt16:
+    case Type::kUInt16: return 2;
+    case Type::kInt32:
+    case Type::kUInt32:
+    case Type::kFloat32: return 4;
+    default: return 8;
+  }
+}
+
+uint64_t DatasetInfo::count() const {
+  uint64_t total = 1;
+  for (const uint64_t size : shape) total *= size;
+  return total;
+}
+
+File::File(std::unique_ptr<State> state) : state_(std::move(state)) {}
+File::File(File&&) noexcept = default;
+File& File::operator=(File&&) noexcept = default;
+File::~File() = default;
+
+Result<File> File::create(const std::filesystem::path& path) {
+  const std::scoped_lock lock(library_mutex());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  auto state = std::make_unique<State>();
+  state->path = path;
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  // The 1.10 format spends far fewer bytes per dataset than the default of 1.8 and older.
+  H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+  state->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
+  if (!state->file.valid())
+    return unavailable("HDF5 file '{}': cannot be created (does it exist?)", path.string());
+  return File(std::move(state));
+}
+
+Result<File> File::open(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return not_found("HDF5 file '{}' does not exist", path.string());
+  const std::scoped_lock lock(library_mutex());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!state->file.valid())
+    return data_loss("'{}': is damaged or no HDF5 file", path.string());
+  return File(std::move(state));
+}
+
+Status File::close() {
+  const std::scoped_lock lock(library_mutex());
+  if (H5Fflush(state_->file, H5F_SCOPE_GLOBAL) < 0) return state_->write_failed("/");
+  state_->file = Handle();
+  return {};
+}
+
+Status File::make_group(const std::string& path) {
+  const std::scoped_lock lock(library_mutex());
+  if (state_->exists(path)) return {};
+  const Handle links = State::link_list();
+  const Handle group(H5Gcreate2(state_->file, path.c_str(), links, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose);
+  if (!group.valid()) return state_->write_failed(path);
+  return {};
+}
+
+Status File::write(const std::string& path, Type type, std::span<const uint64_t> shape,
+                   std::span<const std::byte> bytes, Storage storage) {
+  uint64_t needed = size_bytes(type);
+  for (const uint64_t size : shape) needed *= size;
+  ENGRAM_CHECK(needed == bytes.size(), "'{}' has {} bytes, its shape {}", path, bytes.size(), needed);
+  const std::scoped_lock lock(library_mutex());
+  const std::vector<hsize_t> sizes(shape.begin(), shape.end());
+  const Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr),
+                     H5Sclose);
+  const Handle links = State::link_list();
+  const Handle creation = creation_list(storage, type, shape);
+  const Handle dataset(H5Dcreate2(state_->file, path.c_str(), memory_type(type), space, links,
+                                  creation, H5P_DEFAULT),
+                       H5Dclose);
+  if (!dataset.valid()) return state_->write_failed(path);
+  if (!bytes.empty() &&
+      H5Dwrite(dataset, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0)
+    return state_->write_failed(path);
+  return {};
+}
+
+Status File::write_strings(const std::string& path, std::span<const std::string> values) {
+  const std::scoped_lock lock(library_mutex());
+  std::vector<const char*> pointers;
+  for (const std::string& value : values) {
+    if (value.find('\0') != std::string::npos)
+      return state_->error(StatusCode::kInvalidArgument, path, "a string has a zero byte");
+    pointers.push_back(value.c_str());
+  }
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Handle type = string_type();
+  const Handle links = State::link_list();
+  const Handle dataset(
+      H5Dcreate2(state_->file, path.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  if (!dataset.valid() ||
+      (count > 0 && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0))
+    return state_->write_failed(path);
+  return {};
+}
+
+Status File::write_attribute(const std::string& object, const std::string& name,
+                             std::string_view value) {
+  const std::scoped_lock lock(library_mutex());
+  // Fixed length: variable-length attributes would add a heap of their own to each file.
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, std::max<size_t>(value.size(), 1));
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  const std::string padded = value.empty() ? std::string(1, '\0') : std::string(value);
+  return state_->write_attribute(object, name, type, padded.data());
+}
+
+Status File::write_attribute(const std::string& object, const std::string& name, int64_t value) {
+  const std::scoped_lock lock(library_mutex());
+  return state_->write_attribute(object, name, H5T_NATIVE_INT64, &value);
+}
+
+Status File::write_attribute(const std::string& object, const std::string& name, double value) {
+  const std::scoped_lock lock(library_mutex());
+  return state_->write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+bool File::exists(const std::string& path) const {
+  const std::scoped_lock lock(library_mutex());
+  return state_->exists(path);
+}
+
+Result<std::vector<std::string>> File::list(const std::string& group) const {
+  const std::scoped_lock lock(library_mutex());
+  if (!state_->exists(group)) return state_->error(StatusCode::kNotFound, group, "does not exist");
+  std::vector<std::string> names;
+  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  if (H5Literate_by_name(state_->file, group.c_str(), H5_INDEX_NAME, H5_ITER_INC, nullptr, collect,
+                         &names, H5P_DEFAULT) < 0)
+    return state_->broken(group, "cannot be listed");
+  std::ranges::sort(names);
+  return names;
+}
+
+Result<DatasetInfo> File::info(const std::string& path) const {
+  const std::scoped_lock lock(library_mutex());
+  ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
+  return state_->info(path, dataset);
+}
+
+Result<std::vector<std::byte>> File::read(const std::string& path, Type type,
+                                          uint64_t max_bytes) const {
+  const std::scoped_lock lock(library_mutex());
+  ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
+  ENGRAM_ASSIGN_OR_RETURN(const DatasetInfo info, state_->info(path, dataset));
+  if (info.type != type) return state_->broken(path, "has another element type than needed");
+  const uint64_t needed = info.count() * size_bytes(type);
+  if (needed > max_bytes)
+    return state_->broken(path, fmt::format("has {} bytes, at most {} fit", needed, max_bytes));
+  std::vector<std::byte> bytes(needed);
+  if (!bytes.empty() &&
+      H5Dread(dataset, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0)
+    return state_->broken(path, "is damaged: a checksum or chunk does not fit");
+  return bytes;
+}
+
+Result<std::vector<std::byte>> File::read_rows(const std::string& path, Type type, uint64_t first,
+                                               uint64_t count) const {
+  const std::scoped_lock lock(library_mutex());
+  ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
+  ENGRAM_ASSIGN_OR_RETURN(const DatasetInfo info, state_->info(path, dataset));
+  if (info.type != type) return state_->broken(path, "has another element type than needed");
+  if (info.shape.empty() || first > info.shape[0] || count > info.shape[0] - first)
+    return state_->broken(path, fmt::format("has no rows {} to {}", first, first + count));
+  const uint64_t rows = info.shape[0];
+  std::vector<std::byte> bytes(rows == 0 ? 0 : info.count() / rows * count * size_bytes(type));
+  if (bytes.empty()) return bytes;
+  std::vector<hsize_t> start(info.shape.size(), 0), size(info.shape.begin(), info.shape.end());
+  start[0] = first;
+  size[0] = count;
+  const Handle file_space(H5Dget_space(dataset), H5Sclose);
+  const Handle memory_space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr),
+                            H5Sclose);
+  if (H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr) <
+          0 ||
+      H5Dread(dataset, memory_type(type), memory_space, file_space, H5P_DEFAULT, bytes.data()) < 0)
+    return state_->broken(path, "is damaged: a checksum or chunk does not fit");
+  return bytes;
+}
+
+Result<std::vector<std::string>> File::read_strings(const std::string& path) const {
+  const std::scoped_lock lock(library_mutex());
+  ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
+  const Handle stored(H5Dget_type(dataset), H5Tclose);
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  if (H5Tis_variable_str(stored) <= 0 || H5Sget_simple_extent_ndims(space) != 1 || count < 0 ||
+      static_cast<uint64_t>(count) > kMaxStrings)
+    return state_->broken(path, "is no list of strings");
+  std::vector<char*> pointers(static_cast<size_t>(count), nullptr);
+  const Handle type = string_type();
+  if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0)
+    return state_->broken(path, "is damaged");
+  std::vector<std::string> values;
+  for (const char* text : pointers) values.emplace_back(text == nullptr ? "" : text);
+  if (count > 0) H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
+  return values;
+}
+
+Result<std::string> File::string_attribute(const std::string& object,
+                                           const std::string& name) const {
+  const std::scoped_lock lock(library_mutex());
+  ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, state_->open_attribute(object, name));
+  const Handle stored(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) != 0 ||
+      H5Sget_simple_extent_npoints(space) != 1)
+    return state_->broken(object, fmt::format("attribute '{}' is no string", name));
+  std::string value(H5Tget_size(stored), '\0');
+  if (H5Aread(attribute, stored, value.data()) < 0)
+    return state_->broken(object, fmt::format("attribute '{}' is damaged", name));
+  while (value.ends_with('\0')) value.pop_back();
+  return value;
+}
+
+Result<int64_t> File::int_attribute(const std::string& object, const std::string& name) const {
+  const std::scoped_lock lock(library_mutex());
+  return state_->number_attribute<int64_t>(object, name, H5T_NATIVE_INT64, H5T_INTEGER);
+}
+
+Result<double> File::double_attribute(const std::string& object, const std::string& name) const {
+  const std::scoped_lock lock(library_mutex());
+  return state_->number_attribute<double>(object, name, H5T_NATIVE_DOUBLE, H5T_FLOAT);
+}
+
+Result<uint64_t> File::storage_bytes(const std::string& path) const {
+  const std::scoped_lock lock(library_mutex());
+  if (!state_->exists(path)) return state_->error(StatusCode::kNotFound, path, "does not exist");
+  uint64_t total = 0;
+  const auto add = [](hid_t root, const char* name, const H5O_info_t* info, void* out) -> herr_t {
+    if (info->type != H5O_TYPE_DATASET) return 0;
+    const Handle dataset(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
+    if (!dataset.valid()) return 0;
+    *static_cast<uint64_t*>(out) += H5Dget_storage_size(dataset);
+    return 0;
+  };
+  const Handle object(H5Oopen(state_->file, path.c_str(), H5P_DEFAULT), H5Oclose);
+  if (!object.valid() ||
+      H5Ovisit2(object, H5_INDEX_NAME, H5_ITER_NATIVE, add, &total, H5O_INFO_BASIC) < 0)
+    return state_->broken(path, "cannot be walked");
+  return total;
+}
+
+const std::filesystem::path& File::path() const { return state_->path; }
+
+}  // namespace engram::h5

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ltm/core/status.h"
+
+namespace engram::h5 {
+
+enum class Type { kInt8, kInt16, kInt32, kInt64, kUInt8, kUInt16, kUInt32, kUInt64, kFloat32, kFloat64 };
+
+[[nodiscard]] size_t size_bytes(Type type);
+
+/// How a dataset lies in the file.
+enum class Storage {
+  /// One run of bytes: readable at its offset without HDF5.
+  kContiguous,
+  /// Chunks of rows, byte-shuffled and deflated, with a checksum each.
+  kCompressed,
+};
+
+/// Type and size of a dataset.
+struct DatasetInfo {
+  Type type = Type::kUInt8;
+  std::vector<uint64_t> shape;
+  /// Offset in the file of a contiguous dataset; nothing if chunked or empty.
+  std::optional<uint64_t> offset;
+
+  /// Product of the shape; opened files were checked not to overflow.
+  [[nodiscard]] uint64_t count() const;
+};
+
+/// One HDF5 file: written once as a whole, or read. Paths inside are absolute, "/a/b".
+///
+/// Only this room includes hdf5.h.
+/// Errors: every function names the file and the object; a broken file is kDataLoss.
+/// Threading: one thread per object; calls of different objects are serialised inside.
+class File {
+ public:
+  /// Errors: kAlreadyExists, kUnavailable.
+  static Result<File> create(const std::filesystem::path& path);
+
+  /// Opens for reading. Errors: kNotFound, kDataLoss where it is no HDF5 file.
+  static Result<File> open(const std::filesystem::path& path);
+
+  File(File&&) noexcept;
+  File& operator=(File&&) noexcept;
+  ~File();
+
+  /// Flushes and closes what was written; nothing may follow.
+  Status close();
+
+  /// Makes a group and those above it; fine where it exists.
+  Status make_group(const std::string& path);
+
+  /// Writes a dataset, groups above it included. `bytes` are row-major elements of `type`.
+  Status write(const std::string& path, Type type, std::span<const uint64_t> shape,
+               std::span<const std::byte> bytes, Storage storage);
+
+  /// A 1-D dataset of UTF-8 strings of variable length.
+  Status write_strings(const std::string& path, std::span<const std::string> values);
+
+  Status write_attribute(const std::string& object, const std::string& name, std::string_view value);
+  Status write_attribute(const std::string& object, const std::string& name, int64_t value);
+  Status write_attribute(const std::string& object, const std::string& name, double value);
+
+  [[nodiscard]] bool exists(const std::string& path) const;
+
+  /// Names in a group, in the order of their bytes. Errors: kNotFound.
+  Result<std::vector<std::string>> list(const std::string& group) const;
+
+  Result<DatasetInfo> info(const std::string& path) const;
+
+  /// Reads all of a dataset, which must be of `type`. At most `max_bytes` (a hostile header
+  /// announces more than there is).
+  Result<std::vector<std::byte>> read(const std::string& path, Type type,
+                                      uint64_t max_bytes = uint64_t{1} << 34) const;
+
+  /// Reads rows [first, first + count) along axis 0.
+  Result<std::vector<std::byte>> read_rows(const std::string& path, Type type, uint64_t first,
+                                           uint64_t count) const;
+
+  Result<std::vector<std::string>> read_strings(const std::string& path) const;
+
+  Result<std::string> string_attribute(const std::string& object, const std::string& name) const;
+  Result<int64_t> int_attribute(const std::string& object, const std::string& name) const;
+  Result<double> double_attribute(const std::string& object, const std::string& name) const;
+
+  /// Bytes in the file that the datasets below `path` take.
+  Result<uint64_t> storage_bytes(const std::string& path) const;
+
+  [[nodiscard]] const std::filesystem::path& path() const;
+
+ private:
+  struct State;
+  explicit File(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+/// Elements of a read dataset as numbers of T; bytes beyond the last whole one are left out.
+template <typename T>
+[[nodiscard]] std::vector<T> as_vector(std::span<const std::byte> bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+}  // namespace engram::h5

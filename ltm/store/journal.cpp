@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/journal.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+
+#include "ltm/store/checksum.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr std::string_view kFileMagic = "ENGRAMJ1";
+constexpr uint32_t kFrameMagic = 0x4d524645;  // "EFRM"
+constexpr size_t kAlignment = 8;
+
+struct FrameHeader {
+  uint32_t magic;
+  uint32_t payload_bytes;
+  uint64_t checksum;
+};
+static_assert(sizeof(FrameHeader) == Journal::kFrameOverheadBytes);
+
+/// Frames start at multiples of 8, so that ndarrays inside stay aligned.
+constexpr uint64_t padded(uint64_t size) { return (size + kAlignment - 1) / kAlignment * kAlignment; }
+
+/// The payload at `at` if a whole frame starts there.
+std::optional<std::span<const std::byte>> frame_at(std::span<const std::byte> bytes, uint64_t at) {
+  FrameHeader header;
+  if (bytes.size() - at < sizeof(header)) return std::nullopt;
+  std::memcpy(&header, bytes.data() + at, sizeof(header));
+  if (header.magic != kFrameMagic || header.payload_bytes > bytes.size() - at - sizeof(header))
+    return std::nullopt;
+  const auto payload = bytes.subspan(at + sizeof(header), header.payload_bytes);
+  if (checksum(payload) != header.checksum) return std::nullopt;
+  return payload;
+}
+
+std::optional<uint64_t> next_frame(std::span<const std::byte> bytes, uint64_t from) {
+  for (uint64_t at = padded(from); at + sizeof(FrameHeader) <= bytes.size(); at += kAlignment)
+    if (frame_at(bytes, at)) return at;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::filesystem::path Journal::file_name(uint64_t number) {
+  return fmt::format("journal/{:06}.log", number);
+}
+
+Result<Journal> Journal::create(const std::filesystem::path& store, uint64_t number) {
+  const std::filesystem::path path = store / file_name(number);
+  ENGRAM_ASSIGN_OR_RETURN(File file, File::open(path, File::Mode::kCreate));
+  ENGRAM_RETURN_IF_ERROR(file.append(as_bytes(kFileMagic)));
+  ENGRAM_RETURN_IF_ERROR(file.sync());
+  ENGRAM_RETURN_IF_ERROR(sync_directory(path.parent_path()));
+  return Journal(std::move(file), number, kFileMagic.size());
+}
+
+Status Journal::append(std::span<const std::vector<std::byte>> payloads) {
+  if (is_broken_)
+    return unavailable("'{}': an earlier write failed half-way; open the store again",
+                       file_.path().string());
+  std::vector<std::byte> frames;
+  for (const std::vector<std::byte>& payload : payloads) {
+    if (payload.size() > UINT32_MAX)
+      return invalid_argument("'{}': a snapshot of {} bytes, at most 4 GiB fit",
+                              file_.path().string(), payload.size());
+    const FrameHeader header{kFrameMagic, static_cast<uint32_t>(payload.size()), checksum(payload)};
+    const auto header_bytes = std::as_bytes(std::span(&header, 1));
+    frames.insert(frames.end(), header_bytes.begin(), header_bytes.end());
+    frames.insert(frames.end(), payload.begin(), payload.end());
+    frames.resize(padded(frames.size()));
+  }
+  if (Status status = file_.append(frames); !status.ok()) {
+    // What was half-way written was never acknowledged; without the cut it would be a torn frame
+    // in the middle of the file.
+    is_broken_ = !file_.truncate(size_).ok();
+    return status;
+  }
+  size_ += frames.size();
+  return {};
+}
+
+Result<JournalScan> scan_journal(
+    const std::filesystem::path& file,
+    const std::function<Status(uint64_t offset, const Buffer& payload)>& visit) {
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer content, read_file(file));
+  const auto bytes = content.bytes();
+  JournalScan scan;
+  // A journal that was killed while it was made: nothing was acknowledged into it.
+  if (bytes.size() < kFileMagic.size() && kFileMagic.starts_with(as_text(bytes))) {
+    scan.torn_bytes = bytes.size();
+    return scan;
+  }
+  if (!as_text(bytes).starts_with(kFileMagic))
+    return data_loss("'{}' is no journal: needs '{}' at its start", file.string(), kFileMagic);
+  uint64_t at = kFileMagic.size();
+  while (at < bytes.size()) {
+    const auto payload = frame_at(bytes, at);
+    if (!payload) {
+      const auto next = next_frame(bytes, at + 1);
+      if (!next) {
+        scan.torn_bytes = bytes.size() - at;
+        return scan;
+      }
+      ++scan.damaged;
+      at = *next;
+      continue;
+    }
+    ENGRAM_RETURN_IF_ERROR(
+        visit(at, content.slice(at + sizeof(FrameHeader), payload->size())));
+    ++scan.frames;
+    at = std::min<uint64_t>(padded(at + sizeof(FrameHeader) + payload->size()), bytes.size());
+  }
+  return scan;
+}
+
+Result<Buffer> read_journal_frame(const File& file, uint64_t offset) {
+  FrameHeader header;
+  std::vector<std::byte> head(sizeof(header));
+  ENGRAM_RETURN_IF_ERROR(file.read_at(offset, head));
+  std::memcpy(&header, head.data(), sizeof(header));
+  ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, file.size());
+  if (header.magic != kFrameMagic || header.payload_bytes > size - offset - sizeof(header))
+    return data_loss("'{}': no frame at byte {}", file.path().string(), offset);
+  std::vector<std::byte> payload(header.payload_bytes);
+  ENGRAM_RETURN_IF_ERROR(file.read_at(offset + sizeof(header), payload));
+  if (checksum(payload) != header.checksum)
+    return data_loss("'{}': the frame at byte {} fails its checksum", file.path().string(), offset);
+  return Buffer::take(std::move(payload));
+}
+
+Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store) {
+  std::vector<uint64_t> numbers;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(store / "journal", error)) {
+    const std::string name = entry.path().filename().string();
+    uint64_t number = 0;
+    const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (problem == std::errc() && std::string_view(end) == ".log") numbers.push_back(number);
+  }
+  if (error) return unavailable("'{}': {}", (store / "journal").string(), error.message());
+  std::ranges::sort(numbers);
+  return numbers;
+}
+
+}  // namespace engram::ltm

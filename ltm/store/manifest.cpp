@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/manifest.h"
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "ltm/core/file.h"
+
+namespace engram::ltm {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kManifestFile = "MANIFEST.json";
+constexpr const char* kManifestLock = "MANIFEST.lock";
+
+/// A checksum as text: JSON numbers of other programs carry 53 bits only.
+std::string to_hex(uint64_t value) { return fmt::format("{:016x}", value); }
+
+uint64_t from_hex(const std::string& text) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw std::invalid_argument("'" + text + "' is no hexadecimal checksum");
+  return value;
+}
+
+MemoryId entity_from(const Json& json) {
+  const auto id = MemoryId::parse(json.get<std::string>());
+  if (!id.ok()) throw std::invalid_argument(id.status().message());
+  if (!id->is_entity()) throw std::invalid_argument("'" + id->to_string() + "' is no entity");
+  return *id;
+}
+
+/// Files are named relative to the store and never leave it.
+std::string file_from(const Json& json) {
+  auto name = json.get<std::string>();
+  const std::filesystem::path path(name);
+  if (path.is_absolute() || std::ranges::find(path, "..") != path.end())
+    throw std::invalid_argument("file '" + name + "' lies outside of the store");
+  return name;
+}
+
+Json to_json(const LatentSums& sums) {
+  return {{"model_version", sums.model_version}, {"image_rows", sums.image_rows},
+          {"psnr_db", sums.psnr_db},             {"image_mse", sums.image_mse},
+          {"number_rows", sums.number_rows},     {"number_mse", sums.number_mse}};
+}
+
+LatentSums latent_from(const Json& json) {
+  return {json.at("model_version"), json.at("image_rows"),  json.at("psnr_db"),
+          json.at("image_mse"),     json.at("number_rows"), json.at("number_mse")};
+}
+
+Json to_json(const SegmentEntity& entity, SegmentKind kind) {
+  Json json{{"id", entity.id.to_string()},
+            {"snapshots", entity.snapshots},
+            {"rows", entity.rows},
+            {"first", to_ns(entity.first)},
+            {"last", to_ns(entity.last)},
+            {"raw_bytes", entity.raw_bytes},
+            {"stored_bytes", entity.stored_bytes},
+            {"dropped", entity.dropped},
+            {"dropped_bytes", entity.dropped_bytes}};
+  if (kind == SegmentKind::kLatent) json["latent"] = to_json(entity.latent);
+  return json;
+}
+
+SegmentEntity segment_entity_from(const Json& json) {
+  SegmentEntity entity{entity_from(json.at("id")),
+                       json.at("snapshots"),
+                       json.at("rows"),
+                       time_from_ns(json.at("first")),
+                       time_from_ns(json.at("last")),
+                       json.at("raw_bytes"),
+                       json.at("stored_bytes"),
+                       json.at("dropped"),
+                       json.at("dropped_bytes"),
+                       {}};
+  if (json.contains("latent")) entity.latent = latent_from(json.at("latent"));
+  return entity;
+}
+
+Json to_json(const SegmentInfo& segment) {
+  Json entities = Json::array();
+  for (const SegmentEntity& entity : segment.entities)
+    entities.push_back(to_json(entity, segment.kind));
+  return {{"file", segment.file},
+          {"kind", segment.kind == SegmentKind::kLatent ? "latent" : "recorded"},
+          {"bytes", segment.bytes},
+          {"checksum", to_hex(segment.checksum)},
+          {"entities", std::move(entities)}};
+}
+
+SegmentInfo segment_from(const Json& json) {
+  SegmentInfo segment;
+  segment.file = file_from(json.at("file"));
+  const auto kind = json.at("kind").get<std::string>();
+  if (kind != "latent" && kind != "recorded")
+    throw std::invalid_argument("unknown kind of segment '" + kind + "'");
+  segment.kind = kind == "latent" ? SegmentKind::kLatent : SegmentKind::kRecorded;
+  segment.bytes = json.at("bytes");
+  segment.checksum = from_hex(json.at("checksum"));
+  for (const Json& entity : json.at("entities"))
+    segment.entities.push_back(segment_entity_from(entity));
+  return segment;
+}
+
+Json to_json(const ModelInfo& model) {
+  return {{"entity", model.entity.to_string()},
+          {"version", model.version},
+          {"file", model.file},
+          {"bytes", model.bytes},
+          {"checksum", to_hex(model.checksum)}};
+}
+
+ModelInfo model_from(const Json& json) {
+  return {entity_from(json.at("entity")), json.at("version"), file_from(json.at("file")),
+          json.at("bytes"), from_hex(json.at("checksum"))};
+}
+
+Json to_json(const Manifest& manifest) {
+  Json segments = Json::array();
+  for (const SegmentInfo& segment : manifest.segments) segments.push_back(to_json(segment));
+  Json models = Json::array();
+  for (const ModelInfo& model : manifest.models) models.push_back(to_json(model));
+  return {{"format", "engram store"},
+          {"format_version", kStoreFormatVersion},
+          {"store_id", manifest.store_id},
+          {"generation", manifest.generation},
+          {"next_segment", manifest.next_segment},
+          {"first_journal", manifest.first_journal},
+          {"damaged", manifest.damaged},
+          {"segments", std::move(segments)},
+          {"models", std::move(models)}};
+}
+
+Manifest manifest_from(const Json& json) {
+  Manifest manifest{json.at("store_id"), json.at("generation"), json.at("next_segment"),
+                    json.at("first_journal"), json.at("damaged"), {}, {}};
+  for (const Json& segment : json.at("segments"))
+    manifest.segments.push_back(segment_from(segment));
+  for (const Json& model : json.at("models")) manifest.models.push_back(model_from(model));
+  return manifest;
+}
+
+Status write_manifest(const std::filesystem::path& store, const Manifest& manifest) {
+  const std::string text = to_json(manifest).dump(1) + "\n";
+  return replace_file(store / kManifestFile, as_bytes(text));
+}
+
+std::string random_store_id() {
+  std::random_device device;
+  return fmt::format("{:08x}{:08x}", device(), device());
+}
+
+}  // namespace
+
+std::string ModelInfo::name() const { return fmt::format("{} v{}", entity.to_string(), version); }
+
+Result<Manifest> read_manifest(const std::filesystem::path& store) {
+  std::error_code error;
+  if (!std::filesystem::exists(store, error))
+    return not_found("store '{}' does not exist", store.string());
+  if (!std::filesystem::is_directory(store, error) ||
+      !std::filesystem::exists(store / kManifestFile, error))
+    return not_found("'{}' is no store: needs a directory with {}", store.string(), kManifestFile);
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer content, read_file(store / kManifestFile));
+  try {
+    const Json json = Json::parse(as_text(content.bytes()));
+    if (json.at("format") != "engram store")
+      return data_loss("store '{}': {} is not an engram store's", store.string(), kManifestFile);
+    if (const int version = json.at("format_version"); version > kStoreFormatVersion)
+      return failed_precondition("store '{}': has format {}, this program reads up to {}",
+                                 store.string(), version, kStoreFormatVersion);
+    return manifest_from(json);
+  } catch (const std::exception& problem) {
+    return data_loss("store '{}': {} is broken: {}", store.string(), kManifestFile, problem.what());
+  }
+}
+
+Status edit_manifest(const std::filesystem::path& store,
+                     const std::function<Status(Manifest&)>& change) {
+  // Before the lock: it would make a lock file in a directory that is no store.
+  if (const auto manifest = read_manifest(store); !manifest.ok()) return manifest.status();
+  ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / kManifestLock, File::Mode::kAppend));
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(true));
+  ENGRAM_CHECK(is_locked, "a waiting lock returned without one");
+  ENGRAM_ASSIGN_OR_RETURN(Manifest manifest, read_manifest(store));
+  ENGRAM_RETURN_IF_ERROR(change(manifest));
+  ++manifest.generation;
+  return write_manifest(store, manifest);
+}
+
+Status create_store(const std::filesystem::path& store) {
+  std::error_code error;
+  if (std::filesystem::exists(store, error) &&
+      (!std::filesystem::is_directory(store, error) || !std::filesystem::is_empty(store, error)))
+    return already_exists("'{}': is no empty directory, cannot make a store there", store.string());
+  for (const char* folder : {"journal", "segments", "models", "tmp"})
+    ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
+  Manifest manifest;
+  manifest.store_id = random_store_id();
+  return write_manifest(store, manifest);
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ltm/memory/memory_id.h"
+
+namespace engram::ltm {
+
+/// Newest format of a store that this program reads and writes. Source: docs/format.md.
+inline constexpr int kStoreFormatVersion = 1;
+
+enum class SegmentKind { kRecorded, kLatent };
+
+/// Sums over the latents of one entity in one segment, so that reports open no segment.
+struct LatentSums {
+  int model_version = 0;
+  uint64_t image_rows = 0;   ///< Rows with image members.
+  double psnr_db = 0;        ///< Sum over image rows; each capped at 60 dB.
+  double image_mse = 0;      ///< Sum over image rows.
+  uint64_t number_rows = 0;  ///< Rows with numeric members.
+  double number_mse = 0;     ///< Sum over number rows.
+};
+
+/// What one segment file holds of one entity.
+struct SegmentEntity {
+  MemoryId id;
+  uint64_t snapshots = 0;
+  uint64_t rows = 0;  ///< Instances.
+  Time first{};
+  Time last{};
+  uint64_t raw_bytes = 0;         ///< Of these snapshots, plain.
+  uint64_t stored_bytes = 0;      ///< Of this entity in the file.
+  uint64_t dropped = 0;           ///< Snapshots that the online filters dropped in this span.
+  uint64_t dropped_bytes = 0;     ///< Their plain bytes.
+  LatentSums latent;              ///< Only in latent segments.
+};
+
+struct SegmentInfo {
+  std::string file;  ///< Relative to the store, "segments/000001.h5".
+  SegmentKind kind = SegmentKind::kRecorded;
+  uint64_t bytes = 0;
+  uint64_t checksum = 0;  ///< XXH3-64 of the file.
+  std::vector<SegmentEntity> entities;
+};
+
+struct ModelInfo {
+  MemoryId entity;
+  int version = 0;
+  std::string file;  ///< Relative to the store, "models/...h5".
+  uint64_t bytes = 0;
+  uint64_t checksum = 0;  ///< XXH3-64 of the file.
+
+  /// "Vision/RGB/head/cam v2".
+  [[nodiscard]] std::string name() const;
+};
+
+/// The published content of a store: one generation of it.
+struct Manifest {
+  std::string store_id;
+  uint64_t generation = 0;
+  uint64_t next_segment = 1;   ///< Number of the next segment file.
+  uint64_t first_journal = 1;  ///< Journals below this number are sealed.
+  uint64_t damaged = 0;        ///< Places in sealed journals where acknowledged data was lost.
+  std::vector<SegmentInfo> segments;
+  std::vector<ModelInfo> models;
+};
+
+/// Errors: kNotFound where `store` is no directory or holds no manifest; kFailedPrecondition where
+/// its format is newer; kDataLoss where the manifest is broken.
+Result<Manifest> read_manifest(const std::filesystem::path& store);
+
+/// Reads the manifest under the store's manifest lock, lets `change` edit it, and replaces it
+/// atomically with the next generation.
+/// Errors: those of read_manifest, of `change`, and kUnavailable, kResourceExhausted.
+/// Threading: thread-safe, between processes too.
+Status edit_manifest(const std::filesystem::path& store,
+                     const std::function<Status(Manifest&)>& change);
+
+/// Makes an empty store in `store`, which must not exist or be an empty directory.
+/// Errors: kAlreadyExists where something is there, kUnavailable.
+Status create_store(const std::filesystem::path& store);
+
+}  // namespace engram::ltm

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ltm/codec/packed_value.h"
+#include "ltm/memory/snapshot.h"
+
+namespace engram::ltm {
+
+struct PackedInstance {
+  PackedValue value;
+  InstanceMetadata metadata;
+};
+
+/// One snapshot on its way into the store or out of it, values packed.
+struct PackedSnapshot {
+  MemoryId entity;
+  Time time{};
+  std::vector<PackedInstance> instances;
+  uint64_t raw_bytes = 0;      ///< Of the plain values.
+  uint64_t dropped = 0;        ///< Snapshots of this entity that filters dropped since the last.
+  uint64_t dropped_bytes = 0;  ///< Their plain bytes.
+};
+
+/// Errors: kDataLoss where media do not decode.
+Result<Snapshot> unpack(const PackedSnapshot& packed);
+
+}  // namespace engram::ltm

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/publish.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <set>
+
+#include "ltm/core/file.h"
+#include "ltm/store/checksum.h"
+#include "ltm/store/segment_format.h"
+#include "ltm/store/segment_reader.h"
+#include "ltm/store/segment_writer.h"
+#include "ltm/store/store_reader.h"
+
+namespace engram::ltm {
+
+namespace {
+
+std::string model_file_name(const MemoryId& entity, int version) {
+  std::string name;
+  for (const std::string& part : entity.names())
+    name += (name.empty() ? "" : ".") + segment_name(part);
+  return fmt::format("models/{}.v{}.h5", name, version);
+}
+
+const SegmentEntity* find_entity(const SegmentInfo& segment, const MemoryId& entity) {
+  const auto found = std::ranges::find(segment.entities, entity, &SegmentEntity::id);
+  return found == segment.entities.end() ? nullptr : &*found;
+}
+
+std::set<Time> times_of(const std::vector<LatentSnapshot>& snapshots) {
+  std::set<Time> times;
+  for (const LatentSnapshot& snapshot : snapshots) times.insert(snapshot.time);
+  return times;
+}
+
+/// Latent segments of `entity` whose every snapshot is among `times`.
+Result<std::set<std::string>> superseded_segments(const std::filesystem::path& store,
+                                                  const Manifest& manifest, const MemoryId& entity,
+                                                  const std::set<Time>& times) {
+  std::set<std::string> files;
+  for (const SegmentInfo& segment : manifest.segments) {
+    if (segment.kind != SegmentKind::kLatent || find_entity(segment, entity) == nullptr) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, SegmentReader::open(store / segment.file));
+    ENGRAM_ASSIGN_OR_RETURN(const auto spans, reader->index(entity));
+    const auto is_new = [&times](const RowSpan& span) { return times.contains(span.time); };
+    if (std::ranges::all_of(spans, is_new)) files.insert(segment.file);
+  }
+  return files;
+}
+
+bool is_used(const ModelInfo& model, const Manifest& manifest) {
+  return std::ranges::any_of(manifest.segments, [&model](const SegmentInfo& segment) {
+    const SegmentEntity* entity = find_entity(segment, model.entity);
+    return entity != nullptr && segment.kind == SegmentKind::kLatent &&
+           entity->latent.model_version == model.version;
+  });
+}
+
+/// Fails where a model file of the entity is not what was published.
+Status check_models(const std::filesystem::path& store, const Manifest& manifest,
+                    const MemoryId& entity) {
+  for (const ModelInfo& model : manifest.models) {
+    if (model.entity != entity) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t found, checksum_of_file(store / model.file));
+    if (found != model.checksum)
+      return data_loss("store '{}': model file '{}' fails its checksum; nothing was dropped",
+                       store.string(), model.file);
+  }
+  return {};
+}
+
+/// A recorded segment without the snapshots of `entity` that have latents.
+struct Rewritten {
+  std::map<MemoryId, RecordedEntity> entities;
+  DropReport report;
+};
+
+Result<Rewritten> without_latent_snapshots(StoreReader& reader, uint32_t segment,
+                                           const MemoryId& entity) {
+  Rewritten rewritten;
+  for (const SegmentEntity& part : reader.manifest().segments[segment].entities) {
+    RecordedEntity& kept = rewritten.entities[part.id];
+    kept.trailing_dropped = part.dropped;
+    kept.trailing_dropped_bytes = part.dropped_bytes;
+    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(part.id));
+    for (const SnapshotEntry& entry : *entries) {
+      if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment) continue;
+      if (part.id == entity && entry.latent) {
+        // The recorded form may be the only good copy: read the latent whole before it goes.
+        ENGRAM_RETURN_IF_ERROR(reader.read_latent(entity, entry).status());
+        ++rewritten.report.snapshots;
+        continue;
+      }
+      ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader.read_packed(part.id, entry));
+      kept.trailing_dropped -= packed.dropped;
+      kept.trailing_dropped_bytes -= packed.dropped_bytes;
+      kept.snapshots.push_back(std::move(packed));
+      rewritten.report.kept += part.id == entity ? 1 : 0;
+    }
+  }
+  return rewritten;
+}
+
+}  // namespace
+
+int next_model_version(const Manifest& manifest, const MemoryId& entity) {
+  int version = 0;
+  for (const ModelInfo& model : manifest.models)
+    if (model.entity == entity) version = std::max(version, model.version);
+  return version + 1;
+}
+
+Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
+                                             std::string_view suffix) {
+  static std::atomic<uint64_t> number = 0;
+  ENGRAM_RETURN_IF_ERROR(make_directories(store / "tmp"));
+  return store / "tmp" / fmt::format("{}-{}{}", ::getpid(), number++, suffix);
+}
+
+Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
+                     const std::filesystem::path& model_file,
+                     const std::vector<LatentSnapshot>& snapshots) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
+  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_latent_segment(file, entity, snapshots));
+  ModelInfo model{entity, version, model_file_name(entity, version), 0, 0};
+  model.bytes = std::filesystem::file_size(model_file);
+  ENGRAM_ASSIGN_OR_RETURN(model.checksum, checksum_of_file(model_file));
+  std::vector<std::string> obsolete;
+  ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
+    if (next_model_version(manifest, entity) > version)
+      return already_exists("store '{}': model {} exists", store.string(), model.name());
+    ENGRAM_ASSIGN_OR_RETURN(const auto superseded,
+                            superseded_segments(store, manifest, entity, times_of(snapshots)));
+    segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+    ENGRAM_RETURN_IF_ERROR(publish_file(model_file, store / model.file));
+    ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
+    std::erase_if(manifest.segments, [&](const SegmentInfo& old) {
+      return superseded.contains(old.file);
+    });
+    manifest.segments.push_back(std::move(segment));
+    manifest.models.push_back(model);
+    obsolete.assign(superseded.begin(), superseded.end());
+    std::erase_if(manifest.models, [&](const ModelInfo& old) {
+      if (old.entity != entity || is_used(old, manifest)) return false;
+      obsolete.push_back(old.file);
+      return true;
+    });
+    return {};
+  }));
+  for (const std::string& old : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / old));
+  return {};
+}
+
+Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity) {
+  DropReport total;
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+  ENGRAM_RETURN_IF_ERROR(reader->index(entity).status());
+  ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));
+  const std::vector<SegmentInfo> segments = reader->manifest().segments;
+  for (uint32_t i = 0; i < segments.size(); ++i) {
+    const SegmentInfo& old = segments[i];
+    if (old.kind != SegmentKind::kRecorded || find_entity(old, entity) == nullptr) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const Rewritten rewritten, without_latent_snapshots(*reader, i, entity));
+    total.kept += rewritten.report.kept;
+    if (rewritten.report.snapshots == 0) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made, write_recorded_segment(file, rewritten.entities));
+    // Raw bytes of what went stay counted: reports compare with what the robot perceived.
+    for (SegmentEntity& part : made.entities) part.raw_bytes = find_entity(old, part.id)->raw_bytes;
+    ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
+      const auto place = std::ranges::find(manifest.segments, old.file, &SegmentInfo::file);
+      if (place == manifest.segments.end())
+        return failed_precondition("store '{}': segment '{}' went while it was rewritten",
+                                   store.string(), old.file);
+      made.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+      ENGRAM_RETURN_IF_ERROR(publish_file(file, store / made.file));
+      total.freed_bytes += old.bytes - std::min(old.bytes, made.bytes);
+      *place = std::move(made);
+      return {};
+    }));
+    total.snapshots += rewritten.report.snapshots;
+    ENGRAM_RETURN_IF_ERROR(remove_file(store / old.file));
+  }
+  return total;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "ltm/store/latent.h"
+#include "ltm/store/manifest.h"
+
+namespace engram::ltm {
+
+/// The version that the next model of `entity` gets: 1, 2, ...
+[[nodiscard]] int next_model_version(const Manifest& manifest, const MemoryId& entity);
+
+/// A file name of its own in the store's `tmp/`, for what is written before it is published.
+/// What a killed process left there is removed by the next writer.
+Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
+                                             std::string_view suffix);
+
+/// Publishes a new model of an entity together with the latents that it made, in one generation.
+/// Older latents of the same times are superseded; models that no latent names any more go.
+///
+/// `model_file` is moved into the store. `snapshots` increase in time, all of version `version`.
+/// Errors: kAlreadyExists where the version is taken; kUnavailable, kResourceExhausted.
+/// Threading: runs beside a live writer.
+Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
+                     const std::filesystem::path& model_file,
+                     const std::vector<LatentSnapshot>& snapshots);
+
+struct DropReport {
+  uint64_t snapshots = 0;
+  uint64_t freed_bytes = 0;
+  uint64_t kept = 0;  ///< Recorded snapshots that stay because no latent stands for them.
+};
+
+/// Drops the recorded form of every sealed snapshot of `entity` that has latents.
+/// Errors: kNotFound, kDataLoss, kUnavailable, kResourceExhausted.
+Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity);
+
+}  // namespace engram::ltm

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/segment_format.h"
+
+#include "ltm/idf/data.h"
+
+namespace engram::ltm {
+
+namespace {
+
+std::string join_names(const std::vector<std::string>& names) {
+  std::string path;
+  for (const std::string& name : names) path += "/" + segment_name(name);
+  return path;
+}
+
+}  // namespace
+
+std::string segment_name(std::string_view name) {
+  if (name.empty()) return "%";
+  std::string text;
+  for (size_t i = 0; i < name.size(); ++i) {
+    const char c = name[i];
+    const bool is_special = c == '/' || c == '%' || c == '#' || static_cast<unsigned char>(c) < 0x20 ||
+                            (c == '.' && i == 0);
+    text += is_special ? fmt::format("%{:02X}", static_cast<unsigned char>(c)) : std::string(1, c);
+  }
+  return text;
+}
+
+std::string segment_group(const MemoryId& entity) { return join_names(entity.names()); }
+
+std::string segment_member(std::string_view path) { return join_names(idf::split_path(path)); }
+
+bool is_scalar(const idf::TensorMember& member) {
+  return member.kind == idf::MemberKind::kBool || member.kind == idf::MemberKind::kNumber;
+}
+
+std::string scalar_group(const idf::TensorMember& member) {
+  return member.kind == idf::MemberKind::kBool ? "bool" : std::string(to_string(member.type));
+}
+
+}  // namespace engram::ltm

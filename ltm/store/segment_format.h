@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ltm/idf/layout.h"
+#include "ltm/memory/memory_id.h"
+
+namespace engram::ltm {
+
+/// Format of segment files. Source: docs/format.md, section "Segment".
+inline constexpr int kSegmentFormatVersion = 1;
+
+/// Rows whose remainders are packed together.
+inline constexpr size_t kRemainderBlockRows = 128;
+
+/// The path of an entity's group in a segment: its four names, each as segment_name.
+[[nodiscard]] std::string segment_group(const MemoryId& entity);
+
+/// A name as HDF5 and file systems carry it: `/`, `%`, `#`, a leading `.` and control characters
+/// become %XX.
+[[nodiscard]] std::string segment_name(std::string_view name);
+
+/// The path of a member below a group: each part of `path` as segment_name.
+[[nodiscard]] std::string segment_member(std::string_view path);
+
+/// True for members that share a matrix per element type.
+[[nodiscard]] bool is_scalar(const idf::TensorMember& member);
+
+/// The name of that matrix below `columns`: "float64", "bool", ...
+[[nodiscard]] std::string scalar_group(const idf::TensorMember& member);
+
+}  // namespace engram::ltm

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/segment_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <optional>
+
+#include "ltm/codec/zstd.h"
+#include "ltm/core/file.h"
+#include "ltm/h5/h5.h"
+#include "ltm/idf/binary.h"
+#include "ltm/idf/layout.h"
+#include "ltm/store/checksum.h"
+#include "ltm/store/segment_format.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr uint64_t kWindowBytes = 1 << 20;
+constexpr uint64_t kMaxBlobBytes = uint64_t{1} << 32;
+constexpr size_t kMaxRemainderBytes = size_t{1} << 30;
+
+size_t element_bytes(h5::Type type) { return h5::size_bytes(type); }
+
+h5::Type h5_type_of(idf::ElementType type) {
+  static constexpr std::array kTypes{h5::Type::kInt8,   h5::Type::kInt16,  h5::Type::kInt32,
+                                     h5::Type::kInt64,  h5::Type::kUInt8,  h5::Type::kUInt16,
+                                     h5::Type::kUInt32, h5::Type::kUInt64, h5::Type::kFloat32,
+                                     h5::Type::kFloat64};
+  return kTypes[static_cast<size_t>(type) - 1];
+}
+
+/// A dataset read in windows of rows, so that neighbours cost one read and memory stays bounded.
+class WindowedColumn {
+ public:
+  WindowedColumn(const h5::File& file, std::string path, h5::DatasetInfo info)
+      : file_(&file), path_(std::move(path)), info_(std::move(info)) {
+    const uint64_t rows = std::max<uint64_t>(this->rows(), 1);
+    row_bytes_ = info_.count() / rows * element_bytes(info_.type);
+    window_rows_ = std::clamp<uint64_t>(kWindowBytes / std::max<uint64_t>(row_bytes_, 1), 1, rows);
+  }
+
+  [[nodiscard]] uint64_t rows() const { return info_.shape.empty() ? 0 : info_.shape[0]; }
+  [[nodiscard]] const h5::DatasetInfo& info() const { return info_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// The bytes of one row; valid until the next call.
+  Result<std::span<const std::byte>> row(uint64_t index) {
+    if (index >= rows()) return data_loss("'{}' has {} rows, needs row {}", path_, rows(), index);
+    if (bytes_.empty() || index < first_ || index - first_ >= bytes_.size() / row_bytes_) {
+      const uint64_t first = index / window_rows_ * window_rows_;
+      const uint64_t count = std::min(window_rows_, rows() - first);
+      ENGRAM_ASSIGN_OR_RETURN(bytes_, file_->read_rows(path_, info_.type, first, count));
+      first_ = first;
+    }
+    return std::span<const std::byte>(bytes_).subspan((index - first_) * row_bytes_, row_bytes_);
+  }
+
+ private:
+  const h5::File* file_;
+  std::string path_;
+  h5::DatasetInfo info_;
+  uint64_t row_bytes_ = 0;
+  uint64_t window_rows_ = 1;
+  uint64_t first_ = 0;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace
+
+struct SegmentReader::State {
+  using List = idf::List;
+
+  h5::File file;
+  File raw;  ///< The same file, for blobs at their offsets.
+  std::map<std::string, WindowedColumn> columns;
+  std::map<std::string, List> remainder_blocks;  ///< The last block read, per group.
+  std::map<std::string, uint64_t> remainder_block_number;
+
+  State(h5::File h5_file, File raw_file) : file(std::move(h5_file)), raw(std::move(raw_file)) {}
+
+  Status broken(const std::string& object, std::string_view what) const {
+    return data_loss("segment '{}': '{}': {}", raw.path().string(), object, what);
+  }
+
+  Result<WindowedColumn*> column(const std::string& path) {
+    if (const auto known = columns.find(path); known != columns.end()) return &known->second;
+    ENGRAM_ASSIGN_OR_RETURN(h5::DatasetInfo info, file.info(path));
+    const auto added = columns.emplace(path, WindowedColumn(file, path, std::move(info))).first;
+    return &added->second;
+  }
+
+  template <typename T>
+  Result<T> number(const std::string& path, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * values, column(path));
+    if (values->info().type != h5_type_of(idf::kElementTypeOf<T>))
+      return broken(path, "has another element type than needed");
+    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, values->row(row));
+    if (bytes.size() != sizeof(T)) return broken(path, "is no column of numbers");
+    T value;
+    std::memcpy(&value, bytes.data(), sizeof(T));
+    return value;
+  }
+
+  /// Blob `row` of a blob column, read at its offset without HDF5. Empty where there is none.
+  Result<Buffer> blob(const std::string& group, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t begin, number<uint64_t>(group + "/offset", row));
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t end, number<uint64_t>(group + "/offset", row + 1));
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t expected, number<uint64_t>(group + "/checksum", row));
+    if (begin == end) return Buffer();
+    ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * bytes, column(group + "/bytes"));
+    if (end < begin || end > bytes->rows() || end - begin > kMaxBlobBytes ||
+        !bytes->info().offset || bytes->info().type != h5::Type::kUInt8)
+      return broken(group, fmt::format("row {} has no valid offsets", row));
+    std::vector<std::byte> content(end - begin);
+    ENGRAM_RETURN_IF_ERROR(raw.read_at(*bytes->info().offset + begin, content));
+    if (checksum(content) != expected)
+      return broken(group, fmt::format("row {} fails its checksum", row));
+    return Buffer::take(std::move(content));
+  }
+
+  Result<idf::Data> remainder(const std::string& group, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t per_block, file.int_attribute(group, "rows_per_block"));
+    if (per_block < 1) return broken(group, "has no rows per block");
+    const uint64_t number = row / static_cast<uint64_t>(per_block);
+    const auto known = remainder_block_number.find(group);
+    if (known == remainder_block_number.end() || known->second != number) {
+      ENGRAM_ASSIGN_OR_RETURN(const Buffer packed, blob(group, number));
+      ENGRAM_ASSIGN_OR_RETURN(auto plain, decompress_zstd(packed.bytes(), kMaxRemainderBytes));
+      ENGRAM_ASSIGN_OR_RETURN(idf::Data block, idf::decode(Buffer::take(std::move(plain))));
+      if (!block.is<List>()) return broken(group, fmt::format("block {} is no list", number));
+      remainder_blocks[group] = std::move(*block.get_if<List>());
+      remainder_block_number[group] = number;
+    }
+    const List& block = remainder_blocks[group];
+    const uint64_t at = row % static_cast<uint64_t>(per_block);
+    if (at >= block.size()) return broken(group, fmt::format("block {} lacks row {}", number, row));
+    return block[at];
+  }
+
+  Result<InstanceMetadata> metadata(const std::string& group, uint64_t row) {
+    const std::string base = group + "/metadata";
+    InstanceMetadata result;
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t created, number<int64_t>(base + "/created", row));
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t sent, number<int64_t>(base + "/sent", row));
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t arrived, number<int64_t>(base + "/arrived", row));
+    ENGRAM_ASSIGN_OR_RETURN(result.confidence, number<float>(base + "/confidence", row));
+    ENGRAM_ASSIGN_OR_RETURN(const int32_t provider, number<int32_t>(base + "/provider", row));
+    ENGRAM_ASSIGN_OR_RETURN(const auto* names, strings(base + "/providers"));
+    if (provider < 0 || static_cast<size_t>(provider) >= names->size())
+      return broken(base + "/provider", fmt::format("row {} names no provider", row));
+    result.created = time_from_ns(created);
+    result.sent = time_from_ns(sent);
+    result.arrived = time_from_ns(arrived);
+    result.provider = (*names)[static_cast<size_t>(provider)];
+    return result;
+  }
+
+  Result<const std::vector<std::string>*> strings(const std::string& path) {
+    const auto known = string_lists.find(path);
+    if (known != string_lists.end()) return &known->second;
+    ENGRAM_ASSIGN_OR_RETURN(auto values, file.read_strings(path));
+    return &string_lists.emplace(path, std::move(values)).first->second;
+  }
+
+  Result<const idf::Layout*> layout(const std::string& group) {
+    const auto known = layouts.find(group);
+    if (known != layouts.end()) return &known->second;
+    ENGRAM_ASSIGN_OR_RETURN(auto bytes, file.read(group + "/layout", h5::Type::kUInt8));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data data, idf::decode(Buffer::take(std::move(bytes))));
+    ENGRAM_ASSIGN_OR_RETURN(idf::Layout read, idf::Layout::from_data(data));
+    return &layouts.emplace(group, std::move(read)).first->second;
+  }
+
+  /// The tensors of a row, in the order of the layout.
+  Result<std::vector<idf::NdArray>> tensors(const std::string& group, const idf::Layout& of,
+                                            uint64_t row) {
+    std::vector<idf::NdArray> values;
+    std::map<std::string, size_t> next_column;
+    for (const idf::TensorMember& member : of.members()) {
+      const size_t size = *idf::size_bytes(member.type, member.shape);
+      std::string path = group + "/arrays" + segment_member(member.path);
+      size_t offset = 0;
+      if (is_scalar(member)) {
+        const std::string name = scalar_group(member);
+        path = group + "/columns/" + name + "/values";
+        offset = next_column[name]++ * size;
+      }
+      ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * values_of, column(path));
+      if (values_of->info().type != h5_type_of(member.type))
+        return broken(path, "has another element type than the layout says");
+      ENGRAM_ASSIGN_OR_RETURN(const auto bytes, values_of->row(row));
+      if (bytes.size() < offset + size) return broken(path, "has fewer columns than the layout");
+      ENGRAM_ASSIGN_OR_RETURN(idf::NdArray array,
+                              idf::NdArray::create(member.type, member.shape,
+                                                   Buffer::copy(bytes.subspan(offset, size))));
+      values.push_back(std::move(array));
+    }
+    return values;
+  }
+
+  Result<idf::Data> rest(const std::string& group, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(idf::Data remains, remainder(group + "/remainder", row));
+    if (const idf::Data* whole = remains.at("value"); remains.is<idf::Dict>() && whole != nullptr)
+      return *whole;
+    if (!remains.is<List>()) return broken(group, fmt::format("row {} has no remainder", row));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Layout* of, layout(group));
+    ENGRAM_ASSIGN_OR_RETURN(auto arrays, tensors(group, *of, row));
+    return of->join({std::move(arrays), remains.get<List>()});
+  }
+
+  struct MediaGroup {
+    std::string name;
+    PackedMedium medium;  ///< Without bytes.
+  };
+
+  Result<const std::vector<MediaGroup>*> media_groups(const std::string& group) {
+    if (const auto known = media.find(group); known != media.end()) return &known->second;
+    std::vector<MediaGroup> groups;
+    std::vector<std::string> names;
+    if (file.exists(group + "/media_groups")) {
+      ENGRAM_ASSIGN_OR_RETURN(names, file.read_strings(group + "/media_groups"));
+    }
+    for (const std::string& name : names) {
+      MediaGroup found{name, {}};
+      ENGRAM_ASSIGN_OR_RETURN(found.medium.path, file.string_attribute(name, "path"));
+      ENGRAM_ASSIGN_OR_RETURN(found.medium.codec, file.string_attribute(name, "codec"));
+      ENGRAM_ASSIGN_OR_RETURN(const auto type, file.string_attribute(name, "element_type"));
+      const auto element = idf::element_type_from_name(type);
+      if (!element) return broken(name, "has an unknown element type");
+      found.medium.type = *element;
+      ENGRAM_ASSIGN_OR_RETURN(const auto shape, file.read(name + "/shape", h5::Type::kInt64));
+      found.medium.shape = h5::as_vector<int64_t>(shape);
+      groups.push_back(std::move(found));
+    }
+    return &media.emplace(group, std::move(groups)).first->second;
+  }
+
+  Result<PackedInstance> instance(const std::string& group, uint64_t row) {
+    PackedInstance result;
+    ENGRAM_ASSIGN_OR_RETURN(result.metadata, metadata(group, row));
+    ENGRAM_ASSIGN_OR_RETURN(result.value.rest, rest(group, row));
+    ENGRAM_ASSIGN_OR_RETURN(const auto* groups, media_groups(group));
+    for (const MediaGroup& found : *groups) {
+      ENGRAM_ASSIGN_OR_RETURN(Buffer bytes, blob(found.name, row));
+      if (bytes.empty()) continue;
+      result.value.media.push_back(found.medium);
+      result.value.media.back().bytes = std::move(bytes);
+    }
+    return result;
+  }
+
+  std::map<std::string, std::vector<std::string>> string_lists;
+  std::map<std::string, idf::Layout> layouts;
+  std::map<std::string, std::vector<MediaGroup>> media;
+};
+
+SegmentReader::SegmentReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SegmentReader::~SegmentReader() = default;
+
+Result<std::unique_ptr<SegmentReader>> SegmentReader::open(const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::open(path));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t version, file.int_attribute("/", "format_version"));
+  if (version > kSegmentFormatVersion)
+    return failed_precondition("segment '{}': has format {}, this program reads up to {}",
+                               path.string(), version, kSegmentFormatVersion);
+  ENGRAM_ASSIGN_OR_RETURN(File raw, File::open(path, File::Mode::kRead));
+  return std::unique_ptr<SegmentReader>(
+      new SegmentReader(std::make_unique<State>(std::move(file), std::move(raw))));
+}
+
+Result<std::vector<RowSpan>> SegmentReader::index(const MemoryId& entity) {
+  const std::string path = segment_group(entity) + "/timestamp";
+  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, state_->file.read(path, h5::Type::kInt64));
+  std::vector<RowSpan> spans;
+  const std::vector<int64_t> times = h5::as_vector<int64_t>(bytes);
+  for (uint64_t row = 0; row < times.size(); ++row) {
+    const Time time = time_from_ns(times[row]);
+    if (!spans.empty() && time < spans.back().time)
+      return state_->broken(path, fmt::format("row {} runs backwards in time", row));
+    if (!spans.empty() && spans.back().time == time)
+      ++spans.back().rows;
+    else
+      spans.push_back({time, row, 1});
+  }
+  return spans;
+}
+
+Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, const RowSpan& span) {
+  const std::string group = segment_group(entity);
+  PackedSnapshot snapshot;
+  snapshot.entity = entity;
+  snapshot.time = span.time;
+  const std::string accounting = group + "/accounting";
+  ENGRAM_ASSIGN_OR_RETURN(snapshot.raw_bytes,
+                          state_->number<uint64_t>(accounting + "/raw_bytes", span.first));
+  ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped,
+                          state_->number<uint64_t>(accounting + "/dropped", span.first));
+  ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped_bytes,
+                          state_->number<uint64_t>(accounting + "/dropped_bytes", span.first));
+  for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(PackedInstance instance, state_->instance(group, row));
+    snapshot.instances.push_back(std::move(instance));
+  }
+  return snapshot;
+}
+
+Result<LatentSnapshot> SegmentReader::read_latent(const MemoryId& entity, const RowSpan& span) {
+  const std::string group = segment_group(entity);
+  LatentSnapshot snapshot;
+  snapshot.time = span.time;
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t version, state_->file.int_attribute(group, "model_version"));
+  snapshot.model_version = static_cast<int>(version);
+  for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
+    LatentInstance instance;
+    ENGRAM_ASSIGN_OR_RETURN(instance.metadata, state_->metadata(group, row));
+    ENGRAM_ASSIGN_OR_RETURN(instance.latent.code, state_->blob(group + "/latent", row));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data rest, state_->remainder(group + "/remainder", row));
+    if (!rest.is<idf::List>())
+      return state_->broken(group, fmt::format("row {} has no remainder", row));
+    instance.latent.remainder = rest.get<idf::List>();
+    ENGRAM_ASSIGN_OR_RETURN(instance.error.image_mse,
+                            state_->number<double>(group + "/error/image_mse", row));
+    ENGRAM_ASSIGN_OR_RETURN(instance.error.number_mse,
+                            state_->number<double>(group + "/error/number_mse", row));
+    snapshot.instances.push_back(std::move(instance));
+  }
+  return snapshot;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "ltm/store/latent.h"
+#include "ltm/store/packed_snapshot.h"
+
+namespace engram::ltm {
+
+/// Where one snapshot lies in a segment.
+struct RowSpan {
+  Time time{};
+  uint64_t first = 0;
+  uint32_t rows = 0;
+};
+
+/// Reads one published segment file. Safe on damaged files: checksums are verified on reading.
+///
+/// Threading: one thread.
+/// Source: docs/format.md, section "Segment".
+class SegmentReader {
+ public:
+  /// Errors: kNotFound, kDataLoss, kFailedPrecondition where the format is newer.
+  static Result<std::unique_ptr<SegmentReader>> open(const std::filesystem::path& file);
+  ~SegmentReader();
+
+  /// Snapshots of an entity in the order of the file, which is that of time.
+  /// Errors: kNotFound, kDataLoss.
+  Result<std::vector<RowSpan>> index(const MemoryId& entity);
+
+  /// Errors: kNotFound, kDataLoss naming file, object and row.
+  Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);
+  Result<LatentSnapshot> read_latent(const MemoryId& entity, const RowSpan& span);
+
+ private:
+  struct State;
+  explicit SegmentReader(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace engram::ltm

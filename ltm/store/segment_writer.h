@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "ltm/store/latent.h"
+#include "ltm/store/manifest.h"
+#include "ltm/store/packed_snapshot.h"
+
+namespace engram::ltm {
+
+/// Writes a whole segment file of recorded snapshots; the caller publishes it.
+///
+/// `entities` hold snapshots in the order of time. `trailing` adds what was dropped after the last
+/// snapshot of an entity. Returns the segment with everything but its `file`.
+/// Errors: kUnavailable, kInvalidArgument.
+/// Source: docs/format.md, section "Segment".
+struct RecordedEntity {
+  std::vector<PackedSnapshot> snapshots;
+  uint64_t trailing_dropped = 0;
+  uint64_t trailing_dropped_bytes = 0;
+};
+Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
+                                           const std::map<MemoryId, RecordedEntity>& entities);
+
+/// Writes a whole segment file of one entity's latents, all of one model version, in the order of
+/// time; the caller publishes it. Returns the segment with everything but its `file`.
+/// Errors: kUnavailable, kInvalidArgument.
+Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, const MemoryId& entity,
+                                         const std::vector<LatentSnapshot>& snapshots);
+
+}  // namespace engram::ltm

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/store_reader.h"
+
+#include <algorithm>
+#include <list>
+#include <map>
+
+#include "ltm/core/file.h"
+#include "ltm/store/frame.h"
+#include "ltm/store/journal.h"
+#include "ltm/store/segment_reader.h"
+
+namespace engram::ltm {
+
+namespace {
+
+/// Open segments keep their last windows of rows in memory: no more than so many stay open.
+constexpr size_t kMaxOpenSegments = 8;
+
+/// A writer may seal and remove a journal while it is being opened: then look again.
+constexpr int kOpenAttempts = 20;
+
+struct JournalEntry {
+  uint32_t journal = 0;
+  uint64_t offset = 0;
+  uint64_t frame_bytes = 0;
+  FrameHead head;
+};
+
+}  // namespace
+
+struct StoreReader::State {
+  std::filesystem::path path;
+  Manifest manifest;
+  std::vector<File> journals;
+  std::map<MemoryId, std::vector<JournalEntry>> journal_entries;
+  std::map<MemoryId, std::pair<uint64_t, uint64_t>> journal_trailing;  ///< Dropped, their bytes.
+  uint64_t journal_damaged = 0;
+  std::list<std::pair<uint32_t, std::unique_ptr<SegmentReader>>> segments;  ///< Latest used first.
+  std::map<MemoryId, std::vector<SnapshotEntry>> indices;
+
+  Status load() {
+    ENGRAM_ASSIGN_OR_RETURN(manifest, read_manifest(path));
+    ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
+    for (const uint64_t number : numbers) {
+      if (number < manifest.first_journal) continue;
+      const std::filesystem::path file = path / Journal::file_name(number);
+      ENGRAM_ASSIGN_OR_RETURN(File journal, File::open(file, File::Mode::kRead));
+      const auto index = static_cast<uint32_t>(journals.size());
+      const auto scan = scan_journal(file, [&](uint64_t offset, const Buffer& payload) -> Status {
+        ENGRAM_ASSIGN_OR_RETURN(FrameHead head, decode_frame_head(payload));
+        add(index, offset, payload.size() + Journal::kFrameOverheadBytes, std::move(head));
+        return {};
+      });
+      ENGRAM_RETURN_IF_ERROR(scan.status());
+      journal_damaged += scan->damaged;
+      journals.push_back(std::move(journal));
+    }
+    return {};
+  }
+
+  void add(uint32_t journal, uint64_t offset, uint64_t frame_bytes, FrameHead head) {
+    const MemoryId entity = head.entity;
+    if (head.instances == 0) {
+      auto& [dropped, bytes] = journal_trailing[entity];
+      dropped += head.dropped;
+      bytes += head.dropped_bytes;
+      return;
+    }
+    journal_entries[entity].push_back({journal, offset, frame_bytes, std::move(head)});
+  }
+
+  Result<SegmentReader*> segment(uint32_t number) {
+    const auto known = std::ranges::find(segments, number, &decltype(segments)::value_type::first);
+    if (known != segments.end()) {
+      segments.splice(segments.begin(), segments, known);
+    } else {
+      ENGRAM_ASSIGN_OR_RETURN(auto opened, SegmentReader::open(path / manifest.segments[number].file));
+      segments.emplace_front(number, std::move(opened));
+      if (segments.size() > kMaxOpenSegments) segments.pop_back();
+    }
+    return segments.front().second.get();
+  }
+
+  [[nodiscard]] bool has(const MemoryId& entity) const {
+    if (journal_entries.contains(entity)) return true;
+    return std::ranges::any_of(manifest.segments, [&](const SegmentInfo& segment) {
+      return std::ranges::find(segment.entities, entity, &SegmentEntity::id) != segment.entities.end();
+    });
+  }
+
+  Status no_such_entity(const MemoryId& entity, const std::vector<MemoryId>& known) const {
+    std::string names;
+    for (const MemoryId& id : known) names += (names.empty() ? "" : ", ") + id.to_string();
+    return not_found("store '{}' has no entity '{}'; it has: {}", path.string(), entity.to_string(),
+                     names.empty() ? "none" : names);
+  }
+
+  Status add_segment(uint32_t number, const MemoryId& entity,
+                     std::map<Time, SnapshotEntry>& entries) {
+    const SegmentInfo& info = manifest.segments[number];
+    if (std::ranges::find(info.entities, entity, &SegmentEntity::id) == info.entities.end()) return {};
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, segment(number));
+    ENGRAM_ASSIGN_OR_RETURN(const std::vector<RowSpan> spans, reader->index(entity));
+    for (const RowSpan& span : spans) {
+      SnapshotEntry& entry = entries[span.time];
+      entry.time = span.time;
+      const SnapshotEntry::Location location{number, span.rows, span.first};
+      (info.kind == SegmentKind::kLatent ? entry.latent : entry.recorded) = location;
+    }
+    return {};
+  }
+};
+
+StoreReader::StoreReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+StoreReader::~StoreReader() = default;
+
+Result<std::unique_ptr<StoreReader>> StoreReader::open(const std::filesystem::path& store) {
+  Status last;
+  for (int attempt = 0; attempt < kOpenAttempts; ++attempt) {
+    auto state = std::make_unique<State>();
+    state->path = store;
+    last = state->load();
+    const auto now = read_manifest(store);
+    if (!now.ok()) return now.status();
+    // Journals of another generation may have been missed or read half-removed.
+    if (now->generation != state->manifest.generation) continue;
+    if (!last.ok()) return last;
+    return std::unique_ptr<StoreReader>(new StoreReader(std::move(state)));
+  }
+  return unavailable("store '{}': changed {} times while it was being opened", store.string(),
+                     kOpenAttempts);
+}
+
+const std::filesystem::path& StoreReader::path() const { return state_->path; }
+const Manifest& StoreReader::manifest() const { return state_->manifest; }
+uint64_t StoreReader::damaged_places() const {
+  return state_->manifest.damaged + state_->journal_damaged;
+}
+
+std::vector<MemoryId> StoreReader::entities() const {
+  std::vector<MemoryId> ids;
+  for (const SegmentInfo& segment : state_->manifest.segments)
+    for (const SegmentEntity& entity : segment.entities) ids.push_back(entity.id);
+  for (const auto& [id, frames] : state_->journal_entries) ids.push_back(id);
+  std::ranges::sort(ids);
+  const auto repeated = std::ranges::unique(ids);
+  ids.erase(repeated.begin(), repeated.end());
+  return ids;
+}
+
+Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, index(entity));
+  EntitySummary summary;
+  summary.id = entity;
+  summary.snapshots = entries->size();
+  if (!entries->empty()) {
+    summary.first = entries->front().time;
+    summary.last = entries->back().time;
+  }
+  for (const SnapshotEntry& entry : *entries) {
+    summary.recorded_snapshots += entry.recorded.has_value() ? 1 : 0;
+    summary.latent_snapshots += entry.latent.has_value() ? 1 : 0;
+  }
+  for (const SegmentInfo& segment : state_->manifest.segments) {
+    for (const SegmentEntity& part : segment.entities) {
+      if (part.id != entity) continue;
+      (segment.kind == SegmentKind::kLatent ? summary.latent_bytes : summary.stored_bytes) +=
+          part.stored_bytes;
+      summary.raw_bytes += part.raw_bytes;
+      summary.offered += part.dropped;
+      summary.offered_bytes += part.dropped_bytes;
+      summary.latent.model_version = std::max(summary.latent.model_version, part.latent.model_version);
+      summary.latent.image_rows += part.latent.image_rows;
+      summary.latent.psnr_db += part.latent.psnr_db;
+      summary.latent.image_mse += part.latent.image_mse;
+      summary.latent.number_rows += part.latent.number_rows;
+      summary.latent.number_mse += part.latent.number_mse;
+    }
+  }
+  if (const auto frames = state_->journal_entries.find(entity);
+      frames != state_->journal_entries.end()) {
+    for (const JournalEntry& entry : frames->second) {
+      summary.raw_bytes += entry.head.raw_bytes;
+      summary.offered += entry.head.dropped;
+      summary.offered_bytes += entry.head.dropped_bytes;
+      summary.stored_bytes += entry.frame_bytes;
+    }
+  }
+  if (const auto trailing = state_->journal_trailing.find(entity);
+      trailing != state_->journal_trailing.end()) {
+    summary.offered += trailing->second.first;
+    summary.offered_bytes += trailing->second.second;
+  }
+  summary.offered += summary.snapshots;
+  summary.offered_bytes += summary.raw_bytes;
+  for (const ModelInfo& model : state_->manifest.models) {
+    if (model.entity != entity) continue;
+    summary.models.push_back(model);
+    summary.model_bytes += model.bytes;
+  }
+  return summary;
+}
+
+Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& entity) {
+  if (const auto known = state_->indices.find(entity); known != state_->indices.end())
+    return &known->second;
+  if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
+  std::map<Time, SnapshotEntry> entries;
+  for (uint32_t i = 0; i < state_->manifest.segments.size(); ++i)
+    ENGRAM_RETURN_IF_ERROR(state_->add_segment(i, entity, entries));
+  if (const auto frames = state_->journal_entries.find(entity);
+      frames != state_->journal_entries.end()) {
+    for (const JournalEntry& frame : frames->second) {
+      SnapshotEntry& entry = entries[frame.head.time];
+      entry.time = frame.head.time;
+      entry.recorded = SnapshotEntry::Location{frame.journal, 0, frame.offset};
+    }
+  }
+  std::vector<SnapshotEntry>& sorted = state_->indices[entity];
+  sorted.reserve(entries.size());
+  for (const auto& [time, entry] : entries) sorted.push_back(entry);
+  return &sorted;
+}
+
+Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity, const SnapshotEntry& entry) {
+  ENGRAM_CHECK(entry.recorded.has_value(), "'{}' has no recorded form",
+               entity.at(entry.time).to_string());
+  const SnapshotEntry::Location& at = *entry.recorded;
+  if (at.rows == 0) {
+    ENGRAM_ASSIGN_OR_RETURN(const Buffer payload,
+                            read_journal_frame(state_->journals[at.source], at.at));
+    return decode_frame(payload);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(at.source));
+  return segment->read_recorded(entity, {entry.time, at.at, at.rows});
+}
+
+Result<Snapshot> StoreReader::read_recorded(const MemoryId& entity, const SnapshotEntry& entry) {
+  ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
+  return unpack(packed);
+}
+
+Result<LatentSnapshot> StoreReader::read_latent(const MemoryId& entity, const SnapshotEntry& entry) {
+  ENGRAM_CHECK(entry.latent.has_value(), "'{}' has no latents", entity.at(entry.time).to_string());
+  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(entry.latent->source));
+  return segment->read_latent(entity, {entry.time, entry.latent->at, entry.latent->rows});
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ltm/memory/snapshot.h"
+#include "ltm/store/latent.h"
+#include "ltm/store/manifest.h"
+#include "ltm/store/packed_snapshot.h"
+
+namespace engram::ltm {
+
+/// One snapshot of an entity and where its representations lie.
+struct SnapshotEntry {
+  /// Row span in a segment, or a frame of a journal.
+  struct Location {
+    uint32_t source = 0;  ///< Index into the reader's open segments or journals.
+    uint32_t rows = 0;    ///< Number of instances; zero for a journal frame.
+    uint64_t at = 0;      ///< First row, or the offset of the frame.
+  };
+
+  Time time{};
+  std::optional<Location> recorded;
+  std::optional<Location> latent;
+};
+
+/// Everything `engram info` says of one entity.
+struct EntitySummary {
+  MemoryId id;
+  uint64_t snapshots = 0;  ///< Distinct times, whatever their representation.
+  Time first{};
+  Time last{};
+  uint64_t recorded_snapshots = 0;
+  uint64_t latent_snapshots = 0;
+  uint64_t raw_bytes = 0;      ///< Plain bytes of the snapshots that were kept.
+  uint64_t offered = 0;        ///< Snapshots that came in, dropped ones included.
+  uint64_t offered_bytes = 0;  ///< Their plain bytes.
+  uint64_t stored_bytes = 0;   ///< Recorded form: segments and journal.
+  uint64_t latent_bytes = 0;   ///< Latents, without models.
+  uint64_t model_bytes = 0;    ///< All model files of the entity.
+  std::vector<ModelInfo> models;
+  LatentSums latent;  ///< Over all latent segments; the newest model's version.
+};
+
+/// Reads one generation of a store, unsealed journal included. Later changes are not seen.
+///
+/// Threading: one thread. Any number of readers run beside each other and beside a writer.
+/// Source: docs/format.md.
+class StoreReader {
+ public:
+  /// Errors: those of read_manifest; kDataLoss where a published file is missing or damaged.
+  static Result<std::unique_ptr<StoreReader>> open(const std::filesystem::path& store);
+  ~StoreReader();
+
+  [[nodiscard]] const std::filesystem::path& path() const;
+  [[nodiscard]] const Manifest& manifest() const;
+
+  /// In the order of their names.
+  [[nodiscard]] std::vector<MemoryId> entities() const;
+
+  /// Errors: kNotFound naming the entity and the ones there are.
+  Result<EntitySummary> summary(const MemoryId& entity);
+
+  /// All snapshots of the entity in the order of time; valid as long as the reader.
+  /// Errors: kNotFound, kDataLoss.
+  Result<const std::vector<SnapshotEntry>*> index(const MemoryId& entity);
+
+  /// Places in journals, sealed ones included, where acknowledged data was found damaged.
+  [[nodiscard]] uint64_t damaged_places() const;
+
+  /// The recorded form as it is stored. Needs `entry.recorded` (checked).
+  /// Errors: kDataLoss naming the segment and the row.
+  Result<PackedSnapshot> read_packed(const MemoryId& entity, const SnapshotEntry& entry);
+
+  /// Decodes the recorded form. Needs `entry.recorded` (checked).
+  /// Errors: kDataLoss naming the segment and the row.
+  Result<Snapshot> read_recorded(const MemoryId& entity, const SnapshotEntry& entry);
+
+  /// Reads the latents. Needs `entry.latent` (checked).
+  /// Errors: kDataLoss naming the segment and the row.
+  Result<LatentSnapshot> read_latent(const MemoryId& entity, const SnapshotEntry& entry);
+
+ private:
+  struct State;
+  explicit StoreReader(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace engram::ltm

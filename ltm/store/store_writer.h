@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ltm/store/packed_snapshot.h"
+
+namespace engram::ltm {
+
+/// When what was written is forced to the disk. `kill -9` loses nothing at any level; these say
+/// what a power cut may cost.
+enum class Durability {
+  kEvery,     ///< Nothing acknowledged. One fsync per append.
+  kInterval,  ///< At most what was acknowledged in the last Options::sync_interval.
+  kNone,      ///< What the operating system had not written yet.
+};
+
+/// The only writer of a store: appends to the journal, seals journals into segments.
+///
+/// Threading: one thread. One per store, over all processes (file lock).
+/// Source: docs/format.md.
+class StoreWriter {
+ public:
+  struct Options {
+    Durability durability = Durability::kInterval;
+    Duration sync_interval = std::chrono::milliseconds(200);
+    /// A journal of this size is sealed. Costs as much memory while sealing.
+    uint64_t seal_bytes = 64 << 20;
+    /// So is one whose first snapshot came this long ago, by the clock, at the next append.
+    Duration seal_after = std::chrono::minutes(10);
+  };
+
+  /// Opens a store and takes over what a killed writer left in its journals.
+  /// Errors: kFailedPrecondition where another process writes; those of read_manifest.
+  static Result<std::unique_ptr<StoreWriter>> open(const std::filesystem::path& store,
+                                                   const Options& options,
+                                                   Clock clock = system_now);
+  ~StoreWriter();
+
+  /// Appends to the journal; the bytes of each frame are returned through `frame_bytes`.
+  /// After ok, all of them survive `kill -9`; after an error, none of them was acknowledged.
+  Status append(const std::vector<PackedSnapshot>& snapshots, std::vector<uint64_t>* frame_bytes);
+
+  /// Notes what filters dropped after the last snapshot that was kept.
+  Status append_dropped(const MemoryId& entity, uint64_t dropped, uint64_t dropped_bytes);
+
+  /// Publishes everything in the journal as one segment.
+  Status seal();
+
+  [[nodiscard]] std::optional<Time> last_time(const MemoryId& entity) const;
+
+  /// Acknowledged frames that could not be read when the store was opened.
+  [[nodiscard]] uint64_t lost_frames() const;
+
+ private:
+  struct State;
+  explicit StoreWriter(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace engram::ltm
