@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recall/model.h"
+
+namespace engram::ltm {
+
+namespace {
+
+class CopyLastPredictor final : public Predictor {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "copy-last"; }
+  [[nodiscard]] Duration step() const override { return Duration(0); }
+  [[nodiscard]] size_t context() const override { return 1; }
+
+  Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history, int steps) override {
+    if (history.empty()) return invalid_argument("copy-last: needs at least one past value");
+    return std::vector<idf::Data>(static_cast<size_t>(std::max(steps, 0)), history.back());
+  }
+
+  [[nodiscard]] MeasuredError expected_error(int) const override { return {}; }
+};
+
+}  // namespace
+
+std::unique_ptr<Predictor> make_copy_last_predictor() {
+  return std::make_unique<CopyLastPredictor>();
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ltm/store/latent.h"
+
+namespace engram::ltm {
+
+/// Turns values of one entity into latents and back.
+///
+/// Threading: one thread.
+/// Source: docs/design.md, section 5.
+class Encoder {
+ public:
+  virtual ~Encoder() = default;
+
+  /// One latent per value, in order.
+  /// Errors: kInvalidArgument where a value has another layout than the model.
+  virtual Result<std::vector<Latent>> encode(std::span<const idf::Data> values) = 0;
+
+  /// One value per latent, in order. Exactly what a query answers. Safe on hostile bytes.
+  /// Errors: kDataLoss where a latent is not of this model.
+  virtual Result<std::vector<idf::Data>> decode(std::span<const Latent> latents) = 0;
+};
+
+/// Continues the past of one entity.
+///
+/// Threading: one thread.
+class Predictor {
+ public:
+  virtual ~Predictor() = default;
+
+  /// "copy-last" or "deep": what an answer names as its engine.
+  [[nodiscard]] virtual std::string_view name() const = 0;
+
+  /// Time between two snapshots that it was trained on; zero where any will do.
+  [[nodiscard]] virtual Duration step() const = 0;
+
+  /// Past snapshots that it wants to see; fewer are accepted, at least one is needed.
+  [[nodiscard]] virtual size_t context() const = 0;
+
+  /// The values 1..`steps` steps after the last of `history` (oldest first).
+  /// Errors: kInvalidArgument where a value has another layout than the model.
+  virtual Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history,
+                                                 int steps) = 0;
+
+  /// Error to expect of a prediction so many steps ahead, measured on data that the model was not
+  /// trained on; the last measured one for steps beyond. NaNs where nothing was measured.
+  [[nodiscard]] virtual MeasuredError expected_error(int steps) const = 0;
+};
+
+/// The parts of one model file.
+struct LoadedModel {
+  std::unique_ptr<Encoder> encoder;
+  std::unique_ptr<Predictor> predictor;
+};
+
+/// Opens a model file. Given from above, so that recall needs no learning library.
+using ModelLoader = std::function<Result<LoadedModel>(const std::filesystem::path&)>;
+
+/// A predictor that answers with the last value: the floor of every other one.
+[[nodiscard]] std::unique_ptr<Predictor> make_copy_last_predictor();
+
+}  // namespace engram::ltm

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recall/select.h"
+
+#include <algorithm>
+
+namespace engram::ltm {
+
+namespace {
+
+/// Applies each kind of selector to the same times.
+struct Selecting {
+  std::span<const Time> times;
+
+  [[nodiscard]] size_t size() const { return times.size(); }
+  [[nodiscard]] size_t lower(Time time) const {
+    return static_cast<size_t>(std::ranges::lower_bound(times, time) - times.begin());
+  }
+  [[nodiscard]] size_t upper(Time time) const {
+    return static_cast<size_t>(std::ranges::upper_bound(times, time) - times.begin());
+  }
+  [[nodiscard]] static Selection range(size_t first, size_t end) {
+    return {first, end > first ? end - first : 0, {}};
+  }
+
+  Selection operator()(select::All) const { return range(0, size()); }
+  Selection operator()(select::Latest s) const {
+    const size_t count = std::min(size(), static_cast<size_t>(std::max<int64_t>(s.count, 0)));
+    return range(size() - count, size());
+  }
+  Selection operator()(select::At s) const {
+    if (!times.empty() && s.time > times.back()) return {0, 0, s.time};
+    return range(lower(s.time), upper(s.time));
+  }
+  Selection operator()(select::Ahead s) const {
+    if (times.empty()) return {};
+    if (s.offset <= Duration(0)) return (*this)(select::At{times.back() + s.offset});
+    return {0, 0, times.back() + s.offset};
+  }
+  Selection operator()(select::Nearest s) const {
+    if (times.empty()) return {};
+    size_t best = std::min(lower(s.time), size() - 1);
+    if (best > 0 && s.time - times[best - 1] <= times[best] - s.time) --best;
+    if (best + 1 == size() && times[best] < s.time) best = size() - 1;
+    return std::chrono::abs(times[best] - s.time) <= s.tolerance ? range(best, best + 1) : Selection{};
+  }
+  Selection operator()(select::Before s) const {
+    const size_t end = s.is_inclusive ? upper(s.time) : lower(s.time);
+    return end == 0 ? Selection{} : range(end - 1, end);
+  }
+  Selection operator()(select::After s) const {
+    const size_t first = upper(s.time);
+    return first == size() ? Selection{} : range(first, first + 1);
+  }
+  Selection operator()(select::TimeRange s) const { return range(lower(s.first), upper(s.last)); }
+  Selection operator()(select::LastDuration s) const {
+    return times.empty() ? Selection{} : range(lower(times.back() - s.duration), size());
+  }
+  Selection operator()(select::IndexRange s) const {
+    const auto count = static_cast<int64_t>(size());
+    const auto from_end = [count](int64_t index) { return index < 0 ? index + count : index; };
+    const int64_t first = std::max<int64_t>(from_end(s.first), 0);
+    const int64_t last = std::min(from_end(s.last), count - 1);
+    if (last < first) return {};
+    return range(static_cast<size_t>(first), static_cast<size_t>(last) + 1);
+  }
+};
+
+}  // namespace
+
+Selection select_times(const Selector& selector, std::span<const Time> times) {
+  return std::visit(Selecting{times}, selector);
+}
+
+}  // namespace engram::ltm

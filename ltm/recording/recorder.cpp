@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recording/recorder.h"
+
+#include "ltm/codec/codec.h"
+#include "ltm/filter/frequency_filter.h"
+#include "ltm/store/manifest.h"
+
+namespace engram::ltm {
+
+struct Recorder::State {
+  /// One entity on its way in.
+  struct Channel {
+    std::unique_ptr<Filter> filter;  ///< Null: everything is kept.
+    uint64_t dropped = 0;            ///< Since the last snapshot that was kept.
+    uint64_t dropped_bytes = 0;
+  };
+
+  Options options;
+  std::unique_ptr<StoreWriter> writer;
+  std::map<MemoryId, Channel> channels;
+  std::map<MemoryId, RecordingCounters> counters;
+
+  Result<Channel*> channel(const MemoryId& entity) {
+    if (const auto known = channels.find(entity); known != channels.end()) return &known->second;
+    Channel made;
+    if (options.max_rate_hz) {
+      ENGRAM_ASSIGN_OR_RETURN(FrequencyFilter filter,
+                              FrequencyFilter::create({.max_rate_hz = *options.max_rate_hz}));
+      made.filter = std::make_unique<FrequencyFilter>(std::move(filter));
+    }
+    return &channels.emplace(entity, std::move(made)).first->second;
+  }
+
+  Status check(const Snapshot& snapshot) const {
+    if (!snapshot.entity.is_entity())
+      return invalid_argument("commit: '{}' is no entity: needs four names",
+                              snapshot.entity.to_string());
+    const std::optional<Time> last = writer->last_time(snapshot.entity);
+    if (last && snapshot.time <= *last)
+      return invalid_argument("entity '{}': time runs backwards: found {}, needs one after {}",
+                              snapshot.entity.to_string(), to_string(snapshot.time),
+                              to_string(*last));
+    return {};
+  }
+
+  Result<PackedSnapshot> pack_snapshot(const Snapshot& snapshot, uint64_t raw_bytes) const {
+    PackedSnapshot packed{snapshot.entity, snapshot.time, {}, raw_bytes, 0, 0};
+    for (const Instance& instance : snapshot.instances) {
+      auto value = pack(instance.data, options.pack);
+      if (!value.ok()) return value.status().with_context(snapshot.id().to_string());
+      packed.instances.push_back({std::move(value).value(), instance.metadata});
+    }
+    return packed;
+  }
+};
+
+Status Recorder::Options::validate() const {
+  if (max_rate_hz) ENGRAM_RETURN_IF_ERROR(FrequencyFilter::Options{*max_rate_hz}.validate());
+  if (find_codec(pack.image_codec) == nullptr)
+    return invalid_argument("unknown image codec '{}'", pack.image_codec);
+  return {};
+}
+
+Recorder::Recorder(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Recorder::Recorder(Recorder&&) noexcept = default;
+Recorder::~Recorder() = default;
+
+Result<Recorder> Recorder::open(const std::filesystem::path& store, const Options& options) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  std::error_code error;
+  if (!std::filesystem::exists(store, error) || std::filesystem::is_empty(store, error))
+    ENGRAM_RETURN_IF_ERROR(create_store(store));
+  auto state = std::make_unique<State>();
+  state->options = options;
+  ENGRAM_ASSIGN_OR_RETURN(state->writer, StoreWriter::open(store, options.store));
+  return Recorder(std::move(state));
+}
+
+Status Recorder::commit(const Commit& commit) {
+  std::vector<PackedSnapshot> kept;
+  std::vector<State::Channel*> channels;
+  for (const Snapshot& snapshot : commit.updates) {
+    ENGRAM_RETURN_IF_ERROR(state_->check(snapshot));
+    ENGRAM_ASSIGN_OR_RETURN(State::Channel * channel, state_->channel(snapshot.entity));
+    RecordingCounters& counters = state_->counters[snapshot.entity];
+    const uint64_t raw_bytes = snapshot.raw_bytes();
+    ++counters.offered;
+    counters.offered_bytes += raw_bytes;
+    if (channel->filter != nullptr && !channel->filter->keeps(snapshot)) {
+      ++counters.dropped_by[std::string(channel->filter->name())];
+      ++channel->dropped;
+      channel->dropped_bytes += raw_bytes;
+      continue;
+    }
+    ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, state_->pack_snapshot(snapshot, raw_bytes));
+    packed.dropped = channel->dropped;
+    packed.dropped_bytes = channel->dropped_bytes;
+    kept.push_back(std::move(packed));
+    channels.push_back(channel);
+  }
+  std::vector<uint64_t> frame_bytes;
+  ENGRAM_RETURN_IF_ERROR(state_->writer->append(kept, &frame_bytes));
+  for (size_t i = 0; i < kept.size(); ++i) {
+    channels[i]->dropped = channels[i]->dropped_bytes = 0;
+    RecordingCounters& counters = state_->counters[kept[i].entity];
+    ++counters.kept;
+    counters.kept_bytes += kept[i].raw_bytes;
+    counters.stored_bytes += frame_bytes[i];
+  }
+  return {};
+}
+
+Status Recorder::close() {
+  for (auto& [entity, channel] : state_->channels) {
+    if (channel.dropped == 0) continue;
+    ENGRAM_RETURN_IF_ERROR(
+        state_->writer->append_dropped(entity, channel.dropped, channel.dropped_bytes));
+    channel.dropped = channel.dropped_bytes = 0;
+  }
+  return state_->writer->seal();
+}
+
+std::optional<Time> Recorder::last_time(const MemoryId& entity) const {
+  return state_->writer->last_time(entity);
+}
+
+uint64_t Recorder::lost_frames() const { return state_->writer->lost_frames(); }
+
+const std::map<MemoryId, RecordingCounters>& Recorder::counters() const { return state_->counters; }
+
+}  // namespace engram::ltm
