@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "ltm/core/status.h"
+
+namespace engram::cli {
+
+/// What the program tells its caller. Source: docs/design.md, section 4.
+enum class ExitCode : int {
+  kDone = 0,
+  kFailed = 1,
+  kWrongUsage = 2,
+  kDoneWithLoss = 3,  ///< Finished, but data was damaged or lost on the way.
+};
+
+using Json = nlohmann::ordered_json;
+
+/// Adds a command to the program; running it sets `exit_code`.
+void add_import_command(CLI::App& app, ExitCode& exit_code);
+void add_info_command(CLI::App& app, ExitCode& exit_code);
+void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
+void add_query_command(CLI::App& app, ExitCode& exit_code);
+void add_eval_command(CLI::App& app, ExitCode& exit_code);
+void add_simulate_command(CLI::App& app, ExitCode& exit_code);
+
+/// Tells an error on stderr. The exit code is kFailed.
+ExitCode fail(const Status& status);
+
+/// Tells an error of arguments on stderr. The exit code is kWrongUsage.
+ExitCode wrong_usage(const Status& status);
+
+/// Writes a result to stdout.
+void print(const std::string& text);
+void print(const Json& json);
+
+/// Checks for CLI11 that an argument reads as what it should be.
+[[nodiscard]] CLI::Validator duration_text();
+[[nodiscard]] CLI::Validator time_text();
+[[nodiscard]] CLI::Validator entity_text();
+
+}  // namespace engram::cli

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <map>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "cli/text.h"
+#include "datasets/video_reader.h"
+#include "datasets/video_table.h"
+#include "ltm/core/log.h"
+#include "ltm/recording/recorder.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  engram import --video V.mp4 --table T.csv --entity Vision/RGB/head/cam \
+      --state-entity RobotState/Proprioception/robot/joints robot.engram
+  engram import --video V.mp4 --entity Vision/RGB/head/cam --size 128x128 --rate 5 \
+      --start '2022-02-18 13:06:56' robot.engram
+
+Every frame becomes a snapshot {"image", "state"}, every row of the table a snapshot of its
+columns ("a.b" becomes {"a": {"b": ...}}) with a link to its image. Without --start the recording
+begins when the video says it was made, else at 1970-01-01.)";
+
+struct ImportArguments {
+  std::string store;
+  std::string video;
+  std::string table;
+  std::string entity;
+  std::string state_entity;
+  std::string start;
+  std::string table_offset = "0s";
+  std::string time_column;
+  std::string time_unit = "s";
+  std::string size;
+  std::string image_codec = "png";
+  std::string durability = "interval";
+  double rate_hz = 5;
+  bool keeps_all = false;
+  bool crops_square = false;
+  bool is_json = false;
+};
+
+/// "128x96" as width and height.
+Status read_size(const std::string& text, datasets::VideoTableImport& options) {
+  if (text.empty()) return {};
+  int used = 0;
+  const int found = std::sscanf(text.c_str(), "%dx%d%n", &options.width, &options.height, &used);
+  if (found == 2 && static_cast<size_t>(used) == text.size() && options.width > 0 &&
+      options.height > 0)
+    return {};
+  return invalid_argument("--size '{}': needs WIDTHxHEIGHT, as in 128x128", text);
+}
+
+/// The start that was given, else the one in the video, else the epoch.
+Result<Time> start_of(const ImportArguments& arguments) {
+  if (!arguments.start.empty()) return parse_time(arguments.start);
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, datasets::VideoReader::open(arguments.video, {}));
+  return reader.info().creation_time.value_or(Time{});
+}
+
+Result<datasets::VideoTableImport> import_options(const ImportArguments& arguments) {
+  static const std::map<std::string, datasets::TimeUnit> kUnits{
+      {"s", datasets::TimeUnit::kSeconds},
+      {"ms", datasets::TimeUnit::kMilliseconds},
+      {"us", datasets::TimeUnit::kMicroseconds},
+      {"ns", datasets::TimeUnit::kNanoseconds}};
+  datasets::VideoTableImport options;
+  options.video = arguments.video;
+  options.table = arguments.table;
+  ENGRAM_ASSIGN_OR_RETURN(options.entity, ltm::MemoryId::parse(arguments.entity));
+  if (!arguments.state_entity.empty())
+    ENGRAM_ASSIGN_OR_RETURN(options.state_entity, ltm::MemoryId::parse(arguments.state_entity));
+  ENGRAM_ASSIGN_OR_RETURN(options.table_offset, parse_duration(arguments.table_offset));
+  options.table_options.time_column = arguments.time_column;
+  options.table_options.time_unit = kUnits.at(arguments.time_unit);
+  options.crops_square = arguments.crops_square;
+  ENGRAM_RETURN_IF_ERROR(read_size(arguments.size, options));
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  return options;
+}
+
+ltm::Recorder::Options recorder_options(const ImportArguments& arguments) {
+  static const std::map<std::string, ltm::Durability> kLevels{
+      {"every", ltm::Durability::kEvery},
+      {"interval", ltm::Durability::kInterval},
+      {"none", ltm::Durability::kNone}};
+  ltm::Recorder::Options options;
+  if (!arguments.keeps_all) options.max_rate_hz = arguments.rate_hz;
+  options.pack.image_codec = arguments.image_codec;
+  options.store.durability = kLevels.at(arguments.durability);
+  return options;
+}
+
+Json report_json(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
+  Json entities = Json::array();
+  for (const auto& [id, counters] : recorder.counters())
+    entities.push_back({{"entity", id.to_string()},
+                        {"offered", counters.offered},
+                        {"kept", counters.kept},
+                        {"dropped_by", counters.dropped_by},
+                        {"offered_bytes", counters.offered_bytes},
+                        {"kept_bytes", counters.kept_bytes},
+                        {"stored_bytes", counters.stored_bytes}});
+  return {{"frames", report.frames},
+          {"rows", report.rows},
+          {"damaged_frames", report.damaged_frames},
+          {"duplicate_frames", report.duplicate_frames},
+          {"rows_outside_video", report.rows_outside_video},
+          {"cancelled", report.is_cancelled},
+          {"damaged_journal_places", recorder.lost_frames()},
+          {"entities", std::move(entities)}};
+}
+
+void print_report(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
+  TextTable table({"entity", "offered", "kept", "dropped", "raw", "kept raw", "journal"});
+  for (const auto& [id, counters] : recorder.counters()) {
+    std::string dropped = count_text(counters.offered - counters.kept);
+    for (const auto& [filter, count] : counters.dropped_by) dropped += " " + filter;
+    table.add({id.to_string(), count_text(counters.offered), count_text(counters.kept), dropped,
+               bytes_text(static_cast<double>(counters.offered_bytes)),
+               bytes_text(static_cast<double>(counters.kept_bytes)),
+               bytes_text(static_cast<double>(counters.stored_bytes))});
+  }
+  print(table.to_string());
+  if (report.first && report.last)
+    print(fmt::format("{} to {}", to_string(*report.first), to_string(*report.last)));
+  if (report.duplicate_frames > 0)
+    print(fmt::format("{} frames repeat the one before exactly", count_text(report.duplicate_frames)));
+  if (report.rows_outside_video > 0)
+    print(fmt::format("{} rows lie outside of the video", count_text(report.rows_outside_video)));
+}
+
+ExitCode run(const ImportArguments& arguments) {
+  auto options = import_options(arguments);
+  if (!options.ok()) return wrong_usage(options.status());
+  const ltm::Recorder::Options recording = recorder_options(arguments);
+  if (const Status status = recording.validate(); !status.ok()) return wrong_usage(status);
+  const auto start = start_of(arguments);
+  if (!start.ok()) return fail(start.status());
+  options->start = *start;
+  auto recorder = ltm::Recorder::open(arguments.store, recording);
+  if (!recorder.ok()) return fail(recorder.status());
+  ProgressLine progress;
+  const auto report =
+      datasets::import_video_table(*options, *recorder, progress.sink(), interrupt_token());
+  progress.finish();
+  // What was committed before an error stays, and is sealed like the rest.
+  const Status closed = recorder->close();
+  if (!report.ok()) return fail(report.status());
+  if (!closed.ok()) return fail(closed);
+  if (arguments.is_json)
+    print(report_json(*report, *recorder));
+  else
+    print_report(*report, *recorder);
+  if (report->is_cancelled) return fail(cancelled("import was stopped; what was committed stays"));
+  if (recorder->lost_frames() > 0)
+    log::warning("store '{}': {} damaged places in the journal of an earlier session",
+                 arguments.store, recorder->lost_frames());
+  if (report->damaged_frames > 0)
+    log::warning("video '{}': {} damaged frames", arguments.video, report->damaged_frames);
+  return recorder->lost_frames() + report->damaged_frames > 0 ? ExitCode::kDoneWithLoss
+                                                              : ExitCode::kDone;
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<ImportArguments>();
+  CLI::App* command = app.add_subcommand("import", "Record a video and a table into a store");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store; made where it does not exist")->required();
+  command->add_option("--video", arguments->video, "Video, any codec that FFmpeg decodes")->required();
+  CLI::Option* table = command->add_option("--table", arguments->table, "CSV of numbers over time");
+  command->add_option("--entity", arguments->entity, "Entity of the images")
+      ->required()
+      ->check(entity_text());
+  CLI::Option* state =
+      command->add_option("--state-entity", arguments->state_entity, "Entity of the table's rows")
+          ->check(entity_text());
+  table->needs(state);
+  state->needs(table);
+  command->add_option("--start", arguments->start, "When the video began")->check(time_text());
+  command->add_option("--rate", arguments->rate_hz, "Most snapshots per second that are kept")
+      ->capture_default_str();
+  command->add_flag("--all", arguments->keeps_all, "Keep every snapshot")->excludes("--rate");
+  command->add_option("--size", arguments->size, "Scale images to WIDTHxHEIGHT, area-averaged");
+  command->add_flag("--crop-square", arguments->crops_square, "Cut out the centre square first");
+  command->add_option("--image-codec", arguments->image_codec, "png or zstd")->capture_default_str();
+  command->add_option("--time-column", arguments->time_column,
+                      "Column of the table's times; else timestamp, time, t or stamp");
+  command->add_option("--time-unit", arguments->time_unit, "Unit of that column")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
+      ->capture_default_str();
+  command->add_option("--table-offset", arguments->table_offset,
+                      "Added to the table's times to get the video's")
+      ->check(duration_text())
+      ->capture_default_str();
+  command->add_option("--durability", arguments->durability,
+                      "What a power cut may cost: nothing (every), 200 ms (interval), or what the "
+                      "system had not written (none)")
+      ->check(CLI::IsMember({"every", "interval", "none"}))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->is_json, "Report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "cli/command.h"
+#include "cli/text.h"
+#include "ltm/core/log.h"
+#include "ltm/store/store_reader.h"
+#include "training/metrics.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  engram info robot.engram
+  engram info robot.engram --json | jq '.entities[].stored_bytes'
+
+raw      bytes of the plain values: as they came (offered) and after the filters (kept)
+stored   their recorded form: segments and journal
+latent   their form as latents; the model that decodes them counts beside)";
+
+/// A figure per snapshot, or nothing where there are none.
+double each(uint64_t total, uint64_t count) {
+  return count == 0 ? 0 : static_cast<double>(total) / static_cast<double>(count);
+}
+
+double mean_of(double sum, uint64_t count) {
+  return count == 0 ? std::nan("") : sum / static_cast<double>(count);
+}
+
+/// Snapshots per second within recordings: gaps between them do not count.
+Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(entity));
+  std::vector<Duration> steps;
+  for (size_t i = 1; i < entries->size(); ++i)
+    steps.push_back((*entries)[i].time - (*entries)[i - 1].time);
+  if (steps.empty()) return 0.0;
+  const auto middle = steps.begin() + static_cast<ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return 1 / to_seconds(*middle);
+}
+
+Json entity_json(const ltm::EntitySummary& summary, double rate_hz) {
+  Json models = Json::array();
+  for (const ltm::ModelInfo& model : summary.models)
+    models.push_back({{"version", model.version}, {"file", model.file}, {"bytes", model.bytes}});
+  Json json{{"id", summary.id.to_string()},
+            {"snapshots", summary.snapshots},
+            {"recorded_snapshots", summary.recorded_snapshots},
+            {"latent_snapshots", summary.latent_snapshots},
+            {"offered_snapshots", summary.offered},
+            {"first_ns", to_ns(summary.first)},
+            {"last_ns", to_ns(summary.last)},
+            {"rate_hz", rate_hz},
+            {"offered_bytes", summary.offered_bytes},
+            {"raw_bytes", summary.raw_bytes},
+            {"stored_bytes", summary.stored_bytes},
+            {"latent_bytes", summary.latent_bytes},
+            {"model_bytes", summary.model_bytes},
+            {"models", std::move(models)}};
+  const ltm::LatentSums& sums = summary.latent;
+  if (sums.image_rows > 0) {
+    json["psnr_mean_over_images_db"] = mean_of(sums.psnr_db, sums.image_rows);
+    json["psnr_pooled_error_db"] = training::psnr_db(mean_of(sums.image_mse, sums.image_rows));
+  }
+  if (sums.number_rows > 0)
+    json["rmse"] = std::sqrt(mean_of(sums.number_mse, sums.number_rows));
+  return json;
+}
+
+std::string quality_text(const ltm::LatentSums& sums) {
+  std::string text;
+  if (sums.image_rows > 0)
+    text += fmt::format(", PSNR {} mean over images, {} pooled",
+                        db_text(mean_of(sums.psnr_db, sums.image_rows)),
+                        db_text(training::psnr_db(mean_of(sums.image_mse, sums.image_rows))));
+  if (sums.number_rows > 0)
+    text += fmt::format(", RMSE {} over numbers",
+                        number_text(std::sqrt(mean_of(sums.number_mse, sums.number_rows))));
+  return text;
+}
+
+std::string bytes_each(uint64_t total, uint64_t count) {
+  return fmt::format("{} ({} each)", bytes_text(static_cast<double>(total)),
+                     bytes_text(each(total, count)));
+}
+
+void print_entity(const ltm::EntitySummary& summary, double rate_hz) {
+  print("\n" + summary.id.to_string());
+  print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
+                    count_text(summary.snapshots), count_text(summary.offered),
+                    count_text(summary.recorded_snapshots), count_text(summary.latent_snapshots)));
+  if (summary.snapshots > 0)
+    print(fmt::format("  span       {} to {}, {:.3g} Hz", to_string(summary.first),
+                      to_string(summary.last), rate_hz));
+  print(fmt::format("  raw        {} offered, {} kept",
+                    bytes_text(static_cast<double>(summary.offered_bytes)),
+                    bytes_each(summary.raw_bytes, summary.snapshots)));
+  print("  stored     " + bytes_each(summary.stored_bytes, summary.recorded_snapshots));
+  if (summary.latent_snapshots == 0) return;
+  print(fmt::format("  latent     {} + {} model = {}",
+                    bytes_each(summary.latent_bytes, summary.latent_snapshots),
+                    bytes_text(static_cast<double>(summary.model_bytes)),
+                    bytes_each(summary.latent_bytes + summary.model_bytes,
+                               summary.latent_snapshots)));
+  std::string models;
+  for (const ltm::ModelInfo& model : summary.models)
+    models += fmt::format("{}v{}", models.empty() ? "" : ", ", model.version);
+  print("  models     " + models + quality_text(summary.latent));
+}
+
+ExitCode run(const std::string& store, bool is_json) {
+  auto reader = ltm::StoreReader::open(store);
+  if (!reader.ok()) return fail(reader.status());
+  const ltm::Manifest& manifest = (*reader)->manifest();
+  const uint64_t damaged = (*reader)->damaged_places();
+  const std::vector<ltm::MemoryId> entities = (*reader)->entities();
+  Json json{{"store", store},
+            {"id", manifest.store_id},
+            {"format_version", ltm::kStoreFormatVersion},
+            {"generation", manifest.generation},
+            {"segments", manifest.segments.size()},
+            {"damaged_journal_places", damaged},
+            {"entities", Json::array()}};
+  if (!is_json)
+    print(fmt::format("Store {}: {} entities, {} segments, {} models, generation {}", store,
+                      entities.size(), manifest.segments.size(), manifest.models.size(),
+                      manifest.generation));
+  if (!is_json && entities.empty()) print("It is empty.");
+  for (const ltm::MemoryId& entity : entities) {
+    const auto summary = (*reader)->summary(entity);
+    if (!summary.ok()) return fail(summary.status());
+    const auto rate_hz = typical_rate_hz(**reader, entity);
+    if (!rate_hz.ok()) return fail(rate_hz.status());
+    if (is_json)
+      json["entities"].push_back(entity_json(*summary, *rate_hz));
+    else
+      print_entity(*summary, *rate_hz);
+  }
+  if (is_json) print(json);
+  if (damaged > 0)
+    log::warning("store '{}': {} places in its journals were found damaged; what was there is lost",
+                 store, damaged);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, ExitCode& exit_code) {
+  const auto store = std::make_shared<std::string>();
+  const auto is_json = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("info", "Show what a store holds");
+  command->footer(kFooter);
+  command->add_option("store", *store, "Store")->required();
+  command->add_flag("--json", *is_json, "As JSON");
+  command->callback([store, is_json, &exit_code] { exit_code = run(*store, *is_json); });
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/interrupt.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <thread>
+
+namespace engram::cli {
+
+namespace {
+
+std::stop_source& source() {
+  static std::stop_source instance;
+  return instance;
+}
+
+}  // namespace
+
+void watch_for_interrupts() {
+  // A handler may do next to nothing: a thread of its own waits for the signals instead. Threads
+  // that are made later inherit the mask.
+  static sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  (void)source();
+  std::thread([] {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    source().request_stop();
+    sigwait(&signals, &signal);
+    _exit(128 + signal);
+  }).detach();
+}
+
+std::stop_token interrupt_token() { return source().get_token(); }
+
+}  // namespace engram::cli

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <exception>
+#include <new>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "ltm/core/log.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  engram simulate scene --video scene.mp4 --table scene.csv
+  engram import --video scene.mp4 --table scene.csv --entity Vision/RGB/head/cam \
+      --state-entity RobotState/Proprioception/robot/joints --rate 5 robot.engram
+  engram info robot.engram
+  engram consolidate robot.engram --budget 2m
+  engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
+  engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
+  engram eval robot.engram
+
+Results go to stdout, messages and progress to stderr.
+Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app{"Engram: a deep episodic memory for robots"};
+  app.name("engram");
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "engram " ENGRAM_VERSION);
+  bool is_quiet = false;
+  app.add_flag("-q,--quiet", is_quiet, "Only errors on stderr")->each([](const std::string&) {
+    log::set_level(log::Level::kError);
+  });
+  auto exit_code = ExitCode::kDone;
+  add_import_command(app, exit_code);
+  add_info_command(app, exit_code);
+  add_consolidate_command(app, exit_code);
+  add_query_command(app, exit_code);
+  add_eval_command(app, exit_code);
+  add_simulate_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+}  // namespace engram::cli
+
+int main(int argc, char** argv) {
+  engram::cli::watch_for_interrupts();
+  try {
+    return static_cast<int>(engram::cli::run(argc, argv));
+  } catch (const std::bad_alloc&) {
+    engram::log::write(engram::log::Level::kError, "out of memory");
+  } catch (const std::exception& error) {
+    engram::log::write(engram::log::Level::kError, error.what());
+  }
+  return static_cast<int>(engram::cli::ExitCode::kFailed);
+}

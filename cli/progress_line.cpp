@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/progress_line.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "cli/text.h"
+#include "ltm/core/log.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr auto kRedraw = std::chrono::milliseconds(100);
+constexpr auto kPlainLine = std::chrono::seconds(5);
+constexpr int kBarCells = 24;
+
+size_t terminal_width() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string line_of(const Progress& progress, bool has_bar) {
+  std::string line = progress.what;
+  if (progress.total > 0) {
+    const double share =
+        std::min(1.0, static_cast<double>(progress.done) / static_cast<double>(progress.total));
+    const int cells = static_cast<int>(share * kBarCells);
+    if (has_bar)
+      line += fmt::format(" [{}{}]", std::string(static_cast<size_t>(cells), '#'),
+                          std::string(static_cast<size_t>(kBarCells - cells), '.'));
+    line += fmt::format(" {:3.0f} %", 100 * share);
+  } else {
+    line += fmt::format(" {}", count_text(progress.done));
+  }
+  if (!progress.detail.empty()) line += "  " + progress.detail;
+  if (progress.seconds_left >= 0) line += fmt::format("  {} left", seconds_text(progress.seconds_left));
+  return line;
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine()
+    : is_quiet_(log::level() > log::Level::kInfo), is_terminal_(::isatty(STDERR_FILENO) != 0) {}
+
+ProgressLine::~ProgressLine() { finish(); }
+
+ProgressSink ProgressLine::sink() {
+  if (is_quiet_) return {};
+  return [this](const Progress& progress) { show(progress); };
+}
+
+void ProgressLine::finish() {
+  if (is_open_) fmt::print(stderr, "\n");
+  is_open_ = false;
+}
+
+void ProgressLine::show(const Progress& progress) {
+  const bool is_end = progress.total > 0 && progress.done >= progress.total;
+  const bool is_new = progress.what != what_;
+  const auto now = WallClock::now();
+  if (!is_new && !is_end && now - last_ < (is_terminal_ ? WallClock::duration(kRedraw) : kPlainLine))
+    return;
+  if (is_new) finish();
+  what_ = progress.what;
+  last_ = now;
+  if (!is_terminal_) {
+    fmt::print(stderr, "{}\n", line_of(progress, false));
+    return;
+  }
+  fmt::print(stderr, "\r\033[K{:.{}}", line_of(progress, true), terminal_width() - 1);
+  std::fflush(stderr);
+  is_open_ = true;
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,74 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# One journey through everything: recordings become a memory that answers about the past and the
+# future.  Usage: demo.sh ENGRAM DIR RECORDINGS BUDGET SECONDS
+set -eu
+
+engram=$1
+dir=$2
+recordings=$3
+budget=$4
+seconds=$5
+store=$dir/robot.engram
+camera=Vision/RGB/head/cam
+joints=RobotState/Proprioception/robot/joints
+
+say() { printf '\n\033[1m%s\033[0m\n' "$*"; }
+run() { printf '$ engram %s\n' "$*"; "$engram" "$@"; }
+
+# Pairs NAME.mp4 and NAME.csv below a folder, one "video table" a line.
+pairs() {
+  find "$1" -name '*.mp4' | sort | while read -r video; do
+    name=$(basename "$video" .mp4)
+    table=$(find "$1" -name "$name.csv" | sort | head -n 1)
+    [ -z "$table" ] || printf '%s\t%s\n' "$video" "$table"
+  done
+}
+
+mkdir -p "$dir"
+if [ -n "$recordings" ] && [ -d "$recordings" ] && [ -n "$(pairs "$recordings")" ]; then
+  pairs "$recordings" > "$dir/recordings.txt"
+  size=128x128
+else
+  [ -z "$recordings" ] || [ -d "$recordings" ] || echo "No recordings in '$recordings': a scene is rendered."
+  say "No recordings: render a scene with a robot arm"
+  run simulate scene --seconds "$seconds" --seed 1 --video "$dir/scene.mp4" --table "$dir/scene.csv"
+  printf '%s\t%s\n' "$dir/scene.mp4" "$dir/scene.csv" > "$dir/recordings.txt"
+  size=128x128
+fi
+
+# The same recordings and budget: the memory is there already.
+wanted="$(cat "$dir/recordings.txt") $budget $size"
+if [ -d "$store" ] && [ "$(cat "$dir/done.txt" 2>/dev/null)" = "$wanted" ]; then
+  say "The memory of the last run is used again (remove $dir to start afresh)"
+else
+  rm -rf "$store" "$dir/done.txt"
+  say "1. Import: filter to 5 Hz, compress, journal, segments"
+  minute=0
+  tab=$(printf '\t')
+  while IFS="$tab" read -r video table; do
+    run import --video "$video" --table "$table" --entity $camera --state-entity $joints \
+      --size $size --rate 5 --start "$(printf '2022-02-18T13:%02d:00Z' $minute)" "$store"
+    minute=$((minute + 1))
+  done < "$dir/recordings.txt"
+
+  say "2. What the memory holds"
+  run info "$store"
+
+  say "3. Consolidate: one autoencoder per entity ($budget each)"
+  run consolidate "$store" --budget "$budget"
+  printf '%s' "$wanted" > "$dir/done.txt"
+fi
+
+say "4. The past, from whichever form holds it"
+run info "$store"
+run query "$store" "$camera @ latest:3" --save "$dir/latest"
+run query "$store" "$camera @ latest:3" --prefer latent --save "$dir/reconstructed"
+
+say "5. The future"
+run query "$store" "$camera @ +200ms" --save "$dir/future"
+run query "$store" "$joints @ +400ms" --save "$dir/future"
+
+say "6. How good is it?"
+run eval "$store" --picture "$dir/eval.png"
+printf '\nLook at %s: recorded, reconstructed and predicted side by side.\n' "$dir/eval.png"
