@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: the C types of FFmpeg's libraries with owners and colours spelled out.
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libswscale/swscale.h>
+}
+
+#include <memory>
+#include <string>
+
+#include "ltm/core/status.h"
+
+namespace engram::datasets::libav {
+
+/// Frees through the functions of libav that take the address of the pointer.
+template <auto kFree>
+struct Freer {
+  template <typename T>
+  void operator()(T* object) const {
+    kFree(&object);
+  }
+};
+
+struct ScalerFreer {
+  void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+};
+
+using Input = std::unique_ptr<AVFormatContext, Freer<avformat_close_input>>;
+using Codec = std::unique_ptr<AVCodecContext, Freer<avcodec_free_context>>;
+using Frame = std::unique_ptr<AVFrame, Freer<av_frame_free>>;
+using Packet = std::unique_ptr<AVPacket, Freer<av_packet_free>>;
+using Scaler = std::unique_ptr<SwsContext, ScalerFreer>;
+
+/// The library's words for an error code.
+[[nodiscard]] std::string error_text(int error);
+
+/// Keeps the libraries from printing: everything they have to say becomes a Status or a count.
+void silence();
+
+/// How the pixels of a picture are laid out and what their numbers mean.
+struct PixelFormat {
+  int width = 0;
+  int height = 0;
+  AVPixelFormat format = AV_PIX_FMT_NONE;
+  AVColorSpace matrix = AVCOL_SPC_UNSPECIFIED;
+  bool is_full_range = false;
+  AVChromaLocation chroma = AVCHROMA_LOC_UNSPECIFIED;
+
+  friend bool operator==(const PixelFormat&, const PixelFormat&) = default;
+};
+
+/// RGB, 8 bits each, packed.
+[[nodiscard]] PixelFormat rgb_format(int width, int height);
+
+/// What a decoded frame states. Where it states no matrix, players agree on BT.709 from 720 lines
+/// on and on BT.601 below; where it states no range, on the limited one.
+[[nodiscard]] PixelFormat format_of(const AVFrame& frame);
+
+/// Converts between two formats of one size. Both matrices and ranges are set explicitly and all
+/// chroma is interpolated with accurate rounding: the defaults cost up to 5 dB.
+/// Errors: kInvalidArgument where a format or matrix is not supported.
+Result<Scaler> make_converter(const PixelFormat& from, const PixelFormat& to);
+
+}  // namespace engram::datasets::libav

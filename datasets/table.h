@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "ltm/core/time.h"
+#include "ltm/idf/data.h"
+
+namespace engram::datasets {
+
+/// Unit of a bare number that is a time.
+enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
+
+/// Reads "s", "ms", "us" or "ns".
+/// Errors: kInvalidArgument.
+Result<TimeUnit> parse_time_unit(std::string_view text);
+
+/// Reads a decimal number ("12.5", "-3e-4") as a time without going through a double: exact, and
+/// rounded half away from zero where it is finer than a nanosecond.
+/// Errors: kInvalidArgument naming the text where it is no number or exceeds 292 years.
+Result<Duration> parse_decimal_time(std::string_view text, TimeUnit unit);
+
+/// One named column of numbers: integers if every cell is one that 64 bits hold, else doubles.
+struct TableColumn {
+  std::string name;
+  std::variant<std::vector<int64_t>, std::vector<double>> values;
+};
+
+/// A table of numbers over time, read from a comma-separated file with a header line.
+///
+/// The time column is not among the columns. Times strictly increase from row to row.
+/// Memory: eight bytes per number.
+/// Threading: immutable.
+class Table {
+ public:
+  struct Options {
+    /// Empty: the first column named timestamp, time, t or stamp, in any case.
+    std::string time_column;
+    TimeUnit time_unit = TimeUnit::kSeconds;
+  };
+
+  /// Errors: kNotFound where there is no such file; kInvalidArgument naming file, line and column,
+  /// what was found and what was needed; kUnavailable where the disk fails.
+  static Result<Table> read(const std::filesystem::path& path, const Options& options);
+
+  [[nodiscard]] size_t rows() const { return times_.size(); }
+  [[nodiscard]] const std::vector<TableColumn>& columns() const { return columns_; }
+
+  /// What the time column says, from whatever it counts from. At least one row.
+  [[nodiscard]] const std::vector<Duration>& times() const { return times_; }
+
+  /// The row as nested dicts: the column "state.elbow" is {"state": {"elbow": number}}, in the
+  /// order of the columns; int64 or float64 as the column. Needs row < rows() (checked).
+  [[nodiscard]] idf::Data row_value(size_t row) const;
+
+ private:
+  /// A column, or the dict of all columns whose names begin alike.
+  struct Node {
+    std::string key;
+    size_t column = 0;  ///< Where there are no children.
+    std::vector<Node> children;
+  };
+
+  class Builder;
+
+  [[nodiscard]] idf::Data value_of(const Node& node, size_t row) const;
+
+  std::vector<TableColumn> columns_;
+  std::vector<Duration> times_;
+  Node root_;
+};
+
+}  // namespace engram::datasets

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/video_writer.h"
+
+#include <gtest/gtest.h>
+
+#include "datasets/video_reader.h"
+#include "tests/datasets/fixtures.h"
+
+namespace engram::datasets {
+namespace {
+
+using testing::TemporaryDirectory;
+
+/// Writes and reads 40 images; expects exact times and at least this quality on every image.
+void expect_round_trip(const VideoWriter::Options& options, double least_psnr_db) {
+  const TemporaryDirectory directory;
+  constexpr int kCount = 40;
+  const Status status = testing::write_video(directory / "a.mp4", kCount, options);
+  ASSERT_TRUE(status.ok()) << status.to_string();
+  auto reader = VideoReader::open(directory / "a.mp4", {});
+  ASSERT_TRUE(reader.ok()) << reader.status().to_string();
+  EXPECT_EQ(reader->info().codec, "h264");
+  EXPECT_EQ(reader->info().approximate_frames, uint64_t{kCount});
+  const auto [frames, end] = testing::read_all(*reader);
+  ASSERT_TRUE(end.ok()) << end.to_string();
+  ASSERT_EQ(frames.size(), size_t{kCount});
+  EXPECT_EQ(reader->damaged_frames(), 0u);
+  for (int i = 0; i < kCount; ++i) {
+    const VideoFrame& frame = frames[static_cast<size_t>(i)];
+    const double ns = 1e9 * i * options.rate_denominator / options.rate_numerator;
+    EXPECT_EQ(frame.time.count(), std::llround(ns)) << i;
+    EXPECT_GT(
+        testing::psnr_db(frame.image, testing::smooth_image(options.width, options.height, i)),
+        least_psnr_db)
+        << i;
+  }
+}
+
+TEST(VideoWriter, RoundTripsSmoothImagesAt30Hz) {
+  expect_round_trip({.width = 128, .height = 96, .crf = 10}, 38);
+}
+
+TEST(VideoWriter, RoundTripsWithFullChroma) {
+  expect_round_trip({.width = 128, .height = 96, .crf = 10, .keeps_chroma = true}, 40);
+}
+
+TEST(VideoWriter, RoundTripsAtAFractionalRate) {
+  expect_round_trip(
+      {.width = 64, .height = 64, .rate_numerator = 30000, .rate_denominator = 1001, .crf = 10},
+      38);
+}
+
+TEST(VideoWriter, RoundTripsSlowAndHighDefinitionVideo) {
+  expect_round_trip({.width = 64, .height = 64, .rate_numerator = 1, .rate_denominator = 7}, 34);
+  expect_round_trip({.width = 64, .height = 736, .rate_numerator = 15, .crf = 10}, 38);
+}
+
+TEST(VideoWriter, RoundTripsOddSizesWithFullChroma) {
+  expect_round_trip({.width = 37, .height = 51, .crf = 8, .keeps_chroma = true}, 38);
+}
+
+TEST(VideoWriter, GivesEqualBytesForEqualImages) {
+  const TemporaryDirectory directory;
+  const VideoWriter::Options options{.width = 64, .height = 48};
+  ASSERT_TRUE(testing::write_video(directory / "a.mp4", 30, options).ok());
+  ASSERT_TRUE(testing::write_video(directory / "b.mp4", 30, options).ok());
+  EXPECT_TRUE(testing::content_of(directory / "a.mp4") == testing::content_of(directory / "b.mp4"));
+}
+
+TEST(VideoWriter, PutsTheIndexFirst) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(testing::write_video(directory / "a.mp4", 5, {.width = 64, .height = 48}).ok());
+  const std::string bytes = testing::content_of(directory / "a.mp4");
+  EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
+}
+
+TEST(VideoWriter, NotesTheTimeOfRecording) {
+  const TemporaryDirectory directory;
+  const Time created = *parse_time("2022-02-18 13:06:56");
+  ASSERT_TRUE(
+      testing::write_video(directory / "a.mp4", 2, {.width = 64, .height = 48, .created = created})
+          .ok());
+  ASSERT_TRUE(testing::write_video(directory / "b.mp4", 2, {.width = 64, .height = 48}).ok());
+  EXPECT_EQ(VideoReader::open(directory / "a.mp4", {})->info().created, created);
+  EXPECT_EQ(VideoReader::open(directory / "b.mp4", {})->info().created, std::nullopt);
+}
+
+TEST(VideoWriter, LeavesNothingWithoutClose) {
+  const TemporaryDirectory directory;
+  {
+    auto writer = VideoWriter::create(directory / "a.mp4", {.width = 64, .height = 48});
+    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE(writer->write(testing::smooth_image(64, 48, 0)).ok());
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(directory / "."));
+}
+
+TEST(VideoWriter, RejectsAnImageOfAnotherShape) {
+  const TemporaryDirectory directory;
+  auto writer = VideoWriter::create(directory / "a.mp4", {.width = 64, .height = 48});
+  ASSERT_TRUE(writer.ok());
+  const Status status = writer->write(testing::smooth_image(48, 64, 0));
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("needs uint8 [48, 64, 3]"), std::string::npos)
+      << status.message();
+}
+
+TEST(VideoWriter, RejectsOptionsThatCannotBe) {
+  const TemporaryDirectory directory;
+  const VideoWriter::Options good{.width = 64, .height = 48};
+  auto odd = good, slow = good, bad_crf = good, bad_preset = good, small = good;
+  odd.width = 63;
+  slow.rate_denominator = 0;
+  bad_crf.crf = 52;
+  bad_preset.preset = "hasty";
+  small.height = 0;
+  for (const VideoWriter::Options& options : {odd, slow, bad_crf, bad_preset, small})
+    EXPECT_EQ(VideoWriter::create(directory / "a.mp4", options).status().code(),
+              StatusCode::kInvalidArgument);
+  EXPECT_TRUE(std::filesystem::is_empty(directory / "."));
+}
+
+TEST(VideoWriter, SaysWhereItCannotWrite) {
+  const auto writer = VideoWriter::create("/nowhere/a.mp4", {.width = 64, .height = 48});
+  EXPECT_EQ(writer.status().code(), StatusCode::kUnavailable);
+  EXPECT_NE(writer.status().message().find("/nowhere/a.mp4"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace engram::datasets
