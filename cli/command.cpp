@@ -28,7 +28,7 @@ ExitCode wrong_usage(const Status& status) {
 
 void print(const std::string& text) { fmt::print("{}\n", text); }
 
-void print(const Json& json) { print(json.dump(2)); }
+void print_json(const Json& json) { print(json.dump(2)); }
 
 CLI::Validator duration_text() {
   return {[](const std::string& text) { return problem(parse_duration(text).status()); }, "DURATION"};

@@ -35,7 +35,7 @@ ExitCode wrong_usage(const Status& status);
 
 /// Writes a result to stdout.
 void print(const std::string& text);
-void print(const Json& json);
+void print_json(const Json& json);
 
 /// Checks for CLI11 that an argument reads as what it should be.
 [[nodiscard]] CLI::Validator duration_text();

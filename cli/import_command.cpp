@@ -21,8 +21,9 @@ constexpr const char* kFooter = R"(Examples:
       --start '2022-02-18 13:06:56' robot.engram
 
 Every frame becomes a snapshot {"image", "state"}, every row of the table a snapshot of its
-columns ("a.b" becomes {"a": {"b": ...}}) with a link to its image. Without --start the recording
-begins when the video says it was made, else at 1970-01-01.)";
+columns ("a.b" becomes {"a": {"b": ...}}) with a link to its image; each links to the nearest of
+the other that came in. Without --start the recording begins when the video says it was made, else
+at 1970-01-01. Entities are filtered to --rate each; --all keeps everything.)";
 
 struct ImportArguments {
   std::string store;
@@ -34,6 +35,7 @@ struct ImportArguments {
   std::string table_offset = "0s";
   std::string time_column;
   std::string time_unit = "s";
+  std::vector<std::string> skip_columns;
   std::string size;
   std::string image_codec = "png";
   std::string durability = "interval";
@@ -58,7 +60,7 @@ Status read_size(const std::string& text, datasets::VideoTableImport& options) {
 Result<Time> start_of(const ImportArguments& arguments) {
   if (!arguments.start.empty()) return parse_time(arguments.start);
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, datasets::VideoReader::open(arguments.video, {}));
-  return reader.info().creation_time.value_or(Time{});
+  return reader.info().created.value_or(Time{});
 }
 
 Result<datasets::VideoTableImport> import_options(const ImportArguments& arguments) {
@@ -71,10 +73,10 @@ Result<datasets::VideoTableImport> import_options(const ImportArguments& argumen
   options.video = arguments.video;
   options.table = arguments.table;
   ENGRAM_ASSIGN_OR_RETURN(options.entity, ltm::MemoryId::parse(arguments.entity));
-  if (!arguments.state_entity.empty())
-    ENGRAM_ASSIGN_OR_RETURN(options.state_entity, ltm::MemoryId::parse(arguments.state_entity));
+  ENGRAM_ASSIGN_OR_RETURN(options.state_entity, ltm::MemoryId::parse(arguments.state_entity));
   ENGRAM_ASSIGN_OR_RETURN(options.table_offset, parse_duration(arguments.table_offset));
   options.table_options.time_column = arguments.time_column;
+  options.table_options.skip_columns = arguments.skip_columns;
   options.table_options.time_unit = kUnits.at(arguments.time_unit);
   options.crops_square = arguments.crops_square;
   ENGRAM_RETURN_IF_ERROR(read_size(arguments.size, options));
@@ -152,7 +154,7 @@ ExitCode run(const ImportArguments& arguments) {
   if (!report.ok()) return fail(report.status());
   if (!closed.ok()) return fail(closed);
   if (arguments.is_json)
-    print(report_json(*report, *recorder));
+    print_json(report_json(*report, *recorder));
   else
     print_report(*report, *recorder);
   if (report->is_cancelled) return fail(cancelled("import was stopped; what was committed stays"));
@@ -194,6 +196,8 @@ void add_import_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--time-unit", arguments->time_unit, "Unit of that column")
       ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
       ->capture_default_str();
+  command->add_option("--skip-column", arguments->skip_columns,
+                      "Leave a column of the table out; may be given again");
   command->add_option("--table-offset", arguments->table_offset,
                       "Added to the table's times to get the video's")
       ->check(duration_text())

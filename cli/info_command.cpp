@@ -138,7 +138,7 @@ ExitCode run(const std::string& store, bool is_json) {
     else
       print_entity(*summary, *rate_hz);
   }
-  if (is_json) print(json);
+  if (is_json) print_json(json);
   if (damaged > 0)
     log::warning("store '{}': {} places in its journals were found damaged; what was there is lost",
                  store, damaged);

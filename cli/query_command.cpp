@@ -57,7 +57,7 @@ std::string content_text(const ltm::Snapshot& snapshot) {
     for (const idf::TensorMember& member : layout.members()) {
       if (member.kind == idf::MemberKind::kImage)
         images += fmt::format("{}{} {} {}", images.empty() ? "" : ", ", member.path,
-                              to_string(member.type), to_string(member.shape));
+                              to_string(member.type), idf::to_string(member.shape));
       else
         ++numbers;
     }
@@ -133,7 +133,7 @@ ExitCode run(const QueryArguments& arguments) {
   if (arguments.is_json) {
     const auto json = result_json(*result);
     if (!json.ok()) return fail(json.status());
-    print(*json);
+    print_json(*json);
   } else {
     print_result(*result);
   }

@@ -50,9 +50,10 @@ std::optional<T> parse_whole(std::string_view text) {
   return value;
 }
 
-// "-0" stays a double: an integer has no negative zero.
-std::optional<int64_t> parse_integer(std::string_view text) {
-  return text == "-0" ? std::nullopt : parse_whole<int64_t>(text);
+/// Integers of more than 53 bits may lie between two doubles.
+bool is_exact_double(int64_t value) {
+  constexpr int64_t kLimit = int64_t{1} << 53;
+  return value >= -kLimit && value <= kLimit;
 }
 
 /// A decimal number taken apart: sign, digits without leading zeros, and a power of ten.
@@ -195,6 +196,8 @@ class Table::Builder {
   std::string time_name_;
   std::string last_time_text_;
   size_t time_index_ = 0;
+  size_t cells_in_row_ = 0;
+  std::vector<size_t> cell_of_column_;
   std::unordered_set<std::string> names_;
   Table table_;
 };
@@ -250,7 +253,7 @@ Status Table::Builder::place(size_t column) {
 }
 
 Status Table::Builder::add_column(std::string name) {
-  table_.columns_.push_back({std::move(name), std::vector<int64_t>()});
+  table_.columns_.push_back({std::move(name), {}});
   return place(table_.columns_.size() - 1);
 }
 
@@ -271,8 +274,17 @@ Status Table::Builder::read_header() {
     return broken("found only numbers, needs a header line with the names of the columns");
   ENGRAM_RETURN_IF_ERROR(find_time(cells));
   time_name_ = cells[time_index_];
-  for (size_t i = 0; i < cells.size(); ++i)
-    if (i != time_index_) ENGRAM_RETURN_IF_ERROR(add_column(std::move(cells[i])));
+  for (const std::string& name : options_.skip_columns)
+    if (std::ranges::find(cells, name) == cells.end())
+      return broken(fmt::format("there is no column '{}' to leave out", name));
+  cells_in_row_ = cells.size();
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const bool is_skipped = std::ranges::find(options_.skip_columns, cells[i]) !=
+                            options_.skip_columns.end();
+    if (i == time_index_ || is_skipped) continue;
+    cell_of_column_.push_back(i);
+    ENGRAM_RETURN_IF_ERROR(add_column(std::move(cells[i])));
+  }
   return {};
 }
 
@@ -291,12 +303,9 @@ Status Table::Builder::add_time(std::string_view cell) {
 
 Status Table::Builder::add_number(TableColumn& column, std::string_view cell) const {
   const std::string_view text = without_plus(trimmed(cell));
-  if (auto* integers = std::get_if<std::vector<int64_t>>(&column.values)) {
-    if (const auto number = parse_integer(text)) {
-      integers->push_back(*number);
-      return {};
-    }
-  }
+  if (const auto whole = parse_whole<int64_t>(text); whole && !is_exact_double(*whole))
+    return broken_cell(column.name,
+                       fmt::format("found {}, needs a number that a double holds exactly", shown(cell)));
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error == std::errc::result_out_of_range)
@@ -304,19 +313,17 @@ Status Table::Builder::add_number(TableColumn& column, std::string_view cell) co
                        fmt::format("found {}, needs a number that a double holds", shown(cell)));
   if (error != std::errc() || end != text.data() + text.size())
     return broken_cell(column.name, fmt::format("found {}, needs a number", shown(cell)));
-  if (const auto* integers = std::get_if<std::vector<int64_t>>(&column.values))
-    column.values = std::vector<double>(integers->begin(), integers->end());
-  std::get<std::vector<double>>(column.values).push_back(number);
+  column.values.push_back(number);
   return {};
 }
 
 Status Table::Builder::add_row(const std::vector<std::string>& cells) {
-  const size_t needed = table_.columns_.size() + 1;
-  if (cells.size() != needed)
-    return broken(fmt::format("found {} cells, needs {} as in the header", cells.size(), needed));
+  if (cells.size() != cells_in_row_)
+    return broken(
+        fmt::format("found {} cells, needs {} as in the header", cells.size(), cells_in_row_));
   ENGRAM_RETURN_IF_ERROR(add_time(cells[time_index_]));
   for (size_t i = 0; i < table_.columns_.size(); ++i)
-    ENGRAM_RETURN_IF_ERROR(add_number(table_.columns_[i], cells[i < time_index_ ? i : i + 1]));
+    ENGRAM_RETURN_IF_ERROR(add_number(table_.columns_[i], cells[cell_of_column_[i]]));
   return {};
 }
 
@@ -346,8 +353,7 @@ idf::Data Table::value_of(const Node& node, size_t row) const {
     for (const Node& child : node.children) dict.append_unique(child.key, value_of(child, row));
     return dict;
   }
-  return std::visit([row](const auto& values) { return idf::Data(values[row]); },
-                    columns_[node.column].values);
+  return columns_[node.column].values[row];
 }
 
 idf::Data Table::row_value(size_t row) const {

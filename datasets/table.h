@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "ltm/core/time.h"
@@ -25,10 +24,11 @@ Result<TimeUnit> parse_time_unit(std::string_view text);
 /// Errors: kInvalidArgument naming the text where it is no number or exceeds 292 years.
 Result<Duration> parse_decimal_time(std::string_view text, TimeUnit unit);
 
-/// One named column of numbers: integers if every cell is one that 64 bits hold, else doubles.
+/// One named column of numbers. Always doubles: whether a file happens to hold only whole numbers
+/// must not change the type of an entity.
 struct TableColumn {
   std::string name;
-  std::variant<std::vector<int64_t>, std::vector<double>> values;
+  std::vector<double> values;
 };
 
 /// A table of numbers over time, read from a comma-separated file with a header line.
@@ -42,6 +42,8 @@ class Table {
     /// Empty: the first column named timestamp, time, t or stamp, in any case.
     std::string time_column;
     TimeUnit time_unit = TimeUnit::kSeconds;
+    /// Columns to leave out: row numbers, or what is no number.
+    std::vector<std::string> skip_columns;
   };
 
   /// Errors: kNotFound where there is no such file; kInvalidArgument naming file, line and column,
@@ -55,7 +57,7 @@ class Table {
   [[nodiscard]] const std::vector<Duration>& times() const { return times_; }
 
   /// The row as nested dicts: the column "state.elbow" is {"state": {"elbow": number}}, in the
-  /// order of the columns; int64 or float64 as the column. Needs row < rows() (checked).
+  /// order of the columns. Needs row < rows() (checked).
   [[nodiscard]] idf::Data row_value(size_t row) const;
 
  private:

@@ -32,7 +32,8 @@ if [ -n "$recordings" ] && [ -d "$recordings" ] && [ -n "$(pairs "$recordings")"
 else
   [ -z "$recordings" ] || [ -d "$recordings" ] || echo "No recordings in '$recordings': a scene is rendered."
   say "No recordings: render a scene with a robot arm"
-  run simulate scene --seconds "$seconds" --seed 1 --video "$dir/scene.mp4" --table "$dir/scene.csv"
+  run simulate scene --seconds "$seconds" --seed 1 \
+    --width 128 --height 128 --video "$dir/scene.mp4" --table "$dir/scene.csv"
   printf '%s\t%s\n' "$dir/scene.mp4" "$dir/scene.csv" > "$dir/recordings.txt"
   size=128x128
 fi
@@ -47,8 +48,13 @@ else
   minute=0
   tab=$(printf '\t')
   while IFS="$tab" read -r video table; do
+    # A column that counts the rows is no state of the robot.
+    skip=
+    if head -n 1 "$table" | grep -q '^frame_index,'; then skip="--skip-column frame_index"; fi
+    # shellcheck disable=SC2086  # two arguments or none
     run import --video "$video" --table "$table" --entity $camera --state-entity $joints \
-      --size $size --rate 5 --start "$(printf '2022-02-18T13:%02d:00Z' $minute)" "$store"
+      --size $size --rate 5 $skip \
+      --start "$(printf '2022-02-18T13:%02d:00Z' $minute)" "$store"
     minute=$((minute + 1))
   done < "$dir/recordings.txt"
 

@@ -29,23 +29,40 @@ void expect_rejected(std::string_view content, std::initializer_list<std::string
         << "'" << word << "' is not in: " << table.status().message();
 }
 
-TEST(Table, ReadsIntegersAndDoublesByColumn) {
-  const auto table = read("timestamp,count,angle\n0,1,2\n0.5,-2,2.5\n1,9223372036854775807,-0\n");
+TEST(Table, ReadsEveryColumnAsDoubles) {
+  const auto table = read("timestamp,count,angle\n0,1,2\n0.5,-2,2.5\n1,9007199254740992,-0\n");
   ASSERT_TRUE(table.ok()) << table.status().to_string();
   EXPECT_EQ(table->rows(), 3u);
   ASSERT_EQ(table->columns().size(), 2u);
-  EXPECT_EQ(std::get<std::vector<int64_t>>(table->columns()[0].values),
-            (std::vector<int64_t>{1, -2, std::numeric_limits<int64_t>::max()}));
-  const auto& angles = std::get<std::vector<double>>(table->columns()[1].values);
+  EXPECT_EQ(table->columns()[0].values, (std::vector<double>{1, -2, 9007199254740992.0}));
+  const auto& angles = table->columns()[1].values;
   EXPECT_EQ(angles, (std::vector<double>{2, 2.5, 0}));
   EXPECT_TRUE(std::signbit(angles[2]));
+}
+
+TEST(Table, RejectsAnIntegerThatNoDoubleHolds) {
+  expect_rejected("t,id\n0,9007199254740993\n", {"line 2", "'id'", "9007199254740993"});
+}
+
+TEST(Table, LeavesColumnsOut) {
+  Table::Options options;
+  options.skip_columns = {"name", "frame_index"};
+  const auto table = read("frame_index,t,name,a\n0,0,apple,1.5\n1,1,pear,2.5\n", options);
+  ASSERT_TRUE(table.ok()) << table.status().to_string();
+  EXPECT_EQ(table->row_value(1), idf::Data(idf::Dict{{"a", 2.5}}));
+}
+
+TEST(Table, RejectsAColumnToLeaveOutThatIsNotThere) {
+  Table::Options options;
+  options.skip_columns = {"name"};
+  expect_rejected("t,a\n0,1\n", {"line 1", "'name'"}, options);
 }
 
 TEST(Table, ReadsSpecialNumbersExactly) {
   const auto table = read(
       "t,a\n0,nan\n1,-inf\n2, 0.1 \n3,+1e300\n4,4.9406564584124654e-324\n5,99999999999999999999\n");
   ASSERT_TRUE(table.ok()) << table.status().to_string();
-  const auto& values = std::get<std::vector<double>>(table->columns()[0].values);
+  const auto& values = table->columns()[0].values;
   EXPECT_TRUE(std::isnan(values[0]));
   EXPECT_EQ(values[1], -std::numeric_limits<double>::infinity());
   EXPECT_EQ(values[2], 0.1);
@@ -58,7 +75,7 @@ TEST(Table, NestsNamesWithDotsInTheOrderOfColumns) {
   const auto table = read("state.left.elbow,n,time,state.right\n0.5,7,1,2.5\n");
   ASSERT_TRUE(table.ok()) << table.status().to_string();
   const idf::Data expected = idf::Dict{
-      {"state", idf::Dict{{"left", idf::Dict{{"elbow", 0.5}}}, {"right", 2.5}}}, {"n", int64_t{7}}};
+      {"state", idf::Dict{{"left", idf::Dict{{"elbow", 0.5}}}, {"right", 2.5}}}, {"n", 7.0}};
   EXPECT_EQ(table->row_value(0), expected);
 }
 
@@ -181,7 +198,7 @@ TEST(Table, ReadsTheRealTablesWhole) {
   EXPECT_EQ(table->columns().size(), 53u);
   EXPECT_EQ(table->times()[29], nanoseconds(966'667'000));
   const idf::Data row = table->row_value(29);
-  EXPECT_EQ(row.at("frame_index")->get<int64_t>(), 29);
+  EXPECT_EQ(row.at("frame_index")->get<double>(), 29);
   EXPECT_EQ(row.at("state/kLeftShoulderPitch")->get<double>(), -0.736515);
 }
 

@@ -117,7 +117,7 @@ TEST_F(VideoTable, LinksEqualTimesExactly) {
     EXPECT_EQ(link(rows[i], "camera"), images[i].id().to_string());
   }
   const idf::Data expected = idf::Dict{{"joint", idf::Dict{{"elbow", 1.5}}},
-                                       {"n", int64_t{3}},
+                                       {"n", 3.0},
                                        {"camera", images[3].id().to_string()}};
   EXPECT_EQ(value(rows[3]), expected);
 }

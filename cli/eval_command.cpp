@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "cli/command.h"
+#include "cli/eval_picture.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "cli/text.h"
+#include "training/evaluate.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  engram eval robot.engram
+  engram eval robot.engram --json
+  engram eval robot.engram --picture eval.png
+
+PSNR is on 8-bit RGB, range 255, images capped at 60 dB, in two conventions: the mean over the
+images' PSNR, and the PSNR of the pooled squared error. Predictions start from the recorded past;
+copy-last is measured on the same snapshots. "trained on": autoencoder and dynamics saw them;
+"held out": the dynamics did not; "left-out recordings": neither did.)";
+
+struct EvalArguments {
+  std::string store;
+  training::EvaluateOptions options;
+  std::string picture;
+  bool is_json = false;
+};
+
+std::vector<std::string> image_row(const std::string& what, const training::Quality& quality) {
+  return {what,
+          count_text(quality.images),
+          db_text(quality.mean_psnr_db),
+          db_text(quality.pooled_psnr_db),
+          db_text(quality.low_psnr_db),
+          db_text(quality.minimum_psnr_db)};
+}
+
+std::vector<std::string> number_row(const std::string& what, const training::Quality& quality) {
+  return {what, count_text(quality.numbers), number_text(quality.rmse)};
+}
+
+/// Calls `add` with a label and each quality of an entity, in the order of the report.
+template <typename F>
+void for_each_quality(const training::EntityEvaluation& entity, F add) {
+  add("reconstruction", entity.reconstruction);
+  add("reconstruction, left-out recordings", entity.left_out_reconstruction);
+  for (size_t known = 0; known < entity.prediction.size(); ++known) {
+    const std::string name(training::to_string(static_cast<training::Known>(known)));
+    for (const training::PredictionQuality& prediction : entity.prediction[known]) {
+      const std::string ahead = fmt::format("{} ahead, {}", prediction.horizon, name);
+      add("predicted " + ahead, prediction.model);
+      add("copy-last " + ahead, prediction.copy_last);
+    }
+  }
+}
+
+void print_entity(const training::EntityEvaluation& entity) {
+  print(fmt::format("\n{} v{}: {} snapshots as latents{}", entity.entity.to_string(),
+                    entity.model_version, count_text(entity.snapshots),
+                    entity.not_evaluated == 0
+                        ? ""
+                        : fmt::format(", {} of them not evaluated: their recorded form is gone",
+                                      count_text(entity.not_evaluated))));
+  TextTable bytes({"bytes", "raw", "online", "latents", "model", "latents + model"});
+  const auto count = static_cast<double>(std::max<uint64_t>(entity.snapshots, 1));
+  const auto add_bytes = [&bytes](const std::string& what, const training::EntityEvaluation& of,
+                                  double divisor) {
+    std::vector<std::string> row{what};
+    for (const uint64_t value : {of.raw_bytes, of.stored_bytes, of.latent_bytes, of.model_bytes,
+                                 of.latent_bytes + of.model_bytes})
+      row.push_back(bytes_text(static_cast<double>(value) / divisor));
+    bytes.add(std::move(row));
+  };
+  add_bytes("in all", entity, 1);
+  add_bytes("per snapshot", entity, count);
+  print(bytes.to_string("  "));
+  TextTable images(
+      {"PSNR", "images", "mean over images", "pooled error", "5 % quantile", "minimum"});
+  TextTable numbers({"RMSE", "values", "over numbers"});
+  bool has_images = false, has_numbers = false;
+  for_each_quality(entity, [&](const std::string& what, const training::Quality& quality) {
+    if (quality.images > 0) images.add(image_row(what, quality));
+    if (quality.numbers > 0) numbers.add(number_row(what, quality));
+    has_images |= quality.images > 0;
+    has_numbers |= quality.numbers > 0;
+  });
+  if (has_images) print(images.to_string("  "));
+  if (has_numbers) print(numbers.to_string("  "));
+}
+
+ExitCode run(const EvalArguments& arguments) {
+  ProgressLine progress;
+  const auto report = training::evaluate(arguments.store, arguments.options, progress.sink(),
+                                         interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  if (arguments.is_json) {
+    print_json(training::to_json(*report));
+  } else if (report->entities.empty()) {
+    print("No entity has a model: run `engram consolidate` first.");
+  } else {
+    for (const training::EntityEvaluation& entity : report->entities) print_entity(entity);
+  }
+  if (!arguments.picture.empty())
+    if (const Status drawn = write_eval_picture(arguments.store, arguments.picture); !drawn.ok())
+      return fail(drawn);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<EvalArguments>();
+  CLI::App* command = app.add_subcommand("eval", "Measure reconstruction and prediction");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store")->required();
+  command->add_option("--entity", arguments->options.entities,
+                      "Names or patterns of entities; else all with a model");
+  command->add_option("--max-predictions", arguments->options.max_predictions,
+                      "Most predictions to measure per entity and horizon")
+      ->capture_default_str();
+  command->add_option("--picture", arguments->picture,
+                      "Draw recorded, reconstructed and predicted images side by side (PNG)");
+  command->add_flag("--json", arguments->is_json, "As JSON");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

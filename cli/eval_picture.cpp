@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/eval_picture.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "cli/picture.h"
+#include "cli/text.h"
+#include "encoders/load_model.h"
+#include "ltm/idf/layout.h"
+#include "ltm/recall/recall.h"
+#include "training/metrics.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr size_t kColumns = 6;
+constexpr int kAmplification = 8;
+
+/// The first colour or grey image of a value; null where there is none.
+const idf::NdArray* image_of(const idf::Data& data) {
+  const idf::Layout layout = idf::Layout::of(data);
+  for (const idf::TensorMember& member : layout.members())
+    if (member.kind == idf::MemberKind::kImage && member.type == idf::ElementType::kUInt8)
+      return data.at(member.path)->get_if<idf::NdArray>();
+  return nullptr;
+}
+
+idf::NdArray difference(const idf::NdArray& a, const idf::NdArray& b) {
+  std::vector<uint8_t> pixels;
+  const auto left = a.values<uint8_t>();
+  const auto right = b.values<uint8_t>();
+  for (size_t i = 0; i < left.size(); ++i)
+    pixels.push_back(static_cast<uint8_t>(
+        std::min(255, kAmplification * std::abs(int{left[i]} - int{right[i]}))));
+  return idf::NdArray::take(a.shape(), std::move(pixels));
+}
+
+/// Snapshots that are recorded and reconstructed and have two recorded ones before them.
+std::vector<size_t> candidates(const std::vector<ltm::SnapshotEntry>& entries) {
+  std::vector<size_t> found;
+  for (size_t i = 2; i < entries.size(); ++i)
+    if (entries[i].recorded && entries[i].latent && entries[i - 1].recorded &&
+        entries[i - 2].recorded)
+      found.push_back(i);
+  return found;
+}
+
+struct Sheet {
+  PictureRow recorded{"recorded", {}};
+  PictureRow reconstructed{"reconstructed", {}};
+  PictureRow predicted{"predicted", {}};
+  PictureRow error{"error x 8", {}};
+  std::vector<std::string> labels;
+};
+
+Result<idf::Data> predicted_value(ltm::Predictor& predictor, ltm::StoreReader& reader,
+                                  const ltm::MemoryId& entity,
+                                  const std::vector<ltm::SnapshotEntry>& entries, size_t index) {
+  std::vector<idf::Data> history;
+  for (size_t past = index - 2; past < index; ++past) {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot snapshot, reader.read_recorded(entity, entries[past]));
+    history.push_back(snapshot.instances.front().data);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(auto values, predictor.predict(history, 1));
+  return std::move(values.front());
+}
+
+/// Adds one moment as a column; nothing where its values hold no image.
+Status add_column(Sheet& sheet, ltm::Recall& recall, ltm::Predictor& predictor,
+                  const ltm::MemoryId& entity, const std::vector<ltm::SnapshotEntry>& entries,
+                  size_t index) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot recorded,
+                          recall.store().read_recorded(entity, entries[index]));
+  const auto query = ltm::Query::of_entity(entity, ltm::select::At{entries[index].time});
+  ENGRAM_ASSIGN_OR_RETURN(const auto answer,
+                          recall.query(query, {.prefer = ltm::Recall::Prefer::kLatent}));
+  const ltm::RecalledSnapshot& latent = answer.entities.front().snapshots.front();
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data predicted,
+                          predicted_value(predictor, recall.store(), entity, entries, index));
+  const idf::NdArray* truth = image_of(recorded.instances.front().data);
+  const idf::NdArray* decoded = image_of(latent.snapshot.instances.front().data);
+  const idf::NdArray* future = image_of(predicted);
+  if (truth == nullptr || decoded == nullptr || future == nullptr) return {};
+  sheet.recorded.images.push_back(*truth);
+  sheet.reconstructed.images.push_back(*decoded);
+  sheet.predicted.images.push_back(*future);
+  sheet.error.images.push_back(difference(*truth, *decoded));
+  sheet.labels.push_back("PSNR " + db_text(training::psnr_db(latent.errors.front().image_mse)));
+  return {};
+}
+
+}  // namespace
+
+Status write_eval_picture(const std::filesystem::path& store,
+                          const std::filesystem::path& picture) {
+  ENGRAM_ASSIGN_OR_RETURN(auto opened, ltm::StoreReader::open(store));
+  ltm::Recall recall(std::move(opened), encoders::load_model);
+  for (const ltm::ModelInfo& model : recall.store().manifest().models) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, recall.store().index(model.entity));
+    ENGRAM_ASSIGN_OR_RETURN(const auto loaded, encoders::load_model(store / model.file));
+    const std::vector<size_t> moments = candidates(*entries);
+    Sheet sheet;
+    for (size_t column = 0; column < std::min(kColumns, moments.size()); ++column)
+      ENGRAM_RETURN_IF_ERROR(add_column(sheet, recall, *loaded.predictor, model.entity, *entries,
+                                        moments[(2 * column + 1) * moments.size() / (2 * kColumns)]));
+    if (sheet.labels.empty()) continue;
+    return write_contact_sheet(
+        picture, {sheet.recorded, sheet.reconstructed, sheet.predicted, sheet.error}, sheet.labels);
+  }
+  return not_found("store '{}': no entity has images that are recorded and reconstructed",
+                   store.string());
+}
+
+}  // namespace engram::cli

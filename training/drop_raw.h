@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <stop_token>
+
+#include "ltm/core/progress.h"
+#include "ltm/store/publish.h"
+
+namespace engram::training {
+
+struct DropOptions {
+  /// Snapshots whose reconstructed images are worse than this stay recorded. Unit: dB.
+  double min_psnr_db = 0;
+  /// Snapshots whose reconstructed numbers are worse than this stay recorded. Unit: theirs.
+  double max_rmse = std::numeric_limits<double>::infinity();
+};
+
+/// Drops the recorded form of an entity's sealed snapshots, each only after its latent was decoded
+/// as a query would, compared, and found within the bounds and as good as when it was published.
+/// Errors: kNotFound; kDataLoss where a latent does not decode: then nothing is dropped;
+/// kCancelled; those of drop_recorded.
+Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::MemoryId& entity,
+                                 const DropOptions& options, const ProgressSink& progress,
+                                 const std::stop_token& stop);
+
+}  // namespace engram::training
