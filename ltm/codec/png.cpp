@@ -15,9 +15,12 @@ constexpr std::array<uint8_t, 16> kPngStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1
                                             0,    0,   0,   13,  'I',  'H',  'D',  'R'};
 constexpr size_t kHeaderBytes = 26;
 constexpr int64_t kMaxSide = 1 << 15;
+/// Deflate expands no byte further than this.
+constexpr size_t kMostExpansion = 1032;
 
 int cv_type(idf::ElementType type, const idf::Shape& shape) {
-  return CV_MAKETYPE(type == idf::ElementType::kUInt16 ? CV_16U : CV_8U, static_cast<int>(shape[2]));
+  return CV_MAKETYPE(type == idf::ElementType::kUInt16 ? CV_16U : CV_8U,
+                     static_cast<int>(shape[2]));
 }
 
 uint32_t big_endian(std::span<const std::byte> bytes, size_t at) {
@@ -55,9 +58,14 @@ class PngCodec final : public Codec {
     try {
       // cv::Mat has no const view; it is only read.
       const cv::Mat view(static_cast<int>(shape[0]), static_cast<int>(shape[1]),
-                         cv_type(array.type(), shape), const_cast<std::byte*>(array.bytes().data()));
-      cv::Mat bgr = view;
-      if (shape[2] == 3) cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
+                         cv_type(array.type(), shape),
+                         const_cast<std::byte*>(array.bytes().data()));
+      // Into a Mat of its own: one that shares the view's pixels would be changed in place.
+      cv::Mat bgr;
+      if (shape[2] == 3)
+        cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
+      else
+        bgr = view;
       std::vector<uchar> png;
       if (!cv::imencode(".png", bgr, png)) return invalid_argument("png: the encoder refused");
       const auto bytes = std::as_bytes(std::span(png));
@@ -69,15 +77,15 @@ class PngCodec final : public Codec {
 
   Result<idf::NdArray> decode(std::span<const std::byte> bytes, idf::ElementType type,
                               const idf::Shape& shape) const override {
-    if (!accepts(type, shape) || !announces(bytes, shape))
+    if (!accepts(type, shape) || !announces(bytes, shape) ||
+        *idf::size_bytes(type, shape) / kMostExpansion > bytes.size())
       return data_loss("png: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
     try {
       const cv::Mat packed(1, static_cast<int>(bytes.size()), CV_8U,
                            const_cast<std::byte*>(bytes.data()));
       cv::Mat image = cv::imdecode(packed, cv::IMREAD_UNCHANGED);
-      if (image.rows != shape[0] || image.cols != shape[1] ||
-          image.type() != cv_type(type, shape))
+      if (image.rows != shape[0] || image.cols != shape[1] || image.type() != cv_type(type, shape))
         return data_loss("png: damaged, or not {} {}", to_string(type), idf::to_string(shape));
       std::vector<std::byte> plain(image.total() * image.elemSize());
       cv::Mat out(image.rows, image.cols, image.type(), plain.data());

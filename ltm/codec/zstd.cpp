@@ -5,6 +5,14 @@
 
 namespace engram::ltm {
 
+namespace {
+
+/// No frame expands further: a block takes at least 3 bytes and gives at most 128 KiB.
+constexpr size_t kLargestBlockBytes = 128 << 10;
+constexpr size_t kSmallestBlockBytes = 3;
+
+}  // namespace
+
 std::vector<std::byte> compress_zstd(std::span<const std::byte> bytes, int level) {
   std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
   const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
@@ -19,10 +27,14 @@ Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes,
     return data_loss("{} bytes are no zstd frame of known size", bytes.size());
   if (announced > max_size)
     return data_loss("zstd frame announces {} bytes, at most {} fit", announced, max_size);
+  if (announced / kLargestBlockBytes > bytes.size() / kSmallestBlockBytes)
+    return data_loss("zstd frame of {} bytes announces {}: more than it can hold", bytes.size(),
+                     announced);
   std::vector<std::byte> out(announced);
   const size_t size = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
   if (ZSTD_isError(size) != 0) return data_loss("zstd frame: {}", ZSTD_getErrorName(size));
-  if (size != out.size()) return data_loss("zstd frame: has {} bytes, announced {}", size, announced);
+  if (size != out.size())
+    return data_loss("zstd frame: has {} bytes, announced {}", size, announced);
   return out;
 }
 

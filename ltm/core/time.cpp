@@ -59,16 +59,28 @@ std::optional<int64_t> take_fraction_ns(std::string_view& text) {
 }
 
 /// The offset of "Z", "+01:00" or nothing.
-std::optional<Duration> take_zone(std::string_view& text) {
-  if (text.empty() || take(text, "Zz")) return Duration(0);
+std::optional<seconds> take_zone(std::string_view& text) {
+  if (text.empty() || take(text, "Zz")) return seconds(0);
   const bool is_behind = text.front() == '-';
   if (!take(text, "+-")) return std::nullopt;
   const auto hour = take_digits(text, 2, 2);
   if (!hour || !take(text, ":")) return std::nullopt;
   const auto minute = take_digits(text, 2, 2);
   if (!minute || *hour > 23 || *minute > 59) return std::nullopt;
-  const Duration offset = hours(*hour) + minutes(*minute);
+  const seconds offset = hours(*hour) + minutes(*minute);
   return is_behind ? -offset : offset;
+}
+
+/// Nothing where 64 bits do not hold it.
+std::optional<Time> time_at(std::chrono::sys_seconds whole, Duration fraction) {
+  // Counted down from the next second where negative: the earliest time is in the midst of one.
+  const bool is_early = whole.time_since_epoch().count() < 0;
+  const int64_t second = whole.time_since_epoch().count() + (is_early ? 1 : 0);
+  const int64_t rest = fraction.count() - (is_early ? kNsPerSecond : 0);
+  int64_t ns = 0;
+  if (__builtin_mul_overflow(second, kNsPerSecond, &ns) || __builtin_add_overflow(ns, rest, &ns))
+    return std::nullopt;
+  return time_from_ns(ns);
 }
 
 std::optional<Time> parse_calendar(std::string_view text) {
@@ -81,9 +93,9 @@ std::optional<Time> parse_calendar(std::string_view text) {
   if (!d) return std::nullopt;
   const year_month_day date{year(static_cast<int>(*y)), month(static_cast<unsigned>(*m)),
                             day(static_cast<unsigned>(*d))};
-  if (!date.ok() || *y < 1678 || *y > 2261) return std::nullopt;
-  Time time = sys_days(date);
-  if (text.empty()) return time;
+  if (!date.ok()) return std::nullopt;
+  const sys_seconds day_start = sys_days(date);
+  if (text.empty()) return time_at(day_start, Duration(0));
   if (!take(text, " Tt")) return std::nullopt;
   const auto hour = take_digits(text, 2, 2);
   if (!hour || !take(text, ":")) return std::nullopt;
@@ -102,12 +114,15 @@ std::optional<Time> parse_calendar(std::string_view text) {
   }
   const auto zone = take_zone(text);
   if (!zone || !text.empty()) return std::nullopt;
-  return time + hours(*hour) + minutes(*minute) + seconds(second) + Duration(fraction) - *zone;
+  return time_at(day_start + hours(*hour) + minutes(*minute) + seconds(second) - *zone,
+                 Duration(fraction));
 }
 
 }  // namespace
 
-Time system_now() { return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now()); }
+Time system_now() {
+  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+}
 
 Result<Duration> duration_from_seconds(double value) {
   const double ns = value * 1e9;
@@ -117,16 +132,17 @@ Result<Duration> duration_from_seconds(double value) {
 }
 
 std::string to_string(Time time) {
-  const auto day_point = std::chrono::floor<days>(time);
+  const auto second = std::chrono::floor<seconds>(time);
+  const auto day_point = std::chrono::floor<days>(second);
   const std::chrono::year_month_day date(day_point);
-  const int64_t ns = (time - day_point).count();
-  const int64_t second_of_day = ns / kNsPerSecond;
-  const int64_t fraction = ns % kNsPerSecond;
-  std::string text = fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}",
-                                 static_cast<int>(date.year()),
-                                 static_cast<unsigned>(date.month()),
-                                 static_cast<unsigned>(date.day()), second_of_day / 3600,
-                                 second_of_day / 60 % 60, second_of_day % 60);
+  const int64_t second_of_day = (second - day_point).count();
+  // The remainder of a time before 1970 is negative.
+  const int64_t rest = to_ns(time) % kNsPerSecond;
+  const int64_t fraction = rest < 0 ? rest + kNsPerSecond : rest;
+  std::string text =
+      fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}", static_cast<int>(date.year()),
+                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                  second_of_day / 3600, second_of_day / 60 % 60, second_of_day % 60);
   return fraction % 1000 == 0 ? fmt::format("{}.{:06}", text, fraction / 1000)
                               : fmt::format("{}.{:09}", text, fraction);
 }
@@ -156,12 +172,14 @@ Result<Duration> parse_duration(std::string_view text) {
       int64_t whole = 0;
       const auto integer = std::from_chars(digits.data(), end, whole);
       int64_t product = 0;
-      if (integer.ptr == end && !__builtin_mul_overflow(whole, unit.ns, &product))
+      if (integer.ec == std::errc() && integer.ptr == end &&
+          !__builtin_mul_overflow(whole, unit.ns, &product))
         return Duration(product);
       return duration_from_seconds(number * static_cast<double>(unit.ns) / 1e9);
     }
   }
-  return invalid_argument("'{}' is no duration: needs a number and one of ns us ms s min h d", text);
+  return invalid_argument("'{}' is no duration: needs a number and one of ns us ms s min h d",
+                          text);
 }
 
 std::string to_string(Duration duration) {

@@ -16,11 +16,14 @@ constexpr uint64_t kChunkBytes = 256 << 10;
 /// Smaller datasets lie in their header: a chunk would cost more than it saves.
 constexpr uint64_t kCompactBytes = 128;
 constexpr unsigned kDeflateLevel = 6;
-constexpr uint64_t kMaxStrings = 1 << 24;
+constexpr uint64_t kMaxStringBytes = 1 << 30;
 
 /// HDF5 keeps global state; one lock serialises all our calls, whatever the library's build.
 std::mutex& library_mutex() {
   static std::mutex mutex;
+  // A file that could not be written to the end (a full disk) stays half-open inside HDF5, whose
+  // clean-up at exit then crashes. We close all that we open.
+  [[maybe_unused]] static const herr_t is_unregistered = H5dont_atexit();
   return mutex;
 }
 
@@ -40,6 +43,8 @@ class Handle {
   ~Handle() {
     if (valid()) close_(id_);
   }
+  /// False where closing failed: HDF5 writes much of a dataset only then.
+  [[nodiscard]] bool finish() { return close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
   [[nodiscard]] bool valid() const { return id_ >= 0; }
   operator hid_t() const { return id_; }  // NOLINT: an HDF5 handle is used as one
 
@@ -50,16 +55,26 @@ class Handle {
 
 hid_t memory_type(Type type) {
   switch (type) {
-    case Type::kInt8: return H5T_NATIVE_INT8;
-    case Type::kInt16: return H5T_NATIVE_INT16;
-    case Type::kInt32: return H5T_NATIVE_INT32;
-    case Type::kInt64: return H5T_NATIVE_INT64;
-    case Type::kUInt8: return H5T_NATIVE_UINT8;
-    case Type::kUInt16: return H5T_NATIVE_UINT16;
-    case Type::kUInt32: return H5T_NATIVE_UINT32;
-    case Type::kUInt64: return H5T_NATIVE_UINT64;
-    case Type::kFloat32: return H5T_NATIVE_FLOAT;
-    case Type::kFloat64: break;
+    case Type::kInt8:
+      return H5T_NATIVE_INT8;
+    case Type::kInt16:
+      return H5T_NATIVE_INT16;
+    case Type::kInt32:
+      return H5T_NATIVE_INT32;
+    case Type::kInt64:
+      return H5T_NATIVE_INT64;
+    case Type::kUInt8:
+      return H5T_NATIVE_UINT8;
+    case Type::kUInt16:
+      return H5T_NATIVE_UINT16;
+    case Type::kUInt32:
+      return H5T_NATIVE_UINT32;
+    case Type::kUInt64:
+      return H5T_NATIVE_UINT64;
+    case Type::kFloat32:
+      return H5T_NATIVE_FLOAT;
+    case Type::kFloat64:
+      break;
   }
   return H5T_NATIVE_DOUBLE;
 }
@@ -70,19 +85,20 @@ std::optional<Type> type_of(hid_t h5_type) {
   return std::nullopt;
 }
 
-/// A string type: variable length UTF-8.
-Handle string_type() {
+/// UTF-8 of at most `size` bytes, padded with zeros.
+Handle string_type(size_t size) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_size(type, std::max<size_t>(size, 1));
   H5Tset_cset(type, H5T_CSET_UTF8);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
   return type;
 }
 
-Handle creation_list(Storage storage, Type type, std::span<const uint64_t> shape) {
+Handle creation_list(Storage storage, size_t element_bytes, std::span<const uint64_t> shape) {
   Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   // The same content must give the same bytes.
   H5Pset_obj_track_times(list, false);
-  uint64_t total = size_bytes(type);
+  uint64_t total = element_bytes;
   for (const uint64_t size : shape) total *= size;
   if (storage == Storage::kCompressed && total > 0 && total <= kCompactBytes) {
     H5Pset_layout(list, H5D_COMPACT);
@@ -93,7 +109,7 @@ Handle creation_list(Storage storage, Type type, std::span<const uint64_t> shape
     if (total > 0) H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
     return list;
   }
-  uint64_t row_bytes = size_bytes(type);
+  uint64_t row_bytes = element_bytes;
   for (size_t i = 1; i < shape.size(); ++i) row_bytes *= shape[i];
   std::vector<hsize_t> chunk(shape.begin(), shape.end());
   chunk[0] = std::clamp<uint64_t>(kChunkBytes / row_bytes, 1, shape[0]);
@@ -143,8 +159,8 @@ struct File::State {
 
   Result<Handle> open_attribute(const std::string& object, const std::string& name) const {
     if (!exists(object)) return error(StatusCode::kNotFound, object, "does not exist");
-    Handle attribute(
-        H5Aopen_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    Handle attribute(H5Aopen_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                     H5Aclose);
     if (!attribute.valid())
       return error(StatusCode::kNotFound, object, fmt::format("has no attribute '{}'", name));
     return attribute;
@@ -165,7 +181,8 @@ struct File::State {
     std::ranges::copy(sizes, info.shape.begin());
     uint64_t total = size_bytes(*element);
     for (const uint64_t size : info.shape)
-      if (__builtin_mul_overflow(total, size, &total)) return broken(object, "is larger than 64 bits");
+      if (__builtin_mul_overflow(total, size, &total))
+        return broken(object, "is larger than 64 bits");
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset != HADDR_UNDEF) info.offset = offset;
     return info;
@@ -206,13 +223,17 @@ struct File::State {
 size_t size_bytes(Type type) {
   switch (type) {
     case Type::kInt8:
-    case Type::kUInt8: return 1;
+    case Type::kUInt8:
+      return 1;
     case Type::kInt16:
-    case Type::kUInt16: return 2;
+    case Type::kUInt16:
+      return 2;
     case Type::kInt32:
     case Type::kUInt32:
-    case Type::kFloat32: return 4;
-    default: return 8;
+    case Type::kFloat32:
+      return 4;
+    default:
+      return 8;
   }
 }
 
@@ -228,35 +249,39 @@ File& File::operator=(File&&) noexcept = default;
 File::~File() = default;
 
 Result<File> File::create(const std::filesystem::path& path) {
-  const std::scoped_lock lock(library_mutex());
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored))
+    return already_exists("HDF5 file '{}' exists", path.string());
+  // Before the lock, so that it goes after it: its destructor takes the lock itself.
   auto state = std::make_unique<State>();
   state->path = path;
+  const std::scoped_lock lock(library_mutex());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // The 1.10 format spends far fewer bytes per dataset than the default of 1.8 and older.
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   state->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
-  if (!state->file.valid())
-    return unavailable("HDF5 file '{}': cannot be created (does it exist?)", path.string());
+  if (!state->file.valid()) return unavailable("HDF5 file '{}': cannot be created", path.string());
   return File(std::move(state));
 }
 
 Result<File> File::open(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return not_found("HDF5 file '{}' does not exist", path.string());
-  const std::scoped_lock lock(library_mutex());
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  if (!std::filesystem::exists(path))
+    return not_found("HDF5 file '{}' does not exist", path.string());
+  // Before the lock, so that it goes after it: its destructor takes the lock itself.
   auto state = std::make_unique<State>();
   state->path = path;
+  const std::scoped_lock lock(library_mutex());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   state->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!state->file.valid())
-    return data_loss("'{}': is damaged or no HDF5 file", path.string());
+  if (!state->file.valid()) return data_loss("'{}': is damaged or no HDF5 file", path.string());
   return File(std::move(state));
 }
 
 Status File::close() {
   const std::scoped_lock lock(library_mutex());
   if (H5Fflush(state_->file, H5F_SCOPE_GLOBAL) < 0) return state_->write_failed("/");
-  state_->file = Handle();
+  if (!state_->file.finish()) return state_->write_failed("/");
   return {};
 }
 
@@ -274,40 +299,46 @@ Status File::write(const std::string& path, Type type, std::span<const uint64_t>
                    std::span<const std::byte> bytes, Storage storage) {
   uint64_t needed = size_bytes(type);
   for (const uint64_t size : shape) needed *= size;
-  ENGRAM_CHECK(needed == bytes.size(), "'{}' has {} bytes, its shape {}", path, bytes.size(), needed);
+  ENGRAM_CHECK(needed == bytes.size(), "'{}' has {} bytes, its shape {}", path, bytes.size(),
+               needed);
   const std::scoped_lock lock(library_mutex());
   const std::vector<hsize_t> sizes(shape.begin(), shape.end());
   const Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr),
                      H5Sclose);
   const Handle links = State::link_list();
-  const Handle creation = creation_list(storage, type, shape);
-  const Handle dataset(H5Dcreate2(state_->file, path.c_str(), memory_type(type), space, links,
-                                  creation, H5P_DEFAULT),
-                       H5Dclose);
+  const Handle creation = creation_list(storage, size_bytes(type), shape);
+  Handle dataset(H5Dcreate2(state_->file, path.c_str(), memory_type(type), space, links, creation,
+                            H5P_DEFAULT),
+                 H5Dclose);
   if (!dataset.valid()) return state_->write_failed(path);
   if (!bytes.empty() &&
       H5Dwrite(dataset, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0)
     return state_->write_failed(path);
+  if (!dataset.finish()) return state_->write_failed(path);
   return {};
 }
 
 Status File::write_strings(const std::string& path, std::span<const std::string> values) {
   const std::scoped_lock lock(library_mutex());
-  std::vector<const char*> pointers;
+  size_t longest = 1;
   for (const std::string& value : values) {
     if (value.find('\0') != std::string::npos)
       return state_->error(StatusCode::kInvalidArgument, path, "a string has a zero byte");
-    pointers.push_back(value.c_str());
+    longest = std::max(longest, value.size());
   }
+  std::string padded(values.size() * longest, '\0');
+  for (size_t i = 0; i < values.size(); ++i) values[i].copy(padded.data() + i * longest, longest);
   const hsize_t count = values.size();
+  const uint64_t shape = count;
   const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const Handle type = string_type();
+  const Handle type = string_type(longest);
   const Handle links = State::link_list();
-  const Handle dataset(
-      H5Dcreate2(state_->file, path.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT),
-      H5Dclose);
+  const Handle creation = creation_list(Storage::kCompressed, longest, {&shape, 1});
+  Handle dataset(H5Dcreate2(state_->file, path.c_str(), type, space, links, creation, H5P_DEFAULT),
+                 H5Dclose);
   if (!dataset.valid() ||
-      (count > 0 && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0))
+      (count > 0 && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0) ||
+      !dataset.finish())
     return state_->write_failed(path);
   return {};
 }
@@ -316,10 +347,7 @@ Status File::write_attribute(const std::string& object, const std::string& name,
                              std::string_view value) {
   const std::scoped_lock lock(library_mutex());
   // Fixed length: variable-length attributes would add a heap of their own to each file.
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, std::max<size_t>(value.size(), 1));
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  const Handle type = string_type(value.size());
   const std::string padded = value.empty() ? std::string(1, '\0') : std::string(value);
   return state_->write_attribute(object, name, type, padded.data());
 }
@@ -406,16 +434,22 @@ Result<std::vector<std::string>> File::read_strings(const std::string& path) con
   const Handle stored(H5Dget_type(dataset), H5Tclose);
   const Handle space(H5Dget_space(dataset), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
-  if (H5Tis_variable_str(stored) <= 0 || H5Sget_simple_extent_ndims(space) != 1 || count < 0 ||
-      static_cast<uint64_t>(count) > kMaxStrings)
+  // Strings of variable length are not read: HDF5 crashes where they are damaged.
+  if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) != 0 ||
+      H5Sget_simple_extent_ndims(space) != 1 || count < 0)
     return state_->broken(path, "is no list of strings");
-  std::vector<char*> pointers(static_cast<size_t>(count), nullptr);
-  const Handle type = string_type();
-  if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0)
-    return state_->broken(path, "is damaged");
+  const size_t size = H5Tget_size(stored);
+  uint64_t total = 0;
+  if (__builtin_mul_overflow(static_cast<uint64_t>(count), size, &total) || total > kMaxStringBytes)
+    return state_->broken(path, "has more strings than fit");
+  std::string padded(total, '\0');
+  if (count > 0 && H5Dread(dataset, stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
+    return state_->broken(path, "is damaged: a checksum or chunk does not fit");
   std::vector<std::string> values;
-  for (const char* text : pointers) values.emplace_back(text == nullptr ? "" : text);
-  if (count > 0) H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
+  for (size_t at = 0; at < total; at += size) {
+    const std::string_view text = std::string_view(padded).substr(at, size);
+    values.emplace_back(text.substr(0, text.find('\0')));
+  }
   return values;
 }
 
@@ -463,6 +497,8 @@ Result<uint64_t> File::storage_bytes(const std::string& path) const {
   return total;
 }
 
-const std::filesystem::path& File::path() const { return state_->path; }
+const std::filesystem::path& File::path() const {
+  return state_->path;
+}
 
 }  // namespace engram::h5

@@ -15,7 +15,18 @@
 
 namespace engram::h5 {
 
-enum class Type { kInt8, kInt16, kInt32, kInt64, kUInt8, kUInt16, kUInt32, kUInt64, kFloat32, kFloat64 };
+enum class Type {
+  kInt8,
+  kInt16,
+  kInt32,
+  kInt64,
+  kUInt8,
+  kUInt16,
+  kUInt32,
+  kUInt64,
+  kFloat32,
+  kFloat64
+};
 
 [[nodiscard]] size_t size_bytes(Type type);
 
@@ -65,10 +76,13 @@ class File {
   Status write(const std::string& path, Type type, std::span<const uint64_t> shape,
                std::span<const std::byte> bytes, Storage storage);
 
-  /// A 1-D dataset of UTF-8 strings of variable length.
+  /// A 1-D compressed dataset of UTF-8 strings, each padded with zeros to the longest: HDF5 keeps
+  /// those of variable length without a checksum and crashes where they are damaged.
+  /// Errors: kInvalidArgument where a string has a zero byte.
   Status write_strings(const std::string& path, std::span<const std::string> values);
 
-  Status write_attribute(const std::string& object, const std::string& name, std::string_view value);
+  Status write_attribute(const std::string& object, const std::string& name,
+                         std::string_view value);
   Status write_attribute(const std::string& object, const std::string& name, int64_t value);
   Status write_attribute(const std::string& object, const std::string& name, double value);
 

@@ -37,7 +37,9 @@ constexpr size_t varint_size(uint64_t value) {
   return value == 0 ? 1 : (static_cast<size_t>(std::bit_width(value)) + 6) / 7;
 }
 
-constexpr size_t aligned(size_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
+constexpr size_t aligned(size_t offset) {
+  return (offset + kAlignment - 1) / kAlignment * kAlignment;
+}
 
 /// Counts what Writer writes: the same walk, so that the two cannot disagree in order.
 class Sizer {
@@ -84,13 +86,14 @@ class Writer {
   std::byte* out_;
 };
 
+/// False where `data` nests deeper than `levels` or has an ndarray of too many axes.
 template <typename Sink>
-bool write(const Data& data, int depth, Sink& sink);
+bool write(const Data& data, int levels, Sink& sink);
 
 template <typename Sink>
 struct ValueWriter {
   Sink& sink;
-  int depth;
+  int levels;
 
   bool operator()(None) const { return sink.tag(Tag::kNone), true; }
   bool operator()(bool value) const { return sink.tag(value ? Tag::kTrue : Tag::kFalse), true; }
@@ -112,20 +115,20 @@ struct ValueWriter {
     return array.rank() <= kMaxRank;
   }
   bool operator()(const List& list) const {
-    if (depth >= kMaxDepth) return false;
+    if (levels <= 0) return false;
     sink.tag(Tag::kList);
     sink.varint(list.size());
     for (const Data& element : list)
-      if (!write(element, depth + 1, sink)) return false;
+      if (!write(element, levels - 1, sink)) return false;
     return true;
   }
   bool operator()(const Dict& dict) const {
-    if (depth >= kMaxDepth) return false;
+    if (levels <= 0) return false;
     sink.tag(Tag::kDict);
     sink.varint(dict.size());
     for (const DictEntry& entry : dict) {
       text(entry.key);
-      if (!write(entry.value, depth + 1, sink)) return false;
+      if (!write(entry.value, levels - 1, sink)) return false;
     }
     return true;
   }
@@ -144,22 +147,23 @@ struct ValueWriter {
 };
 
 template <typename Sink>
-bool write(const Data& data, int depth, Sink& sink) {
-  return std::visit(ValueWriter<Sink>{sink, depth}, data.value());
+bool write(const Data& data, int levels, Sink& sink) {
+  return std::visit(ValueWriter<Sink>{sink, levels}, data.value());
 }
 
 class Reader {
  public:
   explicit Reader(const Buffer& buffer) : buffer_(buffer), bytes_(buffer.bytes()) {}
 
-  Result<Data> read_all() {
+  Result<Data> read_all(int max_depth) {
     if (!as_text(bytes_).starts_with(kMagic))
       return data_loss("IDF bytes: needs the header 'IDF' and version 1, found {} other bytes",
                        bytes_.size());
     at_ = kMagic.size();
-    ENGRAM_ASSIGN_OR_RETURN(Data data, read(0));
+    ENGRAM_ASSIGN_OR_RETURN(Data data, read(max_depth));
     if (at_ != bytes_.size())
-      return data_loss("IDF bytes: {} bytes after the value at offset {}", bytes_.size() - at_, at_);
+      return data_loss("IDF bytes: {} bytes after the value at offset {}", bytes_.size() - at_,
+                       at_);
     return data;
   }
 
@@ -170,24 +174,34 @@ class Reader {
     return data_loss("IDF bytes at offset {}: {}", at_, what);
   }
 
-  Result<Data> read(int depth) {
+  Result<Data> read(int levels) {
     if (left() == 0) return broken("the bytes end where a value must start");
     const auto tag = static_cast<Tag>(bytes_[at_++]);
     switch (tag) {
-      case Tag::kNone: return Data();
-      case Tag::kFalse: return Data(false);
-      case Tag::kTrue: return Data(true);
-      case Tag::kInt32: return read_scalar<int32_t>();
-      case Tag::kInt64: return read_scalar<int64_t>();
-      case Tag::kFloat32: return read_scalar<float>();
-      case Tag::kFloat64: return read_scalar<double>();
+      case Tag::kNone:
+        return Data();
+      case Tag::kFalse:
+        return Data(false);
+      case Tag::kTrue:
+        return Data(true);
+      case Tag::kInt32:
+        return read_scalar<int32_t>();
+      case Tag::kInt64:
+        return read_scalar<int64_t>();
+      case Tag::kFloat32:
+        return read_scalar<float>();
+      case Tag::kFloat64:
+        return read_scalar<double>();
       case Tag::kString: {
         ENGRAM_ASSIGN_OR_RETURN(std::string text, read_text());
         return Data(std::move(text));
       }
-      case Tag::kNdArray: return read_ndarray();
-      case Tag::kList: return read_list(depth);
-      case Tag::kDict: return read_dict(depth);
+      case Tag::kNdArray:
+        return read_ndarray();
+      case Tag::kList:
+        return read_list(levels);
+      case Tag::kDict:
+        return read_dict(levels);
     }
     --at_;
     return broken(fmt::format("unknown tag {}", static_cast<int>(tag)));
@@ -248,25 +262,26 @@ class Reader {
                                 to_string(shape), left()));
     at_ = start + *needed;
     auto array = NdArray::create(*type, shape, buffer_.slice(start, *needed));
-    if (!array.ok()) array = NdArray::create(*type, shape, Buffer::copy(bytes_.subspan(start, *needed)));
+    if (!array.ok())
+      array = NdArray::create(*type, shape, Buffer::copy(bytes_.subspan(start, *needed)));
     ENGRAM_RETURN_IF_ERROR(array.status());
     return Data(std::move(array).value());
   }
 
-  Result<Data> read_list(int depth) {
-    if (depth >= kMaxDepth) return broken("deeper than 64 levels");
+  Result<Data> read_list(int levels) {
+    if (levels <= 0) return broken("nests too deep, at most 64 levels are allowed");
     ENGRAM_ASSIGN_OR_RETURN(const size_t count, read_count(1));
     List list;
     list.reserve(std::min(count, kReserveLimit));
     for (size_t i = 0; i < count; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(Data element, read(depth + 1));
+      ENGRAM_ASSIGN_OR_RETURN(Data element, read(levels - 1));
       list.push_back(std::move(element));
     }
     return Data(std::move(list));
   }
 
-  Result<Data> read_dict(int depth) {
-    if (depth >= kMaxDepth) return broken("deeper than 64 levels");
+  Result<Data> read_dict(int levels) {
+    if (levels <= 0) return broken("nests too deep, at most 64 levels are allowed");
     ENGRAM_ASSIGN_OR_RETURN(const size_t count, read_count(2));
     Dict dict;
     dict.reserve(std::min(count, kReserveLimit));
@@ -276,7 +291,7 @@ class Reader {
       const bool is_new =
           count < kHashedDictSize ? dict.find(key) == nullptr : seen.insert(key).second;
       if (!is_new) return broken("a dict has the key '" + key + "' twice");
-      ENGRAM_ASSIGN_OR_RETURN(Data value, read(depth + 1));
+      ENGRAM_ASSIGN_OR_RETURN(Data value, read(levels - 1));
       dict.append_unique(std::move(key), std::move(value));
     }
     return Data(std::move(dict));
@@ -295,20 +310,23 @@ class Reader {
 size_t encoded_size(const Data& data) {
   Sizer sizer;
   sizer.bytes(as_bytes(kMagic));
-  write(data, 0, sizer);
+  write(data, kMaxDepth + kContainerDepth, sizer);
   return sizer.size();
 }
 
-Result<std::vector<std::byte>> encode(const Data& data) {
+Result<std::vector<std::byte>> encode(const Data& data, int max_depth) {
   std::vector<std::byte> bytes(encoded_size(data));
   Writer writer(bytes.data());
   writer.bytes(as_bytes(kMagic));
-  if (!write(data, 0, writer))
+  ENGRAM_CHECK(max_depth <= kMaxDepth + kContainerDepth, "{} levels", max_depth);
+  if (!write(data, max_depth, writer))
     return invalid_argument("IDF value: nests deeper than {} levels or has an ndarray of rank > {}",
-                            kMaxDepth, kMaxRank);
+                            max_depth, kMaxRank);
   return bytes;
 }
 
-Result<Data> decode(const Buffer& buffer) { return Reader(buffer).read_all(); }
+Result<Data> decode(const Buffer& buffer, int max_depth) {
+  return Reader(buffer).read_all(max_depth);
+}
 
 }  // namespace engram::idf

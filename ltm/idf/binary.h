@@ -16,17 +16,20 @@ inline constexpr int kMaxDepth = 64;
 /// Exact number of bytes that `encode` writes.
 [[nodiscard]] size_t encoded_size(const Data& data);
 
+/// Levels that a container of ours may add around a value; needs to be said on both sides.
+inline constexpr int kContainerDepth = 8;
+
 /// The binary form, version 1: little-endian, ndarrays aligned to 8 bytes from the start.
 ///
-/// Errors: kInvalidArgument where the value nests deeper than kMaxDepth.
+/// Errors: kInvalidArgument where the value nests deeper than `max_depth`.
 /// Source: docs/format.md, section "IDF binary form".
-Result<std::vector<std::byte>> encode(const Data& data);
+Result<std::vector<std::byte>> encode(const Data& data, int max_depth = kMaxDepth);
 
 /// Reads the binary form. ndarrays view `buffer` where its start is aligned to 8 bytes (as every
 /// allocation is); they are copied otherwise.
 ///
 /// Safe on hostile bytes: depth, counts and lengths are checked before anything is allocated.
 /// Errors: kDataLoss naming the offset, what was found and what was needed.
-Result<Data> decode(const Buffer& buffer);
+Result<Data> decode(const Buffer& buffer, int max_depth = kMaxDepth);
 
 }  // namespace engram::idf

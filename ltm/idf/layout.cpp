@@ -38,6 +38,13 @@ Data place_of(const TensorMember& member) {
   return place;
 }
 
+/// True for the element types that a bool or a number of a value has as a tensor.
+bool is_scalar_type(const TensorMember& member) {
+  if (member.kind == MemberKind::kBool) return member.type == ElementType::kUInt8;
+  return member.type == ElementType::kInt32 || member.type == ElementType::kInt64 ||
+         member.type == ElementType::kFloat32 || member.type == ElementType::kFloat64;
+}
+
 std::optional<TensorMember> member_of_place(const List& place) {
   if (place.size() < 2) return std::nullopt;
   const auto* kind = place[0].get_if<int32_t>();
@@ -54,7 +61,8 @@ std::optional<TensorMember> member_of_place(const List& place) {
     member.shape.push_back(*size);
   }
   const bool is_scalar = member.kind == MemberKind::kBool || member.kind == MemberKind::kNumber;
-  if (is_scalar && !member.shape.empty()) return std::nullopt;
+  if (is_scalar && (!member.shape.empty() || !is_scalar_type(member))) return std::nullopt;
+  if (!size_bytes(member.type, member.shape)) return std::nullopt;
   return member;
 }
 
@@ -79,7 +87,8 @@ Status collect_members(const Data& skeleton, const std::string& path,
     for (const auto& [key, child] : *dict)
       ENGRAM_RETURN_IF_ERROR(collect_members(child, join_path(path, key), members));
   } else if (!skeleton.is<None>()) {
-    return data_loss("layout: found {} at '{}', needs none, list or dict", skeleton.kind_name(), path);
+    return data_loss("layout: found {} at '{}', needs none, list or dict", skeleton.kind_name(),
+                     path);
   }
   return {};
 }
@@ -107,17 +116,25 @@ Data scalar_of(const NdArray& tensor) {
 /// The value whose tensor is `tensor`; its type and shape were compared with the member's.
 Result<Data> value_of(const TensorMember& member, const NdArray& tensor) {
   switch (member.kind) {
-    case MemberKind::kBool: return Data(tensor.values<uint8_t>()[0] != 0);
+    case MemberKind::kBool:
+      return Data(tensor.values<uint8_t>()[0] != 0);
     case MemberKind::kArray:
-    case MemberKind::kImage: return Data(tensor);
-    case MemberKind::kNumber: break;
+    case MemberKind::kImage:
+      return Data(tensor);
+    case MemberKind::kNumber:
+      break;
   }
   switch (member.type) {
-    case ElementType::kInt32: return scalar_of<int32_t>(tensor);
-    case ElementType::kInt64: return scalar_of<int64_t>(tensor);
-    case ElementType::kFloat32: return scalar_of<float>(tensor);
-    case ElementType::kFloat64: return scalar_of<double>(tensor);
-    default: return invalid_argument("layout: no scalar of type {}", to_string(member.type));
+    case ElementType::kInt32:
+      return scalar_of<int32_t>(tensor);
+    case ElementType::kInt64:
+      return scalar_of<int64_t>(tensor);
+    case ElementType::kFloat32:
+      return scalar_of<float>(tensor);
+    case ElementType::kFloat64:
+      return scalar_of<double>(tensor);
+    default:
+      return invalid_argument("layout: no scalar of type {}", to_string(member.type));
   }
 }
 
@@ -203,10 +220,14 @@ size_t count_remainder(const Data& skeleton) {
 
 std::string_view to_string(MemberKind kind) {
   switch (kind) {
-    case MemberKind::kBool: return "bool";
-    case MemberKind::kNumber: return "number";
-    case MemberKind::kArray: return "array";
-    case MemberKind::kImage: return "image";
+    case MemberKind::kBool:
+      return "bool";
+    case MemberKind::kNumber:
+      return "number";
+    case MemberKind::kArray:
+      return "array";
+    case MemberKind::kImage:
+      return "image";
   }
   return "unknown";
 }
@@ -235,7 +256,8 @@ Result<Data> Layout::join(const SplitValue& parts) const {
     return invalid_argument("layout: found {} tensors, needs {}", parts.tensors.size(),
                             members_.size());
   for (size_t i = 0; i < members_.size(); ++i)
-    if (parts.tensors[i].type() != members_[i].type || parts.tensors[i].shape() != members_[i].shape)
+    if (parts.tensors[i].type() != members_[i].type ||
+        parts.tensors[i].shape() != members_[i].shape)
       return invalid_argument("layout: member '{}': found {} {}, needs {} {}", members_[i].path,
                               to_string(parts.tensors[i].type()),
                               to_string(parts.tensors[i].shape()), to_string(members_[i].type),

@@ -7,11 +7,43 @@
 
 namespace engram::ltm {
 
+namespace {
+
+/// Bytes of the UTF-8 character that `text` starts with; zero where there is none.
+size_t utf8_length(std::string_view text) {
+  const auto lead = static_cast<uint8_t>(text.front());
+  if (lead < 0x80) return 1;
+  const size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < length) return 0;
+  uint32_t character = lead & (0x7fu >> length);
+  for (size_t i = 1; i < length; ++i) {
+    const auto next = static_cast<uint8_t>(text[i]);
+    if ((next & 0xc0) != 0x80) return 0;
+    character = character << 6 | (next & 0x3f);
+  }
+  const bool is_overlong =
+      (length == 3 && character < 0x800) || (length == 4 && character < 0x10000);
+  const bool is_surrogate = character >= 0xd800 && character < 0xe000;
+  return is_overlong || is_surrogate || character > 0x10ffff ? 0 : length;
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const size_t length = utf8_length(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+}  // namespace
+
 Result<MemoryId> MemoryId::parse(std::string_view text) {
   if (text.empty()) return MemoryId();
   std::vector<std::string> parts = idf::split_path(text);
   if (parts.size() > kNameLevels + 2)
-    return invalid_argument("memory ID '{}': has {} parts, at most 6 are known", text, parts.size());
+    return invalid_argument("memory ID '{}': has {} parts, at most 6 are known", text,
+                            parts.size());
   std::optional<Time> time;
   std::optional<int32_t> index;
   if (parts.size() == kNameLevels + 2) {
@@ -39,8 +71,12 @@ Result<MemoryId> MemoryId::from_names(std::vector<std::string> names) {
   if (names.size() > kNameLevels)
     return invalid_argument("memory ID: has {} names, at most {} are known", names.size(),
                             kNameLevels);
-  for (size_t i = 0; i < names.size(); ++i)
-    if (names[i].empty()) return invalid_argument("memory ID: name {} of {} is empty", i + 1, names.size());
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (names[i].empty())
+      return invalid_argument("memory ID: name {} of {} is empty", i + 1, names.size());
+    if (!is_utf8(names[i]))
+      return invalid_argument("memory ID: name {} of {} is no UTF-8", i + 1, names.size());
+  }
   MemoryId id;
   id.names_ = std::move(names);
   return id;

@@ -28,7 +28,7 @@ class MemoryId {
   /// Errors: kInvalidArgument naming the text and the part that does not fit.
   static Result<MemoryId> parse(std::string_view text);
 
-  /// The first names of an ID, at most four, none of them empty.
+  /// The first names of an ID, at most four, UTF-8, none of them empty.
   /// Errors: kInvalidArgument.
   static Result<MemoryId> from_names(std::vector<std::string> names);
 

@@ -14,9 +14,17 @@ namespace {
 constexpr std::string_view kRegexCharacters = ".*+?()[]{}|^$\\";
 constexpr int64_t kIndexLimit = 1'000'000'000;
 
+/// True where a backslash before it makes the last character a part of a name.
+bool is_end_escaped(std::string_view text) {
+  text.remove_suffix(1);
+  size_t backslashes = 0;
+  for (; text.ends_with('\\'); text.remove_suffix(1)) ++backslashes;
+  return backslashes % 2 == 1;
+}
+
 std::string_view trim(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  while (!text.empty() && text.back() == ' ' && !is_end_escaped(text)) text.remove_suffix(1);
   return text;
 }
 
@@ -95,7 +103,8 @@ Result<Selector> parse_selector(std::string_view text) {
   }
   if (take_prefix(text, "last:")) {
     ENGRAM_ASSIGN_OR_RETURN(const Duration duration, parse_duration(text));
-    if (duration < Duration(0)) return invalid_argument("'last:{}': needs a positive duration", text);
+    if (duration < Duration(0))
+      return invalid_argument("'last:{}': needs a positive duration", text);
     return Selector(select::LastDuration{duration});
   }
   if (take_prefix(text, "nearest:")) return parse_nearest(text);
@@ -130,9 +139,7 @@ struct SelectorPrinter {
   std::string operator()(select::All) const { return "all"; }
   std::string operator()(select::Latest s) const { return fmt::format("latest:{}", s.count); }
   std::string operator()(select::At s) const { return to_string(s.time); }
-  std::string operator()(select::Ahead s) const {
-    return (s.offset < Duration(0) ? "+-" : "+") + to_string(std::chrono::abs(s.offset));
-  }
+  std::string operator()(select::Ahead s) const { return "+" + to_string(s.offset); }
   std::string operator()(select::Nearest s) const {
     const std::string text = "nearest:" + to_string(s.time);
     return s.tolerance == Duration::max() ? text : text + "~" + to_string(s.tolerance);
@@ -182,8 +189,10 @@ Result<Query> Query::parse(std::string_view text) {
   if (!names.empty()) {
     const std::vector<std::string> levels = split_levels(names);
     if (levels.size() > MemoryId::kNameLevels)
-      return in_query(invalid_argument("has {} name levels, at most 4 are known; the time goes "
-                                       "behind '@'", levels.size()));
+      return in_query(
+          invalid_argument("has {} name levels, at most 4 are known; the time goes "
+                           "behind '@'",
+                           levels.size()));
     for (size_t i = 0; i < levels.size(); ++i) {
       auto pattern = NamePattern::parse(levels[i]);
       if (!pattern.ok()) return in_query(pattern.status());

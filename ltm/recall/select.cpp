@@ -7,6 +7,18 @@ namespace engram::ltm {
 
 namespace {
 
+/// The end of what 64 bits hold where `time` + `offset` lies beyond it.
+Time plus(Time time, Duration offset) {
+  int64_t sum = 0;
+  if (!__builtin_add_overflow(to_ns(time), offset.count(), &sum)) return time_from_ns(sum);
+  return time_from_ns(offset < Duration(0) ? INT64_MIN : INT64_MAX);
+}
+
+/// Between `earlier` and `later`. Unsigned: two times may lie 584 years apart.
+uint64_t distance_ns(Time earlier, Time later) {
+  return static_cast<uint64_t>(to_ns(later)) - static_cast<uint64_t>(to_ns(earlier));
+}
+
 /// Applies each kind of selector to the same times.
 struct Selecting {
   std::span<const Time> times;
@@ -33,15 +45,18 @@ struct Selecting {
   }
   Selection operator()(select::Ahead s) const {
     if (times.empty()) return {};
-    if (s.offset <= Duration(0)) return (*this)(select::At{times.back() + s.offset});
-    return {0, 0, times.back() + s.offset};
+    if (s.offset <= Duration(0)) return (*this)(select::At{plus(times.back(), s.offset)});
+    return {0, 0, plus(times.back(), s.offset)};
   }
   Selection operator()(select::Nearest s) const {
     if (times.empty()) return {};
-    size_t best = std::min(lower(s.time), size() - 1);
-    if (best > 0 && s.time - times[best - 1] <= times[best] - s.time) --best;
-    if (best + 1 == size() && times[best] < s.time) best = size() - 1;
-    return std::chrono::abs(times[best] - s.time) <= s.tolerance ? range(best, best + 1) : Selection{};
+    const size_t next = lower(s.time);
+    const uint64_t ahead = next < size() ? distance_ns(s.time, times[next]) : UINT64_MAX;
+    const uint64_t behind = next > 0 ? distance_ns(times[next - 1], s.time) : UINT64_MAX;
+    // Of two equally close the earlier.
+    const size_t best = behind <= ahead ? next - 1 : next;
+    const bool is_close = std::min(ahead, behind) <= static_cast<uint64_t>(s.tolerance.count());
+    return is_close || s.tolerance == Duration::max() ? range(best, best + 1) : Selection{};
   }
   Selection operator()(select::Before s) const {
     const size_t end = s.is_inclusive ? upper(s.time) : lower(s.time);
@@ -53,7 +68,7 @@ struct Selecting {
   }
   Selection operator()(select::TimeRange s) const { return range(lower(s.first), upper(s.last)); }
   Selection operator()(select::LastDuration s) const {
-    return times.empty() ? Selection{} : range(lower(times.back() - s.duration), size());
+    return times.empty() ? Selection{} : range(lower(plus(times.back(), -s.duration)), size());
   }
   Selection operator()(select::IndexRange s) const {
     const auto count = static_cast<int64_t>(size());

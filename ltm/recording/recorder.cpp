@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/recording/recorder.h"
 
+#include <utility>
+
 #include "ltm/codec/codec.h"
 #include "ltm/filter/frequency_filter.h"
 #include "ltm/store/manifest.h"
@@ -13,6 +15,12 @@ struct Recorder::State {
     std::unique_ptr<Filter> filter;  ///< Null: everything is kept.
     uint64_t dropped = 0;            ///< Since the last snapshot that was kept.
     uint64_t dropped_bytes = 0;
+
+    /// `packed` was not stored: what it told of is still to be told.
+    void give_back(const PackedSnapshot& packed) {
+      dropped += packed.dropped;
+      dropped_bytes += packed.dropped_bytes;
+    }
   };
 
   Options options;
@@ -52,6 +60,35 @@ struct Recorder::State {
     }
     return packed;
   }
+
+  /// What is kept of a commit, and the channels that it came through.
+  struct Kept {
+    std::vector<PackedSnapshot> snapshots;
+    std::vector<Channel*> channels;
+  };
+
+  Status collect(const Commit& commit, Kept& kept) {
+    for (const Snapshot& snapshot : commit.updates) {
+      ENGRAM_RETURN_IF_ERROR(check(snapshot));
+      ENGRAM_ASSIGN_OR_RETURN(Channel * of, channel(snapshot.entity));
+      RecordingCounters& counted = counters[snapshot.entity];
+      const uint64_t raw_bytes = snapshot.raw_bytes();
+      ++counted.offered;
+      counted.offered_bytes += raw_bytes;
+      if (of->filter != nullptr && !of->filter->keeps(snapshot)) {
+        ++counted.dropped_by[std::string(of->filter->name())];
+        ++of->dropped;
+        of->dropped_bytes += raw_bytes;
+        continue;
+      }
+      ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, pack_snapshot(snapshot, raw_bytes));
+      packed.dropped = std::exchange(of->dropped, 0);
+      packed.dropped_bytes = std::exchange(of->dropped_bytes, 0);
+      kept.snapshots.push_back(std::move(packed));
+      kept.channels.push_back(of);
+    }
+    return {};
+  }
 };
 
 Status Recorder::Options::validate() const {
@@ -77,34 +114,19 @@ Result<Recorder> Recorder::open(const std::filesystem::path& store, const Option
 }
 
 Status Recorder::commit(const Commit& commit) {
-  std::vector<PackedSnapshot> kept;
-  std::vector<State::Channel*> channels;
-  for (const Snapshot& snapshot : commit.updates) {
-    ENGRAM_RETURN_IF_ERROR(state_->check(snapshot));
-    ENGRAM_ASSIGN_OR_RETURN(State::Channel * channel, state_->channel(snapshot.entity));
-    RecordingCounters& counters = state_->counters[snapshot.entity];
-    const uint64_t raw_bytes = snapshot.raw_bytes();
-    ++counters.offered;
-    counters.offered_bytes += raw_bytes;
-    if (channel->filter != nullptr && !channel->filter->keeps(snapshot)) {
-      ++counters.dropped_by[std::string(channel->filter->name())];
-      ++channel->dropped;
-      channel->dropped_bytes += raw_bytes;
-      continue;
-    }
-    ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, state_->pack_snapshot(snapshot, raw_bytes));
-    packed.dropped = channel->dropped;
-    packed.dropped_bytes = channel->dropped_bytes;
-    kept.push_back(std::move(packed));
-    channels.push_back(channel);
-  }
+  State::Kept kept;
   std::vector<uint64_t> frame_bytes;
-  ENGRAM_RETURN_IF_ERROR(state_->writer->append(kept, &frame_bytes));
-  for (size_t i = 0; i < kept.size(); ++i) {
-    channels[i]->dropped = channels[i]->dropped_bytes = 0;
-    RecordingCounters& counters = state_->counters[kept[i].entity];
+  Status status = state_->collect(commit, kept);
+  if (status.ok()) status = state_->writer->append(kept.snapshots, &frame_bytes);
+  if (!status.ok()) {
+    for (size_t i = 0; i < kept.snapshots.size(); ++i)
+      kept.channels[i]->give_back(kept.snapshots[i]);
+    return status;
+  }
+  for (size_t i = 0; i < kept.snapshots.size(); ++i) {
+    RecordingCounters& counters = state_->counters[kept.snapshots[i].entity];
     ++counters.kept;
-    counters.kept_bytes += kept[i].raw_bytes;
+    counters.kept_bytes += kept.snapshots[i].raw_bytes;
     counters.stored_bytes += frame_bytes[i];
   }
   return {};
@@ -124,8 +146,12 @@ std::optional<Time> Recorder::last_time(const MemoryId& entity) const {
   return state_->writer->last_time(entity);
 }
 
-uint64_t Recorder::lost_frames() const { return state_->writer->lost_frames(); }
+uint64_t Recorder::lost_frames() const {
+  return state_->writer->lost_frames();
+}
 
-const std::map<MemoryId, RecordingCounters>& Recorder::counters() const { return state_->counters; }
+const std::map<MemoryId, RecordingCounters>& Recorder::counters() const {
+  return state_->counters;
+}
 
 }  // namespace engram::ltm

@@ -65,7 +65,10 @@ Data medium_to_data(const PackedMedium& medium) {
 
 Result<PackedMedium> medium_from_data(const Data& data) {
   DictReader reader(data);
-  PackedMedium medium{reader.get<std::string>("path"), reader.get<std::string>("codec"), {}, {},
+  PackedMedium medium{reader.get<std::string>("path"),
+                      reader.get<std::string>("codec"),
+                      {},
+                      {},
                       reader.get<NdArray>("bytes").buffer()};
   const auto type = idf::element_type_from_name(reader.get<std::string>("type"));
   const auto shape = reader.get<List>("shape");
@@ -73,7 +76,8 @@ Result<PackedMedium> medium_from_data(const Data& data) {
   if (!type) return data_loss("journal frame: medium '{}' has an unknown type", medium.path);
   medium.type = *type;
   for (const Data& size : shape) {
-    if (!size.is<int64_t>()) return data_loss("journal frame: medium '{}' has no shape", medium.path);
+    if (!size.is<int64_t>())
+      return data_loss("journal frame: medium '{}' has no shape", medium.path);
     medium.shape.push_back(size.get<int64_t>());
   }
   return medium;
@@ -83,6 +87,9 @@ Result<Data> instance_to_data(const PackedInstance& instance) {
   List media;
   for (const PackedMedium& medium : instance.value.media) media.push_back(medium_to_data(medium));
   ENGRAM_ASSIGN_OR_RETURN(const auto rest, idf::encode(instance.value.rest));
+  if (rest.size() > kMaxRestBytes)
+    return invalid_argument("a value has {} bytes beside its media, at most {} fit", rest.size(),
+                            kMaxRestBytes);
   return Data(Dict{{"rest", bytes_array(Buffer::take(compress_zstd(rest)))},
                    {"media", std::move(media)},
                    {"metadata", metadata_to_data(instance.metadata)}});

@@ -24,7 +24,9 @@ struct FrameHeader {
 static_assert(sizeof(FrameHeader) == Journal::kFrameOverheadBytes);
 
 /// Frames start at multiples of 8, so that ndarrays inside stay aligned.
-constexpr uint64_t padded(uint64_t size) { return (size + kAlignment - 1) / kAlignment * kAlignment; }
+constexpr uint64_t padded(uint64_t size) {
+  return (size + kAlignment - 1) / kAlignment * kAlignment;
+}
 
 /// The payload at `at` if a whole frame starts there.
 std::optional<std::span<const std::byte>> frame_at(std::span<const std::byte> bytes, uint64_t at) {
@@ -110,8 +112,7 @@ Result<JournalScan> scan_journal(
       at = *next;
       continue;
     }
-    ENGRAM_RETURN_IF_ERROR(
-        visit(at, content.slice(at + sizeof(FrameHeader), payload->size())));
+    ENGRAM_RETURN_IF_ERROR(visit(at, content.slice(at + sizeof(FrameHeader), payload->size())));
     ++scan.frames;
     at = std::min<uint64_t>(padded(at + sizeof(FrameHeader) + payload->size()), bytes.size());
   }
@@ -136,6 +137,8 @@ Result<Buffer> read_journal_frame(const File& file, uint64_t offset) {
 Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store) {
   std::vector<uint64_t> numbers;
   std::error_code error;
+  // Copies leave out empty folders.
+  if (!std::filesystem::exists(store / "journal", error)) return numbers;
   for (const auto& entry : std::filesystem::directory_iterator(store / "journal", error)) {
     const std::string name = entry.path().filename().string();
     uint64_t number = 0;

@@ -18,7 +18,9 @@ constexpr const char* kManifestFile = "MANIFEST.json";
 constexpr const char* kManifestLock = "MANIFEST.lock";
 
 /// A checksum as text: JSON numbers of other programs carry 53 bits only.
-std::string to_hex(uint64_t value) { return fmt::format("{:016x}", value); }
+std::string to_hex(uint64_t value) {
+  return fmt::format("{:016x}", value);
+}
 
 uint64_t from_hex(const std::string& text) {
   uint64_t value = 0;
@@ -45,9 +47,12 @@ std::string file_from(const Json& json) {
 }
 
 Json to_json(const LatentSums& sums) {
-  return {{"model_version", sums.model_version}, {"image_rows", sums.image_rows},
-          {"psnr_db", sums.psnr_db},             {"image_mse", sums.image_mse},
-          {"number_rows", sums.number_rows},     {"number_mse", sums.number_mse}};
+  return {{"model_version", sums.model_version},
+          {"image_rows", sums.image_rows},
+          {"psnr_db", sums.psnr_db},
+          {"image_mse", sums.image_mse},
+          {"number_rows", sums.number_rows},
+          {"number_mse", sums.number_mse}};
 }
 
 LatentSums latent_from(const Json& json) {
@@ -139,8 +144,13 @@ Json to_json(const Manifest& manifest) {
 }
 
 Manifest manifest_from(const Json& json) {
-  Manifest manifest{json.at("store_id"), json.at("generation"), json.at("next_segment"),
-                    json.at("first_journal"), json.at("damaged"), {}, {}};
+  Manifest manifest{json.at("store_id"),
+                    json.at("generation"),
+                    json.at("next_segment"),
+                    json.at("first_journal"),
+                    json.at("damaged"),
+                    {},
+                    {}};
   for (const Json& segment : json.at("segments"))
     manifest.segments.push_back(segment_from(segment));
   for (const Json& model : json.at("models")) manifest.models.push_back(model_from(model));
@@ -148,8 +158,13 @@ Manifest manifest_from(const Json& json) {
 }
 
 Status write_manifest(const std::filesystem::path& store, const Manifest& manifest) {
-  const std::string text = to_json(manifest).dump(1) + "\n";
-  return replace_file(store / kManifestFile, as_bytes(text));
+  try {
+    const std::string text = to_json(manifest).dump(1) + "\n";
+    return replace_file(store / kManifestFile, as_bytes(text));
+  } catch (const Json::exception& error) {
+    return invalid_argument("store '{}': {} cannot be written: {}", store.string(), kManifestFile,
+                            error.what());
+  }
 }
 
 std::string random_store_id() {
@@ -159,7 +174,9 @@ std::string random_store_id() {
 
 }  // namespace
 
-std::string ModelInfo::name() const { return fmt::format("{} v{}", entity.to_string(), version); }
+std::string ModelInfo::name() const {
+  return fmt::format("{} v{}", entity.to_string(), version);
+}
 
 Result<Manifest> read_manifest(const std::filesystem::path& store) {
   std::error_code error;

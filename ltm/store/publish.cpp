@@ -20,8 +20,11 @@ namespace {
 
 std::string model_file_name(const MemoryId& entity, int version) {
   std::string name;
-  for (const std::string& part : entity.names())
-    name += (name.empty() ? "" : ".") + segment_name(part);
+  for (const std::string& part : entity.names()) {
+    if (!name.empty()) name += '.';
+    // A dot inside a name must not look like the one between names.
+    for (const char c : segment_name(part)) name += c == '.' ? "%2E" : std::string(1, c);
+  }
   return fmt::format("models/{}.v{}.h5", name, version);
 }
 
@@ -72,6 +75,39 @@ Status check_models(const std::filesystem::path& store, const Manifest& manifest
   return {};
 }
 
+/// Latents as publish_model needs them.
+Status check_latents(const MemoryId& entity, int version,
+                     const std::vector<LatentSnapshot>& snapshots) {
+  const std::string name = ModelInfo{entity, version, "", 0, 0}.name();
+  if (!entity.is_entity())
+    return invalid_argument("model {}: '{}' is no entity", name, entity.to_string());
+  // A model that no latent names would be removed at once.
+  if (snapshots.empty()) return invalid_argument("model {}: there are no latents of it", name);
+  for (size_t i = 0; i < snapshots.size(); ++i) {
+    if (snapshots[i].model_version != version)
+      return invalid_argument("model {}: found latents of v{}", name, snapshots[i].model_version);
+    if (snapshots[i].instances.empty())
+      return invalid_argument("model {}: the latents at {} have no instances", name,
+                              to_string(snapshots[i].time));
+    if (i > 0 && snapshots[i].time <= snapshots[i - 1].time)
+      return invalid_argument("model {}: latents run backwards in time at {}", name,
+                              to_string(snapshots[i].time));
+  }
+  return {};
+}
+
+bool is_dropped(const SnapshotEntry& entry, const std::set<Time>& keep) {
+  return entry.recorded && entry.recorded->rows > 0 && entry.latent && !keep.contains(entry.time);
+}
+
+/// Reads the latents of all that is to be dropped: its recorded form may be the only good copy.
+Status check_before_drop(StoreReader& reader, const MemoryId& entity, const std::set<Time>& keep) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(entity));
+  for (const SnapshotEntry& entry : *entries)
+    if (is_dropped(entry, keep)) ENGRAM_RETURN_IF_ERROR(reader.read_latent(entity, entry).status());
+  return {};
+}
+
 /// A recorded segment without the snapshots of `entity` that have latents.
 struct Rewritten {
   std::map<MemoryId, RecordedEntity> entities;
@@ -79,7 +115,7 @@ struct Rewritten {
 };
 
 Result<Rewritten> without_latent_snapshots(StoreReader& reader, uint32_t segment,
-                                           const MemoryId& entity) {
+                                           const MemoryId& entity, const std::set<Time>& keep) {
   Rewritten rewritten;
   for (const SegmentEntity& part : reader.manifest().segments[segment].entities) {
     RecordedEntity& kept = rewritten.entities[part.id];
@@ -87,10 +123,9 @@ Result<Rewritten> without_latent_snapshots(StoreReader& reader, uint32_t segment
     kept.trailing_dropped_bytes = part.dropped_bytes;
     ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(part.id));
     for (const SnapshotEntry& entry : *entries) {
-      if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment) continue;
-      if (part.id == entity && entry.latent) {
-        // The recorded form may be the only good copy: read the latent whole before it goes.
-        ENGRAM_RETURN_IF_ERROR(reader.read_latent(entity, entry).status());
+      if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment)
+        continue;
+      if (part.id == entity && is_dropped(entry, keep)) {
         ++rewritten.report.snapshots;
         continue;
       }
@@ -123,11 +158,12 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
                      const std::filesystem::path& model_file,
                      const std::vector<LatentSnapshot>& snapshots) {
+  ENGRAM_RETURN_IF_ERROR(check_latents(entity, version, snapshots));
+  ModelInfo model{entity, version, model_file_name(entity, version), 0, 0};
+  ENGRAM_ASSIGN_OR_RETURN(model.checksum, checksum_of_file(model_file));
+  model.bytes = std::filesystem::file_size(model_file);
   ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
   ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_latent_segment(file, entity, snapshots));
-  ModelInfo model{entity, version, model_file_name(entity, version), 0, 0};
-  model.bytes = std::filesystem::file_size(model_file);
-  ENGRAM_ASSIGN_OR_RETURN(model.checksum, checksum_of_file(model_file));
   std::vector<std::string> obsolete;
   ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
     if (next_model_version(manifest, entity) > version)
@@ -137,9 +173,8 @@ Status publish_model(const std::filesystem::path& store, const MemoryId& entity,
     segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
     ENGRAM_RETURN_IF_ERROR(publish_file(model_file, store / model.file));
     ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
-    std::erase_if(manifest.segments, [&](const SegmentInfo& old) {
-      return superseded.contains(old.file);
-    });
+    std::erase_if(manifest.segments,
+                  [&](const SegmentInfo& old) { return superseded.contains(old.file); });
     manifest.segments.push_back(std::move(segment));
     manifest.models.push_back(model);
     obsolete.assign(superseded.begin(), superseded.end());
@@ -154,16 +189,19 @@ Status publish_model(const std::filesystem::path& store, const MemoryId& entity,
   return {};
 }
 
-Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity) {
+Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
+                                 const std::set<Time>& keep) {
   DropReport total;
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
   ENGRAM_RETURN_IF_ERROR(reader->index(entity).status());
   ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));
+  ENGRAM_RETURN_IF_ERROR(check_before_drop(*reader, entity, keep));
   const std::vector<SegmentInfo> segments = reader->manifest().segments;
   for (uint32_t i = 0; i < segments.size(); ++i) {
     const SegmentInfo& old = segments[i];
     if (old.kind != SegmentKind::kRecorded || find_entity(old, entity) == nullptr) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const Rewritten rewritten, without_latent_snapshots(*reader, i, entity));
+    ENGRAM_ASSIGN_OR_RETURN(const Rewritten rewritten,
+                            without_latent_snapshots(*reader, i, entity, keep));
     total.kept += rewritten.report.kept;
     if (rewritten.report.snapshots == 0) continue;
     ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));

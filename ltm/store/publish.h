@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
+#include <string_view>
 #include <vector>
 
 #include "ltm/store/latent.h"
@@ -21,7 +23,8 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 /// Older latents of the same times are superseded; models that no latent names any more go.
 ///
 /// `model_file` is moved into the store. `snapshots` increase in time, all of version `version`.
-/// Errors: kAlreadyExists where the version is taken; kUnavailable, kResourceExhausted.
+/// Errors: kAlreadyExists where the version is taken; kInvalidArgument where `snapshots` are empty
+/// or not as said; kNotFound where there is no `model_file`; kUnavailable, kResourceExhausted.
 /// Threading: runs beside a live writer.
 Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
                      const std::filesystem::path& model_file,
@@ -30,11 +33,13 @@ Status publish_model(const std::filesystem::path& store, const MemoryId& entity,
 struct DropReport {
   uint64_t snapshots = 0;
   uint64_t freed_bytes = 0;
-  uint64_t kept = 0;  ///< Recorded snapshots that stay because no latent stands for them.
+  uint64_t kept = 0;  ///< Sealed snapshots whose recorded form stays.
 };
 
-/// Drops the recorded form of every sealed snapshot of `entity` that has latents.
+/// Drops the recorded form of every sealed snapshot of `entity` that has latents and is not among
+/// `keep`. The model files are checked and the latents read first.
 /// Errors: kNotFound, kDataLoss, kUnavailable, kResourceExhausted.
-Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity);
+Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
+                                 const std::set<Time>& keep);
 
 }  // namespace engram::ltm

@@ -13,8 +13,9 @@ namespace engram::ltm {
 /// Format of segment files. Source: docs/format.md, section "Segment".
 inline constexpr int kSegmentFormatVersion = 1;
 
-/// Rows whose remainders are packed together.
+/// Most rows whose remainders are packed together, and about the most plain bytes of them.
 inline constexpr size_t kRemainderBlockRows = 128;
+inline constexpr size_t kRemainderBlockBytes = size_t{8} << 20;
 
 /// The path of an entity's group in a segment: its four names, each as segment_name.
 [[nodiscard]] std::string segment_group(const MemoryId& entity);

@@ -21,9 +21,13 @@ namespace {
 
 constexpr uint64_t kWindowBytes = 1 << 20;
 constexpr uint64_t kMaxBlobBytes = uint64_t{1} << 32;
-constexpr size_t kMaxRemainderBytes = size_t{1} << 30;
+constexpr size_t kMaxRemainderBytes = size_t{1} << 31;
 
-size_t element_bytes(h5::Type type) { return h5::size_bytes(type); }
+constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
+
+size_t element_bytes(h5::Type type) {
+  return h5::size_bytes(type);
+}
 
 h5::Type h5_type_of(idf::ElementType type) {
   static constexpr std::array kTypes{h5::Type::kInt8,   h5::Type::kInt16,  h5::Type::kInt32,
@@ -130,7 +134,7 @@ struct SegmentReader::State {
     if (known == remainder_block_number.end() || known->second != number) {
       ENGRAM_ASSIGN_OR_RETURN(const Buffer packed, blob(group, number));
       ENGRAM_ASSIGN_OR_RETURN(auto plain, decompress_zstd(packed.bytes(), kMaxRemainderBytes));
-      ENGRAM_ASSIGN_OR_RETURN(idf::Data block, idf::decode(Buffer::take(std::move(plain))));
+      ENGRAM_ASSIGN_OR_RETURN(idf::Data block, idf::decode(Buffer::take(std::move(plain)), kDepth));
       if (!block.is<List>()) return broken(group, fmt::format("block {} is no list", number));
       remainder_blocks[group] = std::move(*block.get_if<List>());
       remainder_block_number[group] = number;
@@ -170,7 +174,8 @@ struct SegmentReader::State {
     const auto known = layouts.find(group);
     if (known != layouts.end()) return &known->second;
     ENGRAM_ASSIGN_OR_RETURN(auto bytes, file.read(group + "/layout", h5::Type::kUInt8));
-    ENGRAM_ASSIGN_OR_RETURN(const idf::Data data, idf::decode(Buffer::take(std::move(bytes))));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data data,
+                            idf::decode(Buffer::take(std::move(bytes)), kDepth));
     ENGRAM_ASSIGN_OR_RETURN(idf::Layout read, idf::Layout::from_data(data));
     return &layouts.emplace(group, std::move(read)).first->second;
   }
@@ -312,7 +317,8 @@ Result<LatentSnapshot> SegmentReader::read_latent(const MemoryId& entity, const 
   const std::string group = segment_group(entity);
   LatentSnapshot snapshot;
   snapshot.time = span.time;
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t version, state_->file.int_attribute(group, "model_version"));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t version,
+                          state_->file.int_attribute(group, "model_version"));
   snapshot.model_version = static_cast<int>(version);
   for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
     LatentInstance instance;

@@ -28,16 +28,26 @@ constexpr size_t kMaxLayoutsCounted = 32;
 
 h5::Type h5_type(idf::ElementType type) {
   switch (type) {
-    case idf::ElementType::kInt8: return h5::Type::kInt8;
-    case idf::ElementType::kInt16: return h5::Type::kInt16;
-    case idf::ElementType::kInt32: return h5::Type::kInt32;
-    case idf::ElementType::kInt64: return h5::Type::kInt64;
-    case idf::ElementType::kUInt8: return h5::Type::kUInt8;
-    case idf::ElementType::kUInt16: return h5::Type::kUInt16;
-    case idf::ElementType::kUInt32: return h5::Type::kUInt32;
-    case idf::ElementType::kUInt64: return h5::Type::kUInt64;
-    case idf::ElementType::kFloat32: return h5::Type::kFloat32;
-    case idf::ElementType::kFloat64: break;
+    case idf::ElementType::kInt8:
+      return h5::Type::kInt8;
+    case idf::ElementType::kInt16:
+      return h5::Type::kInt16;
+    case idf::ElementType::kInt32:
+      return h5::Type::kInt32;
+    case idf::ElementType::kInt64:
+      return h5::Type::kInt64;
+    case idf::ElementType::kUInt8:
+      return h5::Type::kUInt8;
+    case idf::ElementType::kUInt16:
+      return h5::Type::kUInt16;
+    case idf::ElementType::kUInt32:
+      return h5::Type::kUInt32;
+    case idf::ElementType::kUInt64:
+      return h5::Type::kUInt64;
+    case idf::ElementType::kFloat32:
+      return h5::Type::kFloat32;
+    case idf::ElementType::kFloat64:
+      break;
   }
   return h5::Type::kFloat64;
 }
@@ -60,8 +70,8 @@ class BlobColumn {
 
   Status write(h5::File& file, const std::string& group) const {
     const uint64_t count = bytes_.size();
-    ENGRAM_RETURN_IF_ERROR(file.write(group + "/bytes", h5::Type::kUInt8, {&count, 1}, bytes_,
-                                      Storage::kContiguous));
+    ENGRAM_RETURN_IF_ERROR(
+        file.write(group + "/bytes", h5::Type::kUInt8, {&count, 1}, bytes_, Storage::kContiguous));
     ENGRAM_RETURN_IF_ERROR(write_column(file, group + "/offset", offsets_));
     return write_column(file, group + "/checksum", checksums_);
   }
@@ -75,27 +85,32 @@ class BlobColumn {
 /// The values of a remainder, packed a block of rows at a time: alike strings cost little.
 class RemainderColumn {
  public:
-  Status append(Data row) {
-    block_.push_back(std::move(row));
-    return block_.size() < kRemainderBlockRows ? Status() : flush();
+  void append(Data row) {
+    largest_bytes_ = std::max(largest_bytes_, idf::encoded_size(row));
+    rows_.push_back(std::move(row));
   }
 
   Status write(h5::File& file, const std::string& group) {
-    if (!block_.empty()) ENGRAM_RETURN_IF_ERROR(flush());
-    ENGRAM_RETURN_IF_ERROR(blobs_.write(file, group));
-    return file.write_attribute(group, "rows_per_block", static_cast<int64_t>(kRemainderBlockRows));
+    // Who reads one row unpacks its block: blocks of large rows have few.
+    const size_t block = std::clamp<size_t>(
+        kRemainderBlockBytes / std::max<size_t>(largest_bytes_, 1), 1, kRemainderBlockRows);
+    BlobColumn blobs;
+    for (size_t first = 0; first < rows_.size(); first += block) {
+      const size_t end = std::min(first + block, rows_.size());
+      List rows;
+      for (size_t i = first; i < end; ++i) rows.push_back(std::move(rows_[i]));
+      ENGRAM_ASSIGN_OR_RETURN(const auto plain,
+                              idf::encode(std::move(rows), idf::kMaxDepth + idf::kContainerDepth));
+      blobs.append(compress_zstd(plain, kRemainderLevel));
+    }
+    rows_.clear();
+    ENGRAM_RETURN_IF_ERROR(blobs.write(file, group));
+    return file.write_attribute(group, "rows_per_block", static_cast<int64_t>(block));
   }
 
  private:
-  Status flush() {
-    ENGRAM_ASSIGN_OR_RETURN(const auto plain, idf::encode(Data(std::move(block_))));
-    block_.clear();
-    blobs_.append(compress_zstd(plain, kRemainderLevel));
-    return {};
-  }
-
-  List block_;
-  BlobColumn blobs_;
+  List rows_;
+  size_t largest_bytes_ = 0;
 };
 
 /// Columns that rows of every kind share: time, instance and metadata.
@@ -142,7 +157,8 @@ struct Row {
   [[nodiscard]] const PackedInstance& packed() const { return snapshot->instances[instance]; }
 };
 
-/// The layout that most rows have; the others are kept whole in the remainder.
+/// The layout that most rows have; the others are kept whole in the remainder. Columns are for
+/// the many: where fewer than half of the rows would fill them, there are none.
 idf::Layout most_common_layout(const std::vector<Row>& rows) {
   std::vector<std::pair<idf::Layout, size_t>> counts;
   for (const Row& row : rows) {
@@ -154,7 +170,13 @@ idf::Layout most_common_layout(const std::vector<Row>& rows) {
       counts.emplace_back(layout, 1);
   }
   const auto best = std::ranges::max_element(counts, {}, &std::pair<idf::Layout, size_t>::second);
-  return best == counts.end() ? idf::Layout() : best->first;
+  return best == counts.end() || best->second * 2 < rows.size() ? idf::Layout() : best->first;
+}
+
+/// HDF5 strings end at a zero byte. Our own reader takes paths from the layout.
+std::string printable(std::string path) {
+  std::ranges::replace(path, '\0', '?');
+  return path;
 }
 
 /// The tensor members of the rows as datasets: scalars of one type share a matrix.
@@ -202,7 +224,7 @@ class TensorColumns {
     std::vector<std::byte> matrix(rows_ * members.size() * size);
     std::vector<std::string> paths;
     for (size_t column = 0; column < members.size(); ++column) {
-      paths.push_back(layout_.members()[members[column]].path);
+      paths.push_back(printable(layout_.members()[members[column]].path));
       for (size_t row = 0; row < rows_; ++row)
         std::copy_n(values_[members[column]].data() + row * size, size,
                     matrix.data() + (row * members.size() + column) * size);
@@ -237,7 +259,8 @@ class MediaColumns {
       variant.blobs.fill(rows);
       const int number = variants_of_path[variant.path]++;
       std::string name = group + "/media" + segment_member(variant.path);
-      if (number > 0) name += fmt::format("#{}", number);
+      // A number, too, where groups of other media would lie among the datasets of this one.
+      if (number > 0 || has_media_below(variant.path)) name += fmt::format("#{}", number);
       ENGRAM_RETURN_IF_ERROR(variant.blobs.column.write(file, name));
       ENGRAM_RETURN_IF_ERROR(file.write_attribute(name, "path", variant.path));
       ENGRAM_RETURN_IF_ERROR(file.write_attribute(name, "codec", variant.codec));
@@ -265,6 +288,12 @@ class MediaColumns {
     idf::Shape shape;
     SparseBlobs blobs;
   };
+
+  [[nodiscard]] bool has_media_below(const std::string& path) const {
+    return std::ranges::any_of(variants_, [&path](const Variant& variant) {
+      return variant.path.size() > path.size() && variant.path.starts_with(path + '/');
+    });
+  }
 
   Variant& find(const PackedMedium& medium) {
     for (Variant& variant : variants_)
@@ -310,7 +339,8 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
   const std::string group = segment_group(entity);
   const idf::Layout layout = most_common_layout(rows);
   ENGRAM_RETURN_IF_ERROR(write_entity_header(file, group, entity));
-  ENGRAM_ASSIGN_OR_RETURN(const auto layout_bytes, idf::encode(layout.to_data()));
+  ENGRAM_ASSIGN_OR_RETURN(const auto layout_bytes,
+                          idf::encode(layout.to_data(), idf::kMaxDepth + idf::kContainerDepth));
   const uint64_t layout_size = layout_bytes.size();
   ENGRAM_RETURN_IF_ERROR(file.write(group + "/layout", h5::Type::kUInt8, {&layout_size, 1},
                                     layout_bytes, Storage::kCompressed));
@@ -326,9 +356,9 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
     auto parts = layout.split(packed.value.rest);
     if (parts.ok()) {
       tensors.set(i, parts->tensors);
-      ENGRAM_RETURN_IF_ERROR(remainder.append(std::move(parts->remainder)));
+      remainder.append(std::move(parts->remainder));
     } else {
-      ENGRAM_RETURN_IF_ERROR(remainder.append(Dict{{"value", packed.value.rest}}));
+      remainder.append(Dict{{"value", packed.value.rest}});
     }
     ENGRAM_RETURN_IF_ERROR(media.append(i, packed.value.media));
   }
@@ -342,7 +372,8 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
 Result<h5::File> create_segment(const std::filesystem::path& path, std::string_view kind) {
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format", "engram segment"));
-  ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format_version", int64_t{kSegmentFormatVersion}));
+  ENGRAM_RETURN_IF_ERROR(
+      file.write_attribute("/", "format_version", int64_t{kSegmentFormatVersion}));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "kind", kind));
   return file;
 }
@@ -433,7 +464,7 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
       const LatentInstance& instance = snapshot.instances[i];
       columns.append(snapshot.time, i, instance.metadata);
       codes.append(instance.latent.code.bytes());
-      ENGRAM_RETURN_IF_ERROR(remainder.append(instance.latent.remainder));
+      remainder.append(instance.latent.remainder);
       image_mse.push_back(instance.error.image_mse);
       number_mse.push_back(instance.error.number_mse);
       add_to_sums(summary.latent, instance.error);
@@ -445,8 +476,8 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
     summary.last = snapshots.back().time;
     summary.latent.model_version = snapshots.front().model_version;
   }
-  ENGRAM_RETURN_IF_ERROR(segment.write_attribute(group, "model_version",
-                                                 int64_t{summary.latent.model_version}));
+  ENGRAM_RETURN_IF_ERROR(
+      segment.write_attribute(group, "model_version", int64_t{summary.latent.model_version}));
   ENGRAM_RETURN_IF_ERROR(columns.write(segment, group));
   ENGRAM_RETURN_IF_ERROR(codes.write(segment, group + "/latent"));
   ENGRAM_RETURN_IF_ERROR(remainder.write(segment, group + "/remainder"));

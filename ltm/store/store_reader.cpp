@@ -75,8 +75,12 @@ struct StoreReader::State {
     if (known != segments.end()) {
       segments.splice(segments.begin(), segments, known);
     } else {
-      ENGRAM_ASSIGN_OR_RETURN(auto opened, SegmentReader::open(path / manifest.segments[number].file));
-      segments.emplace_front(number, std::move(opened));
+      auto opened = SegmentReader::open(path / manifest.segments[number].file);
+      if (opened.status().code() == StatusCode::kNotFound)
+        return data_loss("store '{}': segment '{}' is missing", path.string(),
+                         manifest.segments[number].file);
+      if (!opened.ok()) return opened.status();
+      segments.emplace_front(number, std::move(opened).value());
       if (segments.size() > kMaxOpenSegments) segments.pop_back();
     }
     return segments.front().second.get();
@@ -85,7 +89,8 @@ struct StoreReader::State {
   [[nodiscard]] bool has(const MemoryId& entity) const {
     if (journal_entries.contains(entity)) return true;
     return std::ranges::any_of(manifest.segments, [&](const SegmentInfo& segment) {
-      return std::ranges::find(segment.entities, entity, &SegmentEntity::id) != segment.entities.end();
+      return std::ranges::find(segment.entities, entity, &SegmentEntity::id) !=
+             segment.entities.end();
     });
   }
 
@@ -99,7 +104,8 @@ struct StoreReader::State {
   Status add_segment(uint32_t number, const MemoryId& entity,
                      std::map<Time, SnapshotEntry>& entries) {
     const SegmentInfo& info = manifest.segments[number];
-    if (std::ranges::find(info.entities, entity, &SegmentEntity::id) == info.entities.end()) return {};
+    if (std::ranges::find(info.entities, entity, &SegmentEntity::id) == info.entities.end())
+      return {};
     ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, segment(number));
     ENGRAM_ASSIGN_OR_RETURN(const std::vector<RowSpan> spans, reader->index(entity));
     for (const RowSpan& span : spans) {
@@ -132,8 +138,12 @@ Result<std::unique_ptr<StoreReader>> StoreReader::open(const std::filesystem::pa
                      kOpenAttempts);
 }
 
-const std::filesystem::path& StoreReader::path() const { return state_->path; }
-const Manifest& StoreReader::manifest() const { return state_->manifest; }
+const std::filesystem::path& StoreReader::path() const {
+  return state_->path;
+}
+const Manifest& StoreReader::manifest() const {
+  return state_->manifest;
+}
 uint64_t StoreReader::damaged_places() const {
   return state_->manifest.damaged + state_->journal_damaged;
 }
@@ -170,7 +180,8 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
       summary.raw_bytes += part.raw_bytes;
       summary.offered += part.dropped;
       summary.offered_bytes += part.dropped_bytes;
-      summary.latent.model_version = std::max(summary.latent.model_version, part.latent.model_version);
+      summary.latent.model_version =
+          std::max(summary.latent.model_version, part.latent.model_version);
       summary.latent.image_rows += part.latent.image_rows;
       summary.latent.psnr_db += part.latent.psnr_db;
       summary.latent.image_mse += part.latent.image_mse;
@@ -223,7 +234,8 @@ Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& ent
   return &sorted;
 }
 
-Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity, const SnapshotEntry& entry) {
+Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity,
+                                                const SnapshotEntry& entry) {
   ENGRAM_CHECK(entry.recorded.has_value(), "'{}' has no recorded form",
                entity.at(entry.time).to_string());
   const SnapshotEntry::Location& at = *entry.recorded;
@@ -241,7 +253,8 @@ Result<Snapshot> StoreReader::read_recorded(const MemoryId& entity, const Snapsh
   return unpack(packed);
 }
 
-Result<LatentSnapshot> StoreReader::read_latent(const MemoryId& entity, const SnapshotEntry& entry) {
+Result<LatentSnapshot> StoreReader::read_latent(const MemoryId& entity,
+                                                const SnapshotEntry& entry) {
   ENGRAM_CHECK(entry.latent.has_value(), "'{}' has no latents", entity.at(entry.time).to_string());
   ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(entry.latent->source));
   return segment->read_latent(entity, {entry.time, entry.latent->at, entry.latent->rows});

@@ -35,6 +35,9 @@ bool belongs_to_dead_process(const std::string& name) {
 /// Removes what killed processes left behind: temporary files, and published files that no
 /// manifest names.
 Status remove_leftovers(const std::filesystem::path& store) {
+  // Copies of a store leave out empty folders.
+  for (const char* folder : {"journal", "segments", "models", "tmp"})
+    ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
   for (const auto& entry : std::filesystem::directory_iterator(store / "tmp"))
     if (belongs_to_dead_process(entry.path().filename().string()))
       ENGRAM_RETURN_IF_ERROR(remove_file(entry.path()));
@@ -71,7 +74,10 @@ struct StoreWriter::State {
   uint64_t damaged = 0;
 
   State(std::filesystem::path store, const Options& chosen, Clock now, File writer_lock)
-      : path(std::move(store)), options(chosen), clock(std::move(now)), lock(std::move(writer_lock)) {}
+      : path(std::move(store)),
+        options(chosen),
+        clock(std::move(now)),
+        lock(std::move(writer_lock)) {}
 
   void note_time(const MemoryId& entity, Time time) {
     const auto [known, is_new] = last_times.emplace(entity, time);
@@ -131,8 +137,7 @@ struct StoreWriter::State {
 
   [[nodiscard]] bool is_seal_due() const {
     if (!oldest_unsealed || (seal_retry && clock() < *seal_retry)) return false;
-    return unsealed_bytes >= options.seal_bytes ||
-           clock() - *oldest_unsealed >= options.seal_after;
+    return unsealed_bytes >= options.seal_bytes || clock() - *oldest_unsealed >= options.seal_after;
   }
 
   /// Seals where it is due. What was appended is acknowledged whether this works or not: the
@@ -183,8 +188,21 @@ struct StoreWriter::State {
       return a.time == b.time;
     };
     // unique keeps the first of a run: walk from the back to keep the last.
-    const auto [kept_end, end] = std::ranges::unique(snapshots.rbegin(), snapshots.rend(), is_superseded);
+    const auto [kept_end, end] =
+        std::ranges::unique(snapshots.rbegin(), snapshots.rend(), is_superseded);
     snapshots.erase(snapshots.begin(), kept_end.base());
+  }
+
+  Status publish_segment(const std::filesystem::path& file, const JournalContent& content) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_recorded_segment(file, content.entities));
+    return edit_manifest(path, [&](Manifest& manifest) -> Status {
+      segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+      ENGRAM_RETURN_IF_ERROR(publish_file(file, path / segment.file));
+      manifest.segments.push_back(std::move(segment));
+      manifest.first_journal = next_journal;
+      manifest.damaged += content.damaged;
+      return {};
+    });
   }
 
   Status seal() {
@@ -192,15 +210,11 @@ struct StoreWriter::State {
     ENGRAM_ASSIGN_OR_RETURN(const JournalContent content, read_journals(numbers));
     if (!content.entities.empty() || content.damaged > 0) {
       ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(path, ".h5"));
-      ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_recorded_segment(file, content.entities));
-      ENGRAM_RETURN_IF_ERROR(edit_manifest(path, [&](Manifest& manifest) -> Status {
-        segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-        ENGRAM_RETURN_IF_ERROR(publish_file(file, path / segment.file));
-        manifest.segments.push_back(std::move(segment));
-        manifest.first_journal = next_journal;
-        manifest.damaged += content.damaged;
-        return {};
-      }));
+      if (Status status = publish_segment(file, content); !status.ok()) {
+        // It is tried again and again: what failed must not fill the disk.
+        const Status removed = remove_file(file);
+        return removed.ok() ? status : status.with_context(removed.message());
+      }
     }
     // From here on the segment is the truth; a journal that stays behind is removed at the next
     // opening. Damaged journals are kept for whoever wants to look at what was lost.
@@ -254,6 +268,10 @@ Status StoreWriter::append(const std::vector<PackedSnapshot>& snapshots,
     if (last && snapshot.time <= *last)
       return invalid_argument("entity '{}': time runs backwards: found {}, needs one after {}", id,
                               to_string(snapshot.time), to_string(*last));
+    for (const PackedInstance& instance : snapshot.instances)
+      if (instance.metadata.provider.find('\0') != std::string::npos)
+        return invalid_argument("commit: snapshot '{}': its provider's name has a zero byte",
+                                snapshot.entity.at(snapshot.time).to_string());
     times[snapshot.entity] = snapshot.time;
     ENGRAM_ASSIGN_OR_RETURN(auto payload, encode_frame(snapshot));
     payloads.push_back(std::move(payload));
@@ -270,6 +288,8 @@ Status StoreWriter::append(const std::vector<PackedSnapshot>& snapshots,
 
 Status StoreWriter::append_dropped(const MemoryId& entity, uint64_t dropped,
                                    uint64_t dropped_bytes) {
+  if (!entity.is_entity())
+    return invalid_argument("'{}' is no entity: needs four names", entity.to_string());
   PackedSnapshot note;
   note.entity = entity;
   note.dropped = dropped;
@@ -278,13 +298,17 @@ Status StoreWriter::append_dropped(const MemoryId& entity, uint64_t dropped,
   return state_->append_frames({std::move(payload)});
 }
 
-Status StoreWriter::seal() { return state_->seal(); }
+Status StoreWriter::seal() {
+  return state_->seal();
+}
 
 std::optional<Time> StoreWriter::last_time(const MemoryId& entity) const {
   const auto known = state_->last_times.find(entity);
   return known == state_->last_times.end() ? std::nullopt : std::optional(known->second);
 }
 
-uint64_t StoreWriter::lost_frames() const { return state_->damaged; }
+uint64_t StoreWriter::lost_frames() const {
+  return state_->damaged;
+}
 
 }  // namespace engram::ltm
