@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks the sources against the table of rooms and floors in docs/design.md, section 3."""
+
+import re
+import sys
+from pathlib import Path
+
+# What a name in the table means in #include lines.
+LIBRARIES = {
+    "std": (),
+    "fmt": ("fmt/",),
+    "spdlog": ("spdlog/",),
+    "yaml-cpp": ("yaml-cpp/",),
+    "nlohmann/json": ("nlohmann/",),
+    "re2": ("re2/",),
+    "zstd": ("zstd.h",),
+    "OpenCV": ("opencv2/",),
+    "libav*": ("libav", "libsw"),
+    "hdf5": ("hdf5",),
+    "xxhash": ("xxhash.h",),
+    "LibTorch": ("torch/", "ATen/", "c10/"),
+    "CLI11": ("CLI/",),
+    "pybind11": ("pybind11/",),
+}
+# These stay where they are, whoever may include the room.
+CONFINED = {
+    "hdf5": {"ltm/h5"},
+    "LibTorch": {"encoders", "training"},
+    "CLI11": {"cli"},
+}
+SYSTEM = re.compile(
+    r"^([a-z0-9_]+|sys/.*|linux/.*|netinet/.*|arpa/.*"
+    r"|(unistd|fcntl|signal|pthread|poll|stdlib|termios|dlfcn|sched)\.h)$"
+)
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+MAX_LINES = 600
+
+
+class Room:
+    def __init__(self, folder, rooms, libraries, is_free):
+        self.folder = folder
+        self.rooms = rooms
+        self.libraries = libraries
+        self.is_free = is_free
+
+
+def read_table(design):
+    """The rooms of the table, by folder. Raises ValueError where a name means nothing."""
+    section = design.split("## 3. Rooms and floors", 1)[1].split("\n## ", 1)[0]
+    rows = re.findall(r"^\| `([a-z0-9_/]+)` \|.*\| ([^|]+) \|$", section, re.MULTILINE)
+    folders = [folder.rstrip("/") for folder, _ in rows]
+    rooms = {}
+    for folder, (_, cell) in zip(folders, rows):
+        below, libraries, is_free = set(), set(), False
+        for name in (part.strip() for part in cell.split(",")):
+            if name == "all above":
+                below.update(rooms)
+            elif name in ("anything", "installed project"):
+                is_free = True
+            elif name in LIBRARIES:
+                libraries.add(name)
+            elif "ltm/" + name in folders:
+                below.add("ltm/" + name)
+            elif name in folders:
+                below.add(name)
+            else:
+                raise ValueError(f"docs/design.md: '{folder}' may include '{name}', which is nothing")
+        rooms[folder] = Room(folder, below, libraries, is_free)
+    return rooms
+
+
+def closure(rooms, folder):
+    """The room itself and all that it may include, directly or not."""
+    seen, waiting = set(), [folder]
+    while waiting:
+        current = waiting.pop()
+        if current not in seen:
+            seen.add(current)
+            waiting.extend(rooms[current].rooms)
+    return seen
+
+
+def sources(folder, suffixes):
+    return sorted(path for path in folder.rglob("*") if path.suffix in suffixes and path.is_file())
+
+
+def library_of(name):
+    for library, prefixes in LIBRARIES.items():
+        if name.startswith(prefixes):
+            return library
+    return None
+
+
+def check_include(rooms, room, kind, name):
+    """What is wrong with an include of `name` in `room`; None where nothing is."""
+    reachable = closure(rooms, room)
+    if kind == '"':
+        owners = [folder for folder in rooms if name.startswith(folder + "/")]
+        if not owners:
+            return f'"{name}" is not named from the root of the repository'
+        return None if owners[0] in reachable else f"{room} may not include {owners[0]} ({name})"
+    library = library_of(name)
+    if library is None:
+        return None if SYSTEM.match(name) else f"<{name}> is of no library in the table"
+    if library in CONFINED and room not in CONFINED[library]:
+        return f"<{name}> ({library}) stays in {', '.join(sorted(CONFINED[library]))}"
+    if any(library in rooms[folder].libraries for folder in reachable):
+        return None
+    return f"{room} may not include {library} (<{name}>)"
+
+
+def check_floors(root):
+    rooms = read_table((root / "docs/design.md").read_text(encoding="utf-8"))
+    problems = []
+    for room in rooms.values():
+        if room.is_free:
+            continue
+        for path in sources(root / room.folder, {".h", ".cpp"}):
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                match = INCLUDE.match(line)
+                problem = match and check_include(rooms, room.folder, *match.groups())
+                if problem:
+                    problems.append(f"{path.relative_to(root)}:{number}: {problem}")
+    return problems
+
+
+def check_style(root):
+    rooms = read_table((root / "docs/design.md").read_text(encoding="utf-8"))
+    problems = []
+    for folder in rooms:
+        for path in sources(root / folder, {".h", ".cpp", ".py"}):
+            lines = path.read_text(encoding="utf-8").splitlines()
+            name = path.relative_to(root)
+            if not any("SPDX-License-Identifier: Apache-2.0" in line for line in lines[:3]):
+                problems.append(f"{name}:1: has no SPDX line")
+            if path.suffix == ".h" and "#pragma once" not in lines:
+                problems.append(f"{name}:1: has no #pragma once")
+            if len(lines) > MAX_LINES:
+                problems.append(f"{name}:{len(lines)}: is longer than {MAX_LINES} lines")
+    return sorted(set(problems))
+
+
+def main():
+    root = Path(sys.argv[1])
+    problems = check_floors(root) + check_style(root)
+    print("\n".join(problems))
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/core/log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace engram::log {
+namespace {
+
+TEST(Log, WritesToStderrWhatReachesTheLevel) {
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  set_level(Level::kWarning);
+  info("hidden {}", 1);
+  warning("shown {} {{}}", 2);
+  set_level(Level::kOff);
+  warning("hidden {}", 3);
+  set_level(Level::kInfo);
+  const std::string text = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(text, ::testing::HasSubstr("shown 2 {}"));
+  EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("hidden")));
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+}
+
+}  // namespace
+}  // namespace engram::log

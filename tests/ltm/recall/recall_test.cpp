@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recall/recall.h"
+
+#include "ltm/core/file.h"
+#include "ltm/idf/binary.h"
+#include "ltm/store/publish.h"
+#include "ltm/store/store_writer.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/ltm/store/example_snapshots.h"
+
+namespace engram::ltm {
+namespace {
+
+/// Keeps the bytes of the value as its code; adds "decoded" so that answers tell.
+class BytesEncoder final : public Encoder {
+ public:
+  Result<std::vector<Latent>> encode(std::span<const idf::Data> values) override {
+    std::vector<Latent> latents;
+    for (const idf::Data& value : values) {
+      ENGRAM_ASSIGN_OR_RETURN(auto bytes, idf::encode(value));
+      latents.push_back({Buffer::take(std::move(bytes)), {}});
+    }
+    return latents;
+  }
+
+  Result<std::vector<idf::Data>> decode(std::span<const Latent> latents) override {
+    std::vector<idf::Data> values;
+    for (const Latent& latent : latents) {
+      ENGRAM_ASSIGN_OR_RETURN(idf::Data value, idf::decode(latent.code));
+      if (idf::Dict* dict = value.get_if<idf::Dict>()) dict->set("decoded", true);
+      values.push_back(std::move(value));
+    }
+    return values;
+  }
+};
+
+/// Adds the number of steps and the length of the history to the last value.
+class CountingPredictor final : public Predictor {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "counting"; }
+  [[nodiscard]] Duration step() const override { return std::chrono::milliseconds(200); }
+  [[nodiscard]] size_t context() const override { return 3; }
+
+  Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history, int steps) override {
+    std::vector<idf::Data> values;
+    for (int step = 1; step <= steps; ++step) {
+      idf::Data value = history.back();
+      value.get_if<idf::Dict>()->set("step", step);
+      value.get_if<idf::Dict>()->set("history", static_cast<int32_t>(history.size()));
+      values.push_back(std::move(value));
+    }
+    return values;
+  }
+
+  [[nodiscard]] MeasuredError expected_error(int steps) const override {
+    return {static_cast<double>(steps), 0.5};
+  }
+};
+
+class RecallTest : public ::testing::Test {
+ protected:
+  /// Ten recorded snapshots; `latents` of them with latents of model 1; `dropped` without the rest.
+  void make_store(int64_t latents, bool is_dropped) {
+    store_ = scratch_ / "store";
+    ASSERT_OK(create_store(store_));
+    {
+      const auto writer = *StoreWriter::open(store_, {});
+      for (int64_t i = 0; i < 10; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+      ASSERT_OK(writer->append({packed_example(0, example_entity("other"))}, nullptr));
+      ASSERT_OK(writer->seal());
+    }
+    if (latents == 0) return;
+    std::vector<LatentSnapshot> snapshots;
+    for (int64_t i = 0; i < latents; ++i) {
+      const idf::Data value = example_snapshot(example_entity(), i).instances[0].data;
+      Latent latent = BytesEncoder().encode({&value, 1})->front();
+      snapshots.push_back(
+          {example_time(i), 1, {{std::move(latent), example_metadata(i), {2.0, 0.25}}}});
+    }
+    const auto model = temporary_file(store_, ".model");
+    ASSERT_OK(replace_file(*model, as_bytes("weights")));
+    ASSERT_OK(publish_model(store_, example_entity(), 1, *model, snapshots));
+    if (is_dropped) {
+      ASSERT_OK(drop_recorded(store_, example_entity(), {}));
+    }
+  }
+
+  ModelLoader loader() {
+    return [this](const std::filesystem::path& file) -> Result<LoadedModel> {
+      ++loaded_;
+      EXPECT_TRUE(std::filesystem::exists(file));
+      return LoadedModel{std::make_unique<BytesEncoder>(), std::make_unique<CountingPredictor>()};
+    };
+  }
+
+  Recall open(ModelLoader loader) { return {*StoreReader::open(store_), std::move(loader)}; }
+
+  static Query ask(const std::string& selector) {
+    return *Query::parse("Vision/RGB/head/cam @ " + selector);
+  }
+
+  ScratchDirectory scratch_;
+  std::filesystem::path store_;
+  int loaded_ = 0;
+};
+
+TEST_F(RecallTest, AnswersWithWhatWasRecorded) {
+  make_store(0, false);
+  Recall recall = open({});
+  const auto result = recall.query(ask("index:3..5"));
+  ASSERT_OK(result);
+  ASSERT_EQ(result->entities.size(), 1u);
+  ASSERT_EQ(result->entities[0].snapshots.size(), 3u);
+  for (int64_t i = 0; i < 3; ++i) {
+    const RecalledSnapshot& recalled = result->entities[0].snapshots[static_cast<size_t>(i)];
+    EXPECT_EQ(recalled.source, Source::kRecorded);
+    EXPECT_EQ(recalled.snapshot, example_snapshot(example_entity(), i + 3));
+    EXPECT_EQ(recalled.model, "");
+    EXPECT_TRUE(recalled.errors.empty());
+  }
+}
+
+TEST_F(RecallTest, AnswersForEveryEntityThatMatches) {
+  make_store(0, false);
+  Recall recall = open({});
+  const auto result = recall.query(*Query::parse(".*/.*/.*/.* @ all"));
+  ASSERT_OK(result);
+  ASSERT_EQ(result->entities.size(), 2u);
+  EXPECT_EQ(result->entities[0].id, example_entity("cam"));
+  EXPECT_EQ(result->entities[1].snapshots.size(), 1u);
+  EXPECT_TRUE(recall.query(ask("before:5"))->entities[0].snapshots.empty());
+}
+
+TEST_F(RecallTest, ReconstructsFromLatentsWhatWasDropped) {
+  make_store(6, true);
+  Recall recall = open(loader());
+  const auto result = recall.query(ask("all"));
+  ASSERT_OK(result);
+  const auto& snapshots = result->entities[0].snapshots;
+  ASSERT_EQ(snapshots.size(), 10u);
+  for (int64_t i = 0; i < 10; ++i) {
+    const RecalledSnapshot& recalled = snapshots[static_cast<size_t>(i)];
+    Snapshot expected = example_snapshot(example_entity(), i);
+    if (i >= 6) {
+      EXPECT_EQ(recalled.source, Source::kRecorded);
+    } else {
+      EXPECT_EQ(recalled.source, Source::kReconstructed);
+      EXPECT_EQ(recalled.model, "Vision/RGB/head/cam v1");
+      ASSERT_EQ(recalled.errors.size(), 1u);
+      EXPECT_EQ(recalled.errors[0].image_mse, 2.0);
+      expected.instances[0].data.get_if<idf::Dict>()->set("decoded", true);
+    }
+    EXPECT_EQ(recalled.snapshot, expected);
+  }
+  EXPECT_EQ(loaded_, 1);
+}
+
+TEST_F(RecallTest, PrefersTheFormThatIsAskedFor) {
+  make_store(6, false);
+  Recall recall = open(loader());
+  EXPECT_EQ(recall.query(ask("index:2..2"))->entities[0].snapshots[0].source, Source::kRecorded);
+  EXPECT_EQ(loaded_, 0);
+  const auto latent = recall.query(ask("all"), {.prefer = Recall::Prefer::kLatent});
+  ASSERT_OK(latent);
+  EXPECT_EQ(latent->entities[0].snapshots[5].source, Source::kReconstructed);
+  EXPECT_EQ(latent->entities[0].snapshots[6].source, Source::kRecorded);
+}
+
+TEST_F(RecallTest, NeedsALoaderForLatents) {
+  make_store(6, true);
+  Recall recall = open({});
+  EXPECT_FAILS(recall.query(ask("all")), StatusCode::kFailedPrecondition, "cam v1");
+  EXPECT_OK(recall.query(ask("latest")));
+}
+
+TEST_F(RecallTest, NamesTheModelThatCannotBeLoaded) {
+  make_store(6, true);
+  Recall recall = open([](const std::filesystem::path&) -> Result<LoadedModel> {
+    return data_loss("broken weights");
+  });
+  EXPECT_FAILS(recall.query(ask("all")), StatusCode::kDataLoss, "model Vision/RGB/head/cam v1");
+}
+
+TEST_F(RecallTest, PredictsWithTheModel) {
+  make_store(6, false);
+  Recall recall = open(loader());
+  const auto result = recall.query(ask("+400ms"));
+  ASSERT_OK(result);
+  ASSERT_EQ(result->entities[0].snapshots.size(), 1u);
+  const RecalledSnapshot& predicted = result->entities[0].snapshots[0];
+  EXPECT_EQ(predicted.source, Source::kPredicted);
+  EXPECT_EQ(predicted.predictor, "counting");
+  EXPECT_EQ(predicted.model, "Vision/RGB/head/cam v1");
+  EXPECT_EQ(predicted.horizon, std::chrono::milliseconds(400));
+  EXPECT_EQ(predicted.snapshot.time, example_time(11));
+  ASSERT_EQ(predicted.snapshot.instances.size(), 1u);
+  EXPECT_EQ(*predicted.snapshot.instances[0].data.at("step"), idf::Data(2));
+  EXPECT_EQ(*predicted.snapshot.instances[0].data.at("history"), idf::Data(3));
+  EXPECT_EQ(*predicted.snapshot.instances[0].data.at("count"), idf::Data(9));
+  EXPECT_EQ(predicted.errors[0].image_mse, 2.0);
+  // An explicit time after the last snapshot asks the same.
+  const auto at = recall.query(ask("time:" + std::to_string(to_ns(example_time(11)))));
+  EXPECT_EQ(at->entities[0].snapshots[0].snapshot, predicted.snapshot);
+  // Times between two steps take the closest, at least one.
+  for (const auto& [ahead, step] : {std::pair{"+1ms", 1}, {"+290ms", 1}, {"+310ms", 2}})
+    EXPECT_EQ(
+        *recall.query(ask(ahead))->entities[0].snapshots[0].snapshot.instances[0].data.at("step"),
+        idf::Data(step));
+}
+
+TEST_F(RecallTest, RefusesToPredictTooFarAhead) {
+  make_store(6, false);
+  Recall recall = open(loader());
+  EXPECT_OK(recall.query(ask("+10s")));
+  EXPECT_FAILS(recall.query(ask("+10200ms")), StatusCode::kInvalidArgument, "at most 10s");
+  EXPECT_FAILS(recall.query(ask("+100000d")), StatusCode::kInvalidArgument, "at most 10s");
+  EXPECT_FAILS(recall.query(ask("+800ms"), {.max_steps = 3}), StatusCode::kInvalidArgument,
+               "600ms");
+}
+
+TEST_F(RecallTest, PredictsByCopyWithoutModels) {
+  make_store(0, false);
+  Recall recall = open(loader());
+  const auto result = recall.query(ask("+2s"));
+  ASSERT_OK(result);
+  const RecalledSnapshot& predicted = result->entities[0].snapshots[0];
+  EXPECT_EQ(predicted.source, Source::kPredicted);
+  EXPECT_EQ(predicted.predictor, "copy-last");
+  EXPECT_EQ(predicted.model, "");
+  EXPECT_EQ(predicted.snapshot.instances[0].data,
+            example_snapshot(example_entity(), 9).instances[0].data);
+  EXPECT_EQ(predicted.snapshot.time, example_time(19));
+  EXPECT_EQ(loaded_, 0);
+}
+
+TEST_F(RecallTest, NamesTheEntitiesThatThereAre) {
+  make_store(0, false);
+  Recall recall = open({});
+  EXPECT_FAILS(recall.query(*Query::parse("Vision/RGB/head/none")), StatusCode::kNotFound,
+               "it has: Vision/RGB/head/cam, Vision/RGB/head/other");
+}
+
+TEST(Source, HasNames) {
+  EXPECT_EQ(to_string(Source::kRecorded), "recorded");
+  EXPECT_EQ(to_string(Source::kReconstructed), "reconstructed");
+  EXPECT_EQ(to_string(Source::kPredicted), "predicted");
+}
+
+}  // namespace
+}  // namespace engram::ltm

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recording/recorder.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "ltm/store/store_reader.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/ltm/store/example_snapshots.h"
+
+namespace engram::ltm {
+namespace {
+
+/// A camera's snapshot `index` of 30 per second.
+Snapshot frame(int64_t index, const std::string& name = "cam") {
+  Snapshot snapshot = example_snapshot(example_entity(name), index);
+  snapshot.time = time_from_ns(kExampleStart_ns + index * 1'000'000'000 / 30);
+  return snapshot;
+}
+
+class RecorderTest : public ::testing::Test {
+ protected:
+  EntitySummary summary(const std::string& name = "cam") {
+    const auto reader = *StoreReader::open(store());
+    const auto found = reader->summary(example_entity(name));
+    EXPECT_OK(found);
+    return found.value_or({});
+  }
+  [[nodiscard]] std::filesystem::path store() const { return scratch_ / "store"; }
+
+  ScratchDirectory scratch_;
+};
+
+TEST_F(RecorderTest, CountsWhatItKeepsAndDrops) {
+  auto recorder = *Recorder::open(store(), {.max_rate_hz = 5.0});
+  uint64_t offered_bytes = 0, kept_bytes = 0;
+  for (int64_t i = 0; i < 100; ++i) {
+    offered_bytes += frame(i).raw_bytes();
+    kept_bytes += i % 6 == 0 ? frame(i).raw_bytes() : 0;
+    ASSERT_OK(recorder.commit({{frame(i), frame(i, "other")}}));
+  }
+  ASSERT_EQ(recorder.counters().size(), 2u);
+  const RecordingCounters& counters = recorder.counters().at(example_entity());
+  EXPECT_EQ(counters.offered, 100u);
+  EXPECT_EQ(counters.offered_bytes, offered_bytes);
+  EXPECT_EQ(counters.kept, 17u);
+  EXPECT_EQ(counters.kept_bytes, kept_bytes);
+  EXPECT_GT(counters.stored_bytes, 0u);
+  EXPECT_EQ(counters.dropped_by.at("frequency"), 83u);
+  // Before the store is closed it knows what was dropped before the last snapshot that was kept.
+  EXPECT_EQ(summary().offered, 97u);
+  EXPECT_EQ(summary().stored_bytes, counters.stored_bytes);
+  ASSERT_OK(recorder.close());
+  for (const char* name : {"cam", "other"}) {
+    EXPECT_EQ(summary(name).snapshots, 17u);
+    EXPECT_EQ(summary(name).offered, 100u);
+  }
+  EXPECT_EQ(summary().offered_bytes, offered_bytes);
+  EXPECT_EQ(summary().raw_bytes, kept_bytes);
+}
+
+TEST_F(RecorderTest, KeepsEverythingWithoutARate) {
+  auto recorder = *Recorder::open(store(), {});
+  for (int64_t i = 0; i < 20; ++i) ASSERT_OK(recorder.commit({{frame(i)}}));
+  ASSERT_OK(recorder.close());
+  const auto reader = *StoreReader::open(store());
+  const auto found = read_all(*reader, example_entity());
+  ASSERT_EQ(found->size(), 20u);
+  for (int64_t i = 0; i < 20; ++i) EXPECT_EQ((*found)[static_cast<size_t>(i)], frame(i));
+}
+
+TEST_F(RecorderTest, CountsOnceWhatOneCommitDrops) {
+  auto recorder = *Recorder::open(store(), {.max_rate_hz = 5.0});
+  Commit commit;
+  for (int64_t i = 0; i < 20; ++i) commit.updates.push_back(frame(i));
+  ASSERT_OK(recorder.commit(commit));
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(summary().snapshots, 4u);
+  EXPECT_EQ(summary().offered, 20u);
+}
+
+TEST_F(RecorderTest, TellsOfDropsThatAFailedCommitWouldHaveTold) {
+  auto recorder = *Recorder::open(store(), {.max_rate_hz = 5.0});
+  for (int64_t i = 0; i < 5; ++i) ASSERT_OK(recorder.commit({{frame(i)}}));
+  Snapshot wrong = frame(6, "bad");
+  wrong.instances.clear();
+  EXPECT_FAILS(recorder.commit({{frame(6), wrong}}), StatusCode::kInvalidArgument, "no instances");
+  EXPECT_EQ(recorder.last_time(example_entity()), frame(0).time);
+  ASSERT_OK(recorder.commit({{frame(12)}}));
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(summary().snapshots, 2u);
+  EXPECT_EQ(summary().offered, 6u);
+}
+
+TEST_F(RecorderTest, ContinuesAStore) {
+  {
+    auto recorder = *Recorder::open(store(), {});
+    ASSERT_OK(recorder.commit({{frame(0)}}));
+  }
+  auto recorder = *Recorder::open(store(), {});
+  EXPECT_EQ(recorder.last_time(example_entity()), frame(0).time);
+  EXPECT_EQ(recorder.lost_frames(), 0u);
+  EXPECT_FAILS(recorder.commit({{frame(0)}}), StatusCode::kInvalidArgument, "backwards");
+  ASSERT_OK(recorder.commit({{frame(1)}}));
+  EXPECT_EQ(recorder.counters().at(example_entity()).kept, 1u);
+  EXPECT_FAILS(Recorder::open(store(), {}), StatusCode::kFailedPrecondition, "another process");
+}
+
+TEST_F(RecorderTest, RefusesOptionsAndCommitsThatAreWrong) {
+  EXPECT_FAILS(Recorder::open(store(), {.max_rate_hz = 0.0}), StatusCode::kInvalidArgument, "0 Hz");
+  EXPECT_FAILS(Recorder::open(store(), {.pack = {.image_codec = "gif"}}),
+               StatusCode::kInvalidArgument, "'gif'");
+  EXPECT_FALSE(std::filesystem::exists(store()));
+  auto recorder = *Recorder::open(store(), {});
+  Snapshot snapshot = frame(0);
+  snapshot.entity = *MemoryId::parse("a/b");
+  EXPECT_FAILS(recorder.commit({{snapshot}}), StatusCode::kInvalidArgument, "no entity");
+  ASSERT_OK(recorder.commit({}));
+}
+
+TEST_F(RecorderTest, KeepsDropCountsBeforeTheLastKeptWhereItIsKilled) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    auto recorder = Recorder::open(store(), {.max_rate_hz = 5.0});
+    for (int64_t i = 0; recorder.ok() && i < 100; ++i)
+      if (!recorder->commit({{frame(i)}}).ok()) ::_exit(1);
+    ::raise(SIGKILL);
+  }
+  int outcome = 0;
+  ::waitpid(child, &outcome, 0);
+  ASSERT_TRUE(WIFSIGNALED(outcome));
+  EXPECT_EQ(summary().snapshots, 17u);
+  EXPECT_EQ(summary().offered, 97u);
+  auto recorder = *Recorder::open(store(), {});
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(summary().offered, 97u);
+}
+
+}  // namespace
+}  // namespace engram::ltm

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/store_writer.h"
+
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "ltm/core/file.h"
+#include "ltm/core/log.h"
+#include "ltm/store/journal.h"
+#include "ltm/store/store_reader.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/random_values.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/ltm/store/example_snapshots.h"
+
+namespace engram::ltm {
+namespace {
+
+class StoreWriterTest : public ::testing::Test {
+ protected:
+  StoreWriterTest() : store_(scratch_ / "store") { EXPECT_OK(create_store(store_)); }
+
+  std::unique_ptr<StoreWriter> open(const StoreWriter::Options& options = {}) {
+    return *StoreWriter::open(store_, options, [this] { return now_; });
+  }
+
+  void expect_examples(int64_t count) {
+    const auto reader = StoreReader::open(store_);
+    ASSERT_OK(reader);
+    const auto found = read_all(**reader, example_entity());
+    ASSERT_OK(found);
+    ASSERT_EQ(found->size(), static_cast<size_t>(count));
+    for (int64_t i = 0; i < count; ++i)
+      EXPECT_EQ((*found)[static_cast<size_t>(i)], example_snapshot(example_entity(), i));
+  }
+
+  [[nodiscard]] size_t files_in(const char* folder) const {
+    size_t count = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(store_ / folder))
+      ++count;
+    return count;
+  }
+
+  ScratchDirectory scratch_;
+  std::filesystem::path store_;
+  Time now_ = example_time(0);
+};
+
+TEST_F(StoreWriterTest, ShowsUnsealedDataToReaders) {
+  const auto writer = open();
+  for (int64_t i = 0; i < 20; ++i) {
+    ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+    if (i % 7 == 0) expect_examples(i + 1);
+  }
+  EXPECT_EQ(files_in("segments"), 0u);
+  expect_examples(20);
+}
+
+TEST_F(StoreWriterTest, KeepsEverythingReadableBySealing) {
+  const auto writer = open();
+  for (int64_t i = 0; i < 30; ++i) {
+    ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+    if (i % 10 == 5) {
+      ASSERT_OK(writer->seal());
+    }
+  }
+  EXPECT_EQ(files_in("segments"), 3u);
+  EXPECT_EQ(files_in("journal"), 1u);
+  expect_examples(30);
+  ASSERT_OK(writer->seal());
+  EXPECT_EQ(files_in("journal"), 0u);
+  ASSERT_OK(writer->seal());
+  EXPECT_EQ(files_in("segments"), 4u);
+  expect_examples(30);
+}
+
+TEST_F(StoreWriterTest, SealsByItselfBySizeAndByAge) {
+  auto writer = open({.seal_bytes = 4000, .seal_after = std::chrono::hours(1)});
+  for (int64_t i = 0; i < 40; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+  EXPECT_GE(files_in("segments"), 2u);
+  const size_t before = files_in("segments");
+  now_ += std::chrono::hours(2);
+  ASSERT_OK(writer->append({packed_example(40)}, nullptr));
+  EXPECT_EQ(files_in("segments"), before + 1);
+  expect_examples(41);
+}
+
+TEST_F(StoreWriterTest, ReportsTheBytesOfEachFrame) {
+  const auto writer = open();
+  std::vector<uint64_t> bytes;
+  ASSERT_OK(writer->append({packed_example(0), packed_example(1, example_entity("b"))}, &bytes));
+  ASSERT_EQ(bytes.size(), 2u);
+  const uint64_t file = std::filesystem::file_size(store_ / Journal::file_name(1));
+  EXPECT_LE(bytes[0] + bytes[1], file);
+  EXPECT_GE(bytes[0] + bytes[1] + 8 + 2 * 7, file);
+}
+
+TEST_F(StoreWriterTest, TakesOverWhatAnEarlierWriterLeft) {
+  {
+    const auto writer = open();
+    for (int64_t i = 0; i < 5; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+  }
+  const auto writer = open();
+  EXPECT_EQ(writer->last_time(example_entity()), example_time(4));
+  EXPECT_EQ(writer->last_time(example_entity("other")), std::nullopt);
+  EXPECT_FAILS(writer->append({packed_example(4)}, nullptr), StatusCode::kInvalidArgument,
+               "backwards");
+  for (int64_t i = 5; i < 10; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+  expect_examples(10);
+  ASSERT_OK(writer->seal());
+  expect_examples(10);
+}
+
+TEST_F(StoreWriterTest, RemembersTimesOfSealedSnapshots) {
+  {
+    const auto writer = open();
+    ASSERT_OK(writer->append({packed_example(3)}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  EXPECT_EQ(open()->last_time(example_entity()), example_time(3));
+}
+
+TEST_F(StoreWriterTest, RefusesASecondWriter) {
+  const auto writer = open();
+  EXPECT_FAILS(StoreWriter::open(store_, {}), StatusCode::kFailedPrecondition, "another process");
+}
+
+TEST_F(StoreWriterTest, RefusesTimeThatRunsBackwards) {
+  const auto writer = open();
+  ASSERT_OK(writer->append({packed_example(5)}, nullptr));
+  for (const int64_t index : {5, 4}) {
+    const Status status = writer->append({packed_example(index)}, nullptr);
+    EXPECT_FAILS(status, StatusCode::kInvalidArgument, to_string(example_time(index)));
+    EXPECT_FAILS(status, StatusCode::kInvalidArgument, to_string(example_time(5)));
+    EXPECT_FAILS(status, StatusCode::kInvalidArgument, "Vision/RGB/head/cam");
+  }
+  EXPECT_FAILS(writer->append({packed_example(7), packed_example(6)}, nullptr),
+               StatusCode::kInvalidArgument, "backwards");
+  EXPECT_EQ(writer->last_time(example_entity()), example_time(5));
+}
+
+TEST_F(StoreWriterTest, RefusesWhatCouldNotBeSealed) {
+  const auto writer = open();
+  PackedSnapshot packed = packed_example(0);
+  packed.entity = *MemoryId::from_names({"Vision", "RGB"});
+  EXPECT_FAILS(writer->append({packed}, nullptr), StatusCode::kInvalidArgument, "no entity");
+  EXPECT_FAILS(writer->append_dropped(packed.entity, 1, 1), StatusCode::kInvalidArgument,
+               "no entity");
+  packed = packed_example(0);
+  packed.instances.clear();
+  EXPECT_FAILS(writer->append({packed}, nullptr), StatusCode::kInvalidArgument, "no instances");
+  packed = packed_example(0);
+  packed.instances[0].metadata.provider = std::string("a\0b", 3);
+  EXPECT_FAILS(writer->append({packed}, nullptr), StatusCode::kInvalidArgument, "zero byte");
+  ASSERT_OK(writer->append({}, nullptr));
+  EXPECT_EQ(files_in("journal"), 0u);
+}
+
+TEST_F(StoreWriterTest, SealsWhateverItAcknowledged) {
+  RandomValues random(41);
+  const auto writer = open();
+  std::vector<Snapshot> written;
+  for (int64_t i = 0; i < 200; ++i) {
+    idf::Data value = random.value(4);
+    if (i % 20 == 0) value = nested_lists(64);
+    if (i % 20 == 1) value = nested_dicts(64);
+    written.push_back({example_entity(), example_time(i), {{value, example_metadata(i)}}});
+    ASSERT_OK(writer->append({pack_snapshot(written.back())}, nullptr));
+  }
+  ASSERT_OK(writer->seal());
+  EXPECT_EQ(files_in("journal"), 0u);
+  const auto reader = StoreReader::open(store_);
+  const auto found = read_all(**reader, example_entity());
+  ASSERT_OK(found);
+  EXPECT_EQ(*found, written);
+}
+
+TEST_F(StoreWriterTest, RemovesWhatKilledWritersLeft) {
+  open();
+  for (const char* name : {"tmp/1999999999-0.h5", "tmp/junk", "segments/000077.h5", "models/x.h5"})
+    ASSERT_OK(replace_file(store_ / name, as_bytes("left over")));
+  const std::filesystem::path own = store_ / "tmp" / fmt::format("{}-9.h5", ::getpid());
+  ASSERT_OK(replace_file(own, as_bytes("in use")));
+  open();
+  EXPECT_EQ(files_in("segments"), 0u);
+  EXPECT_EQ(files_in("models"), 0u);
+  EXPECT_EQ(files_in("tmp"), 1u);
+  EXPECT_TRUE(std::filesystem::exists(own));
+}
+
+TEST_F(StoreWriterTest, MakesFoldersAgainThatACopyLeftOut) {
+  for (const char* folder : {"tmp", "models", "segments", "journal"})
+    std::filesystem::remove(store_ / folder);
+  ASSERT_OK(StoreReader::open(store_));
+  const auto writer = open();
+  ASSERT_OK(writer->append({packed_example(0)}, nullptr));
+  ASSERT_OK(writer->seal());
+  expect_examples(1);
+}
+
+TEST_F(StoreWriterTest, CountsDamagedPlacesAndKeepsTheRest) {
+  {
+    const auto writer = open();
+    for (int64_t i = 0; i < 5; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+  }
+  const std::filesystem::path file = store_ / Journal::file_name(1);
+  std::vector<uint64_t> offsets;
+  ASSERT_OK(scan_journal(file, [&](uint64_t offset, const Buffer&) {
+    offsets.push_back(offset);
+    return Status();
+  }));
+  const Buffer whole = *read_file(file);
+  std::vector<std::byte> damaged(whole.bytes().begin(), whole.bytes().end());
+  damaged[offsets[2] + 40] ^= std::byte{1};
+  ASSERT_OK(replace_file(file, damaged));
+  log::set_level(log::Level::kOff);
+  const auto writer = open();
+  EXPECT_EQ(writer->lost_frames(), 1u);
+  EXPECT_EQ((*StoreReader::open(store_))->damaged_places(), 1u);
+  ASSERT_OK(writer->seal());
+  const auto reader = StoreReader::open(store_);
+  EXPECT_EQ((*reader)->damaged_places(), 1u);
+  EXPECT_EQ((*reader)->index(example_entity()).value()->size(), 4u);
+  EXPECT_TRUE(std::filesystem::exists(file.string() + ".damaged"));
+}
+
+TEST_F(StoreWriterTest, AcknowledgesWhereSealingFailsAndTriesAgain) {
+  // HDF5 files cannot be written: "tmp" is no directory.
+  std::filesystem::remove(store_ / "tmp");
+  log::set_level(log::Level::kOff);
+  auto writer = open({.seal_bytes = 1});
+  std::filesystem::remove(store_ / "tmp");
+  ASSERT_OK(replace_file(store_ / "tmp", {}));
+  ASSERT_OK(writer->append({packed_example(0)}, nullptr));
+  expect_examples(1);
+  std::filesystem::remove(store_ / "tmp");
+  ASSERT_OK(writer->append({packed_example(1)}, nullptr));
+  EXPECT_EQ(files_in("segments"), 0u);
+  now_ += std::chrono::minutes(1);
+  ASSERT_OK(writer->append({packed_example(2)}, nullptr));
+  EXPECT_EQ(files_in("segments"), 1u);
+  expect_examples(3);
+}
+
+TEST_F(StoreWriterTest, LeavesNothingBehindWhereTheDiskIsFull) {
+  const auto writer = open();
+  for (int64_t i = 0; i < 200; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+  rlimit old{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  // The disk is full at every place of the segment, once.
+  int failed = 0;
+  bool is_sealed = false;
+  for (rlim_t limit = 500; !is_sealed; limit += 500, ++failed) {
+    const rlimit tight{limit, old.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
+    is_sealed = writer->seal().ok();
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old), 0);
+    EXPECT_EQ(files_in("tmp"), 0u);
+    EXPECT_EQ(files_in("segments"), is_sealed ? 1u : 0u);
+    if (is_sealed || limit % 5000 == 0) expect_examples(200);
+  }
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_GT(failed, 10);
+  EXPECT_EQ(files_in("journal"), 0u);
+}
+
+}  // namespace
+}  // namespace engram::ltm
