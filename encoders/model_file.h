@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "encoders/provenance.h"
+#include "ltm/core/status.h"
+
+namespace engram::encoders {
+
+/// Newest format of a model file that this program reads and writes.
+inline constexpr int kModelFormatVersion = 1;
+
+/// Reads where a model comes from, without its networks.
+/// Errors: kNotFound; kDataLoss where the file is damaged; kFailedPrecondition where its format is
+/// newer.
+Result<Provenance> read_provenance(const std::filesystem::path& path);
+
+}  // namespace engram::encoders

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ltm/idf/layout.h"
+
+namespace engram::encoders {
+
+/// An image member as a network sees it.
+struct ImageMember {
+  size_t member = 0;  ///< Index into Layout::members().
+  int height = 0;
+  int width = 0;
+  int channels = 0;
+  /// Grey levels per unit of the image: 1 for uint8; for uint16 the model chooses it.
+  double scale = 1;
+  bool is_depth = false;  ///< uint16.
+};
+
+/// A numeric member: `count` numbers from `first` on in the vector of all numbers.
+struct NumberMember {
+  size_t member = 0;
+  size_t first = 0;
+  size_t count = 0;
+};
+
+/// How the tensor members of a layout become images and one vector of numbers.
+///
+/// Threading: immutable but for assignment.
+class TensorPlan {
+ public:
+  /// Most elements of an ndarray that is not an image.
+  static constexpr int64_t kMaxArrayElements = 4096;
+  /// Most pixels along a side of an image.
+  static constexpr int64_t kMaxImageSide = 4096;
+  /// Most numbers of all members together.
+  static constexpr size_t kMaxNumbers = 1 << 16;
+
+  TensorPlan() = default;
+
+  /// Errors: kInvalidArgument naming a member that is too large, or where there is none.
+  static Result<TensorPlan> create(idf::Layout layout);
+
+  [[nodiscard]] const idf::Layout& layout() const { return layout_; }
+  [[nodiscard]] const std::vector<ImageMember>& images() const { return images_; }
+  [[nodiscard]] std::vector<ImageMember>& images() { return images_; }
+  [[nodiscard]] const std::vector<NumberMember>& numbers() const { return numbers_; }
+  [[nodiscard]] size_t number_count() const { return number_count_; }
+
+  /// All numbers of a value that was split by layout().
+  /// Shape: [number_count()].
+  [[nodiscard]] std::vector<double> read_numbers(const idf::SplitValue& value) const;
+
+  /// Puts numbers back as the tensors of their members, rounded and clamped to their types.
+  /// Shape: numbers [number_count()]; tensors one per member of the layout.
+  void write_numbers(std::span<const double> numbers, std::vector<idf::NdArray>& tensors) const;
+
+ private:
+  idf::Layout layout_;
+  std::vector<ImageMember> images_;
+  std::vector<NumberMember> numbers_;
+  size_t number_count_ = 0;
+};
+
+/// The elements of an array as doubles.
+[[nodiscard]] std::vector<double> to_doubles(const idf::NdArray& array);
+
+}  // namespace engram::encoders

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include "encoders/load_model.h"
+#include "encoders/model_file.h"
+#include "ltm/h5/h5.h"
+#include "tests/training/moving_scene.h"
+#include "training/metrics.h"
+
+namespace engram::training {
+namespace {
+
+using engram::testing::quick_options;
+using engram::testing::scene_source;
+using engram::testing::ScratchPath;
+
+/// Mean squared errors of all values of a source after encoding and decoding.
+ltm::MeasuredError reconstruction_error(const TrainingSource& source, ltm::Encoder& encoder) {
+  ltm::MeasuredError sum{0, 0};
+  for (size_t i = 0; i < source.times.size(); ++i) {
+    const idf::Data value = *source.read(i);
+    const auto decoded = encoder.decode(*encoder.encode({&value, 1}));
+    const auto error = compare(value, decoded->front());
+    sum.image_mse += error->image_mse / static_cast<double>(source.times.size());
+    sum.number_mse += error->number_mse / static_cast<double>(source.times.size());
+  }
+  return sum;
+}
+
+TEST(Trainer, OverfitsOneBatch) {
+  const ScratchPath before("one_step"), after("overfit");
+  const auto source = scene_source(8, 1, true, false);
+  auto options = quick_options(2);
+  // Few latents: the linear transform that training starts from cannot do it alone.
+  options.latent_channels = 4;
+  const auto first = train_model(source, options, before.path(), {}, {});
+  options.steps = 400;
+  const auto last = train_model(source, options, after.path(), {}, {});
+  ASSERT_TRUE(first.ok()) << first.status().to_string();
+  ASSERT_TRUE(last.ok()) << last.status().to_string();
+  EXPECT_LT(last->final_loss, 0.5 * first->final_loss);
+  auto model = encoders::load_model(after.path());
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  const double psnr = psnr_db(reconstruction_error(source, *model->encoder).image_mse);
+  EXPECT_GT(psnr, 30.0);
+  RecordProperty("loss_ratio", std::to_string(last->final_loss / first->final_loss));
+  RecordProperty("psnr_db", std::to_string(psnr));
+}
+
+/// The name and the bytes of every dataset below `group`.
+void append_content(const h5::File& file, const std::string& group, std::string& content) {
+  const auto names = file.list(group);
+  ASSERT_TRUE(names.ok()) << names.status().to_string();
+  for (const std::string& name : *names) {
+    const std::string path = group == "/" ? "/" + name : group + "/" + name;
+    const auto info = file.info(path);
+    if (!info.ok()) {
+      append_content(file, path, content);
+      continue;
+    }
+    const auto bytes = file.read(path, info->type);
+    ASSERT_TRUE(bytes.ok()) << bytes.status().to_string();
+    content += path + std::string(as_text(*bytes));
+  }
+}
+
+std::string content_of(const ScratchPath& path) {
+  std::string content;
+  const auto file = h5::File::open(path.path());
+  if (file.ok()) append_content(*file, "/", content);
+  return content;
+}
+
+// Datasets, not the bytes of the file: HDF5 notes in its groups when they were made.
+TEST(Trainer, WritesTheSameModelForTheSameSeedAndSteps) {
+  const ScratchPath a("seed_a"), b("seed_b"), c("seed_c");
+  const auto source = scene_source(24);
+  auto options = quick_options(20);
+  ASSERT_TRUE(train_model(source, options, a.path(), {}, {}).ok());
+  ASSERT_TRUE(train_model(source, options, b.path(), {}, {}).ok());
+  options.seed = 2;
+  ASSERT_TRUE(train_model(source, options, c.path(), {}, {}).ok());
+  EXPECT_GT(content_of(a).size(), 10000u);
+  EXPECT_TRUE(content_of(a) == content_of(b));
+  EXPECT_FALSE(content_of(a) == content_of(c));
+}
+
+TEST(Trainer, CodesNumbersToTheErrorThatWasAskedFor) {
+  const ScratchPath file("numbers");
+  const auto source = scene_source(64, 1, false, true);
+  ASSERT_TRUE(train_model(source, quick_options(200), file.path(), {}, {}).ok());
+  auto model = encoders::load_model(file.path());
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  const auto error = reconstruction_error(source, *model->encoder);
+  EXPECT_LT(std::sqrt(error.number_mse), 0.02);
+  EXPECT_TRUE(std::isnan(error.image_mse));
+}
+
+TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
+  const ScratchPath file("predict");
+  const auto source = scene_source(60, 2);
+  ASSERT_TRUE(train_model(source, quick_options(400), file.path(), {}, {}).ok());
+  auto model = encoders::load_model(file.path());
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  ltm::MeasuredError deep{0, 0}, copied{0, 0};
+  for (const size_t last : {24, 25, 26, 27, 28, 54, 55, 56, 57, 58}) {
+    const std::vector<idf::Data> history{*source.read(last - 1), *source.read(last)};
+    const idf::Data truth = *source.read(last + 1);
+    const auto predicted = model->predictor->predict(history, 1);
+    ASSERT_TRUE(predicted.ok()) << predicted.status().to_string();
+    const auto error = compare(truth, predicted->front());
+    const auto copy_error = compare(truth, history.back());
+    deep.image_mse += error->image_mse;
+    deep.number_mse += error->number_mse;
+    copied.image_mse += copy_error->image_mse;
+    copied.number_mse += copy_error->number_mse;
+  }
+  EXPECT_LE(deep.image_mse, copied.image_mse * 1.001);
+  EXPECT_LE(deep.number_mse, copied.number_mse * 1.001);
+  EXPECT_EQ(model->predictor->step(), std::chrono::milliseconds(200));
+  EXPECT_LT(model->predictor->expected_error(1).number_mse,
+            model->predictor->expected_error(5).number_mse);
+}
+
+TEST(Trainer, LeavesWholeRecordingsOut) {
+  const ScratchPath file("left_out");
+  const auto source = scene_source(60, 3);
+  auto options = quick_options(4);
+  options.hold_out_recordings = 1;
+  const auto report = train_model(source, options, file.path(), {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_EQ(report->used_snapshots, 40u);
+  const auto provenance = encoders::read_provenance(file.path());
+  ASSERT_TRUE(provenance.ok());
+  for (const auto& span : provenance->autoencoder_spans)
+    EXPECT_FALSE(span.contains(source.times[45]));
+  options.hold_out_recordings = 3;
+  EXPECT_EQ(train_model(source, options, file.path(), {}, {}).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST(Trainer, SamplesEvenlyWhatDoesNotFitIntoMemoryAndSaysSo) {
+  const ScratchPath file("sampled");
+  auto options = quick_options(4);
+  options.memory_bytes = 100 * (40 * 48 * 3 + 24);
+  const auto report = train_model(scene_source(200), options, file.path(), {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_LE(report->used_snapshots, 110u);
+  EXPECT_GE(report->used_snapshots, 80u);
+  EXPECT_EQ(report->notes.size(), 1u);
+}
+
+TEST(Trainer, StopsWhenAsked) {
+  const ScratchPath file("stopped");
+  std::stop_source stop;
+  const ProgressSink sink = [&](const Progress& progress) {
+    if (progress.done >= 3) stop.request_stop();
+  };
+  const auto report =
+      train_model(scene_source(24), quick_options(100000), file.path(), sink, stop.get_token());
+  EXPECT_EQ(report.status().code(), StatusCode::kCancelled);
+  EXPECT_FALSE(std::filesystem::exists(file.path()));
+}
+
+TEST(Trainer, KeepsAConstantValueExactly) {
+  const ScratchPath file("constant");
+  auto source = scene_source(20, 1, false, true);
+  idf::Dict dict;
+  dict.set("time", int64_t{1'700'000'000'123'456'512});
+  dict.set("x", 0.1);
+  source.read = [=](size_t) -> Result<idf::Data> { return idf::Data(dict); };
+  ASSERT_TRUE(train_model(source, quick_options(10), file.path(), {}, {}).ok());
+  auto model = encoders::load_model(file.path());
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  EXPECT_EQ(reconstruction_error(source, *model->encoder).number_mse, 0.0);
+}
+
+TEST(Trainer, RejectsOptionsThatCannotBe) {
+  TrainOptions options;
+  options.lambda = 0;
+  EXPECT_EQ(options.validate().code(), StatusCode::kInvalidArgument);
+  options = {};
+  options.steps = 0;
+  EXPECT_EQ(options.validate().code(), StatusCode::kInvalidArgument);
+  EXPECT_TRUE(TrainOptions().validate().ok());
+}
+
+}  // namespace
+}  // namespace engram::training

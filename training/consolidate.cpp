@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/consolidate.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "encoders/load_model.h"
+#include "ltm/core/file.h"
+#include "ltm/idf/binary.h"
+#include "ltm/idf/layout.h"
+#include "ltm/memory/query.h"
+#include "ltm/store/publish.h"
+#include "ltm/store/store_reader.h"
+#include "training/metrics.h"
+
+namespace engram::training {
+
+namespace {
+
+/// Removes a file that was not published.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
+  ~TemporaryFile() {
+    std::error_code ignored;  // A leftover is removed by the next writer.
+    std::filesystem::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Whether every instance has this layout.
+bool fits(const ltm::Snapshot& snapshot, const idf::Layout& layout) {
+  return !snapshot.instances.empty() &&
+         std::all_of(snapshot.instances.begin(), snapshot.instances.end(),
+                     [&](const auto& instance) { return layout.split(instance.data).ok(); });
+}
+
+/// Offline work on one entity of one generation of a store.
+class EntityJob {
+ public:
+  EntityJob(ltm::StoreReader& reader, ltm::MemoryId entity, const ConsolidateOptions& options,
+            const ProgressSink& progress, const std::stop_token& stop)
+      : reader_(reader),
+        entity_(std::move(entity)),
+        options_(options),
+        progress_(progress),
+        stop_(stop) {
+    report_.entity = entity_;
+  }
+
+  Result<EntityReport> run() {
+    const auto start = std::chrono::steady_clock::now();
+    ENGRAM_RETURN_IF_ERROR(collect());
+    if (report_.skipped_reason.empty()) ENGRAM_RETURN_IF_ERROR(train_and_publish());
+    report_.seconds = to_seconds(std::chrono::steady_clock::now() - start);
+    return std::move(report_);
+  }
+
+ private:
+  /// Finds the recorded snapshots, or the reason to skip the entity.
+  Status collect() {
+    ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader_.index(entity_));
+    bool has_news = false;
+    for (const ltm::SnapshotEntry& entry : *index) {
+      if (!entry.recorded) continue;
+      entries_.push_back(entry);
+      has_news = has_news || !entry.latent;
+    }
+    if (entries_.size() < options_.min_snapshots)
+      return skip(
+          fmt::format("{} recorded snapshots, needs {}", entries_.size(), options_.min_snapshots));
+    if (!has_news && !options_.force) return skip("nothing new");
+    return find_layout();
+  }
+
+  /// The layout of most snapshots would need reading all; the newest one's is what comes next.
+  Status find_layout() {
+    ENGRAM_ASSIGN_OR_RETURN(const auto newest, reader_.read_recorded(entity_, entries_.back()));
+    if (newest.instances.empty()) return skip("the newest snapshot has no instance");
+    layout_ = idf::Layout::of(newest.instances.front().data);
+    std::vector<ltm::SnapshotEntry> fitting;
+    for (const ltm::SnapshotEntry& entry : entries_) {
+      if (stop_.stop_requested()) return cancelled("consolidation was stopped");
+      ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader_.read_recorded(entity_, entry));
+      if (fits(snapshot, layout_))
+        fitting.push_back(entry);
+      else
+        ++report_.left_behind;
+    }
+    entries_ = std::move(fitting);
+    if (entries_.size() < options_.min_snapshots)
+      return skip(fmt::format("{} recorded snapshots of the newest layout, needs {}",
+                              entries_.size(), options_.min_snapshots));
+    return {};
+  }
+
+  Status skip(std::string reason) {
+    report_.skipped_reason = std::move(reason);
+    return {};
+  }
+
+  Status train_and_publish() {
+    ENGRAM_ASSIGN_OR_RETURN(auto path, ltm::temporary_file(reader_.path(), ".model.h5"));
+    const TemporaryFile file(std::move(path));
+    auto trained = train_model(source(), options_.train, file.path(), progress_, stop_);
+    // What cannot be a tensor stays recorded; everything else can go on.
+    if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument)
+      return skip(trained.status().message());
+    if (!trained.ok()) return trained.status();
+    report_.training = std::move(*trained);
+    ENGRAM_ASSIGN_OR_RETURN(ltm::LoadedModel model, encoders::load_model(file.path()));
+    report_.model_version = ltm::next_model_version(reader_.manifest(), entity_);
+    ENGRAM_RETURN_IF_ERROR(encode_all(*model.encoder));
+    std::error_code failed;
+    report_.model_bytes = std::filesystem::file_size(file.path(), failed);
+    if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
+    ENGRAM_RETURN_IF_ERROR(
+        ltm::publish_model(reader_.path(), entity_, report_.model_version, file.path(), latents_));
+    return finish();
+  }
+
+  TrainingSource source() {
+    TrainingSource source;
+    source.entity = entity_.to_string();
+    for (const ltm::SnapshotEntry& entry : entries_) source.times.push_back(entry.time);
+    source.read = [this](size_t i) -> Result<idf::Data> {
+      ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot snapshot, reader_.read_recorded(entity_, entries_[i]));
+      return std::move(snapshot.instances.front().data);
+    };
+    return source;
+  }
+
+  Status encode_all(ltm::Encoder& encoder) {
+    for (size_t i = 0; i < entries_.size(); ++i) {
+      if (stop_.stop_requested()) return cancelled("consolidation was stopped");
+      ENGRAM_RETURN_IF_ERROR(encode_one(encoder, entries_[i]));
+      if (progress_) progress_({"encode " + entity_.to_string(), i + 1, entries_.size(), {}, -1});
+    }
+    return {};
+  }
+
+  Status encode_one(ltm::Encoder& encoder, const ltm::SnapshotEntry& entry) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader_.read_recorded(entity_, entry));
+    ltm::LatentSnapshot coded{snapshot.time, report_.model_version, {}};
+    for (const ltm::Instance& instance : snapshot.instances) {
+      ENGRAM_ASSIGN_OR_RETURN(auto latents, encoder.encode({&instance.data, 1}));
+      ENGRAM_ASSIGN_OR_RETURN(const auto decoded, encoder.decode(latents));
+      ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(instance.data, decoded.front()));
+      psnr_.add(error.image_mse);
+      rmse_.add(error.number_mse);
+      report_.latent_bytes += latents.front().code.size();
+      if (!latents.front().remainder.empty())
+        report_.latent_bytes += idf::encoded_size(idf::Data(latents.front().remainder));
+      coded.instances.push_back({std::move(latents.front()), instance.metadata, error});
+    }
+    report_.raw_bytes += snapshot.raw_bytes();
+    latents_.push_back(std::move(coded));
+    return {};
+  }
+
+  Status finish() {
+    ENGRAM_ASSIGN_OR_RETURN(const auto summary, reader_.summary(entity_));
+    report_.stored_bytes = summary.stored_bytes;
+    report_.snapshots = latents_.size();
+    report_.mean_psnr_db = psnr_.mean_db();
+    report_.pooled_psnr_db = psnr_.pooled_db();
+    report_.minimum_psnr_db = psnr_.minimum_db();
+    report_.rmse = rmse_.rmse();
+    return {};
+  }
+
+  ltm::StoreReader& reader_;
+  ltm::MemoryId entity_;
+  const ConsolidateOptions& options_;
+  const ProgressSink& progress_;
+  const std::stop_token& stop_;
+  idf::Layout layout_;
+  std::vector<ltm::SnapshotEntry> entries_;
+  std::vector<ltm::LatentSnapshot> latents_;
+  PsnrStatistics psnr_;
+  RmseStatistics rmse_;
+  EntityReport report_;
+};
+
+Result<std::vector<ltm::MemoryId>> matching(const ltm::StoreReader& reader,
+                                            const std::vector<std::string>& texts) {
+  std::vector<ltm::Query> queries;
+  for (const std::string& text : texts) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Query query, ltm::Query::parse(text));
+    queries.push_back(std::move(query));
+  }
+  std::vector<ltm::MemoryId> entities;
+  for (const ltm::MemoryId& entity : reader.entities())
+    if (queries.empty() || std::any_of(queries.begin(), queries.end(),
+                                       [&](const auto& query) { return query.matches(entity); }))
+      entities.push_back(entity);
+  if (entities.empty())
+    return not_found("store '{}': none of its {} entities matches", reader.path().string(),
+                     reader.entities().size());
+  return entities;
+}
+
+}  // namespace
+
+Status ConsolidateOptions::validate() const {
+  if (min_snapshots < 2)
+    return invalid_argument("smallest number of snapshots: found {}, needs 2", min_snapshots);
+  return train.validate();
+}
+
+Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
+                                      const ConsolidateOptions& options,
+                                      const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(store));
+  ENGRAM_ASSIGN_OR_RETURN(const auto entities, matching(*reader, options.entities));
+  ConsolidateReport report;
+  for (const ltm::MemoryId& entity : entities) {
+    ENGRAM_ASSIGN_OR_RETURN(EntityReport one,
+                            EntityJob(*reader, entity, options, progress, stop).run());
+    report.entities.push_back(std::move(one));
+  }
+  return report;
+}
+
+}  // namespace engram::training

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ltm/memory/memory_id.h"
+#include "training/trainer.h"
+
+namespace engram::training {
+
+/// What the offline phase works on.
+struct ConsolidateOptions {
+  TrainOptions train;
+  /// Queries without selectors ("Vision/.*"); an entity that any of them matches is taken. Empty:
+  /// every entity.
+  std::vector<std::string> entities;
+  /// Entities with fewer recorded snapshots are skipped: a model would cost more than it saves.
+  size_t min_snapshots = 16;
+  /// Also trains where every recorded snapshot has latents already.
+  bool force = false;
+
+  [[nodiscard]] Status validate() const;
+};
+
+/// What became of one entity.
+struct EntityReport {
+  ltm::MemoryId entity;
+  std::string skipped_reason;  ///< Empty where a model was published.
+  int model_version = 0;
+  uint64_t snapshots = 0;     ///< Recorded ones that have latents of the new model now.
+  uint64_t left_behind = 0;   ///< Recorded ones of another layout: they stay as they are.
+  uint64_t raw_bytes = 0;     ///< Of the encoded snapshots, plain.
+  uint64_t stored_bytes = 0;  ///< Of the recorded form of the entity.
+  uint64_t latent_bytes = 0;  ///< Codes and remainders, without the segment around them.
+  uint64_t model_bytes = 0;
+  double mean_psnr_db = 0;  ///< NaN without images, like the next three.
+  double pooled_psnr_db = 0;
+  double minimum_psnr_db = 0;
+  double rmse = 0;  ///< NaN without numbers.
+  double seconds = 0;
+  TrainReport training;
+};
+
+struct ConsolidateReport {
+  std::vector<EntityReport> entities;  ///< In the order of their names.
+};
+
+/// The offline phase: trains a model per entity, encodes the entity's recorded snapshots with it,
+/// measures what comes back from the stored bytes, and publishes model and latents together.
+///
+/// An entity that cannot be a tensor is skipped with its reason. Entities are published one by
+/// one; a kill at any moment leaves the store with whole ones. Runs beside a live writer.
+/// Errors: kInvalidArgument; kNotFound where no entity matches; kCancelled on `stop`; those of the
+/// store.
+/// Threading: one at a time per process (train_model).
+Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
+                                      const ConsolidateOptions& options,
+                                      const ProgressSink& progress, const std::stop_token& stop);
+
+}  // namespace engram::training

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/dataset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace engram::training {
+
+using torch::Tensor;
+
+namespace {
+
+/// Bytes of one value in memory.
+uint64_t value_bytes(const encoders::TensorPlan& plan) {
+  uint64_t bytes = plan.number_count() * sizeof(double);
+  for (const auto& image : plan.images())
+    bytes += static_cast<uint64_t>(image.height) * static_cast<uint64_t>(image.width) *
+             static_cast<uint64_t>(image.channels) * (image.is_depth ? 2 : 1);
+  return bytes;
+}
+
+/// Snapshots that stay together where not all are used: windows need neighbours.
+constexpr size_t kRunLength = 32;
+
+/// Every `stride`-th run of every sequence.
+std::vector<Sequence> thinned(std::span<const Sequence> sequences, size_t stride) {
+  if (stride == 1) return {sequences.begin(), sequences.end()};
+  std::vector<Sequence> runs;
+  for (const Sequence& sequence : sequences)
+    for (size_t i = sequence.first; i < sequence.end; i += stride * kRunLength)
+      runs.push_back({i, std::min(i + kRunLength, sequence.end)});
+  return runs;
+}
+
+size_t total_size(std::span<const Sequence> sequences) {
+  size_t total = 0;
+  for (const Sequence& sequence : sequences) total += sequence.size();
+  return total;
+}
+
+class Loader {
+ public:
+  Loader(const TrainingSource& source, const std::stop_token& stop)
+      : source_(source), stop_(stop) {}
+
+  Result<Dataset> load(std::vector<Sequence> sequences, uint64_t memory_bytes) {
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
+    ENGRAM_ASSIGN_OR_RETURN(data_.plan, encoders::TensorPlan::create(idf::Layout::of(first)));
+    const uint64_t needed = value_bytes(data_.plan) * total_size(sequences);
+    const size_t stride = std::max<uint64_t>(1, (needed + memory_bytes - 1) / memory_bytes);
+    const std::vector<Sequence> runs = thinned(sequences, stride);
+    allocate(static_cast<int64_t>(total_size(runs)));
+    for (const Sequence& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
+    choose_scales();
+    normalise();
+    return std::move(data_);
+  }
+
+ private:
+  void allocate(int64_t rows) {
+    for (const auto& image : data_.plan.images())
+      data_.images.push_back(torch::empty({rows, image.height, image.width, image.channels},
+                                          image.is_depth ? torch::kInt16 : torch::kUInt8));
+    raw_numbers_ =
+        torch::empty({rows, static_cast<int64_t>(data_.plan.number_count())}, torch::kFloat64);
+  }
+
+  Status read(size_t index, int64_t row) {
+    if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data value, source_.read(index));
+    ENGRAM_ASSIGN_OR_RETURN(const auto split, data_.plan.layout().split(value));
+    for (size_t i = 0; i < data_.images.size(); ++i) {
+      const auto bytes = split.tensors[data_.plan.images()[i].member].bytes();
+      std::memcpy(data_.images[i].select(0, row).data_ptr(), bytes.data(), bytes.size());
+    }
+    const std::vector<double> numbers = data_.plan.read_numbers(split);
+    std::copy(numbers.begin(), numbers.end(), raw_numbers_.select(0, row).data_ptr<double>());
+    data_.times.push_back(source_.times[index]);
+    return {};
+  }
+
+  Status read(const Sequence& run) {
+    const size_t row = data_.times.size();
+    for (size_t i = 0; i < run.size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(read(run.first + i, static_cast<int64_t>(row + i)));
+    data_.sequences.push_back({row, row + run.size()});
+    return {};
+  }
+
+  void choose_scales() {
+    for (size_t i = 0; i < data_.images.size(); ++i) {
+      auto& image = data_.plan.images()[i];
+      if (!image.is_depth) continue;
+      const Tensor pixels = data_.images[i];
+      const auto* values = static_cast<const uint16_t*>(pixels.data_ptr());
+      const uint16_t largest = *std::max_element(values, values + pixels.numel());
+      image.scale = 255.0 / std::max<uint16_t>(largest, 1);
+    }
+  }
+
+  void normalise() {
+    const size_t count = data_.plan.number_count();
+    data_.mean.assign(count, 0.0);
+    data_.deviation.assign(count, 0.0);
+    if (count == 0) return;
+    data_.numbers = torch::zeros({raw_numbers_.size(0), static_cast<int64_t>(count)});
+    for (size_t i = 0; i < count; ++i) normalise(i);
+  }
+
+  // A number that never changes keeps deviation 0 and its exact value as mean.
+  void normalise(size_t i) {
+    const Tensor column = raw_numbers_.select(1, static_cast<int64_t>(i));
+    const Tensor known = column.masked_select(torch::isfinite(column));
+    if (known.numel() == 0) return;
+    data_.mean[i] = known[0].item<double>();
+    if (known.min().equal(known.max())) return;
+    data_.mean[i] = known.mean().item<double>();
+    const double deviation = (known - data_.mean[i]).square().mean().sqrt().item<double>();
+    if (!(deviation > 0) || !std::isfinite(deviation)) return;
+    data_.deviation[i] = deviation;
+    const Tensor x = (column - data_.mean[i]) / deviation;
+    data_.numbers.select(1, static_cast<int64_t>(i)).copy_(torch::nan_to_num(x, 0, 0, 0));
+  }
+
+  const TrainingSource& source_;
+  const std::stop_token& stop_;
+  Tensor raw_numbers_;
+  Dataset data_;
+};
+
+}  // namespace
+
+encoders::Parts Dataset::batch(const encoders::NetworkShape& shape, const Tensor& indices) const {
+  encoders::Parts parts;
+  for (size_t i = 0; i < images.size(); ++i)
+    parts.images.push_back(encoders::to_grey_levels(plan.images()[i], shape.images[i],
+                                                    images[i].index_select(0, indices)));
+  if (numbers.defined()) parts.numbers = numbers.index_select(0, indices);
+  return parts;
+}
+
+Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
+                             const std::stop_token& stop) {
+  std::vector<Sequence> sequences = cut_sequences(source.times);
+  const auto left_out = static_cast<size_t>(options.hold_out_recordings);
+  if (left_out >= sequences.size())
+    return invalid_argument("{}: found {} recordings, needs more than the {} to leave out",
+                            source.entity, sequences.size(), left_out);
+  sequences.resize(sequences.size() - left_out);
+  ENGRAM_ASSIGN_OR_RETURN(Dataset data,
+                          Loader(source, stop).load(std::move(sequences), options.memory_bytes));
+  data.left_out_sequences = left_out;
+  return data;
+}
+
+}  // namespace engram::training

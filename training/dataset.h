@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stop_token>
+#include <vector>
+
+#include "encoders/deep_model.h"
+#include "training/sequences.h"
+#include "training/trainer.h"
+
+// Internal to the room: includes LibTorch.
+
+namespace engram::training {
+
+/// The values that a model is trained on, decoded, in memory, in the order of time.
+///
+/// Threading: one thread.
+struct Dataset {
+  encoders::TensorPlan plan;
+  std::vector<double> mean;       ///< Per number.
+  std::vector<double> deviation;  ///< Per number; 0 where it never changed.
+  std::vector<Time> times;
+  std::vector<Sequence> sequences;  ///< Those to train on.
+  size_t left_out_sequences = 0;
+  std::vector<torch::Tensor> images;  ///< Per image member: pixels [n, H, W, C].
+  torch::Tensor numbers;              ///< Normalised [n, N]; undefined without numbers.
+
+  [[nodiscard]] size_t size() const { return times.size(); }
+
+  /// Rows as the networks see them. Shape: indices [B] of int64.
+  [[nodiscard]] encoders::Parts batch(const encoders::NetworkShape& shape,
+                                      const torch::Tensor& indices) const;
+};
+
+/// Reads what fits into options.memory_bytes.
+/// Errors: as train_model.
+Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
+                             const std::stop_token& stop);
+
+}  // namespace engram::training

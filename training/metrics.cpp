@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoders/tensor_plan.h"
+#include "ltm/idf/layout.h"
+
+namespace engram::training {
+
+namespace {
+
+constexpr double kPeak = 255.0;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+struct ErrorSum {
+  double sum = 0;
+  double count = 0;
+
+  void add(double a, double b, double scale) {
+    const bool is_equal = a == b || (std::isnan(a) && std::isnan(b));
+    const double difference = is_equal ? 0.0 : (a - b) * scale;
+    sum += std::isfinite(difference) ? difference * difference
+                                     : std::numeric_limits<double>::infinity();
+    count += 1;
+  }
+
+  [[nodiscard]] double mean() const { return count > 0 ? sum / count : kNaN; }
+};
+
+void add_bytes(std::span<const uint8_t> a, std::span<const uint8_t> b, ErrorSum& error) {
+  uint64_t sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const int difference = int{a[i]} - int{b[i]};
+    sum += static_cast<uint64_t>(difference * difference);
+  }
+  error.sum += static_cast<double>(sum);
+  error.count += static_cast<double>(a.size());
+}
+
+void add_depth(std::span<const uint16_t> a, std::span<const uint16_t> b, ErrorSum& error) {
+  const uint16_t largest = a.empty() ? uint16_t{1} : *std::max_element(a.begin(), a.end());
+  const double scale = kPeak / std::max<uint16_t>(largest, 1);
+  for (size_t i = 0; i < a.size(); ++i) error.add(a[i], b[i], scale);
+}
+
+}  // namespace
+
+double psnr_db(double mse) {
+  if (std::isnan(mse)) return mse;
+  if (mse <= 0) return kLargestPsnrDb;
+  return std::min(kLargestPsnrDb, 10.0 * std::log10(kPeak * kPeak / mse));
+}
+
+Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other) {
+  const idf::Layout layout = idf::Layout::of(recorded);
+  ENGRAM_ASSIGN_OR_RETURN(const auto a, layout.split(recorded));
+  ENGRAM_ASSIGN_OR_RETURN(const auto b, layout.split(other));
+  ErrorSum images;
+  ErrorSum numbers;
+  for (size_t i = 0; i < a.tensors.size(); ++i) {
+    const idf::TensorMember& member = layout.members()[i];
+    if (member.kind != idf::MemberKind::kImage) {
+      const auto left = encoders::to_doubles(a.tensors[i]);
+      const auto right = encoders::to_doubles(b.tensors[i]);
+      for (size_t k = 0; k < left.size(); ++k) numbers.add(left[k], right[k], 1.0);
+    } else if (member.type == idf::ElementType::kUInt8) {
+      add_bytes(a.tensors[i].values<uint8_t>(), b.tensors[i].values<uint8_t>(), images);
+    } else {
+      add_depth(a.tensors[i].values<uint16_t>(), b.tensors[i].values<uint16_t>(), images);
+    }
+  }
+  return ltm::MeasuredError{images.mean(), numbers.mean()};
+}
+
+void PsnrStatistics::add(double mse) {
+  if (std::isnan(mse)) return;
+  values_db_.push_back(psnr_db(mse));
+  mse_sum_ += mse;
+  if (values_db_.back() >= kLargestPsnrDb) ++capped_;
+}
+
+double PsnrStatistics::mean_db() const {
+  if (values_db_.empty()) return kNaN;
+  double sum = 0;
+  for (const double value : values_db_) sum += value;
+  return sum / static_cast<double>(values_db_.size());
+}
+
+double PsnrStatistics::pooled_db() const {
+  return values_db_.empty() ? kNaN : psnr_db(mse_sum_ / static_cast<double>(values_db_.size()));
+}
+
+double PsnrStatistics::minimum_db() const {
+  return quantile_db(0);
+}
+
+double PsnrStatistics::quantile_db(double share) const {
+  if (values_db_.empty()) return kNaN;
+  std::vector<double> sorted = values_db_;
+  std::sort(sorted.begin(), sorted.end());
+  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<size_t>(position);
+  const size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+void RmseStatistics::add(double mse) {
+  if (std::isnan(mse)) return;
+  mse_sum_ += mse;
+  ++count_;
+}
+
+double RmseStatistics::rmse() const {
+  return count_ == 0 ? kNaN : std::sqrt(mse_sum_ / static_cast<double>(count_));
+}
+
+}  // namespace engram::training

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "ltm/core/progress.h"
+#include "ltm/core/status.h"
+#include "ltm/core/time.h"
+#include "ltm/idf/data.h"
+
+namespace engram::training {
+
+/// What one model is trained on: values of one layout, in the order of time.
+struct TrainingSource {
+  std::string entity;
+  std::vector<Time> times;
+  /// The value of times[index].
+  std::function<Result<idf::Data>(size_t index)> read;
+};
+
+/// How one model is trained. Written into the model file.
+struct TrainOptions {
+  /// Time for one model. More is better, by about 1 dB per doubling at first.
+  Duration budget = std::chrono::minutes(2);
+  /// A fixed number of optimiser steps instead of the budget: same seed, same model.
+  std::optional<int> steps;
+  uint64_t seed = 1;
+  int batch_size = 8;
+  /// Weight of the squared error (grey levels squared) against bits per pixel and channel.
+  /// Larger: better images, more bytes. Figures are in docs/learning.md, section "Measured".
+  double lambda = 0.003;
+  /// Error that the numbers are coded to, in standard deviations of each.
+  double number_error = 0.01;
+  /// Features of the networks; zero chooses by the number of snapshots, because the model is
+  /// stored too.
+  int width = 0;
+  /// Channels of an image's latents.
+  int latent_channels = 32;
+  /// Weight of pixels that differ from the background, relative to the others.
+  double moving_weight = 1.0;
+  /// Threads of the networks. Two entities in two processes of one thread beat one on two.
+  int threads = 2;
+  /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.
+  uint64_t memory_bytes = uint64_t{2} << 30;
+  /// So many of the last recordings take no part in training.
+  int hold_out_recordings = 0;
+
+  [[nodiscard]] Status validate() const;
+};
+
+/// What training did.
+struct TrainReport {
+  size_t snapshots = 0;       ///< That were offered.
+  size_t used_snapshots = 0;  ///< That the autoencoder was trained on.
+  size_t sequences = 0;       ///< Recordings, left-out ones included.
+  int64_t autoencoder_steps = 0;
+  int64_t dynamics_steps = 0;
+  double seconds = 0;
+  double final_loss = 0;
+  std::vector<std::string> notes;  ///< What a reader should know, in sentences.
+};
+
+/// Trains a model on `source` and writes it to `file`, which must not exist.
+///
+/// Errors: kInvalidArgument where the values cannot be tensors; kCancelled on `stop`;
+/// kResourceExhausted where memory ends; those of source.read.
+/// Threading: one at a time per process; uses LibTorch's global random generator and threads.
+Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
+                                const std::filesystem::path& file, const ProgressSink& progress,
+                                const std::stop_token& stop);
+
+}  // namespace engram::training
