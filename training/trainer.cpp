@@ -27,15 +27,25 @@ Schedule schedule_of(const TrainOptions& options, double share) {
   return Schedule(steps, to_seconds(options.budget) * share);
 }
 
-StepSink step_sink(const ProgressSink& progress, const std::string& entity, std::string_view phase,
-                   size_t steps_per_epoch, double seconds_after) {
+/// Tells progress as a share of the budget, or of the steps where their number is fixed.
+StepSink step_sink(const ProgressSink& progress, const std::string& entity,
+                   const TrainOptions& options, std::string_view phase, size_t steps_per_epoch,
+                   double share_before, double share_after) {
   if (!progress) return [](int64_t, double, double) {};
   return [=, phase = std::string(phase)](int64_t step, double loss, double seconds_left) {
-    Progress now{"train " + entity, static_cast<uint64_t>(step), 0, {}, -1};
+    Progress now{"train " + entity, 0, 0, {}, -1};
     now.detail =
         fmt::format("{}, epoch {}, loss {:.4f}", phase,
                     static_cast<size_t>(step) / std::max<size_t>(steps_per_epoch, 1) + 1, loss);
-    if (seconds_left >= 0) now.seconds_left = seconds_left + seconds_after;
+    if (options.steps) {
+      now.total = static_cast<uint64_t>(*options.steps);
+      now.done = static_cast<uint64_t>(step + static_cast<int64_t>(*options.steps * share_before));
+    } else {
+      const double budget = to_seconds(options.budget);
+      now.seconds_left = seconds_left + budget * share_after;
+      now.total = static_cast<uint64_t>(budget * 1000);
+      now.done = static_cast<uint64_t>(std::max(0.0, budget - now.seconds_left) * 1000);
+    }
     progress(now);
   };
 }
@@ -87,18 +97,19 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   model.deviation = data.deviation;
 
   // The autoencoder, then the dynamics of what it codes: each on the weights that will be stored.
-  const double rest = to_seconds(options.budget) * (1 - kAutoencoderShare);
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
   ENGRAM_ASSIGN_OR_RETURN(
       const FitResult coded,
       fit_autoencoder(model, data, options, schedule_of(options, kAutoencoderShare), stop,
-                      step_sink(progress, source.entity, "autoencoder", epoch, rest)));
+                      step_sink(progress, source.entity, options, "autoencoder", epoch, 0,
+                                1 - kAutoencoderShare)));
   encoders::round_weights(*model.autoencoder);
   model.coder = make_coder(model, data);
   ENGRAM_ASSIGN_OR_RETURN(
       const FitResult dynamics,
       fit_dynamics(model, data, options, schedule_of(options, 1 - kAutoencoderShare), stop,
-                   step_sink(progress, source.entity, "dynamics", epoch, 0)));
+                   step_sink(progress, source.entity, options, "dynamics", epoch,
+                             kAutoencoderShare, 0)));
   encoders::round_weights(*model.dynamics);
   model.prediction.step = median_step(data.times);
   ENGRAM_RETURN_IF_ERROR(measure_prediction(model, data));

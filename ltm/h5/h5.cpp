@@ -94,10 +94,15 @@ Handle string_type(size_t size) {
   return type;
 }
 
-Handle creation_list(Storage storage, size_t element_bytes, std::span<const uint64_t> shape) {
-  Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  // The same content must give the same bytes.
+/// Creation properties of an object without a time stamp: the same content, the same bytes.
+Handle without_times(hid_t property_class) {
+  Handle list(H5Pcreate(property_class), H5Pclose);
   H5Pset_obj_track_times(list, false);
+  return list;
+}
+
+Handle creation_list(Storage storage, size_t element_bytes, std::span<const uint64_t> shape) {
+  Handle list = without_times(H5P_DATASET_CREATE);
   uint64_t total = element_bytes;
   for (const uint64_t size : shape) total *= size;
   if (storage == Storage::kCompressed && total > 0 && total <= kCompactBytes) {
@@ -188,11 +193,14 @@ struct File::State {
     return info;
   }
 
-  /// Creates intermediate groups on the way to a new object.
-  static Handle link_list() {
-    Handle list(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(list, 1);
-    return list;
+  /// Makes a group and those above it where they are missing.
+  Status make_groups(const std::string& group_path) {
+    if (group_path.empty() || exists(group_path)) return {};
+    ENGRAM_RETURN_IF_ERROR(make_groups(group_path.substr(0, group_path.rfind('/'))));
+    const Handle creation = without_times(H5P_GROUP_CREATE);
+    const Handle group(H5Gcreate2(file, group_path.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
+                       H5Gclose);
+    return group.valid() ? Status() : write_failed(group_path);
   }
 
   Status write_attribute(const std::string& object, const std::string& name, hid_t type,
@@ -260,7 +268,8 @@ Result<File> File::create(const std::filesystem::path& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // The 1.10 format spends far fewer bytes per dataset than the default of 1.8 and older.
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
-  state->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
+  const Handle creation = without_times(H5P_FILE_CREATE);
+  state->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation, access), H5Fclose);
   if (!state->file.valid()) return unavailable("HDF5 file '{}': cannot be created", path.string());
   return File(std::move(state));
 }
@@ -287,12 +296,7 @@ Status File::close() {
 
 Status File::make_group(const std::string& path) {
   const std::scoped_lock lock(library_mutex());
-  if (state_->exists(path)) return {};
-  const Handle links = State::link_list();
-  const Handle group(H5Gcreate2(state_->file, path.c_str(), links, H5P_DEFAULT, H5P_DEFAULT),
-                     H5Gclose);
-  if (!group.valid()) return state_->write_failed(path);
-  return {};
+  return state_->make_groups(path);
 }
 
 Status File::write(const std::string& path, Type type, std::span<const uint64_t> shape,
@@ -305,10 +309,10 @@ Status File::write(const std::string& path, Type type, std::span<const uint64_t>
   const std::vector<hsize_t> sizes(shape.begin(), shape.end());
   const Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr),
                      H5Sclose);
-  const Handle links = State::link_list();
+  ENGRAM_RETURN_IF_ERROR(state_->make_groups(path.substr(0, path.rfind('/'))));
   const Handle creation = creation_list(storage, size_bytes(type), shape);
-  Handle dataset(H5Dcreate2(state_->file, path.c_str(), memory_type(type), space, links, creation,
-                            H5P_DEFAULT),
+  Handle dataset(H5Dcreate2(state_->file, path.c_str(), memory_type(type), space, H5P_DEFAULT,
+                            creation, H5P_DEFAULT),
                  H5Dclose);
   if (!dataset.valid()) return state_->write_failed(path);
   if (!bytes.empty() &&
@@ -332,9 +336,10 @@ Status File::write_strings(const std::string& path, std::span<const std::string>
   const uint64_t shape = count;
   const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
   const Handle type = string_type(longest);
-  const Handle links = State::link_list();
+  ENGRAM_RETURN_IF_ERROR(state_->make_groups(path.substr(0, path.rfind('/'))));
   const Handle creation = creation_list(Storage::kCompressed, longest, {&shape, 1});
-  Handle dataset(H5Dcreate2(state_->file, path.c_str(), type, space, links, creation, H5P_DEFAULT),
+  Handle dataset(H5Dcreate2(state_->file, path.c_str(), type, space, H5P_DEFAULT, creation,
+                            H5P_DEFAULT),
                  H5Dclose);
   if (!dataset.valid() ||
       (count > 0 && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0) ||

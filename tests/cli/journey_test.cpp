@@ -22,7 +22,8 @@ Json json_of(const RunResult& result) {
 
 /// The camera's entry of `engram info`.
 Json camera_info(const std::string& store) {
-  for (const Json& entity : json_of(run_engram({"info", store, "--json"})).at("entities"))
+  const Json info = json_of(run_engram({"info", store, "--json"}));
+  for (const Json& entity : info.at("entities"))
     if (entity.at("id") == kCamera) return entity;
   return {};
 }
@@ -35,7 +36,8 @@ class Journey : public ::testing::Test {
     const Recording recording = make_recording(directory_->path(), 12);
     const RunResult imported = run_engram(import_arguments(recording, store_));
     ASSERT_EQ(imported.exit_code, 0) << imported.err;
-    const RunResult trained = run_engram({"consolidate", store_, "--steps", "120", "--json"});
+    const RunResult trained = run_engram({"consolidate", store_, "--steps", "120", "--threads", "1",
+                                          "--json"});
     ASSERT_EQ(trained.exit_code, 0) << trained.err;
     consolidated_ = Json::parse(trained.out);
   }
@@ -129,7 +131,8 @@ TEST(DroppingRawData, KeepsTheMemoryAnsweringFromLatents) {
   const std::string store = directory.path() / "robot.engram";
   ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 8), store)).exit_code, 0);
   const RunResult dropped =
-      run_engram({"consolidate", store, "--steps", "60", "--entity", kCamera, "--drop-raw", "--json"});
+      run_engram({"consolidate", store, "--steps", "60", "--threads", "1", "--entity", kCamera,
+                  "--drop-raw", "--json"});
   ASSERT_EQ(dropped.exit_code, 0) << dropped.err;
   EXPECT_EQ(Json::parse(dropped.out).at("dropped").at(0).at("snapshots"), 40);
   const Json camera = camera_info(store);

@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 Json camera_info(const std::string& store) {
   const RunResult info = run_engram({"info", store, "--json"});
   EXPECT_EQ(info.exit_code, 0) << info.err;
-  for (const Json& entity : Json::parse(info.out).at("entities"))
+  const Json json = Json::parse(info.out);
+  for (const Json& entity : json.at("entities"))
     if (entity.at("id") == kCamera) return entity;
   return Json{{"snapshots", 0}, {"latent_snapshots", 0}};
 }
@@ -44,8 +45,7 @@ TEST(KillDuringImport, LeavesAGaplessBeginningThatAnswers) {
       EXPECT_EQ(found[i].at("time_ns").get<int64_t>() - found[0].at("time_ns").get<int64_t>(),
                 static_cast<int64_t>(i) * 200'000'000);
     // The next session goes on behind what is there.
-    auto next = import_arguments(recording, store);
-    next[11] = "2022-02-18 14:00:00";
+    const auto next = import_arguments(recording, store, "2022-02-18 14:00:00");
     EXPECT_EQ(run_engram(next).exit_code, 0);
     EXPECT_EQ(camera_info(store).at("snapshots").get<int64_t>(), snapshots + 200);
   }
@@ -56,7 +56,8 @@ TEST(KillDuringConsolidation, LeavesTheRecordedMemoryAsItWas) {
   const ScratchDirectory directory;
   const std::string store = directory.path() / "robot.engram";
   ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 8), store)).exit_code, 0);
-  const std::vector<std::string> consolidate{"consolidate", store, "--steps", "40", "--force"};
+  const std::vector<std::string> consolidate{"consolidate", store, "--steps", "40", "--threads", "1",
+                                             "--force"};
   for (const int milliseconds : {100, 700, 1500, 2500, 4000}) {
     (void)run_engram_and_kill(consolidate, milliseconds);
     const Json camera = camera_info(store);

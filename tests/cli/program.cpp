@@ -103,10 +103,11 @@ Recording make_recording(const std::filesystem::path& directory, int seconds) {
   return recording;
 }
 
-std::vector<std::string> import_arguments(const Recording& recording, const std::string& store) {
+std::vector<std::string> import_arguments(const Recording& recording, const std::string& store,
+                                          const std::string& start) {
   return {"import",        "--video", recording.video,  "--table", recording.table, "--entity",
           kCamera,         "--state-entity", kJoints,   "--rate",  "5",             "--start",
-          "2022-02-18 13:00:00", store};
+          start,           store};
 }
 
 }  // namespace engram::cli

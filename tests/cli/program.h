@@ -34,7 +34,8 @@ Recording make_recording(const std::filesystem::path& directory, int seconds);
 inline const std::string kCamera = "Vision/RGB/head/cam";
 inline const std::string kJoints = "RobotState/Proprioception/robot/joints";
 
-/// `engram import` of a recording at 5 Hz into `store`.
-std::vector<std::string> import_arguments(const Recording& recording, const std::string& store);
+/// `engram import` of a recording at 5 Hz into `store`, begun at `start`.
+std::vector<std::string> import_arguments(const Recording& recording, const std::string& store,
+                                          const std::string& start = "2022-02-18 13:00:00");
 
 }  // namespace engram::cli
