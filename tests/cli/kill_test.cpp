@@ -58,8 +58,9 @@ TEST(KillDuringConsolidation, LeavesTheRecordedMemoryAsItWas) {
   ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 8), store)).exit_code, 0);
   const std::vector<std::string> consolidate{"consolidate", store, "--steps", "40", "--threads", "1",
                                              "--force"};
+  int killed = 0;
   for (const int milliseconds : {100, 700, 1500, 2500, 4000}) {
-    (void)run_engram_and_kill(consolidate, milliseconds);
+    killed += run_engram_and_kill(consolidate, milliseconds).exit_code < 0 ? 1 : 0;
     const Json camera = camera_info(store);
     EXPECT_EQ(camera.at("snapshots"), 40);
     EXPECT_EQ(camera.at("recorded_snapshots"), 40);
@@ -67,6 +68,7 @@ TEST(KillDuringConsolidation, LeavesTheRecordedMemoryAsItWas) {
     EXPECT_EQ(run_engram({"query", store, kCamera + " @ latest:3"}).exit_code, 0);
     EXPECT_EQ(run_engram({"query", store, kCamera + " @ +200ms"}).exit_code, 0);
   }
+  EXPECT_GT(killed, 0);
   const RunResult done = run_engram(consolidate);
   EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_EQ(camera_info(store).at("latent_snapshots"), 40);

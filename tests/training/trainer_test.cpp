@@ -5,7 +5,7 @@
 
 #include "encoders/load_model.h"
 #include "encoders/model_file.h"
-#include "ltm/h5/h5.h"
+#include "ltm/core/file.h"
 #include "tests/training/moving_scene.h"
 #include "training/metrics.h"
 
@@ -49,31 +49,11 @@ TEST(Trainer, OverfitsOneBatch) {
   RecordProperty("psnr_db", std::to_string(psnr));
 }
 
-/// The name and the bytes of every dataset below `group`.
-void append_content(const h5::File& file, const std::string& group, std::string& content) {
-  const auto names = file.list(group);
-  ASSERT_TRUE(names.ok()) << names.status().to_string();
-  for (const std::string& name : *names) {
-    const std::string path = group == "/" ? "/" + name : group + "/" + name;
-    const auto info = file.info(path);
-    if (!info.ok()) {
-      append_content(file, path, content);
-      continue;
-    }
-    const auto bytes = file.read(path, info->type);
-    ASSERT_TRUE(bytes.ok()) << bytes.status().to_string();
-    content += path + std::string(as_text(*bytes));
-  }
-}
-
 std::string content_of(const ScratchPath& path) {
-  std::string content;
-  const auto file = h5::File::open(path.path());
-  if (file.ok()) append_content(*file, "/", content);
-  return content;
+  const auto bytes = read_file(path.path());
+  return bytes.ok() ? std::string(as_text(bytes->bytes())) : std::string();
 }
 
-// Datasets, not the bytes of the file: HDF5 notes in its groups when they were made.
 TEST(Trainer, WritesTheSameModelForTheSameSeedAndSteps) {
   const ScratchPath a("seed_a"), b("seed_b"), c("seed_c");
   const auto source = scene_source(24);
