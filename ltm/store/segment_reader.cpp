@@ -268,10 +268,12 @@ SegmentReader::~SegmentReader() = default;
 
 Result<std::unique_ptr<SegmentReader>> SegmentReader::open(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::open(path));
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t version, file.int_attribute("/", "format_version"));
-  if (version > kSegmentFormatVersion)
+  const auto version = file.int_attribute("/", "format_version");
+  if (!version.ok())
+    return data_loss("'{}' is no segment: {}", path.string(), version.status().message());
+  if (*version > kSegmentFormatVersion)
     return failed_precondition("segment '{}': has format {}, this program reads up to {}",
-                               path.string(), version, kSegmentFormatVersion);
+                               path.string(), *version, kSegmentFormatVersion);
   ENGRAM_ASSIGN_OR_RETURN(File raw, File::open(path, File::Mode::kRead));
   return std::unique_ptr<SegmentReader>(
       new SegmentReader(std::make_unique<State>(std::move(file), std::move(raw))));

@@ -77,13 +77,22 @@ struct StoreReader::State {
     } else {
       auto opened = SegmentReader::open(path / manifest.segments[number].file);
       if (opened.status().code() == StatusCode::kNotFound)
-        return data_loss("store '{}': segment '{}' is missing", path.string(),
-                         manifest.segments[number].file);
+        return missing(manifest.segments[number].file);
       if (!opened.ok()) return opened.status();
       segments.emplace_front(number, std::move(opened).value());
       if (segments.size() > kMaxOpenSegments) segments.pop_back();
     }
     return segments.front().second.get();
+  }
+
+  /// A segment that a later generation no longer names may go while this reader is open.
+  [[nodiscard]] Status missing(const std::string& file) const {
+    const auto now = read_manifest(path);
+    if (now.ok() &&
+        std::ranges::find(now->segments, file, &SegmentInfo::file) == now->segments.end())
+      return unavailable("store '{}': segment '{}' was replaced meanwhile: open the store again",
+                         path.string(), file);
+    return data_loss("store '{}': segment '{}' is missing", path.string(), file);
   }
 
   [[nodiscard]] bool has(const MemoryId& entity) const {

@@ -66,7 +66,8 @@ class StoreReader {
   Result<EntitySummary> summary(const MemoryId& entity);
 
   /// All snapshots of the entity in the order of time; valid as long as the reader.
-  /// Errors: kNotFound, kDataLoss.
+  /// Errors: kNotFound, kDataLoss; here and when reading, kUnavailable where a consolidation
+  /// replaced a segment meanwhile: open the store again.
   Result<const std::vector<SnapshotEntry>*> index(const MemoryId& entity);
 
   /// Places in journals, sealed ones included, where acknowledged data was found damaged.

@@ -83,7 +83,7 @@ class PlainH5py(unittest.TestCase):
         self.assertEqual(media.attrs["path"].decode(), "image")
         self.assertEqual(media.attrs["element_type"].decode(), "uint8")
         self.assertEqual(list(media["shape"]), [20, 30, 3])
-        offsets = media["offset"][:]
+        offsets = [int(offset) for offset in media["offset"]]
         whole = media["bytes"][:].tobytes()
         start = media["bytes"].id.get_offset()
         raw = self.files["recorded"].read_bytes()

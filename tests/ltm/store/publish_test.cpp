@@ -234,6 +234,15 @@ TEST_F(PublishTest, DropsNothingWhereTheModelIsDamaged) {
   EXPECT_FAILS(drop_recorded(store_, example_entity("none"), {}), StatusCode::kNotFound, "none");
 }
 
+TEST_F(PublishTest, TellsOpenReadersThatASegmentWasReplaced) {
+  record(0, 6);
+  const auto reader = open();
+  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
+  ASSERT_OK(drop_recorded(store_, example_entity(), {}));
+  EXPECT_FAILS(reader->index(example_entity()), StatusCode::kUnavailable, "open the store again");
+  EXPECT_OK(open()->index(example_entity()));
+}
+
 TEST_F(PublishTest, RunsBesideALiveWriter) {
   const auto writer = *StoreWriter::open(store_, {});
   for (int64_t i = 0; i < 10; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));

@@ -266,6 +266,12 @@ TEST(Segment, RefusesANewerFormat) {
   EXPECT_FAILS(SegmentReader::open(scratch / "s.h5"), StatusCode::kFailedPrecondition, "up to 1");
 }
 
+TEST(Segment, IsNoOtherHdf5File) {
+  const ScratchDirectory scratch;
+  ASSERT_OK(h5::File::create(scratch / "s.h5")->close());
+  EXPECT_FAILS(SegmentReader::open(scratch / "s.h5"), StatusCode::kDataLoss, "no segment");
+}
+
 /// A small segment with something of everything.
 Entities small_entities() {
   Entities entities;
