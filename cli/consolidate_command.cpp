@@ -150,7 +150,7 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
-  command->add_option("--budget", arguments->budget, "Training time per entity")
+  command->add_option("--budget", arguments->budget, "Training time of all entities together")
       ->check(duration_text())
       ->capture_default_str();
   command->add_option("--steps", arguments->steps,

@@ -61,7 +61,7 @@ else
   say "2. What the memory holds"
   run info "$store"
 
-  say "3. Consolidate: one autoencoder per entity ($budget each)"
+  say "3. Consolidate: one autoencoder per entity ($budget in all)"
   run consolidate "$store" --budget "$budget"
   printf '%s' "$wanted" > "$dir/done.txt"
 fi

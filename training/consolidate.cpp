@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "encoders/load_model.h"
 #include "ltm/core/file.h"
@@ -54,17 +55,11 @@ class EntityJob {
     report_.entity = entity_;
   }
 
-  Result<EntityReport> run() {
-    const auto start = std::chrono::steady_clock::now();
-    ENGRAM_RETURN_IF_ERROR(collect());
-    if (report_.skipped_reason.empty()) ENGRAM_RETURN_IF_ERROR(train_and_publish());
-    report_.seconds = to_seconds(std::chrono::steady_clock::now() - start);
-    return std::move(report_);
-  }
-
- private:
   /// Finds the recorded snapshots, or the reason to skip the entity.
-  Status collect() {
+  Status plan() {
+    ENGRAM_ASSIGN_OR_RETURN(const auto summary, reader_.summary(entity_));
+    report_.stored_bytes = summary.stored_bytes;
+    plain_bytes_ = static_cast<double>(summary.raw_bytes);
     ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader_.index(entity_));
     bool has_news = false;
     for (const ltm::SnapshotEntry& entry : *index) {
@@ -79,6 +74,21 @@ class EntityJob {
     return find_layout();
   }
 
+  /// How much of the training time this entity should get, beside others. Larger values need more
+  /// of it, but not in proportion.
+  [[nodiscard]] double weight() const {
+    return report_.skipped_reason.empty() ? std::sqrt(plain_bytes_) : 0;
+  }
+
+  /// Trains for `budget` where the entity is not skipped.
+  Result<EntityReport> run(Duration budget) {
+    const auto start = std::chrono::steady_clock::now();
+    if (report_.skipped_reason.empty()) ENGRAM_RETURN_IF_ERROR(train_and_publish(budget));
+    report_.seconds = to_seconds(std::chrono::steady_clock::now() - start);
+    return std::move(report_);
+  }
+
+ private:
   /// The layout of most snapshots would need reading all; the newest one's is what comes next.
   Status find_layout() {
     ENGRAM_ASSIGN_OR_RETURN(const auto newest, reader_.read_recorded(entity_, entries_.back()));
@@ -105,10 +115,12 @@ class EntityJob {
     return {};
   }
 
-  Status train_and_publish() {
+  Status train_and_publish(Duration budget) {
+    TrainOptions train = options_.train;
+    train.budget = budget;
     ENGRAM_ASSIGN_OR_RETURN(auto path, ltm::temporary_file(reader_.path(), ".model.h5"));
     const TemporaryFile file(std::move(path));
-    auto trained = train_model(source(), options_.train, file.path(), progress_, stop_);
+    auto trained = train_model(source(), train, file.path(), progress_, stop_);
     // What cannot be a tensor stays recorded; everything else can go on.
     if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument)
       return skip(trained.status().message());
@@ -122,7 +134,8 @@ class EntityJob {
     if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
     ENGRAM_RETURN_IF_ERROR(
         ltm::publish_model(reader_.path(), entity_, report_.model_version, file.path(), latents_));
-    return finish();
+    finish();
+    return {};
   }
 
   TrainingSource source() {
@@ -164,15 +177,12 @@ class EntityJob {
     return {};
   }
 
-  Status finish() {
-    ENGRAM_ASSIGN_OR_RETURN(const auto summary, reader_.summary(entity_));
-    report_.stored_bytes = summary.stored_bytes;
+  void finish() {
     report_.snapshots = latents_.size();
     report_.mean_psnr_db = psnr_.mean_db();
     report_.pooled_psnr_db = psnr_.pooled_db();
     report_.minimum_psnr_db = psnr_.minimum_db();
     report_.rmse = rmse_.rmse();
-    return {};
   }
 
   ltm::StoreReader& reader_;
@@ -181,6 +191,7 @@ class EntityJob {
   const ProgressSink& progress_;
   const std::stop_token& stop_;
   idf::Layout layout_;
+  double plain_bytes_ = 0;
   std::vector<ltm::SnapshotEntry> entries_;
   std::vector<ltm::LatentSnapshot> latents_;
   PsnrStatistics psnr_;
@@ -220,10 +231,19 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
   ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(store));
   ENGRAM_ASSIGN_OR_RETURN(const auto entities, matching(*reader, options.entities));
-  ConsolidateReport report;
+  std::vector<EntityJob> jobs;
+  double total_weight = 0;
   for (const ltm::MemoryId& entity : entities) {
-    ENGRAM_ASSIGN_OR_RETURN(EntityReport one,
-                            EntityJob(*reader, entity, options, progress, stop).run());
+    EntityJob& job = jobs.emplace_back(*reader, entity, options, progress, stop);
+    ENGRAM_RETURN_IF_ERROR(job.plan());
+    total_weight += job.weight();
+  }
+  ConsolidateReport report;
+  for (EntityJob& job : jobs) {
+    const double share = total_weight > 0 ? job.weight() / total_weight : 0;
+    ENGRAM_ASSIGN_OR_RETURN(const Duration budget,
+                            duration_from_seconds(to_seconds(options.train.budget) * share));
+    ENGRAM_ASSIGN_OR_RETURN(EntityReport one, job.run(budget));
     report.entities.push_back(std::move(one));
   }
   return report;

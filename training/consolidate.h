@@ -12,6 +12,7 @@ namespace engram::training {
 
 /// What the offline phase works on.
 struct ConsolidateOptions {
+  /// Its budget is that of all entities together, split by the square root of their plain bytes.
   TrainOptions train;
   /// Queries without selectors ("Vision/.*"); an entity that any of them matches is taken. Empty:
   /// every entity.

@@ -64,6 +64,9 @@ struct Recall::State {
     auto values = model->encoder->decode(codes);
     if (!values.ok())
       return values.status().with_context(entity.at(entry.time).to_string() + ", " + info->name());
+    if (values->size() != codes.size())
+      return data_loss("model {}: gave {} values for {} latents", info->name(), values->size(),
+                       codes.size());
     for (size_t i = 0; i < latents.instances.size(); ++i) {
       recalled.snapshot.instances.push_back(
           {std::move((*values)[i]), latents.instances[i].metadata});
@@ -112,6 +115,7 @@ struct Recall::State {
       auto values = predictor->predict(series(history, i), steps);
       if (!values.ok())
         return values.status().with_context("prediction of " + entity.to_string());
+      if (values->empty()) return data_loss("model {}: predicted nothing", model_name);
       InstanceMetadata metadata = last[i].metadata;
       metadata.created = metadata.sent = metadata.arrived = when;
       recalled.snapshot.instances.push_back({std::move(values->back()), metadata});

@@ -104,9 +104,7 @@ Recorder::~Recorder() = default;
 
 Result<Recorder> Recorder::open(const std::filesystem::path& store, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
-  std::error_code error;
-  if (!std::filesystem::exists(store, error) || std::filesystem::is_empty(store, error))
-    ENGRAM_RETURN_IF_ERROR(create_store(store));
+  if (is_store_absent(store)) ENGRAM_RETURN_IF_ERROR(create_store(store));
   auto state = std::make_unique<State>();
   state->options = options;
   ENGRAM_ASSIGN_OR_RETURN(state->writer, StoreWriter::open(store, options.store));

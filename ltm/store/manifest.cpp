@@ -2,6 +2,7 @@
 #include "ltm/store/manifest.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -16,6 +17,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifestFile = "MANIFEST.json";
 constexpr const char* kManifestLock = "MANIFEST.lock";
+constexpr std::string_view kUnfinishedManifest = "MANIFEST.json.new";
+constexpr std::array<std::string_view, 4> kFolders{"journal", "segments", "models", "tmp"};
 
 /// A checksum as text: JSON numbers of other programs carry 53 bits only.
 std::string to_hex(uint64_t value) {
@@ -212,12 +215,25 @@ Status edit_manifest(const std::filesystem::path& store,
   return write_manifest(store, manifest);
 }
 
-Status create_store(const std::filesystem::path& store) {
+bool is_store_absent(const std::filesystem::path& store) {
   std::error_code error;
-  if (std::filesystem::exists(store, error) &&
-      (!std::filesystem::is_directory(store, error) || !std::filesystem::is_empty(store, error)))
+  if (!std::filesystem::exists(store, error)) return true;
+  if (!std::filesystem::is_directory(store, error)) return false;
+  for (const auto& entry : std::filesystem::directory_iterator(store, error)) {
+    const std::string name = entry.path().filename().string();
+    // Empty folders of ours and a manifest that was not finished: a killed create_store.
+    const bool is_leftover =
+        name == kUnfinishedManifest || (std::ranges::find(kFolders, name) != kFolders.end() &&
+                                        std::filesystem::is_empty(entry.path(), error));
+    if (!is_leftover) return false;
+  }
+  return !error;
+}
+
+Status create_store(const std::filesystem::path& store) {
+  if (!is_store_absent(store))
     return already_exists("'{}': is no empty directory, cannot make a store there", store.string());
-  for (const char* folder : {"journal", "segments", "models", "tmp"})
+  for (const std::string_view folder : kFolders)
     ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
   Manifest manifest;
   manifest.store_id = random_store_id();

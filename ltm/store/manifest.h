@@ -81,8 +81,11 @@ Result<Manifest> read_manifest(const std::filesystem::path& store);
 Status edit_manifest(const std::filesystem::path& store,
                      const std::function<Status(Manifest&)>& change);
 
-/// Makes an empty store in `store`, which must not exist or be an empty directory.
-/// Errors: kAlreadyExists where something is there, kUnavailable.
+/// True where create_store may make a store: nothing there, an empty directory, or one in which a
+/// process was killed while it made a store.
+[[nodiscard]] bool is_store_absent(const std::filesystem::path& store);
+
+/// Makes an empty store in `store`. Errors: kAlreadyExists where something is there, kUnavailable.
 Status create_store(const std::filesystem::path& store);
 
 }  // namespace engram::ltm

@@ -147,5 +147,25 @@ TEST_F(ManifestTest, OfAStoreIsNotMadeTwice) {
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "MANIFEST.lock"));
 }
 
+TEST(CreateStore, GoesOnWhereAKilledOneStopped) {
+  const ScratchDirectory scratch;
+  const auto store = scratch / "store";
+  std::filesystem::create_directories(store / "journal");
+  std::filesystem::create_directories(store / "segments");
+  std::ofstream(store / "MANIFEST.json.new") << "{";
+  EXPECT_TRUE(is_store_absent(store));
+  EXPECT_OK(create_store(store));
+  EXPECT_FALSE(is_store_absent(store));
+}
+
+TEST(CreateStore, LeavesWhatIsNotItsOwnAlone) {
+  const ScratchDirectory scratch;
+  const auto store = scratch / "store";
+  std::filesystem::create_directories(store / "journal");
+  std::ofstream(store / "journal/diary.txt") << "mine";
+  EXPECT_FALSE(is_store_absent(store));
+  EXPECT_FAILS(create_store(store), StatusCode::kAlreadyExists, "no empty directory");
+}
+
 }  // namespace
 }  // namespace engram::ltm
