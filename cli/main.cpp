@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <exception>
 #include <new>
+#include <string_view>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/openmp.h"
 #include "ltm/core/log.h"
 
 namespace engram::cli {
@@ -22,6 +24,13 @@ constexpr const char* kFooter = R"(Examples:
 
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
+
+/// Commands that run networks for long.
+bool is_learning(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (const std::string_view word = argv[i]; word == "consolidate" || word == "eval") return true;
+  return false;
+}
 
 ExitCode run(int argc, char** argv) {
   CLI::App app{"Engram: a deep episodic memory for robots"};
@@ -53,6 +62,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace engram::cli
 
 int main(int argc, char** argv) {
+  if (engram::cli::is_learning(argc, argv)) engram::cli::rest_waiting_threads(argv);
   engram::cli::watch_for_interrupts();
   try {
     return static_cast<int>(engram::cli::run(argc, argv));
