@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
 
 #include "cli/text.h"
 #include "ltm/core/log.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr auto kRedraw = std::chrono::milliseconds(100);
 constexpr auto kPlainLine = std::chrono::seconds(5);
 constexpr int kBarCells = 24;
+constexpr std::string_view kEllipsis = "...";
 
 size_t terminal_width() {
   winsize size{};
@@ -39,6 +41,15 @@ std::string line_of(const Progress& progress, bool has_bar) {
   if (!progress.detail.empty()) line += "  " + progress.detail;
   if (progress.seconds_left >= 0) line += fmt::format("  {} left", seconds_text(progress.seconds_left));
   return line;
+}
+
+/// A line that fits: first the bar goes, then the beginning of the name.
+std::string fitting_line(Progress progress, size_t width) {
+  if (std::string line = line_of(progress, true); line.size() <= width) return line;
+  const size_t needed = line_of(progress, false).size();
+  if (needed > width && progress.what.size() > needed - width + kEllipsis.size())
+    progress.what.replace(0, needed - width + kEllipsis.size(), kEllipsis);
+  return line_of(progress, false).substr(0, width);
 }
 
 }  // namespace
@@ -71,7 +82,7 @@ void ProgressLine::show(const Progress& progress) {
     fmt::print(stderr, "{}\n", line_of(progress, false));
     return;
   }
-  fmt::print(stderr, "\r\033[K{:.{}}", line_of(progress, true), terminal_width() - 1);
+  fmt::print(stderr, "\r\033[K{}", fitting_line(progress, terminal_width() - 1));
   std::fflush(stderr);
   is_open_ = true;
 }
