@@ -2,7 +2,6 @@
 #include "ltm/store/segment_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <map>
 #include <optional>
@@ -27,14 +26,6 @@ constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
 
 size_t element_bytes(h5::Type type) {
   return h5::size_bytes(type);
-}
-
-h5::Type h5_type_of(idf::ElementType type) {
-  static constexpr std::array kTypes{h5::Type::kInt8,   h5::Type::kInt16,  h5::Type::kInt32,
-                                     h5::Type::kInt64,  h5::Type::kUInt8,  h5::Type::kUInt16,
-                                     h5::Type::kUInt32, h5::Type::kUInt64, h5::Type::kFloat32,
-                                     h5::Type::kFloat64};
-  return kTypes[static_cast<size_t>(type) - 1];
 }
 
 /// A dataset read in windows of rows, so that neighbours cost one read and memory stays bounded.
@@ -100,7 +91,7 @@ struct SegmentReader::State {
   template <typename T>
   Result<T> number(const std::string& path, uint64_t row) {
     ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * values, column(path));
-    if (values->info().type != h5_type_of(idf::kElementTypeOf<T>))
+    if (values->info().type != h5_type(idf::kElementTypeOf<T>))
       return broken(path, "has another element type than needed");
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, values->row(row));
     if (bytes.size() != sizeof(T)) return broken(path, "is no column of numbers");
@@ -195,7 +186,7 @@ struct SegmentReader::State {
         offset = next_column[name]++ * size;
       }
       ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * values_of, column(path));
-      if (values_of->info().type != h5_type_of(member.type))
+      if (values_of->info().type != h5_type(member.type))
         return broken(path, "has another element type than the layout says");
       ENGRAM_ASSIGN_OR_RETURN(const auto bytes, values_of->row(row));
       if (bytes.size() < offset + size) return broken(path, "has fewer columns than the layout");

@@ -26,32 +26,6 @@ constexpr double kPsnrCapDb = 60;
 /// Rows of further layouts are kept whole.
 constexpr size_t kMaxLayoutsCounted = 32;
 
-h5::Type h5_type(idf::ElementType type) {
-  switch (type) {
-    case idf::ElementType::kInt8:
-      return h5::Type::kInt8;
-    case idf::ElementType::kInt16:
-      return h5::Type::kInt16;
-    case idf::ElementType::kInt32:
-      return h5::Type::kInt32;
-    case idf::ElementType::kInt64:
-      return h5::Type::kInt64;
-    case idf::ElementType::kUInt8:
-      return h5::Type::kUInt8;
-    case idf::ElementType::kUInt16:
-      return h5::Type::kUInt16;
-    case idf::ElementType::kUInt32:
-      return h5::Type::kUInt32;
-    case idf::ElementType::kUInt64:
-      return h5::Type::kUInt64;
-    case idf::ElementType::kFloat32:
-      return h5::Type::kFloat32;
-    case idf::ElementType::kFloat64:
-      break;
-  }
-  return h5::Type::kFloat64;
-}
-
 template <typename T>
 Status write_column(h5::File& file, const std::string& path, const std::vector<T>& values) {
   const uint64_t count = values.size();
