@@ -1,60 +1,86 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conversions of the paper's simple and complex object, beside memcpy of the same bytes.
+// Conversions of the paper's objects, each step apart, in batches; beside memcpy of the same bytes.
 #include <benchmark/benchmark.h>
 
 #include <cstring>
 
 #include "ltm/idf/binary.h"
 #include "ltm/idf/layout.h"
+#include "tests/benchmark/paper_objects.h"
 
-namespace engram::idf {
+namespace engram::benchmark_objects {
 namespace {
 
-Data simple_object() { return Dict{{"value", int64_t{42}}}; }
+// Names read "<step>/<object>/<batch>"; times are of one object, not of the batch.
 
-/// An image of 128 x 128 x 3 with a nested pose, links and a map of joints.
-Data complex_object() {
-  Dict joints;
-  for (int i = 0; i < 43; ++i) joints.set("joint_" + std::to_string(i), 0.01f * static_cast<float>(i));
-  return Dict{{"image", NdArray::take<uint8_t>({128, 128, 3}, std::vector<uint8_t>(49152, 127))},
-              {"pose", Dict{{"position", NdArray::take<float>({3}, {1, 2, 3})},
-                            {"orientation", NdArray::take<float>({4}, {1, 0, 0, 0})}}},
-              {"joints", std::move(joints)},
-              {"links", List{"Vision/RGB/head/cam", "RobotState/Proprioception/robot/joints"}}};
+template <typename F>
+void run_batches(benchmark::State& state, size_t bytes, F step) {
+  const int64_t batch = state.range(0);
+  for (auto _ : state)
+    for (int64_t i = 0; i < batch; ++i) step();
+  state.SetItemsProcessed(state.iterations() * batch);
+  state.SetBytesProcessed(state.iterations() * batch * static_cast<int64_t>(bytes));
+  state.counters["per_object"] =
+      benchmark::Counter(static_cast<double>(state.iterations() * batch),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-void encode_object(benchmark::State& state, const Data& object) {
-  for (auto _ : state) benchmark::DoNotOptimize(encode(object));
-  state.SetBytesProcessed(static_cast<int64_t>(state.iterations() * encoded_size(object)));
+template <typename Object>
+void object_to_idf(benchmark::State& state) {
+  const Object object;
+  run_batches(state, idf::encoded_size(object.to_idf()),
+              [&] { benchmark::DoNotOptimize(object.to_idf()); });
 }
 
-void decode_object(benchmark::State& state, const Data& object) {
-  const Buffer bytes = Buffer::take(encode(object).value());
-  for (auto _ : state) benchmark::DoNotOptimize(decode(bytes));
-  state.SetBytesProcessed(static_cast<int64_t>(state.iterations() * bytes.size()));
+template <typename Object>
+void idf_to_bytes(benchmark::State& state) {
+  const idf::Data data = Object().to_idf();
+  run_batches(state, idf::encoded_size(data), [&] { benchmark::DoNotOptimize(idf::encode(data)); });
 }
 
-void copy_bytes(benchmark::State& state, const Data& object) {
-  const Buffer bytes = Buffer::take(encode(object).value());
-  for (auto _ : state) {
-    std::vector<std::byte> copy(bytes.size());
+template <typename Object>
+void bytes_to_idf(benchmark::State& state) {
+  const Buffer bytes = Buffer::take(idf::encode(Object().to_idf()).value());
+  run_batches(state, bytes.size(), [&] { benchmark::DoNotOptimize(idf::decode(bytes)); });
+}
+
+template <typename Object>
+void idf_to_object(benchmark::State& state) {
+  const idf::Data data = Object().to_idf();
+  run_batches(state, idf::encoded_size(data),
+              [&] { benchmark::DoNotOptimize(Object::from_idf(data)); });
+}
+
+template <typename Object>
+void memcpy_of_bytes(benchmark::State& state) {
+  const Buffer bytes = Buffer::take(idf::encode(Object().to_idf()).value());
+  std::vector<std::byte> copy(bytes.size());
+  run_batches(state, bytes.size(), [&] {
     std::memcpy(copy.data(), bytes.data(), bytes.size());
     benchmark::DoNotOptimize(copy.data());
-  }
-  state.SetBytesProcessed(static_cast<int64_t>(state.iterations() * bytes.size()));
+    benchmark::ClobberMemory();
+  });
 }
 
-void split_and_join(benchmark::State& state, const Data& object) {
-  const Layout layout = Layout::of(object);
-  for (auto _ : state) benchmark::DoNotOptimize(layout.join(layout.split(object).value()));
+template <typename Object>
+void split_and_join(benchmark::State& state) {
+  const idf::Data data = Object().to_idf();
+  const idf::Layout layout = idf::Layout::of(data);
+  run_batches(state, idf::encoded_size(data),
+              [&] { benchmark::DoNotOptimize(layout.join(layout.split(data).value())); });
 }
 
-BENCHMARK_CAPTURE(encode_object, simple, simple_object());
-BENCHMARK_CAPTURE(decode_object, simple, simple_object());
-BENCHMARK_CAPTURE(encode_object, complex, complex_object());
-BENCHMARK_CAPTURE(decode_object, complex, complex_object());
-BENCHMARK_CAPTURE(copy_bytes, complex, complex_object());
-BENCHMARK_CAPTURE(split_and_join, complex, complex_object());
+#define ENGRAM_OBJECT_BENCHMARKS(Object)                                      \
+  BENCHMARK_TEMPLATE(object_to_idf, Object)->Arg(1)->Arg(20)->Arg(50)->Arg(100);   \
+  BENCHMARK_TEMPLATE(idf_to_bytes, Object)->Arg(1)->Arg(20)->Arg(50)->Arg(100);    \
+  BENCHMARK_TEMPLATE(bytes_to_idf, Object)->Arg(1)->Arg(20)->Arg(50)->Arg(100);    \
+  BENCHMARK_TEMPLATE(idf_to_object, Object)->Arg(1)->Arg(20)->Arg(50)->Arg(100);   \
+  BENCHMARK_TEMPLATE(memcpy_of_bytes, Object)->Arg(1)->Arg(100);                   \
+  BENCHMARK_TEMPLATE(split_and_join, Object)->Arg(1)
+
+ENGRAM_OBJECT_BENCHMARKS(Simple);
+ENGRAM_OBJECT_BENCHMARKS(Moderate);
+ENGRAM_OBJECT_BENCHMARKS(Complex);
 
 }  // namespace
-}  // namespace engram::idf
+}  // namespace engram::benchmark_objects
