@@ -7,8 +7,10 @@ RECORDINGS ?= ../shared/data
 # Time that the demo trains, and the length of a rendered scene.
 DEMO_BUDGET ?= 150s
 DEMO_SECONDS ?= 60
+# How long each fuzzer searches.
+SECONDS ?= 600
 
-.PHONY: help packages build test demo bench check-headers clean
+.PHONY: help packages build test demo bench fuzz check-headers clean
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -16,6 +18,7 @@ help:
 	@echo "make test    build with debug information and run all tests"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
+	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
 packages:
@@ -38,6 +41,17 @@ bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON
 	cmake --build --preset release --target engram_benchmark
 	build/release/bin/engram_benchmark
+
+# What is found new stays in build/fuzz/found; an input that breaks a parser is named and kept.
+fuzz: packages
+	@command -v clang++-14 >/dev/null || \
+	  { echo "engram: needs clang: apt-get install clang-14 libclang-rt-14-dev" >&2; exit 1; }
+	cmake --preset fuzz
+	cmake --build --preset fuzz
+	@set -e; for corpus in tests/fuzz/corpus/*; do \
+	  name=$$(basename $$corpus); mkdir -p build/fuzz/found/$$name; \
+	  build/fuzz/bin/$${name}_fuzz -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=2048 \
+	    -artifact_prefix=build/fuzz/found/$$name- build/fuzz/found/$$name $$corpus; done
 
 # Every public header compiles alone.
 check-headers: build/dev/build.ninja packages

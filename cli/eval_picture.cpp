@@ -76,18 +76,18 @@ Status add_column(Sheet& sheet, ltm::Recall& recall, ltm::Predictor& predictor,
   const auto query = ltm::Query::of_entity(entity, ltm::select::At{entries[index].time});
   ENGRAM_ASSIGN_OR_RETURN(const auto answer,
                           recall.query(query, {.prefer = ltm::Recall::Prefer::kLatent}));
-  const ltm::RecalledSnapshot& latent = answer.entities.front().snapshots.front();
+  const ltm::SnapshotResult& latent = answer.entities().front()->snapshots.front();
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data predicted,
                           predicted_value(predictor, recall.store(), entity, entries, index));
   const idf::NdArray* truth = image_of(recorded.instances.front().data);
-  const idf::NdArray* decoded = image_of(latent.snapshot.instances.front().data);
+  const idf::NdArray* decoded = image_of(latent.instances.front().data);
   const idf::NdArray* future = image_of(predicted);
   if (truth == nullptr || decoded == nullptr || future == nullptr) return {};
   sheet.recorded.images.push_back(*truth);
   sheet.reconstructed.images.push_back(*decoded);
   sheet.predicted.images.push_back(*future);
   sheet.error.images.push_back(difference(*truth, *decoded));
-  sheet.labels.push_back("PSNR " + db_text(training::psnr_db(latent.errors.front().image_mse)));
+  sheet.labels.push_back("PSNR " + db_text(training::psnr_db(latent.instances.front().error->image_mse)));
   return {};
 }
 

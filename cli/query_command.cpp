@@ -24,6 +24,8 @@ expression; missing ones match all. Without a selector: latest.
   TIME..TIME             from and to, both included
   last:10s               the last ten seconds
   -3..-1                 by index, negative from the end
+Several selectors are united by ',', whole queries by ';'; '#0' behind a selector asks for one
+instance only, '?ids' in front for IDs without data.
 TIME is '2022-02-18 13:06:56.492182', RFC 3339, or integer nanoseconds since 1970.
 
 Examples:
@@ -47,10 +49,15 @@ std::string error_text(const ltm::MeasuredError& error) {
   return text.empty() ? "-" : text;
 }
 
+std::string first_error_text(const ltm::SnapshotResult& snapshot) {
+  const bool has_error = !snapshot.instances.empty() && snapshot.instances.front().error;
+  return has_error ? error_text(*snapshot.instances.front().error) : "-";
+}
+
 /// "image uint8 [128, 128, 3]", "52 numbers": what a value is made of.
-std::string content_text(const ltm::Snapshot& snapshot) {
+std::string content_text(const ltm::SnapshotResult& snapshot) {
   std::string text;
-  for (const ltm::Instance& instance : snapshot.instances) {
+  for (const ltm::InstanceResult& instance : snapshot.instances) {
     const idf::Layout layout = idf::Layout::of(instance.data);
     size_t numbers = 0;
     std::string images;
@@ -68,7 +75,7 @@ std::string content_text(const ltm::Snapshot& snapshot) {
   return text;
 }
 
-std::string source_text(const ltm::RecalledSnapshot& recalled) {
+std::string source_text(const ltm::SnapshotResult& recalled) {
   std::string text(ltm::to_string(recalled.source));
   if (!recalled.predictor.empty())
     text += fmt::format(" {} ahead ({})", to_string(recalled.horizon), recalled.predictor);
@@ -77,31 +84,41 @@ std::string source_text(const ltm::RecalledSnapshot& recalled) {
 
 Result<Json> result_json(const ltm::QueryResult& result) {
   Json entities = Json::array();
-  for (const ltm::RecalledEntity& entity : result.entities) {
+  for (const ltm::EntityResult* entity : result.entities()) {
     Json snapshots = Json::array();
-    for (const ltm::RecalledSnapshot& recalled : entity.snapshots) {
-      ENGRAM_ASSIGN_OR_RETURN(Json snapshot, snapshot_json(recalled));
+    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
+      ENGRAM_ASSIGN_OR_RETURN(Json snapshot, snapshot_json(entity->id, recalled));
       snapshots.push_back(std::move(snapshot));
     }
-    entities.push_back({{"id", entity.id.to_string()}, {"snapshots", std::move(snapshots)}});
+    entities.push_back({{"id", entity->id.to_string()}, {"snapshots", std::move(snapshots)}});
   }
   return Json{{"entities", std::move(entities)}};
 }
 
+void print_ids(const ltm::QueryResult& result, bool is_json) {
+  Json ids = Json::array();
+  for (const ltm::MemoryId& id : result.ids()) {
+    if (is_json)
+      ids.push_back(id.to_string());
+    else
+      print(id.to_string());
+  }
+  if (is_json) print_json({{"ids", std::move(ids)}});
+}
+
 void print_result(const ltm::QueryResult& result) {
-  for (const ltm::RecalledEntity& entity : result.entities) {
-    print(entity.id.to_string());
-    if (entity.snapshots.empty()) {
+  for (const ltm::EntityResult* entity : result.entities()) {
+    print(entity->id.to_string());
+    if (entity->snapshots.empty()) {
       print("  no snapshot matches");
       continue;
     }
     TextTable table({"time", "source", "model", "error", "content"});
-    for (const ltm::RecalledSnapshot& recalled : entity.snapshots) {
+    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
       const size_t space = recalled.model.rfind(' ');
-      table.add({to_string(recalled.snapshot.time), source_text(recalled),
+      table.add({to_string(recalled.time), source_text(recalled),
                  space == std::string::npos ? "-" : recalled.model.substr(space + 1),
-                 recalled.errors.empty() ? "-" : error_text(recalled.errors.front()),
-                 content_text(recalled.snapshot)});
+                 first_error_text(recalled), content_text(recalled)});
     }
     print(table.to_string("  "));
   }
@@ -109,9 +126,9 @@ void print_result(const ltm::QueryResult& result) {
 
 Status save_result(const ltm::QueryResult& result, const std::string& directory, bool is_json) {
   size_t count = 0;
-  for (const ltm::RecalledEntity& entity : result.entities) {
-    for (const ltm::RecalledSnapshot& recalled : entity.snapshots) {
-      ENGRAM_ASSIGN_OR_RETURN(const auto files, save_snapshot(recalled, directory));
+  for (const ltm::EntityResult* entity : result.entities()) {
+    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto files, save_snapshot(entity->id, recalled, directory));
       count += files.size();
     }
   }
@@ -122,6 +139,9 @@ Status save_result(const ltm::QueryResult& result, const std::string& directory,
 ExitCode run(const QueryArguments& arguments) {
   const auto query = ltm::Query::parse(arguments.query);
   if (!query.ok()) return wrong_usage(query.status());
+  if (query->is_ids_only() && !arguments.save.empty())
+    return wrong_usage(invalid_argument("query '{}' asks for IDs alone: --save needs data",
+                                        arguments.query));
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
   ltm::Recall recall(std::move(*reader), encoders::load_model);
@@ -130,7 +150,9 @@ ExitCode run(const QueryArguments& arguments) {
                                                 : ltm::Recall::Prefer::kRecorded;
   const auto result = recall.query(*query, options);
   if (!result.ok()) return fail(result.status());
-  if (arguments.is_json) {
+  if (query->is_ids_only()) {
+    print_ids(*result, arguments.is_json);
+  } else if (arguments.is_json) {
     const auto json = result_json(*result);
     if (!json.ok()) return fail(json.status());
     print_json(*json);

@@ -57,10 +57,10 @@ Status write_image(const std::filesystem::path& path, const idf::Data& image) {
 
 }  // namespace
 
-Result<Json> snapshot_json(const ltm::RecalledSnapshot& recalled,
+Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResult& recalled,
                            const std::vector<std::vector<std::string>>* image_files) {
-  Json json{{"id", recalled.snapshot.id().to_string()},
-            {"time_ns", to_ns(recalled.snapshot.time)},
+  Json json{{"id", entity.at(recalled.time).to_string()},
+            {"time_ns", to_ns(recalled.time)},
             {"source", ltm::to_string(recalled.source)}};
   if (!recalled.model.empty()) json["model"] = recalled.model;
   if (!recalled.predictor.empty()) {
@@ -68,17 +68,17 @@ Result<Json> snapshot_json(const ltm::RecalledSnapshot& recalled,
     json["horizon_s"] = to_seconds(recalled.horizon);
   }
   json["instances"] = Json::array();
-  for (size_t i = 0; i < recalled.snapshot.instances.size(); ++i) {
-    const ltm::Instance& instance = recalled.snapshot.instances[i];
+  for (size_t i = 0; i < recalled.instances.size(); ++i) {
+    const ltm::InstanceResult& instance = recalled.instances[i];
     ENGRAM_ASSIGN_OR_RETURN(Json data, idf::to_json(instance.data));
     if (image_files != nullptr)
       data = with_files(std::move(data), image_paths(instance.data), (*image_files)[i]);
     Json entry{{"created_ns", to_ns(instance.metadata.created)},
                {"provider", instance.metadata.provider},
                {"confidence", instance.metadata.confidence}};
-    if (i < recalled.errors.size()) {
+    if (instance.error) {
       const char* name = recalled.source == ltm::Source::kPredicted ? "expected_error" : "error";
-      entry[name] = error_json(recalled.errors[i]);
+      entry[name] = error_json(*instance.error);
     }
     entry["data"] = std::move(data);
     json["instances"].push_back(std::move(entry));
@@ -86,28 +86,28 @@ Result<Json> snapshot_json(const ltm::RecalledSnapshot& recalled,
   return json;
 }
 
-Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::RecalledSnapshot& recalled,
+Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& entity,
+                                                         const ltm::SnapshotResult& recalled,
                                                          const std::filesystem::path& directory) {
-  const std::filesystem::path folder =
-      directory.string() + ltm::segment_group(recalled.snapshot.entity);
+  const std::filesystem::path folder = directory.string() + ltm::segment_group(entity);
   ENGRAM_RETURN_IF_ERROR(make_directories(folder));
-  const std::string base = file_name(recalled.snapshot.time);
+  const std::string base = file_name(recalled.time);
   std::vector<std::filesystem::path> written;
   std::vector<std::vector<std::string>> image_files;
-  for (size_t i = 0; i < recalled.snapshot.instances.size(); ++i) {
-    const idf::Data& data = recalled.snapshot.instances[i].data;
+  for (size_t i = 0; i < recalled.instances.size(); ++i) {
+    const idf::Data& data = recalled.instances[i].data;
     auto& files = image_files.emplace_back();
     for (const std::string& path : image_paths(data)) {
       std::string member = path;
       std::ranges::replace(member, '/', '.');
-      files.push_back(recalled.snapshot.instances.size() == 1
+      files.push_back(recalled.instances.size() == 1
                           ? fmt::format("{}.{}.png", base, member)
                           : fmt::format("{}.{}.{}.png", base, i, member));
       ENGRAM_RETURN_IF_ERROR(write_image(folder / files.back(), *data.at(path)));
       written.push_back(folder / files.back());
     }
   }
-  ENGRAM_ASSIGN_OR_RETURN(const Json json, snapshot_json(recalled, &image_files));
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, snapshot_json(entity, recalled, &image_files));
   written.push_back(folder / (base + ".json"));
   ENGRAM_RETURN_IF_ERROR(replace_file(written.back(), as_bytes(json.dump(2) + "\n")));
   return written;

@@ -10,14 +10,16 @@
 
 namespace engram::cli {
 
-/// A recalled snapshot as JSON: where it comes from, its errors, and per instance the data in
-/// IDF's JSON form. With `image_files`, images are {"$file": name} in the order of their members.
-Result<Json> snapshot_json(const ltm::RecalledSnapshot& recalled,
+/// A snapshot of an entity's answer as JSON: where it comes from, its errors, and per instance the
+/// data in IDF's JSON form. With `image_files`, images are {"$file": name} in the order of their
+/// members.
+Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResult& recalled,
                            const std::vector<std::vector<std::string>>* image_files = nullptr);
 
 /// Writes a snapshot below `directory`: <entity>/<time>.json, and each image beside it as PNG.
 /// Returns the files. Errors: kUnavailable, kResourceExhausted.
-Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::RecalledSnapshot& recalled,
+Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& entity,
+                                                         const ltm::SnapshotResult& recalled,
                                                          const std::filesystem::path& directory);
 
 }  // namespace engram::cli

@@ -6,8 +6,8 @@ target_compile_features(engram_options INTERFACE cxx_std_20)
 # GCC 12 takes moved-from variants for uninitialised ones, and joined strings for overlapping ones.
 target_compile_options(engram_options INTERFACE
   $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-                    -Wcast-align -Wunused -Wnull-dereference -Wno-missing-field-initializers -Wno-maybe-uninitialized
-                    -Wno-restrict>)
+                    -Wcast-align -Wunused -Wnull-dereference -Wno-missing-field-initializers>
+  "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-restrict>>")
 install(TARGETS engram_options EXPORT engram)
 
 # engram_add_library(store SOURCES a.cpp HEADERS a.h PUBLIC engram::codec PRIVATE hdf5)

@@ -27,14 +27,16 @@ bool is_within(const ltm::MeasuredError& error, const DropOptions& options) {
 }
 
 /// Whether every instance of the recalled snapshot is close enough to the recorded one.
-Result<bool> may_go(const ltm::Snapshot& recorded, const ltm::RecalledSnapshot& recalled,
+Result<bool> may_go(const ltm::Snapshot& recorded, const ltm::SnapshotResult& recalled,
                     const DropOptions& options) {
-  if (recorded.instances.size() != recalled.snapshot.instances.size()) return false;
+  if (recorded.instances.size() != recalled.instances.size()) return false;
   for (size_t i = 0; i < recorded.instances.size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(
         const ltm::MeasuredError found,
-        compare(recorded.instances[i].data, recalled.snapshot.instances[i].data));
-    if (!is_within(found, options) || !is_as_published(found.image_mse, recalled.errors[i].image_mse))
+        compare(recorded.instances[i].data, recalled.instances[i].data));
+    const auto& published = recalled.instances[i].error;
+    if (!published || !is_within(found, options) ||
+        !is_as_published(found.image_mse, published->image_mse))
       return false;
   }
   return true;
@@ -59,7 +61,7 @@ Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::
     ENGRAM_ASSIGN_OR_RETURN(const auto result,
                             recall.query(query, {.prefer = ltm::Recall::Prefer::kLatent}));
     ENGRAM_ASSIGN_OR_RETURN(
-        const bool may, may_go(recorded, result.entities.front().snapshots.front(), options));
+        const bool may, may_go(recorded, result.entities().front()->snapshots.front(), options));
     if (!may) keep.insert(entry.time);
     if (progress) progress({"verify " + entity.to_string(), i + 1, entries->size(), "", -1});
   }

@@ -28,8 +28,14 @@ using List = std::vector<Data>;
 /// Map with unique keys that keeps the order of insertion. Look-up is linear: keys are members.
 class Dict {
  public:
-  Dict() = default;
+  // Defined where an entry is complete: a value holds dicts, and a dict holds values.
+  Dict();
   Dict(std::initializer_list<DictEntry> entries);
+  Dict(const Dict& other);
+  Dict(Dict&& other) noexcept;
+  Dict& operator=(const Dict& other);
+  Dict& operator=(Dict&& other) noexcept;
+  ~Dict();
 
   /// Replaces the value of an existing key, else appends.
   void set(std::string_view key, Data value);
@@ -41,12 +47,12 @@ class Dict {
   [[nodiscard]] const Data* find(std::string_view key) const;
   [[nodiscard]] Data* find(std::string_view key);
 
-  [[nodiscard]] size_t size() const { return entries_.size(); }
-  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  [[nodiscard]] size_t size() const;
+  [[nodiscard]] bool empty() const;
   void reserve(size_t count);
 
-  [[nodiscard]] std::vector<DictEntry>::const_iterator begin() const { return entries_.begin(); }
-  [[nodiscard]] std::vector<DictEntry>::const_iterator end() const { return entries_.end(); }
+  [[nodiscard]] std::vector<DictEntry>::const_iterator begin() const;
+  [[nodiscard]] std::vector<DictEntry>::const_iterator end() const;
 
   /// Order matters: two dicts are equal if they print alike.
   friend bool operator==(const Dict& a, const Dict& b);
@@ -126,6 +132,18 @@ struct DictEntry {
 
   friend bool operator==(const DictEntry& a, const DictEntry& b);
 };
+
+inline Dict::Dict() = default;
+inline Dict::Dict(const Dict& other) = default;
+inline Dict::Dict(Dict&& other) noexcept = default;
+inline Dict& Dict::operator=(const Dict& other) = default;
+inline Dict& Dict::operator=(Dict&& other) noexcept = default;
+inline Dict::~Dict() = default;
+
+inline size_t Dict::size() const { return entries_.size(); }
+inline bool Dict::empty() const { return entries_.empty(); }
+inline std::vector<DictEntry>::const_iterator Dict::begin() const { return entries_.begin(); }
+inline std::vector<DictEntry>::const_iterator Dict::end() const { return entries_.end(); }
 
 /// Splits "a\/b/c" into {"a/b", "c"}; `\\` is a backslash, `\e` an empty name.
 [[nodiscard]] std::vector<std::string> split_path(std::string_view path);

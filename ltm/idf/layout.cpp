@@ -3,11 +3,14 @@
 
 #include <cstring>
 
+#include "ltm/idf/layout_skeleton.h"
+
 namespace engram::idf {
 
 namespace {
 
 constexpr int64_t kSmallestImage = 8;
+constexpr MemberKind kLastKind = MemberKind::kPointCloud;
 
 bool is_image(const NdArray& array) {
   const Shape& shape = array.shape();
@@ -50,7 +53,7 @@ std::optional<TensorMember> member_of_place(const List& place) {
   const auto* kind = place[0].get_if<int32_t>();
   const auto* code = place[1].get_if<int32_t>();
   if (kind == nullptr || code == nullptr || *kind < 0 ||
-      *kind > static_cast<int32_t>(MemberKind::kImage) || *code < 0 || *code > UINT8_MAX)
+      *kind > static_cast<int32_t>(kLastKind) || *code < 0 || *code > UINT8_MAX)
     return std::nullopt;
   const auto type = element_type_from_code(static_cast<uint8_t>(*code));
   if (!type) return std::nullopt;
@@ -76,9 +79,33 @@ Data skeleton_of(const Data& value) {
   return skeleton;
 }
 
+/// The places in a list that is walked into; null where `skeleton` is none.
+const List* walked_list(const Data& skeleton) {
+  const List* list = skeleton.get_if<List>();
+  return list != nullptr && !list->empty() && list->front() == Data(kWalkedList) ? list : nullptr;
+}
+
+bool is_remainder(const Data& skeleton) {
+  return skeleton.is<None>() || skeleton == Data(kAnyRemainder);
+}
+
+/// True where a value of `found` is what `expected` says; kinds that only a type tells are arrays.
+bool is_same_member(const TensorMember& found, const TensorMember& expected) {
+  const auto is_scalar = [](MemberKind kind) {
+    return kind == MemberKind::kBool || kind == MemberKind::kNumber;
+  };
+  if (is_scalar(found.kind) || is_scalar(expected.kind))
+    return found.kind == expected.kind && found.type == expected.type;
+  return found.type == expected.type && found.shape == expected.shape;
+}
+
 Status collect_members(const Data& skeleton, const std::string& path,
                        std::vector<TensorMember>& members) {
-  if (const List* place = skeleton.get_if<List>()) {
+  if (const List* places = walked_list(skeleton)) {
+    for (size_t i = 1; i < places->size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(
+          collect_members((*places)[i], join_path(path, std::to_string(i - 1)), members));
+  } else if (const List* place = skeleton.get_if<List>()) {
     auto member = member_of_place(*place);
     if (!member) return data_loss("layout: broken tensor member at '{}'", path);
     member->path = path;
@@ -86,7 +113,7 @@ Status collect_members(const Data& skeleton, const std::string& path,
   } else if (const Dict* dict = skeleton.get_if<Dict>()) {
     for (const auto& [key, child] : *dict)
       ENGRAM_RETURN_IF_ERROR(collect_members(child, join_path(path, key), members));
-  } else if (!skeleton.is<None>()) {
+  } else if (!is_remainder(skeleton)) {
     return data_loss("layout: found {} at '{}', needs none, list or dict", skeleton.kind_name(),
                      path);
   }
@@ -120,6 +147,10 @@ Result<Data> value_of(const TensorMember& member, const NdArray& tensor) {
       return Data(tensor.values<uint8_t>()[0] != 0);
     case MemberKind::kArray:
     case MemberKind::kImage:
+    case MemberKind::kDepth:
+    case MemberKind::kPosition:
+    case MemberKind::kOrientation:
+    case MemberKind::kPointCloud:
       return Data(tensor);
     case MemberKind::kNumber:
       break;
@@ -154,6 +185,11 @@ class Splitter {
       }
       return {};
     }
+    if (const List* places = walked_list(skeleton)) return split_list(*places, value, path);
+    if (skeleton == Data(kAnyRemainder)) {
+      parts.remainder.push_back(value);
+      return {};
+    }
     auto member = member_of(value);
     if (skeleton.is<None>()) {
       if (member || value.is<Dict>()) return differs(path, value);
@@ -161,9 +197,7 @@ class Splitter {
       return {};
     }
     const TensorMember& expected = members_[parts.tensors.size()];
-    if (!member || member->kind != expected.kind || member->type != expected.type ||
-        member->shape != expected.shape)
-      return differs(path, value);
+    if (!member || !is_same_member(*member, expected)) return differs(path, value);
     parts.tensors.push_back(tensor_of(value));
     return {};
   }
@@ -171,6 +205,14 @@ class Splitter {
   SplitValue parts;
 
  private:
+  Status split_list(const List& places, const Data& value, const std::string& path) {
+    const List* list = value.get_if<List>();
+    if (list == nullptr || list->size() != places.size() - 1) return differs(path, value);
+    for (size_t i = 0; i < list->size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(split(places[i + 1], (*list)[i], join_path(path, std::to_string(i))));
+    return {};
+  }
+
   static Status differs(const std::string& path, const Data& found) {
     return invalid_argument("value at '{}': found {}, which the layout does not have there", path,
                             found.kind_name());
@@ -194,7 +236,16 @@ class Joiner {
       }
       return Data(std::move(dict));
     }
-    if (skeleton.is<None>()) return parts_.remainder[rest_++];
+    if (const List* places = walked_list(skeleton)) {
+      List list;
+      list.reserve(places->size() - 1);
+      for (size_t i = 1; i < places->size(); ++i) {
+        ENGRAM_ASSIGN_OR_RETURN(Data value, join((*places)[i]));
+        list.push_back(std::move(value));
+      }
+      return Data(std::move(list));
+    }
+    if (is_remainder(skeleton)) return parts_.remainder[rest_++];
     const TensorMember& member = members_[tensor_];
     return value_of(member, parts_.tensors[tensor_++]);
   }
@@ -209,8 +260,10 @@ class Joiner {
 };
 
 size_t count_remainder(const Data& skeleton) {
-  if (skeleton.is<None>()) return 1;
+  if (is_remainder(skeleton)) return 1;
   size_t count = 0;
+  if (const List* places = walked_list(skeleton))
+    for (size_t i = 1; i < places->size(); ++i) count += count_remainder((*places)[i]);
   if (const Dict* dict = skeleton.get_if<Dict>())
     for (const auto& [key, place] : *dict) count += count_remainder(place);
   return count;
@@ -228,6 +281,14 @@ std::string_view to_string(MemberKind kind) {
       return "array";
     case MemberKind::kImage:
       return "image";
+    case MemberKind::kDepth:
+      return "depth";
+    case MemberKind::kPosition:
+      return "position";
+    case MemberKind::kOrientation:
+      return "orientation";
+    case MemberKind::kPointCloud:
+      return "point cloud";
   }
   return "unknown";
 }

@@ -14,6 +14,11 @@ enum class MemberKind : uint8_t {
   kNumber,  ///< An int32, int64, float32 or float64 scalar; shape [].
   kArray,   ///< An ndarray of fixed shape.
   kImage,   ///< An ndarray uint8 [H, W, 3] or [H, W, 1] with H, W >= 8, or uint16 [H, W, 1].
+  // What only a type tells; without one these are arrays.
+  kDepth,        ///< A depth image float32 [H, W, 1]. Unit: m.
+  kPosition,     ///< The position of a pose: float32 or float64 [3]. Unit: m.
+  kOrientation,  ///< A unit quaternion w, x, y, z: float32 or float64 [4].
+  kPointCloud,   ///< Points float32 [N, fields]; see PointType in ltm/idf/type.h.
 };
 
 [[nodiscard]] std::string_view to_string(MemberKind kind);
@@ -34,10 +39,19 @@ struct SplitValue {
   List remainder;
 };
 
+class Type;
+
+/// What a typed layout does with arrays whose type leaves a size free.
+enum class FreeSizes {
+  kRemainder,  ///< They may differ from value to value: remainder.
+  kOfValue,    ///< They have the sizes of the value at hand in all others too, as a camera's do.
+};
+
 /// How a value splits into tensor members and a remainder, and joins again.
 ///
 /// Tensor members are scalars and ndarrays that are reached through dicts. Strings, absent
-/// values and lists are the remainder, each whole: the length of a list may vary.
+/// values and lists are the remainder, each whole: the length of a list may vary. A type refines
+/// this (see `of`).
 /// Filters, columns, encoders and predictors all use this one split.
 /// Threading: immutable.
 /// Source: docs/design.md, section 5.
@@ -48,6 +62,15 @@ class Layout {
 
   /// The layout that `value` has. Complexity: O(number of nodes); arrays are not read.
   static Layout of(const Data& value);
+
+  /// The layout that values of `type` have, in the order of members of `value`.
+  ///
+  /// With its type more is known: tuples, pairs and lists of fixed size are walked into, and
+  /// images, rotations and clouds have their kind. What may differ from value to value is
+  /// remainder, each whole: optional members, dicts, lists and (see `free_sizes`) arrays of free
+  /// size. Where `value` is not of its type, the layout is that of the value itself.
+  static Layout of(const Data& value, const Type& type,
+                   FreeSizes free_sizes = FreeSizes::kRemainder);
 
   /// Reads what to_data wrote.
   /// Errors: kDataLoss.
@@ -72,7 +95,8 @@ class Layout {
 
  private:
   // The shape of the value: dicts as they are, a tensor member as the list [kind, element type,
-  // size...], a place of the remainder as none.
+  // size...], a list that is walked into as ["list", place...], a place of the remainder as none,
+  // or as "any" where a type put there what is a tensor or a dict by itself.
   explicit Layout(Data skeleton) : skeleton_(std::move(skeleton)) {}
 
   Data skeleton_;

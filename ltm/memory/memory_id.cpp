@@ -2,38 +2,27 @@
 #include "ltm/memory/memory_id.h"
 
 #include <charconv>
+#include <functional>
 
-#include "ltm/idf/data.h"
+#include "ltm/memory/utf8.h"
 
 namespace engram::ltm {
 
 namespace {
 
-/// Bytes of the UTF-8 character that `text` starts with; zero where there is none.
-size_t utf8_length(std::string_view text) {
-  const auto lead = static_cast<uint8_t>(text.front());
-  if (lead < 0x80) return 1;
-  const size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  if (lead < 0xc2 || lead > 0xf4 || text.size() < length) return 0;
-  uint32_t character = lead & (0x7fu >> length);
-  for (size_t i = 1; i < length; ++i) {
-    const auto next = static_cast<uint8_t>(text[i]);
-    if ((next & 0xc0) != 0x80) return 0;
-    character = character << 6 | (next & 0x3f);
-  }
-  const bool is_overlong =
-      (length == 3 && character < 0x800) || (length == 4 && character < 0x10000);
-  const bool is_surrogate = character >= 0xd800 && character < 0xe000;
-  return is_overlong || is_surrogate || character > 0x10ffff ? 0 : length;
+Status check_name(std::string_view name, size_t number, size_t count) {
+  if (name.empty()) return invalid_argument("memory ID: name {} of {} is empty", number, count);
+  if (!is_utf8(name))
+    return invalid_argument("memory ID: name {} of {} is no UTF-8", number, count);
+  return {};
 }
 
-bool is_utf8(std::string_view text) {
-  while (!text.empty()) {
-    const size_t length = utf8_length(text);
-    if (length == 0) return false;
-    text.remove_prefix(length);
-  }
-  return true;
+/// Spreads every bit of `value` over the whole of `hash`, so that order and place count.
+size_t mixed(size_t hash, uint64_t value) {
+  uint64_t bits = (hash + 0x9e3779b97f4a7c15u) ^ value;
+  bits = (bits ^ (bits >> 32)) * 0xd6e8feb86659fd93u;
+  bits = (bits ^ (bits >> 29)) * 0xbf58476d1ce4e5b9u;
+  return static_cast<size_t>(bits ^ (bits >> 32));
 }
 
 }  // namespace
@@ -71,14 +60,35 @@ Result<MemoryId> MemoryId::from_names(std::vector<std::string> names) {
   if (names.size() > kNameLevels)
     return invalid_argument("memory ID: has {} names, at most {} are known", names.size(),
                             kNameLevels);
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (names[i].empty())
-      return invalid_argument("memory ID: name {} of {} is empty", i + 1, names.size());
-    if (!is_utf8(names[i]))
-      return invalid_argument("memory ID: name {} of {} is no UTF-8", i + 1, names.size());
-  }
+  for (size_t i = 0; i < names.size(); ++i)
+    ENGRAM_RETURN_IF_ERROR(check_name(names[i], i + 1, names.size()));
   MemoryId id;
   id.names_ = std::move(names);
+  return id;
+}
+
+Result<MemoryId> MemoryId::from_data(const idf::Data& data) {
+  if (const auto* text = data.get_if<std::string>()) return parse(*text);
+  return invalid_argument("memory ID: found {}, needs a string", data.kind_name());
+}
+
+MemoryId MemoryId::parent() const {
+  ENGRAM_CHECK(depth() > 0, "the empty ID has no parent");
+  MemoryId id = *this;
+  if (index_)
+    id.index_.reset();
+  else if (time_)
+    id.time_.reset();
+  else
+    id.names_.pop_back();
+  return id;
+}
+
+Result<MemoryId> MemoryId::child(std::string_view name) const {
+  ENGRAM_CHECK(!has_entity(), "'{}' has snapshots below it, no names", to_string());
+  ENGRAM_RETURN_IF_ERROR(check_name(name, names_.size() + 1, names_.size() + 1));
+  MemoryId id = *this;
+  id.names_.emplace_back(name);
   return id;
 }
 
@@ -90,6 +100,7 @@ MemoryId MemoryId::at(Time time) const {
 
 MemoryId MemoryId::instance(int32_t index) const {
   ENGRAM_CHECK(time_.has_value(), "'{}' is no snapshot", to_string());
+  ENGRAM_CHECK(index >= 0, "'{}': {} is no instance index", to_string(), index);
   MemoryId id = *this;
   id.index_ = index;
   return id;
@@ -102,7 +113,7 @@ MemoryId MemoryId::entity() const {
   return id;
 }
 
-bool MemoryId::contains(const MemoryId& other) const {
+bool MemoryId::is_prefix_of(const MemoryId& other) const {
   if (names_.size() > other.names_.size()) return false;
   for (size_t i = 0; i < names_.size(); ++i)
     if (names_[i] != other.names_[i]) return false;
@@ -116,6 +127,14 @@ std::string MemoryId::to_string() const {
   if (time_) text += "/" + engram::to_string(*time_);
   if (index_) text += fmt::format("/{}", *index_);
   return text;
+}
+
+size_t MemoryId::hash() const {
+  size_t hash = depth();
+  for (const std::string& name : names_) hash = mixed(hash, std::hash<std::string>()(name));
+  if (time_) hash = mixed(hash, static_cast<uint64_t>(to_ns(*time_)));
+  if (index_) hash = mixed(hash, static_cast<uint64_t>(*index_));
+  return hash;
 }
 
 }  // namespace engram::ltm

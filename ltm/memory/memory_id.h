@@ -8,12 +8,16 @@
 #include <vector>
 
 #include "ltm/core/time.h"
+#include "ltm/idf/data.h"
 
 namespace engram::ltm {
 
 /// Address of anything in a memory: a prefix of memory / core segment / provider segment / entity
 /// / timestamp / instance index. It addresses, links and prints every level.
 ///
+/// A name is any text of valid UTF-8 that is not empty; control characters are allowed and print
+/// as they are. IDs order by names (bytewise), time, index: an ID comes right before all that lies
+/// below it.
 /// Threading: immutable but for assignment.
 /// Source: docs/design.md, section 2.
 class MemoryId {
@@ -32,10 +36,25 @@ class MemoryId {
   /// Errors: kInvalidArgument.
   static Result<MemoryId> from_names(std::vector<std::string> names);
 
+  /// Reads what to_data wrote; safe on hostile values.
+  /// Errors: kInvalidArgument naming what was found and what was needed.
+  static Result<MemoryId> from_data(const idf::Data& data);
+
+  /// The printed form as a value: what a link is inside of data.
+  [[nodiscard]] idf::Data to_data() const { return to_string(); }
+
+  /// The ID one level above. Needs an ID that is not empty (checked).
+  [[nodiscard]] MemoryId parent() const;
+
+  /// The segment or entity `name` right below this. Needs fewer than four names (checked).
+  /// Errors: kInvalidArgument where `name` is empty or no UTF-8.
+  Result<MemoryId> child(std::string_view name) const;
+
   /// This entity at `time`. Needs an ID of an entity or deeper (checked).
   [[nodiscard]] MemoryId at(Time time) const;
 
-  /// Instance `index` of this snapshot. Needs an ID of a snapshot or deeper (checked).
+  /// Instance `index` of this snapshot. Needs an ID of a snapshot or deeper, and an index that is
+  /// not negative (checked).
   [[nodiscard]] MemoryId instance(int32_t index) const;
 
   /// The ID of the entity that this belongs to. Needs an entity or deeper (checked).
@@ -45,13 +64,19 @@ class MemoryId {
   [[nodiscard]] std::optional<Time> time() const { return time_; }
   [[nodiscard]] std::optional<int32_t> index() const { return index_; }
 
+  /// Number of levels that are given: 0 (empty) to 6 (an instance).
+  [[nodiscard]] size_t depth() const { return names_.size() + (time_ ? 1 : 0) + (index_ ? 1 : 0); }
+
   [[nodiscard]] bool has_entity() const { return names_.size() == kNameLevels; }
   [[nodiscard]] bool is_entity() const { return has_entity() && !time_; }
 
   /// True where `other` is this or lies below it.
-  [[nodiscard]] bool contains(const MemoryId& other) const;
+  [[nodiscard]] bool is_prefix_of(const MemoryId& other) const;
 
   [[nodiscard]] std::string to_string() const;
+
+  /// The same in every copy of an ID within one process; allocates nothing.
+  [[nodiscard]] size_t hash() const;
 
   friend auto operator<=>(const MemoryId&, const MemoryId&) = default;
 
@@ -65,7 +90,5 @@ class MemoryId {
 
 template <>
 struct std::hash<engram::ltm::MemoryId> {
-  size_t operator()(const engram::ltm::MemoryId& id) const {
-    return std::hash<std::string>()(id.to_string());
-  }
+  size_t operator()(const engram::ltm::MemoryId& id) const { return id.hash(); }
 };

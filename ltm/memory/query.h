@@ -2,127 +2,109 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <vector>
 
-#include "ltm/core/time.h"
+#include "ltm/idf/data.h"
 #include "ltm/memory/memory_id.h"
+#include "ltm/memory/name_pattern.h"
+#include "ltm/memory/selector.h"
 
 namespace engram::ltm {
 
-/// Which of an entity's snapshots a query means.
-namespace select {
-struct All {
-  friend bool operator==(All, All) = default;
-};
-/// The last `count`, oldest first.
-struct Latest {
-  int64_t count = 1;
-  friend bool operator==(Latest, Latest) = default;
-};
-/// The snapshot of exactly this time; a prediction where it lies after the last one.
-struct At {
-  Time time{};
-  friend bool operator==(At, At) = default;
-};
-/// A prediction `offset` after the last snapshot.
-struct Ahead {
-  Duration offset{};
-  friend bool operator==(Ahead, Ahead) = default;
-};
-/// The closest in time, if within the tolerance.
-struct Nearest {
-  Time time{};
-  Duration tolerance = Duration::max();
-  friend bool operator==(Nearest, Nearest) = default;
-};
-/// The last one before `time`, or at it where `is_inclusive`.
-struct Before {
-  Time time{};
-  bool is_inclusive = false;
-  friend bool operator==(Before, Before) = default;
-};
-/// The first one after `time`.
-struct After {
-  Time time{};
-  friend bool operator==(After, After) = default;
-};
-/// Both ends included.
-struct TimeRange {
-  Time first{};
-  Time last{};
-  friend bool operator==(TimeRange, TimeRange) = default;
-};
-/// Not older than `duration` before the last one.
-struct LastDuration {
-  Duration duration{};
-  friend bool operator==(LastDuration, LastDuration) = default;
-};
-/// Both ends included; negative counts from the end, -1 is the last.
-struct IndexRange {
-  int64_t first = 0;
-  int64_t last = -1;
-  friend bool operator==(IndexRange, IndexRange) = default;
-};
-}  // namespace select
+/// Which snapshots of an entity, and which of their instances.
+struct SnapshotQuery {
+  Selector selector = select::Latest{};
+  /// Indices of the instances, none of them negative; empty: all.
+  std::vector<int32_t> instances;
 
-using Selector = std::variant<select::All, select::Latest, select::At, select::Ahead,
-                              select::Nearest, select::Before, select::After, select::TimeRange,
-                              select::LastDuration, select::IndexRange>;
+  friend bool operator==(const SnapshotQuery&, const SnapshotQuery&) = default;
+};
 
-/// Matches the names of one level of the hierarchy: one name, or an RE2 regular expression that
-/// must match the whole name.
+/// Which names of one level, and what of what lies below them.
+template <typename Below>
+struct NameQuery {
+  NamePattern name;
+  std::vector<Below> below;
+
+  friend bool operator==(const NameQuery&, const NameQuery&) = default;
+};
+
+using EntityQuery = NameQuery<SnapshotQuery>;
+using ProviderSegmentQuery = NameQuery<EntityQuery>;
+using CoreSegmentQuery = NameQuery<ProviderSegmentQuery>;
+using MemoryQuery = NameQuery<CoreSegmentQuery>;
+
+/// A question to a memory: a tree that mirrors the hierarchy, several selectors on each level,
+/// each with its own sub-queries. The answers of all branches are united.
 ///
-/// Threading: immutable.
-class NamePattern {
- public:
-  /// Every name.
-  NamePattern() : text_(".*") {}
-
-  /// A text without `. * + ? ( ) [ ] { } | ^ $ \` is one name, any other an expression.
-  /// Errors: kInvalidArgument where the expression is broken.
-  static Result<NamePattern> parse(std::string_view text);
-
-  [[nodiscard]] bool matches(std::string_view name) const;
-  [[nodiscard]] const std::string& text() const { return text_; }
-
-  friend bool operator==(const NamePattern&, const NamePattern&) = default;
-
- private:
-  std::string text_;
-};
-
-/// A question to a memory: which entities, and which of their snapshots.
+/// Kept in normal form: on no level do two siblings have the same names or the same selector, and
+/// instances are sorted. Text form, one branch per entity level:
 ///
-/// Text form: `<memory>/<core>/<provider>/<entity> @ <selector>`; missing levels match all, a
-/// missing selector is `latest`. Selectors: `all`, `latest`, `latest:3`, `T`, `+200ms`,
-/// `nearest:T`, `nearest:T~50ms`, `before:T`, `at-or-before:T`, `after:T`, `T1..T2`, `last:10s`,
-/// `-3..-1`. Two bare integers below 10^9 are indices; `time:` and `index:` say it outright.
-/// Source: docs/design.md, section 2.
+///     [?ids] NAMES [@ SELECTOR[#INSTANCE]..., ...] [; NAMES ...]
+///
+/// NAMES are `<memory>/<core>/<provider>/<entity>`, each a NamePattern; missing levels match all,
+/// a missing selector is `latest`; selectors are those of parse_selector. `?ids` asks for IDs
+/// without data. `Vision/.*/head/cam @ last:10s, nearest:T~50ms#0 ; Robot @ -3..-1`
+/// Threading: immutable but for assignment.
+/// Source: docs/query.md.
 class Query {
  public:
-  /// Everything's latest.
-  Query() = default;
-  Query(std::array<NamePattern, MemoryId::kNameLevels> names, Selector selector)
-      : names_(std::move(names)), selector_(selector) {}
+  /// Most selectors of snapshots, over all branches.
+  static constexpr size_t kMaxSelectors = 1024;
+  /// Most different regular expressions; each may need 1 MiB.
+  static constexpr size_t kMaxExpressions = 256;
 
-  /// Errors: kInvalidArgument naming the text, the part that does not fit and what was needed.
+  /// Everything's latest.
+  Query();
+
+  /// One branch. Needs a selector that validates (checked).
+  Query(const std::array<NamePattern, MemoryId::kNameLevels>& names, const Selector& selector);
+
+  /// Brings any tree into normal form.
+  /// Errors: kInvalidArgument where a level is empty, a selector does not validate, an instance is
+  /// negative, or the tree is larger than the limits above.
+  static Result<Query> create(const std::vector<MemoryQuery>& memories, bool is_ids_only = false);
+
+  /// Errors: kInvalidArgument naming the text, the position, the part that does not fit and what
+  /// was needed.
   static Result<Query> parse(std::string_view text);
 
-  /// The query of exactly one entity.
-  static Query of_entity(const MemoryId& entity, Selector selector);
+  /// Reads what to_data wrote; safe on hostile values.
+  /// Errors: kInvalidArgument.
+  static Result<Query> from_data(const idf::Data& data);
 
-  [[nodiscard]] bool matches(const MemoryId& entity) const;
-  [[nodiscard]] const Selector& selector() const { return selector_; }
+  /// The query of exactly one entity. Needs an entity or deeper, and a selector that validates
+  /// (checked).
+  static Query of_entity(const MemoryId& entity, const Selector& selector);
+
+  [[nodiscard]] const std::vector<MemoryQuery>& memories() const { return memories_; }
+
+  /// True where IDs are asked for, without data.
+  [[nodiscard]] bool is_ids_only() const { return is_ids_only_; }
+
+  /// True where the names that `id` has are asked for, whatever lies below them.
+  [[nodiscard]] bool matches(const MemoryId& id) const;
+
+  /// What is asked of this entity, by all branches that match it; empty where none does.
+  /// Needs an entity or deeper (checked).
+  [[nodiscard]] std::vector<SnapshotQuery> snapshots_of(const MemoryId& entity) const;
+
+  /// What parse reads back to the same tree.
   [[nodiscard]] std::string to_string() const;
+
+  /// The text form as a value.
+  [[nodiscard]] idf::Data to_data() const { return to_string(); }
 
   friend bool operator==(const Query&, const Query&) = default;
 
  private:
-  std::array<NamePattern, MemoryId::kNameLevels> names_;
-  Selector selector_ = select::Latest{};
+  friend class QueryBuilder;
+
+  std::vector<MemoryQuery> memories_;
+  bool is_ids_only_ = false;
 };
 
 }  // namespace engram::ltm

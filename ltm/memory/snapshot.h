@@ -18,6 +18,12 @@ struct InstanceMetadata {
   std::string provider;
   float confidence = 1.0f;  ///< 0..1.
 
+  [[nodiscard]] idf::Data to_data() const;
+
+  /// Reads what to_data wrote; safe on hostile values.
+  /// Errors: kInvalidArgument naming the member, what was found and what was needed.
+  static Result<InstanceMetadata> from_data(const idf::Data& data);
+
   friend bool operator==(const InstanceMetadata&, const InstanceMetadata&) = default;
 };
 
@@ -40,12 +46,14 @@ struct Snapshot {
   /// Bytes of the plain values, in IDF's binary form: what "raw bytes" counts everywhere.
   [[nodiscard]] size_t raw_bytes() const;
 
-  friend bool operator==(const Snapshot&, const Snapshot&) = default;
-};
+  /// {"entity", "time" in ns, "instances": [{"data", "metadata"}]}.
+  [[nodiscard]] idf::Data to_data() const;
 
-/// A bundle of new snapshots, one per updated entity.
-struct Commit {
-  std::vector<Snapshot> updates;
+  /// Reads what to_data wrote; safe on hostile values.
+  /// Errors: kInvalidArgument naming the member, what was found and what was needed.
+  static Result<Snapshot> from_data(const idf::Data& data);
+
+  friend bool operator==(const Snapshot&, const Snapshot&) = default;
 };
 
 }  // namespace engram::ltm

@@ -13,12 +13,26 @@ namespace engram::ltm {
 namespace {
 
 /// Instances of consecutive snapshots as one series of values per instance index.
-std::vector<idf::Data> series(const std::vector<RecalledSnapshot>& history, size_t instance) {
+std::vector<idf::Data> series(const std::vector<SnapshotResult>& history, size_t instance) {
   std::vector<idf::Data> values;
-  for (const RecalledSnapshot& past : history)
-    if (instance < past.snapshot.instances.size())
-      values.push_back(past.snapshot.instances[instance].data);
+  for (const SnapshotResult& past : history)
+    if (instance < past.instances.size()) values.push_back(past.instances[instance].data);
   return values;
+}
+
+void append_instance(SnapshotResult& snapshot, idf::Data data, const InstanceMetadata& metadata,
+                     std::optional<MeasuredError> error) {
+  const auto index = static_cast<int32_t>(snapshot.instances.size());
+  snapshot.instances.push_back({index, std::move(data), metadata, error});
+}
+
+/// Leaves the instances that are asked for. False where none of them exists.
+bool keep_selected(SnapshotResult& snapshot, const std::vector<int32_t>& instances) {
+  if (instances.empty()) return true;
+  std::erase_if(snapshot.instances, [&instances](const InstanceResult& instance) {
+    return !std::ranges::binary_search(instances, instance.index);
+  });
+  return !snapshot.instances.empty();
 }
 
 }  // namespace
@@ -45,20 +59,23 @@ struct Recall::State {
                      store->path().string(), entity.to_string(), version);
   }
 
-  Result<RecalledSnapshot> read_recorded(const MemoryId& entity, const SnapshotEntry& entry) {
-    RecalledSnapshot recalled;
-    ENGRAM_ASSIGN_OR_RETURN(recalled.snapshot, store->read_recorded(entity, entry));
+  Result<SnapshotResult> read_recorded(const MemoryId& entity, const SnapshotEntry& entry) {
+    ENGRAM_ASSIGN_OR_RETURN(Snapshot snapshot, store->read_recorded(entity, entry));
+    SnapshotResult recalled;
+    recalled.time = snapshot.time;
+    for (Instance& instance : snapshot.instances)
+      append_instance(recalled, std::move(instance.data), instance.metadata, {});
     return recalled;
   }
 
-  Result<RecalledSnapshot> reconstruct(const MemoryId& entity, const SnapshotEntry& entry) {
+  Result<SnapshotResult> reconstruct(const MemoryId& entity, const SnapshotEntry& entry) {
     ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latents, store->read_latent(entity, entry));
     ENGRAM_ASSIGN_OR_RETURN(const ModelInfo* info, find_model(entity, latents.model_version));
     ENGRAM_ASSIGN_OR_RETURN(const LoadedModel* model, load(*info));
-    RecalledSnapshot recalled;
+    SnapshotResult recalled;
     recalled.source = Source::kReconstructed;
     recalled.model = info->name();
-    recalled.snapshot = {entity, entry.time, {}};
+    recalled.time = entry.time;
     std::vector<Latent> codes;
     for (const LatentInstance& instance : latents.instances) codes.push_back(instance.latent);
     auto values = model->encoder->decode(codes);
@@ -67,17 +84,44 @@ struct Recall::State {
     if (values->size() != codes.size())
       return data_loss("model {}: gave {} values for {} latents", info->name(), values->size(),
                        codes.size());
-    for (size_t i = 0; i < latents.instances.size(); ++i) {
-      recalled.snapshot.instances.push_back(
-          {std::move((*values)[i]), latents.instances[i].metadata});
-      recalled.errors.push_back(latents.instances[i].error);
-    }
+    for (size_t i = 0; i < latents.instances.size(); ++i)
+      append_instance(recalled, std::move((*values)[i]), latents.instances[i].metadata,
+                      latents.instances[i].error);
     return recalled;
   }
 
-  Result<RecalledSnapshot> read(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer) {
-    const bool use_latent = entry.latent && (!entry.recorded || prefer == Prefer::kLatent);
-    return use_latent ? reconstruct(entity, entry) : read_recorded(entity, entry);
+  static bool uses_latent(const SnapshotEntry& entry, Prefer prefer) {
+    return entry.latent && (!entry.recorded || prefer == Prefer::kLatent);
+  }
+
+  Result<SnapshotResult> read(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer) {
+    return uses_latent(entry, prefer) ? reconstruct(entity, entry) : read_recorded(entity, entry);
+  }
+
+  /// The instances of a snapshot without their data.
+  Result<SnapshotResult> name(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer) {
+    const bool is_latent = uses_latent(entry, prefer);
+    size_t count = is_latent ? entry.latent->rows : entry.recorded->rows;
+    if (count == 0 && !is_latent) {
+      ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, store->read_packed(entity, entry));
+      count = packed.instances.size();
+    }
+    SnapshotResult named;
+    named.time = entry.time;
+    named.source = is_latent ? Source::kReconstructed : Source::kRecorded;
+    for (size_t i = 0; i < count; ++i) append_instance(named, {}, {}, {});
+    return named;
+  }
+
+  /// The instances of a prediction without their data.
+  Result<SnapshotResult> name_future(const MemoryId& entity,
+                                     const std::vector<SnapshotEntry>& entries, Time when,
+                                     Prefer prefer) {
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult named, name(entity, entries.back(), prefer));
+    named.time = when;
+    named.source = Source::kPredicted;
+    named.horizon = when - entries.back().time;
+    return named;
   }
 
   /// The predictor of the entity's newest model, or copy-last where there is none.
@@ -93,24 +137,24 @@ struct Recall::State {
     return model->predictor.get();
   }
 
-  Result<RecalledSnapshot> predict(const MemoryId& entity, const std::vector<SnapshotEntry>& entries,
-                                   Time when, const Options& options) {
+  Result<SnapshotResult> predict(const MemoryId& entity, const std::vector<SnapshotEntry>& entries,
+                                 Time when, const Options& options) {
     std::string model_name;
     ENGRAM_ASSIGN_OR_RETURN(Predictor * predictor, predictor_of(entity, model_name));
     const size_t context = std::min(predictor->context(), entries.size());
-    std::vector<RecalledSnapshot> history;
+    std::vector<SnapshotResult> history;
     for (size_t i = entries.size() - context; i < entries.size(); ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(RecalledSnapshot past, read(entity, entries[i], options.prefer));
+      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, read(entity, entries[i], options.prefer));
       history.push_back(std::move(past));
     }
-    RecalledSnapshot recalled;
+    SnapshotResult recalled;
     recalled.source = Source::kPredicted;
     recalled.model = model_name;
     recalled.predictor = predictor->name();
     recalled.horizon = when - entries.back().time;
-    recalled.snapshot = {entity, when, {}};
+    recalled.time = when;
     ENGRAM_ASSIGN_OR_RETURN(const int steps, steps_to(*predictor, recalled.horizon, entity, options));
-    const auto& last = history.back().snapshot.instances;
+    const auto& last = history.back().instances;
     for (size_t i = 0; i < last.size(); ++i) {
       auto values = predictor->predict(series(history, i), steps);
       if (!values.ok())
@@ -118,8 +162,8 @@ struct Recall::State {
       if (values->empty()) return data_loss("model {}: predicted nothing", model_name);
       InstanceMetadata metadata = last[i].metadata;
       metadata.created = metadata.sent = metadata.arrived = when;
-      recalled.snapshot.instances.push_back({std::move(values->back()), metadata});
-      recalled.errors.push_back(predictor->expected_error(steps));
+      append_instance(recalled, std::move(values->back()), metadata,
+                      predictor->expected_error(steps));
     }
     return recalled;
   }
@@ -138,34 +182,31 @@ struct Recall::State {
     return static_cast<int>(steps);
   }
 
-  Result<RecalledEntity> answer(const MemoryId& entity, const Selector& selector,
+  Result<SnapshotResult> answer(const MemoryId& entity, const std::vector<SnapshotEntry>& entries,
+                                const SelectedSnapshot& selected, bool is_ids_only,
                                 const Options& options) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, store->index(entity));
+    if (selected.future)
+      return is_ids_only ? name_future(entity, entries, *selected.future, options.prefer)
+                         : predict(entity, entries, *selected.future, options);
+    const SnapshotEntry& entry = entries[selected.index];
+    return is_ids_only ? name(entity, entry, options.prefer) : read(entity, entry, options.prefer);
+  }
+
+  Status answer(const Query& query, const Options& options, EntityResult& result) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, store->index(result.id));
     std::vector<Time> times;
     times.reserve(entries->size());
     for (const SnapshotEntry& entry : *entries) times.push_back(entry.time);
-    const Selection selection = select_times(selector, times);
-    RecalledEntity result{entity, {}};
-    if (selection.future) {
-      ENGRAM_ASSIGN_OR_RETURN(auto predicted, predict(entity, *entries, *selection.future, options));
-      result.snapshots.push_back(std::move(predicted));
+    for (const SelectedSnapshot& selected :
+         select_snapshots(query.snapshots_of(result.id), times)) {
+      ENGRAM_ASSIGN_OR_RETURN(
+          SnapshotResult snapshot,
+          answer(result.id, *entries, selected, query.is_ids_only(), options));
+      if (keep_selected(snapshot, selected.instances)) result.add(std::move(snapshot));
     }
-    for (size_t i = selection.first; i < selection.first + selection.count; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(auto recalled, read(entity, (*entries)[i], options.prefer));
-      result.snapshots.push_back(std::move(recalled));
-    }
-    return result;
+    return {};
   }
 };
-
-std::string_view to_string(Source source) {
-  switch (source) {
-    case Source::kRecorded: return "recorded";
-    case Source::kReconstructed: return "reconstructed";
-    case Source::kPredicted: return "predicted";
-  }
-  return "unknown";
-}
 
 Recall::Recall(std::unique_ptr<StoreReader> store, ModelLoader loader)
     : state_(std::make_unique<State>()) {
@@ -178,16 +219,16 @@ Recall::~Recall() = default;
 StoreReader& Recall::store() { return *state_->store; }
 
 Result<QueryResult> Recall::query(const Query& query, const Options& options) {
-  QueryResult result;
+  QueryResult result(query.is_ids_only());
+  bool is_any = false;
   std::string known;
   for (const MemoryId& entity : state_->store->entities()) {
     known += (known.empty() ? "" : ", ") + entity.to_string();
     if (!query.matches(entity)) continue;
-    ENGRAM_ASSIGN_OR_RETURN(RecalledEntity recalled,
-                            state_->answer(entity, query.selector(), options));
-    result.entities.push_back(std::move(recalled));
+    is_any = true;
+    ENGRAM_RETURN_IF_ERROR(state_->answer(query, options, result.add_entity(entity)));
   }
-  if (result.entities.empty())
+  if (!is_any)
     return not_found("store '{}': no entity matches '{}'; it has: {}",
                      state_->store->path().string(), query.to_string(),
                      known.empty() ? "none" : known);

@@ -2,43 +2,13 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "ltm/memory/query.h"
+#include "ltm/memory/result.h"
 #include "ltm/recall/model.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::ltm {
-
-/// Where a value that a query answered with comes from.
-enum class Source { kRecorded, kReconstructed, kPredicted };
-
-/// "recorded", "reconstructed", "predicted".
-[[nodiscard]] std::string_view to_string(Source source);
-
-/// One snapshot of an answer. Never recorded and something else at once: `source` says which.
-struct RecalledSnapshot {
-  Snapshot snapshot;
-  Source source = Source::kRecorded;
-  /// "Vision/RGB/head/cam v1" where a model decoded or predicted it, else empty.
-  std::string model;
-  /// Name of the predictor; empty unless predicted.
-  std::string predictor;
-  /// Measured (reconstructed) or expected (predicted) error per instance; empty if recorded.
-  std::vector<MeasuredError> errors;
-  /// From the last known snapshot; zero unless predicted.
-  Duration horizon{};
-};
-
-struct RecalledEntity {
-  MemoryId id;
-  std::vector<RecalledSnapshot> snapshots;  ///< In the order of time.
-};
-
-struct QueryResult {
-  std::vector<RecalledEntity> entities;  ///< In the order of names; entities without answer too.
-};
 
 /// Answers queries from a store: about the past from whatever form holds it, about the future by
 /// prediction.
@@ -61,6 +31,8 @@ class Recall {
 
   [[nodiscard]] StoreReader& store();
 
+  /// Where only IDs are asked for nothing is decoded or predicted: the answer names instances, and
+  /// the source that would answer, but no model.
   /// Errors: kNotFound where no entity matches; kInvalidArgument where a prediction is asked too
   /// far ahead; kFailedPrecondition where a latent needs a model and there is no loader; kDataLoss.
   Result<QueryResult> query(const Query& query, const Options& options);

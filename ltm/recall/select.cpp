@@ -2,6 +2,8 @@
 #include "ltm/recall/select.h"
 
 #include <algorithm>
+#include <iterator>
+#include <tuple>
 
 namespace engram::ltm {
 
@@ -80,10 +82,46 @@ struct Selecting {
   }
 };
 
+void append(const Selection& selection, const std::vector<int32_t>& instances,
+            std::vector<SelectedSnapshot>& selected) {
+  for (size_t i = selection.first; i < selection.first + selection.count; ++i)
+    selected.push_back({i, {}, instances});
+  if (selection.future) selected.push_back({SIZE_MAX, selection.future, instances});
+}
+
+bool is_earlier(const SelectedSnapshot& a, const SelectedSnapshot& b) {
+  return std::tie(a.index, a.future) < std::tie(b.index, b.future);
+}
+
+/// Adds the instances of `other`, which asks for the same moment.
+void unite(SelectedSnapshot& one, const SelectedSnapshot& other) {
+  if (one.instances.empty() || other.instances.empty()) return one.instances.clear();
+  std::vector<int32_t> united;
+  std::ranges::set_union(one.instances, other.instances, std::back_inserter(united));
+  one.instances = std::move(united);
+}
+
 }  // namespace
 
 Selection select_times(const Selector& selector, std::span<const Time> times) {
   return std::visit(Selecting{times}, selector);
+}
+
+std::vector<SelectedSnapshot> select_snapshots(std::span<const SnapshotQuery> queries,
+                                               std::span<const Time> times) {
+  std::vector<SelectedSnapshot> selected;
+  for (const SnapshotQuery& query : queries)
+    append(select_times(query.selector, times), query.instances, selected);
+  if (queries.size() < 2) return selected;
+  std::ranges::stable_sort(selected, is_earlier);
+  std::vector<SelectedSnapshot> united;
+  for (SelectedSnapshot& next : selected) {
+    if (united.empty() || is_earlier(united.back(), next))
+      united.push_back(std::move(next));
+    else
+      unite(united.back(), next);
+  }
+  return united;
 }
 
 }  // namespace engram::ltm

@@ -40,9 +40,6 @@ struct Recorder::State {
   }
 
   Status check(const Snapshot& snapshot) const {
-    if (!snapshot.entity.is_entity())
-      return invalid_argument("commit: '{}' is no entity: needs four names",
-                              snapshot.entity.to_string());
     const std::optional<Time> last = writer->last_time(snapshot.entity);
     if (last && snapshot.time <= *last)
       return invalid_argument("entity '{}': time runs backwards: found {}, needs one after {}",
@@ -68,6 +65,7 @@ struct Recorder::State {
   };
 
   Status collect(const Commit& commit, Kept& kept) {
+    ENGRAM_RETURN_IF_ERROR(commit.check());
     for (const Snapshot& snapshot : commit.updates) {
       ENGRAM_RETURN_IF_ERROR(check(snapshot));
       ENGRAM_ASSIGN_OR_RETURN(Channel * of, channel(snapshot.entity));

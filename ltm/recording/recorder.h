@@ -9,6 +9,7 @@
 
 #include "ltm/codec/packed_value.h"
 #include "ltm/filter/filter.h"
+#include "ltm/memory/commit.h"
 #include "ltm/store/store_writer.h"
 
 namespace engram::ltm {
@@ -47,7 +48,8 @@ class Recorder {
   ~Recorder();
 
   /// After this returns ok, every kept snapshot of the commit survives `kill -9`.
-  /// Errors: kInvalidArgument where a time does not come after the entity's last one;
+  /// Errors: those of Commit::check; kInvalidArgument where a time does not come after the
+  /// entity's last one;
   /// kResourceExhausted, kUnavailable where the disk fails: then nothing was acknowledged.
   Status commit(const Commit& commit);
 

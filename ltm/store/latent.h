@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "ltm/core/buffer.h"
 #include "ltm/memory/snapshot.h"
+#include "ltm/memory/source.h"
 
 namespace engram::ltm {
 
@@ -14,15 +14,6 @@ namespace engram::ltm {
 struct Latent {
   Buffer code;
   idf::List remainder;
-};
-
-/// How far a decoded value is from the recorded one, measured after decoding what is stored.
-/// Not a number where the value has no member of that kind.
-struct MeasuredError {
-  /// Mean squared error over all elements of all image members. Unit: grey levels squared.
-  double image_mse = std::numeric_limits<double>::quiet_NaN();
-  /// Mean squared error over all other tensor elements. Unit: that of the numbers, squared.
-  double number_mse = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct LatentInstance {

@@ -12,6 +12,7 @@ LIBRARIES = {
     "spdlog": ("spdlog/",),
     "yaml-cpp": ("yaml-cpp/",),
     "nlohmann/json": ("nlohmann/",),
+    "pugixml": ("pugixml.hpp",),
     "re2": ("re2/",),
     "zstd": ("zstd.h",),
     "OpenCV": ("opencv2/",),

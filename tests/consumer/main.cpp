@@ -23,8 +23,8 @@ engram::Status record_and_recall(const char* path) {
   ltm::Recall recall(std::move(reader), {});
   ENGRAM_ASSIGN_OR_RETURN(const auto query, ltm::Query::parse("Object/Pose/tracker/cup @ latest"));
   ENGRAM_ASSIGN_OR_RETURN(const auto answer, recall.query(query));
-  const auto& snapshot = answer.entities.front().snapshots.front().snapshot;
-  fmt::print("x = {}\n", snapshot.instances.front().data.at("x_m")->get<double>());
+  const ltm::EntityResult* cup = answer.find_entity(entity);
+  fmt::print("x = {}\n", cup->snapshots.front().instances.front().data.at("x_m")->get<double>());
   return {};
 }
 

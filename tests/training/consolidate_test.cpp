@@ -56,11 +56,11 @@ TEST(Consolidate, PublishesLatentsThatAQueryDecodes) {
   prefer_latent.prefer = ltm::Recall::Prefer::kLatent;
   const auto answer = recall.query(*ltm::Query::parse("Test @ all"), prefer_latent);
   ASSERT_TRUE(answer.ok()) << answer.status().to_string();
-  const auto& snapshots = answer->entities[0].snapshots;
+  const auto& snapshots = answer->entities()[0]->snapshots;
   ASSERT_EQ(snapshots.size(), 20u);
   EXPECT_EQ(snapshots[5].source, ltm::Source::kReconstructed);
-  const auto error = compare(engram::testing::scene_at(5), snapshots[5].snapshot.instances[0].data);
-  EXPECT_DOUBLE_EQ(error->image_mse, snapshots[5].errors[0].image_mse);
+  const auto error = compare(engram::testing::scene_at(5), snapshots[5].instances[0].data);
+  EXPECT_DOUBLE_EQ(error->image_mse, snapshots[5].instances[0].error->image_mse);
 }
 
 TEST(Consolidate, SkipsWhatHasNothingNewUnlessForced) {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/memory/memory_id.h"
 
+#include <algorithm>
+#include <map>
+#include <set>
 #include <unordered_set>
+#include <utility>
 
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/random_values.h"
@@ -67,18 +71,18 @@ TEST(MemoryId, RefusesWhatIsNone) {
   EXPECT_OK(MemoryId::from_names({"ü", "机", "🤖", "\x7f"}));
 }
 
-TEST(MemoryId, ContainsWhatLiesBelowIt) {
+TEST(MemoryId, IsPrefixOfWhatLiesBelowIt) {
   const MemoryId entity = *MemoryId::parse("a/b/c/d");
   const MemoryId snapshot = entity.at(kTime);
-  EXPECT_TRUE(MemoryId().contains(entity));
-  EXPECT_TRUE(MemoryId::parse("a/b")->contains(snapshot));
-  EXPECT_TRUE(entity.contains(entity));
-  EXPECT_TRUE(entity.contains(snapshot.instance(2)));
-  EXPECT_TRUE(snapshot.contains(snapshot.instance(2)));
-  EXPECT_FALSE(snapshot.instance(1).contains(snapshot.instance(2)));
-  EXPECT_FALSE(snapshot.contains(entity));
-  EXPECT_FALSE(snapshot.contains(entity.at(kTime + Duration(1))));
-  EXPECT_FALSE(MemoryId::parse("a/x")->contains(entity));
+  EXPECT_TRUE(MemoryId().is_prefix_of(entity));
+  EXPECT_TRUE(MemoryId::parse("a/b")->is_prefix_of(snapshot));
+  EXPECT_TRUE(entity.is_prefix_of(entity));
+  EXPECT_TRUE(entity.is_prefix_of(snapshot.instance(2)));
+  EXPECT_TRUE(snapshot.is_prefix_of(snapshot.instance(2)));
+  EXPECT_FALSE(snapshot.instance(1).is_prefix_of(snapshot.instance(2)));
+  EXPECT_FALSE(snapshot.is_prefix_of(entity));
+  EXPECT_FALSE(snapshot.is_prefix_of(entity.at(kTime + Duration(1))));
+  EXPECT_FALSE(MemoryId::parse("a/x")->is_prefix_of(entity));
 }
 
 TEST(MemoryId, OrdersByNameThenTimeThenIndex) {
@@ -89,6 +93,80 @@ TEST(MemoryId, OrdersByNameThenTimeThenIndex) {
   EXPECT_LT(entity.at(kTime).instance(0), entity.at(kTime).instance(1));
   EXPECT_LT(entity.at(kTime + Duration(1)), *MemoryId::parse("a/b/c/e"));
   EXPECT_EQ(std::unordered_set<MemoryId>({entity, entity, entity.at(kTime)}).size(), 2u);
+}
+
+MemoryId random_id(RandomValues& random) {
+  static const char* const kNames[] = {"a", "b", "a/", "\\", "é", "a\n", "2022-02-18"};
+  std::vector<std::string> names;
+  for (size_t count = random.below(6); count > 0 && names.size() < 4; --count)
+    names.push_back(kNames[random.below(7)]);
+  MemoryId id = *MemoryId::from_names(names);
+  if (!id.has_entity() || random.below(3) == 0) return id;
+  id = id.at(time_from_ns(static_cast<int64_t>(random.below(3)) - 1));
+  return random.below(2) == 0 ? id : id.instance(static_cast<int32_t>(random.below(3)));
+}
+
+TEST(MemoryId, ParentsChildrenAndPrefixesAgree) {
+  RandomValues random(31);
+  for (int i = 0; i < 5000; ++i) {
+    const MemoryId id = random_id(random), other = random_id(random);
+    size_t depth = id.depth();
+    for (MemoryId above = id; depth > 0; --depth) {
+      const MemoryId parent = above.parent();
+      EXPECT_EQ(parent.depth() + 1, above.depth());
+      EXPECT_TRUE(parent.is_prefix_of(id));
+      EXPECT_FALSE(above.is_prefix_of(parent));
+      EXPECT_LT(parent, above);
+      if (above.names().size() > parent.names().size()) {
+        EXPECT_EQ(*parent.child(above.names().back()), above);
+      }
+      above = parent;
+    }
+    EXPECT_EQ(id.is_prefix_of(other) && other.is_prefix_of(id), id == other);
+    EXPECT_EQ(MemoryId::parse(id.to_string()).value(), id);
+    EXPECT_EQ(MemoryId::from_data(id.to_data()).value(), id);
+  }
+}
+
+TEST(MemoryId, OrderKeepsWhatLiesBelowTogether) {
+  RandomValues random(32);
+  std::vector<MemoryId> ids;
+  for (int i = 0; i < 400; ++i) ids.push_back(random_id(random));
+  std::ranges::sort(ids);
+  for (const MemoryId& prefix : ids) {
+    int changes = 0;
+    bool is_below = false;
+    for (const MemoryId& id : ids)
+      if (std::exchange(is_below, prefix.is_prefix_of(id)) != is_below) ++changes;
+    EXPECT_LE(changes, 2) << prefix.to_string();
+  }
+}
+
+TEST(MemoryId, HashesEqualIdsAlikeAndOthersApart) {
+  RandomValues random(33);
+  std::map<MemoryId, size_t> hashes;
+  for (int i = 0; i < 5000; ++i) {
+    const MemoryId id = random_id(random);
+    EXPECT_EQ(hashes.emplace(id, id.hash()).first->second, id.hash());
+  }
+  std::set<size_t> distinct;
+  for (const auto& [id, hash] : hashes) distinct.insert(hash);
+  EXPECT_EQ(distinct.size(), hashes.size());
+  // The same letters in other names, the same numbers on other levels.
+  EXPECT_NE(MemoryId::parse("ab/c")->hash(), MemoryId::parse("a/bc")->hash());
+  EXPECT_NE(MemoryId::parse("a/b")->hash(), MemoryId::parse("b/a")->hash());
+}
+
+TEST(MemoryId, RefusesChildrenThatAreNoNames) {
+  const MemoryId memory = *MemoryId::parse("a");
+  EXPECT_FAILS(memory.child(""), StatusCode::kInvalidArgument, "name 2 of 2 is empty");
+  EXPECT_FAILS(memory.child("\xff"), StatusCode::kInvalidArgument, "no UTF-8");
+  EXPECT_EQ(memory.child("b/c")->to_string(), "a/b\\/c");
+  EXPECT_DEATH((void)MemoryId().parent(), "no parent");
+  EXPECT_DEATH((void)MemoryId::parse("a/b/c/d")->child("e"), "has snapshots below it");
+  EXPECT_DEATH((void)MemoryId::parse("a/b/c/d/0")->instance(-1), "no instance index");
+  EXPECT_FAILS(MemoryId::from_data(7), StatusCode::kInvalidArgument, "found int32");
+  EXPECT_FAILS(MemoryId::from_data("a//b"), StatusCode::kInvalidArgument, "empty");
 }
 
 TEST(MemoryId, KnowsItsLevel) {

@@ -2,6 +2,7 @@
 #include "ltm/memory/query.h"
 
 #include "tests/ltm/expect_status.h"
+#include "tests/ltm/memory/random_memory.h"
 #include "tests/ltm/random_values.h"
 
 namespace engram::ltm {
@@ -10,10 +11,15 @@ namespace {
 const Time kT1 = time_from_ns(1645189616492182000);
 const Time kT2 = kT1 + std::chrono::seconds(5);
 
+/// The selectors of a query with one branch.
+std::vector<SnapshotQuery> snapshots(const Query& query) {
+  return query.memories().at(0).below.at(0).below.at(0).below.at(0).below;
+}
+
 Selector selector_of(const std::string& text) {
   const auto query = Query::parse("a/b/c/d @ " + text);
   EXPECT_OK(query);
-  return query.ok() ? query->selector() : Selector();
+  return query.ok() ? snapshots(*query).front().selector : Selector();
 }
 
 TEST(Query, ReadsEverySelector) {
@@ -75,10 +81,12 @@ TEST(Query, ReadsBackRandomSelectors) {
 }
 
 TEST(Query, WithoutSelectorMeansTheLatest) {
-  EXPECT_EQ(Query::parse("a/b/c/d")->selector(), Selector(select::Latest{}));
+  EXPECT_EQ(selector_of("latest"), Selector(select::Latest{}));
+  EXPECT_EQ(snapshots(*Query::parse("a/b/c/d")), std::vector<SnapshotQuery>{SnapshotQuery{}});
   EXPECT_EQ(*Query::parse(""), Query());
   EXPECT_EQ(*Query::parse(" @ all"), Query({}, select::All{}));
-  EXPECT_EQ(Query::parse("a @all")->selector(), Selector(select::All{}));
+  EXPECT_EQ(*Query::parse("@ all"), Query({}, select::All{}));
+  EXPECT_EQ(snapshots(*Query::parse("a @all"))[0].selector, Selector(select::All{}));
 }
 
 TEST(Query, RefusesWhatIsBroken) {
@@ -99,11 +107,119 @@ TEST(Query, RefusesWhatIsBroken) {
       {"a @ time:5..1", "ends before it starts"},
       {"a @ 1..x", "'x' is no time"},
       {"a @ sometimes", "'sometimes' is no time"},
-      {"a @ ", "is no time"}};
+      {"a @ ", "is no selector"},
+      {"a @ all,", "is no selector"},
+      {"a @ all#", "'' is no instance index"},
+      {"a @ all#-1", "'-1' is no instance index"},
+      {"a @ all#99999999999", "no instance index"},
+      {"a ; ; b", "at 4: nothing beside ';'"},
+      {"a;", "at 3: nothing beside ';'"},
+      {"a @ all ; b/( @ all", "at 13: name pattern '(' is no regular expression: missing )"},
+      {"a @ all, sometimes", "at 10: "},
+      {"x/\\Qa.b\\E", "quotes by"},
+      {"x/a\\", "no regular expression"},
+      {"x/(a{1000}){1000}", "no regular expression"},
+      {"x/(\\pL{200}\\pN{200}){4}", "pattern too large"},
+      {"a/\xff", "no UTF-8"}};
   for (const auto& [text, part] : cases) {
     EXPECT_FAILS(Query::parse(text), StatusCode::kInvalidArgument, part);
     EXPECT_FAILS(Query::parse(text), StatusCode::kInvalidArgument, std::string("query '") + text);
   }
+}
+
+TEST(Query, UnitesSelectorsAndBranches) {
+  const auto query =
+      Query::parse("a/b/c/d @ latest, all#2#0#2 ; a/b/x.*/d ; a/b/c/d @ latest:1, after:5");
+  ASSERT_OK(query);
+  ASSERT_EQ(query->memories().size(), 1u);
+  const auto& providers = query->memories()[0].below[0].below;
+  ASSERT_EQ(providers.size(), 2u);
+  const std::vector<SnapshotQuery> expected{
+      {select::Latest{}, {}}, {select::All{}, {0, 2}}, {select::After{time_from_ns(5)}, {}}};
+  EXPECT_EQ(providers[0].below[0].below, expected);
+  EXPECT_EQ(query->snapshots_of(*MemoryId::parse("a/b/c/d")), expected);
+  EXPECT_EQ(query->snapshots_of(*MemoryId::parse("a/b/xc/d")),
+            std::vector<SnapshotQuery>{SnapshotQuery{}});
+  EXPECT_TRUE(query->snapshots_of(*MemoryId::parse("a/b/y/d")).empty());
+  EXPECT_EQ(query->to_string(),
+            "a/b/c/d @ latest, all#0#2, after:1970-01-01 00:00:00.000000005 ; a/b/x.*/d @ latest");
+}
+
+TEST(Query, AllInstancesAbsorbSingleOnes) {
+  for (const char* text : {"a @ all, all#1", "a @ all#1, all", "a @ all#1 ; a @ all"})
+    EXPECT_EQ(Query::parse(text)->to_string(), "a/.*/.*/.* @ all") << text;
+  const auto query = *Query::parse("a/b/c/d @ all#1 ; a/b/c/.* @ all#4#0");
+  EXPECT_EQ(query.snapshots_of(*MemoryId::parse("a/b/c/d")),
+            (std::vector<SnapshotQuery>{{select::All{}, {0, 1, 4}}}));
+}
+
+TEST(Query, AsksForIdsOnly) {
+  const auto query = Query::parse("?ids a @ all");
+  ASSERT_OK(query);
+  EXPECT_TRUE(query->is_ids_only());
+  EXPECT_EQ(query->to_string(), "?ids a/.*/.*/.* @ all");
+  EXPECT_TRUE(Query::parse("?ids")->is_ids_only());
+  EXPECT_FALSE(Query::parse("\\?ids a @ all")->is_ids_only());
+  EXPECT_TRUE(Query::parse("\\?ids a @ all")->matches(*MemoryId::parse("?ids a")));
+}
+
+TEST(Query, ReadsBackEveryTree) {
+  RandomValues random(24);
+  for (int i = 0; i < 10000; ++i) {
+    const auto query = Query::create(random_query_tree(random), random.below(2) == 0);
+    ASSERT_OK(query);
+    const auto read = Query::parse(query->to_string());
+    ASSERT_OK(read);
+    ASSERT_EQ(*read, *query) << query->to_string();
+    EXPECT_EQ(read->to_string(), query->to_string());
+    EXPECT_EQ(*Query::from_data(query->to_data()), *query);
+    // Normal form: a tree that was made of it is the same.
+    EXPECT_EQ(*Query::create(query->memories(), query->is_ids_only()), *query);
+  }
+}
+
+TEST(Query, AsksTheSameAsTheTreeItWasMadeOf) {
+  RandomValues random(25);
+  for (int i = 0; i < 2000; ++i) {
+    const auto tree = random_query_tree(random);
+    const Query query = *Query::create(tree);
+    const MemoryId entity = random_entity(random);
+    bool is_meant = false;
+    for (const auto& memory : tree)
+      for (const auto& core : memory.below)
+        for (const auto& provider : core.below)
+          for (const auto& one : provider.below)
+            is_meant = is_meant || (memory.name.matches(entity.names()[0]) &&
+                                    core.name.matches(entity.names()[1]) &&
+                                    provider.name.matches(entity.names()[2]) &&
+                                    one.name.matches(entity.names()[3]));
+    EXPECT_EQ(query.matches(entity), is_meant);
+    EXPECT_EQ(!query.snapshots_of(entity).empty(), is_meant);
+    if (is_meant) {
+      EXPECT_TRUE(query.matches(entity.parent().parent()));
+    }
+  }
+}
+
+TEST(Query, RefusesTreesThatAskNothingOrTooMuch) {
+  const auto tree = [](std::vector<SnapshotQuery> snapshots) {
+    return std::vector<MemoryQuery>{{{}, {{{}, {{{}, {{{}, std::move(snapshots)}}}}}}}};
+  };
+  EXPECT_OK(Query::create(tree({SnapshotQuery{}})));
+  EXPECT_FAILS(Query::create({}), StatusCode::kInvalidArgument, "level 1 has no names");
+  EXPECT_FAILS(Query::create({{{}, {{{}, {}}}}}), StatusCode::kInvalidArgument, "level 3");
+  EXPECT_FAILS(Query::create(tree({})), StatusCode::kInvalidArgument, "'.*' has no selector");
+  EXPECT_FAILS(Query::create(tree({{select::Latest{0}, {}}})), StatusCode::kInvalidArgument,
+               "above zero");
+  EXPECT_FAILS(Query::create(tree({{select::All{}, {-1}}})), StatusCode::kInvalidArgument,
+               "-1 is no instance index");
+  EXPECT_FAILS(Query::create(tree(std::vector<SnapshotQuery>(1025))),
+               StatusCode::kInvalidArgument, "more than 1024 selectors");
+  std::string expressions = "x0.*";
+  for (int i = 1; i < 300; ++i) expressions += fmt::format(" ; x{}.*", i);
+  EXPECT_FAILS(Query::parse(expressions), StatusCode::kInvalidArgument,
+               "more than 256 regular expressions");
+  EXPECT_FAILS(Query::from_data(7), StatusCode::kInvalidArgument, "found int32");
 }
 
 TEST(Query, MatchesEntitiesByLiteralAndExpression) {

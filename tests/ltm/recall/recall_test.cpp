@@ -58,6 +58,13 @@ class CountingPredictor final : public Predictor {
   }
 };
 
+Snapshot snapshot_of(const SnapshotResult& result) {
+  Snapshot snapshot{example_entity(), result.time, {}};
+  for (const InstanceResult& instance : result.instances)
+    snapshot.instances.push_back({instance.data, instance.metadata});
+  return snapshot;
+}
+
 class RecallTest : public ::testing::Test {
  protected:
   /// Ten recorded snapshots; `latents` of them with latents of model 1; `dropped` without the rest.
@@ -110,14 +117,14 @@ TEST_F(RecallTest, AnswersWithWhatWasRecorded) {
   Recall recall = open({});
   const auto result = recall.query(ask("index:3..5"));
   ASSERT_OK(result);
-  ASSERT_EQ(result->entities.size(), 1u);
-  ASSERT_EQ(result->entities[0].snapshots.size(), 3u);
+  ASSERT_EQ(result->entities().size(), 1u);
+  ASSERT_EQ(result->entities()[0]->snapshots.size(), 3u);
   for (int64_t i = 0; i < 3; ++i) {
-    const RecalledSnapshot& recalled = result->entities[0].snapshots[static_cast<size_t>(i)];
+    const SnapshotResult& recalled = result->entities()[0]->snapshots[static_cast<size_t>(i)];
     EXPECT_EQ(recalled.source, Source::kRecorded);
-    EXPECT_EQ(recalled.snapshot, example_snapshot(example_entity(), i + 3));
+    EXPECT_EQ(snapshot_of(recalled), example_snapshot(example_entity(), i + 3));
     EXPECT_EQ(recalled.model, "");
-    EXPECT_TRUE(recalled.errors.empty());
+    EXPECT_FALSE(recalled.instances[0].error.has_value());
   }
 }
 
@@ -126,10 +133,10 @@ TEST_F(RecallTest, AnswersForEveryEntityThatMatches) {
   Recall recall = open({});
   const auto result = recall.query(*Query::parse(".*/.*/.*/.* @ all"));
   ASSERT_OK(result);
-  ASSERT_EQ(result->entities.size(), 2u);
-  EXPECT_EQ(result->entities[0].id, example_entity("cam"));
-  EXPECT_EQ(result->entities[1].snapshots.size(), 1u);
-  EXPECT_TRUE(recall.query(ask("before:5"))->entities[0].snapshots.empty());
+  ASSERT_EQ(result->entities().size(), 2u);
+  EXPECT_EQ(result->entities()[0]->id, example_entity("cam"));
+  EXPECT_EQ(result->entities()[1]->snapshots.size(), 1u);
+  EXPECT_TRUE(recall.query(ask("before:5"))->entities()[0]->snapshots.empty());
 }
 
 TEST_F(RecallTest, ReconstructsFromLatentsWhatWasDropped) {
@@ -137,21 +144,21 @@ TEST_F(RecallTest, ReconstructsFromLatentsWhatWasDropped) {
   Recall recall = open(loader());
   const auto result = recall.query(ask("all"));
   ASSERT_OK(result);
-  const auto& snapshots = result->entities[0].snapshots;
+  const auto& snapshots = result->entities()[0]->snapshots;
   ASSERT_EQ(snapshots.size(), 10u);
   for (int64_t i = 0; i < 10; ++i) {
-    const RecalledSnapshot& recalled = snapshots[static_cast<size_t>(i)];
+    const SnapshotResult& recalled = snapshots[static_cast<size_t>(i)];
     Snapshot expected = example_snapshot(example_entity(), i);
     if (i >= 6) {
       EXPECT_EQ(recalled.source, Source::kRecorded);
     } else {
       EXPECT_EQ(recalled.source, Source::kReconstructed);
       EXPECT_EQ(recalled.model, "Vision/RGB/head/cam v1");
-      ASSERT_EQ(recalled.errors.size(), 1u);
-      EXPECT_EQ(recalled.errors[0].image_mse, 2.0);
+      ASSERT_EQ(recalled.instances.size(), 1u);
+      EXPECT_EQ(recalled.instances[0].error->image_mse, 2.0);
       expected.instances[0].data.get_if<idf::Dict>()->set("decoded", true);
     }
-    EXPECT_EQ(recalled.snapshot, expected);
+    EXPECT_EQ(snapshot_of(recalled), expected);
   }
   EXPECT_EQ(loaded_, 1);
 }
@@ -159,12 +166,12 @@ TEST_F(RecallTest, ReconstructsFromLatentsWhatWasDropped) {
 TEST_F(RecallTest, PrefersTheFormThatIsAskedFor) {
   make_store(6, false);
   Recall recall = open(loader());
-  EXPECT_EQ(recall.query(ask("index:2..2"))->entities[0].snapshots[0].source, Source::kRecorded);
+  EXPECT_EQ(recall.query(ask("index:2..2"))->entities()[0]->snapshots[0].source, Source::kRecorded);
   EXPECT_EQ(loaded_, 0);
   const auto latent = recall.query(ask("all"), {.prefer = Recall::Prefer::kLatent});
   ASSERT_OK(latent);
-  EXPECT_EQ(latent->entities[0].snapshots[5].source, Source::kReconstructed);
-  EXPECT_EQ(latent->entities[0].snapshots[6].source, Source::kRecorded);
+  EXPECT_EQ(latent->entities()[0]->snapshots[5].source, Source::kReconstructed);
+  EXPECT_EQ(latent->entities()[0]->snapshots[6].source, Source::kRecorded);
 }
 
 TEST_F(RecallTest, NeedsALoaderForLatents) {
@@ -187,25 +194,25 @@ TEST_F(RecallTest, PredictsWithTheModel) {
   Recall recall = open(loader());
   const auto result = recall.query(ask("+400ms"));
   ASSERT_OK(result);
-  ASSERT_EQ(result->entities[0].snapshots.size(), 1u);
-  const RecalledSnapshot& predicted = result->entities[0].snapshots[0];
+  ASSERT_EQ(result->entities()[0]->snapshots.size(), 1u);
+  const SnapshotResult& predicted = result->entities()[0]->snapshots[0];
   EXPECT_EQ(predicted.source, Source::kPredicted);
   EXPECT_EQ(predicted.predictor, "counting");
   EXPECT_EQ(predicted.model, "Vision/RGB/head/cam v1");
   EXPECT_EQ(predicted.horizon, std::chrono::milliseconds(400));
-  EXPECT_EQ(predicted.snapshot.time, example_time(11));
-  ASSERT_EQ(predicted.snapshot.instances.size(), 1u);
-  EXPECT_EQ(*predicted.snapshot.instances[0].data.at("step"), idf::Data(2));
-  EXPECT_EQ(*predicted.snapshot.instances[0].data.at("history"), idf::Data(3));
-  EXPECT_EQ(*predicted.snapshot.instances[0].data.at("count"), idf::Data(9));
-  EXPECT_EQ(predicted.errors[0].image_mse, 2.0);
+  EXPECT_EQ(predicted.time, example_time(11));
+  ASSERT_EQ(predicted.instances.size(), 1u);
+  EXPECT_EQ(*predicted.instances[0].data.at("step"), idf::Data(2));
+  EXPECT_EQ(*predicted.instances[0].data.at("history"), idf::Data(3));
+  EXPECT_EQ(*predicted.instances[0].data.at("count"), idf::Data(9));
+  EXPECT_EQ(predicted.instances[0].error->image_mse, 2.0);
   // An explicit time after the last snapshot asks the same.
   const auto at = recall.query(ask("time:" + std::to_string(to_ns(example_time(11)))));
-  EXPECT_EQ(at->entities[0].snapshots[0].snapshot, predicted.snapshot);
+  EXPECT_EQ(at->entities()[0]->snapshots[0], predicted);
   // Times between two steps take the closest, at least one.
   for (const auto& [ahead, step] : {std::pair{"+1ms", 1}, {"+290ms", 1}, {"+310ms", 2}})
     EXPECT_EQ(
-        *recall.query(ask(ahead))->entities[0].snapshots[0].snapshot.instances[0].data.at("step"),
+        *recall.query(ask(ahead))->entities()[0]->snapshots[0].instances[0].data.at("step"),
         idf::Data(step));
 }
 
@@ -224,13 +231,13 @@ TEST_F(RecallTest, PredictsByCopyWithoutModels) {
   Recall recall = open(loader());
   const auto result = recall.query(ask("+2s"));
   ASSERT_OK(result);
-  const RecalledSnapshot& predicted = result->entities[0].snapshots[0];
+  const SnapshotResult& predicted = result->entities()[0]->snapshots[0];
   EXPECT_EQ(predicted.source, Source::kPredicted);
   EXPECT_EQ(predicted.predictor, "copy-last");
   EXPECT_EQ(predicted.model, "");
-  EXPECT_EQ(predicted.snapshot.instances[0].data,
+  EXPECT_EQ(predicted.instances[0].data,
             example_snapshot(example_entity(), 9).instances[0].data);
-  EXPECT_EQ(predicted.snapshot.time, example_time(19));
+  EXPECT_EQ(predicted.time, example_time(19));
   EXPECT_EQ(loaded_, 0);
 }
 
@@ -241,10 +248,66 @@ TEST_F(RecallTest, NamesTheEntitiesThatThereAre) {
                "it has: Vision/RGB/head/cam, Vision/RGB/head/other");
 }
 
-TEST(Source, HasNames) {
-  EXPECT_EQ(to_string(Source::kRecorded), "recorded");
-  EXPECT_EQ(to_string(Source::kReconstructed), "reconstructed");
-  EXPECT_EQ(to_string(Source::kPredicted), "predicted");
+TEST_F(RecallTest, UnitesSeveralSelectors) {
+  make_store(0, false);
+  Recall recall = open({});
+  const auto result = recall.query(ask("latest:2, +400ms, 0..1, 1..2"));
+  ASSERT_OK(result);
+  const auto& snapshots = result->entities()[0]->snapshots;
+  ASSERT_EQ(snapshots.size(), 6u);
+  for (const auto& [place, index] : {std::pair{0, 0}, {1, 1}, {2, 2}, {3, 8}, {4, 9}, {5, 11}})
+    EXPECT_EQ(snapshots[static_cast<size_t>(place)].time, example_time(index));
+  EXPECT_EQ(snapshots[5].source, Source::kPredicted);
+}
+
+TEST_F(RecallTest, UnitesBranchesWithSelectorsOfTheirOwn) {
+  make_store(0, false);
+  Recall recall = open({});
+  const auto result =
+      recall.query(*Query::parse("Vision/RGB/.*/cam @ 3..4 ; Vision/RGB/head/.* @ 0..0"));
+  ASSERT_OK(result);
+  ASSERT_EQ(result->entities().size(), 2u);
+  EXPECT_EQ(result->entities()[0]->snapshots.size(), 3u);
+  EXPECT_EQ(result->entities()[1]->snapshots.size(), 1u);
+}
+
+TEST_F(RecallTest, AnswersWithTheInstancesThatAreAskedFor) {
+  make_store(0, false);
+  Recall recall = open({});
+  EXPECT_EQ(recall.query(ask("all#0"))->snapshot_count(), 10u);
+  EXPECT_EQ(recall.query(ask("all#1"))->snapshot_count(), 0u);
+  const auto result = recall.query(ask("0..3#1, 2..2#0"));
+  ASSERT_EQ(result->snapshot_count(), 1u);
+  EXPECT_EQ(result->ids()[0], example_entity().at(example_time(2)).instance(0));
+}
+
+TEST_F(RecallTest, NamesIdsWithoutDecoding) {
+  make_store(6, true);
+  Recall recall = open({});
+  const auto result = recall.query(*Query::parse("?ids Vision/RGB/head/cam @ all, +1s"));
+  ASSERT_OK(result);
+  EXPECT_TRUE(result->is_ids_only());
+  EXPECT_EQ(result->size_bytes(), 0u);
+  const auto& snapshots = result->entities()[0]->snapshots;
+  ASSERT_EQ(snapshots.size(), 11u);
+  EXPECT_EQ(snapshots[0].source, Source::kReconstructed);
+  EXPECT_EQ(snapshots[9].source, Source::kRecorded);
+  EXPECT_EQ(snapshots[10].source, Source::kPredicted);
+  EXPECT_EQ(result->ids()[3], example_entity().at(example_time(3)).instance(0));
+  for (const SnapshotResult& snapshot : snapshots) {
+    ASSERT_EQ(snapshot.instances.size(), 1u);
+    EXPECT_EQ(snapshot.instances[0].data, idf::Data());
+  }
+}
+
+TEST_F(RecallTest, NamesInstancesThatAreStillInTheJournal) {
+  store_ = scratch_ / "store";
+  ASSERT_OK(create_store(store_));
+  const auto writer = *StoreWriter::open(store_, {});
+  ASSERT_OK(writer->append({packed_example(0)}, nullptr));
+  Recall recall = open({});
+  EXPECT_EQ(recall.query(*Query::parse("?ids Vision"))->ids(),
+            std::vector<MemoryId>{example_entity().at(example_time(0)).instance(0)});
 }
 
 }  // namespace

@@ -110,5 +110,28 @@ TEST(SelectTimes, KnowsTheLimitsOfTime) {
                                                   {select::Nearest{t(INT64_MAX)}, 1, 1}});
 }
 
+TEST(SelectSnapshots, UnitesInTheOrderOfTime) {
+  const std::vector<Time> times{t(10), t(20), t(30), t(40)};
+  const std::vector<SnapshotQuery> queries{{select::Latest{2}, {1}},
+                                           {select::Ahead{Duration(5)}, {}},
+                                           {select::IndexRange{0, 2}, {0, 2}},
+                                           {select::At{t(45)}, {3}},
+                                           {select::At{t(41)}, {3}},
+                                           {select::Before{t(20), false}, {}}};
+  const std::vector<SelectedSnapshot> expected{
+      {0, {}, {}},     {1, {}, {0, 2}},          {2, {}, {0, 1, 2}},
+      {3, {}, {1}},    {SIZE_MAX, t(41), {3}},   {SIZE_MAX, t(45), {}}};
+  EXPECT_EQ(select_snapshots(queries, times), expected);
+  EXPECT_TRUE(select_snapshots({}, times).empty());
+  EXPECT_TRUE(select_snapshots(queries, {}).empty());
+}
+
+TEST(SelectSnapshots, OfOneSelectorAreItsOwn) {
+  const std::vector<Time> times{t(10), t(20), t(30)};
+  const std::vector<SnapshotQuery> queries{{select::Latest{2}, {4}}};
+  EXPECT_EQ(select_snapshots(queries, times),
+            (std::vector<SelectedSnapshot>{{1, {}, {4}}, {2, {}, {4}}}));
+}
+
 }  // namespace
 }  // namespace engram::ltm

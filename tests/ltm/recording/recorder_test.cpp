@@ -8,6 +8,7 @@
 
 #include "ltm/store/store_reader.h"
 #include "tests/ltm/expect_status.h"
+#include "tests/ltm/random_values.h"
 #include "tests/ltm/scratch_directory.h"
 #include "tests/ltm/store/example_snapshots.h"
 
@@ -86,13 +87,23 @@ TEST_F(RecorderTest, TellsOfDropsThatAFailedCommitWouldHaveTold) {
   auto recorder = *Recorder::open(store(), {.max_rate_hz = 5.0});
   for (int64_t i = 0; i < 5; ++i) ASSERT_OK(recorder.commit({{frame(i)}}));
   Snapshot wrong = frame(6, "bad");
-  wrong.instances.clear();
-  EXPECT_FAILS(recorder.commit({{frame(6), wrong}}), StatusCode::kInvalidArgument, "no instances");
+  wrong.instances.front().data = nested_lists(100);
+  EXPECT_FAILS(recorder.commit({{frame(6), wrong}}), StatusCode::kInvalidArgument, "nests deeper");
   EXPECT_EQ(recorder.last_time(example_entity()), frame(0).time);
   ASSERT_OK(recorder.commit({{frame(12)}}));
   ASSERT_OK(recorder.close());
   EXPECT_EQ(summary().snapshots, 2u);
   EXPECT_EQ(summary().offered, 6u);
+}
+
+TEST_F(RecorderTest, TakesNothingOfACommitThatIsIncomplete) {
+  auto recorder = *Recorder::open(store(), {});
+  Snapshot empty = frame(1, "empty");
+  empty.instances.clear();
+  EXPECT_FAILS(recorder.commit({{frame(0), empty}}), StatusCode::kInvalidArgument, "no instance");
+  EXPECT_FAILS(recorder.commit({{frame(0), frame(0)}}), StatusCode::kInvalidArgument, "twice");
+  EXPECT_TRUE(recorder.counters().empty());
+  EXPECT_FALSE(recorder.last_time(example_entity()).has_value());
 }
 
 TEST_F(RecorderTest, ContinuesAStore) {

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/memory/data_fields.h"
+#include "ltm/memory/result.h"
+
+namespace engram::ltm {
+
+namespace {
+
+idf::Data instance_data(const InstanceResult& instance, bool is_ids_only) {
+  idf::Dict dict{{"index", instance.index}};
+  if (is_ids_only) return dict;
+  dict.set("data", instance.data);
+  dict.set("metadata", instance.metadata.to_data());
+  if (instance.error)
+    dict.set("error", idf::Dict{{"image_mse", instance.error->image_mse},
+                                {"number_mse", instance.error->number_mse}});
+  return dict;
+}
+
+idf::Data snapshot_data(const SnapshotResult& snapshot, bool is_ids_only) {
+  idf::Dict dict{{"time", to_ns(snapshot.time)}, {"source", to_string(snapshot.source)}};
+  if (!snapshot.model.empty()) dict.set("model", snapshot.model);
+  if (!snapshot.predictor.empty()) dict.set("predictor", snapshot.predictor);
+  if (snapshot.horizon != Duration(0)) dict.set("horizon", int64_t{snapshot.horizon.count()});
+  idf::List instances;
+  instances.reserve(snapshot.instances.size());
+  for (const InstanceResult& instance : snapshot.instances)
+    instances.push_back(instance_data(instance, is_ids_only));
+  dict.set("instances", std::move(instances));
+  return dict;
+}
+
+idf::Data entity_data(const EntityResult& entity, bool is_ids_only) {
+  idf::List snapshots;
+  snapshots.reserve(entity.snapshots.size());
+  for (const SnapshotResult& snapshot : entity.snapshots)
+    snapshots.push_back(snapshot_data(snapshot, is_ids_only));
+  return idf::Dict{{"id", entity.id.to_data()}, {"snapshots", std::move(snapshots)}};
+}
+
+Result<MeasuredError> error_from(const idf::Data& data) {
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "error"));
+  MeasuredError error;
+  ENGRAM_ASSIGN_OR_RETURN(error.image_mse, fields.number("image_mse"));
+  ENGRAM_ASSIGN_OR_RETURN(error.number_mse, fields.number("number_mse"));
+  return error;
+}
+
+Result<InstanceResult> instance_from(const idf::Data& data, bool is_ids_only) {
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "instance"));
+  InstanceResult instance;
+  ENGRAM_ASSIGN_OR_RETURN(instance.index, fields.instance_index("index"));
+  if (is_ids_only) return instance;
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data* value, fields.data("data"));
+  instance.data = *value;
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data* metadata, fields.data("metadata"));
+  ENGRAM_ASSIGN_OR_RETURN(instance.metadata, InstanceMetadata::from_data(*metadata));
+  if (!fields.has("error")) return instance;
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data* error, fields.data("error"));
+  ENGRAM_ASSIGN_OR_RETURN(instance.error, error_from(*error));
+  return instance;
+}
+
+Status read_instances(const idf::List& list, bool is_ids_only, SnapshotResult& snapshot) {
+  for (const idf::Data& one : list) {
+    ENGRAM_ASSIGN_OR_RETURN(InstanceResult instance, instance_from(one, is_ids_only));
+    if (!snapshot.instances.empty() && instance.index <= snapshot.instances.back().index)
+      return invalid_argument("snapshot: instance {} comes after {}, needs increasing indices",
+                              instance.index, snapshot.instances.back().index);
+    snapshot.instances.push_back(std::move(instance));
+  }
+  return {};
+}
+
+Result<SnapshotResult> snapshot_from(const idf::Data& data, bool is_ids_only) {
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "snapshot"));
+  SnapshotResult snapshot;
+  ENGRAM_ASSIGN_OR_RETURN(snapshot.time, fields.time("time"));
+  ENGRAM_ASSIGN_OR_RETURN(const std::string name, fields.text("source"));
+  const auto source = source_from_name(name);
+  if (!source) return invalid_argument("snapshot: source '{}' is not known", name);
+  snapshot.source = *source;
+  if (fields.has("model")) {
+    ENGRAM_ASSIGN_OR_RETURN(snapshot.model, fields.text("model"));
+  }
+  if (fields.has("predictor")) {
+    ENGRAM_ASSIGN_OR_RETURN(snapshot.predictor, fields.text("predictor"));
+  }
+  if (fields.has("horizon")) {
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t horizon, fields.integer("horizon"));
+    snapshot.horizon = Duration(horizon);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const idf::List* instances, fields.list("instances"));
+  ENGRAM_RETURN_IF_ERROR(read_instances(*instances, is_ids_only, snapshot));
+  return snapshot;
+}
+
+/// Reads one entity that comes after `last` in the order of names, and makes it the last.
+Status read_entity(const idf::Data& data, QueryResult& result, MemoryId& last) {
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "entity"));
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data* id, fields.data("id"));
+  ENGRAM_ASSIGN_OR_RETURN(const MemoryId entity, MemoryId::from_data(*id));
+  if (!entity.is_entity())
+    return invalid_argument("'{}' is no entity: needs four names", entity.to_string());
+  if (entity <= last)
+    return invalid_argument("'{}' comes after '{}', needs increasing names", entity.to_string(),
+                            last.to_string());
+  last = entity;
+  ENGRAM_ASSIGN_OR_RETURN(const idf::List* snapshots, fields.list("snapshots"));
+  EntityResult& place = result.add_entity(entity);
+  for (const idf::Data& one : *snapshots) {
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult snapshot, snapshot_from(one, result.is_ids_only()));
+    if (!place.snapshots.empty() && snapshot.time <= place.snapshots.back().time)
+      return invalid_argument("'{}': {} comes after {}, needs increasing times", entity.to_string(),
+                              to_string(snapshot.time), to_string(place.snapshots.back().time));
+    place.snapshots.push_back(std::move(snapshot));
+  }
+  return {};
+}
+
+}  // namespace
+
+idf::Data QueryResult::to_data() const {
+  idf::List list;
+  for (const EntityResult* entity : entities()) list.push_back(entity_data(*entity, is_ids_only_));
+  return idf::Dict{{"ids_only", is_ids_only_}, {"entities", std::move(list)}};
+}
+
+Result<QueryResult> QueryResult::from_data(const idf::Data& data) {
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "result"));
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_ids_only, fields.boolean("ids_only"));
+  ENGRAM_ASSIGN_OR_RETURN(const idf::List* list, fields.list("entities"));
+  QueryResult result(is_ids_only);
+  MemoryId last;
+  for (const idf::Data& one : *list)
+    if (const Status read = read_entity(one, result, last); !read.ok())
+      return read.with_context("result");
+  return result;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/memory/utf8.h"
+
+#include <gtest/gtest.h>
+
+namespace engram::ltm {
+namespace {
+
+TEST(Utf8, IsWhatUnicodeSays) {
+  for (const char* text : {"", "a", "\x7f", "ü", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
+                           "机", "\xf0\x90\x80\x80", "🤖", "\xf4\x8f\xbf\xbf"})
+    EXPECT_TRUE(is_utf8(text)) << text;
+  for (const char* text : {"\x80", "\xbf", "\xc0\x80", "\xc1\xbf", "\xc2", "\xe0\x9f\xbf",
+                           "\xe2\x82", "\xed\xa0\x80", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80",
+                           "\xf5\x80\x80\x80", "\xff", "a\xc3", "\xc3(", "x\xe2\x28\xa1"})
+    EXPECT_FALSE(is_utf8(text)) << text;
+}
+
+}  // namespace
+}  // namespace engram::ltm
