@@ -59,12 +59,13 @@ class Sizer {
   size_t size_ = 0;
 };
 
+/// Appends to reserved bytes: filling them with zeros first would cost as much as the copy.
 class Writer {
  public:
-  explicit Writer(std::byte* out) : begin_(out), out_(out) {}
+  explicit Writer(std::vector<std::byte>& out) : out_(out) {}
 
   void tag(Tag value) { byte(static_cast<uint8_t>(value)); }
-  void byte(uint8_t value) { *out_++ = static_cast<std::byte>(value); }
+  void byte(uint8_t value) { out_.push_back(static_cast<std::byte>(value)); }
   void varint(uint64_t value) {
     for (; value >= 0x80; value >>= 7) byte(static_cast<uint8_t>(value | 0x80));
     byte(static_cast<uint8_t>(value));
@@ -74,16 +75,12 @@ class Writer {
     bytes(std::as_bytes(std::span(&value, 1)));
   }
   void bytes(std::span<const std::byte> bytes) {
-    if (!bytes.empty()) std::memcpy(out_, bytes.data(), bytes.size());
-    out_ += bytes.size();
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
   }
-  void align() {
-    while (static_cast<size_t>(out_ - begin_) % kAlignment != 0) byte(0);
-  }
+  void align() { out_.resize(aligned(out_.size())); }
 
  private:
-  std::byte* begin_;
-  std::byte* out_;
+  std::vector<std::byte>& out_;
 };
 
 /// False where `data` nests deeper than `levels` or has an ndarray of too many axes.
@@ -151,6 +148,8 @@ bool write(const Data& data, int levels, Sink& sink) {
   return std::visit(ValueWriter<Sink>{sink, levels}, data.value());
 }
 
+/// Reads into places that the caller has. A first error is kept and ends the reading: carrying it
+/// through a Result per node would cost more than the reading itself.
 class Reader {
  public:
   explicit Reader(const Buffer& buffer) : buffer_(buffer), bytes_(buffer.bytes()) {}
@@ -160,7 +159,8 @@ class Reader {
       return data_loss("IDF bytes: needs the header 'IDF' and version 1, found {} other bytes",
                        bytes_.size());
     at_ = kMagic.size();
-    ENGRAM_ASSIGN_OR_RETURN(Data data, read(max_depth));
+    Data data;
+    if (!read(data, max_depth)) return error_;
     if (at_ != bytes_.size())
       return data_loss("IDF bytes: {} bytes after the value at offset {}", bytes_.size() - at_,
                        at_);
@@ -170,131 +170,132 @@ class Reader {
  private:
   [[nodiscard]] size_t left() const { return bytes_.size() - at_; }
 
-  Status broken(std::string_view what) const {
-    return data_loss("IDF bytes at offset {}: {}", at_, what);
+  [[gnu::cold]] bool fail(std::string_view what) {
+    error_ = data_loss("IDF bytes at offset {}: {}", at_, what);
+    return false;
   }
 
-  Result<Data> read(int levels) {
-    if (left() == 0) return broken("the bytes end where a value must start");
+  bool read(Data& out, int levels) {
+    if (left() == 0) return fail("the bytes end where a value must start");
     const auto tag = static_cast<Tag>(bytes_[at_++]);
     switch (tag) {
       case Tag::kNone:
-        return Data();
+        return true;
       case Tag::kFalse:
-        return Data(false);
+        return out = Data(false), true;
       case Tag::kTrue:
-        return Data(true);
+        return out = Data(true), true;
       case Tag::kInt32:
-        return read_scalar<int32_t>();
+        return read_scalar<int32_t>(out);
       case Tag::kInt64:
-        return read_scalar<int64_t>();
+        return read_scalar<int64_t>(out);
       case Tag::kFloat32:
-        return read_scalar<float>();
+        return read_scalar<float>(out);
       case Tag::kFloat64:
-        return read_scalar<double>();
-      case Tag::kString: {
-        ENGRAM_ASSIGN_OR_RETURN(std::string text, read_text());
-        return Data(std::move(text));
-      }
+        return read_scalar<double>(out);
+      case Tag::kString:
+        return read_text(out.value().emplace<std::string>());
       case Tag::kNdArray:
-        return read_ndarray();
+        return read_ndarray(out);
       case Tag::kList:
-        return read_list(levels);
+        return read_list(out.value().emplace<List>(), levels);
       case Tag::kDict:
-        return read_dict(levels);
+        return read_dict(out.value().emplace<Dict>(), levels);
     }
     --at_;
-    return broken(fmt::format("unknown tag {}", static_cast<int>(tag)));
+    return fail(fmt::format("unknown tag {}", static_cast<int>(tag)));
   }
 
   template <typename T>
-  Result<Data> read_scalar() {
-    if (left() < sizeof(T)) return broken("the bytes end inside a number");
-    T value;
-    std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+  bool read_scalar(Data& out) {
+    if (left() < sizeof(T)) return fail("the bytes end inside a number");
+    std::memcpy(&out.value().emplace<T>(), bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
-    return Data(value);
+    return true;
   }
 
-  Result<uint64_t> read_varint() {
-    uint64_t value = 0;
+  bool read_varint(uint64_t& value) {
+    value = 0;
     for (int shift = 0; shift < 64; shift += 7) {
-      if (left() == 0) return broken("the bytes end inside a length");
+      if (left() == 0) return fail("the bytes end inside a length");
       const auto byte = static_cast<uint64_t>(bytes_[at_++]);
-      if (shift == 63 && byte > 1) return broken("a length exceeds 64 bits");
+      if (shift == 63 && byte > 1) return fail("a length exceeds 64 bits");
       value |= (byte & 0x7f) << shift;
-      if (byte < 0x80) return value;
+      if (byte < 0x80) return true;
     }
-    return broken("a length exceeds 64 bits");
+    return fail("a length exceeds 64 bits");
   }
 
   /// A number of things of which each takes at least `least` of the bytes that are left.
-  Result<size_t> read_count(size_t least) {
-    ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, read_varint());
-    if (count > left() / least)
-      return broken(fmt::format("{} elements announced, {} bytes left", count, left()));
-    return static_cast<size_t>(count);
+  bool read_count(size_t& count, size_t least) {
+    uint64_t announced = 0;
+    if (!read_varint(announced)) return false;
+    if (announced > left() / least)
+      return fail(fmt::format("{} elements announced, {} bytes left", announced, left()));
+    count = announced;
+    return true;
   }
 
-  Result<std::string> read_text() {
-    ENGRAM_ASSIGN_OR_RETURN(const size_t size, read_count(1));
-    std::string text(as_text(bytes_.subspan(at_, size)));
+  bool read_text(std::string& out) {
+    size_t size = 0;
+    if (!read_count(size, 1)) return false;
+    out.assign(as_text(bytes_.subspan(at_, size)));
     at_ += size;
-    return text;
+    return true;
   }
 
-  Result<Data> read_ndarray() {
-    if (left() < 2) return broken("the bytes end inside an ndarray");
+  bool read_ndarray(Data& out) {
+    if (left() < 2) return fail("the bytes end inside an ndarray");
     const auto type = element_type_from_code(static_cast<uint8_t>(bytes_[at_]));
     const auto rank = static_cast<size_t>(bytes_[at_ + 1]);
-    if (!type || rank > kMaxRank) return broken("an ndarray of unknown type or rank above 16");
+    if (!type || rank > kMaxRank) return fail("an ndarray of unknown type or rank above 16");
     at_ += 2;
     Shape shape(rank);
     for (int64_t& size : shape) {
-      ENGRAM_ASSIGN_OR_RETURN(const uint64_t value, read_varint());
-      if (value > INT64_MAX) return broken("an axis of an ndarray exceeds 63 bits");
+      uint64_t value = 0;
+      if (!read_varint(value)) return false;
+      if (value > INT64_MAX) return fail("an axis of an ndarray exceeds 63 bits");
       size = static_cast<int64_t>(value);
     }
     const auto needed = size_bytes(*type, shape);
     const size_t start = aligned(at_);
     if (!needed || start > bytes_.size() || *needed > bytes_.size() - start)
-      return broken(fmt::format("an ndarray {} {} exceeds the {} bytes left", to_string(*type),
-                                to_string(shape), left()));
+      return fail(fmt::format("an ndarray {} {} exceeds the {} bytes left", to_string(*type),
+                              to_string(shape), left()));
     at_ = start + *needed;
     auto array = NdArray::create(*type, shape, buffer_.slice(start, *needed));
     if (!array.ok())
       array = NdArray::create(*type, shape, Buffer::copy(bytes_.subspan(start, *needed)));
-    ENGRAM_RETURN_IF_ERROR(array.status());
-    return Data(std::move(array).value());
+    if (!array.ok()) return fail(array.status().message());
+    out = Data(std::move(array).value());
+    return true;
   }
 
-  Result<Data> read_list(int levels) {
-    if (levels <= 0) return broken("nests too deep, at most 64 levels are allowed");
-    ENGRAM_ASSIGN_OR_RETURN(const size_t count, read_count(1));
-    List list;
-    list.reserve(std::min(count, kReserveLimit));
-    for (size_t i = 0; i < count; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(Data element, read(levels - 1));
-      list.push_back(std::move(element));
-    }
-    return Data(std::move(list));
+  bool read_list(List& out, int levels) {
+    if (levels <= 0) return fail("nests too deep, at most 64 levels are allowed");
+    size_t count = 0;
+    if (!read_count(count, 1)) return false;
+    out.reserve(std::min(count, kReserveLimit));
+    for (size_t i = 0; i < count; ++i)
+      if (!read(out.emplace_back(), levels - 1)) return false;
+    return true;
   }
 
-  Result<Data> read_dict(int levels) {
-    if (levels <= 0) return broken("nests too deep, at most 64 levels are allowed");
-    ENGRAM_ASSIGN_OR_RETURN(const size_t count, read_count(2));
-    Dict dict;
-    dict.reserve(std::min(count, kReserveLimit));
+  bool read_dict(Dict& out, int levels) {
+    if (levels <= 0) return fail("nests too deep, at most 64 levels are allowed");
+    size_t count = 0;
+    if (!read_count(count, 2)) return false;
+    out.reserve(std::min(count, kReserveLimit));
     std::unordered_set<std::string> seen;
     for (size_t i = 0; i < count; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(std::string key, read_text());
+      std::string key;
+      if (!read_text(key)) return false;
       const bool is_new =
-          count < kHashedDictSize ? dict.find(key) == nullptr : seen.insert(key).second;
-      if (!is_new) return broken("a dict has the key '" + key + "' twice");
-      ENGRAM_ASSIGN_OR_RETURN(Data value, read(levels - 1));
-      dict.append_unique(std::move(key), std::move(value));
+          count < kHashedDictSize ? out.find(key) == nullptr : seen.insert(key).second;
+      if (!is_new) return fail("a dict has the key '" + key + "' twice");
+      if (!read(out.append_unique(std::move(key), Data()), levels - 1)) return false;
     }
-    return Data(std::move(dict));
+    return true;
   }
 
   /// One byte can announce one element of 48: growth beyond this is paid as the bytes arrive.
@@ -303,6 +304,7 @@ class Reader {
   const Buffer& buffer_;
   std::span<const std::byte> bytes_;
   size_t at_ = 0;
+  Status error_;
 };
 
 }  // namespace
@@ -315,8 +317,9 @@ size_t encoded_size(const Data& data) {
 }
 
 Result<std::vector<std::byte>> encode(const Data& data, int max_depth) {
-  std::vector<std::byte> bytes(encoded_size(data));
-  Writer writer(bytes.data());
+  std::vector<std::byte> bytes;
+  bytes.reserve(encoded_size(data));
+  Writer writer(bytes);
   writer.bytes(as_bytes(kMagic));
   ENGRAM_CHECK(max_depth <= kMaxDepth + kContainerDepth, "{} levels", max_depth);
   if (!write(data, max_depth, writer))

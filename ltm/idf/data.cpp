@@ -20,8 +20,8 @@ void Dict::set(std::string_view key, Data value) {
     entries_.push_back({std::string(key), std::move(value)});
 }
 
-void Dict::append_unique(std::string key, Data value) {
-  entries_.push_back({std::move(key), std::move(value)});
+Data& Dict::append_unique(std::string key, Data value) {
+  return entries_.emplace_back(DictEntry{std::move(key), std::move(value)}).value;
 }
 
 const Data* Dict::find(std::string_view key) const {

@@ -40,8 +40,9 @@ class Dict {
   /// Replaces the value of an existing key, else appends.
   void set(std::string_view key, Data value);
 
-  /// Appends without looking for the key. The caller knows that `key` is new.
-  void append_unique(std::string key, Data value);
+  /// Appends without looking for the key, and gives the place of the value, valid until the dict
+  /// changes. The caller knows that `key` is new.
+  Data& append_unique(std::string key, Data value);
 
   /// Null where there is no such key; valid until the dict changes.
   [[nodiscard]] const Data* find(std::string_view key) const;
