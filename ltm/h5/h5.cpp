@@ -184,7 +184,8 @@ struct File::State {
     std::vector<hsize_t> sizes(info.shape.size());
     H5Sget_simple_extent_dims(space, sizes.data(), nullptr);
     std::ranges::copy(sizes, info.shape.begin());
-    uint64_t total = size_bytes(*element);
+    const bool is_empty = std::ranges::find(info.shape, 0u) != info.shape.end();
+    uint64_t total = is_empty ? 0 : size_bytes(*element);
     for (const uint64_t size : info.shape)
       if (__builtin_mul_overflow(total, size, &total))
         return broken(object, "is larger than 64 bits");

@@ -66,5 +66,13 @@ TEST(NdArrayDeathTest, ChecksTheElementType) {
   EXPECT_DEATH((void)array.values<float>(), "array has int32");
 }
 
+TEST(SizeBytes, IsZeroWhereAnyAxisIsWhateverTheOthers) {
+  constexpr int64_t kHuge = int64_t{1} << 40;
+  EXPECT_EQ(size_bytes(ElementType::kFloat32, {kHuge, kHuge, 0}), 0u);
+  EXPECT_EQ(size_bytes(ElementType::kFloat32, {0, kHuge, kHuge}), 0u);
+  EXPECT_EQ(size_bytes(ElementType::kFloat32, {kHuge, kHuge}), std::nullopt);
+  EXPECT_EQ(size_bytes(ElementType::kFloat32, {0, -1}), std::nullopt);
+}
+
 }  // namespace
 }  // namespace engram::idf

@@ -155,6 +155,17 @@ TEST(Segment, GivesBackEmptyAndDeepValues) {
   expect_round_trip(entities);
 }
 
+TEST(Segment, GivesBackEmptyArraysOfHugeAxes) {
+  Entities entities;
+  constexpr int64_t kHuge = int64_t{1} << 40;
+  for (int64_t i = 0; i < 4; ++i) {
+    const auto array = idf::NdArray::take<float>({kHuge, kHuge, 0}, {});
+    entities[example_entity()].push_back(
+        {example_entity(), example_time(i), {{idf::Dict{{"a", array}, {"n", 1.0}}, {}}}});
+  }
+  expect_round_trip(entities);
+}
+
 TEST(Segment, GivesBackKeysWithZeroBytes) {
   const std::string key("a\0b", 3);
   Entities entities;
