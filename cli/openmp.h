@@ -3,11 +3,11 @@
 
 namespace engram::cli {
 
-/// Lets OpenMP's threads sleep where they wait, unless the environment says otherwise: starts the
-/// program over with OMP_WAIT_POLICY=passive, because OpenMP reads it before main().
+/// Lets OpenMP's threads spin only shortly where they wait, unless the environment says otherwise:
+/// starts the program over with GOMP_SPINCOUNT set, because OpenMP reads it before main().
 ///
-/// Threads that spin starve each other as soon as another process wants a core: training beside
-/// two compilers took 2 to 6 times as long.
+/// By default they spin for milliseconds and starve each other as soon as another process wants a
+/// core; sleeping at once costs as much on an idle machine. Source: docs/learning.md.
 void rest_waiting_threads(char** argv);
 
 }  // namespace engram::cli

@@ -17,8 +17,8 @@ function(engram_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE ENGRAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  # Tests run beside each other: waiting threads must not spin (cli/openmp.h).
-  set(environment ENVIRONMENT OMP_WAIT_POLICY=passive)
+  # Tests run beside each other: waiting threads must not spin for long (cli/openmp.h).
+  set(environment ENVIRONMENT GOMP_SPINCOUNT=10000)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900 ${environment})
