@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -15,34 +13,18 @@
 #include "datasets/video_reader.h"
 #include "datasets/video_writer.h"
 #include "ltm/core/file.h"
+#include "tests/ltm/scratch_directory.h"
 
 namespace engram::datasets::testing {
 
-/// A directory of its own that goes with this object.
-class TemporaryDirectory {
+/// A scratch directory that files are written into by name.
+class TemporaryDirectory : public ScratchDirectory {
  public:
-  TemporaryDirectory() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "engram-test-XXXXXX").string();
-    ENGRAM_CHECK(mkdtemp(pattern.data()) != nullptr, "cannot make '{}'", pattern);
-    path_ = pattern;
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  ~TemporaryDirectory() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-
-  std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
-
   /// Writes a file and says where it is.
   std::filesystem::path write(std::string_view name, std::string_view content) const {
-    std::ofstream(path_ / name, std::ios::binary) << content;
-    return path_ / name;
+    std::ofstream(path() / name, std::ios::binary) << content;
+    return path() / name;
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 inline std::string content_of(const std::filesystem::path& path) {
