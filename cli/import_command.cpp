@@ -8,6 +8,7 @@
 #include "datasets/video_reader.h"
 #include "datasets/video_table.h"
 #include "ltm/core/log.h"
+#include "ltm/idf/type_xml.h"
 #include "ltm/recording/recorder.h"
 
 namespace engram::cli {
@@ -19,10 +20,13 @@ constexpr const char* kFooter = R"(Examples:
       --state-entity RobotState/Proprioception/robot/joints robot.engram
   engram import --video V.mp4 --entity Vision/RGB/head/cam --size 128x128 --rate 5 \
       --start '2022-02-18 13:06:56' robot.engram
+  engram import --video V.mp4 --entity Vision/RGB/head/cam --types camera.xml \
+      --type Vision/RGB=robot::View robot.engram
 
 Every frame becomes a snapshot {"image", "state"}, every row of the table a snapshot of its
 columns ("a.b" becomes {"a": {"b": ...}}) with a link to its image; each links to the nearest of
-the other that came in. Without --start the recording begins when the video says it was made, else
+the other that came in. With --type values are stored as a segment's type has them, and refused where
+they break it. Without --start the recording begins when the video says it was made, else
 at 1970-01-01. Entities are filtered to --rate each; --all keeps everything.)";
 
 struct ImportArguments {
@@ -36,6 +40,8 @@ struct ImportArguments {
   std::string time_column;
   std::string time_unit = "s";
   std::vector<std::string> skip_columns;
+  std::vector<std::string> type_files;
+  std::vector<std::string> types;  ///< "SEGMENT=NAME".
   std::string size;
   std::string image_codec = "png";
   std::string durability = "interval";
@@ -96,6 +102,47 @@ ltm::Recorder::Options recorder_options(const ImportArguments& arguments) {
   return options;
 }
 
+struct DeclaredType {
+  ltm::MemoryId segment;
+  idf::Type type;
+};
+
+/// "Vision/RGB=robot::View": a segment, and a type of the files.
+Result<DeclaredType> read_type(const std::string& text, const std::vector<idf::TypeFile>& files) {
+  const size_t equals = text.rfind('=');
+  if (equals == std::string::npos)
+    return invalid_argument("--type '{}': needs SEGMENT=NAME, as in Vision/RGB=robot::View", text);
+  ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId segment, ltm::MemoryId::parse(text.substr(0, equals)));
+  std::string known;
+  for (const idf::TypeFile& file : files) {
+    if (const idf::Type* type = file.find(text.substr(equals + 1)))
+      return DeclaredType{std::move(segment), *type};
+    for (const idf::Type& type : file.types) known += fmt::format(" {}", type.name());
+  }
+  return invalid_argument("--type '{}': no such type in the --types files; they have:{}", text,
+                          known.empty() ? " none" : known);
+}
+
+Result<std::vector<DeclaredType>> read_types(const ImportArguments& arguments) {
+  std::vector<idf::TypeFile> files;
+  for (const std::string& path : arguments.type_files) {
+    ENGRAM_ASSIGN_OR_RETURN(idf::TypeFile file, idf::read_type_file(path));
+    files.push_back(std::move(file));
+  }
+  std::vector<DeclaredType> types;
+  for (const std::string& text : arguments.types) {
+    ENGRAM_ASSIGN_OR_RETURN(DeclaredType type, read_type(text, files));
+    types.push_back(std::move(type));
+  }
+  return types;
+}
+
+Status declare(ltm::Recorder& recorder, const std::vector<DeclaredType>& types) {
+  for (const DeclaredType& each : types)
+    ENGRAM_RETURN_IF_ERROR(recorder.declare(each.segment, each.type));
+  return {};
+}
+
 Json report_json(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
   Json entities = Json::array();
   for (const auto& [id, counters] : recorder.counters())
@@ -103,6 +150,7 @@ Json report_json(const datasets::ImportReport& report, const ltm::Recorder& reco
                         {"offered", counters.offered},
                         {"kept", counters.kept},
                         {"dropped_by", counters.dropped_by},
+                        {"reinterpreted", counters.reinterpreted},
                         {"offered_bytes", counters.offered_bytes},
                         {"kept_bytes", counters.kept_bytes},
                         {"stored_bytes", counters.stored_bytes}});
@@ -127,6 +175,10 @@ void print_report(const datasets::ImportReport& report, const ltm::Recorder& rec
                bytes_text(static_cast<double>(counters.stored_bytes))});
   }
   print(table.to_string());
+  for (const auto& [id, counters] : recorder.counters())
+    if (counters.reinterpreted > 0)
+      print(fmt::format("{}: {} values were cast to their segment's type ({})", id.to_string(),
+                        count_text(counters.reinterpreted), counters.last_reinterpretation));
   if (report.first && report.last)
     print(fmt::format("{} to {}", to_string(*report.first), to_string(*report.last)));
   if (report.duplicate_frames > 0)
@@ -140,11 +192,14 @@ ExitCode run(const ImportArguments& arguments) {
   if (!options.ok()) return wrong_usage(options.status());
   const ltm::Recorder::Options recording = recorder_options(arguments);
   if (const Status status = recording.validate(); !status.ok()) return wrong_usage(status);
+  const auto types = read_types(arguments);
+  if (!types.ok()) return wrong_usage(types.status());
   const auto start = start_of(arguments);
   if (!start.ok()) return fail(start.status());
   options->start = *start;
   auto recorder = ltm::Recorder::open(arguments.store, recording);
   if (!recorder.ok()) return fail(recorder.status());
+  if (const Status status = declare(*recorder, *types); !status.ok()) return fail(status);
   ProgressLine progress;
   const auto report =
       datasets::import_video_table(*options, *recorder, progress.sink(), interrupt_token());
@@ -198,6 +253,10 @@ void add_import_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command->add_option("--skip-column", arguments->skip_columns,
                       "Leave a column of the table out; may be given again");
+  command->add_option("--types", arguments->type_files,
+                      "XML type description (docs/idf.md); may be given again");
+  command->add_option("--type", arguments->types,
+                      "SEGMENT=NAME: the type of a core or provider segment; may be given again");
   command->add_option("--table-offset", arguments->table_offset,
                       "Added to the table's times to get the video's")
       ->check(duration_text())

@@ -110,6 +110,18 @@ void print_entity(const ltm::EntitySummary& summary, double rate_hz) {
   print("  models     " + models + quality_text(summary.latent));
 }
 
+Json types_json(const ltm::SegmentTypes& types) {
+  Json json = Json::object();
+  for (const auto& [segment, type] : types.all()) json[segment.to_string()] = to_string(type);
+  return json;
+}
+
+void print_types(const ltm::SegmentTypes& types) {
+  if (!types.all().empty()) print("\nTypes of segments");
+  for (const auto& [segment, type] : types.all())
+    print(fmt::format("  {}  {}", segment.to_string(), to_string(type)));
+}
+
 ExitCode run(const std::string& store, bool is_json) {
   auto reader = ltm::StoreReader::open(store);
   if (!reader.ok()) return fail(reader.status());
@@ -122,6 +134,7 @@ ExitCode run(const std::string& store, bool is_json) {
             {"generation", manifest.generation},
             {"segments", manifest.segments.size()},
             {"damaged_journal_places", damaged},
+            {"types", types_json(manifest.types)},
             {"entities", Json::array()}};
   if (!is_json)
     print(fmt::format("Store {}: {} entities, {} segments, {} models, generation {}", store,
@@ -138,7 +151,10 @@ ExitCode run(const std::string& store, bool is_json) {
     else
       print_entity(*summary, *rate_hz);
   }
-  if (is_json) print_json(json);
+  if (is_json)
+    print_json(json);
+  else
+    print_types(manifest.types);
   if (damaged > 0)
     log::warning("store '{}': {} places in its journals were found damaged; what was there is lost",
                  store, damaged);

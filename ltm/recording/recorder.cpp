@@ -48,6 +48,22 @@ struct Recorder::State {
     return {};
   }
 
+  /// The snapshot with its values as their segment's type has them.
+  Result<Snapshot> reinterpret(const Snapshot& snapshot) {
+    Snapshot typed{snapshot.entity, snapshot.time, {}};
+    for (const Instance& instance : snapshot.instances) {
+      auto value = writer->types().reinterpret(snapshot.entity, instance.data);
+      if (!value.ok()) return value.status();
+      if (!value->notes.empty()) {
+        RecordingCounters& counted = counters[snapshot.entity];
+        ++counted.reinterpreted;
+        counted.last_reinterpretation = value->notes.front().to_string();
+      }
+      typed.instances.push_back({std::move(value->value), instance.metadata});
+    }
+    return typed;
+  }
+
   Result<PackedSnapshot> pack_snapshot(const Snapshot& snapshot, uint64_t raw_bytes) const {
     PackedSnapshot packed{snapshot.entity, snapshot.time, {}, raw_bytes, 0, 0};
     for (const Instance& instance : snapshot.instances) {
@@ -66,8 +82,11 @@ struct Recorder::State {
 
   Status collect(const Commit& commit, Kept& kept) {
     ENGRAM_RETURN_IF_ERROR(commit.check());
-    for (const Snapshot& snapshot : commit.updates) {
-      ENGRAM_RETURN_IF_ERROR(check(snapshot));
+    for (const Snapshot& offered : commit.updates) {
+      ENGRAM_RETURN_IF_ERROR(check(offered));
+      const bool is_typed = writer->types().of_entity(offered.entity) != nullptr;
+      ENGRAM_ASSIGN_OR_RETURN(const Snapshot cast, is_typed ? reinterpret(offered) : Snapshot{});
+      const Snapshot& snapshot = is_typed ? cast : offered;
       ENGRAM_ASSIGN_OR_RETURN(Channel * of, channel(snapshot.entity));
       RecordingCounters& counted = counters[snapshot.entity];
       const uint64_t raw_bytes = snapshot.raw_bytes();
@@ -107,6 +126,10 @@ Result<Recorder> Recorder::open(const std::filesystem::path& store, const Option
   state->options = options;
   ENGRAM_ASSIGN_OR_RETURN(state->writer, StoreWriter::open(store, options.store));
   return Recorder(std::move(state));
+}
+
+Status Recorder::declare(const MemoryId& segment, const idf::Type& type) {
+  return state_->writer->declare(segment, type);
 }
 
 Status Recorder::commit(const Commit& commit) {

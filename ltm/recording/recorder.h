@@ -22,6 +22,9 @@ struct RecordingCounters {
   uint64_t kept_bytes = 0;    ///< Plain bytes.
   uint64_t stored_bytes = 0;  ///< Of the journal frames.
   std::map<std::string, uint64_t, std::less<>> dropped_by;  ///< Per filter name.
+  /// Instances that were cast to their segment's type, which cost members or digits.
+  uint64_t reinterpreted = 0;
+  std::string last_reinterpretation;  ///< What it cost, the last time.
 };
 
 /// The online phase: filters what comes in, encodes what is kept, stores it.
@@ -47,9 +50,16 @@ class Recorder {
   Recorder(Recorder&&) noexcept;
   ~Recorder();
 
+  /// Says what the values of a core segment (two names) or provider segment (three) are: commits
+  /// are reinterpreted as that type where possible, and refused where not. The type is stored with
+  /// the segment and holds in later sessions too.
+  /// Errors: kInvalidArgument where a provider's type does not extend the core type; those of
+  /// StoreWriter::declare.
+  Status declare(const MemoryId& segment, const idf::Type& type);
+
   /// After this returns ok, every kept snapshot of the commit survives `kill -9`.
   /// Errors: those of Commit::check; kInvalidArgument where a time does not come after the
-  /// entity's last one;
+  /// entity's last one, or naming every path where a value is not of its segment's type;
   /// kResourceExhausted, kUnavailable where the disk fails: then nothing was acknowledged.
   Status commit(const Commit& commit);
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "ltm/core/file.h"
+#include "ltm/idf/json.h"
 
 namespace engram::ltm {
 
@@ -130,6 +131,20 @@ ModelInfo model_from(const Json& json) {
           json.at("bytes"), from_hex(json.at("checksum"))};
 }
 
+Json to_json(const SegmentTypes& types) {
+  auto json = idf::to_json(types.to_data());
+  if (!json.ok()) throw std::invalid_argument(json.status().message());
+  return std::move(json).value();
+}
+
+SegmentTypes types_from(const Json& json) {
+  const auto data = idf::from_json(json);
+  if (!data.ok()) throw std::invalid_argument(data.status().message());
+  auto types = SegmentTypes::from_data(*data);
+  if (!types.ok()) throw std::invalid_argument(types.status().message());
+  return std::move(types).value();
+}
+
 Json to_json(const Manifest& manifest) {
   Json segments = Json::array();
   for (const SegmentInfo& segment : manifest.segments) segments.push_back(to_json(segment));
@@ -142,6 +157,7 @@ Json to_json(const Manifest& manifest) {
           {"next_segment", manifest.next_segment},
           {"first_journal", manifest.first_journal},
           {"damaged", manifest.damaged},
+          {"types", to_json(manifest.types)},
           {"segments", std::move(segments)},
           {"models", std::move(models)}};
 }
@@ -153,7 +169,9 @@ Manifest manifest_from(const Json& json) {
                     json.at("first_journal"),
                     json.at("damaged"),
                     {},
+                    {},
                     {}};
+  if (json.contains("types")) manifest.types = types_from(json.at("types"));
   for (const Json& segment : json.at("segments"))
     manifest.segments.push_back(segment_from(segment));
   for (const Json& model : json.at("models")) manifest.models.push_back(model_from(model));
@@ -164,7 +182,7 @@ Status write_manifest(const std::filesystem::path& store, const Manifest& manife
   try {
     const std::string text = to_json(manifest).dump(1) + "\n";
     return replace_file(store / kManifestFile, as_bytes(text));
-  } catch (const Json::exception& error) {
+  } catch (const std::exception& error) {
     return invalid_argument("store '{}': {} cannot be written: {}", store.string(), kManifestFile,
                             error.what());
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ltm/memory/memory_id.h"
+#include "ltm/memory/segment_types.h"
 
 namespace engram::ltm {
 
@@ -66,6 +66,7 @@ struct Manifest {
   uint64_t next_segment = 1;   ///< Number of the next segment file.
   uint64_t first_journal = 1;  ///< Journals below this number are sealed.
   uint64_t damaged = 0;        ///< Places in sealed journals where acknowledged data was lost.
+  SegmentTypes types;          ///< As they were declared last; segment files have their own.
   std::vector<SegmentInfo> segments;
   std::vector<ModelInfo> models;
 };

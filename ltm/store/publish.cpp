@@ -205,7 +205,10 @@ Result<DropReport> drop_recorded(const std::filesystem::path& store, const Memor
     total.kept += rewritten.report.kept;
     if (rewritten.report.snapshots == 0) continue;
     ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
-    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made, write_recorded_segment(file, rewritten.entities));
+    ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(store / old.file));
+    ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made,
+                            write_recorded_segment(file, rewritten.entities, types));
     // Raw bytes of what went stay counted: reports compare with what the robot perceived.
     for (SegmentEntity& part : made.entities) part.raw_bytes = find_entity(old, part.id)->raw_bytes;
     ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {

@@ -14,6 +14,9 @@ namespace engram::ltm {
 /// Format of segment files. Source: docs/format.md, section "Segment".
 inline constexpr int kSegmentFormatVersion = 1;
 
+/// The dataset with the types of a file's entities. No memory can have this name.
+inline constexpr const char* kSegmentTypes = "/#types";
+
 /// Most rows whose remainders are packed together, and about the most plain bytes of them.
 inline constexpr size_t kRemainderBlockRows = 128;
 inline constexpr size_t kRemainderBlockBytes = size_t{8} << 20;

@@ -10,6 +10,7 @@
 #include "ltm/core/file.h"
 #include "ltm/h5/h5.h"
 #include "ltm/idf/binary.h"
+#include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/segment_format.h"
@@ -268,6 +269,17 @@ Result<std::unique_ptr<SegmentReader>> SegmentReader::open(const std::filesystem
   ENGRAM_ASSIGN_OR_RETURN(File raw, File::open(path, File::Mode::kRead));
   return std::unique_ptr<SegmentReader>(
       new SegmentReader(std::make_unique<State>(std::move(file), std::move(raw))));
+}
+
+Result<SegmentTypes> SegmentReader::types() const {
+  if (!state_->file.exists(kSegmentTypes)) return SegmentTypes();
+  ENGRAM_ASSIGN_OR_RETURN(const auto texts, state_->file.read_strings(kSegmentTypes));
+  if (texts.size() != 1) return state_->broken(kSegmentTypes, "needs one string");
+  const auto data = idf::from_json_text(texts.front());
+  if (!data.ok()) return state_->broken(kSegmentTypes, data.status().message());
+  auto types = SegmentTypes::from_data(*data);
+  if (!types.ok()) return state_->broken(kSegmentTypes, types.status().message());
+  return types;
 }
 
 Result<std::vector<RowSpan>> SegmentReader::index(const MemoryId& entity) {

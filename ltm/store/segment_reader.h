@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "ltm/memory/segment_types.h"
 #include "ltm/store/latent.h"
 #include "ltm/store/packed_snapshot.h"
 
@@ -26,6 +27,10 @@ class SegmentReader {
   /// Errors: kNotFound, kDataLoss, kFailedPrecondition where the format is newer.
   static Result<std::unique_ptr<SegmentReader>> open(const std::filesystem::path& file);
   ~SegmentReader();
+
+  /// The types that the file's values came under.
+  /// Errors: kDataLoss.
+  Result<SegmentTypes> types() const;
 
   /// Snapshots of an entity in the order of the file, which is that of time.
   /// Errors: kNotFound, kDataLoss.

@@ -8,6 +8,7 @@
 #include "ltm/codec/zstd.h"
 #include "ltm/h5/h5.h"
 #include "ltm/idf/binary.h"
+#include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/segment_format.h"
@@ -343,6 +344,16 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
   return media.write(file, group, rows.size());
 }
 
+/// The types of the segment's entities, so that the file explains itself.
+Status write_types(h5::File& file, const SegmentInfo& info, const SegmentTypes& types) {
+  std::vector<MemoryId> entities;
+  for (const SegmentEntity& entity : info.entities) entities.push_back(entity.id);
+  const SegmentTypes needed = types.of_entities(entities);
+  if (needed.all().empty()) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const std::string text, idf::to_json_text(needed.to_data()));
+  return file.write_strings(kSegmentTypes, {&text, 1});
+}
+
 Result<h5::File> create_segment(const std::filesystem::path& path, std::string_view kind) {
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format", "engram segment"));
@@ -409,7 +420,8 @@ void add_to_sums(LatentSums& sums, const MeasuredError& error) {
 }  // namespace
 
 Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
-                                           const std::map<MemoryId, RecordedEntity>& entities) {
+                                           const std::map<MemoryId, RecordedEntity>& entities,
+                                           const SegmentTypes& types) {
   SegmentInfo info;
   info.kind = SegmentKind::kRecorded;
   ENGRAM_ASSIGN_OR_RETURN(h5::File segment, create_segment(file, "recorded"));
@@ -417,6 +429,7 @@ Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
     ENGRAM_RETURN_IF_ERROR(write_recorded_entity(segment, id, recorded));
     info.entities.push_back(summarise(id, recorded));
   }
+  ENGRAM_RETURN_IF_ERROR(write_types(segment, info, types));
   ENGRAM_RETURN_IF_ERROR(finish_segment(std::move(segment), info));
   return info;
 }

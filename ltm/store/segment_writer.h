@@ -14,7 +14,8 @@ namespace engram::ltm {
 /// Writes a whole segment file of recorded snapshots; the caller publishes it.
 ///
 /// `entities` hold snapshots in the order of time. `trailing` adds what was dropped after the last
-/// snapshot of an entity. Returns the segment with everything but its `file`.
+/// snapshot of an entity. `types` are those that the values came under. Returns the segment with
+/// everything but its `file`.
 /// Errors: kUnavailable, kInvalidArgument.
 /// Source: docs/format.md, section "Segment".
 struct RecordedEntity {
@@ -23,7 +24,8 @@ struct RecordedEntity {
   uint64_t trailing_dropped_bytes = 0;
 };
 Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
-                                           const std::map<MemoryId, RecordedEntity>& entities);
+                                           const std::map<MemoryId, RecordedEntity>& entities,
+                                           const SegmentTypes& types = {});
 
 /// Writes a whole segment file of one entity's latents, all of one model version, in the order of
 /// time; the caller publishes it. Returns the segment with everything but its `file`.

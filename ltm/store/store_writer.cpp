@@ -71,6 +71,7 @@ struct StoreWriter::State {
   std::optional<Time> seal_retry;
   Time last_sync{};
   std::map<MemoryId, Time> last_times;
+  SegmentTypes types;
   uint64_t damaged = 0;
 
   State(std::filesystem::path store, const Options& chosen, Clock now, File writer_lock)
@@ -90,6 +91,7 @@ struct StoreWriter::State {
     for (const SegmentInfo& segment : manifest.segments)
       for (const SegmentEntity& entity : segment.entities)
         if (entity.snapshots > 0) note_time(entity.id, entity.last);
+    types = manifest.types;
     next_journal = manifest.first_journal;
     ENGRAM_ASSIGN_OR_RETURN(const auto journals, list_journals(path));
     for (const uint64_t number : journals) {
@@ -194,7 +196,7 @@ struct StoreWriter::State {
   }
 
   Status publish_segment(const std::filesystem::path& file, const JournalContent& content) {
-    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_recorded_segment(file, content.entities));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_recorded_segment(file, content.entities, types));
     return edit_manifest(path, [&](Manifest& manifest) -> Status {
       segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
       ENGRAM_RETURN_IF_ERROR(publish_file(file, path / segment.file));
@@ -296,6 +298,24 @@ Status StoreWriter::append_dropped(const MemoryId& entity, uint64_t dropped,
   note.dropped_bytes = dropped_bytes;
   ENGRAM_ASSIGN_OR_RETURN(auto payload, encode_frame(note));
   return state_->append_frames({std::move(payload)});
+}
+
+Status StoreWriter::declare(const MemoryId& segment, const idf::Type& type) {
+  const idf::Type* known = state_->types.find(segment);
+  if (known != nullptr && *known == type) return {};
+  SegmentTypes types = state_->types;
+  ENGRAM_RETURN_IF_ERROR(types.declare(segment, type));
+  ENGRAM_RETURN_IF_ERROR(state_->seal());
+  ENGRAM_RETURN_IF_ERROR(edit_manifest(state_->path, [&types](Manifest& manifest) -> Status {
+    manifest.types = types;
+    return {};
+  }));
+  state_->types = std::move(types);
+  return {};
+}
+
+const SegmentTypes& StoreWriter::types() const {
+  return state_->types;
 }
 
 Status StoreWriter::seal() {

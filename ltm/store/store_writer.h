@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "ltm/memory/segment_types.h"
 #include "ltm/store/packed_snapshot.h"
 
 namespace engram::ltm {
@@ -47,6 +48,13 @@ class StoreWriter {
 
   /// Notes what filters dropped after the last snapshot that was kept.
   Status append_dropped(const MemoryId& entity, uint64_t dropped, uint64_t dropped_bytes);
+
+  /// Says what the values of a core or provider segment are, from the next append on. What was
+  /// appended before is sealed with the types that it came under. After ok this is durable.
+  /// Errors: those of SegmentTypes::declare and of seal.
+  Status declare(const MemoryId& segment, const idf::Type& type);
+
+  [[nodiscard]] const SegmentTypes& types() const;
 
   /// Publishes everything in the journal as one segment.
   Status seal();

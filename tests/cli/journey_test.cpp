@@ -57,6 +57,33 @@ TEST_F(Journey, FiltersToFiveHertzAndCountsWhatWasDropped) {
   EXPECT_LT(camera.at("stored_bytes").get<uint64_t>(), camera.at("raw_bytes").get<uint64_t>());
 }
 
+TEST(Import, StoresTypesAndRefusesWhatBreaksThem) {
+  const ScratchDirectory directory;
+  const std::string types = directory / "types.xml";
+  std::ofstream(types) << R"(<AronTypeDefinition><GenerateTypes>
+    <Object name="robot::View"><ObjectChild key="image"><Image pixelType="rgb24"/></ObjectChild>
+    <ObjectChild key="state"><MemoryLink/></ObjectChild></Object>
+    <Object name="robot::Depth"><ObjectChild key="image"><Image pixelType="depth16"/></ObjectChild></Object>
+    </GenerateTypes></AronTypeDefinition>)";
+  const Recording recording = make_recording(directory.path(), 1);
+  const auto import_as = [&](const std::string& store, const std::string& type) {
+    auto arguments = import_arguments(recording, directory / store);
+    for (const auto& extra : {std::string("--types"), types, std::string("--type"), type})
+      arguments.push_back(extra);
+    return run_engram(arguments);
+  };
+  const RunResult taken = import_as("good", "Vision/RGB=robot::View");
+  ASSERT_EQ(taken.exit_code, 0) << taken.err;
+  const Json info = json_of(run_engram({"info", directory / "good", "--json"}));
+  EXPECT_THAT(info.at("types").at("Vision/RGB").get<std::string>(), HasSubstr("robot::View"));
+  const RunResult refused = import_as("bad", "Vision/RGB=robot::Depth");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("'image'"));
+  const RunResult unknown = import_as("none", "Vision/RGB=robot::Nothing");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("robot::View robot::Depth"));
+}
+
 TEST_F(Journey, ConsolidationStoresLatentsOfEveryEntityWithTheirMeasuredError) {
   ASSERT_EQ(consolidated_.at("entities").size(), 2u);
   const Json camera = camera_info(store_);

@@ -151,5 +151,54 @@ TEST_F(RecorderTest, KeepsDropCountsBeforeTheLastKeptWhereItIsKilled) {
   EXPECT_EQ(summary().offered, 97u);
 }
 
+idf::Type reading_type() {
+  return idf::Type::object("Reading", {{"value", idf::Type::float32({"m", 0, 10})}});
+}
+
+Snapshot reading(int64_t index, idf::Data value) {
+  return {*MemoryId::parse("Sensors/Range/robot/front"), example_time(index),
+          {{idf::Dict{{"value", std::move(value)}}, {}}}};
+}
+
+TEST_F(RecorderTest, StoresValuesAsTheTypeOfTheirSegmentHasThem) {
+  auto recorder = *Recorder::open(store(), {});
+  const MemoryId core = *MemoryId::parse("Sensors/Range");
+  ASSERT_OK(recorder.declare(core, reading_type()));
+  ASSERT_OK(recorder.commit({{reading(0, 2.5f)}}));
+  ASSERT_OK(recorder.commit({{reading(1, int32_t{3})}}));
+  ASSERT_OK(recorder.commit({{reading(2, 0.1)}}));
+  const RecordingCounters& counters = recorder.counters().begin()->second;
+  EXPECT_EQ(counters.reinterpreted, 1u) << "0.1 was rounded; 3 was not";
+  EXPECT_NE(counters.last_reinterpretation.find("value"), std::string::npos);
+  ASSERT_OK(recorder.close());
+  const auto reader = *StoreReader::open(store());
+  const auto found = read_all(*reader, reading(0, 0).entity);
+  ASSERT_OK(found);
+  ASSERT_EQ(found->size(), 3u);
+  const float expected[] = {2.5f, 3, 0.1f};
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_EQ((*found)[i].instances[0].data, (idf::Dict{{"value", expected[i]}}));
+  EXPECT_EQ(*reader->manifest().types.find(core), reading_type());
+}
+
+TEST_F(RecorderTest, RefusesAWholeCommitWhereAValueBreaksItsType) {
+  auto recorder = *Recorder::open(store(), {});
+  ASSERT_OK(recorder.declare(*MemoryId::parse("Sensors/Range"), reading_type()));
+  const Snapshot broken = reading(1, "far");
+  EXPECT_FAILS(recorder.commit({{frame(0), broken}}), StatusCode::kInvalidArgument, "'value'");
+  EXPECT_FAILS(recorder.commit({{reading(1, 11.0f)}}), StatusCode::kInvalidArgument, "'value'");
+  ASSERT_OK(recorder.close());
+  EXPECT_TRUE((*StoreReader::open(store()))->entities().empty());
+}
+
+TEST_F(RecorderTest, KnowsTheTypesOfEarlierSessions) {
+  {
+    auto recorder = *Recorder::open(store(), {});
+    ASSERT_OK(recorder.declare(*MemoryId::parse("Sensors/Range"), reading_type()));
+  }
+  auto recorder = *Recorder::open(store(), {});
+  EXPECT_FAILS(recorder.commit({{reading(1, "far")}}), StatusCode::kInvalidArgument, "'value'");
+}
+
 }  // namespace
 }  // namespace engram::ltm

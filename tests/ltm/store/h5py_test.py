@@ -96,6 +96,13 @@ class PlainH5py(unittest.TestCase):
             # The bytes lie in the file as they are.
             self.assertEqual(raw[start + offsets[row]:start + offsets[row + 1]], png)
 
+    def test_types_are_json_beside_the_values(self):
+        types = json.loads(self.recorded["#types"].asstr()[0])
+        table = types["Vision/RGB/head"]["types"]
+        self.assertEqual(table[-1]["name"], "Robot")
+        units = {entry.get("unit") for entry in table}
+        self.assertTrue({"rad", "N"} <= units)
+
     def test_latents(self):
         group = self.latent[ENTITY]
         offsets, codes = group["latent/offset"][:], group["latent/bytes"][:]

@@ -8,6 +8,7 @@
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "ltm/store/journal.h"
+#include "ltm/store/segment_reader.h"
 #include "ltm/store/store_reader.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/random_values.h"
@@ -264,6 +265,39 @@ TEST_F(StoreWriterTest, LeavesNothingBehindWhereTheDiskIsFull) {
   std::signal(SIGXFSZ, old_handler);
   EXPECT_GT(failed, 10);
   EXPECT_EQ(files_in("journal"), 0u);
+}
+
+TEST_F(StoreWriterTest, SealsValuesWithTheTypesThatTheyCameUnder) {
+  const MemoryId core = example_entity().parent().parent();
+  const idf::Type first = idf::Type::dict(idf::Type::float64());
+  const idf::Type second = idf::Type::dict(idf::Type::float32());
+  auto writer = open();
+  ASSERT_OK(writer->declare(core, first));
+  ASSERT_OK(writer->append({pack_snapshot(example_snapshot(example_entity(), 0))}, nullptr));
+  ASSERT_OK(writer->declare(core, first));  // Again: changes nothing.
+  EXPECT_EQ(files_in("segments"), 0u);
+  ASSERT_OK(writer->declare(core, second));
+  ASSERT_OK(writer->append({pack_snapshot(example_snapshot(example_entity(), 1))}, nullptr));
+  ASSERT_OK(writer->seal());
+  const auto reader = *StoreReader::open(store_);
+  EXPECT_EQ(*reader->manifest().types.find(core), second);
+  ASSERT_EQ(reader->manifest().segments.size(), 2u);
+  const idf::Type expected[] = {first, second};
+  for (size_t i = 0; i < 2; ++i) {
+    const auto segment = *SegmentReader::open(store_ / reader->manifest().segments[i].file);
+    const auto types = segment->types();
+    ASSERT_OK(types);
+    EXPECT_EQ(*types->find(core), expected[i]);
+  }
+  expect_examples(2);
+}
+
+TEST_F(StoreWriterTest, RefusesATypeThatDoesNotExtendTheCoreType) {
+  auto writer = open();
+  ASSERT_OK(writer->declare(*MemoryId::parse("a/b"), idf::Type::int32()));
+  EXPECT_FAILS(writer->declare(*MemoryId::parse("a/b/c"), idf::Type::string()),
+               StatusCode::kInvalidArgument, "'a/b/c' must extend core segment 'a/b'");
+  EXPECT_EQ((*StoreReader::open(store_))->manifest().types, writer->types());
 }
 
 }  // namespace

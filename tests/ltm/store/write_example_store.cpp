@@ -27,9 +27,22 @@ Snapshot robot_snapshot(int64_t index) {
   return {example_entity(), example_time(index), {{std::move(value), example_metadata(index)}}};
 }
 
+idf::Type robot_type() {
+  using idf::Type;
+  const Type joints = Type::object("Joints", {{"a/b", Type::float64({"rad"})},
+                                              {"elbow", Type::float64({"rad"})}});
+  return Type::object("Robot", {{"image", Type::image(idf::PixelType::kRgb24)},
+                                {"joints", joints},
+                                {"count", Type::int64()},
+                                {"closed", Type::boolean()},
+                                {"force", Type::ndarray(idf::ElementType::kFloat32, {3}, {"N"})},
+                                {"label", Type::string()}});
+}
+
 Status write_store(const std::filesystem::path& store) {
   ENGRAM_RETURN_IF_ERROR(create_store(store));
   ENGRAM_ASSIGN_OR_RETURN(const auto writer, StoreWriter::open(store, {}));
+  ENGRAM_RETURN_IF_ERROR(writer->declare(example_entity().parent(), robot_type()));
   for (int64_t i = 0; i < kSnapshots; ++i)
     ENGRAM_RETURN_IF_ERROR(writer->append({pack_snapshot(robot_snapshot(i))}, nullptr));
   ENGRAM_RETURN_IF_ERROR(writer->seal());
