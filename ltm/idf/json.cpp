@@ -122,19 +122,21 @@ struct JsonWriter {
 
 Json to_json_checked(const Data& data) { return std::visit(JsonWriter{}, data.value()); }
 
-bool fits_depth(const Data& data, int depth) {
+bool fits_depth(const Data& data, int levels) {
   if (const List* list = data.get_if<List>()) {
     for (const Data& element : *list)
-      if (depth >= kMaxDepth || !fits_depth(element, depth + 1)) return false;
+      if (levels <= 0 || !fits_depth(element, levels - 1)) return false;
   } else if (const Dict* dict = data.get_if<Dict>()) {
     for (const auto& [key, value] : *dict)
-      if (depth >= kMaxDepth || !fits_depth(value, depth + 1)) return false;
+      if (levels <= 0 || !fits_depth(value, levels - 1)) return false;
   }
   return true;
 }
 
 class JsonReader {
  public:
+  explicit JsonReader(int max_depth) : max_depth_(max_depth) {}
+
   Result<Data> read(const Json& json, const std::string& path, int depth) {
     switch (json.type()) {
       case Json::value_t::null: return Data();
@@ -157,7 +159,7 @@ class JsonReader {
   }
 
   Result<Data> read_list(const Json& json, const std::string& path, int depth) {
-    if (depth >= kMaxDepth) return broken(path, "more than 64 levels");
+    if (depth >= max_depth_) return broken(path, fmt::format("more than {} levels", max_depth_));
     List list;
     list.reserve(json.size());
     for (size_t i = 0; i < json.size(); ++i) {
@@ -173,7 +175,7 @@ class JsonReader {
       const std::string& key = json.begin().key();
       if (key.starts_with('$') && !key.starts_with("$$")) return read_typed(key, *json.begin(), path);
     }
-    if (depth >= kMaxDepth) return broken(path, "more than 64 levels");
+    if (depth >= max_depth_) return broken(path, fmt::format("more than {} levels", max_depth_));
     Dict dict;
     dict.reserve(json.size());
     for (const auto& [key, value] : json.items()) {
@@ -272,18 +274,20 @@ class JsonReader {
       return Buffer::take(std::move(values));
     });
   }
+
+  int max_depth_;
 };
 
 }  // namespace
 
-Result<Json> to_json(const Data& data) {
-  if (!fits_depth(data, 0))
-    return invalid_argument("IDF value: nests deeper than {} levels", kMaxDepth);
+Result<Json> to_json(const Data& data, int max_depth) {
+  if (!fits_depth(data, max_depth))
+    return invalid_argument("IDF value: nests deeper than {} levels", max_depth);
   return to_json_checked(data);
 }
 
-Result<std::string> to_json_text(const Data& data, int indent) {
-  ENGRAM_ASSIGN_OR_RETURN(const Json json, to_json(data));
+Result<std::string> to_json_text(const Data& data, int indent, int max_depth) {
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, to_json(data, max_depth));
   try {
     return json.dump(indent);
   } catch (const Json::exception& error) {
@@ -291,19 +295,21 @@ Result<std::string> to_json_text(const Data& data, int indent) {
   }
 }
 
-Result<Data> from_json(const Json& json) { return JsonReader().read(json, "", 0); }
+Result<Data> from_json(const Json& json, int max_depth) {
+  return JsonReader(max_depth).read(json, "", 0);
+}
 
-Result<Data> from_json_text(std::string_view text) {
+Result<Data> from_json_text(std::string_view text, int max_depth) {
   // A parser that nests without bound would exhaust the stack: stop it before.
   int deepest = 0;
   const auto limit_depth = [&](int depth, Json::parse_event_t, Json&) {
     deepest = std::max(deepest, depth);
-    return depth <= 4 * kMaxDepth;
+    return depth <= 4 * max_depth;
   };
   try {
     const Json json = Json::parse(text, limit_depth);
-    if (deepest > 4 * kMaxDepth) return invalid_argument("JSON nests {} levels deep", deepest);
-    return from_json(json);
+    if (deepest > 4 * max_depth) return invalid_argument("JSON nests {} levels deep", deepest);
+    return from_json(json, max_depth);
   } catch (const Json::exception& error) {
     return invalid_argument("no JSON: {}", error.what());
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "ltm/idf/data.h"
+#include "ltm/idf/binary.h"
 
 namespace engram::idf {
 
@@ -16,14 +16,14 @@ namespace engram::idf {
 /// {"$float32": 1.5}, {"$float64": "nan"} (with its bits where it is not the plain one),
 /// {"$ndarray": {"type": "float32", "shape": [3], "data": [1, 2, 3]}}, "base64" instead of "data"
 /// from 64 elements on. A dict key that starts with '$' gets a second one in front.
-/// Errors: kInvalidArgument where the value nests deeper than kMaxDepth or a string is no UTF-8.
-Result<nlohmann::ordered_json> to_json(const Data& data);
+/// Errors: kInvalidArgument where the value nests deeper than `max_depth` or a string is no UTF-8.
+Result<nlohmann::ordered_json> to_json(const Data& data, int max_depth = kMaxDepth);
 
 /// The text of to_json; `indent` < 0 puts it on one line.
-Result<std::string> to_json_text(const Data& data, int indent = -1);
+Result<std::string> to_json_text(const Data& data, int indent = -1, int max_depth = kMaxDepth);
 
 /// Errors: kInvalidArgument naming the path, what was found and what was needed.
-Result<Data> from_json(const nlohmann::ordered_json& json);
-Result<Data> from_json_text(std::string_view text);
+Result<Data> from_json(const nlohmann::ordered_json& json, int max_depth = kMaxDepth);
+Result<Data> from_json_text(std::string_view text, int max_depth = kMaxDepth);
 
 }  // namespace engram::idf

@@ -110,7 +110,7 @@ class QueryResult {
   [[nodiscard]] size_t size_bytes() const;
 
   /// {"ids_only", "entities": [{"id", "snapshots": [{"time", "source", ..., "instances"}]}]}: seven
-  /// levels around the data, which idf::encode must be told (idf::kContainerDepth).
+  /// levels around the data, which the binary and JSON forms must be told (idf::kContainerDepth).
   [[nodiscard]] idf::Data to_data() const;
 
   /// Reads what to_data wrote; safe on hostile values.

@@ -138,7 +138,11 @@ TEST(QueryResult, CarriesTheDeepestValueThatThereIs) {
   result.add_entity(*MemoryId::parse("a/b/c/d")).add(snapshot(5, Source::kRecorded, {0}));
   EntityResult& entity = result.add_entity(*MemoryId::parse("a/b/c/d"));
   entity.snapshots[0].instances[0].data = nested_lists(idf::kMaxDepth);
-  EXPECT_OK(idf::encode(result.to_data(), idf::kMaxDepth + idf::kContainerDepth));
+  constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
+  EXPECT_OK(idf::encode(result.to_data(), kDepth));
+  const auto json = idf::to_json_text(result.to_data(), -1, kDepth);
+  ASSERT_OK(json);
+  EXPECT_EQ(*QueryResult::from_data(*idf::from_json_text(*json, kDepth)), result);
 }
 
 TEST(QueryResult, RefusesDataThatIsNone) {
