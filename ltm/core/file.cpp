@@ -140,6 +140,13 @@ Status sync_directory(const std::filesystem::path& directory) {
   return {};
 }
 
+Result<uint64_t> free_disk_bytes(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(path, error);
+  if (error) return unavailable("'{}': {}", path.string(), error.message());
+  return space.available;
+}
+
 Status make_directories(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -15,7 +15,7 @@ namespace engram {
 
 /// An open file descriptor, closed when this goes.
 ///
-/// Threading: read_at is const-parallel; everything else one thread.
+/// Threading: read_at is const-parallel, sync may run beside append; everything else one thread.
 class File {
  public:
   enum class Mode { kRead, kCreate, kAppend };
@@ -68,6 +68,10 @@ Status publish_file(const std::filesystem::path& from, const std::filesystem::pa
 
 /// Forces the names in a directory to disk.
 Status sync_directory(const std::filesystem::path& directory);
+
+/// Bytes that the file system of `path` has left for us.
+/// Errors: kUnavailable.
+Result<uint64_t> free_disk_bytes(const std::filesystem::path& path);
 
 /// Errors: kUnavailable.
 Status make_directories(const std::filesystem::path& path);

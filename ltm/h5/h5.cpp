@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -11,8 +12,12 @@ namespace engram::h5 {
 
 namespace {
 
-/// Rows of a chunk are chosen so that it takes about this much.
-constexpr uint64_t kChunkBytes = 256 << 10;
+/// Rows of a chunk are chosen so that it takes about this much, and has no more than so many: who
+/// asks for one row waits for its chunk.
+constexpr uint64_t kChunkBytes = 64 << 10;
+constexpr uint64_t kChunkRows = 2048;
+/// Datasets that stay open for reading; opening one costs more than reading a chunk of it.
+constexpr size_t kMaxOpenDatasets = 64;
 /// Smaller datasets lie in their header: a chunk would cost more than it saves.
 constexpr uint64_t kCompactBytes = 128;
 constexpr unsigned kDeflateLevel = 6;
@@ -117,7 +122,7 @@ Handle creation_list(Storage storage, size_t element_bytes, std::span<const uint
   uint64_t row_bytes = element_bytes;
   for (size_t i = 1; i < shape.size(); ++i) row_bytes *= shape[i];
   std::vector<hsize_t> chunk(shape.begin(), shape.end());
-  chunk[0] = std::clamp<uint64_t>(kChunkBytes / row_bytes, 1, shape[0]);
+  chunk[0] = std::clamp<uint64_t>(kChunkBytes / row_bytes, 1, std::min(shape[0], kChunkRows));
   H5Pset_chunk(list, static_cast<int>(chunk.size()), chunk.data());
   H5Pset_shuffle(list);
   H5Pset_deflate(list, kDeflateLevel);
@@ -128,11 +133,18 @@ Handle creation_list(Storage storage, size_t element_bytes, std::span<const uint
 }  // namespace
 
 struct File::State {
+  struct OpenDataset {
+    Handle handle;
+    DatasetInfo info;
+  };
+
   std::filesystem::path path;
   Handle file;
+  std::map<std::string, OpenDataset, std::less<>> open_datasets;  ///< For reading rows.
 
   ~State() {
     const std::scoped_lock lock(library_mutex());
+    open_datasets.clear();
     file = Handle();
   }
 
@@ -146,24 +158,51 @@ struct File::State {
     return error(StatusCode::kUnavailable, object, "cannot be written");
   }
 
-  /// H5Lexists fails on paths whose parents are missing: look at each level.
-  bool exists(const std::string& object) const {
+  /// H5Lexists fails on paths whose parents are missing: look at each level. Where it fails for
+  /// another reason, a group is damaged.
+  Result<bool> look_up(const std::string& object) const {
     if (object == "/") return true;
     for (size_t slash = object.find('/', 1);; slash = object.find('/', slash + 1)) {
-      if (H5Lexists(file, object.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+      const std::string level = object.substr(0, slash);
+      const htri_t found = H5Lexists(file, level.c_str(), H5P_DEFAULT);
+      if (found < 0) return broken(level, "cannot be looked up: its group is damaged");
+      if (found == 0) return false;
       if (slash == std::string::npos) return true;
     }
   }
 
+  bool exists(const std::string& object) const { return look_up(object).value_or(false); }
+
+  /// Errors: kNotFound, kDataLoss.
+  Status check_exists(const std::string& object) const {
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, look_up(object));
+    return is_there ? Status() : error(StatusCode::kNotFound, object, "does not exist");
+  }
+
   Result<Handle> open_dataset(const std::string& object) const {
-    if (!exists(object)) return error(StatusCode::kNotFound, object, "does not exist");
-    Handle dataset(H5Dopen2(file, object.c_str(), H5P_DEFAULT), H5Dclose);
+    ENGRAM_RETURN_IF_ERROR(check_exists(object));
+    // Callers keep the chunks that they need: HDF5 need not keep them, too.
+    const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+    H5Pset_chunk_cache(access, 0, 0, 1.0);
+    Handle dataset(H5Dopen2(file, object.c_str(), access), H5Dclose);
     if (!dataset.valid()) return broken(object, "is no dataset");
     return dataset;
   }
 
+  /// The dataset and what is known of it; valid until the next call.
+  Result<const OpenDataset*> kept_open(const std::string& object) {
+    if (const auto known = open_datasets.find(object); known != open_datasets.end())
+      return &known->second;
+    ENGRAM_ASSIGN_OR_RETURN(Handle dataset, open_dataset(object));
+    ENGRAM_ASSIGN_OR_RETURN(DatasetInfo found, info(object, dataset));
+    if (open_datasets.size() >= kMaxOpenDatasets) open_datasets.clear();
+    const auto added =
+        open_datasets.emplace(object, OpenDataset{std::move(dataset), std::move(found)});
+    return &added.first->second;
+  }
+
   Result<Handle> open_attribute(const std::string& object, const std::string& name) const {
-    if (!exists(object)) return error(StatusCode::kNotFound, object, "does not exist");
+    ENGRAM_RETURN_IF_ERROR(check_exists(object));
     Handle attribute(H5Aopen_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
                      H5Aclose);
     if (!attribute.valid())
@@ -191,6 +230,13 @@ struct File::State {
         return broken(object, "is larger than 64 bits");
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset != HADDR_UNDEF) info.offset = offset;
+    const Handle creation(H5Dget_create_plist(dataset), H5Pclose);
+    if (rank > 0 && H5Pget_layout(creation) == H5D_CHUNKED) {
+      std::vector<hsize_t> chunk(info.shape.size());
+      if (H5Pget_chunk(creation, rank, chunk.data()) != rank)
+        return broken(object, "has broken chunks");
+      info.chunk_rows = chunk[0];
+    }
     return info;
   }
 
@@ -368,14 +414,14 @@ Status File::write_attribute(const std::string& object, const std::string& name,
   return state_->write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
 }
 
-bool File::exists(const std::string& path) const {
+Result<bool> File::exists(const std::string& path) const {
   const std::scoped_lock lock(library_mutex());
-  return state_->exists(path);
+  return state_->look_up(path);
 }
 
 Result<std::vector<std::string>> File::list(const std::string& group) const {
   const std::scoped_lock lock(library_mutex());
-  if (!state_->exists(group)) return state_->error(StatusCode::kNotFound, group, "does not exist");
+  ENGRAM_RETURN_IF_ERROR(state_->check_exists(group));
   std::vector<std::string> names;
   const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
     static_cast<std::vector<std::string>*>(out)->emplace_back(name);
@@ -413,8 +459,9 @@ Result<std::vector<std::byte>> File::read(const std::string& path, Type type,
 Result<std::vector<std::byte>> File::read_rows(const std::string& path, Type type, uint64_t first,
                                                uint64_t count) const {
   const std::scoped_lock lock(library_mutex());
-  ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
-  ENGRAM_ASSIGN_OR_RETURN(const DatasetInfo info, state_->info(path, dataset));
+  ENGRAM_ASSIGN_OR_RETURN(const State::OpenDataset* opened, state_->kept_open(path));
+  const Handle& dataset = opened->handle;
+  const DatasetInfo& info = opened->info;
   if (info.type != type) return state_->broken(path, "has another element type than needed");
   if (info.shape.empty() || first > info.shape[0] || count > info.shape[0] - first)
     return state_->broken(path, fmt::format("has no rows {} to {}", first, first + count));
@@ -487,7 +534,7 @@ Result<double> File::double_attribute(const std::string& object, const std::stri
 
 Result<uint64_t> File::storage_bytes(const std::string& path) const {
   const std::scoped_lock lock(library_mutex());
-  if (!state_->exists(path)) return state_->error(StatusCode::kNotFound, path, "does not exist");
+  ENGRAM_RETURN_IF_ERROR(state_->check_exists(path));
   uint64_t total = 0;
   const auto add = [](hid_t root, const char* name, const H5O_info_t* info, void* out) -> herr_t {
     if (info->type != H5O_TYPE_DATASET) return 0;

@@ -44,6 +44,8 @@ struct DatasetInfo {
   std::vector<uint64_t> shape;
   /// Offset in the file of a contiguous dataset; nothing if chunked or empty.
   std::optional<uint64_t> offset;
+  /// Rows of a chunk, which are read and checked together; nothing if not chunked.
+  std::optional<uint64_t> chunk_rows;
 
   /// Product of the shape; opened files were checked not to overflow.
   [[nodiscard]] uint64_t count() const;
@@ -86,7 +88,8 @@ class File {
   Status write_attribute(const std::string& object, const std::string& name, int64_t value);
   Status write_attribute(const std::string& object, const std::string& name, double value);
 
-  [[nodiscard]] bool exists(const std::string& path) const;
+  /// Errors: kDataLoss where a group on the way is damaged.
+  Result<bool> exists(const std::string& path) const;
 
   /// Names in a group, in the order of their bytes. Errors: kNotFound.
   Result<std::vector<std::string>> list(const std::string& group) const;

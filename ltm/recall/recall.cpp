@@ -35,6 +35,30 @@ bool keep_selected(SnapshotResult& snapshot, const std::vector<int32_t>& instanc
   return !snapshot.instances.empty();
 }
 
+/// The times of a store's entity.
+class TimelineMoments final : public Moments {
+ public:
+  explicit TimelineMoments(Timeline& timeline) : timeline_(timeline) {}
+
+  [[nodiscard]] std::optional<Time> first() const override { return timeline_.first(); }
+  [[nodiscard]] std::optional<Time> last() const override { return timeline_.last(); }
+  Result<std::optional<Time>> at_or_after(Time time) override {
+    return time_of(timeline_.at_or_after(time));
+  }
+  Result<std::optional<Time>> at_or_before(Time time) override {
+    return time_of(timeline_.at_or_before(time));
+  }
+  Result<std::optional<Time>> nth(uint64_t index) override { return time_of(timeline_.nth(index)); }
+
+ private:
+  static Result<std::optional<Time>> time_of(const Result<std::optional<SnapshotEntry>>& entry) {
+    if (!entry.ok()) return entry.status();
+    return entry.value() ? std::optional((*entry)->time) : std::nullopt;
+  }
+
+  Timeline& timeline_;
+};
+
 }  // namespace
 
 struct Recall::State {
@@ -114,13 +138,12 @@ struct Recall::State {
   }
 
   /// The instances of a prediction without their data.
-  Result<SnapshotResult> name_future(const MemoryId& entity,
-                                     const std::vector<SnapshotEntry>& entries, Time when,
+  Result<SnapshotResult> name_future(const MemoryId& entity, const SnapshotEntry& last, Time when,
                                      Prefer prefer) {
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult named, name(entity, entries.back(), prefer));
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult named, name(entity, last, prefer));
     named.time = when;
     named.source = Source::kPredicted;
-    named.horizon = when - entries.back().time;
+    named.horizon = when - last.time;
     return named;
   }
 
@@ -137,14 +160,30 @@ struct Recall::State {
     return model->predictor.get();
   }
 
-  Result<SnapshotResult> predict(const MemoryId& entity, const std::vector<SnapshotEntry>& entries,
-                                 Time when, const Options& options) {
+  /// The last snapshots of the entity, at most `count`, in the order of time.
+  static Result<std::vector<SnapshotEntry>> latest(Timeline& timeline, size_t count) {
+    std::vector<SnapshotEntry> entries;
+    std::optional<Time> time = timeline.last();
+    while (time && entries.size() < count) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(*time));
+      if (!entry) break;
+      entries.push_back(*entry);
+      time = to_ns(entry->time) == INT64_MIN ? std::nullopt
+                                             : std::optional(time_from_ns(to_ns(entry->time) - 1));
+    }
+    std::ranges::reverse(entries);
+    return entries;
+  }
+
+  Result<SnapshotResult> predict(const MemoryId& entity, Timeline& timeline, Time when,
+                                 const Options& options) {
     std::string model_name;
     ENGRAM_ASSIGN_OR_RETURN(Predictor * predictor, predictor_of(entity, model_name));
-    const size_t context = std::min(predictor->context(), entries.size());
+    ENGRAM_ASSIGN_OR_RETURN(const auto entries,
+                            latest(timeline, std::max<size_t>(predictor->context(), 1)));
     std::vector<SnapshotResult> history;
-    for (size_t i = entries.size() - context; i < entries.size(); ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, read(entity, entries[i], options.prefer));
+    for (const SnapshotEntry& entry : entries) {
+      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, read(entity, entry, options.prefer));
       history.push_back(std::move(past));
     }
     SnapshotResult recalled;
@@ -182,26 +221,25 @@ struct Recall::State {
     return static_cast<int>(steps);
   }
 
-  Result<SnapshotResult> answer(const MemoryId& entity, const std::vector<SnapshotEntry>& entries,
+  Result<SnapshotResult> answer(const MemoryId& entity, Timeline& timeline,
                                 const SelectedSnapshot& selected, bool is_ids_only,
                                 const Options& options) {
-    if (selected.future)
-      return is_ids_only ? name_future(entity, entries, *selected.future, options.prefer)
-                         : predict(entity, entries, *selected.future, options);
-    const SnapshotEntry& entry = entries[selected.index];
-    return is_ids_only ? name(entity, entry, options.prefer) : read(entity, entry, options.prefer);
+    if (selected.is_future && !is_ids_only) return predict(entity, timeline, selected.time, options);
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(selected.time));
+    ENGRAM_CHECK(entry.has_value(), "'{}' was selected", entity.at(selected.time).to_string());
+    if (selected.is_future) return name_future(entity, *entry, selected.time, options.prefer);
+    return is_ids_only ? name(entity, *entry, options.prefer) : read(entity, *entry, options.prefer);
   }
 
   Status answer(const Query& query, const Options& options, EntityResult& result) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, store->index(result.id));
-    std::vector<Time> times;
-    times.reserve(entries->size());
-    for (const SnapshotEntry& entry : *entries) times.push_back(entry.time);
-    for (const SelectedSnapshot& selected :
-         select_snapshots(query.snapshots_of(result.id), times)) {
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store->timeline(result.id));
+    TimelineMoments moments(*timeline);
+    ENGRAM_ASSIGN_OR_RETURN(const auto selection,
+                            select_snapshots(query.snapshots_of(result.id), moments));
+    for (const SelectedSnapshot& selected : selection) {
       ENGRAM_ASSIGN_OR_RETURN(
           SnapshotResult snapshot,
-          answer(result.id, *entries, selected, query.is_ids_only(), options));
+          answer(result.id, *timeline, selected, query.is_ids_only(), options));
       if (keep_selected(snapshot, selected.instances)) result.add(std::move(snapshot));
     }
     return {};

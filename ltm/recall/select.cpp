@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <tuple>
 
 namespace engram::ltm {
 
 namespace {
+
+using Found = Result<std::optional<Time>>;
 
 /// The end of what 64 bits hold where `time` + `offset` lies beyond it.
 Time plus(Time time, Duration offset) {
@@ -21,76 +24,105 @@ uint64_t distance_ns(Time earlier, Time later) {
   return static_cast<uint64_t>(to_ns(later)) - static_cast<uint64_t>(to_ns(earlier));
 }
 
-/// Applies each kind of selector to the same times.
+/// The snapshot right before or after `time`.
+Found before(Moments& moments, Time time) {
+  if (to_ns(time) == INT64_MIN) return std::optional<Time>();
+  return moments.at_or_before(time_from_ns(to_ns(time) - 1));
+}
+Found after(Moments& moments, Time time) {
+  if (to_ns(time) == INT64_MAX) return std::optional<Time>();
+  return moments.at_or_after(time_from_ns(to_ns(time) + 1));
+}
+
+/// Snapshot number `index` from the last.
+Found nth_from_end(Moments& moments, uint64_t index) {
+  Found found = moments.last();
+  for (; index > 0 && found.ok() && found.value(); --index) found = before(moments, **found);
+  return found;
+}
+
+Selection span(std::optional<Time> first, std::optional<Time> last) {
+  if (!first || !last || *last < *first) return {};
+  return {Selection::Span{*first, *last}, {}};
+}
+
+/// Applies each kind of selector.
 struct Selecting {
-  std::span<const Time> times;
+  Moments& moments;
 
-  [[nodiscard]] size_t size() const { return times.size(); }
-  [[nodiscard]] size_t lower(Time time) const {
-    return static_cast<size_t>(std::ranges::lower_bound(times, time) - times.begin());
+  Result<Selection> operator()(select::All) const {
+    return span(moments.first(), moments.last());
   }
-  [[nodiscard]] size_t upper(Time time) const {
-    return static_cast<size_t>(std::ranges::upper_bound(times, time) - times.begin());
+  Result<Selection> operator()(select::Latest s) const {
+    if (s.count <= 0) return Selection();
+    return (*this)(select::IndexRange{-s.count, -1});
   }
-  [[nodiscard]] static Selection range(size_t first, size_t end) {
-    return {first, end > first ? end - first : 0, {}};
+  Result<Selection> operator()(select::At s) const {
+    if (moments.last() && s.time > *moments.last()) return Selection{{}, s.time};
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, moments.at_or_after(s.time));
+    return found == s.time ? span(s.time, s.time) : Selection();
   }
-
-  Selection operator()(select::All) const { return range(0, size()); }
-  Selection operator()(select::Latest s) const {
-    const size_t count = std::min(size(), static_cast<size_t>(std::max<int64_t>(s.count, 0)));
-    return range(size() - count, size());
+  Result<Selection> operator()(select::Ahead s) const {
+    if (!moments.last()) return Selection();
+    const Time time = plus(*moments.last(), s.offset);
+    if (s.offset <= Duration(0)) return (*this)(select::At{time});
+    return Selection{{}, time};
   }
-  Selection operator()(select::At s) const {
-    if (!times.empty() && s.time > times.back()) return {0, 0, s.time};
-    return range(lower(s.time), upper(s.time));
-  }
-  Selection operator()(select::Ahead s) const {
-    if (times.empty()) return {};
-    if (s.offset <= Duration(0)) return (*this)(select::At{plus(times.back(), s.offset)});
-    return {0, 0, plus(times.back(), s.offset)};
-  }
-  Selection operator()(select::Nearest s) const {
-    if (times.empty()) return {};
-    const size_t next = lower(s.time);
-    const uint64_t ahead = next < size() ? distance_ns(s.time, times[next]) : UINT64_MAX;
-    const uint64_t behind = next > 0 ? distance_ns(times[next - 1], s.time) : UINT64_MAX;
+  Result<Selection> operator()(select::Nearest s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto next, moments.at_or_after(s.time));
+    ENGRAM_ASSIGN_OR_RETURN(const auto previous, moments.at_or_before(s.time));
+    if (!next && !previous) return Selection();
+    const uint64_t ahead = next ? distance_ns(s.time, *next) : UINT64_MAX;
+    const uint64_t behind = previous ? distance_ns(*previous, s.time) : UINT64_MAX;
     // Of two equally close the earlier.
-    const size_t best = behind <= ahead ? next - 1 : next;
+    const auto best = previous && behind <= ahead ? previous : next;
     const bool is_close = std::min(ahead, behind) <= static_cast<uint64_t>(s.tolerance.count());
-    return is_close || s.tolerance == Duration::max() ? range(best, best + 1) : Selection{};
+    return is_close || s.tolerance == Duration::max() ? span(best, best) : Selection();
   }
-  Selection operator()(select::Before s) const {
-    const size_t end = s.is_inclusive ? upper(s.time) : lower(s.time);
-    return end == 0 ? Selection{} : range(end - 1, end);
+  Result<Selection> operator()(select::Before s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, s.is_inclusive ? moments.at_or_before(s.time)
+                                                             : before(moments, s.time));
+    return span(found, found);
   }
-  Selection operator()(select::After s) const {
-    const size_t first = upper(s.time);
-    return first == size() ? Selection{} : range(first, first + 1);
+  Result<Selection> operator()(select::After s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, after(moments, s.time));
+    return span(found, found);
   }
-  Selection operator()(select::TimeRange s) const { return range(lower(s.first), upper(s.last)); }
-  Selection operator()(select::LastDuration s) const {
-    return times.empty() ? Selection{} : range(lower(plus(times.back(), -s.duration)), size());
+  Result<Selection> operator()(select::TimeRange s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto first, moments.at_or_after(s.first));
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, moments.at_or_before(s.last));
+    return span(first, last);
   }
-  Selection operator()(select::IndexRange s) const {
-    const auto count = static_cast<int64_t>(size());
-    const auto from_end = [count](int64_t index) { return index < 0 ? index + count : index; };
-    const int64_t first = std::max<int64_t>(from_end(s.first), 0);
-    const int64_t last = std::min(from_end(s.last), count - 1);
-    if (last < first) return {};
-    return range(static_cast<size_t>(first), static_cast<size_t>(last) + 1);
+  Result<Selection> operator()(select::LastDuration s) const {
+    if (!moments.last()) return Selection();
+    return (*this)(select::TimeRange{plus(*moments.last(), -s.duration), *moments.last()});
+  }
+  Result<Selection> operator()(select::IndexRange s) const {
+    ENGRAM_ASSIGN_OR_RETURN(std::optional<Time> first, at_index(s.first));
+    ENGRAM_ASSIGN_OR_RETURN(std::optional<Time> last, at_index(s.last));
+    // Indices before the first or behind the last snapshot stand for the ends.
+    if (!first && s.first < 0) first = moments.first();
+    if (!last && s.last >= 0) last = moments.last();
+    return span(first, last);
+  }
+
+  [[nodiscard]] Found at_index(int64_t index) const {
+    return index >= 0 ? moments.nth(static_cast<uint64_t>(index))
+                      : nth_from_end(moments, static_cast<uint64_t>(-(index + 1)));
   }
 };
 
-void append(const Selection& selection, const std::vector<int32_t>& instances,
-            std::vector<SelectedSnapshot>& selected) {
-  for (size_t i = selection.first; i < selection.first + selection.count; ++i)
-    selected.push_back({i, {}, instances});
-  if (selection.future) selected.push_back({SIZE_MAX, selection.future, instances});
-}
-
-bool is_earlier(const SelectedSnapshot& a, const SelectedSnapshot& b) {
-  return std::tie(a.index, a.future) < std::tie(b.index, b.future);
+Status append(const Selection& selection, const std::vector<int32_t>& instances, Moments& moments,
+              std::vector<SelectedSnapshot>& selected) {
+  if (selection.snapshots) {
+    std::optional<Time> time = selection.snapshots->first;
+    while (time && *time <= selection.snapshots->last) {
+      selected.push_back({*time, false, instances});
+      ENGRAM_ASSIGN_OR_RETURN(time, after(moments, *time));
+    }
+  }
+  if (selection.future) selected.push_back({*selection.future, true, instances});
+  return {};
 }
 
 /// Adds the instances of `other`, which asks for the same moment.
@@ -103,20 +135,21 @@ void unite(SelectedSnapshot& one, const SelectedSnapshot& other) {
 
 }  // namespace
 
-Selection select_times(const Selector& selector, std::span<const Time> times) {
-  return std::visit(Selecting{times}, selector);
+Result<Selection> select_times(const Selector& selector, Moments& moments) {
+  return std::visit(Selecting{moments}, selector);
 }
 
-std::vector<SelectedSnapshot> select_snapshots(std::span<const SnapshotQuery> queries,
-                                               std::span<const Time> times) {
+Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQuery> queries,
+                                                       Moments& moments) {
   std::vector<SelectedSnapshot> selected;
-  for (const SnapshotQuery& query : queries)
-    append(select_times(query.selector, times), query.instances, selected);
-  if (queries.size() < 2) return selected;
-  std::ranges::stable_sort(selected, is_earlier);
+  for (const SnapshotQuery& query : queries) {
+    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, moments));
+    ENGRAM_RETURN_IF_ERROR(append(selection, query.instances, moments, selected));
+  }
+  std::ranges::stable_sort(selected, {}, &SelectedSnapshot::time);
   std::vector<SelectedSnapshot> united;
   for (SelectedSnapshot& next : selected) {
-    if (united.empty() || is_earlier(united.back(), next))
+    if (united.empty() || united.back().time < next.time)
       united.push_back(std::move(next));
     else
       unite(united.back(), next);

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "ltm/h5/h5.h"
 #include "ltm/idf/layout.h"
 #include "ltm/memory/memory_id.h"
+#include "ltm/store/segment_column.h"
 
 namespace engram::ltm {
 
@@ -36,8 +36,5 @@ inline constexpr size_t kRemainderBlockBytes = size_t{8} << 20;
 
 /// The name of that matrix below `columns`: "float64", "bool", ...
 [[nodiscard]] std::string scalar_group(const idf::TensorMember& member);
-
-/// The type of a dataset that holds elements of `type`.
-[[nodiscard]] h5::Type h5_type(idf::ElementType type);
 
 }  // namespace engram::ltm

@@ -13,57 +13,17 @@
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "ltm/store/checksum.h"
+#include "ltm/store/segment_column.h"
 #include "ltm/store/segment_format.h"
 
 namespace engram::ltm {
 
 namespace {
 
-constexpr uint64_t kWindowBytes = 1 << 20;
 constexpr uint64_t kMaxBlobBytes = uint64_t{1} << 32;
 constexpr size_t kMaxRemainderBytes = size_t{1} << 31;
 
 constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
-
-size_t element_bytes(h5::Type type) {
-  return h5::size_bytes(type);
-}
-
-/// A dataset read in windows of rows, so that neighbours cost one read and memory stays bounded.
-class WindowedColumn {
- public:
-  WindowedColumn(const h5::File& file, std::string path, h5::DatasetInfo info)
-      : file_(&file), path_(std::move(path)), info_(std::move(info)) {
-    const uint64_t rows = std::max<uint64_t>(this->rows(), 1);
-    row_bytes_ = info_.count() / rows * element_bytes(info_.type);
-    window_rows_ = std::clamp<uint64_t>(kWindowBytes / std::max<uint64_t>(row_bytes_, 1), 1, rows);
-  }
-
-  [[nodiscard]] uint64_t rows() const { return info_.shape.empty() ? 0 : info_.shape[0]; }
-  [[nodiscard]] const h5::DatasetInfo& info() const { return info_; }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
-  /// The bytes of one row; valid until the next call.
-  Result<std::span<const std::byte>> row(uint64_t index) {
-    if (index >= rows()) return data_loss("'{}' has {} rows, needs row {}", path_, rows(), index);
-    if (bytes_.empty() || index < first_ || index - first_ >= bytes_.size() / row_bytes_) {
-      const uint64_t first = index / window_rows_ * window_rows_;
-      const uint64_t count = std::min(window_rows_, rows() - first);
-      ENGRAM_ASSIGN_OR_RETURN(bytes_, file_->read_rows(path_, info_.type, first, count));
-      first_ = first;
-    }
-    return std::span<const std::byte>(bytes_).subspan((index - first_) * row_bytes_, row_bytes_);
-  }
-
- private:
-  const h5::File* file_;
-  std::string path_;
-  h5::DatasetInfo info_;
-  uint64_t row_bytes_ = 0;
-  uint64_t window_rows_ = 1;
-  uint64_t first_ = 0;
-  std::vector<std::byte> bytes_;
-};
 
 }  // namespace
 
@@ -72,7 +32,7 @@ struct SegmentReader::State {
 
   h5::File file;
   File raw;  ///< The same file, for blobs at their offsets.
-  std::map<std::string, WindowedColumn> columns;
+  std::map<std::string, std::optional<SegmentColumn>> columns;  ///< Nothing: not there.
   std::map<std::string, List> remainder_blocks;  ///< The last block read, per group.
   std::map<std::string, uint64_t> remainder_block_number;
 
@@ -82,23 +42,55 @@ struct SegmentReader::State {
     return data_loss("segment '{}': '{}': {}", raw.path().string(), object, what);
   }
 
-  Result<WindowedColumn*> column(const std::string& path) {
-    if (const auto known = columns.find(path); known != columns.end()) return &known->second;
-    ENGRAM_ASSIGN_OR_RETURN(h5::DatasetInfo info, file.info(path));
-    const auto added = columns.emplace(path, WindowedColumn(file, path, std::move(info))).first;
-    return &added->second;
+  /// Null where the file has no such dataset.
+  Result<SegmentColumn*> column_if_there(const std::string& path) {
+    auto known = columns.find(path);
+    if (known == columns.end()) {
+      auto opened = SegmentColumn::open(file, path);
+      if (!opened.ok() && opened.status().code() != StatusCode::kNotFound) return opened.status();
+      known = columns.emplace(path, std::nullopt).first;
+      if (opened.ok()) known->second = std::move(opened).value();
+    }
+    return known->second ? &*known->second : nullptr;
+  }
+
+  Result<SegmentColumn*> column(const std::string& path) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * found, column_if_there(path));
+    if (found == nullptr) return broken(path, "is missing");
+    return found;
   }
 
   template <typename T>
   Result<T> number(const std::string& path, uint64_t row) {
-    ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * values, column(path));
-    if (values->info().type != h5_type(idf::kElementTypeOf<T>))
-      return broken(path, "has another element type than needed");
-    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, values->row(row));
-    if (bytes.size() != sizeof(T)) return broken(path, "is no column of numbers");
-    T value;
-    std::memcpy(&value, bytes.data(), sizeof(T));
-    return value;
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values, column(path));
+    return located(values->number<T>(row));
+  }
+
+  /// A number per row of the entity, where one row stands for all if they are equal.
+  template <typename T>
+  Result<T> row_number(const std::string& path, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values, column(path));
+    return located(values->number<T>(values->rows() == 1 ? 0 : row));
+  }
+
+  /// A time of the metadata; where there are none, that of the snapshot.
+  Result<Time> row_time(const std::string& path, uint64_t row, Time otherwise) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values, column_if_there(path));
+    if (values == nullptr) return otherwise;
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, row_number<int64_t>(path, row));
+    return time_from_ns(ns);
+  }
+
+  /// Missing: zero in all rows.
+  Result<uint64_t> accounting(const std::string& path, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values, column_if_there(path));
+    return values == nullptr ? Result<uint64_t>(0) : row_number<uint64_t>(path, row);
+  }
+
+  template <typename T>
+  Result<T> located(Result<T> result) const {
+    if (result.ok()) return result;
+    return result.status().with_context(fmt::format("segment '{}'", raw.path().string()));
   }
 
   /// Blob `row` of a blob column, read at its offset without HDF5. Empty where there is none.
@@ -107,7 +99,7 @@ struct SegmentReader::State {
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t end, number<uint64_t>(group + "/offset", row + 1));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t expected, number<uint64_t>(group + "/checksum", row));
     if (begin == end) return Buffer();
-    ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * bytes, column(group + "/bytes"));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * bytes, column(group + "/bytes"));
     if (end < begin || end > bytes->rows() || end - begin > kMaxBlobBytes ||
         !bytes->info().offset || bytes->info().type != h5::Type::kUInt8)
       return broken(group, fmt::format("row {} has no valid offsets", row));
@@ -137,20 +129,17 @@ struct SegmentReader::State {
     return block[at];
   }
 
-  Result<InstanceMetadata> metadata(const std::string& group, uint64_t row) {
+  Result<InstanceMetadata> metadata(const std::string& group, uint64_t row, Time time) {
     const std::string base = group + "/metadata";
     InstanceMetadata result;
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t created, number<int64_t>(base + "/created", row));
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t sent, number<int64_t>(base + "/sent", row));
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t arrived, number<int64_t>(base + "/arrived", row));
-    ENGRAM_ASSIGN_OR_RETURN(result.confidence, number<float>(base + "/confidence", row));
-    ENGRAM_ASSIGN_OR_RETURN(const int32_t provider, number<int32_t>(base + "/provider", row));
+    ENGRAM_ASSIGN_OR_RETURN(result.created, row_time(base + "/created", row, time));
+    ENGRAM_ASSIGN_OR_RETURN(result.sent, row_time(base + "/sent", row, time));
+    ENGRAM_ASSIGN_OR_RETURN(result.arrived, row_time(base + "/arrived", row, time));
+    ENGRAM_ASSIGN_OR_RETURN(result.confidence, row_number<float>(base + "/confidence", row));
+    ENGRAM_ASSIGN_OR_RETURN(const int32_t provider, row_number<int32_t>(base + "/provider", row));
     ENGRAM_ASSIGN_OR_RETURN(const auto* names, strings(base + "/providers"));
     if (provider < 0 || static_cast<size_t>(provider) >= names->size())
       return broken(base + "/provider", fmt::format("row {} names no provider", row));
-    result.created = time_from_ns(created);
-    result.sent = time_from_ns(sent);
-    result.arrived = time_from_ns(arrived);
     result.provider = (*names)[static_cast<size_t>(provider)];
     return result;
   }
@@ -186,7 +175,7 @@ struct SegmentReader::State {
         path = group + "/columns/" + name + "/values";
         offset = next_column[name]++ * size;
       }
-      ENGRAM_ASSIGN_OR_RETURN(WindowedColumn * values_of, column(path));
+      ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values_of, column(path));
       if (values_of->info().type != h5_type(member.type))
         return broken(path, "has another element type than the layout says");
       ENGRAM_ASSIGN_OR_RETURN(const auto bytes, values_of->row(row));
@@ -218,7 +207,8 @@ struct SegmentReader::State {
     if (const auto known = media.find(group); known != media.end()) return &known->second;
     std::vector<MediaGroup> groups;
     std::vector<std::string> names;
-    if (file.exists(group + "/media_groups")) {
+    ENGRAM_ASSIGN_OR_RETURN(const bool has_media, file.exists(group + "/media_groups"));
+    if (has_media) {
       ENGRAM_ASSIGN_OR_RETURN(names, file.read_strings(group + "/media_groups"));
     }
     for (const std::string& name : names) {
@@ -236,9 +226,9 @@ struct SegmentReader::State {
     return &media.emplace(group, std::move(groups)).first->second;
   }
 
-  Result<PackedInstance> instance(const std::string& group, uint64_t row) {
+  Result<PackedInstance> instance(const std::string& group, uint64_t row, Time time) {
     PackedInstance result;
-    ENGRAM_ASSIGN_OR_RETURN(result.metadata, metadata(group, row));
+    ENGRAM_ASSIGN_OR_RETURN(result.metadata, metadata(group, row, time));
     ENGRAM_ASSIGN_OR_RETURN(result.value.rest, rest(group, row));
     ENGRAM_ASSIGN_OR_RETURN(const auto* groups, media_groups(group));
     for (const MediaGroup& found : *groups) {
@@ -272,7 +262,8 @@ Result<std::unique_ptr<SegmentReader>> SegmentReader::open(const std::filesystem
 }
 
 Result<SegmentTypes> SegmentReader::types() const {
-  if (!state_->file.exists(kSegmentTypes)) return SegmentTypes();
+  ENGRAM_ASSIGN_OR_RETURN(const bool has_types, state_->file.exists(kSegmentTypes));
+  if (!has_types) return SegmentTypes();
   ENGRAM_ASSIGN_OR_RETURN(const auto texts, state_->file.read_strings(kSegmentTypes));
   if (texts.size() != 1) return state_->broken(kSegmentTypes, "needs one string");
   const auto data = idf::from_json_text(texts.front());
@@ -299,6 +290,39 @@ Result<std::vector<RowSpan>> SegmentReader::index(const MemoryId& entity) {
   return spans;
 }
 
+Result<uint64_t> SegmentReader::lower_bound(const MemoryId& entity, Time time) {
+  const std::string path = segment_group(entity) + "/timestamp";
+  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times, state_->column(path));
+  uint64_t first = 0, count = times->rows();
+  while (count > 0) {
+    const uint64_t half = count / 2;
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t middle, state_->number<int64_t>(path, first + half));
+    if (time_from_ns(middle) < time) {
+      first += half + 1;
+      count -= half + 1;
+    } else {
+      count = half;
+    }
+  }
+  return first;
+}
+
+Result<std::optional<RowSpan>> SegmentReader::snapshot_at(const MemoryId& entity, uint64_t row) {
+  const std::string path = segment_group(entity) + "/timestamp";
+  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times, state_->column(path));
+  if (row >= times->rows()) return std::optional<RowSpan>();
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, state_->number<int64_t>(path, row));
+  RowSpan span{time_from_ns(ns), row, 1};
+  for (; span.first + span.rows < times->rows(); ++span.rows) {
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t next,
+                            state_->number<int64_t>(path, span.first + span.rows));
+    if (next < ns)
+      return state_->broken(path, fmt::format("row {} runs backwards in time", span.first));
+    if (next != ns) break;
+  }
+  return std::optional(span);
+}
+
 Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, const RowSpan& span) {
   const std::string group = segment_group(entity);
   PackedSnapshot snapshot;
@@ -306,13 +330,13 @@ Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, cons
   snapshot.time = span.time;
   const std::string accounting = group + "/accounting";
   ENGRAM_ASSIGN_OR_RETURN(snapshot.raw_bytes,
-                          state_->number<uint64_t>(accounting + "/raw_bytes", span.first));
+                          state_->accounting(accounting + "/raw_bytes", span.first));
   ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped,
-                          state_->number<uint64_t>(accounting + "/dropped", span.first));
+                          state_->accounting(accounting + "/dropped", span.first));
   ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped_bytes,
-                          state_->number<uint64_t>(accounting + "/dropped_bytes", span.first));
+                          state_->accounting(accounting + "/dropped_bytes", span.first));
   for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
-    ENGRAM_ASSIGN_OR_RETURN(PackedInstance instance, state_->instance(group, row));
+    ENGRAM_ASSIGN_OR_RETURN(PackedInstance instance, state_->instance(group, row, span.time));
     snapshot.instances.push_back(std::move(instance));
   }
   return snapshot;
@@ -327,16 +351,16 @@ Result<LatentSnapshot> SegmentReader::read_latent(const MemoryId& entity, const 
   snapshot.model_version = static_cast<int>(version);
   for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
     LatentInstance instance;
-    ENGRAM_ASSIGN_OR_RETURN(instance.metadata, state_->metadata(group, row));
+    ENGRAM_ASSIGN_OR_RETURN(instance.metadata, state_->metadata(group, row, span.time));
     ENGRAM_ASSIGN_OR_RETURN(instance.latent.code, state_->blob(group + "/latent", row));
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data rest, state_->remainder(group + "/remainder", row));
     if (!rest.is<idf::List>())
       return state_->broken(group, fmt::format("row {} has no remainder", row));
     instance.latent.remainder = rest.get<idf::List>();
     ENGRAM_ASSIGN_OR_RETURN(instance.error.image_mse,
-                            state_->number<double>(group + "/error/image_mse", row));
+                            state_->row_number<double>(group + "/error/image_mse", row));
     ENGRAM_ASSIGN_OR_RETURN(instance.error.number_mse,
-                            state_->number<double>(group + "/error/number_mse", row));
+                            state_->row_number<double>(group + "/error/number_mse", row));
     snapshot.instances.push_back(std::move(instance));
   }
   return snapshot;

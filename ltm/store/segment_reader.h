@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "ltm/memory/segment_types.h"
@@ -35,6 +36,13 @@ class SegmentReader {
   /// Snapshots of an entity in the order of the file, which is that of time.
   /// Errors: kNotFound, kDataLoss.
   Result<std::vector<RowSpan>> index(const MemoryId& entity);
+
+  /// The first row of the entity whose time is not before `time`, or the number of rows.
+  /// Complexity: O(log rows); reads a few chunks of times.
+  Result<uint64_t> lower_bound(const MemoryId& entity, Time time);
+
+  /// The snapshot that begins at `row`; nothing behind the last one.
+  Result<std::optional<RowSpan>> snapshot_at(const MemoryId& entity, uint64_t row);
 
   /// Errors: kNotFound, kDataLoss naming file, object and row.
   Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <unordered_map>
 
 #include "ltm/codec/zstd.h"
@@ -32,6 +33,17 @@ Status write_column(h5::File& file, const std::string& path, const std::vector<T
   const uint64_t count = values.size();
   return file.write(path, h5_type(idf::kElementTypeOf<T>), {&count, 1},
                     std::as_bytes(std::span(values)), Storage::kCompressed);
+}
+
+/// A number per row of an entity; one stands for all where they are equal.
+template <typename T>
+Status write_row_column(h5::File& file, const std::string& path, const std::vector<T>& values) {
+  const auto differs = [&](const T& value) {
+    return std::memcmp(&value, values.data(), sizeof(T)) != 0;
+  };
+  if (values.size() > 1 && std::ranges::none_of(values, differs))
+    return write_column(file, path, std::vector<T>{values.front()});
+  return write_column(file, path, values);
 }
 
 /// Byte strings of varying length, one per row or block of rows.
@@ -106,18 +118,24 @@ class RowColumns {
   Status write(h5::File& file, const std::string& group) const {
     const std::string metadata = group + "/metadata";
     ENGRAM_RETURN_IF_ERROR(write_column(file, group + "/timestamp", timestamps_));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, group + "/instance", instances_));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, metadata + "/created", created_));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, metadata + "/sent", sent_));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, metadata + "/arrived", arrived_));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, metadata + "/confidence", confidences_));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, metadata + "/provider", provider_));
+    ENGRAM_RETURN_IF_ERROR(write_row_column(file, group + "/instance", instances_));
+    ENGRAM_RETURN_IF_ERROR(write_times(file, metadata + "/created", created_));
+    ENGRAM_RETURN_IF_ERROR(write_times(file, metadata + "/sent", sent_));
+    ENGRAM_RETURN_IF_ERROR(write_times(file, metadata + "/arrived", arrived_));
+    ENGRAM_RETURN_IF_ERROR(write_row_column(file, metadata + "/confidence", confidences_));
+    ENGRAM_RETURN_IF_ERROR(write_row_column(file, metadata + "/provider", provider_));
     return file.write_strings(metadata + "/providers", providers_);
   }
 
   [[nodiscard]] size_t rows() const { return timestamps_.size(); }
 
  private:
+  /// Nothing where they are the times of the snapshots.
+  Status write_times(h5::File& file, const std::string& path,
+                     const std::vector<int64_t>& times) const {
+    return times == timestamps_ ? Status() : write_row_column(file, path, times);
+  }
+
   std::vector<int64_t> timestamps_, created_, sent_, arrived_;
   std::vector<int32_t> instances_, provider_;
   std::vector<float> confidences_;
@@ -295,9 +313,16 @@ struct AccountingColumns {
   }
 
   Status write(h5::File& file, const std::string& group) const {
-    ENGRAM_RETURN_IF_ERROR(write_column(file, group + "/accounting/raw_bytes", raw_bytes));
-    ENGRAM_RETURN_IF_ERROR(write_column(file, group + "/accounting/dropped", dropped));
-    return write_column(file, group + "/accounting/dropped_bytes", dropped_bytes);
+    ENGRAM_RETURN_IF_ERROR(write_figures(file, group + "/accounting/raw_bytes", raw_bytes));
+    ENGRAM_RETURN_IF_ERROR(write_figures(file, group + "/accounting/dropped", dropped));
+    return write_figures(file, group + "/accounting/dropped_bytes", dropped_bytes);
+  }
+
+  /// Nothing where all are zero.
+  static Status write_figures(h5::File& file, const std::string& path,
+                              const std::vector<uint64_t>& figures) {
+    const bool is_any = std::ranges::any_of(figures, [](uint64_t figure) { return figure != 0; });
+    return is_any ? write_row_column(file, path, figures) : Status();
   }
 };
 
@@ -468,8 +493,8 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
   ENGRAM_RETURN_IF_ERROR(columns.write(segment, group));
   ENGRAM_RETURN_IF_ERROR(codes.write(segment, group + "/latent"));
   ENGRAM_RETURN_IF_ERROR(remainder.write(segment, group + "/remainder"));
-  ENGRAM_RETURN_IF_ERROR(write_column(segment, group + "/error/image_mse", image_mse));
-  ENGRAM_RETURN_IF_ERROR(write_column(segment, group + "/error/number_mse", number_mse));
+  ENGRAM_RETURN_IF_ERROR(write_row_column(segment, group + "/error/image_mse", image_mse));
+  ENGRAM_RETURN_IF_ERROR(write_row_column(segment, group + "/error/number_mse", number_mse));
   summary.snapshots = snapshots.size();
   summary.rows = columns.rows();
   ENGRAM_RETURN_IF_ERROR(finish_segment(std::move(segment), info));

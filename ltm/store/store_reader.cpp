@@ -15,7 +15,7 @@ namespace engram::ltm {
 namespace {
 
 /// Open segments keep their last windows of rows in memory: no more than so many stay open.
-constexpr size_t kMaxOpenSegments = 8;
+constexpr size_t kMaxOpenSegments = 64;
 
 /// A writer may seal and remove a journal while it is being opened: then look again.
 constexpr int kOpenAttempts = 20;
@@ -37,10 +37,13 @@ struct StoreReader::State {
   std::map<MemoryId, std::pair<uint64_t, uint64_t>> journal_trailing;  ///< Dropped, their bytes.
   uint64_t journal_damaged = 0;
   std::list<std::pair<uint32_t, std::unique_ptr<SegmentReader>>> segments;  ///< Latest used first.
+  std::map<MemoryId, std::vector<TimelinePart>> parts;
+  std::map<MemoryId, Timeline> timelines;
   std::map<MemoryId, std::vector<SnapshotEntry>> indices;
 
   Status load() {
     ENGRAM_ASSIGN_OR_RETURN(manifest, read_manifest(path));
+    for (uint32_t i = 0; i < manifest.segments.size(); ++i) add_parts(i);
     ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
     for (const uint64_t number : numbers) {
       if (number < manifest.first_journal) continue;
@@ -57,6 +60,31 @@ struct StoreReader::State {
       journals.push_back(std::move(journal));
     }
     return {};
+  }
+
+  void add_parts(uint32_t segment) {
+    const SegmentInfo& info = manifest.segments[segment];
+    for (const SegmentEntity& entity : info.entities) {
+      auto& of_entity = parts[entity.id];
+      if (entity.snapshots > 0)
+        of_entity.push_back({segment, info.kind == SegmentKind::kLatent, entity.first, entity.last,
+                             entity.snapshots, entity.rows});
+    }
+  }
+
+  /// The entity's frames in the order of time; of equal times the last counts.
+  [[nodiscard]] std::vector<SnapshotEntry> journal_snapshots(const MemoryId& entity) const {
+    std::vector<SnapshotEntry> entries;
+    const auto frames = journal_entries.find(entity);
+    if (frames == journal_entries.end()) return entries;
+    for (const JournalEntry& frame : frames->second)
+      entries.push_back({frame.head.time, SnapshotEntry::Location{frame.journal, 0, frame.offset}, {}});
+    std::ranges::stable_sort(entries, {}, &SnapshotEntry::time);
+    // unique keeps the first of a run: walk from the back to keep the last.
+    const auto [kept, end] = std::ranges::unique(entries.rbegin(), entries.rend(), {},
+                                                 &SnapshotEntry::time);
+    entries.erase(entries.begin(), kept.base());
+    return entries;
   }
 
   void add(uint32_t journal, uint64_t offset, uint64_t frame_bytes, FrameHead head) {
@@ -96,11 +124,7 @@ struct StoreReader::State {
   }
 
   [[nodiscard]] bool has(const MemoryId& entity) const {
-    if (journal_entries.contains(entity)) return true;
-    return std::ranges::any_of(manifest.segments, [&](const SegmentInfo& segment) {
-      return std::ranges::find(segment.entities, entity, &SegmentEntity::id) !=
-             segment.entities.end();
-    });
+    return parts.contains(entity) || journal_entries.contains(entity);
   }
 
   Status no_such_entity(const MemoryId& entity, const std::vector<MemoryId>& known) const {
@@ -110,18 +134,32 @@ struct StoreReader::State {
                      names.empty() ? "none" : names);
   }
 
-  Status add_segment(uint32_t number, const MemoryId& entity,
-                     std::map<Time, SnapshotEntry>& entries) {
-    const SegmentInfo& info = manifest.segments[number];
-    if (std::ranges::find(info.entities, entity, &SegmentEntity::id) == info.entities.end())
-      return {};
-    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, segment(number));
+  /// The entity's moments in recorded form, as latents, or both.
+  Timeline make_timeline(const MemoryId& entity, bool is_recorded, bool is_latent) {
+    std::vector<TimelinePart> some;
+    if (const auto known = parts.find(entity); known != parts.end())
+      std::ranges::copy_if(known->second, std::back_inserter(some), [&](const TimelinePart& part) {
+        return part.is_latent ? is_latent : is_recorded;
+      });
+    return {entity, std::move(some),
+            is_recorded ? journal_snapshots(entity) : std::vector<SnapshotEntry>(),
+            [this](uint32_t number) { return segment(number); }};
+  }
+
+  Result<uint64_t> count(const MemoryId& entity, bool is_latent) {
+    return make_timeline(entity, !is_latent, is_latent).count();
+  }
+
+  /// All entries of a part, put over those that are there.
+  Status add_part(const TimelinePart& part, const MemoryId& entity,
+                  std::map<Time, SnapshotEntry>& entries) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, segment(part.segment));
     ENGRAM_ASSIGN_OR_RETURN(const std::vector<RowSpan> spans, reader->index(entity));
     for (const RowSpan& span : spans) {
       SnapshotEntry& entry = entries[span.time];
       entry.time = span.time;
-      const SnapshotEntry::Location location{number, span.rows, span.first};
-      (info.kind == SegmentKind::kLatent ? entry.latent : entry.recorded) = location;
+      const SnapshotEntry::Location location{part.segment, span.rows, span.first};
+      (part.is_latent ? entry.latent : entry.recorded) = location;
     }
     return {};
   }
@@ -159,28 +197,22 @@ uint64_t StoreReader::damaged_places() const {
 
 std::vector<MemoryId> StoreReader::entities() const {
   std::vector<MemoryId> ids;
-  for (const SegmentInfo& segment : state_->manifest.segments)
-    for (const SegmentEntity& entity : segment.entities) ids.push_back(entity.id);
-  for (const auto& [id, frames] : state_->journal_entries) ids.push_back(id);
+  for (const auto& [id, parts] : state_->parts) ids.push_back(id);
+  for (const auto& [id, frames] : state_->journal_entries)
+    if (!state_->parts.contains(id)) ids.push_back(id);
   std::ranges::sort(ids);
-  const auto repeated = std::ranges::unique(ids);
-  ids.erase(repeated.begin(), repeated.end());
   return ids;
 }
 
 Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, index(entity));
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * moments, timeline(entity));
   EntitySummary summary;
   summary.id = entity;
-  summary.snapshots = entries->size();
-  if (!entries->empty()) {
-    summary.first = entries->front().time;
-    summary.last = entries->back().time;
-  }
-  for (const SnapshotEntry& entry : *entries) {
-    summary.recorded_snapshots += entry.recorded.has_value() ? 1 : 0;
-    summary.latent_snapshots += entry.latent.has_value() ? 1 : 0;
-  }
+  ENGRAM_ASSIGN_OR_RETURN(summary.snapshots, moments->count());
+  ENGRAM_ASSIGN_OR_RETURN(summary.recorded_snapshots, state_->count(entity, false));
+  ENGRAM_ASSIGN_OR_RETURN(summary.latent_snapshots, state_->count(entity, true));
+  summary.first = moments->first().value_or(Time{});
+  summary.last = moments->last().value_or(Time{});
   for (const SegmentInfo& segment : state_->manifest.segments) {
     for (const SegmentEntity& part : segment.entities) {
       if (part.id != entity) continue;
@@ -222,20 +254,24 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
   return summary;
 }
 
+Result<Timeline*> StoreReader::timeline(const MemoryId& entity) {
+  if (const auto known = state_->timelines.find(entity); known != state_->timelines.end())
+    return &known->second;
+  if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
+  return &state_->timelines.emplace(entity, state_->make_timeline(entity, true, true)).first->second;
+}
+
 Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& entity) {
   if (const auto known = state_->indices.find(entity); known != state_->indices.end())
     return &known->second;
   if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
   std::map<Time, SnapshotEntry> entries;
-  for (uint32_t i = 0; i < state_->manifest.segments.size(); ++i)
-    ENGRAM_RETURN_IF_ERROR(state_->add_segment(i, entity, entries));
-  if (const auto frames = state_->journal_entries.find(entity);
-      frames != state_->journal_entries.end()) {
-    for (const JournalEntry& frame : frames->second) {
-      SnapshotEntry& entry = entries[frame.head.time];
-      entry.time = frame.head.time;
-      entry.recorded = SnapshotEntry::Location{frame.journal, 0, frame.offset};
-    }
+  for (const TimelinePart& part : state_->parts[entity])
+    ENGRAM_RETURN_IF_ERROR(state_->add_part(part, entity, entries));
+  for (const SnapshotEntry& unsealed : state_->journal_snapshots(entity)) {
+    SnapshotEntry& entry = entries[unsealed.time];
+    entry.time = unsealed.time;
+    entry.recorded = unsealed.recorded;
   }
   std::vector<SnapshotEntry>& sorted = state_->indices[entity];
   sorted.reserve(entries.size());

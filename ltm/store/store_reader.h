@@ -11,22 +11,9 @@
 #include "ltm/store/latent.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/packed_snapshot.h"
+#include "ltm/store/timeline.h"
 
 namespace engram::ltm {
-
-/// One snapshot of an entity and where its representations lie.
-struct SnapshotEntry {
-  /// Row span in a segment, or a frame of a journal.
-  struct Location {
-    uint32_t source = 0;  ///< Index into the reader's open segments or journals.
-    uint32_t rows = 0;    ///< Number of instances; zero for a journal frame.
-    uint64_t at = 0;      ///< First row, or the offset of the frame.
-  };
-
-  Time time{};
-  std::optional<Location> recorded;
-  std::optional<Location> latent;
-};
 
 /// Everything `engram info` says of one entity.
 struct EntitySummary {
@@ -65,7 +52,12 @@ class StoreReader {
   /// Errors: kNotFound naming the entity and the ones there are.
   Result<EntitySummary> summary(const MemoryId& entity);
 
-  /// All snapshots of the entity in the order of time; valid as long as the reader.
+  /// The moments of the entity; valid as long as the reader.
+  /// Errors: kNotFound.
+  Result<Timeline*> timeline(const MemoryId& entity);
+
+  /// All snapshots of the entity in the order of time, in memory; valid as long as the reader. For
+  /// those who read them all; who looks for some asks the timeline.
   /// Errors: kNotFound, kDataLoss; here and when reading, kUnavailable where a consolidation
   /// replaced a segment meanwhile: open the store again.
   Result<const std::vector<SnapshotEntry>*> index(const MemoryId& entity);

@@ -14,15 +14,14 @@
 #include "ltm/core/log.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/journal.h"
+#include "ltm/store/journal_syncer.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/publish.h"
-#include "ltm/store/segment_writer.h"
+#include "ltm/store/sealer.h"
 
 namespace engram::ltm {
 
 namespace {
-
-constexpr Duration kSealRetry = std::chrono::seconds(10);
 
 /// Temporary files are named "<process>-<number>...": those of dead processes are left-overs.
 bool belongs_to_dead_process(const std::string& name) {
@@ -64,15 +63,16 @@ struct StoreWriter::State {
   Options options;
   Clock clock;
   File lock;
-  std::optional<Journal> journal;  ///< Nothing until the first append after a seal.
+  std::shared_ptr<Journal> journal;  ///< Null until the first append after it was closed.
+  std::vector<uint64_t> closed_journals;  ///< That nobody was told to seal yet.
   uint64_t next_journal = 1;
-  uint64_t unsealed_bytes = 0;
+  uint64_t unsealed_bytes = 0;          ///< Of these journals.
   std::optional<Time> oldest_unsealed;  ///< By the clock, when it was appended.
-  std::optional<Time> seal_retry;
-  Time last_sync{};
   std::map<MemoryId, Time> last_times;
   SegmentTypes types;
   uint64_t damaged = 0;
+  std::optional<JournalSyncer> syncer;
+  std::optional<Sealer> sealer;
 
   State(std::filesystem::path store, const Options& chosen, Clock now, File writer_lock)
       : path(std::move(store)),
@@ -94,144 +94,96 @@ struct StoreWriter::State {
     types = manifest.types;
     next_journal = manifest.first_journal;
     ENGRAM_ASSIGN_OR_RETURN(const auto journals, list_journals(path));
-    for (const uint64_t number : journals) {
-      next_journal = std::max(next_journal, number + 1);
-      const auto scan = scan_journal(
-          path / Journal::file_name(number), [this](uint64_t, const Buffer& payload) -> Status {
-            ENGRAM_ASSIGN_OR_RETURN(const FrameHead head, decode_frame_head(payload));
-            if (head.instances > 0) note_time(head.entity, head.time);
-            unsealed_bytes += payload.size();
-            return {};
-          });
-      ENGRAM_RETURN_IF_ERROR(scan.status());
-      damaged += scan->damaged;
-    }
+    for (const uint64_t number : journals) ENGRAM_RETURN_IF_ERROR(take_over(number));
     if (unsealed_bytes > 0) oldest_unsealed = clock();
     if (damaged > 0)
       log::warning("store '{}': {} damaged places in the journal; what was there is lost",
                    path.string(), damaged);
+    sealer.emplace(path, Sealer::Options{});
+    if (options.durability == Durability::kInterval) syncer.emplace(options.sync_interval);
     return {};
+  }
+
+  Status take_over(uint64_t number) {
+    next_journal = std::max(next_journal, number + 1);
+    closed_journals.push_back(number);
+    const auto scan = scan_journal(
+        path / Journal::file_name(number), [this](uint64_t, const Buffer& payload) -> Status {
+          ENGRAM_ASSIGN_OR_RETURN(const FrameHead head, decode_frame_head(payload));
+          if (head.instances > 0) note_time(head.entity, head.time);
+          unsealed_bytes += payload.size();
+          return {};
+        });
+    ENGRAM_RETURN_IF_ERROR(scan.status());
+    damaged += scan->damaged;
+    return {};
+  }
+
+  /// Fails before the disk is full: then what is there could not even be sealed.
+  Status check_disk() const {
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t free, free_disk_bytes(path));
+    if (free >= options.min_free_bytes) return {};
+    return resource_exhausted("store '{}': the disk has {} bytes left, recording needs {}",
+                              path.string(), free, options.min_free_bytes);
   }
 
   Status open_journal() {
     if (journal) return {};
     ENGRAM_ASSIGN_OR_RETURN(Journal made, Journal::create(path, next_journal));
     ++next_journal;
-    journal = std::move(made);
+    journal = std::make_shared<Journal>(std::move(made));
     return {};
   }
 
   Status append_frames(const std::vector<std::vector<std::byte>>& payloads) {
+    ENGRAM_RETURN_IF_ERROR(check_disk());
+    if (syncer) ENGRAM_RETURN_IF_ERROR(syncer->take_error());
     ENGRAM_RETURN_IF_ERROR(open_journal());
     ENGRAM_RETURN_IF_ERROR(journal->append(payloads));
     for (const auto& payload : payloads) unsealed_bytes += payload.size();
-    const Time now = clock();
-    if (!oldest_unsealed) oldest_unsealed = now;
-    const bool is_sync_due =
-        options.durability == Durability::kEvery ||
-        (options.durability == Durability::kInterval && now - last_sync >= options.sync_interval);
-    if (is_sync_due) {
-      ENGRAM_RETURN_IF_ERROR(journal->sync());
-      last_sync = now;
-    }
+    if (!oldest_unsealed) oldest_unsealed = clock();
+    if (options.durability == Durability::kEvery) return journal->sync();
+    if (syncer) syncer->note_append(journal);
     return {};
   }
 
   [[nodiscard]] bool is_seal_due() const {
-    if (!oldest_unsealed || (seal_retry && clock() < *seal_retry)) return false;
+    if (!oldest_unsealed) return false;
     return unsealed_bytes >= options.seal_bytes || clock() - *oldest_unsealed >= options.seal_after;
   }
 
-  /// Seals where it is due. What was appended is acknowledged whether this works or not: the
-  /// journal holds it, and sealing is tried again later.
+  /// Hands all journals to the sealer; the next append begins a new one.
+  void hand_over() {
+    if (journal) closed_journals.push_back(journal->number());
+    journal.reset();
+    if (!closed_journals.empty())
+      sealer->add({std::exchange(closed_journals, {}), unsealed_bytes, types});
+    unsealed_bytes = 0;
+    oldest_unsealed.reset();
+  }
+
+  /// What was appended is acknowledged whether sealing works or not: the journal holds it.
   void seal_if_due() {
     if (!is_seal_due()) return;
-    const Status status = seal();
-    seal_retry = status.ok() ? std::nullopt : std::optional(clock() + kSealRetry);
-    if (!status.ok())
-      log::warning("store '{}': sealing failed, the journal keeps all: {}", path.string(),
-                   status.to_string());
-  }
-
-  struct JournalContent {
-    std::map<MemoryId, RecordedEntity> entities;
-    std::set<uint64_t> damaged_journals;
-    uint64_t damaged = 0;
-  };
-
-  Result<JournalContent> read_journals(const std::vector<uint64_t>& numbers) {
-    JournalContent content;
-    auto& entities = content.entities;
-    for (const uint64_t number : numbers) {
-      const auto scan = scan_journal(
-          path / Journal::file_name(number), [&](uint64_t, const Buffer& payload) -> Status {
-            ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot snapshot, decode_frame(payload));
-            RecordedEntity& entity = entities[snapshot.entity];
-            if (snapshot.instances.empty()) {
-              entity.trailing_dropped += snapshot.dropped;
-              entity.trailing_dropped_bytes += snapshot.dropped_bytes;
-            } else {
-              entity.snapshots.push_back(std::move(snapshot));
-            }
-            return {};
-          });
-      ENGRAM_RETURN_IF_ERROR(scan.status());
-      if (scan->damaged > 0) content.damaged_journals.insert(number);
-      content.damaged += scan->damaged;
-    }
-    for (auto& [id, entity] : entities) keep_last_of_each_time(entity.snapshots);
-    return content;
-  }
-
-  /// An append whose sync failed was not acknowledged and may have been tried again.
-  static void keep_last_of_each_time(std::vector<PackedSnapshot>& snapshots) {
-    std::ranges::stable_sort(snapshots, {}, &PackedSnapshot::time);
-    const auto is_superseded = [](const PackedSnapshot& a, const PackedSnapshot& b) {
-      return a.time == b.time;
-    };
-    // unique keeps the first of a run: walk from the back to keep the last.
-    const auto [kept_end, end] =
-        std::ranges::unique(snapshots.rbegin(), snapshots.rend(), is_superseded);
-    snapshots.erase(snapshots.begin(), kept_end.base());
-  }
-
-  Status publish_segment(const std::filesystem::path& file, const JournalContent& content) {
-    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_recorded_segment(file, content.entities, types));
-    return edit_manifest(path, [&](Manifest& manifest) -> Status {
-      segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-      ENGRAM_RETURN_IF_ERROR(publish_file(file, path / segment.file));
-      manifest.segments.push_back(std::move(segment));
-      manifest.first_journal = next_journal;
-      manifest.damaged += content.damaged;
-      return {};
-    });
+    sealer->wait_below(static_cast<size_t>(options.max_waiting_journals));
+    hand_over();
   }
 
   Status seal() {
-    ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
-    ENGRAM_ASSIGN_OR_RETURN(const JournalContent content, read_journals(numbers));
-    if (!content.entities.empty() || content.damaged > 0) {
-      ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(path, ".h5"));
-      if (Status status = publish_segment(file, content); !status.ok()) {
-        // It is tried again and again: what failed must not fill the disk.
-        const Status removed = remove_file(file);
-        return removed.ok() ? status : status.with_context(removed.message());
-      }
-    }
-    // From here on the segment is the truth; a journal that stays behind is removed at the next
-    // opening. Damaged journals are kept for whoever wants to look at what was lost.
-    journal.reset();
-    unsealed_bytes = 0;
-    oldest_unsealed.reset();
-    for (const uint64_t number : numbers) {
-      const std::filesystem::path file = path / Journal::file_name(number);
-      ENGRAM_RETURN_IF_ERROR(content.damaged_journals.contains(number)
-                                 ? publish_file(file, file.string() + ".damaged")
-                                 : remove_file(file));
-    }
-    return {};
+    hand_over();
+    return sealer->finish();
   }
 };
+
+Status StoreWriter::Options::validate() const {
+  if (sync_interval <= Duration(0)) return invalid_argument("sync_interval: needs more than 0");
+  if (seal_bytes == 0) return invalid_argument("seal_bytes: needs more than 0");
+  if (seal_after <= Duration(0)) return invalid_argument("seal_after: needs more than 0");
+  if (max_waiting_journals < 1)
+    return invalid_argument("max_waiting_journals: found {}, needs at least 1",
+                            max_waiting_journals);
+  return {};
+}
 
 StoreWriter::StoreWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
@@ -243,6 +195,7 @@ StoreWriter::~StoreWriter() {
 
 Result<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::filesystem::path& store,
                                                        const Options& options, Clock clock) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_RETURN_IF_ERROR(read_manifest(store).status());
   ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / "WRITER.lock", File::Mode::kAppend));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(false));
@@ -255,7 +208,6 @@ Result<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::filesystem::pa
 
 Status StoreWriter::append(const std::vector<PackedSnapshot>& snapshots,
                            std::vector<uint64_t>* frame_bytes) {
-  std::map<MemoryId, Time> times;
   std::vector<std::vector<std::byte>> payloads;
   for (const PackedSnapshot& snapshot : snapshots) {
     const std::string id = snapshot.entity.to_string();
@@ -264,23 +216,16 @@ Status StoreWriter::append(const std::vector<PackedSnapshot>& snapshots,
     if (snapshot.instances.empty())
       return invalid_argument("commit: snapshot '{}' has no instances, needs at least one",
                               snapshot.entity.at(snapshot.time).to_string());
-    const auto pending = times.find(snapshot.entity);
-    const std::optional<Time> last =
-        pending != times.end() ? pending->second : last_time(snapshot.entity);
-    if (last && snapshot.time <= *last)
-      return invalid_argument("entity '{}': time runs backwards: found {}, needs one after {}", id,
-                              to_string(snapshot.time), to_string(*last));
     for (const PackedInstance& instance : snapshot.instances)
       if (instance.metadata.provider.find('\0') != std::string::npos)
         return invalid_argument("commit: snapshot '{}': its provider's name has a zero byte",
                                 snapshot.entity.at(snapshot.time).to_string());
-    times[snapshot.entity] = snapshot.time;
     ENGRAM_ASSIGN_OR_RETURN(auto payload, encode_frame(snapshot));
     payloads.push_back(std::move(payload));
   }
   if (payloads.empty()) return {};
   ENGRAM_RETURN_IF_ERROR(state_->append_frames(payloads));
-  for (const auto& [entity, time] : times) state_->note_time(entity, time);
+  for (const PackedSnapshot& snapshot : snapshots) state_->note_time(snapshot.entity, snapshot.time);
   if (frame_bytes != nullptr)
     for (const auto& payload : payloads)
       frame_bytes->push_back(payload.size() + Journal::kFrameOverheadBytes);

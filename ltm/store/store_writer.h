@@ -20,19 +20,27 @@ enum class Durability {
   kNone,      ///< What the operating system had not written yet.
 };
 
-/// The only writer of a store: appends to the journal, seals journals into segments.
+/// The only writer of a store: appends to the journal; threads of its own seal journals into
+/// segments and force them to the disk.
 ///
 /// Threading: one thread. One per store, over all processes (file lock).
-/// Source: docs/format.md.
+/// Source: docs/format.md, section "Writing, locks and crashes".
 class StoreWriter {
  public:
   struct Options {
     Durability durability = Durability::kInterval;
     Duration sync_interval = std::chrono::milliseconds(200);
-    /// A journal of this size is sealed. Costs as much memory while sealing.
+    /// A journal of this size is sealed. Costs a few times as much memory while sealing.
     uint64_t seal_bytes = 64 << 20;
     /// So is one whose first snapshot came this long ago, by the clock, at the next append.
     Duration seal_after = std::chrono::minutes(10);
+    /// An append waits where more than this many journals of that size wait to be sealed.
+    int max_waiting_journals = 4;
+    /// Recording stops with an error where the disk has less free space: what is there can still
+    /// be sealed then.
+    uint64_t min_free_bytes = uint64_t{256} << 20;
+
+    [[nodiscard]] Status validate() const;
   };
 
   /// Opens a store and takes over what a killed writer left in its journals.
@@ -42,8 +50,11 @@ class StoreWriter {
                                                    Clock clock = system_now);
   ~StoreWriter();
 
-  /// Appends to the journal; the bytes of each frame are returned through `frame_bytes`.
+  /// Appends to the journal; the bytes of each frame are returned through `frame_bytes`. Times may
+  /// come in any order; a snapshot of a time that is there takes its place.
   /// After ok, all of them survive `kill -9`; after an error, none of them was acknowledged.
+  /// Errors: kInvalidArgument; kResourceExhausted where the disk is nearly full; kUnavailable where
+  /// it fails, also where what was acknowledged before could not be forced to it.
   Status append(const std::vector<PackedSnapshot>& snapshots, std::vector<uint64_t>* frame_bytes);
 
   /// Notes what filters dropped after the last snapshot that was kept.
@@ -56,9 +67,10 @@ class StoreWriter {
 
   [[nodiscard]] const SegmentTypes& types() const;
 
-  /// Publishes everything in the journal as one segment.
+  /// Publishes everything in the journals and waits until it is done.
   Status seal();
 
+  /// The latest time of the entity, stored in this session or before.
   [[nodiscard]] std::optional<Time> last_time(const MemoryId& entity) const;
 
   /// Acknowledged frames that could not be read when the store was opened.

@@ -84,8 +84,8 @@ TEST(H5, GivesBackWhatWasWritten) {
   EXPECT_EQ(*file->list("/group"), (std::vector<std::string>{"inner"}));
   EXPECT_EQ(*file->list("/"), (std::vector<std::string>{"compressed", "contiguous", "group",
                                                         "no strings", "strings"}));
-  EXPECT_TRUE(file->exists("/group/inner"));
-  EXPECT_FALSE(file->exists("/group/outer/x"));
+  EXPECT_TRUE(*file->exists("/group/inner"));
+  EXPECT_FALSE(*file->exists("/group/outer/x"));
 }
 
 TEST(H5, ReadsRows) {

@@ -192,7 +192,7 @@ TEST(Segment, KeepsBlocksOfLargeRemaindersSmall) {
   const auto file = h5::File::open(scratch / "s.h5");
   const std::string group = segment_group(example_entity());
   EXPECT_LE(*file->int_attribute(group + "/remainder", "rows_per_block"), 20);
-  EXPECT_FALSE(file->exists(group + "/arrays/points"));
+  EXPECT_FALSE(*file->exists(group + "/arrays/points"));
 }
 
 TEST(Segment, WithoutRowsIsReadable) {

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/journal_syncer.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace engram::ltm {
+
+JournalSyncer::JournalSyncer(Duration interval)
+    : interval_(interval), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+JournalSyncer::~JournalSyncer() = default;
+
+void JournalSyncer::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [this] { return !dirty_.empty(); })) {
+    const auto journals = std::exchange(dirty_, {});
+    lock.unlock();
+    Status status;
+    for (const auto& journal : journals)
+      if (Status each = journal->sync(); !each.ok()) status = std::move(each);
+    lock.lock();
+    if (!status.ok()) error_ = std::move(status);
+    changed_.wait_for(lock, stop, interval_, [] { return false; });
+  }
+}
+
+void JournalSyncer::note_append(const std::shared_ptr<Journal>& journal) {
+  const std::scoped_lock lock(mutex_);
+  if (std::ranges::find(dirty_, journal) != dirty_.end()) return;
+  dirty_.push_back(journal);
+  changed_.notify_all();
+}
+
+Status JournalSyncer::take_error() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(error_, Status());
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/sealer.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "ltm/core/file.h"
+#include "ltm/core/log.h"
+#include "ltm/store/frame.h"
+#include "ltm/store/journal.h"
+#include "ltm/store/manifest.h"
+#include "ltm/store/publish.h"
+#include "ltm/store/segment_writer.h"
+
+namespace engram::ltm {
+
+namespace {
+
+struct JournalContent {
+  std::map<MemoryId, RecordedEntity> entities;
+  std::set<uint64_t> damaged_journals;
+  uint64_t damaged = 0;
+
+  void add(PackedSnapshot snapshot) {
+    RecordedEntity& entity = entities[snapshot.entity];
+    if (!snapshot.instances.empty()) {
+      entity.snapshots.push_back(std::move(snapshot));
+      return;
+    }
+    entity.trailing_dropped += snapshot.dropped;
+    entity.trailing_dropped_bytes += snapshot.dropped_bytes;
+  }
+};
+
+/// Orders by time; of equal times the last counts: it is an update, or an append whose sync failed
+/// and that was tried again.
+void keep_last_of_each_time(std::vector<PackedSnapshot>& snapshots) {
+  std::ranges::stable_sort(snapshots, {}, &PackedSnapshot::time);
+  // unique keeps the first of a run: walk from the back to keep the last.
+  const auto [kept, end] =
+      std::ranges::unique(snapshots.rbegin(), snapshots.rend(), {}, &PackedSnapshot::time);
+  snapshots.erase(snapshots.begin(), kept.base());
+}
+
+Result<JournalContent> read_journals(const std::filesystem::path& store,
+                                     const std::vector<uint64_t>& numbers) {
+  JournalContent content;
+  for (const uint64_t number : numbers) {
+    const auto scan = scan_journal(store / Journal::file_name(number),
+                                   [&content](uint64_t, const Buffer& payload) -> Status {
+                                     ENGRAM_ASSIGN_OR_RETURN(auto snapshot, decode_frame(payload));
+                                     content.add(std::move(snapshot));
+                                     return {};
+                                   });
+    ENGRAM_RETURN_IF_ERROR(scan.status());
+    if (scan->damaged > 0) content.damaged_journals.insert(number);
+    content.damaged += scan->damaged;
+  }
+  for (auto& [id, entity] : content.entities) keep_last_of_each_time(entity.snapshots);
+  return content;
+}
+
+Status publish_segment(const std::filesystem::path& store, const std::filesystem::path& file,
+                       const JournalContent& content, const Sealer::Job& job) {
+  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment,
+                          write_recorded_segment(file, content.entities, job.types));
+  return edit_manifest(store, [&](Manifest& manifest) -> Status {
+    segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+    ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
+    manifest.segments.push_back(std::move(segment));
+    manifest.first_journal = job.journals.back() + 1;
+    manifest.damaged += content.damaged;
+    return {};
+  });
+}
+
+}  // namespace
+
+Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job) {
+  ENGRAM_ASSIGN_OR_RETURN(const JournalContent content, read_journals(store, job.journals));
+  if (!content.entities.empty() || content.damaged > 0) {
+    ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
+    if (Status status = publish_segment(store, file, content, job); !status.ok()) {
+      // It is tried again and again: what failed must not fill the disk.
+      const Status removed = remove_file(file);
+      return removed.ok() ? status : status.with_context(removed.message());
+    }
+  }
+  // From here on the segment is the truth; a journal that stays behind is removed at the next
+  // opening. Damaged journals are kept for whoever wants to look at what was lost.
+  for (const uint64_t number : job.journals) {
+    const std::filesystem::path file = store / Journal::file_name(number);
+    ENGRAM_RETURN_IF_ERROR(content.damaged_journals.contains(number)
+                               ? publish_file(file, file.string() + ".damaged")
+                               : remove_file(file));
+  }
+  return {};
+}
+
+Sealer::Sealer(std::filesystem::path store, const Options& options)
+    : store_(std::move(store)),
+      options_(options),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+Sealer::~Sealer() = default;
+
+void Sealer::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [this] { return !jobs_.empty(); }) && !stop.stop_requested()) {
+    const Job job = jobs_.front();
+    lock.unlock();
+    Status status = seal_journals(store_, job);
+    if (!status.ok())
+      log::warning("store '{}': sealing failed, the journal keeps all: {}", store_.string(),
+                   status.to_string());
+    lock.lock();
+    if (status.ok()) jobs_.pop_front();
+    last_ = std::move(status);
+    ++attempts_;
+    changed_.notify_all();
+    if (!last_.ok()) {
+      const uint64_t hurries = hurries_;
+      changed_.wait_for(lock, stop, options_.retry_after,
+                        [this, hurries] { return hurries_ != hurries; });
+    }
+  }
+}
+
+void Sealer::add(Job job) {
+  const std::scoped_lock lock(mutex_);
+  jobs_.push_back(std::move(job));
+  changed_.notify_all();
+}
+
+void Sealer::wait_below(size_t count) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return jobs_.size() < count || !last_.ok(); });
+}
+
+Status Sealer::finish() {
+  std::unique_lock lock(mutex_);
+  ++hurries_;
+  changed_.notify_all();
+  while (!jobs_.empty()) {
+    const uint64_t attempts = attempts_;
+    changed_.wait(lock, [&] { return attempts_ != attempts; });
+    if (!last_.ok()) return last_;
+  }
+  return {};
+}
+
+}  // namespace engram::ltm

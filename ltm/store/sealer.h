@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "ltm/memory/segment_types.h"
+
+namespace engram::ltm {
+
+/// Turns closed journals into segments, in order, on a thread of its own. Where this fails the
+/// journals keep what they hold, and it is tried again.
+///
+/// Threading: thread-safe.
+/// Source: docs/format.md, section "Writing, locks and crashes".
+class Sealer {
+ public:
+  struct Options {
+    /// Before a failed job is tried again.
+    Duration retry_after = std::chrono::seconds(10);
+  };
+
+  /// What one segment is made of.
+  struct Job {
+    std::vector<uint64_t> journals;
+    uint64_t bytes = 0;  ///< Of the journals.
+    SegmentTypes types;  ///< That their values came under.
+  };
+
+  Sealer(std::filesystem::path store, const Options& options);
+  /// Finishes the job at hand; those behind it stay in their journals.
+  ~Sealer();
+
+  void add(Job job);
+
+  /// Waits until fewer than `count` jobs wait, or until one has failed.
+  void wait_below(size_t count);
+
+  /// Waits until all jobs are done. A job that failed before is tried again at once.
+  /// Errors: that of the first job that fails.
+  Status finish();
+
+ private:
+  void run(const std::stop_token& stop);
+
+  std::filesystem::path store_;
+  Options options_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<Job> jobs_;  ///< The first one is at work.
+  uint64_t attempts_ = 0;  ///< That have ended.
+  uint64_t hurries_ = 0;   ///< Calls of finish, which end a wait between tries.
+  Status last_;
+  std::jthread thread_;  ///< Last: it uses all the others.
+};
+
+/// Publishes journals as one segment and removes them.
+/// Errors: kDataLoss, kUnavailable, kResourceExhausted; then the journals are still there.
+Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job);
+
+}  // namespace engram::ltm
