@@ -26,6 +26,10 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
+void add_idf_command(CLI::App& app, ExitCode& exit_code);
+
+/// What stands below `engram idf`, for a program that is nothing else.
+void add_idf_commands(CLI::App& app, ExitCode& exit_code);
 
 /// Tells an error on stderr. The exit code is kFailed.
 ExitCode fail(const Status& status);

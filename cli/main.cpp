@@ -21,6 +21,7 @@ constexpr const char* kFooter = R"(Examples:
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
   engram eval robot.engram
+  engram idf generate kitchen.xml --cpp generated
 
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
@@ -49,6 +50,7 @@ ExitCode run(int argc, char** argv) {
   add_query_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_idf_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

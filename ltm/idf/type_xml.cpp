@@ -92,15 +92,18 @@ class DocumentReader {
       if (!path)
         return not_found("{}: the include '{}' is neither beside the file nor in an include path",
                          source_.place(node), name);
-      const TypeInclude include{name, *path};
+      TypeInclude include{name, *path};
       auto read = files_.include(include);
       if (!read.ok())
         return read.status().with_context(
             fmt::format("{}: included '{}'", source_.place(node), name));
-      file_.includes.push_back(include);
-      for (const Type& type : (*read)->types) ENGRAM_RETURN_IF_ERROR(add_included(node, type));
-      for (const Type& type : (*read)->included_types)
-        ENGRAM_RETURN_IF_ERROR(add_included(node, type));
+      for (const auto* types : {&(*read)->types, &(*read)->included_types}) {
+        for (const Type& type : *types) {
+          ENGRAM_RETURN_IF_ERROR(add_included(node, type));
+          include.type_names.emplace_back(type.name());
+        }
+      }
+      file_.includes.push_back(std::move(include));
     }
     return {};
   }

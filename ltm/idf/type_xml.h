@@ -19,6 +19,8 @@ inline constexpr size_t kMaxXmlFiles = 1000;
 struct TypeInclude {
   std::string name;            ///< As written, without brackets: "kitchen/Cup.xml".
   std::filesystem::path path;  ///< Where it was found.
+  /// Of the types that the file defines, then of those that it includes itself.
+  std::vector<std::string> type_names = {};
 
   friend bool operator==(const TypeInclude&, const TypeInclude&) = default;
 };

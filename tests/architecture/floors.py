@@ -16,6 +16,7 @@ LIBRARIES = {
     "re2": ("re2/",),
     "zstd": ("zstd.h",),
     "OpenCV": ("opencv2/",),
+    "Eigen": ("Eigen/",),
     "libav*": ("libav", "libsw"),
     "hdf5": ("hdf5",),
     "xxhash": ("xxhash.h",),

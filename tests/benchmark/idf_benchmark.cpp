@@ -6,7 +6,7 @@
 
 #include "ltm/idf/binary.h"
 #include "ltm/idf/layout.h"
-#include "tests/benchmark/paper_objects.h"
+#include "tests/benchmark/paper_objects_example.h"
 
 namespace engram::benchmark_objects {
 namespace {
@@ -27,33 +27,33 @@ void run_batches(benchmark::State& state, size_t bytes, F step) {
 
 template <typename Object>
 void object_to_idf(benchmark::State& state) {
-  const Object object;
+  const auto object = example<Object>();
   run_batches(state, idf::encoded_size(object.to_idf()),
               [&] { benchmark::DoNotOptimize(object.to_idf()); });
 }
 
 template <typename Object>
 void idf_to_bytes(benchmark::State& state) {
-  const idf::Data data = Object().to_idf();
+  const idf::Data data = example<Object>().to_idf();
   run_batches(state, idf::encoded_size(data), [&] { benchmark::DoNotOptimize(idf::encode(data)); });
 }
 
 template <typename Object>
 void bytes_to_idf(benchmark::State& state) {
-  const Buffer bytes = Buffer::take(idf::encode(Object().to_idf()).value());
+  const Buffer bytes = Buffer::take(idf::encode(example<Object>().to_idf()).value());
   run_batches(state, bytes.size(), [&] { benchmark::DoNotOptimize(idf::decode(bytes)); });
 }
 
 template <typename Object>
 void idf_to_object(benchmark::State& state) {
-  const idf::Data data = Object().to_idf();
+  const idf::Data data = example<Object>().to_idf();
   run_batches(state, idf::encoded_size(data),
               [&] { benchmark::DoNotOptimize(Object::from_idf(data)); });
 }
 
 template <typename Object>
 void memcpy_of_bytes(benchmark::State& state) {
-  const Buffer bytes = Buffer::take(idf::encode(Object().to_idf()).value());
+  const Buffer bytes = Buffer::take(idf::encode(example<Object>().to_idf()).value());
   std::vector<std::byte> copy(bytes.size());
   run_batches(state, bytes.size(), [&] {
     std::memcpy(copy.data(), bytes.data(), bytes.size());
@@ -64,7 +64,7 @@ void memcpy_of_bytes(benchmark::State& state) {
 
 template <typename Object>
 void split_and_join(benchmark::State& state) {
-  const idf::Data data = Object().to_idf();
+  const idf::Data data = example<Object>().to_idf();
   const idf::Layout layout = idf::Layout::of(data);
   run_batches(state, idf::encoded_size(data),
               [&] { benchmark::DoNotOptimize(layout.join(layout.split(data).value())); });

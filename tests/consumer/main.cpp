@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records two snapshots and asks for the last one.
+// Records two snapshots of a type that is generated from XML, and asks for the last one.
 #include <fmt/format.h>
 
 #include "ltm/recall/recall.h"
 #include "ltm/recording/recorder.h"
+#include "scene.h"
 
 namespace {
 
@@ -13,8 +14,10 @@ engram::Status record_and_recall(const char* path) {
   {
     ENGRAM_ASSIGN_OR_RETURN(auto recorder, ltm::Recorder::open(path, {}));
     for (const double x : {1.0, 2.0}) {
-      const ltm::Snapshot snapshot{entity, time_from_ns(static_cast<int64_t>(x * 1e9)),
-                                   {{idf::Dict{{"x_m", x}}, {}}}};
+      tracker::Scene scene;
+      scene.cup.x_m = x;
+      const ltm::Snapshot snapshot{
+          entity, time_from_ns(static_cast<int64_t>(x * 1e9)), {{scene.to_idf(), {}}}};
       ENGRAM_RETURN_IF_ERROR(recorder.commit({{snapshot}}));
     }
     ENGRAM_RETURN_IF_ERROR(recorder.close());
@@ -24,7 +27,10 @@ engram::Status record_and_recall(const char* path) {
   ENGRAM_ASSIGN_OR_RETURN(const auto query, ltm::Query::parse("Object/Pose/tracker/cup @ latest"));
   ENGRAM_ASSIGN_OR_RETURN(const auto answer, recall.query(query));
   const ltm::EntityResult* cup = answer.find_entity(entity);
-  fmt::print("x = {}\n", cup->snapshots.front().instances.front().data.at("x_m")->get<double>());
+  ENGRAM_ASSIGN_OR_RETURN(
+      const auto scene,
+      tracker::Scene::from_idf(cup->snapshots.front().instances.front().data));
+  fmt::print("x = {}\n", scene.cup.x_m);
   return {};
 }
 

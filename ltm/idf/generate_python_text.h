@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace engram::idf {
+
+/// Longest line of generated Python code.
+inline constexpr size_t kPythonLine = 100;
+
+/// A call, tuple or list, or, without brackets, any text.
+struct PythonExpression {
+  std::string head;  ///< What stands before the bracket: "name=(".
+  std::vector<PythonExpression> parts = {};
+  char close = '\0';  ///< The closing bracket; zero: `head` is all.
+};
+
+/// `head` with its bracket, as in python_call("f(", {...}).
+[[nodiscard]] PythonExpression python_call(std::string head, std::vector<PythonExpression> parts);
+
+/// On one line where it fits behind `used` columns, else one part per line, inside `indent`.
+[[nodiscard]] std::string to_string(const PythonExpression& expression, size_t indent, size_t used);
+
+/// A string literal that Python reads as `text`. Bytes that are no UTF-8 become what Python's
+/// "surrogateescape" makes of them.
+[[nodiscard]] std::string python_string(std::string_view text);
+
+/// A documentation string inside `indent`, its newline included: words wrapped, nothing in `text`
+/// ends it.
+[[nodiscard]] std::string python_docstring(std::string_view text, size_t indent);
+
+}  // namespace engram::idf
