@@ -1,29 +1,133 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/packed_value.h"
 
+#include <algorithm>
+
 #include "ltm/codec/codec.h"
 #include "ltm/codec/zstd_codec.h"
 #include "ltm/idf/layout.h"
 
 namespace engram::ltm {
 
-Result<PackedValue> pack(const idf::Data& value, const PackOptions& options) {
-  const Codec* image_codec = find_codec(options.image_codec);
-  if (image_codec == nullptr) return invalid_argument("unknown codec '{}'", options.image_codec);
+namespace {
+
+constexpr int64_t kLeastSide = 8;
+constexpr std::string_view kStays = "none";
+
+/// Null where the arrays stay in the value.
+using ChosenCodec = std::shared_ptr<const Codec>;
+
+Result<ChosenCodec> make_chosen(const std::string& text) {
+  if (text == kStays) return ChosenCodec();
+  return make_codec(text);
+}
+
+bool is_picture(MediumKind kind) {
+  return kind == MediumKind::kImage || kind == MediumKind::kDepth;
+}
+
+}  // namespace
+
+struct Packer::Plan {
+  struct Rule {
+    std::string path;
+    std::optional<MediumKind> kind;
+    ChosenCodec codec;
+  };
+
+  /// The codec of an array; null where it stays.
+  [[nodiscard]] const Codec* choose(const idf::TensorMember& member, size_t bytes) const {
+    const MediumKind kind = medium_kind(member.type, member.shape);
+    for (const Rule& rule : rules) {
+      if ((rule.kind && *rule.kind != kind) || !matches_path(rule.path, member.path)) continue;
+      if (rule.codec == nullptr || rule.codec->accepts(member.type, member.shape))
+        return rule.codec.get();
+      return find_codec("shuffle");
+    }
+    if (member.kind == idf::MemberKind::kImage || is_picture(kind)) {
+      if (image == nullptr || image->accepts(member.type, member.shape)) return image.get();
+      // What no image codec takes is float depth, or too large.
+      return member.kind == idf::MemberKind::kImage ? &zstd_codec() : array.get();
+    }
+    return bytes >= least_array_bytes ? array.get() : nullptr;
+  }
+
+  std::vector<Rule> rules;
+  ChosenCodec image;
+  ChosenCodec array;
+  size_t least_array_bytes = 0;
+};
+
+MediumKind medium_kind(idf::ElementType type, const idf::Shape& shape) {
+  using enum idf::ElementType;
+  if (shape.size() == 3 && shape[0] >= kLeastSide && shape[1] >= kLeastSide) {
+    if (shape[2] == 1 && (type == kFloat32 || type == kUInt16)) return MediumKind::kDepth;
+    if (type == kUInt8 && (shape[2] == 1 || shape[2] == 3)) return MediumKind::kImage;
+  }
+  const bool is_cloud = type == kFloat32 && shape.size() == 2 && shape[0] >= kLeastSide &&
+                        shape[1] >= 3 && shape[1] <= 16;
+  return is_cloud ? MediumKind::kCloud : MediumKind::kArray;
+}
+
+bool matches_path(std::string_view pattern, std::string_view path) {
+  // ends[i]: the pattern so far stands for the first i characters of the path.
+  std::vector<bool> ends(path.size() + 1, false);
+  ends[0] = true;
+  for (size_t p = 0; p < pattern.size(); ++p) {
+    const bool is_deep = pattern.substr(p).starts_with("**");
+    const bool is_star = pattern[p] == '*';
+    if (is_star) {
+      for (size_t i = 0; i < path.size(); ++i)
+        if (ends[i] && (is_deep || path[i] != '/')) ends[i + 1] = true;
+      if (is_deep) ++p;
+      continue;
+    }
+    for (size_t i = path.size(); i > 0; --i)
+      ends[i] =
+          ends[i - 1] && (pattern[p] == path[i - 1] || (pattern[p] == '?' && path[i - 1] != '/'));
+    ends[0] = false;
+  }
+  return ends[path.size()];
+}
+
+Status PackOptions::validate() const {
+  return Packer::create(*this).status();
+}
+
+Result<Packer> Packer::create(const PackOptions& options) {
+  auto plan = std::make_shared<Plan>();
+  for (const PackRule& rule : options.rules) {
+    if (rule.path.empty())
+      return invalid_argument("rule for codec '{}': path is empty", rule.codec);
+    ENGRAM_ASSIGN_OR_RETURN(auto codec, make_chosen(rule.codec));
+    plan->rules.push_back({rule.path, rule.kind, std::move(codec)});
+  }
+  ENGRAM_ASSIGN_OR_RETURN(plan->image, make_chosen(options.image_codec));
+  ENGRAM_ASSIGN_OR_RETURN(plan->array, make_chosen(options.array_codec));
+  plan->least_array_bytes = options.least_array_bytes;
+  return Packer(std::move(plan));
+}
+
+Result<PackedValue> Packer::pack(const idf::Data& value) const {
   PackedValue packed{value, {}};
   const idf::Layout layout = idf::Layout::of(value);
   for (const idf::TensorMember& member : layout.members()) {
-    if (member.kind != idf::MemberKind::kImage) continue;
-    const Codec& codec =
-        image_codec->accepts(member.type, member.shape) ? *image_codec : zstd_codec();
+    if (member.kind != idf::MemberKind::kImage && member.kind != idf::MemberKind::kArray) continue;
     const auto& array = value.at(member.path)->get<idf::NdArray>();
-    auto bytes = codec.encode(array);
+    const Codec* codec = plan_->choose(member, array.bytes().size());
+    if (codec == nullptr) continue;
+    auto bytes = codec->encode(array);
     if (!bytes.ok()) return bytes.status().with_context("member '" + member.path + "'");
-    packed.media.push_back({member.path, std::string(codec.name()), member.type, member.shape,
+    packed.media.push_back({member.path, std::string(codec->name()), member.type, member.shape,
                             Buffer::take(std::move(bytes).value())});
     *packed.rest.at(member.path) = idf::None{};
   }
   return packed;
+}
+
+Result<PackedValue> pack(const idf::Data& value, const PackOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(const Packer packer, Packer::create(options));
+  return packer.pack(value);
 }
 
 Result<idf::Data> unpack(const PackedValue& packed) {

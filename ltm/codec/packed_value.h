@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ltm/core/buffer.h"
@@ -24,15 +27,66 @@ struct PackedValue {
   std::vector<PackedMedium> media;
 };
 
-struct PackOptions {
-  /// Codec of image members; one that does not accept a member is replaced by "zstd".
-  std::string image_codec = "png";
+/// What an array is, as far as its element type and shape tell.
+enum class MediumKind {
+  kImage,  ///< What a layout calls an image (ltm/idf/layout.h), but for depth.
+  kDepth,  ///< float32 or uint16 [H, W, 1] with H, W of at least 8.
+  kCloud,  ///< float32 [N, 3 to 16] with N of at least 8.
+  kArray,  ///< Any other.
 };
 
-/// Errors: kInvalidArgument where the codec is unknown or fails.
+[[nodiscard]] MediumKind medium_kind(idf::ElementType type, const idf::Shape& shape);
+
+/// Says how some arrays are stored.
+struct PackRule {
+  /// Their paths: `*` stands for any characters but `/`, `**` for any, `?` for one but `/`.
+  std::string path = "**";
+  /// Their kind; nothing: any.
+  std::optional<MediumKind> kind;
+  /// Text of a codec (ltm/codec/codec_text.h), or "none": they stay in the value.
+  std::string codec;
+};
+
+struct PackOptions {
+  /// The first one that fits an array counts. An array that its codec does not accept goes through
+  /// "shuffle".
+  std::vector<PackRule> rules;
+  /// For images and depth that no rule fits; what it does not accept goes through "zstd".
+  std::string image_codec = "png";
+  /// For other arrays that no rule fits.
+  std::string array_codec = "shuffle";
+  /// Smaller ones of these stay in the value. Unit: bytes.
+  size_t least_array_bytes = 4096;
+
+  /// Errors: kInvalidArgument where a codec is unknown or a path empty.
+  [[nodiscard]] Status validate() const;
+};
+
+/// Packs values, with its codecs made once.
+///
+/// Threading: immutable, const-parallel.
+class Packer {
+ public:
+  /// Errors: kInvalidArgument if `options` do not validate.
+  static Result<Packer> create(const PackOptions& options);
+
+  /// Errors: kInvalidArgument where a codec fails.
+  Result<PackedValue> pack(const idf::Data& value) const;
+
+ private:
+  struct Plan;
+  explicit Packer(std::shared_ptr<const Plan> plan) : plan_(std::move(plan)) {}
+
+  std::shared_ptr<const Plan> plan_;
+};
+
+/// Packs one value. Errors: those of Packer.
 Result<PackedValue> pack(const idf::Data& value, const PackOptions& options);
 
 /// Errors: kDataLoss where media do not decode to what was packed.
 Result<idf::Data> unpack(const PackedValue& packed);
+
+/// True where `pattern` of PackRule::path stands for `path`. Complexity: O(product of the sizes).
+[[nodiscard]] bool matches_path(std::string_view pattern, std::string_view path);
 
 }  // namespace engram::ltm

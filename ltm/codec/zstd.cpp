@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/zstd.h"
 
+// Literals are coded at negative levels only on demand, by a parameter that is not in the stable
+// part.
+#define ZSTD_STATIC_LINKING_ONLY
 #include <zstd.h>
+
+#include <memory>
 
 namespace engram::ltm {
 
@@ -10,6 +15,13 @@ namespace {
 /// No frame expands further: a block takes at least 3 bytes and gives at most 128 KiB.
 constexpr size_t kLargestBlockBytes = 128 << 10;
 constexpr size_t kSmallestBlockBytes = 3;
+/// A negative level is how many bytes are passed over after each failed search for a repetition.
+constexpr int kEntropyOnlyLevel = -20'000;
+constexpr size_t kWorthSearching = 5;
+
+struct ContextFreer {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+};
 
 }  // namespace
 
@@ -19,6 +31,21 @@ std::vector<std::byte> compress_zstd(std::span<const std::byte> bytes, int level
   ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
   out.resize(size);
   return out;
+}
+
+std::vector<std::byte> compress_residuals(std::span<const std::byte> bytes) {
+  const std::unique_ptr<ZSTD_CCtx, ContextFreer> context(ZSTD_createCCtx());
+  ENGRAM_CHECK(context != nullptr, "zstd: no memory");
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kEntropyOnlyLevel);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_literalCompressionMode, ZSTD_lcm_huffman);
+  std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
+  const size_t size =
+      ZSTD_compress2(context.get(), out.data(), out.size(), bytes.data(), bytes.size());
+  ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
+  out.resize(size);
+  if (size > bytes.size() / kWorthSearching) return out;
+  auto searched = compress_zstd(bytes, 1);
+  return searched.size() < out.size() ? searched : out;
 }
 
 Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes, size_t max_size) {

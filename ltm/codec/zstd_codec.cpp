@@ -7,14 +7,18 @@ namespace engram::ltm {
 
 namespace {
 
+constexpr int kDefaultLevel = 3;
+
 class ZstdCodec final : public Codec {
  public:
+  explicit ZstdCodec(int level = kDefaultLevel) : level_(level) {}
+
   [[nodiscard]] std::string_view name() const override { return "zstd"; }
   [[nodiscard]] bool is_lossless() const override { return true; }
   [[nodiscard]] bool accepts(idf::ElementType, const idf::Shape&) const override { return true; }
 
   Result<std::vector<std::byte>> encode(const idf::NdArray& array) const override {
-    return compress_zstd(array.bytes());
+    return compress_zstd(array.bytes(), level_);
   }
 
   Result<idf::NdArray> decode(std::span<const std::byte> bytes, idf::ElementType type,
@@ -27,9 +31,18 @@ class ZstdCodec final : public Codec {
                        idf::to_string(shape), *size);
     return idf::NdArray::create(type, shape, Buffer::take(std::move(plain)));
   }
+
+ private:
+  int level_;
 };
 
 }  // namespace
+
+Result<std::unique_ptr<const Codec>> make_zstd_codec(CodecText text) {
+  ENGRAM_ASSIGN_OR_RETURN(const int level, text.take("level", true, kDefaultLevel, 1, 19));
+  ENGRAM_RETURN_IF_ERROR(text.finish());
+  return std::unique_ptr<const Codec>(std::make_unique<ZstdCodec>(level));
+}
 
 const Codec& zstd_codec() {
   static const ZstdCodec codec;

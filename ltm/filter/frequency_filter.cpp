@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "ltm/filter/saturated_time.h"
+
 namespace engram::ltm {
 
 Status FrequencyFilter::Options::validate() const {
@@ -17,11 +19,18 @@ Result<FrequencyFilter> FrequencyFilter::create(const Options& options) {
   return FrequencyFilter(period);
 }
 
-bool FrequencyFilter::keeps(const Snapshot& snapshot) {
+void FrequencyFilter::offer(Candidate candidate, FilterDecisions& decisions) {
+  if (is_due(candidate.snapshot.time))
+    decisions.keep(std::move(candidate));
+  else
+    decisions.drop("rate", candidate);
+}
+
+bool FrequencyFilter::is_due(Time time) {
   // The tolerance takes cameras that jitter around their period.
-  if (next_ && snapshot.time < *next_ - period_ / 10) return false;
-  const bool is_on_grid = next_ && snapshot.time < *next_ + period_;
-  next_ = (is_on_grid ? *next_ : snapshot.time) + period_;
+  if (next_ && time < saturated_add(*next_, -period_ / 10)) return false;
+  const bool is_on_grid = next_ && time < saturated_add(*next_, period_);
+  next_ = saturated_add(is_on_grid ? *next_ : time, period_);
   return true;
 }
 

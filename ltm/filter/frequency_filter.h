@@ -22,7 +22,10 @@ class FrequencyFilter final : public Filter {
   static Result<FrequencyFilter> create(const Options& options);
 
   [[nodiscard]] std::string_view name() const override { return "frequency"; }
-  [[nodiscard]] bool keeps(const Snapshot& snapshot) override;
+  void offer(Candidate candidate, FilterDecisions& decisions) override;
+
+  /// True where a snapshot at `time` is one of those; remembers it then.
+  bool is_due(Time time);
 
  private:
   explicit FrequencyFilter(Duration period) : period_(period) {}

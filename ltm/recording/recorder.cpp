@@ -1,45 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/recording/recorder.h"
 
+#include <algorithm>
 #include <utility>
 
-#include "ltm/codec/codec.h"
-#include "ltm/filter/frequency_filter.h"
+#include "ltm/core/log.h"
+#include "ltm/recording/recording_channel.h"
+#include "ltm/recording/worker_pool.h"
 #include "ltm/store/manifest.h"
 
 namespace engram::ltm {
 
-struct Recorder::State {
-  /// One entity on its way in.
-  struct Channel {
-    std::unique_ptr<Filter> filter;  ///< Null: everything is kept.
-    uint64_t dropped = 0;            ///< Since the last snapshot that was kept.
-    uint64_t dropped_bytes = 0;
+namespace {
 
-    /// `packed` was not stored: what it told of is still to be told.
-    void give_back(const PackedSnapshot& packed) {
-      dropped += packed.dropped;
-      dropped_bytes += packed.dropped_bytes;
-    }
-  };
+/// Commits of fewer plain bytes are encoded without waking other threads.
+constexpr uint64_t kLeastSharedBytes = 64 << 10;
+/// Most that waits for a disk that fails, after filters let it go. Plain bytes.
+constexpr uint64_t kMostPendingBytes = uint64_t{256} << 20;
 
-  Options options;
-  std::unique_ptr<StoreWriter> writer;
-  std::map<MemoryId, Channel> channels;
-  std::map<MemoryId, RecordingCounters> counters;
+/// An update of a commit, checked and cast.
+struct Offered {
+  const Snapshot* given = nullptr;
+  std::optional<Snapshot> cast;  ///< Where its segment has a type.
+  std::vector<std::string> notes;
+  uint64_t raw_bytes = 0;
 
-  Result<Channel*> channel(const MemoryId& entity) {
-    if (const auto known = channels.find(entity); known != channels.end()) return &known->second;
-    Channel made;
-    if (options.max_rate_hz) {
-      ENGRAM_ASSIGN_OR_RETURN(FrequencyFilter filter,
-                              FrequencyFilter::create({.max_rate_hz = *options.max_rate_hz}));
-      made.filter = std::make_unique<FrequencyFilter>(std::move(filter));
-    }
-    return &channels.emplace(entity, std::move(made)).first->second;
+  [[nodiscard]] const Snapshot& snapshot() const { return cast ? *cast : *given; }
+};
+
+/// A snapshot that filters kept.
+struct Kept {
+  RecordingChannel* channel = nullptr;
+  const Snapshot* borrowed = nullptr;  ///< Of the running commit; null where `candidate` has it.
+  Candidate candidate;
+  std::optional<PackedSnapshot> packed;
+
+  [[nodiscard]] const Snapshot& snapshot() const {
+    return borrowed == nullptr ? candidate.snapshot : *borrowed;
   }
+};
 
-  Status check(const Snapshot& snapshot) const {
+bool may_work_later(const Status& status) {
+  return status.code() == StatusCode::kUnavailable ||
+         status.code() == StatusCode::kResourceExhausted;
+}
+
+}  // namespace
+
+struct Recorder::State {
+  Options options;
+  Clock clock;
+  std::unique_ptr<StoreWriter> writer;
+  RecordingChannels channels;
+  WorkerPool workers;
+  uint64_t commits = 0;
+  std::vector<Kept> pending;  ///< Of earlier commits: the disk failed when filters let them go.
+  Time last_notes;
+
+  State(const Options& chosen, Clock now, std::unique_ptr<StoreWriter> store)
+      : options(chosen),
+        clock(std::move(now)),
+        writer(std::move(store)),
+        channels(options),
+        workers(options.threads),
+        last_notes(clock()) {}
+
+  Status check_order(const Snapshot& snapshot) const {
+    if (options.late == LateSnapshots::kKeep) return {};
     const std::optional<Time> last = writer->last_time(snapshot.entity);
     if (last && snapshot.time <= *last)
       return invalid_argument("entity '{}': time runs backwards: found {}, needs one after {}",
@@ -49,69 +76,217 @@ struct Recorder::State {
   }
 
   /// The snapshot with its values as their segment's type has them.
-  Result<Snapshot> reinterpret(const Snapshot& snapshot) {
-    Snapshot typed{snapshot.entity, snapshot.time, {}};
+  Status reinterpret(Offered& offered) const {
+    const Snapshot& snapshot = *offered.given;
+    if (writer->types().of_entity(snapshot.entity) == nullptr) return {};
+    offered.cast = Snapshot{snapshot.entity, snapshot.time, {}};
     for (const Instance& instance : snapshot.instances) {
       auto value = writer->types().reinterpret(snapshot.entity, instance.data);
       if (!value.ok()) return value.status();
-      if (!value->notes.empty()) {
-        RecordingCounters& counted = counters[snapshot.entity];
-        ++counted.reinterpreted;
-        counted.last_reinterpretation = value->notes.front().to_string();
-      }
-      typed.instances.push_back({std::move(value->value), instance.metadata});
-    }
-    return typed;
-  }
-
-  Result<PackedSnapshot> pack_snapshot(const Snapshot& snapshot, uint64_t raw_bytes) const {
-    PackedSnapshot packed{snapshot.entity, snapshot.time, {}, raw_bytes, 0, 0};
-    for (const Instance& instance : snapshot.instances) {
-      auto value = pack(instance.data, options.pack);
-      if (!value.ok()) return value.status().with_context(snapshot.id().to_string());
-      packed.instances.push_back({std::move(value).value(), instance.metadata});
-    }
-    return packed;
-  }
-
-  /// What is kept of a commit, and the channels that it came through.
-  struct Kept {
-    std::vector<PackedSnapshot> snapshots;
-    std::vector<Channel*> channels;
-  };
-
-  Status collect(const Commit& commit, Kept& kept) {
-    ENGRAM_RETURN_IF_ERROR(commit.check());
-    for (const Snapshot& offered : commit.updates) {
-      ENGRAM_RETURN_IF_ERROR(check(offered));
-      const bool is_typed = writer->types().of_entity(offered.entity) != nullptr;
-      ENGRAM_ASSIGN_OR_RETURN(const Snapshot cast, is_typed ? reinterpret(offered) : Snapshot{});
-      const Snapshot& snapshot = is_typed ? cast : offered;
-      ENGRAM_ASSIGN_OR_RETURN(Channel * of, channel(snapshot.entity));
-      RecordingCounters& counted = counters[snapshot.entity];
-      const uint64_t raw_bytes = snapshot.raw_bytes();
-      ++counted.offered;
-      counted.offered_bytes += raw_bytes;
-      if (of->filter != nullptr && !of->filter->keeps(snapshot)) {
-        ++counted.dropped_by[std::string(of->filter->name())];
-        ++of->dropped;
-        of->dropped_bytes += raw_bytes;
-        continue;
-      }
-      ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, pack_snapshot(snapshot, raw_bytes));
-      packed.dropped = std::exchange(of->dropped, 0);
-      packed.dropped_bytes = std::exchange(of->dropped_bytes, 0);
-      kept.snapshots.push_back(std::move(packed));
-      kept.channels.push_back(of);
+      if (!value->notes.empty()) offered.notes.push_back(value->notes.front().to_string());
+      offered.cast->instances.push_back({std::move(value->value), instance.metadata});
     }
     return {};
+  }
+
+  /// Checks all of a commit before any of it changes anything.
+  Result<std::vector<Offered>> prepare(const Commit& commit) const {
+    ENGRAM_RETURN_IF_ERROR(commit.check());
+    std::vector<Offered> all;
+    all.reserve(commit.updates.size());
+    for (const Snapshot& snapshot : commit.updates) {
+      ENGRAM_RETURN_IF_ERROR(check_order(snapshot));
+      Offered offered{&snapshot, std::nullopt, {}, 0};
+      ENGRAM_RETURN_IF_ERROR(reinterpret(offered));
+      offered.raw_bytes = offered.snapshot().raw_bytes();
+      all.push_back(std::move(offered));
+    }
+    return all;
+  }
+
+  static void count(const Offered& offered, RecordingCounters& counters) {
+    ++counters.offered;
+    counters.offered_bytes += offered.raw_bytes;
+    counters.reinterpreted += offered.notes.size();
+    if (!offered.notes.empty()) counters.last_reinterpretation = offered.notes.back();
+  }
+
+  static void take_output(RecordingChannel& channel, FilterChain::Output output,
+                          std::vector<Kept>& kept) {
+    channel.dropped += output.dropped;
+    channel.dropped_bytes += output.dropped_bytes;
+    for (Candidate& candidate : output.kept)
+      kept.push_back({&channel, nullptr, std::move(candidate), std::nullopt});
+  }
+
+  void filter(Offered& offered, std::vector<Kept>& kept) {
+    const Snapshot& snapshot = offered.snapshot();
+    RecordingChannel& channel = channels.of(snapshot.entity);
+    count(offered, *channel.counters);
+    if (channel.is_event_source) channel.last_offered = snapshot;
+    if (channel.chain.empty()) {
+      Candidate counted;
+      counted.raw_bytes = offered.raw_bytes;
+      counted.commit = commits;
+      kept.push_back({&channel, &snapshot, std::move(counted), std::nullopt});
+    } else {
+      const idf::Type* type = writer->types().of_entity(snapshot.entity);
+      FilterChain::Output output;
+      channel.chain.offer({snapshot, offered.raw_bytes, commits,
+                           type == nullptr ? std::nullopt : std::optional(*type)},
+                          output);
+      take_output(channel, std::move(output), kept);
+    }
+    for (RecordingChannel* listener : channel.listeners) {
+      FilterChain::Output output;
+      listener->chain.notice(snapshot, output);
+      take_output(*listener, std::move(output), kept);
+    }
+  }
+
+  /// Encodes what is not encoded yet, in parallel where it is worth it.
+  Status pack_all(std::vector<Kept>& kept) {
+    struct Part {
+      Kept* kept;
+      size_t instance;
+      std::optional<Result<PackedValue>> value;
+    };
+    std::vector<Part> parts;
+    uint64_t bytes = 0;
+    for (Kept& each : kept) {
+      if (each.packed) continue;
+      bytes += each.candidate.raw_bytes;
+      for (size_t i = 0; i < each.snapshot().instances.size(); ++i) parts.push_back({&each, i, {}});
+    }
+    const auto work = [&parts](size_t i) {
+      const Kept& from = *parts[i].kept;
+      parts[i].value = from.channel->packer.pack(from.snapshot().instances[parts[i].instance].data);
+    };
+    if (bytes < kLeastSharedBytes)
+      for (size_t i = 0; i < parts.size(); ++i) work(i);
+    else
+      workers.run(parts.size(), work);
+    for (const Part& part : parts)
+      if (!part.value->ok())
+        return part.value->status().with_context(part.kept->snapshot().id().to_string());
+    for (Part& part : parts) {
+      const Snapshot& snapshot = part.kept->snapshot();
+      if (part.instance == 0)
+        part.kept->packed = PackedSnapshot{
+            snapshot.entity, snapshot.time, {}, part.kept->candidate.raw_bytes, 0, 0};
+      part.kept->packed->instances.push_back(
+          {std::move(*part.value).value(), snapshot.instances[part.instance].metadata});
+    }
+    return {};
+  }
+
+  /// Appends all or nothing; the counts of dropped snapshots go with the first of each entity.
+  Status append(std::vector<Kept>& kept) {
+    std::vector<PackedSnapshot> packed;
+    for (Kept& each : kept) {
+      each.packed->dropped = std::exchange(each.channel->dropped, 0);
+      each.packed->dropped_bytes = std::exchange(each.channel->dropped_bytes, 0);
+      packed.push_back(std::move(*each.packed));
+    }
+    std::vector<uint64_t> frame_bytes;
+    const Status status = writer->append(packed, &frame_bytes);
+    for (size_t i = 0; i < kept.size(); ++i) {
+      RecordingChannel& channel = *kept[i].channel;
+      if (status.ok()) {
+        ++channel.counters->kept;
+        channel.counters->kept_bytes += kept[i].candidate.raw_bytes;
+        channel.counters->stored_bytes += frame_bytes[i];
+        continue;
+      }
+      channel.dropped += packed[i].dropped;
+      channel.dropped_bytes += packed[i].dropped_bytes;
+      kept[i].packed = std::move(packed[i]);
+    }
+    return status;
+  }
+
+  Status store(std::vector<Kept>& kept) {
+    for (Kept& each : pending) {
+      --each.channel->pending;
+      each.channel->pending_bytes -= each.candidate.raw_bytes;
+    }
+    kept.insert(kept.begin(), std::make_move_iterator(pending.begin()),
+                std::make_move_iterator(pending.end()));
+    pending.clear();
+    if (kept.empty()) return {};
+    Status status = pack_all(kept);
+    if (status.ok()) status = append(kept);
+    if (!status.ok()) fail(kept, status);
+    return status;
+  }
+
+  /// The running commit was not acknowledged. What filters let go of earlier ones was, as held:
+  /// it waits for a better time, or is stored without the rest.
+  void fail(std::vector<Kept>& kept, const Status& status) {
+    uint64_t bytes = 0;
+    for (Kept& each : kept) {
+      if (each.candidate.commit == commits) {
+        ++each.channel->counters->failed;
+        continue;
+      }
+      bytes += each.candidate.raw_bytes;
+      if (may_work_later(status) && bytes <= kMostPendingBytes) {
+        ++each.channel->pending;
+        each.channel->pending_bytes += each.candidate.raw_bytes;
+        pending.push_back(std::move(each));
+      } else {
+        store_alone(std::move(each));
+      }
+    }
+  }
+
+  void store_alone(Kept kept) {
+    const std::string id = kept.snapshot().id().to_string();
+    RecordingCounters& counters = *kept.channel->counters;
+    std::vector<Kept> one;
+    one.push_back(std::move(kept));
+    Status status = pack_all(one);
+    if (status.ok()) status = append(one);
+    if (status.ok()) return;
+    ++counters.failed;
+    log::warning("snapshot '{}', which a filter had held, is lost: {}", id, status.to_string());
+  }
+
+  Status note_drops() {
+    last_notes = clock();
+    for (auto& [entity, channel] : channels.all()) {
+      if (channel.dropped == 0) continue;
+      ENGRAM_RETURN_IF_ERROR(
+          writer->append_dropped(entity, channel.dropped, channel.dropped_bytes));
+      channel.dropped = channel.dropped_bytes = 0;
+    }
+    return {};
+  }
+
+  /// The counts stay where this fails, and are noted later.
+  void note_drops_if_due() {
+    const Time now = clock();
+    if (now >= last_notes && now - last_notes < options.drop_note_interval) return;
+    if (const Status status = note_drops(); !status.ok())
+      log::warning("counts of dropped snapshots are not stored yet: {}", status.to_string());
   }
 };
 
 Status Recorder::Options::validate() const {
   if (max_rate_hz) ENGRAM_RETURN_IF_ERROR(FrequencyFilter::Options{*max_rate_hz}.validate());
-  if (find_codec(pack.image_codec) == nullptr)
-    return invalid_argument("unknown image codec '{}'", pack.image_codec);
+  ENGRAM_RETURN_IF_ERROR(pack.validate());
+  for (const EntityRule& rule : rules) {
+    for (const FilterOptions& filter : rule.filters)
+      if (Status status = ltm::validate(filter); !status.ok())
+        return status.with_context(fmt::format("rule '{}'", rule.name));
+    if (const Status status = rule.pack.validate(); !status.ok())
+      return status.with_context(fmt::format("rule '{}'", rule.name));
+  }
+  if (threads < 1 || threads > kMostThreads)
+    return invalid_argument("recorder: found {} threads, needs 1 to {}", threads, kMostThreads);
+  if (drop_note_interval < Duration(0))
+    return invalid_argument("recorder: drop_note_interval is {}, needs 0s or more",
+                            to_string(drop_note_interval));
   return {};
 }
 
@@ -119,13 +294,12 @@ Recorder::Recorder(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Recorder::Recorder(Recorder&&) noexcept = default;
 Recorder::~Recorder() = default;
 
-Result<Recorder> Recorder::open(const std::filesystem::path& store, const Options& options) {
+Result<Recorder> Recorder::open(const std::filesystem::path& store, const Options& options,
+                                Clock clock) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   if (is_store_absent(store)) ENGRAM_RETURN_IF_ERROR(create_store(store));
-  auto state = std::make_unique<State>();
-  state->options = options;
-  ENGRAM_ASSIGN_OR_RETURN(state->writer, StoreWriter::open(store, options.store));
-  return Recorder(std::move(state));
+  ENGRAM_ASSIGN_OR_RETURN(auto writer, StoreWriter::open(store, options.store, clock));
+  return Recorder(std::make_unique<State>(options, std::move(clock), std::move(writer)));
 }
 
 Status Recorder::declare(const MemoryId& segment, const idf::Type& type) {
@@ -133,31 +307,26 @@ Status Recorder::declare(const MemoryId& segment, const idf::Type& type) {
 }
 
 Status Recorder::commit(const Commit& commit) {
-  State::Kept kept;
-  std::vector<uint64_t> frame_bytes;
-  Status status = state_->collect(commit, kept);
-  if (status.ok()) status = state_->writer->append(kept.snapshots, &frame_bytes);
-  if (!status.ok()) {
-    for (size_t i = 0; i < kept.snapshots.size(); ++i)
-      kept.channels[i]->give_back(kept.snapshots[i]);
-    return status;
-  }
-  for (size_t i = 0; i < kept.snapshots.size(); ++i) {
-    RecordingCounters& counters = state_->counters[kept.snapshots[i].entity];
-    ++counters.kept;
-    counters.kept_bytes += kept.snapshots[i].raw_bytes;
-    counters.stored_bytes += frame_bytes[i];
-  }
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<Offered> offered, state_->prepare(commit));
+  ++state_->commits;
+  std::vector<Kept> kept;
+  kept.reserve(offered.size());
+  for (Offered& each : offered) state_->filter(each, kept);
+  ENGRAM_RETURN_IF_ERROR(state_->store(kept));
+  state_->note_drops_if_due();
   return {};
 }
 
 Status Recorder::close() {
-  for (auto& [entity, channel] : state_->channels) {
-    if (channel.dropped == 0) continue;
-    ENGRAM_RETURN_IF_ERROR(
-        state_->writer->append_dropped(entity, channel.dropped, channel.dropped_bytes));
-    channel.dropped = channel.dropped_bytes = 0;
+  ++state_->commits;
+  std::vector<Kept> kept;
+  for (auto& [entity, channel] : state_->channels.all()) {
+    FilterChain::Output output;
+    channel.chain.flush(output);
+    State::take_output(channel, std::move(output), kept);
   }
+  ENGRAM_RETURN_IF_ERROR(state_->store(kept));
+  ENGRAM_RETURN_IF_ERROR(state_->note_drops());
   return state_->writer->seal();
 }
 
@@ -170,7 +339,7 @@ uint64_t Recorder::lost_frames() const {
 }
 
 const std::map<MemoryId, RecordingCounters>& Recorder::counters() const {
-  return state_->counters;
+  return state_->channels.counters();
 }
 
 }  // namespace engram::ltm

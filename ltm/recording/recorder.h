@@ -6,38 +6,63 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "ltm/codec/packed_value.h"
-#include "ltm/filter/filter.h"
+#include "ltm/filter/filter_chain.h"
 #include "ltm/memory/commit.h"
+#include "ltm/recording/entity_rule.h"
 #include "ltm/store/store_writer.h"
 
 namespace engram::ltm {
 
 /// What happened to the snapshots of one entity on their way in.
+///
+/// offered = kept + all dropped_by + held + failed, between any two commits.
 struct RecordingCounters {
+  std::string rule;  ///< Name of the rule that the entity got; empty where none matched.
   uint64_t offered = 0;
   uint64_t offered_bytes = 0;  ///< Plain bytes.
   uint64_t kept = 0;
-  uint64_t kept_bytes = 0;    ///< Plain bytes.
-  uint64_t stored_bytes = 0;  ///< Of the journal frames.
+  uint64_t kept_bytes = 0;                                  ///< Plain bytes.
+  uint64_t stored_bytes = 0;                                ///< Of the journal frames.
   std::map<std::string, uint64_t, std::less<>> dropped_by;  ///< Per filter name.
+  std::vector<FilterCounters> filters;  ///< In the order of the chain, with reasons.
+  HeldSnapshots held;                   ///< In memory, not decided on: lost where the process ends.
+  uint64_t late = 0;    ///< Of those offered: came after a newer one, and no filter saw them.
+  uint64_t failed = 0;  ///< Their commit failed: not stored, and the caller knows.
   /// Instances that were cast to their segment's type, which cost members or digits.
   uint64_t reinterpreted = 0;
   std::string last_reinterpretation;  ///< What it cost, the last time.
 };
 
+/// What becomes of a snapshot whose time does not come after the entity's last one.
+enum class LateSnapshots : uint8_t {
+  kKeep,    ///< It is stored, past all filters.
+  kRefuse,  ///< Its commit is refused.
+};
+
 /// The online phase: filters what comes in, encodes what is kept, stores it.
 ///
-/// Threading: one thread.
-/// Source: docs/design.md, section 1.
+/// Threading: one thread; it has threads of its own for encoding.
+/// Source: docs/recording.md.
 class Recorder {
  public:
+  static constexpr int kMostThreads = 64;
+
   struct Options {
-    /// Most snapshots per second and entity that are kept. Nothing: all.
+    /// For entities that no rule matches: most snapshots per second that are kept. Nothing: all.
     std::optional<double> max_rate_hz;
+    /// For the same entities.
     PackOptions pack;
     StoreWriter::Options store;
+    /// The first one that matches an entity counts.
+    std::vector<EntityRule> rules;
+    LateSnapshots late = LateSnapshots::kKeep;
+    /// That encode the snapshots of one commit, the caller's included. 1 to kMostThreads.
+    int threads = 2;
+    /// How often counts of dropped snapshots reach the store where none is kept: what `kill -9`
+    /// may cost of them. Each note costs about 200 bytes per entity that dropped any.
+    Duration drop_note_interval = std::chrono::seconds(5);
 
     [[nodiscard]] Status validate() const;
   };
@@ -45,7 +70,8 @@ class Recorder {
   /// Opens `store` for writing and makes it where it does not exist.
   /// Errors: kInvalidArgument, kFailedPrecondition where another process writes to it, and those
   /// of StoreWriter::open.
-  static Result<Recorder> open(const std::filesystem::path& store, const Options& options);
+  static Result<Recorder> open(const std::filesystem::path& store, const Options& options,
+                               Clock clock = system_now);
 
   Recorder(Recorder&&) noexcept;
   ~Recorder();
@@ -57,13 +83,15 @@ class Recorder {
   /// StoreWriter::declare.
   Status declare(const MemoryId& segment, const idf::Type& type);
 
-  /// After this returns ok, every kept snapshot of the commit survives `kill -9`.
-  /// Errors: those of Commit::check; kInvalidArgument where a time does not come after the
-  /// entity's last one, or naming every path where a value is not of its segment's type;
-  /// kResourceExhausted, kUnavailable where the disk fails: then nothing was acknowledged.
+  /// After this returns ok, every snapshot of the commit that counts as kept survives `kill -9`.
+  /// What a filter holds does not, until a later commit or close lets it go.
+  /// Errors: those of Commit::check; kInvalidArgument where a late snapshot is refused, or naming
+  /// every path where a value is not of its segment's type; kResourceExhausted, kUnavailable where
+  /// the disk fails: then nothing of the commit was acknowledged, and it may be tried again.
   Status commit(const Commit& commit);
 
-  /// Seals everything and closes the store. Without it the journal keeps it all.
+  /// Lets go of what filters hold, seals everything and closes the store. Without it the journal
+  /// keeps what was kept.
   Status close();
 
   /// Time of the entity's last snapshot, stored in this session or before.
@@ -72,7 +100,7 @@ class Recorder {
   /// Places in the journal where acknowledged data of an earlier session was found damaged.
   [[nodiscard]] uint64_t lost_frames() const;
 
-  /// Per entity of this session.
+  /// Per entity of this session; current as of this call, valid as long as the recorder.
   [[nodiscard]] const std::map<MemoryId, RecordingCounters>& counters() const;
 
  private:

@@ -14,7 +14,7 @@ LIBRARIES = {
     "nlohmann/json": ("nlohmann/",),
     "pugixml": ("pugixml.hpp",),
     "re2": ("re2/",),
-    "zstd": ("zstd.h",),
+    "zstd": ("zstd.h", "zdict.h"),
     "OpenCV": ("opencv2/",),
     "Eigen": ("Eigen/",),
     "libav*": ("libav", "libsw"),

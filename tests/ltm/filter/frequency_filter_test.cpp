@@ -5,45 +5,47 @@
 #include <limits>
 #include <random>
 
-#include "tests/ltm/expect_status.h"
+#include "tests/ltm/filter/candidates.h"
 
 namespace engram::ltm {
 namespace {
 
-Snapshot at(double seconds) {
-  return {*MemoryId::parse("a/b/c/d"),
-          Time(*duration_from_seconds(1.6e9) + *duration_from_seconds(seconds)),
-          {}};
-}
-
 TEST(FrequencyFilter, KeepsEverySixthFrameOfThirtyPerSecondForFive) {
   auto filter = *FrequencyFilter::create({.max_rate_hz = 5});
-  for (int i = 0; i < 10'000; ++i) EXPECT_EQ(filter.keeps(at(i / 30.0)), i % 6 == 0) << i;
+  FilterRun run(filter);
+  for (int i = 0; i < 10'000; ++i) EXPECT_EQ(run.keeps(candidate(i / 30.0)), i % 6 == 0) << i;
+  EXPECT_EQ(run.dropped("rate"), 10'000 - run.kept().size());
   EXPECT_EQ(filter.name(), "frequency");
 }
 
 TEST(FrequencyFilter, KeepsTheRateOfACameraThatJitters) {
   auto filter = *FrequencyFilter::create({.max_rate_hz = 5});
+  FilterRun run(filter);
   std::mt19937 random(24);
   std::uniform_real_distribution<double> jitter(-0.05, 0.05);
-  int kept = 0;
-  for (int i = 0; i < 10'000; ++i) kept += filter.keeps(at((i + jitter(random)) / 30.0)) ? 1 : 0;
-  EXPECT_NEAR(kept, 10'000 / 6.0, 2);
+  for (int i = 0; i < 10'000; ++i) run.offer(candidate((i + jitter(random)) / 30.0));
+  EXPECT_NEAR(static_cast<double>(run.kept().size()), 10'000 / 6.0, 2);
 }
 
 TEST(FrequencyFilter, KeepsEverythingThatIsSlower) {
   auto filter = *FrequencyFilter::create({.max_rate_hz = 5});
-  for (int i = 0; i < 100; ++i) EXPECT_TRUE(filter.keeps(at(i * 0.2)));
-  for (int i = 0; i < 100; ++i) EXPECT_TRUE(filter.keeps(at(100 + i * 0.7)));
+  FilterRun run(filter);
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(run.keeps(candidate(i * 0.2)));
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(run.keeps(candidate(100 + i * 0.7)));
 }
 
 TEST(FrequencyFilter, StartsAnewAfterAGap) {
   auto filter = *FrequencyFilter::create({.max_rate_hz = 1});
-  EXPECT_TRUE(filter.keeps(at(0)));
-  EXPECT_FALSE(filter.keeps(at(0.5)));
-  EXPECT_TRUE(filter.keeps(at(10.3)));
-  EXPECT_FALSE(filter.keeps(at(11)));
-  EXPECT_TRUE(filter.keeps(at(11.3)));
+  FilterRun run(filter);
+  for (const double second : {0.0, 0.5, 10.3, 11.0, 11.3}) run.offer(candidate(second));
+  EXPECT_EQ(run.kept(), (std::vector<double>{0, 10.3, 11.3}));
+}
+
+TEST(FrequencyFilter, TakesTimesAtTheEndOfTheirRange) {
+  auto filter = *FrequencyFilter::create({.max_rate_hz = 1e-6});
+  EXPECT_TRUE(filter.is_due(Time::min()));
+  EXPECT_FALSE(filter.is_due(Time::min() + Duration(1)));
+  EXPECT_TRUE(filter.is_due(Time::max() - Duration(1)));
 }
 
 TEST(FrequencyFilter, RefusesRatesThatAreNone) {

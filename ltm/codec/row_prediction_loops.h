@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to ltm/codec/row_prediction.cpp: loops over one row each, which the compiler turns into
+// vector code for whatever processor the function around them is compiled for.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#define ENGRAM_INLINE __attribute__((always_inline)) inline
+
+namespace engram::ltm::row_loops {
+
+/// Where the median of left, upper and left + upper - corner lies.
+template <typename T>
+ENGRAM_INLINE T median_edge(T left, T upper, T corner) {
+  const T least = std::min(left, upper);
+  const T most = std::max(left, upper);
+  return static_cast<T>(least + most - std::min(std::max(corner, least), most));
+}
+
+/// 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
+template <typename T>
+ENGRAM_INLINE T fold(T difference) {
+  const auto sign = static_cast<T>(0 - (difference >> (8 * sizeof(T) - 1)));
+  return static_cast<T>(static_cast<T>(difference << 1) ^ sign);
+}
+
+template <typename T>
+ENGRAM_INLINE T unfold(T folded) {
+  return static_cast<T>((folded >> 1) ^ static_cast<T>(0 - (folded & 1)));
+}
+
+/// Bits of a float as an integer of the same order, and back. A bijection: NaNs keep their bits.
+ENGRAM_INLINE uint32_t ordered(uint32_t bits) {
+  return bits ^ (static_cast<uint32_t>(0 - (bits >> 31)) | 0x80000000u);
+}
+
+ENGRAM_INLINE uint32_t unordered(uint32_t order) {
+  return order ^ (static_cast<uint32_t>((order >> 31) - 1) | 0x80000000u);
+}
+
+/// A row of one channel with room for its left neighbour before it.
+template <typename T>
+class Line {
+ public:
+  explicit Line(size_t width) : values_(width + 1) {}
+  T* data() { return values_.data() + 1; }
+  /// The first column knows only its upper neighbour: left and corner repeat it.
+  void set_left(T value) { values_[0] = value; }
+
+ private:
+  std::vector<T> values_;
+};
+
+template <typename T, size_t kChannels>
+using Rows = std::array<T*, kChannels>;
+
+template <typename T, size_t kChannels>
+ENGRAM_INLINE void split_channels(const T* __restrict pixels, const Rows<T, kChannels>& rows,
+                                  size_t width) {
+  for (size_t c = 0; c < kChannels; ++c) {
+    T* __restrict row = rows[c];
+    for (size_t x = 0; x < width; ++x) row[x] = pixels[x * kChannels + c];
+  }
+}
+
+template <typename T, size_t kChannels>
+ENGRAM_INLINE void join_channels(const Rows<T, kChannels>& rows, T* __restrict pixels,
+                                 size_t width) {
+  for (size_t x = 0; x < width; ++x)
+    for (size_t c = 0; c < kChannels; ++c) pixels[x * kChannels + c] = rows[c][x];
+}
+
+template <typename T>
+ENGRAM_INLINE void subtract(T* __restrict row, const T* __restrict other, size_t width) {
+  for (size_t x = 0; x < width; ++x) row[x] = static_cast<T>(row[x] - other[x]);
+}
+
+template <typename T>
+ENGRAM_INLINE void add(T* __restrict row, const T* __restrict other, size_t width) {
+  for (size_t x = 0; x < width; ++x) row[x] = static_cast<T>(row[x] + other[x]);
+}
+
+/// `row` and `above` have a left neighbour before them.
+template <typename T>
+ENGRAM_INLINE void predict_line(const T* __restrict row, const T* __restrict above,
+                                T* __restrict residuals, size_t width) {
+  const T* __restrict left = row - 1;
+  const T* __restrict corner = above - 1;
+  for (size_t x = 0; x < width; ++x) {
+    const auto difference = static_cast<T>(row[x] - median_edge(left[x], above[x], corner[x]));
+    if constexpr (sizeof(T) == 1)
+      residuals[x] = difference;
+    else
+      residuals[x] = fold(difference);
+  }
+}
+
+/// Each number needs the one before: the channels run beside each other, to keep the core busy.
+template <typename T, size_t kChannels>
+ENGRAM_INLINE void restore_lines(const Rows<const T, kChannels>& residuals,
+                                 const Rows<T, kChannels>& above, const Rows<T, kChannels>& rows,
+                                 size_t width) {
+  std::array<T, kChannels> left;
+  std::array<T, kChannels> corner;
+  for (size_t c = 0; c < kChannels; ++c) left[c] = corner[c] = above[c][0];
+  for (size_t x = 0; x < width; ++x)
+    for (size_t c = 0; c < kChannels; ++c) {
+      const T upper = above[c][x];
+      left[c] = static_cast<T>(unfold(residuals[c][x]) + median_edge(left[c], upper, corner[c]));
+      corner[c] = upper;
+      rows[c][x] = left[c];
+    }
+}
+
+/// Up to four bytes of one pixel beside each other, in a register that knows minimum and maximum.
+using PackedPixel = uint8_t __attribute__((vector_size(16)));
+
+ENGRAM_INLINE PackedPixel spread(uint32_t pixel) {
+  using Words = uint32_t __attribute__((vector_size(16)));
+  return reinterpret_cast<PackedPixel>(Words{pixel, 0, 0, 0});
+}
+
+ENGRAM_INLINE uint32_t gather(PackedPixel pixel) {
+  using Words = uint32_t __attribute__((vector_size(16)));
+  return reinterpret_cast<Words>(pixel)[0];
+}
+
+/// The same for bytes, all channels of a pixel at once. `line` holds the row above, then this one.
+template <size_t kChannels>
+ENGRAM_INLINE void restore_pixels(const Rows<const uint8_t, kChannels>& residuals,
+                                  uint32_t* __restrict line, size_t width) {
+  PackedPixel left = spread(line[0]);
+  PackedPixel corner = left;
+  for (size_t x = 0; x < width; ++x) {
+    uint32_t packed = 0;
+    for (size_t c = 0; c < kChannels; ++c) packed |= uint32_t{residuals[c][x]} << (8 * c);
+    const PackedPixel upper = spread(line[x]);
+    const PackedPixel least = left < upper ? left : upper;
+    const PackedPixel most = left < upper ? upper : left;
+    const PackedPixel above_least = corner > least ? corner : least;
+    const PackedPixel middle = above_least < most ? above_least : most;
+    left = (spread(packed) + least + most) - middle;
+    corner = upper;
+    line[x] = gather(left);
+  }
+}
+
+/// Writes a row of packed pixels; with `colour_differences` the first byte is green.
+template <size_t kChannels>
+ENGRAM_INLINE void unpack_pixels(const uint32_t* __restrict line, bool colour_differences,
+                                 uint8_t* __restrict pixels, size_t width) {
+  if (kChannels < 3 || !colour_differences) {
+    for (size_t x = 0; x < width; ++x)
+      for (size_t c = 0; c < kChannels; ++c)
+        pixels[x * kChannels + c] = static_cast<uint8_t>(line[x] >> (8 * c));
+    return;
+  }
+  for (size_t x = 0; x < width; ++x) {
+    const uint32_t green = line[x];
+    uint8_t* pixel = pixels + x * kChannels;
+    pixel[0] = static_cast<uint8_t>((line[x] >> 8) + green);
+    pixel[1] = static_cast<uint8_t>(green);
+    pixel[2] = static_cast<uint8_t>((line[x] >> 16) + green);
+    if constexpr (kChannels == 4) pixel[3] = static_cast<uint8_t>(line[x] >> 24);
+  }
+}
+
+template <typename T>
+ENGRAM_INLINE void split_bytes(const T* __restrict row, uint8_t* __restrict out, size_t stride,
+                               size_t width) {
+  for (size_t b = 0; b < sizeof(T); ++b)
+    for (size_t x = 0; x < width; ++x)
+      out[b * stride + x] = static_cast<uint8_t>(row[x] >> (8 * b));
+}
+
+template <typename T>
+ENGRAM_INLINE void join_bytes(const uint8_t* __restrict in, size_t stride, T* __restrict row,
+                              size_t width) {
+  for (size_t x = 0; x < width; ++x) row[x] = in[x];
+  for (size_t b = 1; b < sizeof(T); ++b)
+    for (size_t x = 0; x < width; ++x)
+      row[x] = static_cast<T>(row[x] | static_cast<T>(in[b * stride + x]) << (8 * b));
+}
+
+/// Green first, then red and blue, then what else there is.
+template <typename T, size_t kChannels>
+Rows<T, kChannels> in_coded_order(Rows<T, kChannels> rows, bool colour_differences) {
+  if constexpr (kChannels >= 3)
+    if (colour_differences) std::swap(rows[0], rows[1]);
+  return rows;
+}
+
+}  // namespace engram::ltm::row_loops

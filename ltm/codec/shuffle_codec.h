@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ltm/codec/codec.h"
+#include "ltm/codec/codec_text.h"
+
+namespace engram::ltm {
+
+/// Any ndarray through a byte shuffle and Zstandard: for float arrays and point clouds. Lossless.
+/// A record of the shuffle is an element, or a row of up to 16 of them (the fields of a point).
+/// "shuffle:level=1..19", 3 by default.
+/// Errors: kInvalidArgument for other options.
+Result<std::unique_ptr<const Codec>> make_shuffle_codec(CodecText text);
+
+}  // namespace engram::ltm

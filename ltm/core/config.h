@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ltm/core/time.h"
+
+namespace engram {
+
+class ConfigMap;
+
+/// One value of a configuration file: a text, a list or a map, which knows where it stands.
+///
+/// The files are YAML, read strictly: one document, every key once, no anchors, aliases or tags, no
+/// nested document markers. All errors name file, line and key, what was found and needed, and are
+/// kInvalidArgument.
+/// Owns: its part of the file, shared. Copying is O(length of its key).
+/// Threading: immutable.
+class ConfigValue {
+ public:
+  static constexpr size_t kMaxBytes = size_t{1} << 20;
+  static constexpr int kMaxDepth = 64;
+  static constexpr size_t kMaxValues = 20'000;
+
+  /// Reads a text; `name` is what errors call it. An empty one is an empty map.
+  static Result<ConfigValue> parse(std::string_view text, std::string name);
+
+  /// Errors: kNotFound, kUnavailable too.
+  static Result<ConfigValue> read_file(const std::filesystem::path& path);
+
+  [[nodiscard]] bool is_text() const;
+  [[nodiscard]] bool is_list() const;
+  [[nodiscard]] bool is_map() const;
+
+  [[nodiscard]] Result<std::string> text() const;
+  [[nodiscard]] Result<bool> boolean() const;   ///< true or false.
+  [[nodiscard]] Result<double> number() const;  ///< Finite.
+  [[nodiscard]] Result<int64_t> integer() const;
+  [[nodiscard]] Result<Duration> duration() const;  ///< "200ms", as parse_duration; not negative.
+  [[nodiscard]] Result<uint64_t> bytes() const;     ///< "64MiB"; B kB MB GB TB KiB MiB GiB TiB.
+  [[nodiscard]] Result<double> rate_hz() const;     ///< "5Hz", "1kHz"; more than 0.
+  [[nodiscard]] Result<std::vector<ConfigValue>> list() const;
+  [[nodiscard]] Result<ConfigMap> map() const;
+
+  /// An error at this value: "FILE:LINE: 'KEY': ...".
+  [[nodiscard]] Status error(std::string_view message) const;
+
+  /// An error of somebody else, about this value.
+  [[nodiscard]] Status error(const Status& status) const;
+
+ private:
+  friend class ConfigMap;
+  friend class ConfigParser;
+  struct Node;
+  struct Root;
+
+  ConfigValue(std::shared_ptr<const Root> root, const Node* node, std::string key)
+      : root_(std::move(root)), node_(node), key_(std::move(key)) {}
+
+  [[nodiscard]] std::string found() const;
+  [[nodiscard]] Status needs(std::string_view what) const;
+
+  std::shared_ptr<const Root> root_;
+  const Node* node_ = nullptr;
+  std::string key_;  ///< Path from the top: "entities[0].match".
+};
+
+/// The entries of a map, which notes which keys were asked for: those are the known ones.
+///
+/// Threading: one thread.
+class ConfigMap {
+ public:
+  /// The value of a key; nothing where it is not there, or null.
+  std::optional<ConfigValue> find(std::string_view key);
+
+  /// Errors: kInvalidArgument where it is not there.
+  Result<ConfigValue> require(std::string_view key);
+
+  /// Sets `out` where the key is there, as in `map.read("late", late, &ConfigValue::boolean)`.
+  template <typename T, typename U>
+  Status read(std::string_view key, T& out, Result<U> (ConfigValue::*as)() const) {
+    const std::optional<ConfigValue> value = find(key);
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(out, ((*value).*as)());
+    return {};
+  }
+
+  /// Fails where there is a key that nobody asked for, with the known one that is closest.
+  [[nodiscard]] Status finish() const;
+
+  /// In the order of the file.
+  [[nodiscard]] std::vector<std::string> keys() const;
+
+  [[nodiscard]] const ConfigValue& value() const { return value_; }
+
+ private:
+  friend class ConfigValue;
+  explicit ConfigMap(ConfigValue value) : value_(std::move(value)) {}
+
+  ConfigValue value_;
+  std::set<std::string, std::less<>> known_;
+};
+
+/// The one of `known` that `word` was probably meant to be; nothing where none is close.
+[[nodiscard]] std::optional<std::string> closest_word(std::string_view word,
+                                                      const std::vector<std::string>& known);
+
+}  // namespace engram

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "ltm/filter/event_rule.h"
+#include "ltm/filter/frequency_filter.h"
+#include "ltm/filter/window_buffer.h"
+
+namespace engram::ltm {
+
+/// What is around events: the machine of ImportanceFilter and TriggerFilter.
+///
+/// Threading: one thread.
+class EventWindows {
+ public:
+  EventWindows(const std::vector<EventRule>& events, const WindowBuffer::Options& windows);
+
+  void offer(Candidate candidate, bool is_wanted, FilterDecisions& decisions);
+  void notice(const Snapshot& snapshot, FilterDecisions& decisions);
+  void flush(FilterDecisions& decisions) { buffer_.flush(decisions); }
+  [[nodiscard]] bool listens_to(const MemoryId& entity) const;
+  [[nodiscard]] bool is_open_at(Time time) const { return buffer_.is_open_at(time); }
+  [[nodiscard]] HeldSnapshots held() const { return buffer_.held(); }
+
+ private:
+  std::vector<EventDetector> detectors_;
+  WindowBuffer buffer_;
+};
+
+/// Keeps everything within a window around events, and nothing or a base rate elsewhere.
+///
+/// Candidates are held for up to `before`, as an event may still come. An event of the entity
+/// itself is seen only where the filters before this one keep it: put this one first.
+class ImportanceFilter final : public Filter {
+ public:
+  struct Options {
+    std::vector<EventRule> events;  ///< One at least.
+    Duration before = std::chrono::seconds(5);
+    Duration after = std::chrono::seconds(5);
+    /// Kept where nothing happens. Nothing: none. Unit: snapshots per second.
+    std::optional<double> base_rate_hz;
+    /// Most that is held, per entity. More is dropped, the oldest first.
+    uint64_t max_held_bytes = uint64_t{256} << 20;
+
+    [[nodiscard]] Status validate() const;
+  };
+
+  /// Errors: kInvalidArgument if `options` do not validate.
+  static Result<ImportanceFilter> create(const Options& options);
+
+  [[nodiscard]] std::string_view name() const override { return "importance"; }
+  void offer(Candidate candidate, FilterDecisions& decisions) override;
+  void flush(FilterDecisions& decisions) override { windows_.flush(decisions); }
+  [[nodiscard]] HeldSnapshots held() const override { return windows_.held(); }
+  [[nodiscard]] bool listens_to(const MemoryId& entity) const override {
+    return windows_.listens_to(entity);
+  }
+  void notice(const Snapshot& snapshot, FilterDecisions& decisions) override {
+    windows_.notice(snapshot, decisions);
+  }
+
+ private:
+  ImportanceFilter(EventWindows windows, std::optional<FrequencyFilter> base)
+      : windows_(std::move(windows)), base_(std::move(base)) {}
+
+  EventWindows windows_;
+  std::optional<FrequencyFilter> base_;
+};
+
+/// Keeps nothing until an event; then the last while before it, and what follows.
+///
+/// A ring buffer in memory: see ImportanceFilter for what it sees and holds.
+class TriggerFilter final : public Filter {
+ public:
+  struct Options {
+    std::vector<EventRule> events;  ///< One at least.
+    Duration before = std::chrono::seconds(10);
+    /// Kept after each event. Nothing: all that follows, for good.
+    std::optional<Duration> after;
+    uint64_t max_held_bytes = uint64_t{256} << 20;
+
+    [[nodiscard]] Status validate() const;
+  };
+
+  /// Errors: kInvalidArgument if `options` do not validate.
+  static Result<TriggerFilter> create(const Options& options);
+
+  [[nodiscard]] std::string_view name() const override { return "trigger"; }
+  void offer(Candidate candidate, FilterDecisions& decisions) override {
+    windows_.offer(std::move(candidate), false, decisions);
+  }
+  void flush(FilterDecisions& decisions) override { windows_.flush(decisions); }
+  [[nodiscard]] HeldSnapshots held() const override { return windows_.held(); }
+  [[nodiscard]] bool listens_to(const MemoryId& entity) const override {
+    return windows_.listens_to(entity);
+  }
+  void notice(const Snapshot& snapshot, FilterDecisions& decisions) override {
+    windows_.notice(snapshot, decisions);
+  }
+
+ private:
+  explicit TriggerFilter(EventWindows windows) : windows_(std::move(windows)) {}
+
+  EventWindows windows_;
+};
+
+}  // namespace engram::ltm

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/filter/filter_chain.h"
+
+#include <algorithm>
+
+namespace engram::ltm {
+
+uint64_t FilterCounters::dropped() const {
+  uint64_t total = 0;
+  for (const auto& [reason, count] : dropped_by) total += count;
+  return total;
+}
+
+Result<FilterChain> FilterChain::create(std::vector<FilterOptions> filters) {
+  FilterChain chain(std::move(filters));
+  for (const FilterOptions& options : chain.options_) {
+    ENGRAM_ASSIGN_OR_RETURN(auto filter, make_filter(options));
+    Stage stage{std::move(filter), {}};
+    stage.counters.filter = stage.filter->name();
+    chain.stages_.push_back(std::move(stage));
+  }
+  return chain;
+}
+
+bool FilterChain::is_late(Time time) {
+  if (!newest_ || time > *newest_) {
+    late_run_ = 0;
+    return false;
+  }
+  late_run_ = newest_late_ && late_run_ > 0 && time > *newest_late_ ? late_run_ + 1 : 1;
+  newest_late_ = time;
+  return true;
+}
+
+void FilterChain::begin_anew(Output& output) {
+  flush(output);
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    auto filter = make_filter(options_[i]);
+    ENGRAM_CHECK(filter.ok(), "{}", filter.status().message());
+    stages_[i].filter = *std::move(filter);
+  }
+  late_run_ = 0;
+}
+
+void FilterChain::offer(Candidate candidate, Output& output) {
+  const Time time = candidate.snapshot.time;
+  if (is_late(time)) {
+    if (late_run_ < kLateOfNewClock) {
+      ++late_;
+      output.kept.push_back(std::move(candidate));
+      return;
+    }
+    begin_anew(output);
+  }
+  newest_ = time;
+  pass(0, std::move(candidate), output);
+}
+
+void FilterChain::pass(size_t stage, Candidate candidate, Output& output) {
+  if (stage == stages_.size()) {
+    output.kept.push_back(std::move(candidate));
+    return;
+  }
+  FilterCounters& counters = stages_[stage].counters;
+  ++counters.offered;
+  counters.offered_bytes += candidate.raw_bytes;
+  FilterDecisions decisions;
+  stages_[stage].filter->offer(std::move(candidate), decisions);
+  settle(stage, std::move(decisions), output);
+}
+
+void FilterChain::settle(size_t stage, FilterDecisions decisions, Output& output) {
+  FilterCounters& counters = stages_[stage].counters;
+  for (const FilterDecisions::Drop& drop : decisions.dropped) {
+    const auto known = counters.dropped_by.find(drop.reason);
+    if (known == counters.dropped_by.end())
+      counters.dropped_by.emplace(drop.reason, 1);
+    else
+      ++known->second;
+    counters.dropped_bytes += drop.bytes;
+    ++output.dropped;
+    output.dropped_bytes += drop.bytes;
+  }
+  counters.kept += decisions.kept.size();
+  for (Candidate& kept : decisions.kept) pass(stage + 1, std::move(kept), output);
+}
+
+void FilterChain::flush(Output& output) {
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    FilterDecisions decisions;
+    stages_[i].filter->flush(decisions);
+    settle(i, std::move(decisions), output);
+  }
+}
+
+void FilterChain::notice(const Snapshot& snapshot, Output& output) {
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    FilterDecisions decisions;
+    stages_[i].filter->notice(snapshot, decisions);
+    settle(i, std::move(decisions), output);
+  }
+}
+
+bool FilterChain::listens_to(const MemoryId& entity) const {
+  return std::ranges::any_of(stages_,
+                             [&](const Stage& stage) { return stage.filter->listens_to(entity); });
+}
+
+HeldSnapshots FilterChain::held() const {
+  HeldSnapshots total;
+  for (const Stage& stage : stages_) {
+    const HeldSnapshots held = stage.filter->held();
+    total.snapshots += held.snapshots;
+    total.bytes += held.bytes;
+  }
+  return total;
+}
+
+std::vector<FilterCounters> FilterChain::counters() const {
+  std::vector<FilterCounters> all;
+  for (const Stage& stage : stages_) {
+    all.push_back(stage.counters);
+    all.back().held = stage.filter->held();
+  }
+  return all;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ltm/core/config.h"
+
+namespace engram::ltm {
+
+/// A word of a configuration file and what it means.
+template <typename T>
+struct Choice {
+  std::string_view word;
+  T value;
+};
+
+/// Sets `out` to what the word at `key` means, if there is one.
+/// Errors: kInvalidArgument naming the words there are.
+template <typename T, size_t N>
+Status read_choice(ConfigMap& map, std::string_view key, T& out,
+                   const std::array<Choice<T>, N>& choices) {
+  const auto value = map.find(key);
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const std::string word, value->text());
+  std::vector<std::string> known;
+  for (const Choice<T>& choice : choices) {
+    if (choice.word == word) {
+      out = choice.value;
+      return {};
+    }
+    known.emplace_back(choice.word);
+  }
+  return value->error(fmt::format("found '{}', needs one of {}", word, fmt::join(known, ", ")));
+}
+
+}  // namespace engram::ltm

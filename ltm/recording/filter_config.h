@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "ltm/core/config.h"
+#include "ltm/filter/registry.h"
+
+namespace engram::ltm {
+
+/// Reads the list of filters of one rule.
+/// Errors: kInvalidArgument naming file, line and key.
+/// Source: docs/recording.md, section "Filters".
+Result<std::vector<FilterOptions>> read_filters(const ConfigValue& value);
+
+}  // namespace engram::ltm

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+namespace engram::ltm {
+
+/// Threads that share the work of one caller. There is one job at a time, so nothing queues up.
+///
+/// Threading: one thread calls; the work runs on that one and on the pool's.
+class WorkerPool {
+ public:
+  /// `threads` counts the caller: with one there are no others.
+  explicit WorkerPool(int threads);
+
+  /// Calls `work` with 0 to `count` - 1, each once, in any order, and returns when all are done.
+  /// `work` must not throw.
+  void run(size_t count, const std::function<void(size_t)>& work);
+
+ private:
+  void serve(const std::stop_token& stop);
+  void take_one(std::unique_lock<std::mutex>& lock);
+
+  std::mutex mutex_;
+  std::condition_variable_any more_;
+  std::condition_variable done_;
+  // Guarded by mutex_:
+  const std::function<void(size_t)>* work_ = nullptr;
+  size_t count_ = 0;
+  size_t next_ = 0;
+  size_t finished_ = 0;
+
+  std::vector<std::jthread> threads_;  ///< Last: they end before what they use.
+};
+
+}  // namespace engram::ltm

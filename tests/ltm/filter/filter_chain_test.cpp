@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/filter/filter_chain.h"
+
+#include "tests/ltm/filter/candidates.h"
+
+namespace engram::ltm {
+namespace {
+
+std::vector<double> seconds_of(const FilterChain::Output& output) {
+  std::vector<double> seconds;
+  for (const Candidate& each : output.kept)
+    seconds.push_back(to_seconds(each.snapshot.time - at_second(0)));
+  return seconds;
+}
+
+EventRule trigger() {
+  return {*EntityPattern::parse("a/b/c/event"), "", 0, Crossing::kRising};
+}
+
+TEST(FilterChain, KeepsAllWithoutFilters) {
+  auto chain = *FilterChain::create({});
+  FilterChain::Output output;
+  for (int i = 0; i < 5; ++i) chain.offer(candidate(i), output);
+  EXPECT_TRUE(chain.empty());
+  EXPECT_EQ(output.kept.size(), 5u);
+}
+
+TEST(FilterChain, CountsAtEachFilterWhatThoseBeforeItKeep) {
+  auto chain =
+      *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 5}, EqualityFilter::Options{}});
+  FilterChain::Output output;
+  const uint64_t bytes = candidate(0, 1).raw_bytes;
+  for (int i = 0; i < 100; ++i) chain.offer(candidate(i / 10.0, i < 50 ? 1 : 2), output);
+  const auto counters = chain.counters();
+  ASSERT_EQ(counters.size(), 2u);
+  EXPECT_EQ(counters[0].filter, "frequency");
+  EXPECT_EQ(counters[0].offered, 100u);
+  EXPECT_EQ(counters[0].offered_bytes, 100 * bytes);
+  EXPECT_EQ(counters[0].kept, 50u);
+  EXPECT_EQ(counters[0].dropped_by.at("rate"), 50u);
+  EXPECT_EQ(counters[0].dropped_bytes, 50 * bytes);
+  EXPECT_EQ(counters[1].offered, 50u);
+  EXPECT_EQ(counters[1].kept, 2u);
+  EXPECT_EQ(counters[1].dropped_by.at("equal"), 48u);
+  EXPECT_EQ(output.dropped, 98u);
+  EXPECT_EQ(output.dropped_bytes, 98 * bytes);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 5}));
+}
+
+TEST(FilterChain, PassesOnWhatAFilterLetsGoLater) {
+  auto chain = *FilterChain::create(
+      {TriggerFilter::Options{.events = {trigger()}, .before = std::chrono::seconds(10)},
+       FrequencyFilter::Options{.max_rate_hz = 1}});
+  EXPECT_TRUE(chain.listens_to(filtered_entity("event")));
+  FilterChain::Output output;
+  for (int i = 0; i < 10; ++i) chain.offer(candidate(i / 2.0), output);
+  EXPECT_EQ(chain.held().snapshots, 10u);
+  EXPECT_TRUE(output.kept.empty());
+  chain.notice(candidate(5, idf::None{}, "event").snapshot, output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(chain.held().snapshots, 0u);
+  EXPECT_EQ(output.dropped, 5u);
+}
+
+TEST(FilterChain, FlushesThroughTheFiltersBehind) {
+  ImportanceFilter::Options importance{.events = {trigger()}, .base_rate_hz = 100.0};
+  auto chain = *FilterChain::create(
+      {EqualityFilter::Options{}, importance, FrequencyFilter::Options{.max_rate_hz = 1}});
+  FilterChain::Output output;
+  for (int i = 0; i < 4; ++i) chain.offer(candidate(i / 2.0, i), output);
+  chain.flush(output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 1}));
+  EXPECT_EQ(output.dropped, 2u);
+}
+
+TEST(FilterChain, LetsLateSnapshotsPass) {
+  auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 1}});
+  FilterChain::Output output;
+  for (const double second : {0.0, 10.0, 3.0, 3.0, 10.0, 10.5, 11.0})
+    chain.offer(candidate(second), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 10, 3, 3, 10, 11}));
+  EXPECT_EQ(chain.late(), 3u);
+  EXPECT_EQ(chain.counters()[0].offered, 4u);
+}
+
+TEST(FilterChain, FiltersAgainWhereTheClockWasSetBack) {
+  auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 1}});
+  FilterChain::Output output;
+  chain.offer(candidate(1000), output);
+  for (int i = 0; i < 100; ++i) chain.offer(candidate(i / 10.0), output);
+  EXPECT_EQ(chain.late(), static_cast<uint64_t>(FilterChain::kLateOfNewClock - 1));
+  EXPECT_EQ(output.kept.size(), 1u + FilterChain::kLateOfNewClock - 1 + 10);
+  const FilterCounters counters = chain.counters()[0];
+  EXPECT_EQ(counters.offered, counters.kept + counters.dropped());
+}
+
+TEST(FilterChain, RefusesOptionsThatDoNotValidate) {
+  EXPECT_FAILS(FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 0}}),
+               StatusCode::kInvalidArgument, "0 Hz");
+}
+
+}  // namespace
+}  // namespace engram::ltm

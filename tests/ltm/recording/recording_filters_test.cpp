@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rules, filters that hold snapshots back, and late snapshots, through the whole recorder.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "ltm/recording/recording_config.h"
+#include "ltm/store/store_reader.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/random_values.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/ltm/store/example_snapshots.h"
+
+namespace engram::ltm {
+namespace {
+
+Snapshot at(double seconds, const std::string& name, idf::Data value = 1.0) {
+  return {example_entity(name),
+          time_from_ns(kExampleStart_ns) + *duration_from_seconds(seconds),
+          {{std::move(value), example_metadata(0)}}};
+}
+
+class RecordingFilters : public ::testing::Test {
+ protected:
+  Recorder open(std::string_view config) {
+    auto options = parse_recording_config(config, "test.yaml");
+    EXPECT_OK(options);
+    auto recorder = Recorder::open(store(), *options, [this] { return now_; });
+    EXPECT_OK(recorder);
+    return *std::move(recorder);
+  }
+  /// Seconds of what the store has of an entity.
+  std::vector<double> stored(const std::string& name) {
+    const auto reader = *StoreReader::open(store());
+    std::vector<double> seconds;
+    const auto all = read_all(*reader, example_entity(name));
+    if (!all.ok()) return seconds;
+    for (const Snapshot& each : *all)
+      seconds.push_back(to_seconds(each.time - time_from_ns(kExampleStart_ns)));
+    return seconds;
+  }
+  EntitySummary summary(const std::string& name) {
+    return *(*StoreReader::open(store()))->summary(example_entity(name));
+  }
+  static void expect_balance(const Recorder& recorder) {
+    for (const auto& [entity, each] : recorder.counters()) {
+      uint64_t dropped = 0;
+      for (const auto& [filter, count] : each.dropped_by) dropped += count;
+      EXPECT_EQ(each.offered, each.kept + dropped + each.held.snapshots + each.failed)
+          << entity.to_string();
+    }
+  }
+  [[nodiscard]] std::filesystem::path store() const { return scratch_ / "store"; }
+
+  ScratchDirectory scratch_;
+  Time now_ = time_from_ns(kExampleStart_ns);
+};
+
+constexpr const char* kTwoRules = R"(
+entities:
+  - match: .*/.*/.*/cam
+    name: cameras
+    filters: [{frequency: {rate: 1Hz}}, equality]
+  - match: .*
+    filters: [equality]
+)";
+
+TEST_F(RecordingFilters, GivesEachEntityTheFirstRuleThatMatches) {
+  auto recorder = open(kTwoRules);
+  for (int i = 0; i < 40; ++i)
+    ASSERT_OK(recorder.commit({{at(i / 4.0, "cam", i / 8), at(i / 4.0, "arm", i / 8)}}));
+  const RecordingCounters& cam = recorder.counters().at(example_entity("cam"));
+  const RecordingCounters& arm = recorder.counters().at(example_entity("arm"));
+  EXPECT_EQ(cam.rule, "cameras");
+  EXPECT_EQ(arm.rule, ".*");
+  ASSERT_EQ(cam.filters.size(), 2u);
+  EXPECT_EQ(cam.filters[0].dropped_by.at("rate"), 30u);
+  EXPECT_EQ(cam.filters[1].offered, 10u);
+  EXPECT_EQ(cam.filters[1].dropped_by.at("equal"), 5u);
+  EXPECT_EQ(cam.dropped_by.at("frequency"), 30u);
+  EXPECT_EQ(cam.kept, 5u);
+  EXPECT_EQ(arm.kept, 5u);
+  expect_balance(recorder);
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(stored("cam"), (std::vector<double>{0, 2, 4, 6, 8}));
+  EXPECT_EQ(summary("cam").offered, 40u);
+  EXPECT_EQ(summary("arm").offered, 40u);
+}
+
+TEST_F(RecordingFilters, StoresWhatWasHeldWhenAnotherEntityTriggers) {
+  const std::string config = R"(
+entities:
+  - match: .*/.*/.*/cam
+    filters:
+      - trigger: {events: [{entity: .*/.*/.*/force, path: z, bound: 10}], before: 2s, after: 1s}
+)";
+  auto recorder = open(config);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_OK(recorder.commit({{at(i, "cam", i)}}));
+    ASSERT_OK(recorder.commit({{at(i + 0.5, "force", idf::Dict{{"z", i == 9 ? 50.0 : 0.0}})}}));
+    expect_balance(recorder);
+  }
+  // Triggered at 9.5.
+  EXPECT_EQ(stored("cam"), (std::vector<double>{8, 9, 10}));
+  const RecordingCounters& cam = recorder.counters().at(example_entity("cam"));
+  EXPECT_EQ(cam.kept, 3u);
+  EXPECT_EQ(cam.held.snapshots, 3u);
+  EXPECT_GT(cam.held.bytes, 0u);
+  EXPECT_EQ(cam.filters[0].held.snapshots, 3u);
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(recorder.counters().at(example_entity("cam")).held.snapshots, 0u);
+  expect_balance(recorder);
+  EXPECT_EQ(summary("cam").offered, 20u);
+  EXPECT_EQ(summary("force").snapshots, 20u);
+}
+
+TEST_F(RecordingFilters, KnowsEventsThatCameBeforeAnEntitysFirstSnapshot) {
+  auto recorder = open(R"(
+entities:
+  - match: .*/.*/.*/cam
+    filters: [{importance: {events: [{entity: .*/.*/.*/grasp}], before: 1s, after: 3s}}]
+)");
+  ASSERT_OK(recorder.commit({{at(0, "grasp")}}));
+  for (int i = 1; i < 10; ++i) ASSERT_OK(recorder.commit({{at(i, "cam", i)}}));
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(stored("cam"), (std::vector<double>{1, 2, 3}));
+}
+
+TEST_F(RecordingFilters, StoresHeldSnapshotsThoughTheCommitThatFreesThemFails) {
+  auto recorder = open(R"(
+entities:
+  - match: .*/.*/.*/cam
+    filters: [{importance: {events: [{entity: .*/.*/.*/grasp}], before: 5s}}]
+)");
+  for (int i = 0; i < 3; ++i) ASSERT_OK(recorder.commit({{at(i, "cam", i)}}));
+  EXPECT_FAILS(recorder.commit({{at(3, "grasp", nested_lists(100))}}), StatusCode::kInvalidArgument,
+               "nests deeper");
+  expect_balance(recorder);
+  EXPECT_EQ(recorder.counters().at(example_entity("grasp")).failed, 1u);
+  EXPECT_EQ(recorder.counters().at(example_entity("cam")).kept, 3u);
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(stored("cam"), (std::vector<double>{0, 1, 2}));
+  EXPECT_TRUE(stored("grasp").empty());
+}
+
+TEST_F(RecordingFilters, RefusesLateSnapshotsWhereToldTo) {
+  auto recorder = open("recording: {late: refuse}\n");
+  ASSERT_OK(recorder.commit({{at(5, "cam")}}));
+  EXPECT_FAILS(recorder.commit({{at(4, "cam")}}), StatusCode::kInvalidArgument, "backwards");
+  EXPECT_EQ(recorder.counters().at(example_entity("cam")).offered, 1u);
+}
+
+TEST_F(RecordingFilters, CountsLateSnapshotsThatPassTheFilters) {
+  auto recorder = open("entities: [{match: .*, filters: [{frequency: {rate: 1Hz}}]}]\n");
+  ASSERT_OK(recorder.commit({{at(5, "cam")}}));
+  // Whether the store takes it or not, no filter saw it.
+  const Status late = recorder.commit({{at(4.9, "cam")}});
+  const RecordingCounters& cam = recorder.counters().at(example_entity("cam"));
+  EXPECT_EQ(cam.late, 1u);
+  EXPECT_EQ(cam.filters[0].offered, 1u);
+  EXPECT_EQ(late.ok() ? cam.kept : cam.failed + 1, 2u);
+  expect_balance(recorder);
+}
+
+TEST_F(RecordingFilters, EncodesTheSameOnAnyNumberOfThreads) {
+  std::vector<uint64_t> bytes;
+  for (const int threads : {1, 4}) {
+    const auto path = scratch_ / std::to_string(threads);
+    auto recorder = *Recorder::open(path, {.threads = threads});
+    for (int64_t i = 0; i < 5; ++i) {
+      Commit commit;
+      for (int64_t c = 0; c < 6; ++c)
+        commit.updates.push_back(at(static_cast<double>(i), "cam" + std::to_string(c),
+                                    example_image(120, 160, 3, i * 10 + c)));
+      ASSERT_OK(recorder.commit(commit));
+    }
+    uint64_t total = 0;
+    for (const auto& [entity, counters] : recorder.counters()) total += counters.stored_bytes;
+    bytes.push_back(total);
+    const auto reader = *StoreReader::open(path);
+    for (int64_t c = 0; c < 6; ++c) {
+      const auto all = *read_all(*reader, example_entity("cam" + std::to_string(c)));
+      ASSERT_EQ(all.size(), 5u);
+      for (int64_t i = 0; i < 5; ++i)
+        EXPECT_EQ(all[static_cast<size_t>(i)].instances[0].data,
+                  idf::Data(example_image(120, 160, 3, i * 10 + c)));
+    }
+  }
+  EXPECT_EQ(bytes[0], bytes[1]);
+}
+
+TEST_F(RecordingFilters, NotesDropsInTheStoreBeforeItIsKilled) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    auto recorder = open("entities: [{match: .*, filters: [equality]}]\n");
+    for (int i = 0; i < 100; ++i) {
+      now_ += std::chrono::milliseconds(100);
+      if (!recorder.commit({{at(i / 10.0, "cam")}}).ok()) ::_exit(1);
+    }
+    ::raise(SIGKILL);
+  }
+  int outcome = 0;
+  ::waitpid(child, &outcome, 0);
+  ASSERT_TRUE(WIFSIGNALED(outcome));
+  // Ten seconds with a note every five: all but those after the last note are there.
+  EXPECT_EQ(summary("cam").snapshots, 1u);
+  EXPECT_EQ(summary("cam").offered, 100u);
+}
+
+TEST_F(RecordingFilters, RefusesOptionsThatAreWrong) {
+  EXPECT_FAILS(Recorder::open(store(), {.threads = 0}), StatusCode::kInvalidArgument, "0 threads");
+  EXPECT_FAILS(Recorder::open(store(), {.drop_note_interval = Duration(-1)}),
+               StatusCode::kInvalidArgument, "drop_note_interval");
+  EntityRule rule;
+  rule.name = "mine";
+  rule.filters.emplace_back(FrequencyFilter::Options{.max_rate_hz = 0});
+  EXPECT_FAILS(Recorder::open(store(), {.rules = {rule}}), StatusCode::kInvalidArgument,
+               "rule 'mine'");
+  EXPECT_FALSE(std::filesystem::exists(store()));
+}
+
+}  // namespace
+}  // namespace engram::ltm
