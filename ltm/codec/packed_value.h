@@ -55,8 +55,8 @@ struct PackOptions {
   std::string image_codec = "png";
   /// For other arrays that no rule fits.
   std::string array_codec = "shuffle";
-  /// Smaller ones of these stay in the value. Unit: bytes.
-  size_t least_array_bytes = 4096;
+  /// Smaller ones of these stay in the value, as plain datasets of segments. Unit: bytes.
+  size_t least_array_bytes = 64 << 10;
 
   /// Errors: kInvalidArgument where a codec is unknown or a path empty.
   [[nodiscard]] Status validate() const;

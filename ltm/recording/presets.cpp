@@ -15,7 +15,7 @@ entities:
     name: everything
     filters: []
     codecs:
-      - {kind: image, codec: png}
+      - {kind: image, codec: rowpred}
 )"},
     {"balanced", R"(# Five snapshots a second, fewer while nothing changes, each exactly as it came.
 entities:

@@ -200,7 +200,8 @@ struct SegmentReader::State {
 
   struct MediaGroup {
     std::string name;
-    PackedMedium medium;  ///< Without bytes.
+    PackedMedium medium;  ///< Without bytes, and without shape where each row has its own.
+    bool has_shapes = false;
   };
 
   Result<const std::vector<MediaGroup>*> media_groups(const std::string& group) {
@@ -219,11 +220,22 @@ struct SegmentReader::State {
       const auto element = idf::element_type_from_name(type);
       if (!element) return broken(name, "has an unknown element type");
       found.medium.type = *element;
-      ENGRAM_ASSIGN_OR_RETURN(const auto shape, file.read(name + "/shape", h5::Type::kInt64));
-      found.medium.shape = h5::as_vector<int64_t>(shape);
+      ENGRAM_ASSIGN_OR_RETURN(const h5::DatasetInfo shape, file.info(name + "/shape"));
+      found.has_shapes = shape.shape.size() == 2;
+      if (!found.has_shapes) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto sizes, file.read(name + "/shape", h5::Type::kInt64));
+        found.medium.shape = h5::as_vector<int64_t>(sizes);
+      }
       groups.push_back(std::move(found));
     }
     return &media.emplace(group, std::move(groups)).first->second;
+  }
+
+  Result<idf::Shape> shape(const std::string& path, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * shapes, column(path));
+    if (shapes->info().type != h5::Type::kInt64) return broken(path, "is no int64");
+    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, located(shapes->row(row)));
+    return h5::as_vector<int64_t>(bytes);
   }
 
   Result<PackedInstance> instance(const std::string& group, uint64_t row, Time time) {
@@ -236,6 +248,8 @@ struct SegmentReader::State {
       if (bytes.empty()) continue;
       result.value.media.push_back(found.medium);
       result.value.media.back().bytes = std::move(bytes);
+      if (!found.has_shapes) continue;
+      ENGRAM_ASSIGN_OR_RETURN(result.value.media.back().shape, shape(found.name + "/shape", row));
     }
     return result;
   }

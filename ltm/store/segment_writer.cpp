@@ -233,15 +233,14 @@ class TensorColumns {
   std::vector<std::vector<std::byte>> values_;
 };
 
-/// Media of the rows: a group per path, and per variant of codec, type and shape.
+/// Media of the rows: a group per path, and per variant of codec, type and number of axes.
 class MediaColumns {
  public:
   Status append(size_t row, const std::vector<PackedMedium>& media) {
     for (const PackedMedium& medium : media) {
       Variant& variant = find(medium);
-      variant.blobs.fill(row);
-      variant.blobs.column.append(medium.bytes.bytes());
-      ++variant.blobs.rows;
+      variant.fill(row);
+      variant.append(medium);
     }
     return {};
   }
@@ -249,37 +248,53 @@ class MediaColumns {
   Status write(h5::File& file, const std::string& group, size_t rows) {
     std::map<std::string, int> variants_of_path;
     for (Variant& variant : variants_) {
-      variant.blobs.fill(rows);
+      variant.fill(rows);
       const int number = variants_of_path[variant.path]++;
       std::string name = group + "/media" + segment_member(variant.path);
       // A number, too, where groups of other media would lie among the datasets of this one.
       if (number > 0 || has_media_below(variant.path)) name += fmt::format("#{}", number);
-      ENGRAM_RETURN_IF_ERROR(variant.blobs.column.write(file, name));
+      ENGRAM_RETURN_IF_ERROR(variant.blobs.write(file, name));
       ENGRAM_RETURN_IF_ERROR(file.write_attribute(name, "path", variant.path));
       ENGRAM_RETURN_IF_ERROR(file.write_attribute(name, "codec", variant.codec));
       ENGRAM_RETURN_IF_ERROR(file.write_attribute(name, "element_type", to_string(variant.type)));
-      ENGRAM_RETURN_IF_ERROR(write_column(file, name + "/shape", variant.shape));
+      ENGRAM_RETURN_IF_ERROR(variant.write_shapes(file, name + "/shape"));
       names_.push_back(name);
     }
     return names_.empty() ? Status() : file.write_strings(group + "/media_groups", names_);
   }
 
  private:
-  struct SparseBlobs {
-    BlobColumn column;
-    size_t rows = 0;
-
-    /// Rows without this medium have no bytes.
-    void fill(size_t until) {
-      for (; rows < until; ++rows) column.append({});
-    }
-  };
   struct Variant {
     std::string path;
     std::string codec;
     idf::ElementType type;
-    idf::Shape shape;
-    SparseBlobs blobs;
+    idf::Shape shape;  ///< Of the first medium.
+    BlobColumn blobs;
+    std::vector<int64_t> shapes;  ///< Row-major [rows, rank].
+    size_t rows = 0;
+    bool has_one_shape = true;
+
+    /// Rows without this medium have no bytes.
+    void fill(size_t until) {
+      for (; rows < until; ++rows) {
+        blobs.append({});
+        shapes.insert(shapes.end(), shape.begin(), shape.end());
+      }
+    }
+
+    void append(const PackedMedium& medium) {
+      blobs.append(medium.bytes.bytes());
+      shapes.insert(shapes.end(), medium.shape.begin(), medium.shape.end());
+      has_one_shape = has_one_shape && medium.shape == shape;
+      ++rows;
+    }
+
+    Status write_shapes(h5::File& file, const std::string& dataset) const {
+      if (has_one_shape) return write_column(file, dataset, shape);
+      const std::vector<uint64_t> size{rows, shape.size()};
+      return file.write(dataset, h5::Type::kInt64, size, std::as_bytes(std::span(shapes)),
+                        Storage::kCompressed);
+    }
   };
 
   [[nodiscard]] bool has_media_below(const std::string& path) const {
@@ -291,10 +306,10 @@ class MediaColumns {
   Variant& find(const PackedMedium& medium) {
     for (Variant& variant : variants_)
       if (variant.path == medium.path && variant.codec == medium.codec &&
-          variant.type == medium.type && variant.shape == medium.shape)
+          variant.type == medium.type && variant.shape.size() == medium.shape.size())
         return variant;
     return variants_.emplace_back(
-        Variant{medium.path, medium.codec, medium.type, medium.shape, {}});
+        Variant{medium.path, medium.codec, medium.type, medium.shape, {}, {}});
   }
 
   std::vector<Variant> variants_;

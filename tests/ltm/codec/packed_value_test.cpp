@@ -52,9 +52,9 @@ TEST(PackedValue, FallsBackToZstdWhereTheCodecDoesNotAcceptTheImage) {
 
 TEST(PackedValue, PutsLargeArraysThroughTheShuffleAndLeavesSmallOnes) {
   const idf::Data value =
-      idf::Dict{{"cloud", idf::NdArray::take<float>({400, 3}, std::vector<float>(1200, 1.5f))},
-                {"large", idf::NdArray::take<double>({512}, std::vector<double>(512, 2.5))},
-                {"small", idf::NdArray::take<double>({511}, std::vector<double>(511, 2.5))}};
+      idf::Dict{{"cloud", idf::NdArray::take<float>({6000, 3}, std::vector<float>(18'000, 1.5f))},
+                {"large", idf::NdArray::take<double>({8192}, std::vector<double>(8192, 2.5))},
+                {"small", idf::NdArray::take<double>({8191}, std::vector<double>(8191, 2.5))}};
   const auto packed = pack(value, {});
   ASSERT_OK(packed);
   ASSERT_EQ(packed->media.size(), 2u);

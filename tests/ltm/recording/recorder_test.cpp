@@ -114,7 +114,6 @@ TEST_F(RecorderTest, ContinuesAStore) {
   auto recorder = *Recorder::open(store(), {});
   EXPECT_EQ(recorder.last_time(example_entity()), frame(0).time);
   EXPECT_EQ(recorder.lost_frames(), 0u);
-  EXPECT_FAILS(recorder.commit({{frame(0)}}), StatusCode::kInvalidArgument, "backwards");
   ASSERT_OK(recorder.commit({{frame(1)}}));
   EXPECT_EQ(recorder.counters().at(example_entity()).kept, 1u);
   EXPECT_FAILS(Recorder::open(store(), {}), StatusCode::kFailedPrecondition, "another process");

@@ -176,15 +176,11 @@ TEST(Segment, GivesBackKeysWithZeroBytes) {
 }
 
 TEST(Segment, KeepsBlocksOfLargeRemaindersSmall) {
-  // Point clouds of varying length: each row has a layout of its own.
   Entities entities;
   for (int64_t i = 0; i < 40; ++i) {
-    const int64_t points = 40'000 + i;
-    std::vector<float> values(static_cast<size_t>(points * 3), static_cast<float>(i));
+    const std::string text(480'000, static_cast<char>('a' + i % 20));
     entities[example_entity()].push_back(
-        {example_entity(),
-         example_time(i),
-         {{idf::Dict{{"points", idf::NdArray::take({points, 3}, std::move(values))}}, {}}}});
+        {example_entity(), example_time(i), {{idf::Dict{{"text", text}}, {}}}});
   }
   expect_round_trip(entities);
   const ScratchDirectory scratch;
@@ -192,7 +188,26 @@ TEST(Segment, KeepsBlocksOfLargeRemaindersSmall) {
   const auto file = h5::File::open(scratch / "s.h5");
   const std::string group = segment_group(example_entity());
   EXPECT_LE(*file->int_attribute(group + "/remainder", "rows_per_block"), 20);
+}
+
+TEST(Segment, KeepsMediaOfVaryingShapeInOneGroup) {
+  // Point clouds of varying length: each row has a layout of its own.
+  Entities entities;
+  for (int64_t i = 0; i < 40; ++i) {
+    const int64_t points = i % 7 == 3 ? 0 : 8'000 + i;
+    std::vector<float> values(static_cast<size_t>(points * 3), static_cast<float>(i));
+    idf::Dict value{{"points", idf::NdArray::take({points, 3}, std::move(values))}};
+    entities[example_entity()].push_back({example_entity(), example_time(i), {{value, {}}}});
+  }
+  expect_round_trip(entities);
+  const ScratchDirectory scratch;
+  ASSERT_OK(write(scratch / "s.h5", entities));
+  const auto file = h5::File::open(scratch / "s.h5");
+  const std::string group = segment_group(example_entity());
   EXPECT_FALSE(*file->exists(group + "/arrays/points"));
+  const auto names = file->read_strings(group + "/media_groups");
+  ASSERT_OK(names);
+  EXPECT_EQ(*names, std::vector<std::string>{group + "/media/points"});
 }
 
 TEST(Segment, WithoutRowsIsReadable) {
