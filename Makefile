@@ -39,7 +39,8 @@ demo: build
 
 bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON
-	cmake --build --preset release --target engram_benchmark
+	cmake --build --preset release --target engram_benchmark engram_paper_objects
+	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
 
 # What is found new stays in build/fuzz/found; an input that breaks a parser is named and kept.
