@@ -145,6 +145,24 @@ SegmentTypes types_from(const Json& json) {
   return std::move(types).value();
 }
 
+Json to_json(const std::map<MemoryId, ForgottenSums>& forgotten) {
+  Json json = Json::object();
+  for (const auto& [entity, sums] : forgotten)
+    json[entity.to_string()] = {{"snapshots", sums.snapshots},
+                                {"raw_bytes", sums.raw_bytes},
+                                {"dropped", sums.dropped},
+                                {"dropped_bytes", sums.dropped_bytes}};
+  return json;
+}
+
+std::map<MemoryId, ForgottenSums> forgotten_from(const Json& json) {
+  std::map<MemoryId, ForgottenSums> forgotten;
+  for (const auto& [entity, sums] : json.items())
+    forgotten[entity_from(entity)] = {sums.at("snapshots"), sums.at("raw_bytes"),
+                                      sums.at("dropped"), sums.at("dropped_bytes")};
+  return forgotten;
+}
+
 Json to_json(const Manifest& manifest) {
   Json segments = Json::array();
   for (const SegmentInfo& segment : manifest.segments) segments.push_back(to_json(segment));
@@ -158,6 +176,7 @@ Json to_json(const Manifest& manifest) {
           {"first_journal", manifest.first_journal},
           {"damaged", manifest.damaged},
           {"types", to_json(manifest.types)},
+          {"forgotten", to_json(manifest.forgotten)},
           {"segments", std::move(segments)},
           {"models", std::move(models)}};
 }
@@ -170,8 +189,10 @@ Manifest manifest_from(const Json& json) {
                     json.at("damaged"),
                     {},
                     {},
+                    {},
                     {}};
   if (json.contains("types")) manifest.types = types_from(json.at("types"));
+  if (json.contains("forgotten")) manifest.forgotten = forgotten_from(json.at("forgotten"));
   for (const Json& segment : json.at("segments"))
     manifest.segments.push_back(segment_from(segment));
   for (const Json& model : json.at("models")) manifest.models.push_back(model_from(model));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,14 @@ struct ModelInfo {
   [[nodiscard]] std::string name() const;
 };
 
+/// What was forgotten of an entity: it is gone, but counted.
+struct ForgottenSums {
+  uint64_t snapshots = 0;
+  uint64_t raw_bytes = 0;      ///< Plain bytes of them.
+  uint64_t dropped = 0;        ///< What filters had dropped, told of in segments that went.
+  uint64_t dropped_bytes = 0;  ///< Their plain bytes.
+};
+
 /// The published content of a store: one generation of it.
 struct Manifest {
   std::string store_id;
@@ -67,6 +76,7 @@ struct Manifest {
   uint64_t first_journal = 1;  ///< Journals below this number are sealed.
   uint64_t damaged = 0;        ///< Places in sealed journals where acknowledged data was lost.
   SegmentTypes types;          ///< As they were declared last; segment files have their own.
+  std::map<MemoryId, ForgottenSums> forgotten;
   std::vector<SegmentInfo> segments;
   std::vector<ModelInfo> models;
 };

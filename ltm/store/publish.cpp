@@ -148,6 +148,16 @@ int next_model_version(const Manifest& manifest, const MemoryId& entity) {
   return version + 1;
 }
 
+std::vector<std::string> remove_unused_models(Manifest& manifest,
+                                              std::vector<std::string> obsolete) {
+  std::erase_if(manifest.models, [&](const ModelInfo& model) {
+    if (is_used(model, manifest)) return false;
+    obsolete.push_back(model.file);
+    return true;
+  });
+  return obsolete;
+}
+
 Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
                                              std::string_view suffix) {
   static std::atomic<uint64_t> number = 0;

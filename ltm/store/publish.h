@@ -14,6 +14,11 @@ namespace engram::ltm {
 /// The version that the next model of `entity` gets: 1, 2, ...
 [[nodiscard]] int next_model_version(const Manifest& manifest, const MemoryId& entity);
 
+/// Takes models that no latent names any more out of the manifest, and adds their files to those
+/// that may be removed once it is published.
+[[nodiscard]] std::vector<std::string> remove_unused_models(Manifest& manifest,
+                                                            std::vector<std::string> obsolete);
+
 /// A file name of its own in the store's `tmp/`, for what is written before it is published.
 /// What a killed process left there is removed by the next writer.
 Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,

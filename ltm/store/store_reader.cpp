@@ -158,8 +158,7 @@ struct StoreReader::State {
     for (const RowSpan& span : spans) {
       SnapshotEntry& entry = entries[span.time];
       entry.time = span.time;
-      const SnapshotEntry::Location location{part.segment, span.rows, span.first};
-      (part.is_latent ? entry.latent : entry.recorded) = location;
+      entry.put(part.is_latent, {part.segment, span.rows, span.first});
     }
     return {};
   }
@@ -244,6 +243,12 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
     summary.offered += trailing->second.first;
     summary.offered_bytes += trailing->second.second;
   }
+  if (const auto gone = state_->manifest.forgotten.find(entity);
+      gone != state_->manifest.forgotten.end()) {
+    summary.forgotten = gone->second;
+    summary.offered += gone->second.snapshots + gone->second.dropped;
+    summary.offered_bytes += gone->second.raw_bytes + gone->second.dropped_bytes;
+  }
   summary.offered += summary.snapshots;
   summary.offered_bytes += summary.raw_bytes;
   for (const ModelInfo& model : state_->manifest.models) {
@@ -271,7 +276,7 @@ Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& ent
   for (const SnapshotEntry& unsealed : state_->journal_snapshots(entity)) {
     SnapshotEntry& entry = entries[unsealed.time];
     entry.time = unsealed.time;
-    entry.recorded = unsealed.recorded;
+    entry.put(false, *unsealed.recorded);
   }
   std::vector<SnapshotEntry>& sorted = state_->indices[entity];
   sorted.reserve(entries.size());

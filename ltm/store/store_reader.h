@@ -29,6 +29,7 @@ struct EntitySummary {
   uint64_t stored_bytes = 0;   ///< Recorded form: segments and journal.
   uint64_t latent_bytes = 0;   ///< Latents, without models.
   uint64_t model_bytes = 0;    ///< All model files of the entity.
+  ForgottenSums forgotten;     ///< Counted in `offered` too.
   std::vector<ModelInfo> models;
   LatentSums latent;  ///< Over all latent segments; the newest model's version.
 };

@@ -101,13 +101,13 @@ Result<std::optional<Time>> Timeline::part_at_or_before(size_t part, Time time) 
 Status Timeline::add_entry(size_t part, SnapshotEntry& entry) {
   if (is_journal(part)) {
     const auto found = std::ranges::lower_bound(journal_, entry.time, {}, &SnapshotEntry::time);
-    if (found != journal_.end() && found->time == entry.time) entry.recorded = found->recorded;
+    if (found != journal_.end() && found->time == entry.time)
+      entry.put(false, *found->recorded);
     return {};
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto span, span_at_or_after(part, entry.time));
   if (!span || span->time != entry.time) return {};
-  const SnapshotEntry::Location location{parts_[part].segment, span->rows, span->first};
-  (parts_[part].is_latent ? entry.latent : entry.recorded) = location;
+  entry.put(parts_[part].is_latent, {parts_[part].segment, span->rows, span->first});
   return {};
 }
 

@@ -21,6 +21,13 @@ struct SnapshotEntry {
   Time time{};
   std::optional<Location> recorded;
   std::optional<Location> latent;
+
+  /// Takes over a representation that comes after those that are there: latents were made of what
+  /// was recorded before them, and are of the past where an update follows.
+  void put(bool is_latent, const Location& location) {
+    if (!is_latent) latent.reset();
+    (is_latent ? latent : recorded) = location;
+  }
 };
 
 /// What one segment holds of an entity, as the manifest tells it.

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/rewrite.h"
+
+#include <algorithm>
+
+#include "ltm/core/file.h"
+#include "ltm/store/publish.h"
+#include "ltm/store/segment_reader.h"
+#include "ltm/store/segment_writer.h"
+#include "ltm/store/store_reader.h"
+
+namespace engram::ltm {
+
+namespace {
+
+const SegmentEntity* find_entity(const SegmentInfo& segment, const MemoryId& entity) {
+  const auto found = std::ranges::find(segment.entities, entity, &SegmentEntity::id);
+  return found == segment.entities.end() ? nullptr : &*found;
+}
+
+/// Puts `made`, already written to `file`, in the place of segments that are there now; the files
+/// of these go. Nothing in `made`: they go alone.
+Status replace_segments(const std::filesystem::path& store, const std::vector<SegmentInfo>& old,
+                        std::optional<SegmentInfo> made, const std::filesystem::path& file,
+                        const std::function<void(Manifest&)>& note) {
+  std::vector<std::string> obsolete;
+  ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
+    auto place = manifest.segments.end();
+    for (const SegmentInfo& segment : old) {
+      place = std::ranges::find(manifest.segments, segment.file, &SegmentInfo::file);
+      if (place == manifest.segments.end())
+        return failed_precondition("store '{}': segment '{}' went while it was rewritten",
+                                   store.string(), segment.file);
+      obsolete.push_back(segment.file);
+    }
+    if (made) {
+      made->file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+      ENGRAM_RETURN_IF_ERROR(publish_file(file, store / made->file));
+      *place = *made;
+    }
+    std::erase_if(manifest.segments, [&](const SegmentInfo& segment) {
+      return std::ranges::find(obsolete, segment.file) != obsolete.end();
+    });
+    note(manifest);
+    obsolete = remove_unused_models(manifest, std::move(obsolete));
+    return {};
+  }));
+  for (const std::string& name : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / name));
+  return {};
+}
+
+/// The content of some recorded segments without what updates replaced and what is to be forgotten.
+struct Merged {
+  std::map<MemoryId, RecordedEntity> entities;
+  std::map<MemoryId, ForgottenSums> gone;
+  std::map<MemoryId, uint64_t> raw_bytes;  ///< As reports count them, forgotten ones excluded.
+  /// Something was left out, be it forgotten or replaced by an update.
+  bool has_less = false;
+
+  [[nodiscard]] bool empty() const {
+    return std::ranges::all_of(entities, [](const auto& entity) {
+      return entity.second.snapshots.empty() && entity.second.trailing_dropped == 0;
+    });
+  }
+};
+
+class Merger {
+ public:
+  Merger(StoreReader& reader, const ForgetSet& gone) : reader_(reader), gone_(gone) {}
+
+  Status add(uint32_t segment) {
+    for (const SegmentEntity& part : reader_.manifest().segments[segment].entities) {
+      RecordedEntity& kept = merged_.entities[part.id];
+      kept.trailing_dropped += part.dropped;
+      kept.trailing_dropped_bytes += part.dropped_bytes;
+      merged_.raw_bytes[part.id] += part.raw_bytes;
+      ENGRAM_RETURN_IF_ERROR(add_snapshots(segment, part.id, kept));
+    }
+    return {};
+  }
+
+  Merged finish() {
+    for (auto& [id, entity] : merged_.entities)
+      std::ranges::stable_sort(entity.snapshots, {}, &PackedSnapshot::time);
+    // Entities of which nothing is left need no group.
+    for (auto entity = merged_.entities.begin(); entity != merged_.entities.end();)
+      entity = entity->second.snapshots.empty() && merged_.gone.contains(entity->first)
+                   ? forget_rest(entity)
+                   : std::next(entity);
+    return std::move(merged_);
+  }
+
+ private:
+  using Entities = std::map<MemoryId, RecordedEntity>;
+
+  Status add_snapshots(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader_.index(id));
+    const auto forget = gone_.find(id);
+    uint64_t left = find_entity(reader_.manifest().segments[segment], id)->snapshots;
+    for (const SnapshotEntry& entry : *entries) {
+      if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment)
+        continue;
+      ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_packed(id, entry));
+      if (forget != gone_.end() && forget->second.contains(entry.time)) {
+        note_gone(id, packed);
+        continue;
+      }
+      kept.trailing_dropped -= packed.dropped;
+      kept.trailing_dropped_bytes -= packed.dropped_bytes;
+      kept.snapshots.push_back(std::move(packed));
+      --left;
+    }
+    merged_.has_less = merged_.has_less || left > 0;
+    return {};
+  }
+
+  void note_gone(const MemoryId& id, const PackedSnapshot& packed) {
+    ForgottenSums& sums = merged_.gone[id];
+    ++sums.snapshots;
+    sums.raw_bytes += packed.raw_bytes;
+    merged_.raw_bytes[id] -= std::min(merged_.raw_bytes[id], packed.raw_bytes);
+  }
+
+  Entities::iterator forget_rest(Entities::iterator entity) {
+    ForgottenSums& sums = merged_.gone[entity->first];
+    sums.dropped += entity->second.trailing_dropped;
+    sums.dropped_bytes += entity->second.trailing_dropped_bytes;
+    return merged_.entities.erase(entity);
+  }
+
+  StoreReader& reader_;
+  const ForgetSet& gone_;
+  Merged merged_;
+};
+
+void add_sums(Manifest& manifest, const std::map<MemoryId, ForgottenSums>& gone) {
+  for (const auto& [entity, sums] : gone) {
+    ForgottenSums& total = manifest.forgotten[entity];
+    total.snapshots += sums.snapshots;
+    total.raw_bytes += sums.raw_bytes;
+    total.dropped += sums.dropped;
+    total.dropped_bytes += sums.dropped_bytes;
+  }
+}
+
+/// Writes recorded segments anew as one.
+class Rewriter {
+ public:
+  Rewriter(std::filesystem::path store, StoreReader& reader, const ForgetSet& gone)
+      : store_(std::move(store)), reader_(reader), gone_(gone) {}
+
+  Status rewrite(const std::vector<uint32_t>& numbers, RewriteReport& report) {
+    Merger merger(reader_, gone_);
+    std::vector<SegmentInfo> old;
+    for (const uint32_t number : numbers) {
+      ENGRAM_RETURN_IF_ERROR(merger.add(number));
+      old.push_back(reader_.manifest().segments[number]);
+    }
+    const Merged merged = merger.finish();
+    if (numbers.size() == 1 && !merged.has_less) return {};
+    std::optional<SegmentInfo> made;
+    std::filesystem::path file;
+    if (!merged.empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store_, ".h5"));
+      ENGRAM_ASSIGN_OR_RETURN(made, write(file, merged, old.back()));
+    }
+    ENGRAM_RETURN_IF_ERROR(replace_segments(store_, old, made, file, [&](Manifest& manifest) {
+      add_sums(manifest, merged.gone);
+    }));
+    for (const SegmentInfo& segment : old) report.bytes_before += segment.bytes;
+    report.segments_before += old.size();
+    report.segments_after += made ? 1 : 0;
+    report.bytes_after += made ? made->bytes : 0;
+    for (const auto& [entity, sums] : merged.gone) report.snapshots += sums.snapshots;
+    return {};
+  }
+
+ private:
+  Result<std::optional<SegmentInfo>> write(const std::filesystem::path& file, const Merged& merged,
+                                           const SegmentInfo& like) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(store_ / like.file));
+    ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
+    auto made = write_recorded_segment(file, merged.entities, types);
+    if (!made.ok()) {
+      const Status removed = remove_file(file);
+      return removed.ok() ? made.status() : made.status().with_context(removed.message());
+    }
+    // Recorded forms that were dropped stay counted: their latents are still there.
+    for (SegmentEntity& part : made->entities) part.raw_bytes = merged.raw_bytes.at(part.id);
+    return std::optional(std::move(made).value());
+  }
+
+  std::filesystem::path store_;
+  StoreReader& reader_;
+  const ForgetSet& gone_;
+};
+
+/// Runs of recorded segments that can become one. Latents between them end a run: what is recorded
+/// after latents may be an update of what they were made of.
+Result<std::vector<std::vector<uint32_t>>> runs_to_join(const std::filesystem::path& store,
+                                                        const Manifest& manifest,
+                                                        const CompactOptions& options) {
+  std::vector<std::vector<uint32_t>> runs(1);
+  uint64_t bytes = 0, snapshots = 0;
+  SegmentTypes types;
+  const auto end_run = [&] {
+    if (!runs.back().empty()) runs.emplace_back();
+    bytes = snapshots = 0;
+  };
+  for (uint32_t i = 0; i < manifest.segments.size(); ++i) {
+    const SegmentInfo& segment = manifest.segments[i];
+    if (segment.kind != SegmentKind::kRecorded) {
+      end_run();
+      continue;
+    }
+    uint64_t in_segment = 0;
+    for (const SegmentEntity& entity : segment.entities) in_segment += entity.snapshots;
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, SegmentReader::open(store / segment.file));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentTypes own, reader->types());
+    const bool has_room = bytes + segment.bytes <= options.segment_bytes &&
+                          snapshots + in_segment <= options.segment_snapshots;
+    if (!runs.back().empty() && (!has_room || !(own == types))) end_run();
+    types = std::move(own);
+    runs.back().push_back(i);
+    bytes += segment.bytes;
+    snapshots += in_segment;
+  }
+  std::erase_if(runs, [](const auto& run) { return run.size() < 2; });
+  return runs;
+}
+
+/// Of the moments that go from latent segment `number`, those that had no other form.
+Result<ForgottenSums> count_latent_only(StoreReader& reader, uint32_t number, const MemoryId& id,
+                                        const std::vector<Time>& times) {
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader.timeline(id));
+  ForgottenSums sums;
+  for (const Time time : times) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_after(time));
+    if (entry && entry->time == time && !entry->recorded && entry->latent->source == number)
+      ++sums.snapshots;
+  }
+  return sums;
+}
+
+/// A latent segment without what is to be forgotten. False where it has nothing of that.
+Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& reader,
+                             uint32_t number, const ForgetSet& gone, RewriteReport& report) {
+  const SegmentInfo& old = reader.manifest().segments[number];
+  const SegmentEntity& part = old.entities.front();
+  const auto forget = gone.find(part.id);
+  if (forget == gone.end()) return false;
+  ENGRAM_ASSIGN_OR_RETURN(const auto segment, SegmentReader::open(store / old.file));
+  ENGRAM_ASSIGN_OR_RETURN(const auto spans, segment->index(part.id));
+  std::vector<LatentSnapshot> kept;
+  std::vector<Time> times;
+  for (const RowSpan& span : spans) {
+    if (forget->second.contains(span.time)) {
+      times.push_back(span.time);
+      continue;
+    }
+    ENGRAM_ASSIGN_OR_RETURN(LatentSnapshot snapshot, segment->read_latent(part.id, span));
+    kept.push_back(std::move(snapshot));
+  }
+  if (kept.size() == spans.size()) return false;
+  std::optional<SegmentInfo> made;
+  std::filesystem::path file;
+  if (!kept.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store, ".h5"));
+    ENGRAM_ASSIGN_OR_RETURN(made, write_latent_segment(file, part.id, kept));
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const ForgottenSums sums,
+                          count_latent_only(reader, number, part.id, times));
+  ENGRAM_RETURN_IF_ERROR(replace_segments(store, {old}, made, file, [&](Manifest& manifest) {
+    if (sums.snapshots > 0) add_sums(manifest, {{part.id, sums}});
+  }));
+  report.snapshots += sums.snapshots;
+  report.bytes_before += old.bytes;
+  report.bytes_after += made ? made->bytes : 0;
+  ++report.segments_before;
+  report.segments_after += made ? 1 : 0;
+  return true;
+}
+
+bool holds_any(const SegmentInfo& segment, const ForgetSet& gone) {
+  return std::ranges::any_of(gone, [&segment](const auto& entry) {
+    const SegmentEntity* part = find_entity(segment, entry.first);
+    if (part == nullptr || part->snapshots == 0) return false;
+    const auto first = entry.second.lower_bound(part->first);
+    return first != entry.second.end() && *first <= part->last;
+  });
+}
+
+}  // namespace
+
+Status CompactOptions::validate() const {
+  if (segment_bytes == 0) return invalid_argument("segment_bytes: needs more than 0");
+  if (segment_snapshots == 0) return invalid_argument("segment_snapshots: needs more than 0");
+  return {};
+}
+
+Result<RewriteReport> compact(const std::filesystem::path& store, const CompactOptions& options,
+                              const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  RewriteReport report;
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(store));
+  ENGRAM_ASSIGN_OR_RETURN(const auto runs, runs_to_join(store, manifest, options));
+  for (size_t i = 0; i < runs.size() && !report.is_cancelled; ++i) {
+    if (progress) progress({"compact " + store.string(), i, runs.size(), "", -1});
+    std::vector<std::string> files;
+    for (const uint32_t number : runs[i]) files.push_back(manifest.segments[number].file);
+    // Anew for each run: segments have other numbers after each, and indices cost memory.
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+    std::vector<uint32_t> numbers;
+    for (uint32_t n = 0; n < reader->manifest().segments.size(); ++n)
+      if (std::ranges::find(files, reader->manifest().segments[n].file) != files.end())
+        numbers.push_back(n);
+    const ForgetSet nothing;
+    ENGRAM_RETURN_IF_ERROR(Rewriter(store, *reader, nothing).rewrite(numbers, report));
+    report.is_cancelled = stop.stop_requested();
+  }
+  return report;
+}
+
+Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
+                                       const ProgressSink& progress, const std::stop_token& stop) {
+  RewriteReport report;
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+  const auto& segments = reader->manifest().segments;
+  // Latents first: without them the recorded form still is whole, the other way round a moment
+  // that was forgotten would live on as latents.
+  for (const SegmentKind kind : {SegmentKind::kLatent, SegmentKind::kRecorded}) {
+    for (uint32_t i = 0; i < segments.size() && !report.is_cancelled; ++i) {
+      if (segments[i].kind != kind || !holds_any(segments[i], gone)) continue;
+      if (progress) progress({"forget " + store.string(), i, segments.size(), "", -1});
+      if (kind == SegmentKind::kLatent)
+        ENGRAM_RETURN_IF_ERROR(rewrite_latents(store, *reader, i, gone, report).status());
+      else
+        ENGRAM_RETURN_IF_ERROR(Rewriter(store, *reader, gone).rewrite({i}, report));
+      report.is_cancelled = stop.stop_requested();
+    }
+  }
+  return report;
+}
+
+}  // namespace engram::ltm
