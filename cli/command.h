@@ -24,8 +24,12 @@ void add_import_command(CLI::App& app, ExitCode& exit_code);
 void add_info_command(CLI::App& app, ExitCode& exit_code);
 void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
+void add_ls_command(CLI::App& app, ExitCode& exit_code);
+void add_export_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
+void add_check_command(CLI::App& app, ExitCode& exit_code);
+void add_recover_command(CLI::App& app, ExitCode& exit_code);
 
 /// Tells an error on stderr. The exit code is kFailed.
 ExitCode fail(const Status& status);
