@@ -9,8 +9,10 @@ DEMO_BUDGET ?= 150s
 DEMO_SECONDS ?= 60
 # How long each fuzzer searches.
 SECONDS ?= 600
+# How many recording processes `make crash` kills.
+KILLS ?= 300
 
-.PHONY: help packages build test demo bench fuzz check-headers clean
+.PHONY: help packages build test demo bench crash faults fuzz check-headers clean
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -18,6 +20,8 @@ help:
 	@echo "make test    build with debug information and run all tests"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
+	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
+	@echo "make faults  let every file operation of a session fail, cut the power after each"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -42,6 +46,14 @@ bench: build
 	cmake --build --preset release --target engram_benchmark engram_paper_objects
 	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
+
+crash: build/dev/build.ninja packages
+	cmake --build --preset dev --target crash
+	experiments/crash.sh $(KILLS)
+
+faults: build/dev/build.ninja packages
+	cmake --build --preset dev --target faults_test
+	TMPDIR=$$(test -d /dev/shm && echo /dev/shm || echo /tmp) ENGRAM_FAULTS_ALL=1 build/dev/bin/faults_test
 
 # What is found new stays in build/fuzz/found; an input that breaks a parser is named and kept.
 fuzz: packages

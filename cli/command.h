@@ -24,8 +24,12 @@ void add_import_command(CLI::App& app, ExitCode& exit_code);
 void add_info_command(CLI::App& app, ExitCode& exit_code);
 void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
+void add_ls_command(CLI::App& app, ExitCode& exit_code);
+void add_export_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
+void add_check_command(CLI::App& app, ExitCode& exit_code);
+void add_recover_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
 
 /// What stands below `engram idf`, for a program that is nothing else.

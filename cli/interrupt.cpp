@@ -16,6 +16,11 @@ std::stop_source& source() {
   return instance;
 }
 
+pthread_t waiter;
+
+/// Libraries make threads before main, which take signals too: they hand them on.
+void hand_on(int signal) { pthread_kill(waiter, signal); }
+
 }  // namespace
 
 void watch_for_interrupts() {
@@ -27,13 +32,20 @@ void watch_for_interrupts() {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   (void)source();
-  std::thread([] {
+  std::thread thread([] {
     int signal = 0;
     sigwait(&signals, &signal);
     source().request_stop();
     sigwait(&signals, &signal);
     _exit(128 + signal);
-  }).detach();
+  });
+  waiter = thread.native_handle();
+  thread.detach();
+  struct sigaction action {};
+  action.sa_handler = hand_on;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 }
 
 std::stop_token interrupt_token() { return source().get_token(); }

@@ -20,8 +20,11 @@ constexpr const char* kFooter = R"(Examples:
   engram consolidate robot.engram --budget 2m
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
+  engram ls robot.engram Vision/RGB/head/cam
+  engram export robot.engram 'Vision @ all' --to mp4 -o videos
   engram eval robot.engram
   engram idf generate kitchen.xml --cpp generated
+  engram check robot.engram
 
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
@@ -47,10 +50,14 @@ ExitCode run(int argc, char** argv) {
   add_import_command(app, exit_code);
   add_info_command(app, exit_code);
   add_consolidate_command(app, exit_code);
+  add_ls_command(app, exit_code);
   add_query_command(app, exit_code);
+  add_export_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_idf_command(app, exit_code);
+  add_check_command(app, exit_code);
+  add_recover_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -27,6 +27,16 @@ constexpr int kMaxThreads = 64;
 constexpr std::array<std::string_view, 9> kPresets{
     "ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "slower", "veryslow"};
 constexpr int kMaxRateTerm = 1'000'000;
+/// Times in MPEG are multiples of 1/90000 s.
+constexpr int64_t kTicksPerSecond = 90'000;
+
+/// Rounded to the nearest tick.
+int64_t ticks_of(Duration duration) {
+  constexpr int64_t kSecond_ns = 1'000'000'000;
+  const int64_t ns = duration.count();
+  return ns / kSecond_ns * kTicksPerSecond +
+         (ns % kSecond_ns * kTicksPerSecond + kSecond_ns / 2) / kSecond_ns;
+}
 
 libav::PixelFormat coded_format(const VideoWriter::Options& options) {
   return {.width = options.width,
@@ -47,6 +57,11 @@ Result<libav::Codec> open_encoder(const VideoWriter::Options& options) {
   encoder->height = format.height;
   encoder->pix_fmt = format.format;
   encoder->time_base = {options.rate_denominator, options.rate_numerator};
+  if (options.has_times) {
+    encoder->time_base = {1, static_cast<int>(kTicksPerSecond)};
+    // With them, images far apart lie further from their place than demuxers believe.
+    encoder->max_b_frames = 0;
+  }
   encoder->framerate = {options.rate_numerator, options.rate_denominator};
   encoder->colorspace = format.matrix;
   encoder->color_primaries = AVCOL_PRI_BT709;
@@ -132,7 +147,15 @@ struct VideoWriter::State {
   Status open();
   Status convert(const idf::NdArray& image);
   Status encode(const AVFrame* picture);
+  Status write(const idf::NdArray& image, int64_t tick);
   Status finish();
+
+  /// How long an image is seen, by the rate. Unit: of the encoder's time base.
+  [[nodiscard]] int64_t image_ticks() const {
+    if (!options.has_times) return 1;
+    return std::max<int64_t>(1,
+                             kTicksPerSecond * options.rate_denominator / options.rate_numerator);
+  }
 
   std::filesystem::path path;
   std::filesystem::path beside;
@@ -144,6 +167,7 @@ struct VideoWriter::State {
   libav::Frame frame;   // As coded.
   libav::Packet packet{av_packet_alloc()};
   int64_t images = 0;
+  int64_t last_tick = -1;
 };
 
 VideoWriter::State::~State() {
@@ -181,7 +205,7 @@ Status VideoWriter::State::convert(const idf::NdArray& image) {
                                  frame->data, frame->linesize);
       code < 0)
     return failure(code, "cannot convert colours");
-  frame->pts = images++;
+  ++images;
   return {};
 }
 
@@ -194,11 +218,20 @@ Status VideoWriter::State::encode(const AVFrame* picture) {
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return {};
     if (code < 0) return failure(code, "cannot encode");
     // The muxer derives the length of the last image from this.
-    packet->duration = 1;
+    packet->duration = image_ticks();
     av_packet_rescale_ts(packet.get(), encoder->time_base, output->streams[0]->time_base);
     code = av_interleaved_write_frame(output.get(), packet.get());
     if (code < 0) return failure(code, "cannot write");
   }
+}
+
+Status VideoWriter::State::write(const idf::NdArray& image, int64_t tick) {
+  ENGRAM_CHECK(output != nullptr, "video '{}' is closed", path.string());
+  Status status = convert(image);
+  last_tick = std::max(tick, last_tick + 1);
+  frame->pts = last_tick;
+  if (status.ok()) status = encode(frame.get());
+  return status.ok() ? status : status.with_context(fmt::format("video '{}'", path.string()));
 }
 
 Status VideoWriter::State::finish() {
@@ -250,11 +283,13 @@ Result<VideoWriter> VideoWriter::create(const std::filesystem::path& path, const
 }
 
 Status VideoWriter::write(const idf::NdArray& image) {
-  ENGRAM_CHECK(state_->output != nullptr, "video '{}' is closed", state_->path.string());
-  Status status = state_->convert(image);
-  if (status.ok()) status = state_->encode(state_->frame.get());
-  return status.ok() ? status
-                     : status.with_context(fmt::format("video '{}'", state_->path.string()));
+  return state_->write(image,
+                       state_->last_tick + (state_->images == 0 ? 1 : state_->image_ticks()));
+}
+
+Status VideoWriter::write(const idf::NdArray& image, Duration since_first) {
+  ENGRAM_CHECK(state_->options.has_times, "video '{}' has a fixed rate", state_->path.string());
+  return state_->write(image, ticks_of(since_first));
 }
 
 Status VideoWriter::close() {

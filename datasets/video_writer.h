@@ -16,7 +16,8 @@ namespace engram::datasets {
 ///
 /// Colours are BT.709, limited range, and the file says so. Equal images and options give equal
 /// bytes. The file appears under its name only once it is closed.
-/// Time: image i lies exactly i * rate_denominator / rate_numerator seconds after the first.
+/// Time: image i lies exactly i * rate_denominator / rate_numerator seconds after the first, or, with
+/// `has_times`, where the caller puts it, to 1/90000 s.
 /// Threading: one thread; the encoder starts its own.
 class VideoWriter {
  public:
@@ -33,6 +34,8 @@ class VideoWriter {
     std::string preset = "medium";
     /// Store colour at full resolution (4:4:4). Exact colours, but browsers do not play it.
     bool keeps_chroma = false;
+    /// Images come with their times; the rate is what the file says of itself.
+    bool has_times = false;
     /// Part of what makes equal bytes: another number may give other bytes.
     int threads = 2;
     /// Written into the file as the time of recording.
@@ -53,6 +56,10 @@ class VideoWriter {
   /// Shape: image uint8 [height, width, 3], RGB.
   /// Errors: kInvalidArgument where it has another shape; kUnavailable, kResourceExhausted.
   Status write(const idf::NdArray& image);
+
+  /// With `has_times` only (checked): an image that is seen from `since_first` on, 0 for the first.
+  /// Times that do not increase count as 1/90000 s after the one before.
+  Status write(const idf::NdArray& image, Duration since_first);
 
   /// Finishes the file and moves it to its name, replacing what is there. Nothing may follow.
   /// Errors: kUnavailable, kResourceExhausted.

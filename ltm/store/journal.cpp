@@ -46,6 +46,56 @@ std::optional<uint64_t> next_frame(std::span<const std::byte> bytes, uint64_t fr
   return std::nullopt;
 }
 
+/// True where a frame of full size starts at `at` in which one field or the payload is damaged.
+bool is_damaged_frame(std::span<const std::byte> bytes, uint64_t at) {
+  FrameHeader header;
+  if (bytes.size() - at < sizeof(header)) return false;
+  std::memcpy(&header, bytes.data() + at, sizeof(header));
+  const auto rest = bytes.subspan(at + sizeof(header));
+  const bool fits = header.payload_bytes <= rest.size();
+  if (header.magic == kFrameMagic && fits) return true;
+  const auto is_payload = [&](uint32_t size) {
+    return size <= rest.size() && checksum(rest.subspan(0, size)) == header.checksum;
+  };
+  if (is_payload(header.payload_bytes)) return true;
+  if (header.magic != kFrameMagic) return false;
+  for (uint32_t bit = 1; bit != 0; bit <<= 1)
+    if (is_payload(header.payload_bytes ^ bit)) return true;
+  return false;
+}
+
+using FrameVisit = std::function<Status(uint64_t offset, const Buffer& payload)>;
+
+/// Walks over the frames from byte `at` on.
+Result<JournalScan> walk_frames(const Buffer& content, uint64_t at, JournalScan scan,
+                                const FrameVisit& visit) {
+  const auto bytes = content.bytes();
+  while (at < bytes.size()) {
+    const auto payload = frame_at(bytes, at);
+    if (!payload) {
+      const auto next = next_frame(bytes, at + 1);
+      if (!next) {
+        scan.torn_bytes = bytes.size() - at;
+        scan.torn_may_be_damage = is_damaged_frame(bytes, at);
+        return scan;
+      }
+      ++scan.damaged;
+      at = *next;
+      continue;
+    }
+    ENGRAM_RETURN_IF_ERROR(visit(at, content.slice(at + sizeof(FrameHeader), payload->size())));
+    ++scan.frames;
+    at = std::min<uint64_t>(padded(at + sizeof(FrameHeader) + payload->size()), bytes.size());
+  }
+  return scan;
+}
+
+/// A beginning of the magic: a journal that was killed while it was made. Nothing was acknowledged
+/// into it.
+bool is_unfinished(std::string_view text) {
+  return text.size() < kFileMagic.size() && kFileMagic.starts_with(text);
+}
+
 }  // namespace
 
 std::filesystem::path Journal::file_name(uint64_t number) {
@@ -86,37 +136,23 @@ Status Journal::append(std::span<const std::vector<std::byte>> payloads) {
   return {};
 }
 
-Result<JournalScan> scan_journal(
-    const std::filesystem::path& file,
-    const std::function<Status(uint64_t offset, const Buffer& payload)>& visit) {
+Result<JournalScan> scan_journal(const std::filesystem::path& file, const FrameVisit& visit) {
   ENGRAM_ASSIGN_OR_RETURN(const Buffer content, read_file(file));
-  const auto bytes = content.bytes();
-  JournalScan scan;
-  // A journal that was killed while it was made: nothing was acknowledged into it.
-  if (bytes.size() < kFileMagic.size() && kFileMagic.starts_with(as_text(bytes))) {
-    scan.torn_bytes = bytes.size();
-    return scan;
-  }
-  if (!as_text(bytes).starts_with(kFileMagic))
+  const std::string_view text = as_text(content.bytes());
+  if (is_unfinished(text)) return JournalScan{0, text.size(), false, 0};
+  if (!text.starts_with(kFileMagic))
     return data_loss("'{}' is no journal: needs '{}' at its start", file.string(), kFileMagic);
-  uint64_t at = kFileMagic.size();
-  while (at < bytes.size()) {
-    const auto payload = frame_at(bytes, at);
-    if (!payload) {
-      const auto next = next_frame(bytes, at + 1);
-      if (!next) {
-        scan.torn_bytes = bytes.size() - at;
-        return scan;
-      }
-      ++scan.damaged;
-      at = *next;
-      continue;
-    }
-    ENGRAM_RETURN_IF_ERROR(visit(at, content.slice(at + sizeof(FrameHeader), payload->size())));
-    ++scan.frames;
-    at = std::min<uint64_t>(padded(at + sizeof(FrameHeader) + payload->size()), bytes.size());
-  }
-  return scan;
+  return walk_frames(content, kFileMagic.size(), {}, visit);
+}
+
+Result<JournalScan> salvage_journal(const std::filesystem::path& file, const FrameVisit& visit) {
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer content, read_file(file));
+  const std::string_view text = as_text(content.bytes());
+  if (is_unfinished(text)) return JournalScan{0, text.size(), false, 0};
+  JournalScan scan;
+  if (text.starts_with(kFileMagic)) return walk_frames(content, kFileMagic.size(), scan, visit);
+  scan.damaged = 1;
+  return walk_frames(content, next_frame(content.bytes(), 0).value_or(text.size()), scan, visit);
 }
 
 Result<Buffer> read_journal_frame(const File& file, uint64_t offset) {

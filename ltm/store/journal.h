@@ -51,6 +51,9 @@ struct JournalScan {
   uint64_t frames = 0;
   /// Bytes at the end that are no whole frame: an append that was never acknowledged.
   uint64_t torn_bytes = 0;
+  /// These bytes are a frame of full size that is not what its checksum says: an append of which
+  /// not everything reached the disk, or acknowledged data that was damaged.
+  bool torn_may_be_damage = false;
   /// Damaged places with whole frames behind them: acknowledged data was there.
   uint64_t damaged = 0;
 };
@@ -59,6 +62,12 @@ struct JournalScan {
 /// A frame that fails its checksum is skipped and counted; the walk goes on at the next whole one.
 /// Errors: kDataLoss where the file is no journal; kUnavailable; those of `visit`.
 Result<JournalScan> scan_journal(
+    const std::filesystem::path& file,
+    const std::function<Status(uint64_t offset, const Buffer& payload)>& visit);
+
+/// The same for a file that need not be a journal any more: whole frames are looked for from its
+/// first byte on, and a broken beginning counts as a damaged place.
+Result<JournalScan> salvage_journal(
     const std::filesystem::path& file,
     const std::function<Status(uint64_t offset, const Buffer& payload)>& visit);
 

@@ -9,6 +9,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"
+#include "ltm/store/checksum.h"
 
 namespace engram::ltm {
 
@@ -199,9 +200,34 @@ Manifest manifest_from(const Json& json) {
   return manifest;
 }
 
+/// What follows the digits of the manifest's own checksum, its last member.
+constexpr std::string_view kEnd = "\"\n}\n";
+constexpr size_t kDigits = 16;
+
+std::string checksum_of_text(std::string_view text) {
+  return to_hex(checksum(as_bytes(text.substr(0, text.size() - kEnd.size() - kDigits))));
+}
+
+/// The manifest as text, sealed with the checksum of all that stands before it.
+std::string to_text(const Manifest& manifest) {
+  Json json = to_json(manifest);
+  json["checksum"] = std::string(kDigits, '0');
+  std::string text = json.dump(1) + "\n";
+  text.replace(text.size() - kEnd.size() - kDigits, kDigits, checksum_of_text(text));
+  return text;
+}
+
+/// Manifests without checksum, of earlier programs, end with a list.
+void check_text(std::string_view text, const Json& json) {
+  if (!json.contains("checksum") && !text.ends_with(kEnd)) return;
+  if (!text.ends_with(kEnd) || text.size() < kEnd.size() + kDigits ||
+      text.substr(text.size() - kEnd.size() - kDigits, kDigits) != checksum_of_text(text))
+    throw std::invalid_argument("it fails its checksum");
+}
+
 Status write_manifest(const std::filesystem::path& store, const Manifest& manifest) {
   try {
-    const std::string text = to_json(manifest).dump(1) + "\n";
+    const std::string text = to_text(manifest);
     return replace_file(store / kManifestFile, as_bytes(text));
   } catch (const std::exception& error) {
     return invalid_argument("store '{}': {} cannot be written: {}", store.string(), kManifestFile,
@@ -235,6 +261,7 @@ Result<Manifest> read_manifest(const std::filesystem::path& store) {
     if (const int version = json.at("format_version"); version > kStoreFormatVersion)
       return failed_precondition("store '{}': has format {}, this program reads up to {}",
                                  store.string(), version, kStoreFormatVersion);
+    check_text(as_text(content.bytes()), json);
     return manifest_from(json);
   } catch (const std::exception& problem) {
     return data_loss("store '{}': {} is broken: {}", store.string(), kManifestFile, problem.what());
@@ -276,7 +303,9 @@ Status create_store(const std::filesystem::path& store) {
     ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
   Manifest manifest;
   manifest.store_id = random_store_id();
-  return write_manifest(store, manifest);
+  ENGRAM_RETURN_IF_ERROR(write_manifest(store, manifest));
+  // The store's own name: without it a power cut costs all that is in it.
+  return sync_directory(std::filesystem::absolute(store).parent_path());
 }
 
 }  // namespace engram::ltm

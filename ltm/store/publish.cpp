@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/publish.h"
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
+#include <charconv>
 #include <set>
+#include <sstream>
 
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
@@ -18,14 +22,23 @@ namespace engram::ltm {
 
 namespace {
 
-std::string model_file_name(const MemoryId& entity, int version) {
+/// The name that segment_name and "%2E" made of `text`; nothing where they could not have.
+std::optional<std::string> plain_name(std::string_view text) {
+  if (text == "%") return std::string();
   std::string name;
-  for (const std::string& part : entity.names()) {
-    if (!name.empty()) name += '.';
-    // A dot inside a name must not look like the one between names.
-    for (const char c : segment_name(part)) name += c == '.' ? "%2E" : std::string(1, c);
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      name += text[i];
+      continue;
+    }
+    uint8_t byte = 0;
+    const char* const last = text.data() + std::min(i + 3, text.size());
+    const auto [end, error] = std::from_chars(text.data() + i + 1, last, byte, 16);
+    if (error != std::errc() || end != text.data() + i + 3) return std::nullopt;
+    name += static_cast<char>(byte);
+    i += 2;
   }
-  return fmt::format("models/{}.v{}.h5", name, version);
+  return name;
 }
 
 const SegmentEntity* find_entity(const SegmentInfo& segment, const MemoryId& entity) {
@@ -158,6 +171,45 @@ std::vector<std::string> remove_unused_models(Manifest& manifest,
   return obsolete;
 }
 
+bool belongs_to_dead_process(const std::string& name) {
+  int process = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
+  if (error != std::errc() || process <= 0) return true;
+  return process != ::getpid() && ::kill(process, 0) != 0 && errno == ESRCH;
+}
+
+std::string model_file_name(const MemoryId& entity, int version) {
+  std::string name;
+  for (const std::string& part : entity.names()) {
+    if (!name.empty()) name += '.';
+    // A dot inside a name must not look like the one between names.
+    for (const char c : segment_name(part)) name += c == '.' ? "%2E" : std::string(1, c);
+  }
+  return fmt::format("models/{}.v{}.h5", name, version);
+}
+
+std::optional<ModelInfo> model_of_file(const std::string& file) {
+  std::vector<std::string> parts;
+  std::istringstream stream(std::filesystem::path(file).filename().string());
+  for (std::string part; std::getline(stream, part, '.');) parts.push_back(std::move(part));
+  if (parts.size() != MemoryId::kNameLevels + 2) return std::nullopt;
+  std::vector<std::string> names;
+  for (size_t i = 0; i < MemoryId::kNameLevels; ++i) {
+    const auto name = plain_name(parts[i]);
+    if (!name) return std::nullopt;
+    names.push_back(*name);
+  }
+  const auto entity = MemoryId::from_names(std::move(names));
+  const std::string& version = parts[MemoryId::kNameLevels];
+  ModelInfo model;
+  if (!entity.ok() || version.size() < 2) return std::nullopt;
+  std::from_chars(version.data() + 1, version.data() + version.size(), model.version);
+  model.entity = *entity;
+  model.file = model_file_name(*entity, model.version);
+  if (model.version < 1 || model.file != file) return std::nullopt;
+  return model;
+}
+
 Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
                                              std::string_view suffix) {
   static std::atomic<uint64_t> number = 0;
@@ -213,7 +265,8 @@ Result<DropReport> drop_recorded(const std::filesystem::path& store, const Memor
     ENGRAM_ASSIGN_OR_RETURN(const Rewritten rewritten,
                             without_latent_snapshots(*reader, i, entity, keep));
     total.kept += rewritten.report.kept;
-    if (rewritten.report.snapshots == 0) continue;
+    // Older forms of what is dropped go as well: they would take its place.
+    if (rewritten.report.kept == find_entity(old, entity)->snapshots) continue;
     ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
     ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(store / old.file));
     ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +25,14 @@ namespace engram::ltm {
 /// What a killed process left there is removed by the next writer.
 Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
                                              std::string_view suffix);
+
+/// True where the process is gone that a file in `tmp/` with this name belongs to.
+[[nodiscard]] bool belongs_to_dead_process(const std::string& name);
+
+/// Where a model lies in a store, and back: "models/Vision.RGB.head.cam.v2.h5".
+[[nodiscard]] std::string model_file_name(const MemoryId& entity, int version);
+/// Entity, version and file; nothing where the name is not of a model.
+[[nodiscard]] std::optional<ModelInfo> model_of_file(const std::string& file);
 
 /// Publishes a new model of an entity together with the latents that it made, in one generation.
 /// Older latents of the same times are superseded; models that no latent names any more go.

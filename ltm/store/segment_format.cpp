@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/segment_format.h"
 
+#include <charconv>
+#include <filesystem>
+
 #include "ltm/idf/data.h"
 
 namespace engram::ltm {
@@ -25,6 +28,13 @@ std::string segment_name(std::string_view name) {
     text += is_special ? fmt::format("%{:02X}", static_cast<unsigned char>(c)) : std::string(1, c);
   }
   return text;
+}
+
+uint64_t segment_number(const std::string& file) {
+  const std::string name = std::filesystem::path(file).filename().string();
+  uint64_t number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  return error == std::errc() && std::string_view(end) == ".h5" ? number : 0;
 }
 
 std::string segment_group(const MemoryId& entity) { return join_names(entity.names()); }

@@ -31,6 +31,9 @@ inline constexpr size_t kRemainderBlockBytes = size_t{8} << 20;
 /// The path of a member below a group: each part of `path` as segment_name.
 [[nodiscard]] std::string segment_member(std::string_view path);
 
+/// The number of "segments/000012.h5"; 0 for other names.
+[[nodiscard]] uint64_t segment_number(const std::string& file);
+
 /// True for members that share a matrix per element type.
 [[nodiscard]] bool is_scalar(const idf::TensorMember& member);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -22,6 +23,9 @@ namespace {
 
 constexpr uint64_t kMaxBlobBytes = uint64_t{1} << 32;
 constexpr size_t kMaxRemainderBytes = size_t{1} << 31;
+constexpr size_t kMaxEntities = size_t{1} << 20;
+/// Deflate makes no more of a byte of times.
+constexpr uint64_t kMaxRowsPerByte = 256;
 
 constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
 
@@ -254,6 +258,28 @@ struct SegmentReader::State {
     return result;
   }
 
+  /// Adds the entity of a group at the level of entities.
+  void add_entity(const std::string& group, SegmentContents& contents) const {
+    const auto text = file.string_attribute(group, "memory_id");
+    if (!text.ok()) return contents.damaged.push_back(text.status());
+    auto id = MemoryId::parse(*text);
+    if (!id.ok() || !id->is_entity() || segment_group(*id) != group)
+      return contents.damaged.push_back(broken(group, "has no memory_id that leads to it"));
+    contents.entities.push_back(std::move(id).value());
+  }
+
+  /// Adds the entities below a group that lies `levels` above theirs.
+  void add_entities(const std::string& group, size_t levels, SegmentContents& contents) const {
+    if (levels == 0) return add_entity(group, contents);
+    const auto names = file.list(group.empty() ? "/" : group);
+    if (!names.ok()) return contents.damaged.push_back(names.status());
+    for (const std::string& name : *names) {
+      if (contents.entities.size() + contents.damaged.size() >= kMaxEntities) return;
+      // No memory's name starts like that: the types.
+      if (!name.starts_with('#')) add_entities(group + "/" + name, levels - 1, contents);
+    }
+  }
+
   std::map<std::string, std::vector<std::string>> string_lists;
   std::map<std::string, idf::Layout> layouts;
   std::map<std::string, std::vector<MediaGroup>> media;
@@ -285,6 +311,45 @@ Result<SegmentTypes> SegmentReader::types() const {
   auto types = SegmentTypes::from_data(*data);
   if (!types.ok()) return state_->broken(kSegmentTypes, types.status().message());
   return types;
+}
+
+Result<SegmentContents> SegmentReader::contents() const {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string kind, state_->file.string_attribute("/", "kind"));
+  if (kind != "recorded" && kind != "latent")
+    return state_->broken("/", fmt::format("has the unknown kind '{}'", kind));
+  SegmentContents contents;
+  contents.kind = kind == "latent" ? SegmentKind::kLatent : SegmentKind::kRecorded;
+  state_->add_entities("", MemoryId::kNameLevels, contents);
+  return contents;
+}
+
+Result<uint64_t> SegmentReader::row_count(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times,
+                          state_->column(segment_group(entity) + "/timestamp"));
+  ENGRAM_ASSIGN_OR_RETURN(const uint64_t bytes, state_->raw.size());
+  if (times->rows() / kMaxRowsPerByte > bytes)
+    return state_->broken(times->path(), fmt::format("tells of {} rows in a file of {} bytes",
+                                                     times->rows(), bytes));
+  return times->rows();
+}
+
+Result<uint64_t> SegmentReader::stored_bytes(const MemoryId& entity) const {
+  return state_->file.storage_bytes(segment_group(entity));
+}
+
+Result<Time> SegmentReader::time_at(const MemoryId& entity, uint64_t row) {
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t ns,
+                          state_->number<int64_t>(segment_group(entity) + "/timestamp", row));
+  return time_from_ns(ns);
+}
+
+Result<int> SegmentReader::model_version(const MemoryId& entity) const {
+  ENGRAM_ASSIGN_OR_RETURN(
+      const int64_t version,
+      state_->file.int_attribute(segment_group(entity), "model_version"));
+  if (version < 1 || version > std::numeric_limits<int>::max())
+    return state_->broken(segment_group(entity), fmt::format("has model version {}", version));
+  return static_cast<int>(version);
 }
 
 Result<std::vector<RowSpan>> SegmentReader::index(const MemoryId& entity) {

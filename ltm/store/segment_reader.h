@@ -8,6 +8,7 @@
 
 #include "ltm/memory/segment_types.h"
 #include "ltm/store/latent.h"
+#include "ltm/store/manifest.h"
 #include "ltm/store/packed_snapshot.h"
 
 namespace engram::ltm {
@@ -17,6 +18,13 @@ struct RowSpan {
   Time time{};
   uint64_t first = 0;
   uint32_t rows = 0;
+};
+
+/// What a segment file says of itself.
+struct SegmentContents {
+  SegmentKind kind = SegmentKind::kRecorded;
+  std::vector<MemoryId> entities;
+  std::vector<Status> damaged;  ///< Why groups cannot be read: one each.
 };
 
 /// Reads one published segment file. Safe on damaged files: checksums are verified on reading.
@@ -32,6 +40,18 @@ class SegmentReader {
   /// The types that the file's values came under.
   /// Errors: kDataLoss.
   Result<SegmentTypes> types() const;
+
+  /// Looks for entities without the help of a manifest. Groups that cannot be read are told.
+  /// Errors: kDataLoss where the file has no kind.
+  Result<SegmentContents> contents() const;
+
+  /// Errors: kNotFound, kDataLoss.
+  Result<uint64_t> row_count(const MemoryId& entity);
+  Result<Time> time_at(const MemoryId& entity, uint64_t row);
+  Result<int> model_version(const MemoryId& entity) const;
+
+  /// Bytes of the file that the entity's datasets take.
+  Result<uint64_t> stored_bytes(const MemoryId& entity) const;
 
   /// Snapshots of an entity in the order of the file, which is that of time.
   /// Errors: kNotFound, kDataLoss.

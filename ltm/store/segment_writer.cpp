@@ -403,23 +403,15 @@ Result<h5::File> create_segment(const std::filesystem::path& path, std::string_v
   return file;
 }
 
-/// Closes the file and spreads its overhead evenly, so that the entities' bytes sum to the file's.
+/// Closes the file; the entities' bytes sum to the file's.
 Status finish_segment(h5::File file, SegmentInfo& info) {
   const std::filesystem::path path = file.path();
-  uint64_t data_bytes = 0;
   for (SegmentEntity& entity : info.entities) {
     ENGRAM_ASSIGN_OR_RETURN(entity.stored_bytes, file.storage_bytes(segment_group(entity.id)));
-    data_bytes += entity.stored_bytes;
   }
   ENGRAM_RETURN_IF_ERROR(file.close());
   info.bytes = std::filesystem::file_size(path);
-  uint64_t overhead = info.bytes - std::min(info.bytes, data_bytes);
-  uint64_t left = info.entities.size();
-  for (SegmentEntity& entity : info.entities) {
-    const uint64_t share = overhead / left--;
-    entity.stored_bytes += share;
-    overhead -= share;
-  }
+  spread_overhead(info);
   ENGRAM_ASSIGN_OR_RETURN(info.checksum, checksum_of_file(path));
   return {};
 }
@@ -443,6 +435,20 @@ SegmentEntity summarise(const MemoryId& id, const RecordedEntity& recorded) {
   return entity;
 }
 
+}  // namespace
+
+void spread_overhead(SegmentInfo& info) {
+  uint64_t data_bytes = 0;
+  for (const SegmentEntity& entity : info.entities) data_bytes += entity.stored_bytes;
+  uint64_t overhead = info.bytes - std::min(info.bytes, data_bytes);
+  uint64_t left = info.entities.size();
+  for (SegmentEntity& entity : info.entities) {
+    const uint64_t share = overhead / left--;
+    entity.stored_bytes += share;
+    overhead -= share;
+  }
+}
+
 void add_to_sums(LatentSums& sums, const MeasuredError& error) {
   if (!std::isnan(error.image_mse)) {
     ++sums.image_rows;
@@ -456,8 +462,6 @@ void add_to_sums(LatentSums& sums, const MeasuredError& error) {
     sums.number_mse += error.number_mse;
   }
 }
-
-}  // namespace
 
 Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
                                            const std::map<MemoryId, RecordedEntity>& entities,

@@ -33,4 +33,10 @@ Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
 Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, const MemoryId& entity,
                                          const std::vector<LatentSnapshot>& snapshots);
 
+/// Adds what `bytes` of the segment its entities do not take to their shares, evenly.
+void spread_overhead(SegmentInfo& info);
+
+/// Adds the errors of one instance.
+void add_to_sums(LatentSums& sums, const MeasuredError& error);
+
 }  // namespace engram::ltm

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/store_writer.h"
 
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
 #include <map>
 #include <set>
 
@@ -22,14 +17,6 @@
 namespace engram::ltm {
 
 namespace {
-
-/// Temporary files are named "<process>-<number>...": those of dead processes are left-overs.
-bool belongs_to_dead_process(const std::string& name) {
-  int process = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
-  if (error != std::errc() || process <= 0) return true;
-  return process != ::getpid() && ::kill(process, 0) != 0 && errno == ESRCH;
-}
 
 /// Removes what killed processes left behind: temporary files, and published files that no
 /// manifest names.

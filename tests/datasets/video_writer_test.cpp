@@ -59,6 +59,26 @@ TEST(VideoWriter, RoundTripsOddSizesWithFullChroma) {
   expect_round_trip({.width = 37, .height = 51, .crf = 8, .keeps_chroma = true}, 38);
 }
 
+TEST(VideoWriter, PutsImagesAtTheirTimes) {
+  const TemporaryDirectory directory;
+  auto writer = VideoWriter::create(directory / "a.mp4",
+                                    {.width = 64, .height = 48, .has_times = true});
+  ASSERT_TRUE(writer.ok()) << writer.status().to_string();
+  // The third comes with the time of the second, which a video cannot have twice.
+  const std::vector<int64_t> times_us{0, 100'000, 100'000, 3'700'000'000, 3'700'033'333};
+  for (const int64_t us : times_us)
+    ASSERT_TRUE(
+        writer->write(testing::smooth_image(64, 48, 1), std::chrono::microseconds(us)).ok());
+  ASSERT_TRUE(writer->close().ok());
+  auto reader = VideoReader::open(directory / "a.mp4", {});
+  ASSERT_TRUE(reader.ok()) << reader.status().to_string();
+  const auto [frames, end] = testing::read_all(*reader);
+  ASSERT_TRUE(end.ok()) << end.to_string();
+  ASSERT_EQ(frames.size(), times_us.size());
+  for (size_t i = 0; i < frames.size(); ++i)
+    EXPECT_NEAR(to_seconds(frames[i].time), 1e-6 * static_cast<double>(times_us[i]), 1.2e-5) << i;
+}
+
 TEST(VideoWriter, GivesEqualBytesForEqualImages) {
   const TemporaryDirectory directory;
   const VideoWriter::Options options{.width = 64, .height = 48};

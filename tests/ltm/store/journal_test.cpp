@@ -131,6 +131,48 @@ TEST_F(JournalTest, SkipsAndCountsADamagedFrameInTheMiddle) {
   }
 }
 
+TEST_F(JournalTest, TellsADamagedLastFrameFromATornOne) {
+  const Payload whole = written();
+  const uint64_t last = scan(file())->offsets.back();
+  const size_t end = last + Journal::kFrameOverheadBytes + payloads_.back().size();
+  for (size_t size = last + 1; size < end; ++size) {
+    overwrite_file(file(2), {whole.data(), size});
+    EXPECT_FALSE(scan(file(2))->scan.torn_may_be_damage) << "cut at byte " << size;
+  }
+  for (size_t bit = last * 8; bit < end * 8; ++bit) {
+    Payload damaged = whole;
+    damaged[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+    overwrite_file(file(2), damaged);
+    const auto scanned = scan(file(2));
+    ASSERT_OK(scanned);
+    EXPECT_TRUE(scanned->scan.torn_may_be_damage) << "bit " << bit;
+    EXPECT_EQ(scanned->scan.torn_bytes, whole.size() - last);
+  }
+}
+
+TEST_F(JournalTest, IsSalvagedWithoutItsBeginning) {
+  Payload damaged = written();
+  const auto salvage = [this] {
+    std::vector<Payload> found;
+    const auto scanned = salvage_journal(file(2), [&](uint64_t, const Buffer& payload) -> Status {
+      found.emplace_back(payload.bytes().begin(), payload.bytes().end());
+      return {};
+    });
+    EXPECT_OK(scanned);
+    EXPECT_EQ(scanned->damaged, 1u);
+    return found;
+  };
+  damaged[3] ^= std::byte{1};
+  overwrite_file(file(2), damaged);
+  EXPECT_FAILS(scan(file(2)), StatusCode::kDataLoss, "no journal");
+  EXPECT_EQ(salvage(), payloads_);
+  damaged[9] ^= std::byte{1};
+  overwrite_file(file(2), damaged);
+  EXPECT_EQ(salvage(), std::vector(payloads_.begin() + 1, payloads_.end()));
+  overwrite_file(file(2), payload_of(100, 1));
+  EXPECT_TRUE(salvage().empty());
+}
+
 TEST_F(JournalTest, NeverInventsAFrame) {
   const Payload whole = written();
   RandomValues random(3);

@@ -103,13 +103,36 @@ TEST_F(ManifestTest, RefusesFilesOutsideOfTheStore) {
   for (const char* file : {"../x.h5", "segments/../../x.h5", "/etc/passwd"}) {
     SegmentInfo segment = example_segment();
     segment.file = file;
-    Json json = read_json();
+    const Buffer before = *read_file(store_ / "MANIFEST.json");
     ASSERT_OK(edit_manifest(store_, [&](Manifest& manifest) -> Status {
       manifest.segments = {segment};
       return {};
     }));
     EXPECT_FAILS(read_manifest(store_), StatusCode::kDataLoss, "outside of the store");
-    write_text(json.dump());
+    write_text(std::string(as_text(before.bytes())));
+  }
+}
+
+TEST_F(ManifestTest, IsRefusedWhereAnyOneBitFlipped) {
+  ASSERT_OK(edit_manifest(store_, [](Manifest& manifest) -> Status {
+    manifest.segments = {example_segment()};
+    return {};
+  }));
+  const Buffer whole = *read_file(store_ / "MANIFEST.json");
+  for (size_t bit = 0; bit < whole.size() * 8; ++bit) {
+    std::string text(as_text(whole.bytes()));
+    text[bit / 8] = static_cast<char>(text[bit / 8] ^ (1 << bit % 8));
+    write_text(text);
+    EXPECT_FALSE(read_manifest(store_).ok()) << "bit " << bit;
+  }
+}
+
+TEST_F(ManifestTest, OfAnEarlierProgramHasNoChecksum) {
+  Json json = read_json();
+  json.erase("checksum");
+  for (const int indent : {-1, 1}) {
+    write_text(json.dump(indent) + "\n");
+    EXPECT_OK(read_manifest(store_));
   }
 }
 

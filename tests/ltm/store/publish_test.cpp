@@ -243,6 +243,25 @@ TEST_F(PublishTest, TellsOpenReadersThatASegmentWasReplaced) {
   EXPECT_OK(open()->index(example_entity()));
 }
 
+TEST(ModelFile, TellsItsEntityAndVersion) {
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"Vision", "RGB", "head", "cam"},
+        {"a.b", ".", "..", "x/y"},
+        {"%2E", "%", "#1", "机器人 \\\n"}}) {
+    const MemoryId entity = *MemoryId::from_names(names);
+    const auto model = model_of_file(model_file_name(entity, 12));
+    ASSERT_TRUE(model) << entity.to_string();
+    EXPECT_EQ(model->entity, entity);
+    EXPECT_EQ(model->version, 12);
+    EXPECT_EQ(model->file, model_file_name(entity, 12));
+  }
+  for (const char* name : {"", "models/", "models/a.b.c.v1.h5", "models/a.b.c.d.v0.h5",
+                           "models/a.b.c.d.1.h5", "models/a.b.c.d.v1.h5.new", "a.b.c.d.v1.h5",
+                           "models/a.b.c.%.v1.h5", "models/a.b.c.%2.v1.h5", "models/a.b.c.%zz.v1.h5",
+                           "models/a.b.c.d.v99999999999.h5", "models/a.b.c.%41.v1.h5"})
+    EXPECT_FALSE(model_of_file(name)) << name;
+}
+
 TEST_F(PublishTest, RunsBesideALiveWriter) {
   const auto writer = *StoreWriter::open(store_, {});
   for (int64_t i = 0; i < 10; ++i) ASSERT_OK(writer->append({packed_example(i)}, nullptr));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Segments written and read again: ltm/store/segment_writer.h and segment_reader.h.
 #include <bit>
+#include <set>
 
 #include "ltm/core/file.h"
 #include "ltm/h5/h5.h"
@@ -222,6 +223,30 @@ TEST(Segment, WithoutRowsIsReadable) {
   ASSERT_OK(reader);
   EXPECT_TRUE((*reader)->index(example_entity())->empty());
   EXPECT_FAILS((*reader)->index(example_entity("other")), StatusCode::kNotFound, "other");
+}
+
+TEST(Segment, TellsItsContentsWithoutAManifest) {
+  Entities entities;
+  for (const char* name : {"a/b", "%", "#1", ".", "with space"}) {
+    const MemoryId id = *MemoryId::from_names({name, "core", name, name});
+    for (int64_t i = 0; i < 3; ++i) entities[id].push_back(example_snapshot(id, i));
+  }
+  const ScratchDirectory scratch;
+  ASSERT_OK(write(scratch / "s.h5", entities));
+  const auto reader = *SegmentReader::open(scratch / "s.h5");
+  const auto contents = reader->contents();
+  ASSERT_OK(contents);
+  EXPECT_EQ(contents->kind, SegmentKind::kRecorded);
+  EXPECT_TRUE(contents->damaged.empty());
+  EXPECT_EQ(std::set<MemoryId>(contents->entities.begin(), contents->entities.end()).size(), 5u);
+  for (const MemoryId& id : contents->entities) {
+    EXPECT_TRUE(entities.contains(id)) << id.to_string();
+    EXPECT_EQ(*reader->row_count(id), 3u);
+    EXPECT_EQ(*reader->time_at(id, 2), example_time(2));
+    EXPECT_FAILS(reader->time_at(id, 3), StatusCode::kDataLoss, "needs row 3");
+    EXPECT_GT(*reader->stored_bytes(id), 0u);
+    EXPECT_FALSE(reader->model_version(id).ok());
+  }
 }
 
 TEST(Segment, SumsWhatWasDropped) {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/check.h"
+
+#include "cli/command.h"
+#include "cli/findings.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "cli/text.h"
+#include "encoders/load_model.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(Reads the whole store and changes nothing; a writer may go on meanwhile. Exit code: 0 where all is
+well, 3 where data is damaged or lost, 1 where there is no store that this program reads. Notes are
+worth knowing and cost nothing: left-overs of killed processes, links to entities elsewhere.
+
+Examples:
+  engram check robot.engram
+  engram check robot.engram --deep
+  engram check robot.engram --json | jq '.findings[] | select(.severity == "fault")')";
+
+struct CheckArguments {
+  std::string store;
+  bool is_deep = false;
+  bool is_json = false;
+};
+
+Json to_json(const ltm::CheckReport& report, const std::string& store) {
+  return {{"store", store},
+          {"clean", report.is_clean()},
+          {"generation", report.generation},
+          {"segments", report.segments},
+          {"models", report.models},
+          {"journals", report.journals},
+          {"frames", report.frames},
+          {"entities", report.entities},
+          {"snapshots", report.snapshots},
+          {"instances", report.instances},
+          {"media", report.media},
+          {"bytes", report.bytes},
+          {"findings", findings_json(report.findings)}};
+}
+
+void print_report(const ltm::CheckReport& report, const std::string& store) {
+  print_findings(report.findings);
+  print(
+      fmt::format("Checked {}: {} segments, {} models, {} journals; {} entities, {} snapshots, {} "
+                  "media, {} unsealed frames; {}",
+                  store, report.segments, report.models, report.journals, report.entities,
+                  count_text(report.snapshots), count_text(report.media), count_text(report.frames),
+                  bytes_text(static_cast<double>(report.bytes))));
+  print(report.is_clean() ? "It is whole."
+                          : fmt::format("{} faults: data is damaged or lost.", report.faults()));
+}
+
+ExitCode run(const CheckArguments& arguments) {
+  const ltm::CheckOptions options{arguments.is_deep, [](const std::filesystem::path& file) {
+                                    return encoders::load_model(file).status();
+                                  }};
+  ProgressLine progress;
+  const auto report =
+      ltm::check_store(arguments.store, options, progress.sink(), interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  if (arguments.is_json)
+    print_json(to_json(*report, arguments.store));
+  else
+    print_report(*report, arguments.store);
+  return report->is_clean() ? ExitCode::kDone : ExitCode::kDoneWithLoss;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<CheckArguments>();
+  CLI::App* command = app.add_subcommand("check", "Verify every checksum of a store");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store")->required();
+  command->add_flag("--deep", arguments->is_deep, "Decode every image, too");
+  command->add_flag("--json", arguments->is_json, "As JSON");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

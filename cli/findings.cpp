@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/findings.h"
+
+#include <string_view>
+
+namespace engram::cli {
+
+namespace {
+
+std::string_view name_of(ltm::Severity severity) {
+  return severity == ltm::Severity::kFault ? "fault" : "note";
+}
+
+void print_finding(const ltm::Finding& finding) {
+  print(fmt::format("{}: {}{}{}", name_of(finding.severity), finding.file,
+                    finding.object.empty() ? "" : ": ", finding.object));
+  print("  what    " + finding.what);
+  print("  to do   " + finding.advice + "\n");
+}
+
+}  // namespace
+
+Json findings_json(const std::vector<ltm::Finding>& findings) {
+  Json json = Json::array();
+  for (const ltm::Finding& finding : findings)
+    json.push_back({{"severity", name_of(finding.severity)},
+                    {"file", finding.file},
+                    {"object", finding.object},
+                    {"what", finding.what},
+                    {"advice", finding.advice}});
+  return json;
+}
+
+void print_findings(const std::vector<ltm::Finding>& findings) {
+  for (const ltm::Severity severity : {ltm::Severity::kFault, ltm::Severity::kNote})
+    for (const ltm::Finding& finding : findings)
+      if (finding.severity == severity) print_finding(finding);
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "ltm/memory/segment_types.h"
+#include "ltm/store/finding.h"
+#include "ltm/store/packed_snapshot.h"
+
+namespace engram::ltm {
+
+/// Collects the links of typed values and tells of those that lead to entities that are not there.
+///
+/// Threading: one thread.
+class LinkCheck {
+ public:
+  void add_entity(const MemoryId& entity) { entities_.insert(entity); }
+
+  /// Looks at the MemoryLink members of a snapshot whose values came under `types`.
+  void add(const PackedSnapshot& snapshot, const SegmentTypes& types, const std::string& file);
+
+  [[nodiscard]] const std::set<MemoryId>& entities() const { return entities_; }
+
+  /// A note per entity that is linked to and not known.
+  [[nodiscard]] std::vector<Finding> findings() const;
+
+ private:
+  struct Place {
+    std::string file;
+    std::string snapshot;  ///< The first one that has such a link.
+    uint64_t links = 0;
+  };
+
+  std::set<MemoryId> entities_;
+  std::map<MemoryId, Place> targets_;
+};
+
+}  // namespace engram::ltm

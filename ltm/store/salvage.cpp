@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/salvage.h"
+
+#include <algorithm>
+
+#include "ltm/core/file.h"
+#include "ltm/store/frame.h"
+#include "ltm/store/segment_walk.h"
+#include "ltm/store/segment_writer.h"
+
+namespace engram::ltm {
+
+namespace {
+
+/// About the most bytes of snapshots that are held before they are written.
+constexpr uint64_t kHeldBytes = uint64_t{64} << 20;
+/// Frames are appended to a journal in groups of about so many bytes.
+constexpr uint64_t kFramesBytes = uint64_t{1} << 20;
+
+uint64_t size_of(const PackedSnapshot& snapshot) {
+  uint64_t bytes = snapshot.raw_bytes;
+  for (const PackedInstance& instance : snapshot.instances)
+    for (const PackedMedium& medium : instance.value.media) bytes += medium.bytes.size();
+  return bytes;
+}
+
+uint64_t size_of(const LatentSnapshot& snapshot) {
+  uint64_t bytes = 0;
+  for (const LatentInstance& instance : snapshot.instances)
+    bytes += sizeof(instance) + instance.latent.code.size();
+  return bytes;
+}
+
+class SegmentSalvage {
+ public:
+  SegmentSalvage(SegmentReader& reader, const SegmentInfo& told, const SegmentTypes& types,
+                 const std::filesystem::path& target, const std::function<std::string()>& next_file,
+                 const std::stop_token& stop, SalvagedSegment& result)
+      : reader_(reader),
+        told_(told),
+        target_(target),
+        next_file_(next_file),
+        stop_(stop),
+        result_(result),
+        types_(reader.types().value_or(types)) {}
+
+  Status run() {
+    for (const SegmentEntity& entity : told_.entities) ENGRAM_RETURN_IF_ERROR(salvage(entity));
+    return write_recorded();
+  }
+
+ private:
+  Status salvage(const SegmentEntity& told) {
+    SalvagedSegment::Counts& counts = result_.entities[told.id];
+    std::string reason;
+    std::optional<Time> last;
+    const auto lose = [&](uint64_t snapshots, const Status& why) {
+      counts.lost += snapshots;
+      if (reason.empty()) reason = why.message();
+    };
+    Status broken;  // Of writing: reading goes on.
+    const Status walked =
+        walk_rows(reader_, told.id, [&](const RowSpan& span, const Status& times) -> Status {
+          if (stop_.stop_requested()) return broken = cancelled("recover: stopped");
+          if (!times.ok()) return lose(span.rows, times), Status();
+          if (last && span.time <= *last)
+            return lose(1, data_loss("row {} runs backwards in time", span.first)), Status();
+          if (const Status read = collect(told.id, span); !read.ok())
+            return lose(1, read), Status();
+          last = span.time;
+          ++counts.saved;
+          return held_bytes_ < kHeldBytes ? Status() : broken = write(told.id);
+        });
+    ENGRAM_RETURN_IF_ERROR(broken);
+    if (!walked.ok()) lose(0, walked);
+    counts.lost = std::max(counts.lost, told.snapshots - std::min(told.snapshots, counts.saved));
+    if (counts.lost > 0) tell(told.id, counts, reason);
+    if (told_.kind == SegmentKind::kLatent) return write_latents(told.id);
+    return keep_drops(told);
+  }
+
+  void tell(const MemoryId& entity, const SalvagedSegment::Counts& counts,
+            const std::string& reason) {
+    result_.findings.push_back(
+        {Severity::kFault, told_.file, entity.to_string(),
+         fmt::format("{} of {} {} are lost: {}", counts.lost, counts.lost + counts.saved,
+                     told_.kind == SegmentKind::kLatent ? "snapshots of latents" : "snapshots",
+                     reason),
+         "none: nothing else holds them in this form"});
+  }
+
+  Status collect(const MemoryId& entity, const RowSpan& span) {
+    if (told_.kind == SegmentKind::kLatent) {
+      ENGRAM_ASSIGN_OR_RETURN(LatentSnapshot latent, reader_.read_latent(entity, span));
+      held_bytes_ += size_of(latent);
+      latents_.push_back(std::move(latent));
+      return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_recorded(entity, span));
+    held_bytes_ += size_of(packed);
+    dropped_[entity].first += packed.dropped;
+    dropped_[entity].second += packed.dropped_bytes;
+    recorded_[entity].snapshots.push_back(std::move(packed));
+    return {};
+  }
+
+  /// What filters dropped stays counted, also where the rows that told of it are lost.
+  Status keep_drops(const SegmentEntity& told) {
+    const auto [dropped, bytes] = dropped_[told.id];
+    const uint64_t left = told.dropped - std::min(told.dropped, dropped);
+    if (left == 0) return {};
+    recorded_[told.id].trailing_dropped = left;
+    recorded_[told.id].trailing_dropped_bytes =
+        told.dropped_bytes - std::min(told.dropped_bytes, bytes);
+    return {};
+  }
+
+  Status write(const MemoryId& entity) {
+    return told_.kind == SegmentKind::kLatent ? write_latents(entity) : write_recorded();
+  }
+
+  Status write_recorded() {
+    if (recorded_.empty()) return {};
+    const std::string file = next_file_();
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo info,
+                            write_recorded_segment(target_ / file, recorded_, types_));
+    recorded_.clear();
+    return finish(std::move(info), file);
+  }
+
+  Status write_latents(const MemoryId& entity) {
+    if (latents_.empty()) return {};
+    const std::string file = next_file_();
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo info,
+                            write_latent_segment(target_ / file, entity, latents_));
+    latents_.clear();
+    return finish(std::move(info), file);
+  }
+
+  Status finish(SegmentInfo info, const std::string& file) {
+    held_bytes_ = 0;
+    info.file = file;
+    result_.made.push_back(std::move(info));
+    ENGRAM_ASSIGN_OR_RETURN(File made, File::open(target_ / file, File::Mode::kRead));
+    return made.sync();
+  }
+
+  SegmentReader& reader_;
+  const SegmentInfo& told_;
+  const std::filesystem::path& target_;
+  const std::function<std::string()>& next_file_;
+  const std::stop_token& stop_;
+  SalvagedSegment& result_;
+  SegmentTypes types_;
+  std::map<MemoryId, RecordedEntity> recorded_;
+  std::map<MemoryId, std::pair<uint64_t, uint64_t>> dropped_;  ///< Counted in rows; their bytes.
+  std::vector<LatentSnapshot> latents_;
+  uint64_t held_bytes_ = 0;
+};
+
+/// A segment of which nothing can be read.
+SalvagedSegment all_lost(const SegmentInfo& told, const Status& why) {
+  SalvagedSegment result;
+  for (const SegmentEntity& entity : told.entities)
+    result.entities[entity.id].lost = entity.snapshots;
+  result.findings.push_back({Severity::kFault, told.file, "", "is lost: " + why.message(),
+                             "none: nothing else holds what was in it in this form"});
+  return result;
+}
+
+}  // namespace
+
+Result<SalvagedSegment> salvage_segment(const std::filesystem::path& source,
+                                        const SegmentInfo& told, const SegmentTypes& types,
+                                        const std::filesystem::path& target,
+                                        const std::function<std::string()>& next_file,
+                                        const std::stop_token& stop) {
+  const auto reader = SegmentReader::open(source / told.file);
+  if (reader.status().code() == StatusCode::kFailedPrecondition) return reader.status();
+  if (!reader.ok()) return all_lost(told, reader.status());
+  SalvagedSegment result;
+  ENGRAM_RETURN_IF_ERROR(
+      SegmentSalvage(**reader, told, types, target, next_file, stop, result).run());
+  return result;
+}
+
+Result<SalvagedJournal> copy_journal(const std::filesystem::path& source,
+                                     const std::filesystem::path& target, uint64_t number) {
+  SalvagedJournal result;
+  ENGRAM_ASSIGN_OR_RETURN(Journal journal, Journal::create(target, number));
+  std::vector<std::vector<std::byte>> frames;
+  uint64_t bytes = 0;
+  const auto append = [&]() -> Status {
+    bytes = 0;
+    return journal.append(std::exchange(frames, {}));
+  };
+  const auto add = [&](uint64_t, const Buffer& payload) -> Status {
+    const auto packed = decode_frame(payload);
+    if (!packed.ok()) return ++result.undecodable, Status();
+    if (!packed->instances.empty()) ++result.snapshots[packed->entity];
+    frames.emplace_back(payload.bytes().begin(), payload.bytes().end());
+    bytes += payload.size();
+    return bytes < kFramesBytes ? Status() : append();
+  };
+  ENGRAM_ASSIGN_OR_RETURN(result.scan, salvage_journal(source / Journal::file_name(number), add));
+  ENGRAM_RETURN_IF_ERROR(append());
+  ENGRAM_RETURN_IF_ERROR(journal.sync());
+  return result;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "ltm/store/check.h"
+#include "ltm/store/link_check.h"
+#include "ltm/store/manifest.h"
+
+namespace engram::ltm {
+
+inline constexpr const char* kAdviceRecover = "'engram recover STORE -o COPY' saves what is whole";
+
+/// A fault about `file`; the advice is to recover.
+[[nodiscard]] Finding fault(std::string file, std::string object, std::string what);
+
+/// Where a published file is not what the manifest says: nothing where it is.
+[[nodiscard]] std::vector<Finding> check_file(const std::filesystem::path& store,
+                                              const std::string& file, uint64_t bytes,
+                                              uint64_t checksum);
+
+/// Reads a segment whole and compares it with what `manifest` says of it. Counts into `report`,
+/// findings included; adds links to `links`.
+/// Errors: kCancelled.
+Status check_segment(const std::filesystem::path& store, const Manifest& manifest,
+                     const SegmentInfo& segment, const CheckOptions& options,
+                     const std::stop_token& stop, CheckReport& report, LinkCheck& links);
+
+}  // namespace engram::ltm
