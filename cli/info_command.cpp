@@ -53,6 +53,8 @@ Json entity_json(const ltm::EntitySummary& summary, double rate_hz) {
             {"first_ns", to_ns(summary.first)},
             {"last_ns", to_ns(summary.last)},
             {"rate_hz", rate_hz},
+            {"dropped_by", summary.dropped_by},
+            {"forgotten_snapshots", summary.forgotten.snapshots},
             {"offered_bytes", summary.offered_bytes},
             {"raw_bytes", summary.raw_bytes},
             {"stored_bytes", summary.stored_bytes},
@@ -91,6 +93,12 @@ void print_entity(const ltm::EntitySummary& summary, double rate_hz) {
   print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
                     count_text(summary.snapshots), count_text(summary.offered),
                     count_text(summary.recorded_snapshots), count_text(summary.latent_snapshots)));
+  std::string reasons;
+  for (const auto& [filter, count] : summary.dropped_by)
+    reasons += fmt::format("{}{} by {}", reasons.empty() ? "" : ", ", count_text(count), filter);
+  if (!reasons.empty()) print("  dropped    " + reasons);
+  if (summary.forgotten.snapshots > 0)
+    print(fmt::format("  forgotten  {}", count_text(summary.forgotten.snapshots)));
   if (summary.snapshots > 0)
     print(fmt::format("  span       {} to {}, {:.3g} Hz", to_string(summary.first),
                       to_string(summary.last), rate_hz));

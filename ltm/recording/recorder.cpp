@@ -255,12 +255,22 @@ struct Recorder::State {
   Status note_drops() {
     last_notes = clock();
     for (auto& [entity, channel] : channels.all()) {
+      note_reasons(channel);
       if (channel.dropped == 0) continue;
       ENGRAM_RETURN_IF_ERROR(
           writer->append_dropped(entity, channel.dropped, channel.dropped_bytes));
       channel.dropped = channel.dropped_bytes = 0;
     }
     return {};
+  }
+
+  void note_reasons(RecordingChannel& channel) {
+    channel.count();
+    for (const auto& [filter, count] : channel.counters->dropped_by) {
+      uint64_t& noted = channel.noted_by[filter];
+      if (count > noted) writer->note_dropped_by(channel.entity, filter, count - noted);
+      noted = count;
+    }
   }
 
   /// The counts stay where this fails, and are noted later.

@@ -7,6 +7,7 @@
 
 #include "ltm/filter/filter_chain.h"
 #include "ltm/recording/recorder.h"
+#include "ltm/store/manifest.h"
 
 namespace engram::ltm {
 
@@ -18,6 +19,7 @@ struct RecordingChannel {
   RecordingCounters* counters;  ///< Of the recorder.
   uint64_t dropped = 0;         ///< Since the last snapshot that was kept, or the last note.
   uint64_t dropped_bytes = 0;
+  DropReasons noted_by;  ///< What the store was told of them, by filter.
   uint64_t pending = 0;  ///< Left the filters, but the disk failed.
   uint64_t pending_bytes = 0;
 

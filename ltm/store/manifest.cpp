@@ -156,6 +156,19 @@ Json to_json(const std::map<MemoryId, ForgottenSums>& forgotten) {
   return json;
 }
 
+Json to_json(const std::map<MemoryId, DropReasons>& dropped_by) {
+  Json json = Json::object();
+  for (const auto& [entity, reasons] : dropped_by) json[entity.to_string()] = reasons;
+  return json;
+}
+
+std::map<MemoryId, DropReasons> dropped_by_from(const Json& json) {
+  std::map<MemoryId, DropReasons> dropped_by;
+  for (const auto& [entity, reasons] : json.items())
+    dropped_by[entity_from(entity)] = reasons.get<DropReasons>();
+  return dropped_by;
+}
+
 std::map<MemoryId, ForgottenSums> forgotten_from(const Json& json) {
   std::map<MemoryId, ForgottenSums> forgotten;
   for (const auto& [entity, sums] : json.items())
@@ -178,6 +191,7 @@ Json to_json(const Manifest& manifest) {
           {"damaged", manifest.damaged},
           {"types", to_json(manifest.types)},
           {"forgotten", to_json(manifest.forgotten)},
+          {"dropped_by", to_json(manifest.dropped_by)},
           {"segments", std::move(segments)},
           {"models", std::move(models)}};
 }
@@ -191,8 +205,11 @@ Manifest manifest_from(const Json& json) {
                     {},
                     {},
                     {},
+                    {},
                     {}};
   if (json.contains("types")) manifest.types = types_from(json.at("types"));
+  if (json.contains("dropped_by"))
+    manifest.dropped_by = dropped_by_from(json.at("dropped_by"));
   if (json.contains("forgotten")) manifest.forgotten = forgotten_from(json.at("forgotten"));
   for (const Json& segment : json.at("segments"))
     manifest.segments.push_back(segment_from(segment));

@@ -60,6 +60,9 @@ struct ModelInfo {
   [[nodiscard]] std::string name() const;
 };
 
+/// Snapshots that filters dropped, by the name of the filter.
+using DropReasons = std::map<std::string, uint64_t, std::less<>>;
+
 /// What was forgotten of an entity: it is gone, but counted.
 struct ForgottenSums {
   uint64_t snapshots = 0;
@@ -77,6 +80,9 @@ struct Manifest {
   uint64_t damaged = 0;        ///< Places in sealed journals where acknowledged data was lost.
   SegmentTypes types;          ///< As they were declared last; segment files have their own.
   std::map<MemoryId, ForgottenSums> forgotten;
+  /// Why filters dropped, over all sessions. Reaches the manifest when a journal is sealed: what a
+  /// killed session dropped since then is in the counts of the segments, without its reason.
+  std::map<MemoryId, DropReasons> dropped_by;
   std::vector<SegmentInfo> segments;
   std::vector<ModelInfo> models;
 };

@@ -71,6 +71,8 @@ Status publish_segment(const std::filesystem::path& store, const std::filesystem
     manifest.segments.push_back(std::move(segment));
     manifest.first_journal = job.journals.back() + 1;
     manifest.damaged += content.damaged;
+    for (const auto& [entity, reasons] : job.dropped_by)
+      for (const auto& [filter, count] : reasons) manifest.dropped_by[entity][filter] += count;
     return {};
   });
 }

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "ltm/memory/segment_types.h"
+#include "ltm/store/manifest.h"
 
 namespace engram::ltm {
 
@@ -29,6 +29,7 @@ class Sealer {
     std::vector<uint64_t> journals;
     uint64_t bytes = 0;  ///< Of the journals.
     SegmentTypes types;  ///< That their values came under.
+    std::map<MemoryId, DropReasons> dropped_by;  ///< Since the job before.
   };
 
   Sealer(std::filesystem::path store, const Options& options);

@@ -249,6 +249,9 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
     summary.offered += gone->second.snapshots + gone->second.dropped;
     summary.offered_bytes += gone->second.raw_bytes + gone->second.dropped_bytes;
   }
+  if (const auto reasons = state_->manifest.dropped_by.find(entity);
+      reasons != state_->manifest.dropped_by.end())
+    summary.dropped_by = reasons->second;
   summary.offered += summary.snapshots;
   summary.offered_bytes += summary.raw_bytes;
   for (const ModelInfo& model : state_->manifest.models) {

@@ -30,6 +30,7 @@ struct EntitySummary {
   uint64_t latent_bytes = 0;   ///< Latents, without models.
   uint64_t model_bytes = 0;    ///< All model files of the entity.
   ForgottenSums forgotten;     ///< Counted in `offered` too.
+  DropReasons dropped_by;      ///< Why filters dropped, as far as it is known.
   std::vector<ModelInfo> models;
   LatentSums latent;  ///< Over all latent segments; the newest model's version.
 };

@@ -57,6 +57,7 @@ struct StoreWriter::State {
   std::optional<Time> oldest_unsealed;  ///< By the clock, when it was appended.
   std::map<MemoryId, Time> last_times;
   SegmentTypes types;
+  std::map<MemoryId, DropReasons> dropped_by;  ///< Since the last job of the sealer.
   uint64_t damaged = 0;
   std::optional<JournalSyncer> syncer;
   std::optional<Sealer> sealer;
@@ -144,7 +145,8 @@ struct StoreWriter::State {
     if (journal) closed_journals.push_back(journal->number());
     journal.reset();
     if (!closed_journals.empty())
-      sealer->add({std::exchange(closed_journals, {}), unsealed_bytes, types});
+      sealer->add({std::exchange(closed_journals, {}), unsealed_bytes, types,
+                   std::exchange(dropped_by, {})});
     unsealed_bytes = 0;
     oldest_unsealed.reset();
   }
@@ -230,6 +232,11 @@ Status StoreWriter::append_dropped(const MemoryId& entity, uint64_t dropped,
   note.dropped_bytes = dropped_bytes;
   ENGRAM_ASSIGN_OR_RETURN(auto payload, encode_frame(note));
   return state_->append_frames({std::move(payload)});
+}
+
+void StoreWriter::note_dropped_by(const MemoryId& entity, std::string_view filter,
+                                  uint64_t count) {
+  state_->dropped_by[entity][std::string(filter)] += count;
 }
 
 Status StoreWriter::declare(const MemoryId& segment, const idf::Type& type) {

@@ -60,6 +60,9 @@ class StoreWriter {
   /// Notes what filters dropped after the last snapshot that was kept.
   Status append_dropped(const MemoryId& entity, uint64_t dropped, uint64_t dropped_bytes);
 
+  /// Notes why filters dropped snapshots; stored with the next journal that is sealed.
+  void note_dropped_by(const MemoryId& entity, std::string_view filter, uint64_t count);
+
   /// Says what the values of a core or provider segment are, from the next append on. What was
   /// appended before is sealed with the types that it came under. After ok this is durable.
   /// Errors: those of SegmentTypes::declare and of seal.

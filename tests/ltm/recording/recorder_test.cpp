@@ -58,6 +58,7 @@ TEST_F(RecorderTest, CountsWhatItKeepsAndDrops) {
   for (const char* name : {"cam", "other"}) {
     EXPECT_EQ(summary(name).snapshots, 17u);
     EXPECT_EQ(summary(name).offered, 100u);
+    EXPECT_EQ(summary(name).dropped_by, (DropReasons{{"frequency", 83}}));
   }
   EXPECT_EQ(summary().offered_bytes, offered_bytes);
   EXPECT_EQ(summary().raw_bytes, kept_bytes);
