@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # crash.sh [KILLS] [SEED] [BUILD]: kills recording processes at random moments (while they record,
-# seal, declare types, publish models and drop what those replace) and looks for every snapshot
+# seal, declare types, publish models, drop what those replace, compact and forget) and looks for every snapshot
 # that they acknowledged. Prints a table; fails where one is missing.
 set -eu
 kills=${1:-300}

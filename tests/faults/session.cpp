@@ -7,6 +7,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/store/publish.h"
+#include "ltm/store/rewrite.h"
 #include "tests/ltm/store/example_snapshots.h"
 
 namespace engram::ltm::faults {
@@ -15,8 +16,9 @@ namespace {
 
 constexpr int kPerRound = 6;
 constexpr std::array<const char*, kSteps> kStepNames{"open",    "record",  "seal",
-                                                     "declare", "publish", "drop recorded"};
-enum Step { kOpen, kRecord, kSeal, kDeclare, kPublish, kDrop };
+                                                     "declare", "publish", "drop recorded",
+                                                     "compact", "forget"};
+enum Step { kOpen, kRecord, kSeal, kDeclare, kPublish, kDrop, kCompact, kForget };
 
 class Session {
  public:
@@ -114,6 +116,25 @@ class Session {
                          example_latents(options_.first, end, version));
   }
 
+  void compact_segments() {
+    begin(kCompact);
+    const CompactOptions options{.segment_snapshots = 60};
+    if (!succeeds(compact(store_, options).status())) succeeds(compact(store_, options).status());
+  }
+
+  /// One that two rounds ago was sealed, and updated where it ever was.
+  void forget_one() {
+    const int64_t index = next_ - 3 * kPerRound;
+    if (index < options_.first) return;
+    begin(kForget);
+    const int number = static_cast<int>(index % kEntities);
+    tell_({Told::kForgetting, number, index, 0});
+    const ForgetSet gone{{session_entity(number), {example_time(index)}}};
+    if (succeeds(forget_snapshots(store_, gone).status()) ||
+        succeeds(forget_snapshots(store_, gone).status()))
+      tell_({Told::kForgotten, number, index, 0});
+  }
+
   void run_round(int round) {
     record(kPerRound);
     if (is_stopped_) return;
@@ -124,7 +145,12 @@ class Session {
     declare(round);
     const int64_t sealed = next_;
     record(2);
-    if (!is_stopped_ && (round + 1) % options_.consolidate_every == 0) consolidate(sealed);
+    if (is_stopped_) return;
+    if ((round + 1) % options_.consolidate_every == 0) {
+      consolidate(sealed);
+      compact_segments();
+    }
+    forget_one();
   }
 
   std::filesystem::path store_;

@@ -15,6 +15,8 @@ struct Told {
   enum Kind : int32_t {
     kStored,    ///< Snapshot `index` of entity `number`, in this `version`, was acknowledged.
     kDropping,  ///< From now on recorded forms of entity `number` may be gone.
+    kForgetting,  ///< From now on snapshot `index` of entity `number` may be gone.
+    kForgotten,   ///< It is gone: acknowledged.
     kDeclared,  ///< The type of core segment `number` was acknowledged.
     kFailed,    ///< An error was reported; `number` is its code.
     kStep,      ///< Step `number` begins; see step_name.
@@ -42,7 +44,7 @@ inline constexpr int kDeclaredSegments = 3;
 
 /// "record", "seal", ...
 [[nodiscard]] const char* step_name(int step);
-inline constexpr int kSteps = 6;
+inline constexpr int kSteps = 8;
 
 struct SessionOptions {
   StoreWriter::Options store;
@@ -50,9 +52,9 @@ struct SessionOptions {
   int pause_us = 0;
   /// Index of the first snapshot: earlier sessions have stored those before it.
   int64_t first = 0;
-  /// Rounds of record, seal, update, declare, publish and drop.
+  /// Rounds of record, seal, update, declare, publish, drop, compact and forget.
   int rounds = 2;
-  /// Only every so many rounds publish and drop, which takes long where much is stored.
+  /// Only every so many rounds publish, drop and compact, which takes long where much is stored.
   int consolidate_every = 1;
 };
 

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
+#include "ltm/store/check.h"
 #include "tests/ltm/store/example_snapshots.h"
 
 namespace engram::ltm::faults {
@@ -18,10 +20,14 @@ struct Promise {
   std::map<std::pair<int, int64_t>, int64_t> versions;
   std::vector<int> declared;
   std::vector<int> dropping;
+  std::set<std::pair<int, int64_t>> forgetting;  ///< Entity and index: may be gone.
+  std::set<std::pair<int, int64_t>> forgotten;   ///< Must be.
 
   explicit Promise(const std::vector<Told>& told) {
     for (const Told& each : told) {
       if (each.kind == Told::kDeclared) declared.push_back(each.number);
+      if (each.kind == Told::kForgetting) forgetting.emplace(each.number, each.index);
+      if (each.kind == Told::kForgotten) forgotten.emplace(each.number, each.index);
       if (each.kind == Told::kDropping) dropping.push_back(each.number);
       if (each.kind != Told::kStored) continue;
       int64_t& version = versions[{each.number, each.index}];
@@ -75,7 +81,12 @@ std::vector<std::string> problems_of_reading(const std::filesystem::path& store,
     const bool may_be_latent =
         std::ranges::find(promise.dropping, key.first) != promise.dropping.end();
     const Status status = check_snapshot(**reader, key.first, key.second, version, may_be_latent);
-    if (!status.ok())
+    if (promise.forgotten.contains(key)) {
+      if (status.code() == StatusCode::kNotFound) continue;
+      problems.push_back(fmt::format("entity {}, snapshot {}: is there, and was forgotten: {}",
+                                     key.first, key.second, status.to_string()));
+    } else if (!status.ok() && !(promise.forgetting.contains(key) &&
+                                 status.code() == StatusCode::kNotFound))
       problems.push_back(fmt::format("entity {}, snapshot {}, version {}: {}", key.first,
                                      key.second, version, status.to_string()));
     if (problems.size() >= kMaxProblems) break;
@@ -85,6 +96,21 @@ std::vector<std::string> problems_of_reading(const std::filesystem::path& store,
       problems.push_back(fmt::format("type {} is not there", number));
   return problems;
 }
+
+namespace {
+
+/// What `engram check` would call a fault.
+std::vector<std::string> faults_of(const std::filesystem::path& store) {
+  const auto report = check_store(store, {});
+  if (!report.ok()) return {report.status().to_string()};
+  std::vector<std::string> faults;
+  for (const Finding& finding : report->findings)
+    if (finding.severity == Severity::kFault)
+      faults.push_back(fmt::format("{}: {}: {}", finding.file, finding.object, finding.what));
+  return faults;
+}
+
+}  // namespace
 
 std::vector<std::string> problems_of(const std::filesystem::path& store,
                                      const std::vector<Told>& told) {
@@ -100,6 +126,7 @@ std::vector<std::string> problems_of(const std::filesystem::path& store,
   }
   for (const std::string& problem : problems_of_reading(store, told))
     problems.push_back("taken over: " + problem);
+  for (const std::string& problem : faults_of(store)) problems.push_back("check: " + problem);
   return problems;
 }
 
