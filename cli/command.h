@@ -25,6 +25,8 @@ void add_info_command(CLI::App& app, ExitCode& exit_code);
 void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
+void add_forget_command(CLI::App& app, ExitCode& exit_code);
+void add_compact_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
 

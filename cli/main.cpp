@@ -21,6 +21,8 @@ constexpr const char* kFooter = R"(Examples:
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
   engram eval robot.engram
+  engram forget robot.engram --config robot.yaml --dry-run
+  engram compact robot.engram
   engram idf generate kitchen.xml --cpp generated
 
 Results go to stdout, messages and progress to stderr.
@@ -49,6 +51,8 @@ ExitCode run(int argc, char** argv) {
   add_consolidate_command(app, exit_code);
   add_query_command(app, exit_code);
   add_eval_command(app, exit_code);
+  add_forget_command(app, exit_code);
+  add_compact_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_idf_command(app, exit_code);
   try {
