@@ -27,6 +27,8 @@ void add_query_command(CLI::App& app, ExitCode& exit_code);
 void add_ls_command(CLI::App& app, ExitCode& exit_code);
 void add_export_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
+void add_forget_command(CLI::App& app, ExitCode& exit_code);
+void add_compact_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
 void add_check_command(CLI::App& app, ExitCode& exit_code);
 void add_recover_command(CLI::App& app, ExitCode& exit_code);

@@ -5,6 +5,7 @@
 #include "cli/command.h"
 #include "cli/text.h"
 #include "ltm/core/log.h"
+#include "ltm/recall/access_log.h"
 #include "ltm/store/store_reader.h"
 #include "training/metrics.h"
 
@@ -163,6 +164,8 @@ ExitCode run(const std::string& store, bool is_json) {
     print_json(json);
   else
     print_types(manifest.types);
+  // The store may be one that only can be read.
+  (void)ltm::merge_grown_accesses(store).ok();
   if (damaged > 0)
     log::warning("store '{}': {} places in its journals were found damaged; what was there is lost",
                  store, damaged);

@@ -23,6 +23,8 @@ constexpr const char* kFooter = R"(Examples:
   engram ls robot.engram Vision/RGB/head/cam
   engram export robot.engram 'Vision @ all' --to mp4 -o videos
   engram eval robot.engram
+  engram forget robot.engram --config robot.yaml --dry-run
+  engram compact robot.engram
   engram idf generate kitchen.xml --cpp generated
   engram check robot.engram
 
@@ -54,6 +56,8 @@ ExitCode run(int argc, char** argv) {
   add_query_command(app, exit_code);
   add_export_command(app, exit_code);
   add_eval_command(app, exit_code);
+  add_forget_command(app, exit_code);
+  add_compact_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_idf_command(app, exit_code);
   add_check_command(app, exit_code);

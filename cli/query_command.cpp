@@ -39,6 +39,7 @@ struct QueryArguments {
   std::string save;
   std::string prefer = "recorded";
   bool is_json = false;
+  bool is_unnoted = false;
 };
 
 std::string error_text(const ltm::MeasuredError& error) {
@@ -144,7 +145,10 @@ ExitCode run(const QueryArguments& arguments) {
                                         arguments.query));
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
-  ltm::Recall recall(std::move(*reader), encoders::load_model);
+  auto accesses = arguments.is_unnoted ? nullptr
+                                       : std::make_unique<ltm::AccessLog>(
+                                             arguments.store, ltm::AccessLog::Options{});
+  ltm::Recall recall(std::move(*reader), encoders::load_model, std::move(accesses));
   ltm::Recall::Options options;
   options.prefer = arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent
                                                 : ltm::Recall::Prefer::kRecorded;
@@ -177,6 +181,8 @@ void add_query_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--prefer", arguments->prefer, "Which form answers where both are there")
       ->check(CLI::IsMember({"recorded", "latent"}))
       ->capture_default_str();
+  command->add_flag("--unnoted", arguments->is_unnoted,
+                    "Do not note in the store what is read (docs/forgetting.md)");
   command->add_flag("--json", arguments->is_json, "All data as JSON on stdout");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

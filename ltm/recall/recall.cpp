@@ -64,6 +64,7 @@ class TimelineMoments final : public Moments {
 struct Recall::State {
   std::unique_ptr<StoreReader> store;
   ModelLoader loader;
+  std::unique_ptr<AccessLog> accesses;  ///< May be null.
   std::map<std::string, LoadedModel> models;  ///< By file.
   std::unique_ptr<Predictor> copy_last = make_copy_last_predictor();
 
@@ -240,16 +241,21 @@ struct Recall::State {
       ENGRAM_ASSIGN_OR_RETURN(
           SnapshotResult snapshot,
           answer(result.id, *timeline, selected, query.is_ids_only(), options));
-      if (keep_selected(snapshot, selected.instances)) result.add(std::move(snapshot));
+      if (!keep_selected(snapshot, selected.instances)) continue;
+      if (accesses && !selected.is_future && !query.is_ids_only())
+        accesses->note(result.id, snapshot.time);
+      result.add(std::move(snapshot));
     }
     return {};
   }
 };
 
-Recall::Recall(std::unique_ptr<StoreReader> store, ModelLoader loader)
+Recall::Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
+               std::unique_ptr<AccessLog> accesses)
     : state_(std::make_unique<State>()) {
   state_->store = std::move(store);
   state_->loader = std::move(loader);
+  state_->accesses = std::move(accesses);
 }
 
 Recall::~Recall() = default;

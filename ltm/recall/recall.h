@@ -5,6 +5,7 @@
 
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
+#include "ltm/recall/access_log.h"
 #include "ltm/recall/model.h"
 #include "ltm/store/store_reader.h"
 
@@ -26,7 +27,9 @@ class Recall {
   };
 
   /// Without a `loader` latents cannot be decoded and predictions are copies of the last snapshot.
-  Recall(std::unique_ptr<StoreReader> store, ModelLoader loader);
+  /// With `accesses` every snapshot of the past whose data is in an answer is noted as read.
+  Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
+         std::unique_ptr<AccessLog> accesses = nullptr);
   ~Recall();
 
   [[nodiscard]] StoreReader& store();

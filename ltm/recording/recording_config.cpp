@@ -4,8 +4,8 @@
 #include <array>
 
 #include "ltm/core/config.h"
-#include "ltm/recording/config_choice.h"
-#include "ltm/recording/filter_config.h"
+#include "ltm/filter/config_choice.h"
+#include "ltm/filter/filter_config.h"
 
 namespace engram::ltm {
 
@@ -126,13 +126,13 @@ Result<Recorder::Options> base_of(ConfigMap& top) {
   return read_options(base);
 }
 
-// A later section of the file (what is forgotten) is one more function here, beside read_store.
 Result<Recorder::Options> read_options(const ConfigValue& file) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap top, file.map());
   ENGRAM_ASSIGN_OR_RETURN(Recorder::Options options, base_of(top));
   ENGRAM_RETURN_IF_ERROR(read_entities(top, options));
   ENGRAM_RETURN_IF_ERROR(read_store(top, options.store));
   ENGRAM_RETURN_IF_ERROR(read_recording(top, options));
+  (void)top.find("forget");  // ltm/forgetting reads it.
   ENGRAM_RETURN_IF_ERROR(top.finish());
   if (const Status status = options.validate(); !status.ok()) return file.error(status);
   return options;

@@ -12,7 +12,7 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr std::string_view kFileMagic = "ENGRAMJ1";
+constexpr std::string_view kFileMagic = kJournalMagic;
 constexpr uint32_t kFrameMagic = 0x4d524645;  // "EFRM"
 constexpr size_t kAlignment = 8;
 
@@ -115,17 +115,9 @@ Status Journal::append(std::span<const std::vector<std::byte>> payloads) {
   if (is_broken_)
     return unavailable("'{}': an earlier write failed half-way; open the store again",
                        file_.path().string());
-  std::vector<std::byte> frames;
-  for (const std::vector<std::byte>& payload : payloads) {
-    if (payload.size() > UINT32_MAX)
-      return invalid_argument("'{}': a snapshot of {} bytes, at most 4 GiB fit",
-                              file_.path().string(), payload.size());
-    const FrameHeader header{kFrameMagic, static_cast<uint32_t>(payload.size()), checksum(payload)};
-    const auto header_bytes = std::as_bytes(std::span(&header, 1));
-    frames.insert(frames.end(), header_bytes.begin(), header_bytes.end());
-    frames.insert(frames.end(), payload.begin(), payload.end());
-    frames.resize(padded(frames.size()));
-  }
+  auto encoded = encode_journal_frames(payloads);
+  if (!encoded.ok()) return encoded.status().with_context(file_.path().string());
+  const std::vector<std::byte>& frames = *encoded;
   if (Status status = file_.append(frames); !status.ok()) {
     // What was half-way written was never acknowledged; without the cut it would be a torn frame
     // in the middle of the file.
@@ -134,6 +126,21 @@ Status Journal::append(std::span<const std::vector<std::byte>> payloads) {
   }
   size_ += frames.size();
   return {};
+}
+
+Result<std::vector<std::byte>> encode_journal_frames(
+    std::span<const std::vector<std::byte>> payloads) {
+  std::vector<std::byte> frames;
+  for (const std::vector<std::byte>& payload : payloads) {
+    if (payload.size() > UINT32_MAX)
+      return invalid_argument("a snapshot of {} bytes, at most 4 GiB fit", payload.size());
+    const FrameHeader header{kFrameMagic, static_cast<uint32_t>(payload.size()), checksum(payload)};
+    const auto header_bytes = std::as_bytes(std::span(&header, 1));
+    frames.insert(frames.end(), header_bytes.begin(), header_bytes.end());
+    frames.insert(frames.end(), payload.begin(), payload.end());
+    frames.resize(padded(frames.size()));
+  }
+  return frames;
 }
 
 Result<JournalScan> scan_journal(const std::filesystem::path& file, const FrameVisit& visit) {

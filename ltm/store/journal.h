@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "ltm/core/file.h"
@@ -45,6 +46,14 @@ class Journal {
   uint64_t size_;
   bool is_broken_ = false;
 };
+
+/// What a file of frames starts with.
+inline constexpr std::string_view kJournalMagic = "ENGRAMJ1";
+
+/// Frames as they stand in a file, for other logs of the same form.
+/// Errors: kInvalidArgument where a payload is too large.
+Result<std::vector<std::byte>> encode_journal_frames(
+    std::span<const std::vector<std::byte>> payloads);
 
 /// What a walk over a journal met beside whole frames.
 struct JournalScan {

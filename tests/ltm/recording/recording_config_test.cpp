@@ -205,5 +205,10 @@ TEST(RecordingConfig, ReadsTheExamplesOfTheDocumentation) {
   EXPECT_GE(examples, 3);
 }
 
+TEST(RecordingConfig, LeavesTheSectionOnForgettingToOthers) {
+  const auto options = read("forget: {rules: [{older_than: 30d}]}\nrecording: {threads: 3}\n");
+  EXPECT_EQ(options.threads, 3);
+}
+
 }  // namespace
 }  // namespace engram::ltm

@@ -13,4 +13,9 @@ namespace engram::ltm {
 /// Source: docs/recording.md, section "Filters".
 Result<std::vector<FilterOptions>> read_filters(const ConfigValue& value);
 
+/// Reads the options of a similarity filter; the caller says what else the map may hold, finishes
+/// it and validates.
+/// Errors: as above.
+Result<SimilarityFilter::Options> read_similarity_options(ConfigMap& map);
+
 }  // namespace engram::ltm

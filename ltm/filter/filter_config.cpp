@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/recording/filter_config.h"
+#include "ltm/filter/filter_config.h"
 
 #include <array>
 
-#include "ltm/recording/config_choice.h"
+#include "ltm/filter/config_choice.h"
 
 namespace engram::ltm {
 
@@ -93,19 +93,6 @@ Result<EventRule> read_event(const ConfigValue& value) {
   return rule;
 }
 
-template <typename T>
-Status read_list(ConfigMap& map, std::string_view key, std::vector<T>& out,
-                 Result<T> (*read)(const ConfigValue&)) {
-  const auto value = map.find(key);
-  if (!value) return {};
-  ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
-  for (const ConfigValue& each : values) {
-    ENGRAM_ASSIGN_OR_RETURN(T made, read(each));
-    out.push_back(std::move(made));
-  }
-  return {};
-}
-
 Result<FilterOptions> read_frequency(ConfigMap& map) {
   FrequencyFilter::Options options;
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue rate, map.require("rate"));
@@ -120,15 +107,7 @@ Result<FilterOptions> read_equality(ConfigMap& map) {
 }
 
 Result<FilterOptions> read_similarity_filter(ConfigMap& map) {
-  SimilarityFilter::Options options;
-  ENGRAM_RETURN_IF_ERROR(read_list(map, "members", options.members, read_member));
-  ENGRAM_RETURN_IF_ERROR(read_similarity_of(map, "images", options.images));
-  ENGRAM_RETURN_IF_ERROR(read_similarity_of(map, "numbers", options.numbers));
-  ENGRAM_RETURN_IF_ERROR(read_similarity_of(map, "orientations", options.orientations));
-  ENGRAM_RETURN_IF_ERROR(
-      read_choice(map, "remainder", options.compares_remainder,
-                  std::array<Choice<bool>, 2>{{{"equal", true}, {"ignore", false}}}));
-  ENGRAM_RETURN_IF_ERROR(read_duration_or(map, "max_gap", "never", options.max_gap));
+  ENGRAM_ASSIGN_OR_RETURN(SimilarityFilter::Options options, read_similarity_options(map));
   return FilterOptions(std::move(options));
 }
 
@@ -212,6 +191,19 @@ Result<std::vector<FilterOptions>> read_filters(const ConfigValue& value) {
     filters.push_back(std::move(options));
   }
   return filters;
+}
+
+Result<SimilarityFilter::Options> read_similarity_options(ConfigMap& map) {
+  SimilarityFilter::Options options;
+  ENGRAM_RETURN_IF_ERROR(read_list(map, "members", options.members, read_member));
+  ENGRAM_RETURN_IF_ERROR(read_similarity_of(map, "images", options.images));
+  ENGRAM_RETURN_IF_ERROR(read_similarity_of(map, "numbers", options.numbers));
+  ENGRAM_RETURN_IF_ERROR(read_similarity_of(map, "orientations", options.orientations));
+  ENGRAM_RETURN_IF_ERROR(
+      read_choice(map, "remainder", options.compares_remainder,
+                  std::array<Choice<bool>, 2>{{{"equal", true}, {"ignore", false}}}));
+  ENGRAM_RETURN_IF_ERROR(read_duration_or(map, "max_gap", "never", options.max_gap));
+  return options;
 }
 
 }  // namespace engram::ltm

@@ -36,4 +36,18 @@ Status read_choice(ConfigMap& map, std::string_view key, T& out,
   return value->error(fmt::format("found '{}', needs one of {}", word, fmt::join(known, ", ")));
 }
 
+/// Appends to `out` what `read` makes of each value of the list at `key`, if there is one.
+template <typename T>
+Status read_list(ConfigMap& map, std::string_view key, std::vector<T>& out,
+                 Result<T> (*read)(const ConfigValue&)) {
+  const auto value = map.find(key);
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
+  for (const ConfigValue& each : values) {
+    ENGRAM_ASSIGN_OR_RETURN(T made, read(each));
+    out.push_back(std::move(made));
+  }
+  return {};
+}
+
 }  // namespace engram::ltm

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "cli/text.h"
+#include "ltm/core/config.h"
+#include "ltm/core/log.h"
+#include "ltm/recall/access_log.h"
+#include "ltm/store/rewrite.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(Joins small segment files that follow each other and leaves out what updates replaced. Runs beside
+a live writer and beside readers; killed at any moment, nothing is lost.
+
+Examples:
+  engram compact robot.engram
+  engram compact robot.engram --segment-size 512MiB)";
+
+struct CompactArguments {
+  std::string store;
+  std::string segment_size = "128MiB";
+  bool is_json = false;
+};
+
+/// A size as configurations have it.
+Result<uint64_t> parse_bytes(const std::string& text) {
+  // Quotes and line breaks would be syntax there.
+  if (text.empty() || text.find_first_not_of("0123456789.kMGTiB") != std::string::npos)
+    return invalid_argument("--segment-size: found '{}', needs a size as in 128MiB", text);
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue file,
+                          ConfigValue::parse("--segment-size: " + text, "arguments"));
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, file.map());
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue value, map.require("--segment-size"));
+  return value.bytes();
+}
+
+Json report_json(const ltm::RewriteReport& report) {
+  return {{"segments_before", report.segments_before},
+          {"segments_after", report.segments_after},
+          {"bytes_before", report.bytes_before},
+          {"bytes_after", report.bytes_after},
+          {"is_cancelled", report.is_cancelled}};
+}
+
+std::string report_text(const ltm::RewriteReport& report) {
+  if (report.segments_before == 0) return "There is nothing to join";
+  return fmt::format("{} segments became {}: {} before, {} after",
+                     count_text(report.segments_before), count_text(report.segments_after),
+                     bytes_text(static_cast<double>(report.bytes_before)),
+                     bytes_text(static_cast<double>(report.bytes_after)));
+}
+
+ExitCode run(const CompactArguments& arguments) {
+  ltm::CompactOptions options;
+  const auto bytes = parse_bytes(arguments.segment_size);
+  if (!bytes.ok()) return wrong_usage(bytes.status());
+  options.segment_bytes = *bytes;
+  if (const Status status = options.validate(); !status.ok()) return wrong_usage(status);
+  ProgressLine progress;
+  const auto report = ltm::compact(arguments.store, options, progress.sink(), interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  if (const Status status = ltm::merge_accesses(arguments.store); !status.ok())
+    log::warning("access logs stay as they are: {}", status.message());
+  if (arguments.is_json)
+    print_json(report_json(*report));
+  else
+    print(report_text(*report));
+  if (report->is_cancelled) return fail(cancelled("compact was stopped; what was joined stays so"));
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void add_compact_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<CompactArguments>();
+  CLI::App* command = app.add_subcommand("compact", "Join small segment files");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store")->required();
+  command->add_option("--segment-size", arguments->segment_size, "Up to which segments grow")
+      ->capture_default_str();
+  command->add_flag("--json", arguments->is_json, "Report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <poll.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <iostream>
+
+#include "cli/command.h"
+#include "cli/forget_text.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "encoders/load_model.h"
+#include "ltm/core/log.h"
+#include "ltm/forgetting/forget_config.h"
+#include "ltm/forgetting/plan_forgetting.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(What is to go is named by IDs of any level or by queries with a selector, or follows from the
+policies in the section 'forget' of a configuration (docs/forgetting.md). With both, the
+configuration only says which entities and links are protected.
+
+Examples:
+  engram forget robot.engram --config robot.yaml --dry-run
+  engram forget robot.engram --config robot.yaml --yes
+  engram forget robot.engram 'Vision/RGB/head/cam/2022-02-18 13:06:56.492182'
+  engram forget robot.engram 'Grasp/.*/.*/blue-cup @ before:2022-01-01T00:00:00Z' --dry-run)";
+
+struct ForgetArguments {
+  std::string store;
+  std::vector<std::string> targets;
+  std::string config;
+  bool is_dry_run = false;
+  bool is_json = false;
+  bool is_confirmed = false;
+};
+
+/// Makes plans of one store, each of its newest generation.
+class PlanMaker {
+ public:
+  PlanMaker(const ForgetArguments& arguments, ltm::ForgetOptions options, ProgressSink progress)
+      : arguments_(arguments), options_(std::move(options)), progress_(std::move(progress)) {}
+
+  Result<ltm::ForgetPlan> plan() const { return plan(options_); }
+
+  [[nodiscard]] bool has_quota() const {
+    return arguments_.targets.empty() && (options_.most_bytes || options_.least_free_disk_bytes);
+  }
+
+  /// What quotas still demand after a first plan.
+  Result<ltm::ForgetPlan> plan_after(const ltm::ForgetOptions& quota) const { return plan(quota); }
+
+  [[nodiscard]] ltm::ForgetOptions quota_after(const ltm::ForgetPlan& first) const {
+    return ltm::quota_after(options_, first);
+  }
+
+ private:
+  Result<ltm::ForgetPlan> plan(const ltm::ForgetOptions& options) const {
+    ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(arguments_.store));
+    ENGRAM_ASSIGN_OR_RETURN(ltm::ForgetContext context, ltm::ForgetContext::of(arguments_.store));
+    context.progress = progress_;
+    context.stop = interrupt_token();
+    const ltm::AccessTable accesses = ltm::read_accesses(arguments_.store);
+    ltm::Recall recall(std::move(reader), encoders::load_model);
+    ltm::ForgetSource source(recall, accesses);
+    if (arguments_.targets.empty()) return ltm::plan_forgetting(source, options, context);
+    ENGRAM_ASSIGN_OR_RETURN(const auto chosen,
+                            ltm::find_forget_targets(recall, arguments_.targets));
+    return ltm::plan_forgetting_of(source, chosen, options.protection, context);
+  }
+
+  const ForgetArguments& arguments_;
+  ltm::ForgetOptions options_;
+  ProgressSink progress_;
+};
+
+/// Asks on the terminal. False where the answer is not yes, or Ctrl-C comes first.
+bool is_agreed(uint64_t snapshots) {
+  fmt::print(stderr, "Forget {} snapshots? They cannot be brought back. [y/N] ", snapshots);
+  std::fflush(stderr);
+  constexpr int kLook_ms = 100;
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  while (::poll(&input, 1, kLook_ms) == 0)
+    if (interrupt_token().stop_requested()) return false;
+  std::string answer;
+  std::getline(std::cin, answer);
+  return answer == "y" || answer == "yes";
+}
+
+Status check(const ForgetArguments& arguments) {
+  if (arguments.targets.empty() && arguments.config.empty())
+    return invalid_argument("forget: found nothing to forget, needs IDs, queries or --config");
+  if (arguments.is_dry_run || arguments.is_confirmed) return {};
+  if (arguments.is_json) return invalid_argument("forget: --json needs --yes or --dry-run");
+  if (::isatty(STDIN_FILENO) == 0)
+    return invalid_argument("forget: nobody to ask, as the input is no terminal; needs --yes");
+  return {};
+}
+
+ExitCode conclude(const ForgetArguments& arguments, const ltm::ForgetReport& report) {
+  if (report.rewritten.is_cancelled)
+    return fail(cancelled("forget was stopped; what was not taken out by then stays"));
+  if (report.missing_bytes > 0)
+    return fail(resource_exhausted(
+        "store '{}': the quota is not met, about {} bytes more would have to go; what is left is "
+        "protected, not sealed yet, or no data",
+        arguments.store, report.missing_bytes));
+  return ExitCode::kDone;
+}
+
+ExitCode carry_out(const ForgetArguments& arguments, const PlanMaker& maker, ltm::ForgetPlan plan,
+                   ProgressLine& progress) {
+  ltm::PlanAgain again;
+  if (maker.has_quota())
+    again = [&maker, quota = maker.quota_after(plan)] { return maker.plan_after(quota); };
+  Json json{{"plan", plan_json(plan)}};
+  const ltm::ForgetSet gone = plan.to_set();
+  const auto report =
+      ltm::carry_out(arguments.store, std::move(plan), again, progress.sink(), interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  // Notes of what went are of no use; that they could not be cleared does no harm.
+  if (!report->rewritten.is_cancelled)
+    if (const Status status = ltm::merge_accesses(arguments.store, gone); !status.ok())
+      log::warning("access logs stay as they are: {}", status.message());
+  json["done"] = report_json(*report);
+  if (arguments.is_json)
+    print_json(json);
+  else
+    print_report(*report);
+  return conclude(arguments, *report);
+}
+
+ExitCode run(const ForgetArguments& arguments) {
+  if (const Status status = check(arguments); !status.ok()) return wrong_usage(status);
+  ltm::ForgetOptions options;
+  if (!arguments.config.empty()) {
+    auto config = ltm::read_forget_config(arguments.config);
+    if (!config.ok()) return wrong_usage(config.status());
+    options = *std::move(config);
+  }
+  ProgressLine progress;
+  const PlanMaker maker(arguments, std::move(options), progress.sink());
+  auto plan = maker.plan();
+  progress.finish();
+  if (!plan.ok()) return fail(plan.status());
+  if (!arguments.is_json) print_plan(*plan);
+  if (arguments.is_dry_run) {
+    if (arguments.is_json) print_json({{"plan", plan_json(*plan)}});
+    if (plan->missing_bytes > 0)
+      log::warning("store '{}': the quota would not be met, by about {} bytes", arguments.store,
+                   plan->missing_bytes);
+    return ExitCode::kDone;
+  }
+  const bool needs_answer = plan->snapshots() > 0 && !arguments.is_confirmed;
+  if (needs_answer && !is_agreed(plan->snapshots()))
+    return fail(cancelled("forget: nothing was changed"));
+  return carry_out(arguments, maker, *std::move(plan), progress);
+}
+
+}  // namespace
+
+void add_forget_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<ForgetArguments>();
+  CLI::App* command = app.add_subcommand("forget", "Take snapshots out of a store for good");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store")->required();
+  command->add_option("what", arguments->targets, "IDs, or queries NAMES @ SELECTOR");
+  command->add_option("--config", arguments->config, "YAML file with a section 'forget'");
+  command->add_flag("--dry-run", arguments->is_dry_run, "Only say what would go");
+  command->add_flag("--json", arguments->is_json, "The plan and what was done as JSON");
+  command->add_flag("-y,--yes", arguments->is_confirmed, "Do not ask");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

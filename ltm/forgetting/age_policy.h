@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "ltm/forgetting/forget_policy.h"
+
+namespace engram::ltm {
+
+/// Proposes what is old, the oldest first.
+class AgePolicy final : public ForgetPolicy {
+ public:
+  struct Options {
+    /// Proposed are those more than this before now. Nothing: all of them.
+    std::optional<Duration> older_than;
+
+    [[nodiscard]] Status validate() const;
+  };
+
+  AgePolicy(const Options& options, Time now) : options_(options), now_(now) {}
+
+  [[nodiscard]] std::string reason() const override;
+  Result<std::vector<ForgetProposal>> propose(ForgetSource& source,
+                                              const ForgetView& view) override;
+
+ private:
+  Options options_;
+  Time now_;
+};
+
+}  // namespace engram::ltm

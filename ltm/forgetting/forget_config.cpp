@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/forgetting/forget_config.h"
+
+#include "ltm/core/config.h"
+#include "ltm/filter/config_choice.h"
+#include "ltm/filter/filter_config.h"
+
+namespace engram::ltm {
+
+namespace {
+
+Result<EntityPattern> read_pattern(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string text, value.text());
+  auto pattern = EntityPattern::parse(text);
+  if (!pattern.ok()) return value.error(pattern.status());
+  return pattern;
+}
+
+/// Sets an optional where the key is there.
+template <typename T>
+Status read_optional(ConfigMap& map, std::string_view key, std::optional<T>& out,
+                     Result<T> (ConfigValue::*as)() const) {
+  const auto value = map.find(key);
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(out, ((*value).*as)());
+  return {};
+}
+
+/// An integer from `least` on.
+Status read_count(ConfigMap& map, std::string_view key, int64_t least,
+                  std::optional<uint64_t>& out) {
+  const auto value = map.find(key);
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t count, value->integer());
+  if (count < least) return value->error(fmt::format("found {}, needs {} or more", count, least));
+  out = static_cast<uint64_t>(count);
+  return {};
+}
+
+Result<ImportancePolicy::Options> read_importance(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+  ImportancePolicy::Options options;
+  ENGRAM_RETURN_IF_ERROR(map.read("path", options.path, &ConfigValue::text));
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, "below", options.below, &ConfigValue::number));
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  return options;
+}
+
+Result<SimilarityFilter::Options> read_redundancy(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+  ENGRAM_ASSIGN_OR_RETURN(SimilarityFilter::Options options, read_similarity_options(map));
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  if (const Status status = options.validate(); !status.ok()) return value.error(status);
+  return options;
+}
+
+Result<ForgetRule> read_rule(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+  ForgetRule rule;
+  if (const auto match = map.find("match")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.match, read_pattern(*match));
+  }
+  AgePolicy::Options age;
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, "older_than", age.older_than, &ConfigValue::duration));
+  if (age.older_than) rule.age = age;
+  AccessPolicy::Options access;
+  ENGRAM_RETURN_IF_ERROR(
+      read_optional(map, "unread_for", access.unread_for, &ConfigValue::duration));
+  ENGRAM_RETURN_IF_ERROR(read_count(map, "read_less_than", 1, access.read_less_than));
+  if (access.unread_for || access.read_less_than) rule.access = access;
+  if (const auto importance = map.find("importance")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.importance, read_importance(*importance));
+  }
+  if (const auto redundant = map.find("redundant")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.redundancy, read_redundancy(*redundant));
+  }
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  if (const Status status = rule.validate(); !status.ok()) return value.error(status);
+  return rule;
+}
+
+Status read_quota(ConfigMap& section, ForgetOptions& options) {
+  const auto value = section.find("quota");
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, "most_bytes", options.most_bytes, &ConfigValue::bytes));
+  ENGRAM_RETURN_IF_ERROR(
+      read_optional(map, "least_free_disk", options.least_free_disk_bytes, &ConfigValue::bytes));
+  ENGRAM_RETURN_IF_ERROR(read_list(map, "first", options.first, read_rule));
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  if (options.most_bytes || options.least_free_disk_bytes) return {};
+  return value->error("needs 'most_bytes' or 'least_free_disk'");
+}
+
+Status read_protection(ConfigMap& section, ForgetProtection& protection) {
+  const auto value = section.find("protect");
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
+  ENGRAM_RETURN_IF_ERROR(read_list(map, "entities", protection.entities, read_pattern));
+  std::optional<uint64_t> newest;
+  ENGRAM_RETURN_IF_ERROR(read_count(map, "newest", 0, newest));
+  protection.newest = newest.value_or(protection.newest);
+  ENGRAM_RETURN_IF_ERROR(
+      read_optional(map, "younger_than", protection.younger_than, &ConfigValue::duration));
+  ENGRAM_RETURN_IF_ERROR(map.read("linked", protection.linked, &ConfigValue::boolean));
+  return map.finish();
+}
+
+Result<ForgetOptions> read_options(const ConfigValue& file) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap top, file.map());
+  // Others read these (docs/recording.md).
+  for (const char* key : {"preset", "entities", "store", "recording"}) (void)top.find(key);
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue section, top.require("forget"));
+  ENGRAM_RETURN_IF_ERROR(top.finish());
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, section.map());
+  ForgetOptions options;
+  ENGRAM_RETURN_IF_ERROR(read_list(map, "rules", options.rules, read_rule));
+  ENGRAM_RETURN_IF_ERROR(read_quota(map, options));
+  ENGRAM_RETURN_IF_ERROR(read_protection(map, options.protection));
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  if (const Status status = options.validate(); !status.ok()) return section.error(status);
+  return options;
+}
+
+}  // namespace
+
+Result<ForgetOptions> parse_forget_config(std::string_view text, const std::string& name) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue file, ConfigValue::parse(text, name));
+  return read_options(file);
+}
+
+Result<ForgetOptions> read_forget_config(const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue file, ConfigValue::read_file(path));
+  return read_options(file);
+}
+
+}  // namespace engram::ltm

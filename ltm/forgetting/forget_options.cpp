@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/forgetting/forget_options.h"
+
+namespace engram::ltm {
+
+Status ForgetRule::validate() const {
+  if (!age && !access && !importance && !redundancy)
+    return invalid_argument(
+        "rule of '{}': has no policy, needs older_than, unread_for, read_less_than, importance "
+        "or redundant",
+        match.to_string());
+  if (age) ENGRAM_RETURN_IF_ERROR(age->validate());
+  if (access) ENGRAM_RETURN_IF_ERROR(access->validate());
+  if (importance) ENGRAM_RETURN_IF_ERROR(importance->validate());
+  return redundancy ? redundancy->validate() : Status();
+}
+
+Result<std::vector<std::unique_ptr<ForgetPolicy>>> ForgetRule::policies(Time now) const {
+  ENGRAM_RETURN_IF_ERROR(validate());
+  std::vector<std::unique_ptr<ForgetPolicy>> made;
+  if (age) made.push_back(std::make_unique<AgePolicy>(*age, now));
+  if (access) made.push_back(std::make_unique<AccessPolicy>(*access, now));
+  if (importance) made.push_back(std::make_unique<ImportancePolicy>(*importance));
+  if (redundancy) {
+    ENGRAM_ASSIGN_OR_RETURN(auto policy, RedundancyPolicy::create(*redundancy));
+    made.push_back(std::move(policy));
+  }
+  return made;
+}
+
+Status ForgetOptions::validate() const {
+  for (const auto* list : {&rules, &first})
+    for (const ForgetRule& rule : *list) ENGRAM_RETURN_IF_ERROR(rule.validate());
+  if (!first.empty() && !most_bytes && !least_free_disk_bytes)
+    return invalid_argument("quota: 'first' needs most_bytes or least_free_disk");
+  const auto& younger = protection.younger_than;
+  if (younger && *younger < Duration(0))
+    return invalid_argument("younger_than: found {}, needs 0s or more", to_string(*younger));
+  return {};
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/forgetting/forget_planner.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "ltm/filter/saturated_time.h"
+
+namespace engram::ltm {
+
+namespace {
+
+bool is_sealed(const SnapshotEntry& entry) {
+  return !entry.recorded || entry.recorded->rows > 0;
+}
+
+/// The manifest counts what was forgotten: it may grow by so much.
+constexpr uint64_t kManifestBytes = 4096;
+constexpr uint64_t kManifestBytesPerEntity = 256;
+
+}  // namespace
+
+Status ForgetPlanner::check_stop(const std::string& what, size_t done) {
+  if (context_.progress) context_.progress({what, done, entities_.size(), "", -1});
+  return context_.stop.stop_requested() ? cancelled("the plan was stopped; nothing was changed")
+                                        : Status();
+}
+
+uint16_t ForgetPlanner::reason_number(const std::string& reason) {
+  const auto known = std::ranges::find(reasons_, reason);
+  if (known != reasons_.end()) return static_cast<uint16_t>(known - reasons_.begin());
+  reasons_.push_back(reason);
+  ENGRAM_CHECK(reasons_.size() <= UINT16_MAX, "{} reasons", reasons_.size());
+  return static_cast<uint16_t>(reasons_.size() - 1);
+}
+
+bool ForgetPlanner::may_go(const Entity& entity, size_t snapshot) const {
+  return entity.reason[snapshot] == kStays && !entity.is_protected[snapshot] &&
+         is_sealed((*entity.snapshots)[snapshot]);
+}
+
+Status ForgetPlanner::load(bool is_explicit) {
+  const Time young = protection_.younger_than
+                         ? saturated_add(context_.now, -*protection_.younger_than)
+                         : Time::max();
+  for (const MemoryId& id : source_.store().entities()) {
+    Entity entity{id, nullptr, {}, {}, 0, 0};
+    ENGRAM_ASSIGN_OR_RETURN(entity.snapshots, source_.store().index(id));
+    const size_t count = entity.snapshots->size();
+    const bool is_named = std::ranges::any_of(
+        protection_.entities, [&id](const EntityPattern& pattern) { return pattern.matches(id); });
+    entity.reason.assign(count, kStays);
+    entity.is_protected.assign(count, is_named);
+    for (size_t i = 0; i < count; ++i) {
+      const SnapshotEntry& entry = (*entity.snapshots)[i];
+      entity.unsealed += is_sealed(entry) ? 0 : 1;
+      const bool is_new = count - i <= protection_.newest || entry.time > young;
+      if (is_new && !is_explicit) entity.is_protected[i] = true;
+    }
+    entities_.push_back(std::move(entity));
+  }
+  return {};
+}
+
+Result<ForgetPlanner::Asked> ForgetPlanner::ask(const ForgetRule& rule, const Entity& entity,
+                                                const std::vector<bool>& is_queued) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto policies, rule.policies(context_.now));
+  std::vector<SnapshotEntry> seen;
+  std::vector<size_t> index_of;
+  std::vector<bool> allowed;
+  for (size_t i = 0; i < entity.snapshots->size(); ++i) {
+    if (entity.reason[i] != kStays || (!is_queued.empty() && is_queued[i])) continue;
+    seen.push_back((*entity.snapshots)[i]);
+    index_of.push_back(i);
+    allowed.push_back(may_go(entity, i));
+  }
+  Asked asked;
+  for (const auto& policy : policies) {
+    ENGRAM_ASSIGN_OR_RETURN(asked.proposals, policy->propose(source_, {entity.id, seen, allowed}));
+    asked.reason += (asked.reason.empty() ? "" : ", ") + policy->reason();
+    std::vector<bool> narrowed(allowed.size(), false);
+    for (const ForgetProposal& proposal : asked.proposals) {
+      ENGRAM_CHECK(allowed.at(proposal.snapshot), "'{}' proposed what may not go", asked.reason);
+      narrowed[proposal.snapshot] = true;
+    }
+    allowed = std::move(narrowed);
+  }
+  for (ForgetProposal& proposal : asked.proposals) proposal.snapshot = index_of[proposal.snapshot];
+  return asked;
+}
+
+Status ForgetPlanner::take_by(const ForgetRule& rule) {
+  for (size_t i = 0; i < entities_.size(); ++i) {
+    Entity& entity = entities_[i];
+    if (!rule.match.matches(entity.id)) continue;
+    ENGRAM_RETURN_IF_ERROR(check_stop("plan", i));
+    ENGRAM_ASSIGN_OR_RETURN(const Asked asked, ask(rule, entity, {}));
+    const uint16_t reason = reason_number(asked.reason);
+    for (const ForgetProposal& proposal : asked.proposals)
+      entity.reason[proposal.snapshot] = reason;
+  }
+  return {};
+}
+
+Status ForgetPlanner::take(const ForgetSet& chosen, const std::string& reason) {
+  const uint16_t number = reason_number(reason);
+  for (Entity& entity : entities_) {
+    const auto times = chosen.find(entity.id);
+    if (times == chosen.end()) continue;
+    for (size_t i = 0; i < entity.snapshots->size(); ++i) {
+      if (!times->second.contains((*entity.snapshots)[i].time)) continue;
+      if (may_go(entity, i))
+        entity.reason[i] = number;
+      else if (entity.is_protected[i])
+        ++entity.shielded;
+    }
+  }
+  return {};
+}
+
+Status ForgetPlanner::follow_links(std::vector<std::pair<size_t, size_t>>& waiting) {
+  while (!waiting.empty()) {
+    const auto [e, s] = waiting.back();
+    waiting.pop_back();
+    const Entity& from = entities_[e];
+    ENGRAM_ASSIGN_OR_RETURN(const auto links, source_.links(from.id, (*from.snapshots)[s]));
+    for (const MemoryId& link : links) {
+      const auto to = std::ranges::lower_bound(entities_, link.entity(), {}, &Entity::id);
+      if (to == entities_.end() || to->id != link.entity()) continue;
+      const auto entry =
+          std::ranges::lower_bound(*to->snapshots, *link.time(), {}, &SnapshotEntry::time);
+      if (entry == to->snapshots->end() || entry->time != *link.time()) continue;
+      const auto i = static_cast<size_t>(entry - to->snapshots->begin());
+      to->is_protected[i] = true;
+      if (to->reason[i] == kStays) continue;
+      // It stays after all, and so does what it leads to.
+      to->reason[i] = kStays;
+      ++to->shielded;
+      waiting.emplace_back(static_cast<size_t>(to - entities_.begin()), i);
+    }
+  }
+  return {};
+}
+
+Status ForgetPlanner::protect_linked() {
+  std::vector<std::pair<size_t, size_t>> waiting;
+  for (size_t e = 0; e < entities_.size(); ++e) {
+    ENGRAM_RETURN_IF_ERROR(check_stop("look for links", e));
+    const std::vector<uint16_t> before = entities_[e].reason;
+    for (size_t s = 0; s < before.size(); ++s) {
+      // What is given back meanwhile is followed there and then.
+      if (before[s] != kStays) continue;
+      if (context_.stop.stop_requested()) return check_stop("look for links", e);
+      waiting.emplace_back(e, s);
+      ENGRAM_RETURN_IF_ERROR(follow_links(waiting));
+    }
+  }
+  return {};
+}
+
+FreedBytes ForgetPlanner::freed() const {
+  FreedBytes freed(source_.store().manifest());
+  for (const Entity& entity : entities_)
+    for (const SnapshotEntry& entry : *entity.snapshots) freed.count(entry);
+  for (const Entity& entity : entities_)
+    for (size_t i = 0; i < entity.reason.size(); ++i)
+      if (entity.reason[i] != kStays) freed.take(entity.id, (*entity.snapshots)[i]);
+  return freed;
+}
+
+uint64_t ForgetPlanner::wanted_bytes(const ForgetOptions& options) const {
+  uint64_t wanted = 0;
+  if (options.most_bytes && context_.store_bytes > *options.most_bytes)
+    wanted = context_.store_bytes - *options.most_bytes;
+  if (options.least_free_disk_bytes && context_.free_disk_bytes < *options.least_free_disk_bytes)
+    wanted = std::max(wanted, *options.least_free_disk_bytes - context_.free_disk_bytes);
+  return wanted == 0 ? 0 : wanted + kManifestBytes + kManifestBytesPerEntity * entities_.size();
+}
+
+Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
+    const ForgetRule& rule, size_t rank, std::vector<std::vector<bool>>& is_queued) {
+  std::vector<Candidate> candidates;
+  for (size_t e = 0; e < entities_.size(); ++e) {
+    const Entity& entity = entities_[e];
+    if (!rule.match.matches(entity.id)) continue;
+    ENGRAM_RETURN_IF_ERROR(check_stop("plan", e));
+    ENGRAM_ASSIGN_OR_RETURN(const Asked asked, ask(rule, entity, is_queued[e]));
+    const uint16_t reason = reason_number("quota: " + asked.reason);
+    for (const auto& [snapshot, order] : asked.proposals) {
+      const Time time = (*entity.snapshots)[snapshot].time;
+      candidates.push_back({rank, order, time, e, snapshot, reason});
+      is_queued[e][snapshot] = true;
+    }
+  }
+  std::ranges::sort(candidates, {}, [](const Candidate& each) {
+    return std::tuple(each.order, each.time, each.entity);
+  });
+  return candidates;
+}
+
+Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
+  const uint64_t wanted = wanted_bytes(options);
+  FreedBytes going = freed();
+  std::vector<std::vector<bool>> is_queued;
+  for (const Entity& entity : entities_) is_queued.emplace_back(entity.reason.size(), false);
+  std::vector<ForgetRule> order = options.first;
+  order.emplace_back().age = AgePolicy::Options{};
+  for (size_t rank = 0; rank < order.size() && going.careful() < wanted; ++rank) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto candidates, candidates_of(order[rank], rank, is_queued));
+    for (const Candidate& each : candidates) {
+      if (going.careful() >= wanted) break;
+      Entity& entity = entities_[each.entity];
+      entity.reason[each.snapshot] = each.reason;
+      going.take(entity.id, (*entity.snapshots)[each.snapshot]);
+    }
+  }
+  missing_bytes_ = wanted - std::min(wanted, going.careful());
+  return {};
+}
+
+uint64_t ForgetPlanner::freed_model_bytes(const Entity& entity) const {
+  for (size_t i = 0; i < entity.reason.size(); ++i)
+    if (entity.reason[i] == kStays && (*entity.snapshots)[i].latent) return 0;
+  uint64_t bytes = 0;
+  for (const ModelInfo& model : source_.store().manifest().models)
+    if (model.entity == entity.id) bytes += model.bytes;
+  return bytes;
+}
+
+EntityForgetPlan ForgetPlanner::plan_of(const Entity& entity, const FreedBytes& shares) const {
+  EntityForgetPlan plan;
+  plan.unsealed = entity.unsealed;
+  plan.shielded = entity.shielded;
+  double bytes = 0;
+  for (size_t i = 0; i < entity.reason.size(); ++i) {
+    const SnapshotEntry& entry = (*entity.snapshots)[i];
+    if (entity.reason[i] == kStays) continue;
+    plan.gone.insert(plan.gone.end(), entry.time);
+    ++plan.reasons[reasons_[entity.reason[i]]];
+    bytes += shares.share(entity.id, entry);
+  }
+  plan.stays = entity.reason.size() - plan.gone.size();
+  plan.freed_bytes = static_cast<uint64_t>(bytes);
+  if (!plan.gone.empty()) plan.freed_bytes += freed_model_bytes(entity);
+  return plan;
+}
+
+ForgetPlan ForgetPlanner::finish() const {
+  ForgetPlan plan;
+  const FreedBytes going = freed();
+  plan.freed_bytes = going.expected();
+  plan.store_bytes = context_.store_bytes;
+  plan.free_disk_bytes = context_.free_disk_bytes;
+  plan.missing_bytes = missing_bytes_;
+  for (const Entity& entity : entities_) {
+    plan.entities.emplace(entity.id, plan_of(entity, going));
+    if (!plan.entities.at(entity.id).gone.empty()) plan.freed_bytes += freed_model_bytes(entity);
+  }
+  return plan;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/forgetting/forget_source.h"
+
+#include <algorithm>
+
+#include "ltm/memory/links.h"
+
+namespace engram::ltm {
+
+namespace {
+
+template <typename T>
+double most_confident(const std::vector<T>& instances) {
+  double most = 0;
+  for (const T& instance : instances)
+    most = std::max(most, static_cast<double>(instance.metadata.confidence));
+  return most;
+}
+
+/// Adds what `found` leads to, where that is a snapshot.
+void add_snapshots(const std::vector<Link>& found, std::vector<MemoryId>& ids) {
+  for (const Link& link : found)
+    if (link.id.time()) ids.push_back(link.id.entity().at(*link.id.time()));
+}
+
+}  // namespace
+
+Result<double> ForgetSource::confidence(const MemoryId& entity, const SnapshotEntry& entry) {
+  if (!entry.recorded) {
+    ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latents, store().read_latent(entity, entry));
+    return most_confident(latents.instances);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, store().read_packed(entity, entry));
+  return most_confident(packed.instances);
+}
+
+Result<Snapshot> ForgetSource::read(const MemoryId& entity, const SnapshotEntry& entry) {
+  if (entry.recorded) return store().read_recorded(entity, entry);
+  ENGRAM_ASSIGN_OR_RETURN(const QueryResult answer,
+                          recall_.query(Query::of_entity(entity, select::At{entry.time})));
+  const SnapshotResult* found = answer.find_snapshot(entity.at(entry.time));
+  ENGRAM_CHECK(found != nullptr, "'{}' was listed", entity.at(entry.time).to_string());
+  Snapshot snapshot{entity, entry.time, {}};
+  for (const InstanceResult& instance : found->instances)
+    snapshot.instances.push_back({instance.data, instance.metadata});
+  return snapshot;
+}
+
+Result<std::vector<MemoryId>> ForgetSource::links(const MemoryId& entity,
+                                                  const SnapshotEntry& entry) {
+  std::vector<MemoryId> ids;
+  if (!entry.recorded) {
+    ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latents, store().read_latent(entity, entry));
+    for (const LatentInstance& instance : latents.instances)
+      add_snapshots(find_links(instance.latent.remainder), ids);
+    return ids;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const Snapshot snapshot, store().read_recorded(entity, entry));
+  const idf::Type* type = store().manifest().types.of_entity(entity);
+  for (const Instance& instance : snapshot.instances) {
+    // The guess too: texts that are not typed as links may be ones all the same.
+    add_snapshots(find_links(instance.data), ids);
+    if (type != nullptr) add_snapshots(find_links(instance.data, *type), ids);
+  }
+  return ids;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "ltm/forgetting/plan_forgetting.h"
+
+namespace engram::ltm {
+
+namespace {
+
+/// All that lies below an ID, or its snapshot. Adds nothing where there is none.
+Status add_below(StoreReader& store, const MemoryId& id, ForgetSet& chosen) {
+  for (const MemoryId& entity : store.entities()) {
+    if (!(id.time() ? id.entity() == entity : id.is_prefix_of(entity))) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, store.index(entity));
+    for (const SnapshotEntry& entry : *entries)
+      if (!id.time() || entry.time == *id.time()) chosen[entity].insert(entry.time);
+  }
+  return {};
+}
+
+Status add_answers(Recall& recall, const Query& query, ForgetSet& chosen) {
+  ENGRAM_ASSIGN_OR_RETURN(const Query ids, Query::create(query.memories(), true));
+  ENGRAM_ASSIGN_OR_RETURN(const QueryResult answer, recall.query(ids));
+  for (const EntityResult* entity : answer.entities())
+    for (const SnapshotResult& snapshot : entity->snapshots)
+      if (snapshot.source != Source::kPredicted) chosen[entity->id].insert(snapshot.time);
+  return {};
+}
+
+}  // namespace
+
+Result<ForgetSet> find_forget_targets(Recall& recall, const std::vector<std::string>& texts) {
+  ForgetSet chosen;
+  for (const std::string& text : texts) {
+    ForgetSet named;
+    const auto id = MemoryId::parse(text);
+    // The empty ID is everything: that nobody means by an empty argument.
+    if (id.ok() && id->depth() > 0) ENGRAM_RETURN_IF_ERROR(add_below(recall.store(), *id, named));
+    if (named.empty() && text.find('@') != std::string::npos) {
+      ENGRAM_ASSIGN_OR_RETURN(const Query query, Query::parse(text));
+      ENGRAM_RETURN_IF_ERROR(add_answers(recall, query, named));
+    } else if (!id.ok()) {
+      return id.status();
+    }
+    if (named.empty())
+      return not_found(
+          "store '{}': '{}' names no snapshot; needs a memory ID, or a query with a selector as "
+          "in 'Vision/.*/head/cam @ all'",
+          recall.store().path().string(), text);
+    for (const auto& [entity, times] : named) chosen[entity].insert(times.begin(), times.end());
+  }
+  return chosen;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ltm/filter/similarity_filter.h"
+#include "ltm/forgetting/forget_policy.h"
+
+namespace engram::ltm {
+
+/// Proposes near-duplicates: snapshots similar to the last one that stays, in every member, with
+/// one staying at least every `max_gap`. The older first.
+///
+/// Complexity: decodes every snapshot between the first and the last that may go.
+class RedundancyPolicy final : public ForgetPolicy {
+ public:
+  /// Errors: kInvalidArgument where the options do not validate.
+  static Result<std::unique_ptr<RedundancyPolicy>> create(const SimilarityFilter::Options& options);
+
+  [[nodiscard]] std::string reason() const override { return "redundant"; }
+  Result<std::vector<ForgetProposal>> propose(ForgetSource& source,
+                                              const ForgetView& view) override;
+
+ private:
+  explicit RedundancyPolicy(SimilarityFilter::Options options) : options_(std::move(options)) {}
+
+  SimilarityFilter::Options options_;
+};
+
+}  // namespace engram::ltm
