@@ -186,9 +186,9 @@ entities:
   refuse("{kind: image, codec: png, quality: 3}", HasSubstr("codecs[0].quality"));
 }
 
-/// The fenced YAML blocks of the documentation.
-TEST(RecordingConfig, ReadsTheExamplesOfTheDocumentation) {
-  std::ifstream file(std::string(ENGRAM_SOURCE_DIR) + "/docs/recording.md");
+/// Reads the fenced YAML blocks of a document and counts them.
+int read_examples(const std::string& document) {
+  std::ifstream file(std::string(ENGRAM_SOURCE_DIR) + "/" + document);
   std::stringstream whole;
   whole << file.rdbuf();
   const std::string text = whole.str();
@@ -197,12 +197,16 @@ TEST(RecordingConfig, ReadsTheExamplesOfTheDocumentation) {
        at = text.find("```yaml\n", at)) {
     at += 8;
     const size_t end = text.find("```", at);
-    const auto options = parse_recording_config(text.substr(at, end - at), "docs/recording.md");
-    EXPECT_OK(options);
+    EXPECT_OK(parse_recording_config(text.substr(at, end - at), document));
     at = end + 3;
     ++examples;
   }
-  EXPECT_GE(examples, 3);
+  return examples;
+}
+
+TEST(RecordingConfig, ReadsTheExamplesOfTheDocumentation) {
+  EXPECT_GE(read_examples("docs/recording.md"), 3);
+  EXPECT_GE(read_examples("README.md"), 1);
 }
 
 TEST(RecordingConfig, LeavesTheSectionOnForgettingToOthers) {
