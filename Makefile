@@ -7,12 +7,15 @@ RECORDINGS ?= ../shared/data
 # Time that the demo trains, and the length of a rendered scene.
 DEMO_BUDGET ?= 150s
 DEMO_SECONDS ?= 60
+# Options of the measurements of the store, such as BARS="--seconds 5".
+BARS ?=
 # How long each fuzzer searches.
 SECONDS ?= 600
 # How many recording processes `make crash` kills.
 KILLS ?= 300
 
-.PHONY: help packages build test demo bench crash faults fuzz check-headers clean
+.PHONY: help packages build test demo bench crash faults fuzz check-headers clean \
+        experiments recorder-bars store-scale store-peers
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -22,6 +25,9 @@ help:
 	@echo "make bench   run the benchmarks"
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
+	@echo "make recorder-bars   does the recorder keep up with a robot? (RECORDINGS, BARS=options)"
+	@echo "make store-scale     does a store of ten million snapshots stay quick?"
+	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -54,6 +60,29 @@ crash: build/dev/build.ninja packages
 faults: build/dev/build.ninja packages
 	cmake --build --preset dev --target faults_test
 	TMPDIR=$$(test -d /dev/shm && echo /dev/shm || echo /tmp) ENGRAM_FAULTS_ALL=1 build/dev/bin/faults_test
+
+# Measurements of the store, docs/store_bars.md: a project of its own that uses what is installed.
+experiments: build/store/build.ninja packages
+	cmake --build --preset store
+	cmake --install build/store --prefix build/store/installed > build/store/install.log
+	cmake -S experiments -B build/experiments -G Ninja -DCMAKE_BUILD_TYPE=Release \
+	  -DCMAKE_PREFIX_PATH="$(CURDIR)/build/store/installed"
+	cmake --build build/experiments
+
+# Its stream: pairs NAME.mp4 and NAME.csv below RECORDINGS, else the videos alone, else a scene.
+MEASURE = cd build/experiments && \
+  ENGRAM_RECORDINGS="$(if $(wildcard $(RECORDINGS)),$(abspath $(RECORDINGS)))"
+
+recorder-bars: experiments
+	$(MEASURE) store/recorder_bars --json recorder_bars.json $(BARS)
+
+store-scale: experiments
+	$(MEASURE) store/store_scale --json store_scale.json $(BARS)
+
+store-peers:
+	@cmake/install_packages.sh experiments/packages.txt
+	@$(MAKE) experiments
+	$(MEASURE) store/store_peers --json store_peers.json $(BARS)
 
 # What is found new stays in build/fuzz/found; an input that breaks a parser is named and kept.
 fuzz: packages

@@ -1,16 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs the packages of packages.txt that are missing; does nothing where all are there.
+# Installs the packages of a list that are missing; does nothing where all are there.
+# Usage: install_packages.sh [FILE, from the root of the sources: packages.txt]
 set -eu
 cd "$(dirname "$0")/.."
+list=${1:-packages.txt}
 
 if ! command -v dpkg-query >/dev/null; then
-  echo "engram: this is no Debian system; install the equivalents of packages.txt by hand" >&2
+  echo "engram: this is no Debian system; install the equivalents of $list by hand" >&2
   exit 0
 fi
 
 missing=
-for package in $(sed 's/#.*//' packages.txt); do
+for package in $(sed 's/#.*//' "$list"); do
   state=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
   [ "$state" = "install ok installed" ] || missing="$missing $package"
 done

@@ -21,26 +21,41 @@ constexpr size_t kWorthSearching = 5;
 
 struct ContextFreer {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
+
+// Making a context costs more than a small value takes, so each thread keeps one of each kind. What
+// they give does not depend on what they did before.
+ZSTD_CCtx* compressor() {
+  thread_local const std::unique_ptr<ZSTD_CCtx, ContextFreer> context(ZSTD_createCCtx());
+  ENGRAM_CHECK(context != nullptr, "zstd: no memory");
+  return context.get();
+}
+
+ZSTD_DCtx* decompressor() {
+  thread_local const std::unique_ptr<ZSTD_DCtx, ContextFreer> context(ZSTD_createDCtx());
+  ENGRAM_CHECK(context != nullptr, "zstd: no memory");
+  return context.get();
+}
 
 }  // namespace
 
 std::vector<std::byte> compress_zstd(std::span<const std::byte> bytes, int level) {
   std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
-  const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
+  const size_t size =
+      ZSTD_compressCCtx(compressor(), out.data(), out.size(), bytes.data(), bytes.size(), level);
   ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
   out.resize(size);
   return out;
 }
 
 std::vector<std::byte> compress_residuals(std::span<const std::byte> bytes) {
-  const std::unique_ptr<ZSTD_CCtx, ContextFreer> context(ZSTD_createCCtx());
-  ENGRAM_CHECK(context != nullptr, "zstd: no memory");
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kEntropyOnlyLevel);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_literalCompressionMode, ZSTD_lcm_huffman);
+  ZSTD_CCtx* const context = compressor();
+  ZSTD_CCtx_reset(context, ZSTD_reset_session_and_parameters);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, kEntropyOnlyLevel);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_literalCompressionMode, ZSTD_lcm_huffman);
   std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
-  const size_t size =
-      ZSTD_compress2(context.get(), out.data(), out.size(), bytes.data(), bytes.size());
+  const size_t size = ZSTD_compress2(context, out.data(), out.size(), bytes.data(), bytes.size());
   ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
   out.resize(size);
   if (size > bytes.size() / kWorthSearching) return out;
@@ -58,7 +73,8 @@ Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes,
     return data_loss("zstd frame of {} bytes announces {}: more than it can hold", bytes.size(),
                      announced);
   std::vector<std::byte> out(announced);
-  const size_t size = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
+  const size_t size =
+      ZSTD_decompressDCtx(decompressor(), out.data(), out.size(), bytes.data(), bytes.size());
   if (ZSTD_isError(size) != 0) return data_loss("zstd frame: {}", ZSTD_getErrorName(size));
   if (size != out.size())
     return data_loss("zstd frame: has {} bytes, announced {}", size, announced);

@@ -130,7 +130,9 @@ Status publish_file(const std::filesystem::path& from, const std::filesystem::pa
   return sync_directory(to.parent_path());
 }
 
-Status sync_directory(const std::filesystem::path& directory) {
+Status sync_directory(const std::filesystem::path& path) {
+  // A file that is named without a folder lies in the working one.
+  const std::filesystem::path directory = path.empty() ? "." : path;
   const int fd = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return system_error(directory, "cannot open", errno);
   const int outcome = ::fsync(fd);

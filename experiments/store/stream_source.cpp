@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "store/stream_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "datasets/scene.h"
+#include "datasets/table.h"
+#include "datasets/video_reader.h"
+
+namespace engram::experiments {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Smooth motion, where no table tells of a real one.
+JointRow made_joints(size_t row) {
+  JointRow joints{};
+  for (size_t i = 0; i < kJoints; ++i)
+    joints[i] = std::sin(0.03 * static_cast<double>(row) + static_cast<double>(i));
+  return joints;
+}
+
+struct FoundFiles {
+  std::vector<fs::path> videos;
+  std::map<std::string, fs::path> tables;  ///< By stem.
+};
+
+Result<FoundFiles> find_files(const fs::path& folder) {
+  FoundFiles found;
+  std::error_code error;
+  fs::recursive_directory_iterator entries(folder, error);
+  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
+    const fs::path& path = entries->path();
+    if (path.extension() == ".mp4") found.videos.push_back(path);
+    if (path.extension() == ".csv") found.tables.emplace(path.stem().string(), path);
+  }
+  if (error) return unavailable("recordings '{}': {}", folder.string(), error.message());
+  const auto is_alone = [&](const fs::path& video) {
+    return !found.tables.contains(video.stem().string());
+  };
+  if (!std::ranges::all_of(found.videos, is_alone)) std::erase_if(found.videos, is_alone);
+  std::sort(found.videos.begin(), found.videos.end());
+  if (found.videos.empty())
+    return not_found("recordings '{}': found no *.mp4, needs one or more", folder.string());
+  return found;
+}
+
+Result<std::optional<datasets::Table>> table_of(const FoundFiles& files, const fs::path& video) {
+  const auto at = files.tables.find(video.stem().string());
+  if (at == files.tables.end()) return std::optional<datasets::Table>();
+  datasets::Table::Options options;
+  options.skip_columns = {"frame_index"};
+  ENGRAM_ASSIGN_OR_RETURN(datasets::Table table, datasets::Table::read(at->second, options));
+  return std::optional(std::move(table));
+}
+
+JointRow joints_of(const std::optional<datasets::Table>& table, size_t row) {
+  JointRow joints = made_joints(row);
+  if (!table || row >= table->rows()) return joints;
+  const size_t columns = std::min(kJoints, table->columns().size());
+  for (size_t i = 0; i < columns; ++i) joints[i] = table->columns()[i].values[row];
+  return joints;
+}
+
+Status add_video(const fs::path& video, const std::optional<datasets::Table>& table,
+                 size_t most_frames, StreamSource& source) {
+  datasets::VideoReader::Options options;
+  options.width = 640;
+  options.height = 480;
+  ENGRAM_ASSIGN_OR_RETURN(auto reader, datasets::VideoReader::open(video, options));
+  for (size_t row = 0; source.frames.size() < most_frames; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(auto frame, reader.next());
+    if (!frame) return {};
+    if (row % 2 != 0) continue;
+    source.frames.push_back(std::move(frame->image));
+    source.joints.push_back(joints_of(table, row));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<StreamSource> read_recordings(const fs::path& recordings, size_t most_frames) {
+  ENGRAM_ASSIGN_OR_RETURN(const FoundFiles files, find_files(recordings));
+  StreamSource source;
+  size_t used = 0, with_table = 0;
+  for (const fs::path& video : files.videos) {
+    if (source.frames.size() >= most_frames) break;
+    ENGRAM_ASSIGN_OR_RETURN(const auto table, table_of(files, video));
+    ENGRAM_RETURN_IF_ERROR(add_video(video, table, most_frames, source));
+    used += 1;
+    with_table += table ? 1 : 0;
+  }
+  if (source.frames.size() < 2)
+    return not_found("recordings '{}': found {} frames, needs two", recordings.string(),
+                     source.frames.size());
+  source.description = fmt::format("{} frames of {} recordings, {} of them with joints",
+                                   source.frames.size(), used, with_table);
+  return source;
+}
+
+Result<StreamSource> render_scene(size_t frames) {
+  datasets::SceneOptions options;
+  options.width = 640;
+  options.height = 480;
+  options.rate_hz = 20;
+  options.seconds = static_cast<double>(frames) / options.rate_hz;
+  ENGRAM_ASSIGN_OR_RETURN(const datasets::Scene scene, datasets::Scene::create(options));
+  StreamSource source;
+  for (size_t i = 0; i < scene.frames(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(datasets::SceneFrame frame, scene.render(i));
+    source.frames.push_back(std::move(frame.image));
+    source.joints.push_back(made_joints(i));
+  }
+  source.description = fmt::format("{} frames of a rendered scene, made joints", frames);
+  return source;
+}
+
+Result<StreamSource> load_stream_source(size_t most_frames) {
+  const char* folder = std::getenv("ENGRAM_RECORDINGS");
+  if (folder == nullptr || *folder == '\0') return render_scene(most_frames);
+  return read_recordings(folder, most_frames);
+}
+
+}  // namespace engram::experiments
