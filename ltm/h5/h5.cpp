@@ -180,13 +180,14 @@ struct File::State {
   }
 
   Result<Handle> open_dataset(const std::string& object) const {
-    ENGRAM_RETURN_IF_ERROR(check_exists(object));
     // Callers keep the chunks that they need: HDF5 need not keep them, too.
     const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
     H5Pset_chunk_cache(access, 0, 0, 1.0);
     Handle dataset(H5Dopen2(file, object.c_str(), access), H5Dclose);
-    if (!dataset.valid()) return broken(object, "is no dataset");
-    return dataset;
+    if (dataset.valid()) return dataset;
+    // Looking for it first would cost more than opening it.
+    ENGRAM_RETURN_IF_ERROR(check_exists(object));
+    return broken(object, "is no dataset");
   }
 
   /// The dataset and what is known of it; valid until the next call.
@@ -336,6 +337,7 @@ Result<File> File::open(const std::filesystem::path& path) {
 
 Status File::close() {
   const std::scoped_lock lock(library_mutex());
+  state_->open_datasets.clear();
   if (H5Fflush(state_->file, H5F_SCOPE_GLOBAL) < 0) return state_->write_failed("/");
   if (!state_->file.finish()) return state_->write_failed("/");
   return {};
@@ -436,8 +438,8 @@ Result<std::vector<std::string>> File::list(const std::string& group) const {
 
 Result<DatasetInfo> File::info(const std::string& path) const {
   const std::scoped_lock lock(library_mutex());
-  ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
-  return state_->info(path, dataset);
+  ENGRAM_ASSIGN_OR_RETURN(const State::OpenDataset* opened, state_->kept_open(path));
+  return opened->info;
 }
 
 Result<std::vector<std::byte>> File::read(const std::string& path, Type type,

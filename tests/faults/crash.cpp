@@ -105,7 +105,7 @@ Table run(int kills, uint32_t seed) {
       SessionOptions options{.pause_us = 200,
                              .first = next_index(told, 0),
                              .rounds = 1000,
-                             .consolidate_every = 1 + static_cast<int>(random() % 20)};
+                             .consolidate_every = 1 + static_cast<int>(random() % 5)};
       options.store = {.durability = random() % 2 == 0 ? Durability::kNone : Durability::kEvery,
                        .seal_bytes = 1000 + random() % 20'000,
                        .min_free_bytes = 0};
