@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <set>
 
 #include "ltm/core/file.h"
 #include "ltm/store/publish.h"
@@ -112,8 +113,12 @@ class Session {
     const int version = next_model_version(manifest, entity);
     ENGRAM_ASSIGN_OR_RETURN(const auto file, temporary_file(store_, ".model"));
     ENGRAM_RETURN_IF_ERROR(replace_file(file, as_bytes("weights " + std::to_string(version))));
-    return publish_model(store_, entity, version, file,
-                         example_latents(options_.first, end, version));
+    // A job encodes what is there: nothing that was forgotten.
+    std::vector<LatentSnapshot> latents = example_latents(options_.first, end, version);
+    std::erase_if(latents, [this](const LatentSnapshot& latent) {
+      return forgotten_.contains(latent.time);
+    });
+    return publish_model(store_, entity, version, file, latents);
   }
 
   void compact_segments() {
@@ -129,6 +134,7 @@ class Session {
     begin(kForget);
     const int number = static_cast<int>(index % kEntities);
     tell_({Told::kForgetting, number, index, 0});
+    if (number == 0) forgotten_.insert(example_time(index));
     const ForgetSet gone{{session_entity(number), {example_time(index)}}};
     if (succeeds(forget_snapshots(store_, gone).status()) ||
         succeeds(forget_snapshots(store_, gone).status()))
@@ -158,6 +164,7 @@ class Session {
   const Tell& tell_;
   std::unique_ptr<StoreWriter> writer_;
   int64_t next_ = options_.first;
+  std::set<Time> forgotten_;  ///< Of the first entity.
   bool is_stopped_ = false;
 };
 
