@@ -70,7 +70,9 @@ struct SimilarityFilter::State {
 
   [[nodiscard]] Plan plan_of(const idf::Data& value) const {
     Plan plan;
-    plan.layout = type ? idf::Layout::of(value, *type) : idf::Layout::of(value);
+    // A camera's images have one size, also where the type leaves it free.
+    plan.layout = type ? idf::Layout::of(value, *type, idf::FreeSizes::kOfValue)
+                       : idf::Layout::of(value);
     for (const idf::TensorMember& member : plan.layout.members())
       plan.rule_of.push_back(rule_of(member));
     return plan;

@@ -126,6 +126,20 @@ TEST(SimilarityFilter, ComparesRotationsByAngleWhereATypeTellsOfThem) {
   }
 }
 
+TEST(SimilarityFilter, ComparesImagesWhoseTypeLeavesTheirSizeFree) {
+  auto filter = *SimilarityFilter::create({.images = {Measure::kMse, 30}});
+  FilterRun run(filter);
+  const auto typed = [](double second, uint8_t grey, int64_t side) {
+    Candidate made = candidate(second, idf::Dict{{"image", image(grey, side)}});
+    made.type = idf::Type::object("View", {{"image", idf::Type::image(idf::PixelType::kMono8)}});
+    return made;
+  };
+  EXPECT_TRUE(run.keeps(typed(0, 100, 32)));
+  EXPECT_FALSE(run.keeps(typed(1, 105, 32)));
+  EXPECT_TRUE(run.keeps(typed(2, 140, 32)));
+  EXPECT_TRUE(run.keeps(typed(3, 140, 40))) << "another size is another layout";
+}
+
 TEST(SimilarityFilter, LooksAnewWhereATypeWasDeclared) {
   auto filter = *SimilarityFilter::create({});
   FilterRun run(filter);
