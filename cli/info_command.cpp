@@ -30,12 +30,20 @@ double mean_of(double sum, uint64_t count) {
   return count == 0 ? std::nan("") : sum / static_cast<double>(count);
 }
 
-/// Snapshots per second within recordings: gaps between them do not count.
+/// Snapshots per second within recordings, gaps between them not counted: the median over the
+/// newest ones.
 Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(entity));
+  constexpr size_t kMostSteps = 1000;
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader.timeline(entity));
   std::vector<Duration> steps;
-  for (size_t i = 1; i < entries->size(); ++i)
-    steps.push_back((*entries)[i].time - (*entries)[i - 1].time);
+  std::optional<Time> later = timeline->last();
+  while (later && steps.size() < kMostSteps && *later != *timeline->first()) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry,
+                            timeline->at_or_before(time_from_ns(to_ns(*later) - 1)));
+    if (!entry) break;
+    steps.push_back(*later - entry->time);
+    later = entry->time;
+  }
   if (steps.empty()) return 0.0;
   const auto middle = steps.begin() + static_cast<ptrdiff_t>(steps.size() / 2);
   std::ranges::nth_element(steps, middle);
