@@ -63,7 +63,8 @@ class EntityJob {
     ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader_.index(entity_));
     bool has_news = false;
     for (const ltm::SnapshotEntry& entry : *index) {
-      if (!entry.recorded) continue;
+      // What is not sealed yet is the next night's: it will come after the latents of this one.
+      if (!entry.recorded || entry.recorded->rows == 0) continue;
       entries_.push_back(entry);
       has_news = has_news || !entry.latent;
     }
@@ -133,7 +134,8 @@ class EntityJob {
     report_.model_bytes = std::filesystem::file_size(file.path(), failed);
     if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
     ENGRAM_RETURN_IF_ERROR(
-        ltm::publish_model(reader_.path(), entity_, report_.model_version, file.path(), latents_));
+        ltm::publish_model(reader_.path(), entity_, report_.model_version, file.path(), latents_,
+                           reader_.manifest().first_journal));
     finish();
     return {};
   }

@@ -6,7 +6,7 @@
 #include <stop_token>
 
 #include "ltm/core/progress.h"
-#include "ltm/store/publish.h"
+#include "ltm/store/rewrite.h"
 
 namespace engram::training {
 

@@ -102,6 +102,7 @@ Json to_json(const SegmentInfo& segment) {
           {"kind", segment.kind == SegmentKind::kLatent ? "latent" : "recorded"},
           {"bytes", segment.bytes},
           {"checksum", to_hex(segment.checksum)},
+          {"last_journal", segment.last_journal},
           {"entities", std::move(entities)}};
 }
 
@@ -114,6 +115,7 @@ SegmentInfo segment_from(const Json& json) {
   segment.kind = kind == "latent" ? SegmentKind::kLatent : SegmentKind::kRecorded;
   segment.bytes = json.at("bytes");
   segment.checksum = from_hex(json.at("checksum"));
+  segment.last_journal = json.value("last_journal", uint64_t{0});
   for (const Json& entity : json.at("entities"))
     segment.entities.push_back(segment_entity_from(entity));
   return segment;
@@ -258,6 +260,11 @@ std::string random_store_id() {
 }
 
 }  // namespace
+
+const SegmentEntity* SegmentInfo::find(const MemoryId& entity) const {
+  const auto found = std::ranges::find(entities, entity, &SegmentEntity::id);
+  return found == entities.end() ? nullptr : &*found;
+}
 
 std::string ModelInfo::name() const {
   return fmt::format("{} v{}", entity.to_string(), version);

@@ -46,7 +46,12 @@ struct SegmentInfo {
   SegmentKind kind = SegmentKind::kRecorded;
   uint64_t bytes = 0;
   uint64_t checksum = 0;  ///< XXH3-64 of the file.
+  /// The last journal that anything in a recorded segment came from; 0 where nobody knows.
+  uint64_t last_journal = 0;
   std::vector<SegmentEntity> entities;
+
+  /// Null where the segment has nothing of it.
+  [[nodiscard]] const SegmentEntity* find(const MemoryId& entity) const;
 };
 
 struct ModelInfo {

@@ -22,6 +22,9 @@ namespace engram::ltm {
 
 namespace {
 
+/// A live writer seals now and then while latents are being written.
+constexpr int kPublishAttempts = 20;
+
 /// The name that segment_name and "%2E" made of `text`; nothing where they could not have.
 std::optional<std::string> plain_name(std::string_view text) {
   if (text == "%") return std::string();
@@ -41,11 +44,6 @@ std::optional<std::string> plain_name(std::string_view text) {
   return name;
 }
 
-const SegmentEntity* find_entity(const SegmentInfo& segment, const MemoryId& entity) {
-  const auto found = std::ranges::find(segment.entities, entity, &SegmentEntity::id);
-  return found == segment.entities.end() ? nullptr : &*found;
-}
-
 std::set<Time> times_of(const std::vector<LatentSnapshot>& snapshots) {
   std::set<Time> times;
   for (const LatentSnapshot& snapshot : snapshots) times.insert(snapshot.time);
@@ -58,7 +56,7 @@ Result<std::set<std::string>> superseded_segments(const std::filesystem::path& s
                                                   const std::set<Time>& times) {
   std::set<std::string> files;
   for (const SegmentInfo& segment : manifest.segments) {
-    if (segment.kind != SegmentKind::kLatent || find_entity(segment, entity) == nullptr) continue;
+    if (segment.kind != SegmentKind::kLatent || segment.find(entity) == nullptr) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto reader, SegmentReader::open(store / segment.file));
     ENGRAM_ASSIGN_OR_RETURN(const auto spans, reader->index(entity));
     const auto is_new = [&times](const RowSpan& span) { return times.contains(span.time); };
@@ -69,23 +67,10 @@ Result<std::set<std::string>> superseded_segments(const std::filesystem::path& s
 
 bool is_used(const ModelInfo& model, const Manifest& manifest) {
   return std::ranges::any_of(manifest.segments, [&model](const SegmentInfo& segment) {
-    const SegmentEntity* entity = find_entity(segment, model.entity);
+    const SegmentEntity* entity = segment.find(model.entity);
     return entity != nullptr && segment.kind == SegmentKind::kLatent &&
            entity->latent.model_version == model.version;
   });
-}
-
-/// Fails where a model file of the entity is not what was published.
-Status check_models(const std::filesystem::path& store, const Manifest& manifest,
-                    const MemoryId& entity) {
-  for (const ModelInfo& model : manifest.models) {
-    if (model.entity != entity) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const uint64_t found, checksum_of_file(store / model.file));
-    if (found != model.checksum)
-      return data_loss("store '{}': model file '{}' fails its checksum; nothing was dropped",
-                       store.string(), model.file);
-  }
-  return {};
 }
 
 /// Latents as publish_model needs them.
@@ -109,47 +94,63 @@ Status check_latents(const MemoryId& entity, int version,
   return {};
 }
 
-bool is_dropped(const SnapshotEntry& entry, const std::set<Time>& keep) {
-  return entry.recorded && entry.recorded->rows > 0 && entry.latent && !keep.contains(entry.time);
-}
-
-/// Reads the latents of all that is to be dropped: its recorded form may be the only good copy.
-Status check_before_drop(StoreReader& reader, const MemoryId& entity, const std::set<Time>& keep) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(entity));
-  for (const SnapshotEntry& entry : *entries)
-    if (is_dropped(entry, keep)) ENGRAM_RETURN_IF_ERROR(reader.read_latent(entity, entry).status());
-  return {};
-}
-
-/// A recorded segment without the snapshots of `entity` that have latents.
-struct Rewritten {
-  std::map<MemoryId, RecordedEntity> entities;
-  DropReport report;
-};
-
-Result<Rewritten> without_latent_snapshots(StoreReader& reader, uint32_t segment,
-                                           const MemoryId& entity, const std::set<Time>& keep) {
-  Rewritten rewritten;
-  for (const SegmentEntity& part : reader.manifest().segments[segment].entities) {
-    RecordedEntity& kept = rewritten.entities[part.id];
-    kept.trailing_dropped = part.dropped;
-    kept.trailing_dropped_bytes = part.dropped_bytes;
-    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(part.id));
-    for (const SnapshotEntry& entry : *entries) {
-      if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment)
-        continue;
-      if (part.id == entity && is_dropped(entry, keep)) {
-        ++rewritten.report.snapshots;
-        continue;
-      }
-      ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader.read_packed(part.id, entry));
-      kept.trailing_dropped -= packed.dropped;
-      kept.trailing_dropped_bytes -= packed.dropped_bytes;
-      kept.snapshots.push_back(std::move(packed));
-      rewritten.report.kept += part.id == entity ? 1 : 0;
-    }
+/// Those of `snapshots` that are still what the store has, of which the job can know.
+Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const MemoryId& entity,
+                                                const std::vector<LatentSnapshot>& snapshots,
+                                                uint64_t first_unseen_journal) {
+  std::vector<LatentSnapshot> kept;
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader.timeline(entity));
+  for (const LatentSnapshot& snapshot : snapshots) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_after(snapshot.time));
+    if (!entry || entry->time != snapshot.time) continue;
+    const auto& recorded = entry->recorded;
+    // What is unsealed is sealed behind these latents, and then counts before them.
+    if (recorded && recorded->rows == 0) continue;
+    if (recorded &&
+        reader.manifest().segments[recorded->source].last_journal >= first_unseen_journal)
+      continue;
+    kept.push_back(snapshot);
   }
-  return rewritten;
+  if (!kept.empty()) return kept;
+  return failed_precondition("entity '{}': of {} snapshots none is as it was when the model was made",
+                             entity.to_string(), snapshots.size());
+}
+
+/// Puts a model and its latents into the manifest, where that is still of `generation`. False where
+/// it is not, and nothing was changed.
+Result<bool> publish_latents(const std::filesystem::path& store, uint64_t generation,
+                             const ModelInfo& model, const std::filesystem::path& model_file,
+                             const std::vector<LatentSnapshot>& snapshots) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
+  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_latent_segment(file, model.entity, snapshots));
+  std::vector<std::string> obsolete;
+  bool has_changed = false;
+  const Status status = edit_manifest(store, [&](Manifest& manifest) -> Status {
+    has_changed = manifest.generation != generation;
+    if (has_changed) return cancelled("store '{}' has changed", store.string());
+    if (next_model_version(manifest, model.entity) > model.version)
+      return already_exists("store '{}': model {} exists", store.string(), model.name());
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto superseded,
+        superseded_segments(store, manifest, model.entity, times_of(snapshots)));
+    segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+    ENGRAM_RETURN_IF_ERROR(publish_file(model_file, store / model.file));
+    ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
+    std::erase_if(manifest.segments,
+                  [&](const SegmentInfo& old) { return superseded.contains(old.file); });
+    manifest.segments.push_back(std::move(segment));
+    manifest.models.push_back(model);
+    obsolete =
+        remove_unused_models(manifest, std::vector(superseded.begin(), superseded.end()));
+    return {};
+  });
+  if (has_changed) {
+    ENGRAM_RETURN_IF_ERROR(remove_file(file));
+    return false;
+  }
+  ENGRAM_RETURN_IF_ERROR(status);
+  for (const std::string& old : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / old));
+  return true;
 }
 
 }  // namespace
@@ -219,76 +220,22 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 
 Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
                      const std::filesystem::path& model_file,
-                     const std::vector<LatentSnapshot>& snapshots) {
+                     const std::vector<LatentSnapshot>& snapshots, uint64_t first_unseen_journal) {
   ENGRAM_RETURN_IF_ERROR(check_latents(entity, version, snapshots));
   ModelInfo model{entity, version, model_file_name(entity, version), 0, 0};
   ENGRAM_ASSIGN_OR_RETURN(model.checksum, checksum_of_file(model_file));
   model.bytes = std::filesystem::file_size(model_file);
-  ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
-  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_latent_segment(file, entity, snapshots));
-  std::vector<std::string> obsolete;
-  ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
-    if (next_model_version(manifest, entity) > version)
-      return already_exists("store '{}': model {} exists", store.string(), model.name());
-    ENGRAM_ASSIGN_OR_RETURN(const auto superseded,
-                            superseded_segments(store, manifest, entity, times_of(snapshots)));
-    segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-    ENGRAM_RETURN_IF_ERROR(publish_file(model_file, store / model.file));
-    ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
-    std::erase_if(manifest.segments,
-                  [&](const SegmentInfo& old) { return superseded.contains(old.file); });
-    manifest.segments.push_back(std::move(segment));
-    manifest.models.push_back(model);
-    obsolete.assign(superseded.begin(), superseded.end());
-    std::erase_if(manifest.models, [&](const ModelInfo& old) {
-      if (old.entity != entity || is_used(old, manifest)) return false;
-      obsolete.push_back(old.file);
-      return true;
-    });
-    return {};
-  }));
-  for (const std::string& old : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / old));
-  return {};
-}
-
-Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
-                                 const std::set<Time>& keep) {
-  DropReport total;
-  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
-  ENGRAM_RETURN_IF_ERROR(reader->index(entity).status());
-  ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));
-  ENGRAM_RETURN_IF_ERROR(check_before_drop(*reader, entity, keep));
-  const std::vector<SegmentInfo> segments = reader->manifest().segments;
-  for (uint32_t i = 0; i < segments.size(); ++i) {
-    const SegmentInfo& old = segments[i];
-    if (old.kind != SegmentKind::kRecorded || find_entity(old, entity) == nullptr) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const Rewritten rewritten,
-                            without_latent_snapshots(*reader, i, entity, keep));
-    total.kept += rewritten.report.kept;
-    // Older forms of what is dropped go as well: they would take its place.
-    if (rewritten.report.kept == find_entity(old, entity)->snapshots) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
-    ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(store / old.file));
-    ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
-    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made,
-                            write_recorded_segment(file, rewritten.entities, types));
-    // Raw bytes of what went stay counted: reports compare with what the robot perceived.
-    for (SegmentEntity& part : made.entities) part.raw_bytes = find_entity(old, part.id)->raw_bytes;
-    ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
-      const auto place = std::ranges::find(manifest.segments, old.file, &SegmentInfo::file);
-      if (place == manifest.segments.end())
-        return failed_precondition("store '{}': segment '{}' went while it was rewritten",
-                                   store.string(), old.file);
-      made.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-      ENGRAM_RETURN_IF_ERROR(publish_file(file, store / made.file));
-      total.freed_bytes += old.bytes - std::min(old.bytes, made.bytes);
-      *place = std::move(made);
-      return {};
-    }));
-    total.snapshots += rewritten.report.snapshots;
-    ENGRAM_RETURN_IF_ERROR(remove_file(store / old.file));
+  for (int attempt = 0; attempt < kPublishAttempts; ++attempt) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+    ENGRAM_ASSIGN_OR_RETURN(const auto kept,
+                            still_there(*reader, entity, snapshots, first_unseen_journal));
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_published,
+                            publish_latents(store, reader->manifest().generation, model,
+                                            model_file, kept));
+    if (is_published) return {};
   }
-  return total;
+  return unavailable("store '{}': changed {} times while model {} was being published",
+                     store.string(), kPublishAttempts, model.name());
 }
 
 }  // namespace engram::ltm

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,23 +37,16 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 /// Older latents of the same times are superseded; models that no latent names any more go.
 ///
 /// `model_file` is moved into the store. `snapshots` increase in time, all of version `version`.
+/// They were made of what journals before `first_unseen_journal` had sealed (Manifest::first_journal
+/// of the generation that was read): latents of what was forgotten since then, or recorded anew, are
+/// left out.
 /// Errors: kAlreadyExists where the version is taken; kInvalidArgument where `snapshots` are empty
-/// or not as said; kNotFound where there is no `model_file`; kUnavailable, kResourceExhausted.
+/// or not as said; kFailedPrecondition where none of them is left; kNotFound where there is no
+/// `model_file`; kUnavailable, kResourceExhausted.
 /// Threading: runs beside a live writer.
 Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
                      const std::filesystem::path& model_file,
-                     const std::vector<LatentSnapshot>& snapshots);
-
-struct DropReport {
-  uint64_t snapshots = 0;
-  uint64_t freed_bytes = 0;
-  uint64_t kept = 0;  ///< Sealed snapshots whose recorded form stays.
-};
-
-/// Drops the recorded form of every sealed snapshot of `entity` that has latents and is not among
-/// `keep`. The model files are checked and the latents read first.
-/// Errors: kNotFound, kDataLoss, kUnavailable, kResourceExhausted.
-Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
-                                 const std::set<Time>& keep);
+                     const std::vector<LatentSnapshot>& snapshots,
+                     uint64_t first_unseen_journal = UINT64_MAX);
 
 }  // namespace engram::ltm

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ltm/core/file.h"
+#include "ltm/store/checksum.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_writer.h"
@@ -13,10 +14,13 @@ namespace engram::ltm {
 
 namespace {
 
-const SegmentEntity* find_entity(const SegmentInfo& segment, const MemoryId& entity) {
-  const auto found = std::ranges::find(segment.entities, entity, &SegmentEntity::id);
-  return found == segment.entities.end() ? nullptr : &*found;
-}
+/// What becomes of a recorded snapshot when its segment is written anew.
+enum class Fate {
+  kKeep,
+  kDrop,    ///< Its latents stay: reports go on counting it.
+  kForget,  ///< It goes altogether.
+};
+using FateOf = std::function<Fate(const MemoryId&, const SnapshotEntry&)>;
 
 /// Puts `made`, already written to `file`, in the place of segments that are there now; the files
 /// of these go. Nothing in `made`: they go alone.
@@ -57,16 +61,18 @@ struct Merged {
   /// Something was left out, be it forgotten or replaced by an update.
   bool has_less = false;
 
+  /// True where nothing is left to be stored or counted.
   [[nodiscard]] bool empty() const {
-    return std::ranges::all_of(entities, [](const auto& entity) {
-      return entity.second.snapshots.empty() && entity.second.trailing_dropped == 0;
+    return std::ranges::all_of(entities, [this](const auto& entity) {
+      return entity.second.snapshots.empty() && entity.second.trailing_dropped == 0 &&
+             raw_bytes.at(entity.first) == 0;
     });
   }
 };
 
 class Merger {
  public:
-  Merger(StoreReader& reader, const ForgetSet& gone) : reader_(reader), gone_(gone) {}
+  Merger(StoreReader& reader, const FateOf& fate_of) : reader_(reader), fate_of_(fate_of) {}
 
   Status add(uint32_t segment) {
     for (const SegmentEntity& part : reader_.manifest().segments[segment].entities) {
@@ -95,13 +101,14 @@ class Merger {
 
   Status add_snapshots(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
     ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader_.index(id));
-    const auto forget = gone_.find(id);
-    uint64_t left = find_entity(reader_.manifest().segments[segment], id)->snapshots;
+    uint64_t left = reader_.manifest().segments[segment].find(id)->snapshots;
     for (const SnapshotEntry& entry : *entries) {
       if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment)
         continue;
+      const Fate fate = fate_of_(id, entry);
+      if (fate == Fate::kDrop) continue;
       ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_packed(id, entry));
-      if (forget != gone_.end() && forget->second.contains(entry.time)) {
+      if (fate == Fate::kForget) {
         note_gone(id, packed);
         continue;
       }
@@ -129,7 +136,7 @@ class Merger {
   }
 
   StoreReader& reader_;
-  const ForgetSet& gone_;
+  const FateOf& fate_of_;
   Merged merged_;
 };
 
@@ -146,11 +153,11 @@ void add_sums(Manifest& manifest, const std::map<MemoryId, ForgottenSums>& gone)
 /// Writes recorded segments anew as one.
 class Rewriter {
  public:
-  Rewriter(std::filesystem::path store, StoreReader& reader, const ForgetSet& gone)
-      : store_(std::move(store)), reader_(reader), gone_(gone) {}
+  Rewriter(std::filesystem::path store, StoreReader& reader, FateOf fate_of)
+      : store_(std::move(store)), reader_(reader), fate_of_(std::move(fate_of)) {}
 
   Status rewrite(const std::vector<uint32_t>& numbers, RewriteReport& report) {
-    Merger merger(reader_, gone_);
+    Merger merger(reader_, fate_of_);
     std::vector<SegmentInfo> old;
     for (const uint32_t number : numbers) {
       ENGRAM_RETURN_IF_ERROR(merger.add(number));
@@ -163,6 +170,8 @@ class Rewriter {
     if (!merged.empty()) {
       ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store_, ".h5"));
       ENGRAM_ASSIGN_OR_RETURN(made, write(file, merged, old.back()));
+      for (const SegmentInfo& segment : old)
+        made->last_journal = std::max(made->last_journal, segment.last_journal);
     }
     ENGRAM_RETURN_IF_ERROR(replace_segments(store_, old, made, file, [&](Manifest& manifest) {
       add_sums(manifest, merged.gone);
@@ -192,7 +201,7 @@ class Rewriter {
 
   std::filesystem::path store_;
   StoreReader& reader_;
-  const ForgetSet& gone_;
+  FateOf fate_of_;
 };
 
 /// Runs of recorded segments that can become one. Latents between them end a run: what is recorded
@@ -283,11 +292,43 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
 
 bool holds_any(const SegmentInfo& segment, const ForgetSet& gone) {
   return std::ranges::any_of(gone, [&segment](const auto& entry) {
-    const SegmentEntity* part = find_entity(segment, entry.first);
+    const SegmentEntity* part = segment.find(entry.first);
     if (part == nullptr || part->snapshots == 0) return false;
     const auto first = entry.second.lower_bound(part->first);
     return first != entry.second.end() && *first <= part->last;
   });
+}
+
+/// Fails where a model file of the entity is not what was published.
+Status check_models(const std::filesystem::path& store, const Manifest& manifest,
+                    const MemoryId& entity) {
+  for (const ModelInfo& model : manifest.models) {
+    if (model.entity != entity) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t found, checksum_of_file(store / model.file));
+    if (found != model.checksum)
+      return data_loss("store '{}': model file '{}' fails its checksum; nothing was dropped",
+                       store.string(), model.file);
+  }
+  return {};
+}
+
+bool is_dropped(const SnapshotEntry& entry, const std::set<Time>& keep) {
+  return entry.recorded && entry.recorded->rows > 0 && entry.latent && !keep.contains(entry.time);
+}
+
+/// Counts what is dropped and what stays, and reads the latents of the former: their recorded form
+/// may be the only good copy.
+Result<DropReport> check_before_drop(StoreReader& reader, const MemoryId& entity,
+                                     const std::set<Time>& keep) {
+  DropReport report;
+  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(entity));
+  for (const SnapshotEntry& entry : *entries) {
+    if (!entry.recorded || entry.recorded->rows == 0) continue;
+    const bool is_to_go = is_dropped(entry, keep);
+    ++(is_to_go ? report.snapshots : report.kept);
+    if (is_to_go) ENGRAM_RETURN_IF_ERROR(reader.read_latent(entity, entry).status());
+  }
+  return report;
 }
 
 }  // namespace
@@ -314,8 +355,8 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
     for (uint32_t n = 0; n < reader->manifest().segments.size(); ++n)
       if (std::ranges::find(files, reader->manifest().segments[n].file) != files.end())
         numbers.push_back(n);
-    const ForgetSet nothing;
-    ENGRAM_RETURN_IF_ERROR(Rewriter(store, *reader, nothing).rewrite(numbers, report));
+    Rewriter rewriter(store, *reader, [](const auto&, const auto&) { return Fate::kKeep; });
+    ENGRAM_RETURN_IF_ERROR(rewriter.rewrite(numbers, report));
     report.is_cancelled = stop.stop_requested();
   }
   return report;
@@ -326,6 +367,10 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
   RewriteReport report;
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
   const auto& segments = reader->manifest().segments;
+  Rewriter rewriter(store, *reader, [&gone](const MemoryId& id, const SnapshotEntry& entry) {
+    const auto times = gone.find(id);
+    return times != gone.end() && times->second.contains(entry.time) ? Fate::kForget : Fate::kKeep;
+  });
   // Latents first: without them the recorded form still is whole, the other way round a moment
   // that was forgotten would live on as latents.
   for (const SegmentKind kind : {SegmentKind::kLatent, SegmentKind::kRecorded}) {
@@ -335,10 +380,30 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
       if (kind == SegmentKind::kLatent)
         ENGRAM_RETURN_IF_ERROR(rewrite_latents(store, *reader, i, gone, report).status());
       else
-        ENGRAM_RETURN_IF_ERROR(Rewriter(store, *reader, gone).rewrite({i}, report));
+        ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, report));
       report.is_cancelled = stop.stop_requested();
     }
   }
+  return report;
+}
+
+Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
+                                 const std::set<Time>& keep) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+  ENGRAM_RETURN_IF_ERROR(reader->timeline(entity).status());
+  ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));
+  ENGRAM_ASSIGN_OR_RETURN(DropReport report, check_before_drop(*reader, entity, keep));
+  if (report.snapshots == 0) return report;
+  Rewriter rewriter(store, *reader, [&](const MemoryId& id, const SnapshotEntry& entry) {
+    return id == entity && is_dropped(entry, keep) ? Fate::kDrop : Fate::kKeep;
+  });
+  RewriteReport rewritten;
+  const auto& segments = reader->manifest().segments;
+  // In the order of the list: older forms go before the newer ones whose place they would take.
+  for (uint32_t i = 0; i < segments.size(); ++i)
+    if (segments[i].kind == SegmentKind::kRecorded && segments[i].find(entity) != nullptr)
+      ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, rewritten));
+  report.freed_bytes = rewritten.freed_bytes();
   return report;
 }
 

@@ -34,6 +34,18 @@ struct CompactOptions {
   [[nodiscard]] Status validate() const;
 };
 
+struct DropReport {
+  uint64_t snapshots = 0;
+  uint64_t freed_bytes = 0;
+  uint64_t kept = 0;  ///< Sealed snapshots whose recorded form stays.
+};
+
+/// Drops the recorded form of every sealed snapshot of `entity` that has latents and is not among
+/// `keep`. The model files are checked and the latents read first.
+/// Errors: kNotFound, kDataLoss, kUnavailable, kResourceExhausted.
+Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
+                                 const std::set<Time>& keep);
+
 /// Moments that are to be forgotten.
 using ForgetSet = std::map<MemoryId, std::set<Time>>;
 

@@ -67,6 +67,7 @@ Status publish_segment(const std::filesystem::path& store, const std::filesystem
                           write_recorded_segment(file, content.entities, job.types));
   return edit_manifest(store, [&](Manifest& manifest) -> Status {
     segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+    segment.last_journal = job.journals.back();
     ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
     manifest.segments.push_back(std::move(segment));
     manifest.first_journal = job.journals.back() + 1;

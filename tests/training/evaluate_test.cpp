@@ -7,6 +7,7 @@
 
 #include "ltm/recording/recorder.h"
 #include "ltm/store/publish.h"
+#include "ltm/store/rewrite.h"
 #include "tests/training/moving_scene.h"
 #include "training/consolidate.h"
 

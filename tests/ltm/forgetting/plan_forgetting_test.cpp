@@ -2,6 +2,7 @@
 #include "ltm/forgetting/plan_forgetting.h"
 
 #include "ltm/store/publish.h"
+#include "ltm/store/rewrite.h"
 #include "tests/ltm/forgetting/forget_fixture.h"
 
 namespace engram::ltm {
@@ -213,9 +214,16 @@ TEST_F(PlanForgetting, WhatIsChosenIsKeptByProtectedEntitiesAndLinksOnly) {
 }
 
 TEST_F(PlanForgetting, ALatentNeedsItsModelOnlyWhereItsValueIsAskedFor) {
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (int64_t i = 0; i < 4; ++i)
+      ASSERT_OK(writer->append({packed_example(i, example_entity())}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
   const auto model = *temporary_file(store_, ".model");
   overwrite_file(model, as_bytes("weights"));
   ASSERT_OK(publish_model(store_, example_entity(), 1, model, example_latents(0, 4, 1)));
+  ASSERT_OK(drop_recorded(store_, example_entity(), {}));
   now_ = example_time(1000);
   const auto made = plan(all_old());
   ASSERT_OK(made);

@@ -4,6 +4,7 @@
 #include "ltm/core/file.h"
 #include "ltm/idf/binary.h"
 #include "ltm/store/publish.h"
+#include "ltm/store/rewrite.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"

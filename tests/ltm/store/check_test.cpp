@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "ltm/store/journal.h"
+#include "ltm/store/rewrite.h"
 #include "tests/ltm/store/full_store.h"
 
 namespace engram::ltm {

@@ -27,7 +27,7 @@ class ManifestTest : public ::testing::Test {
     SegmentEntity entity{
         example_entity("a/b \\ ü"), 10, 20, example_time(0), example_time(9), 1000, 500, 3, 90, {}};
     entity.latent = {2, 20, 640.25, 1.5, 19, 0.125};
-    return {"segments/000001.h5", SegmentKind::kLatent, 1234, 0xfedcba9876543210u, {entity}};
+    return {"segments/000001.h5", SegmentKind::kLatent, 1234, 0xfedcba9876543210u, 7, {entity}};
   }
 
   ScratchDirectory scratch_;
@@ -63,6 +63,7 @@ TEST_F(ManifestTest, GivesBackWhatWasWritten) {
   ASSERT_EQ(read->segments.size(), 1u);
   EXPECT_EQ(read->segments[0].kind, SegmentKind::kLatent);
   EXPECT_EQ(read->segments[0].checksum, segment.checksum);
+  EXPECT_EQ(read->segments[0].last_journal, segment.last_journal);
   EXPECT_EQ(read->segments[0].bytes, segment.bytes);
   ASSERT_EQ(read->segments[0].entities.size(), 1u);
   const SegmentEntity& entity = read->segments[0].entities[0];

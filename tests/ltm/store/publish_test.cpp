@@ -2,45 +2,12 @@
 #include "ltm/store/publish.h"
 
 #include "ltm/core/file.h"
-#include "ltm/store/store_reader.h"
-#include "ltm/store/store_writer.h"
-#include "tests/ltm/expect_status.h"
-#include "tests/ltm/scratch_directory.h"
-#include "tests/ltm/store/example_snapshots.h"
+#include "tests/ltm/store/publish_fixture.h"
 
 namespace engram::ltm {
 namespace {
 
-class PublishTest : public ::testing::Test {
- protected:
-  PublishTest() : store_(scratch_ / "store") { EXPECT_OK(create_store(store_)); }
-
-  /// Snapshots [first, end) of the entity, sealed as one segment.
-  void record(int64_t first, int64_t end, const MemoryId& entity = example_entity()) {
-    const auto writer = *StoreWriter::open(store_, {});
-    for (int64_t i = first; i < end; ++i)
-      ASSERT_OK(writer->append({packed_example(i, entity)}, nullptr));
-    ASSERT_OK(writer->seal());
-  }
-
-  Status publish(int version, const std::vector<LatentSnapshot>& latents,
-                 const MemoryId& entity = example_entity()) {
-    const auto file = temporary_file(store_, ".model");
-    const std::string text = "weights " + std::to_string(version) + " of " + entity.to_string();
-    EXPECT_OK(replace_file(*file, as_bytes(text)));
-    return publish_model(store_, entity, version, *file, latents);
-  }
-
-  std::unique_ptr<StoreReader> open() { return *StoreReader::open(store_); }
-
-  [[nodiscard]] size_t files_in(const char* folder) const {
-    return static_cast<size_t>(
-        std::distance(std::filesystem::directory_iterator(store_ / folder), {}));
-  }
-
-  ScratchDirectory scratch_;
-  std::filesystem::path store_;
-};
+using PublishTest = PublishFixture;
 
 TEST_F(PublishTest, AddsLatentsBesideTheRecordedForm) {
   record(0, 10);
@@ -110,6 +77,53 @@ TEST_F(PublishTest, RefusesWhatContradictsItself) {
   EXPECT_EQ(files_in("models"), 1u);
 }
 
+TEST_F(PublishTest, LeavesOutWhatWasForgottenWhileTheModelWasMade) {
+  record(0, 6);
+  const uint64_t unseen = read_manifest(store_)->first_journal;
+  ASSERT_OK(forget_snapshots(store_, {{example_entity(), {example_time(2)}}}));
+  ASSERT_OK(publish(1, example_latents(0, 6, 1), example_entity(), unseen));
+  const auto reader = open();
+  EXPECT_EQ((*reader->index(example_entity()))->size(), 5u);
+  EXPECT_EQ(reader->summary(example_entity())->latent_snapshots, 5u);
+}
+
+TEST_F(PublishTest, LeavesOutWhatWasUpdatedWhileTheModelWasMade) {
+  record(0, 6);
+  const uint64_t unseen = read_manifest(store_)->first_journal;
+  Snapshot update = example_snapshot(example_entity(), 77);
+  update.time = example_time(3);
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    ASSERT_OK(writer->append({pack_snapshot(update)}, nullptr));
+    ASSERT_OK(writer->seal());
+    ASSERT_OK(writer->append({packed_example(4)}, nullptr));
+  }
+  // Joined: the update now lies in one segment with what the job has read.
+  ASSERT_OK(compact(store_, {}));
+  EXPECT_FAILS(publish(1, example_latents(0, 6, 1), example_entity(), unseen),
+               StatusCode::kFailedPrecondition, "none is as it was");
+  const uint64_t seen_all = read_manifest(store_)->first_journal;
+  ASSERT_OK(publish(1, example_latents(0, 6, 1), example_entity(), seen_all));
+  EXPECT_EQ(open()->summary(example_entity())->latent_snapshots, 5u) << "one is not sealed";
+}
+
+TEST_F(PublishTest, NeverLetsLatentsTakeThePlaceOfALaterUpdate) {
+  record(0, 6);
+  const uint64_t unseen = read_manifest(store_)->first_journal;
+  Snapshot update = example_snapshot(example_entity(), 77);
+  update.time = example_time(3);
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    ASSERT_OK(writer->append({pack_snapshot(update)}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  ASSERT_OK(publish(1, example_latents(0, 6, 1), example_entity(), unseen));
+  EXPECT_EQ(drop_recorded(store_, example_entity(), {})->snapshots, 5u);
+  const auto left = read_all(*open(), example_entity());
+  ASSERT_OK(left);
+  EXPECT_EQ(*left, std::vector<Snapshot>{update});
+}
+
 TEST_F(PublishTest, KeepsModelsOfEntitiesApart) {
   const MemoryId one = *MemoryId::from_names({"a.b", "c", "d", "e"});
   const MemoryId two = *MemoryId::from_names({"a", "b.c", "d", "e"});
@@ -122,116 +136,6 @@ TEST_F(PublishTest, KeepsModelsOfEntitiesApart) {
   EXPECT_NE(manifest->models[0].file, manifest->models[1].file);
   ASSERT_OK(drop_recorded(store_, one, {}));
   ASSERT_OK(drop_recorded(store_, two, {}));
-}
-
-TEST_F(PublishTest, DropsOnlyWhatHasLatents) {
-  record(0, 6);
-  record(6, 12);
-  record(0, 5, example_entity("other"));
-  ASSERT_OK(publish(1, example_latents(0, 9, 1)));
-  const auto before = open()->summary(example_entity());
-  const auto report = drop_recorded(store_, example_entity(), {});
-  ASSERT_OK(report);
-  EXPECT_EQ(report->snapshots, 9u);
-  EXPECT_EQ(report->kept, 3u);
-  const auto reader = open();
-  const auto summary = reader->summary(example_entity());
-  ASSERT_OK(summary);
-  EXPECT_EQ(summary->snapshots, 12u);
-  EXPECT_EQ(summary->recorded_snapshots, 3u);
-  EXPECT_EQ(summary->latent_snapshots, 9u);
-  EXPECT_EQ(summary->raw_bytes, before->raw_bytes);
-  EXPECT_EQ(summary->offered, before->offered);
-  EXPECT_EQ(summary->offered_bytes, before->offered_bytes);
-  const auto kept = read_all(*reader, example_entity());
-  ASSERT_OK(kept);
-  for (int64_t i = 9; i < 12; ++i)
-    EXPECT_EQ((*kept)[static_cast<size_t>(i - 9)], example_snapshot(example_entity(), i));
-  EXPECT_EQ(read_all(*reader, example_entity("other"))->size(), 5u);
-  EXPECT_EQ(files_in("segments"), reader->manifest().segments.size());
-  // Once more: nothing is left to drop.
-  EXPECT_EQ(drop_recorded(store_, example_entity(), {})->snapshots, 0u);
-}
-
-TEST_F(PublishTest, DropsNothingThatIsToBeKept) {
-  record(0, 6);
-  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
-  const auto report = drop_recorded(store_, example_entity(), {example_time(2), example_time(4)});
-  ASSERT_OK(report);
-  EXPECT_EQ(report->snapshots, 4u);
-  EXPECT_EQ(report->kept, 2u);
-  const auto kept = read_all(*open(), example_entity());
-  ASSERT_EQ(kept->size(), 2u);
-  EXPECT_EQ((*kept)[1], example_snapshot(example_entity(), 4));
-}
-
-TEST_F(PublishTest, DropsAWholeEntity) {
-  record(0, 6);
-  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
-  ASSERT_OK(drop_recorded(store_, example_entity(), {}));
-  {
-    const auto writer = *StoreWriter::open(store_, {});
-    EXPECT_EQ(writer->last_time(example_entity()), example_time(5));
-    ASSERT_OK(writer->append({packed_example(6)}, nullptr));
-    ASSERT_OK(writer->seal());
-  }
-  const auto reader = open();
-  const auto summary = reader->summary(example_entity());
-  EXPECT_EQ(summary->snapshots, 7u);
-  EXPECT_EQ(summary->recorded_snapshots, 1u);
-  for (const SnapshotEntry& entry : *reader->index(example_entity()).value())
-    if (entry.latent) {
-      EXPECT_OK(reader->read_latent(example_entity(), entry));
-    }
-}
-
-TEST_F(PublishTest, KeepsCountsOfWhatFiltersDropped) {
-  {
-    const auto writer = *StoreWriter::open(store_, {});
-    for (int64_t i = 0; i < 6; ++i) {
-      PackedSnapshot packed = packed_example(i);
-      packed.dropped = 2;
-      packed.dropped_bytes = 20;
-      ASSERT_OK(writer->append({packed}, nullptr));
-    }
-    ASSERT_OK(writer->append_dropped(example_entity(), 1, 7));
-    ASSERT_OK(writer->seal());
-  }
-  ASSERT_OK(publish(1, example_latents(0, 4, 1)));
-  const auto before = open()->summary(example_entity());
-  ASSERT_OK(drop_recorded(store_, example_entity(), {}));
-  const auto after = open()->summary(example_entity());
-  EXPECT_EQ(after->offered, 6u + 13u);
-  EXPECT_EQ(after->offered, before->offered);
-  EXPECT_EQ(after->offered_bytes, before->offered_bytes);
-}
-
-TEST_F(PublishTest, DropsNothingWhereLatentsAreDamaged) {
-  record(0, 100);
-  record(100, 200);
-  ASSERT_OK(publish(1, example_latents(0, 200, 1)));
-  const auto manifest = read_manifest(store_);
-  const std::filesystem::path file = store_ / manifest->segments.back().file;
-  const Buffer whole = *read_file(file);
-  // The codes lie as they are: the last one's bytes are found near their like.
-  const LatentSnapshot last = example_latent(199, 1);
-  const auto code = last.instances[0].latent.code.bytes();
-  const size_t at = as_text(whole.bytes()).rfind(as_text(code));
-  ASSERT_NE(at, std::string_view::npos);
-  std::vector<std::byte> damaged(whole.bytes().begin(), whole.bytes().end());
-  damaged[at] ^= std::byte{1};
-  ASSERT_OK(replace_file(file, damaged));
-  EXPECT_FAILS(drop_recorded(store_, example_entity(), {}), StatusCode::kDataLoss, "checksum");
-  EXPECT_EQ(open()->summary(example_entity())->recorded_snapshots, 200u);
-}
-
-TEST_F(PublishTest, DropsNothingWhereTheModelIsDamaged) {
-  record(0, 6);
-  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
-  ASSERT_OK(replace_file(store_ / read_manifest(store_)->models[0].file, as_bytes("damaged")));
-  EXPECT_FAILS(drop_recorded(store_, example_entity(), {}), StatusCode::kDataLoss, "checksum");
-  EXPECT_EQ(open()->summary(example_entity())->recorded_snapshots, 6u);
-  EXPECT_FAILS(drop_recorded(store_, example_entity("none"), {}), StatusCode::kNotFound, "none");
 }
 
 TEST_F(PublishTest, TellsOpenReadersThatASegmentWasReplaced) {
