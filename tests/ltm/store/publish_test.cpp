@@ -159,10 +159,11 @@ TEST(ModelFile, TellsItsEntityAndVersion) {
     EXPECT_EQ(model->version, 12);
     EXPECT_EQ(model->file, model_file_name(entity, 12));
   }
-  for (const char* name : {"", "models/", "models/a.b.c.v1.h5", "models/a.b.c.d.v0.h5",
-                           "models/a.b.c.d.1.h5", "models/a.b.c.d.v1.h5.new", "a.b.c.d.v1.h5",
-                           "models/a.b.c.%.v1.h5", "models/a.b.c.%2.v1.h5", "models/a.b.c.%zz.v1.h5",
-                           "models/a.b.c.d.v99999999999.h5", "models/a.b.c.%41.v1.h5"})
+  for (const char* name :
+       {"", "models/", "models/a.b.c.v1.h5", "models/a.b.c.d.v0.h5", "models/a.b.c.d.1.h5",
+        "models/a.b.c.d.v1.h5.new", "a.b.c.d.v1.h5", "models/a.b.c.%.v1.h5",
+        "models/a.b.c.%2.v1.h5", "models/a.b.c.%zz.v1.h5", "models/a.b.c.d.v99999999999.h5",
+        "models/a.b.c.%41.v1.h5"})
     EXPECT_FALSE(model_of_file(name)) << name;
 }
 

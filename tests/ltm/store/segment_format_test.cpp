@@ -29,8 +29,8 @@ TEST(SegmentFormat, GivesDifferentNamesDifferentPaths) {
 TEST(SegmentFormat, ReadsTheNumberOfAFile) {
   EXPECT_EQ(segment_number("segments/000012.h5"), 12u);
   EXPECT_EQ(segment_number("1234567.h5"), 1234567u);
-  for (const char* file : {"", "segments/", "x.h5", "12", "12.h5.new", "-1.h5",
-                           "99999999999999999999.h5"})
+  for (const char* file :
+       {"", "segments/", "x.h5", "12", "12.h5.new", "-1.h5", "99999999999999999999.h5"})
     EXPECT_EQ(segment_number(file), 0u) << file;
 }
 

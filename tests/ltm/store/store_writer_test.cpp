@@ -180,8 +180,8 @@ TEST_F(StoreWriterTest, RefusesOptionsThatCannotWork) {
                "seal_bytes");
   EXPECT_FAILS(StoreWriter::open(store_, {.sync_interval = Duration(0)}),
                StatusCode::kInvalidArgument, "sync_interval");
-  EXPECT_FAILS(StoreWriter::open(store_, {.max_waiting_journals = 0}),
-               StatusCode::kInvalidArgument, "max_waiting_journals");
+  EXPECT_FAILS(StoreWriter::open(store_, {.max_waiting_journals = 0}), StatusCode::kInvalidArgument,
+               "max_waiting_journals");
 }
 
 TEST_F(StoreWriterTest, RefusesWhatCouldNotBeSealed) {

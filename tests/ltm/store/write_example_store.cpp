@@ -29,8 +29,8 @@ Snapshot robot_snapshot(int64_t index) {
 
 idf::Type robot_type() {
   using idf::Type;
-  const Type joints = Type::object("Joints", {{"a/b", Type::float64({"rad"})},
-                                              {"elbow", Type::float64({"rad"})}});
+  const Type joints =
+      Type::object("Joints", {{"a/b", Type::float64({"rad"})}, {"elbow", Type::float64({"rad"})}});
   return Type::object("Robot", {{"image", Type::image(idf::PixelType::kRgb24)},
                                 {"joints", joints},
                                 {"count", Type::int64()},
