@@ -22,7 +22,7 @@ void print_entity(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
   print(id.to_string());
   if (!plan.gone.empty())
     print(fmt::format("  goes   {} snapshots, {} to {}, about {}", count_text(plan.gone.size()),
-                      to_string(*plan.gone.begin()), to_string(*plan.gone.rbegin()),
+                      to_string(plan.gone.front()), to_string(plan.gone.back()),
                       size_text(plan.freed_bytes)));
   for (const auto& [reason, count] : plan.reasons)
     print(fmt::format("         {} {}", count_text(count), reason));

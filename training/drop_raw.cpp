@@ -2,7 +2,6 @@
 #include "training/drop_raw.h"
 
 #include <cmath>
-#include <set>
 
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
@@ -50,7 +49,7 @@ Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::
   ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(store));
   ltm::Recall recall(std::move(reader), encoders::load_model);
   ENGRAM_ASSIGN_OR_RETURN(const auto* entries, recall.store().index(entity));
-  std::set<Time> keep;
+  TimeSet keep;
   for (size_t i = 0; i < entries->size(); ++i) {
     const ltm::SnapshotEntry& entry = (*entries)[i];
     if (stop.stop_requested()) return cancelled("dropping raw data of '{}'", entity.to_string());

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 
 #include "ltm/store/rewrite.h"
@@ -12,7 +11,7 @@ namespace engram::ltm {
 
 /// What would go of one entity.
 struct EntityForgetPlan {
-  std::set<Time> gone;
+  TimeSet gone;
   /// How many of them for which reason; each counts once.
   std::map<std::string, uint64_t> reasons;
   uint64_t freed_bytes = 0;  ///< An estimate, see ForgetPlan::freed_bytes.

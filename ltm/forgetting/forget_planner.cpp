@@ -10,9 +10,8 @@ namespace engram::ltm {
 
 namespace {
 
-bool is_sealed(const SnapshotEntry& entry) {
-  return !entry.recorded || entry.recorded->rows > 0;
-}
+/// Snapshots that policies see at a time.
+constexpr size_t kPartSnapshots = 1 << 16;
 
 /// The manifest counts what was forgotten: it may grow by so much.
 constexpr uint64_t kManifestBytes = 4096;
@@ -36,7 +35,7 @@ uint16_t ForgetPlanner::reason_number(const std::string& reason) {
 
 bool ForgetPlanner::may_go(const Entity& entity, size_t snapshot) const {
   return entity.reason[snapshot] == kStays && !entity.is_protected[snapshot] &&
-         is_sealed((*entity.snapshots)[snapshot]);
+         entity.places[snapshot].is_sealed();
 }
 
 Status ForgetPlanner::load(bool is_explicit) {
@@ -44,17 +43,21 @@ Status ForgetPlanner::load(bool is_explicit) {
                          ? saturated_add(context_.now, -*protection_.younger_than)
                          : Time::max();
   for (const MemoryId& id : source_.store().entities()) {
-    Entity entity{id, nullptr, {}, {}, 0, 0};
-    ENGRAM_ASSIGN_OR_RETURN(entity.snapshots, source_.store().index(id));
-    const size_t count = entity.snapshots->size();
+    Entity entity{id, {}, {}, {}, {}, 0, 0};
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, source_.store().timeline(id));
+    ENGRAM_RETURN_IF_ERROR(timeline->for_each([&entity](const SnapshotEntry& entry) {
+      entity.times.push_back(entry.time);
+      entity.places.push_back(SnapshotPlaces::of(entry));
+      return Status();
+    }));
+    const size_t count = entity.times.size();
     const bool is_named = std::ranges::any_of(
         protection_.entities, [&id](const EntityPattern& pattern) { return pattern.matches(id); });
     entity.reason.assign(count, kStays);
     entity.is_protected.assign(count, is_named);
     for (size_t i = 0; i < count; ++i) {
-      const SnapshotEntry& entry = (*entity.snapshots)[i];
-      entity.unsealed += is_sealed(entry) ? 0 : 1;
-      const bool is_new = count - i <= protection_.newest || entry.time > young;
+      entity.unsealed += entity.places[i].is_sealed() ? 0 : 1;
+      const bool is_new = count - i <= protection_.newest || entity.times[i] > young;
       if (is_new && !is_explicit) entity.is_protected[i] = true;
     }
     entities_.push_back(std::move(entity));
@@ -62,31 +65,57 @@ Status ForgetPlanner::load(bool is_explicit) {
   return {};
 }
 
-Result<ForgetPlanner::Asked> ForgetPlanner::ask(const ForgetRule& rule, const Entity& entity,
-                                                const std::vector<bool>& is_queued) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto policies, rule.policies(context_.now));
-  std::vector<SnapshotEntry> seen;
-  std::vector<size_t> index_of;
-  std::vector<bool> allowed;
-  for (size_t i = 0; i < entity.snapshots->size(); ++i) {
-    if (entity.reason[i] != kStays || (!is_queued.empty() && is_queued[i])) continue;
-    seen.push_back((*entity.snapshots)[i]);
-    index_of.push_back(i);
-    allowed.push_back(may_go(entity, i));
-  }
-  Asked asked;
+Result<std::vector<ForgetProposal>> ForgetPlanner::propose(
+    ForgetSource& source, const std::vector<std::unique_ptr<ForgetPolicy>>& policies,
+    const MemoryId& id, std::span<const SnapshotEntry> snapshots, std::vector<bool> allowed) {
+  std::vector<ForgetProposal> proposals;
   for (const auto& policy : policies) {
-    ENGRAM_ASSIGN_OR_RETURN(asked.proposals, policy->propose(source_, {entity.id, seen, allowed}));
-    asked.reason += (asked.reason.empty() ? "" : ", ") + policy->reason();
+    ENGRAM_ASSIGN_OR_RETURN(proposals, policy->propose(source, {id, snapshots, allowed}));
     std::vector<bool> narrowed(allowed.size(), false);
-    for (const ForgetProposal& proposal : asked.proposals) {
-      ENGRAM_CHECK(allowed.at(proposal.snapshot), "'{}' proposed what may not go", asked.reason);
+    for (const ForgetProposal& proposal : proposals) {
+      ENGRAM_CHECK(allowed.at(proposal.snapshot), "'{}' proposed what may not go",
+                   policy->reason());
       narrowed[proposal.snapshot] = true;
     }
     allowed = std::move(narrowed);
   }
-  for (ForgetProposal& proposal : asked.proposals) proposal.snapshot = index_of[proposal.snapshot];
-  return asked;
+  return proposals;
+}
+
+Status ForgetPlanner::ask(const ForgetRule& rule, const Entity& entity,
+                          const std::vector<bool>& is_queued,
+                          const std::function<void(const ForgetProposal&)>& take) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto policies, rule.policies(context_.now));
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, source_.store().timeline(entity.id));
+  std::vector<SnapshotEntry> seen;
+  std::vector<size_t> index_of;
+  std::vector<bool> allowed;
+  const auto ask_part = [&]() -> Status {
+    ENGRAM_ASSIGN_OR_RETURN(const auto proposals,
+                            propose(source_, policies, entity.id, seen, allowed));
+    for (const auto& [snapshot, order] : proposals) take({index_of[snapshot], order});
+    seen.clear();
+    index_of.clear();
+    allowed.clear();
+    return {};
+  };
+  size_t next = 0;
+  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&](const SnapshotEntry& entry) -> Status {
+    const size_t i = next++;
+    if (entity.reason[i] != kStays || (!is_queued.empty() && is_queued[i])) return {};
+    seen.push_back(entry);
+    index_of.push_back(i);
+    allowed.push_back(may_go(entity, i));
+    return seen.size() < kPartSnapshots ? Status() : ask_part();
+  }));
+  return ask_part();
+}
+
+Result<uint16_t> ForgetPlanner::reason_of(const ForgetRule& rule, const std::string& prefix) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto policies, rule.policies(context_.now));
+  std::string text;
+  for (const auto& policy : policies) text += (text.empty() ? "" : ", ") + policy->reason();
+  return reason_number(prefix + text);
 }
 
 Status ForgetPlanner::take_by(const ForgetRule& rule) {
@@ -94,10 +123,12 @@ Status ForgetPlanner::take_by(const ForgetRule& rule) {
     Entity& entity = entities_[i];
     if (!rule.match.matches(entity.id)) continue;
     ENGRAM_RETURN_IF_ERROR(check_stop("plan", i));
-    ENGRAM_ASSIGN_OR_RETURN(const Asked asked, ask(rule, entity, {}));
-    const uint16_t reason = reason_number(asked.reason);
-    for (const ForgetProposal& proposal : asked.proposals)
-      entity.reason[proposal.snapshot] = reason;
+    ENGRAM_ASSIGN_OR_RETURN(const uint16_t reason, reason_of(rule, ""));
+    std::vector<size_t> taken;
+    ENGRAM_RETURN_IF_ERROR(ask(rule, entity, {}, [&taken](const ForgetProposal& proposal) {
+      taken.push_back(proposal.snapshot);
+    }));
+    for (const size_t snapshot : taken) entity.reason[snapshot] = reason;
   }
   return {};
 }
@@ -107,8 +138,8 @@ Status ForgetPlanner::take(const ForgetSet& chosen, const std::string& reason) {
   for (Entity& entity : entities_) {
     const auto times = chosen.find(entity.id);
     if (times == chosen.end()) continue;
-    for (size_t i = 0; i < entity.snapshots->size(); ++i) {
-      if (!times->second.contains((*entity.snapshots)[i].time)) continue;
+    for (size_t i = 0; i < entity.times.size(); ++i) {
+      if (!times->second.contains(entity.times[i])) continue;
       if (may_go(entity, i))
         entity.reason[i] = number;
       else if (entity.is_protected[i])
@@ -118,19 +149,27 @@ Status ForgetPlanner::take(const ForgetSet& chosen, const std::string& reason) {
   return {};
 }
 
+Result<SnapshotEntry> ForgetPlanner::entry(const Entity& entity, size_t snapshot) {
+  const Time time = entity.times[snapshot];
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, source_.store().timeline(entity.id));
+  ENGRAM_ASSIGN_OR_RETURN(const auto found, timeline->at_or_after(time));
+  if (found && found->time == time) return *found;
+  return data_loss("'{}' was there and is not", entity.id.at(time).to_string());
+}
+
 Status ForgetPlanner::follow_links(std::vector<std::pair<size_t, size_t>>& waiting) {
   while (!waiting.empty()) {
     const auto [e, s] = waiting.back();
     waiting.pop_back();
     const Entity& from = entities_[e];
-    ENGRAM_ASSIGN_OR_RETURN(const auto links, source_.links(from.id, (*from.snapshots)[s]));
+    ENGRAM_ASSIGN_OR_RETURN(const SnapshotEntry place, entry(from, s));
+    ENGRAM_ASSIGN_OR_RETURN(const auto links, source_.links(from.id, place));
     for (const MemoryId& link : links) {
       const auto to = std::ranges::lower_bound(entities_, link.entity(), {}, &Entity::id);
       if (to == entities_.end() || to->id != link.entity()) continue;
-      const auto entry =
-          std::ranges::lower_bound(*to->snapshots, *link.time(), {}, &SnapshotEntry::time);
-      if (entry == to->snapshots->end() || entry->time != *link.time()) continue;
-      const auto i = static_cast<size_t>(entry - to->snapshots->begin());
+      const auto time = std::ranges::lower_bound(to->times, *link.time());
+      if (time == to->times.end() || *time != *link.time()) continue;
+      const auto i = static_cast<size_t>(time - to->times.begin());
       to->is_protected[i] = true;
       if (to->reason[i] == kStays) continue;
       // It stays after all, and so does what it leads to.
@@ -161,10 +200,10 @@ Status ForgetPlanner::protect_linked() {
 FreedBytes ForgetPlanner::freed() const {
   FreedBytes freed(source_.store().manifest());
   for (const Entity& entity : entities_)
-    for (const SnapshotEntry& entry : *entity.snapshots) freed.count(entry);
+    for (const SnapshotPlaces& places : entity.places) freed.count(places);
   for (const Entity& entity : entities_)
     for (size_t i = 0; i < entity.reason.size(); ++i)
-      if (entity.reason[i] != kStays) freed.take(entity.id, (*entity.snapshots)[i]);
+      if (entity.reason[i] != kStays) freed.take(entity.id, entity.places[i]);
   return freed;
 }
 
@@ -178,22 +217,20 @@ uint64_t ForgetPlanner::wanted_bytes(const ForgetOptions& options) const {
 }
 
 Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
-    const ForgetRule& rule, size_t rank, std::vector<std::vector<bool>>& is_queued) {
+    const ForgetRule& rule, std::vector<std::vector<bool>>& is_queued) {
   std::vector<Candidate> candidates;
-  for (size_t e = 0; e < entities_.size(); ++e) {
+  for (uint32_t e = 0; e < entities_.size(); ++e) {
     const Entity& entity = entities_[e];
     if (!rule.match.matches(entity.id)) continue;
     ENGRAM_RETURN_IF_ERROR(check_stop("plan", e));
-    ENGRAM_ASSIGN_OR_RETURN(const Asked asked, ask(rule, entity, is_queued[e]));
-    const uint16_t reason = reason_number("quota: " + asked.reason);
-    for (const auto& [snapshot, order] : asked.proposals) {
-      const Time time = (*entity.snapshots)[snapshot].time;
-      candidates.push_back({rank, order, time, e, snapshot, reason});
-      is_queued[e][snapshot] = true;
-    }
+    const size_t before = candidates.size();
+    ENGRAM_RETURN_IF_ERROR(ask(rule, entity, is_queued[e], [&](const ForgetProposal& proposal) {
+      candidates.push_back({proposal.order, e, static_cast<uint32_t>(proposal.snapshot)});
+    }));
+    for (size_t i = before; i < candidates.size(); ++i) is_queued[e][candidates[i].snapshot] = true;
   }
-  std::ranges::sort(candidates, {}, [](const Candidate& each) {
-    return std::tuple(each.order, each.time, each.entity);
+  std::ranges::sort(candidates, {}, [this](const Candidate& each) {
+    return std::tuple(each.order, entities_[each.entity].times[each.snapshot], each.entity);
   });
   return candidates;
 }
@@ -206,12 +243,13 @@ Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
   std::vector<ForgetRule> order = options.first;
   order.emplace_back().age = AgePolicy::Options{};
   for (size_t rank = 0; rank < order.size() && going.careful() < wanted; ++rank) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto candidates, candidates_of(order[rank], rank, is_queued));
+    ENGRAM_ASSIGN_OR_RETURN(const uint16_t reason, reason_of(order[rank], "quota: "));
+    ENGRAM_ASSIGN_OR_RETURN(const auto candidates, candidates_of(order[rank], is_queued));
     for (const Candidate& each : candidates) {
       if (going.careful() >= wanted) break;
       Entity& entity = entities_[each.entity];
-      entity.reason[each.snapshot] = each.reason;
-      going.take(entity.id, (*entity.snapshots)[each.snapshot]);
+      entity.reason[each.snapshot] = reason;
+      going.take(entity.id, entity.places[each.snapshot]);
     }
   }
   missing_bytes_ = wanted - std::min(wanted, going.careful());
@@ -220,7 +258,7 @@ Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
 
 uint64_t ForgetPlanner::freed_model_bytes(const Entity& entity) const {
   for (size_t i = 0; i < entity.reason.size(); ++i)
-    if (entity.reason[i] == kStays && (*entity.snapshots)[i].latent) return 0;
+    if (entity.reason[i] == kStays && entity.places[i].has_latents()) return 0;
   uint64_t bytes = 0;
   for (const ModelInfo& model : source_.store().manifest().models)
     if (model.entity == entity.id) bytes += model.bytes;
@@ -233,11 +271,10 @@ EntityForgetPlan ForgetPlanner::plan_of(const Entity& entity, const FreedBytes& 
   plan.shielded = entity.shielded;
   double bytes = 0;
   for (size_t i = 0; i < entity.reason.size(); ++i) {
-    const SnapshotEntry& entry = (*entity.snapshots)[i];
     if (entity.reason[i] == kStays) continue;
-    plan.gone.insert(plan.gone.end(), entry.time);
+    plan.gone.insert(entity.times[i]);
     ++plan.reasons[reasons_[entity.reason[i]]];
-    bytes += shares.share(entity.id, entry);
+    bytes += shares.share(entity.id, entity.places[i]);
   }
   plan.stays = entity.reason.size() - plan.gone.size();
   plan.freed_bytes = static_cast<uint64_t>(bytes);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,9 +40,11 @@ class ForgetPlanner {
  private:
   static constexpr uint16_t kStays = 0;
 
+  /// The snapshots of one, in the order of time: of ten million, little of each.
   struct Entity {
     MemoryId id;
-    const std::vector<SnapshotEntry>* snapshots = nullptr;
+    std::vector<Time> times;
+    std::vector<SnapshotPlaces> places;
     std::vector<bool> is_protected;
     std::vector<uint16_t> reason;  ///< Per snapshot: kStays, or an index into reasons_.
     uint64_t unsealed = 0;
@@ -50,30 +53,31 @@ class ForgetPlanner {
 
   /// One that a quota may take.
   struct Candidate {
-    size_t rank = 0;  ///< Of the rule that proposes it.
     double order = 0;
-    Time time{};
-    size_t entity = 0;
-    size_t snapshot = 0;
-    uint16_t reason = 0;
+    uint32_t entity = 0;
+    uint32_t snapshot = 0;
   };
 
-  /// What a rule proposes of an entity: indices into its snapshots, with their order. Those that
-  /// went, and those that `is_queued`, are not seen.
-  struct Asked {
-    std::vector<ForgetProposal> proposals;
-    std::string reason;
-  };
-  Result<Asked> ask(const ForgetRule& rule, const Entity& entity,
-                    const std::vector<bool>& is_queued);
+  /// Asks a rule which snapshots of an entity may go: `take` gets their indices and order. Those
+  /// that went, and those that `is_queued`, it does not see.
+  Status ask(const ForgetRule& rule, const Entity& entity, const std::vector<bool>& is_queued,
+             const std::function<void(const ForgetProposal&)>& take);
+
+  /// What its plans say of a rule.
+  Result<uint16_t> reason_of(const ForgetRule& rule, const std::string& prefix);
+
+  static Result<std::vector<ForgetProposal>> propose(
+      ForgetSource& source, const std::vector<std::unique_ptr<ForgetPolicy>>& policies,
+      const MemoryId& id, std::span<const SnapshotEntry> snapshots, std::vector<bool> allowed);
 
   Status check_stop(const std::string& what, size_t done);
   uint16_t reason_number(const std::string& reason);
   [[nodiscard]] bool may_go(const Entity& entity, size_t snapshot) const;
   [[nodiscard]] uint64_t wanted_bytes(const ForgetOptions& options) const;
-  Result<std::vector<Candidate>> candidates_of(const ForgetRule& rule, size_t rank,
+  Result<std::vector<Candidate>> candidates_of(const ForgetRule& rule,
                                                std::vector<std::vector<bool>>& is_queued);
   Status follow_links(std::vector<std::pair<size_t, size_t>>& waiting);
+  Result<SnapshotEntry> entry(const Entity& entity, size_t snapshot);
   [[nodiscard]] FreedBytes freed() const;
   [[nodiscard]] uint64_t freed_model_bytes(const Entity& entity) const;
   [[nodiscard]] EntityForgetPlan plan_of(const Entity& entity, const FreedBytes& shares) const;

@@ -13,7 +13,7 @@ namespace engram::ltm {
 /// One entity as a policy sees it.
 struct ForgetView {
   MemoryId entity;
-  /// All snapshots that no earlier rule takes, in the order of time.
+  /// Snapshots that no earlier rule takes, in the order of time: a part of them.
   std::span<const SnapshotEntry> snapshots;
   /// For each of them, whether it may be proposed: not protected, sealed, and proposed by the
   /// policies before this one in the same rule.
@@ -28,6 +28,7 @@ struct ForgetProposal {
 
 /// Says which snapshots of one entity may go, why, and which of them first. Changes nothing.
 ///
+/// It is made anew for every entity, and sees its snapshots part after part.
 /// Threading: one thread.
 /// Source: docs/forgetting.md.
 class ForgetPolicy {

@@ -11,9 +11,13 @@ namespace {
 Status add_below(StoreReader& store, const MemoryId& id, ForgetSet& chosen) {
   for (const MemoryId& entity : store.entities()) {
     if (!(id.time() ? id.entity() == entity : id.is_prefix_of(entity))) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, store.index(entity));
-    for (const SnapshotEntry& entry : *entries)
-      if (!id.time() || entry.time == *id.time()) chosen[entity].insert(entry.time);
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store.timeline(entity));
+    const auto choose = [&](const SnapshotEntry& entry) {
+      chosen[entity].insert(entry.time);
+      return Status();
+    };
+    ENGRAM_RETURN_IF_ERROR(id.time() ? timeline->for_each(*id.time(), *id.time(), choose)
+                                     : timeline->for_each(choose));
   }
   return {};
 }
@@ -47,7 +51,7 @@ Result<ForgetSet> find_forget_targets(Recall& recall, const std::vector<std::str
           "store '{}': '{}' names no snapshot; needs a memory ID, or a query with a selector as "
           "in 'Vision/.*/head/cam @ all'",
           recall.store().path().string(), text);
-    for (const auto& [entity, times] : named) chosen[entity].insert(times.begin(), times.end());
+    for (const auto& [entity, times] : named) chosen[entity].insert_all(times);
   }
   return chosen;
 }

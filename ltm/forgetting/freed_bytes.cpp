@@ -18,6 +18,14 @@ double careful_part(double shares) {
 
 }  // namespace
 
+SnapshotPlaces SnapshotPlaces::of(const SnapshotEntry& entry) {
+  SnapshotPlaces places;
+  if (entry.recorded)
+    places.recorded = entry.recorded->rows > 0 ? entry.recorded->source : kJournal;
+  if (entry.latent) places.latent = entry.latent->source;
+  return places;
+}
+
 FreedBytes::FreedBytes(const Manifest& manifest) {
   segments_.resize(manifest.segments.size());
   for (size_t i = 0; i < segments_.size(); ++i) {
@@ -29,9 +37,9 @@ FreedBytes::FreedBytes(const Manifest& manifest) {
   }
 }
 
-void FreedBytes::count(const SnapshotEntry& entry) {
-  if (entry.recorded && entry.recorded->rows > 0) ++segments_[entry.recorded->source].left;
-  if (entry.latent) ++segments_[entry.latent->source].left;
+void FreedBytes::count(const SnapshotPlaces& places) {
+  if (places.has_recorded_segment()) ++segments_[places.recorded].left;
+  if (places.has_latents()) ++segments_[places.latent].left;
 }
 
 double FreedBytes::share_in(uint32_t segment, const MemoryId& entity) const {
@@ -39,10 +47,10 @@ double FreedBytes::share_in(uint32_t segment, const MemoryId& entity) const {
   return each == segments_[segment].each.end() ? 0 : each->second;
 }
 
-double FreedBytes::share(const MemoryId& entity, const SnapshotEntry& entry) const {
+double FreedBytes::share(const MemoryId& entity, const SnapshotPlaces& places) const {
   double bytes = 0;
-  if (entry.recorded && entry.recorded->rows > 0) bytes += share_in(entry.recorded->source, entity);
-  if (entry.latent) bytes += share_in(entry.latent->source, entity);
+  if (places.has_recorded_segment()) bytes += share_in(places.recorded, entity);
+  if (places.has_latents()) bytes += share_in(places.latent, entity);
   return bytes;
 }
 
@@ -56,9 +64,9 @@ void FreedBytes::take_from(uint32_t number, const MemoryId& entity) {
   careful_ = std::max(0.0, careful_ + careful_part(segment.shares) - careful_part(before));
 }
 
-void FreedBytes::take(const MemoryId& entity, const SnapshotEntry& entry) {
-  if (entry.recorded && entry.recorded->rows > 0) take_from(entry.recorded->source, entity);
-  if (entry.latent) take_from(entry.latent->source, entity);
+void FreedBytes::take(const MemoryId& entity, const SnapshotPlaces& places) {
+  if (places.has_recorded_segment()) take_from(places.recorded, entity);
+  if (places.has_latents()) take_from(places.latent, entity);
 }
 
 }  // namespace engram::ltm

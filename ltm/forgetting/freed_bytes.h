@@ -10,6 +10,21 @@
 
 namespace engram::ltm {
 
+/// The segments that hold one snapshot, in 8 bytes: plans remember them of every snapshot.
+struct SnapshotPlaces {
+  static constexpr uint32_t kNowhere = UINT32_MAX;
+  static constexpr uint32_t kJournal = UINT32_MAX - 1;
+
+  uint32_t recorded = kNowhere;
+  uint32_t latent = kNowhere;
+
+  [[nodiscard]] static SnapshotPlaces of(const SnapshotEntry& entry);
+
+  [[nodiscard]] bool is_sealed() const { return recorded != kJournal; }
+  [[nodiscard]] bool has_recorded_segment() const { return recorded < kJournal; }
+  [[nodiscard]] bool has_latents() const { return latent != kNowhere; }
+};
+
 /// Estimates what forgetting frees, snapshot by snapshot.
 ///
 /// Threading: one thread.
@@ -19,10 +34,10 @@ class FreedBytes {
   explicit FreedBytes(const Manifest& manifest);
 
   /// Tells of a snapshot that is there, before any goes.
-  void count(const SnapshotEntry& entry);
+  void count(const SnapshotPlaces& places);
 
   /// A counted snapshot goes.
-  void take(const MemoryId& entity, const SnapshotEntry& entry);
+  void take(const MemoryId& entity, const SnapshotPlaces& places);
 
   /// A segment that goes whole frees its file; of others each snapshot its share.
   [[nodiscard]] uint64_t expected() const { return exact_ + static_cast<uint64_t>(shares_); }
@@ -32,7 +47,7 @@ class FreedBytes {
   [[nodiscard]] uint64_t careful() const { return exact_ + static_cast<uint64_t>(careful_); }
 
   /// The share of one snapshot.
-  [[nodiscard]] double share(const MemoryId& entity, const SnapshotEntry& entry) const;
+  [[nodiscard]] double share(const MemoryId& entity, const SnapshotPlaces& places) const;
 
  private:
   struct Segment {

@@ -20,9 +20,15 @@ class RedundancyPolicy final : public ForgetPolicy {
                                               const ForgetView& view) override;
 
  private:
-  explicit RedundancyPolicy(SimilarityFilter::Options options) : options_(std::move(options)) {}
+  explicit RedundancyPolicy(SimilarityFilter filter) : filter_(std::move(filter)) {}
 
-  SimilarityFilter::Options options_;
+  /// True where it is similar to what was offered before.
+  Result<bool> offer(ForgetSource& source, const MemoryId& entity, const SnapshotEntry& entry);
+
+  SimilarityFilter filter_;
+  bool has_begun_ = false;
+  /// What must stay, since the last one that may go.
+  std::vector<SnapshotEntry> staying_;
 };
 
 }  // namespace engram::ltm

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 #include <optional>
-#include <set>
 
 #include "ltm/core/file.h"
+#include "ltm/core/time_set.h"
 #include "ltm/recall/access_table.h"
 
 namespace engram::ltm {
@@ -63,7 +63,7 @@ class AccessLog {
 /// Killed at any moment, nothing is lost or counted twice.
 /// Errors: kUnavailable, kResourceExhausted.
 Status merge_accesses(const std::filesystem::path& store,
-                      const std::map<MemoryId, std::set<Time>>& gone = {});
+                      const std::map<MemoryId, TimeSet>& gone = {});
 
 /// The same where many files or bytes have gathered; costs a look into the folder elsewhere.
 Status merge_grown_accesses(const std::filesystem::path& store);

@@ -100,24 +100,31 @@ class Merger {
   using Entities = std::map<MemoryId, RecordedEntity>;
 
   Status add_snapshots(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader_.index(id));
-    uint64_t left = reader_.manifest().segments[segment].find(id)->snapshots;
-    for (const SnapshotEntry& entry : *entries) {
-      if (!entry.recorded || entry.recorded->rows == 0 || entry.recorded->source != segment)
-        continue;
-      const Fate fate = fate_of_(id, entry);
-      if (fate == Fate::kDrop) continue;
-      ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_packed(id, entry));
-      if (fate == Fate::kForget) {
-        note_gone(id, packed);
-        continue;
-      }
-      kept.trailing_dropped -= packed.dropped;
-      kept.trailing_dropped_bytes -= packed.dropped_bytes;
-      kept.snapshots.push_back(std::move(packed));
-      --left;
+    const SegmentEntity& part = *reader_.manifest().segments[segment].find(id);
+    if (part.snapshots == 0) return {};
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader_.timeline(id));
+    const size_t before = kept.snapshots.size();
+    ENGRAM_RETURN_IF_ERROR(
+        timeline->for_each(part.first, part.last, [&](const SnapshotEntry& entry) -> Status {
+          const auto& recorded = entry.recorded;
+          if (!recorded || recorded->rows == 0 || recorded->source != segment) return {};
+          return add_snapshot(id, entry, kept);
+        }));
+    merged_.has_less = merged_.has_less || kept.snapshots.size() - before < part.snapshots;
+    return {};
+  }
+
+  Status add_snapshot(const MemoryId& id, const SnapshotEntry& entry, RecordedEntity& kept) {
+    const Fate fate = fate_of_(id, entry);
+    if (fate == Fate::kDrop) return {};
+    ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_packed(id, entry));
+    if (fate == Fate::kForget) {
+      note_gone(id, packed);
+      return {};
     }
-    merged_.has_less = merged_.has_less || left > 0;
+    kept.trailing_dropped -= packed.dropped;
+    kept.trailing_dropped_bytes -= packed.dropped_bytes;
+    kept.snapshots.push_back(std::move(packed));
     return {};
   }
 
@@ -173,9 +180,8 @@ class Rewriter {
       for (const SegmentInfo& segment : old)
         made->last_journal = std::max(made->last_journal, segment.last_journal);
     }
-    ENGRAM_RETURN_IF_ERROR(replace_segments(store_, old, made, file, [&](Manifest& manifest) {
-      add_sums(manifest, merged.gone);
-    }));
+    ENGRAM_RETURN_IF_ERROR(replace_segments(
+        store_, old, made, file, [&](Manifest& manifest) { add_sums(manifest, merged.gone); }));
     for (const SegmentInfo& segment : old) report.bytes_before += segment.bytes;
     report.segments_before += old.size();
     report.segments_after += made ? 1 : 0;
@@ -294,8 +300,7 @@ bool holds_any(const SegmentInfo& segment, const ForgetSet& gone) {
   return std::ranges::any_of(gone, [&segment](const auto& entry) {
     const SegmentEntity* part = segment.find(entry.first);
     if (part == nullptr || part->snapshots == 0) return false;
-    const auto first = entry.second.lower_bound(part->first);
-    return first != entry.second.end() && *first <= part->last;
+    return entry.second.has_any_in(part->first, part->last);
   });
 }
 
@@ -312,22 +317,22 @@ Status check_models(const std::filesystem::path& store, const Manifest& manifest
   return {};
 }
 
-bool is_dropped(const SnapshotEntry& entry, const std::set<Time>& keep) {
+bool is_dropped(const SnapshotEntry& entry, const TimeSet& keep) {
   return entry.recorded && entry.recorded->rows > 0 && entry.latent && !keep.contains(entry.time);
 }
 
 /// Counts what is dropped and what stays, and reads the latents of the former: their recorded form
 /// may be the only good copy.
 Result<DropReport> check_before_drop(StoreReader& reader, const MemoryId& entity,
-                                     const std::set<Time>& keep) {
+                                     const TimeSet& keep) {
   DropReport report;
-  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(entity));
-  for (const SnapshotEntry& entry : *entries) {
-    if (!entry.recorded || entry.recorded->rows == 0) continue;
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader.timeline(entity));
+  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&](const SnapshotEntry& entry) -> Status {
+    if (!entry.recorded || entry.recorded->rows == 0) return {};
     const bool is_to_go = is_dropped(entry, keep);
     ++(is_to_go ? report.snapshots : report.kept);
-    if (is_to_go) ENGRAM_RETURN_IF_ERROR(reader.read_latent(entity, entry).status());
-  }
+    return is_to_go ? reader.read_latent(entity, entry).status() : Status();
+  }));
   return report;
 }
 
@@ -388,7 +393,7 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
 }
 
 Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
-                                 const std::set<Time>& keep) {
+                                 const TimeSet& keep) {
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
   ENGRAM_RETURN_IF_ERROR(reader->timeline(entity).status());
   ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 #include <map>
-#include <set>
 #include <stop_token>
 
 #include "ltm/core/progress.h"
+#include "ltm/core/time_set.h"
 #include "ltm/store/manifest.h"
 
 namespace engram::ltm {
@@ -44,10 +44,10 @@ struct DropReport {
 /// `keep`. The model files are checked and the latents read first.
 /// Errors: kNotFound, kDataLoss, kUnavailable, kResourceExhausted.
 Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
-                                 const std::set<Time>& keep);
+                                 const TimeSet& keep);
 
 /// Moments that are to be forgotten.
-using ForgetSet = std::map<MemoryId, std::set<Time>>;
+using ForgetSet = std::map<MemoryId, TimeSet>;
 
 /// Joins small recorded segments that follow each other, and leaves out what updates replaced.
 /// Each step publishes whole files: killed at any moment, nothing is lost.

@@ -149,19 +149,6 @@ struct StoreReader::State {
   Result<uint64_t> count(const MemoryId& entity, bool is_latent) {
     return make_timeline(entity, !is_latent, is_latent).count();
   }
-
-  /// All entries of a part, put over those that are there.
-  Status add_part(const TimelinePart& part, const MemoryId& entity,
-                  std::map<Time, SnapshotEntry>& entries) {
-    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, segment(part.segment));
-    ENGRAM_ASSIGN_OR_RETURN(const std::vector<RowSpan> spans, reader->index(entity));
-    for (const RowSpan& span : spans) {
-      SnapshotEntry& entry = entries[span.time];
-      entry.time = span.time;
-      entry.put(part.is_latent, {part.segment, span.rows, span.first});
-    }
-    return {};
-  }
 };
 
 StoreReader::StoreReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -273,18 +260,13 @@ Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& ent
   if (const auto known = state_->indices.find(entity); known != state_->indices.end())
     return &known->second;
   if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
-  std::map<Time, SnapshotEntry> entries;
-  for (const TimelinePart& part : state_->parts[entity])
-    ENGRAM_RETURN_IF_ERROR(state_->add_part(part, entity, entries));
-  for (const SnapshotEntry& unsealed : state_->journal_snapshots(entity)) {
-    SnapshotEntry& entry = entries[unsealed.time];
-    entry.time = unsealed.time;
-    entry.put(false, *unsealed.recorded);
-  }
-  std::vector<SnapshotEntry>& sorted = state_->indices[entity];
-  sorted.reserve(entries.size());
-  for (const auto& [time, entry] : entries) sorted.push_back(entry);
-  return &sorted;
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * moments, timeline(entity));
+  std::vector<SnapshotEntry> entries;
+  ENGRAM_RETURN_IF_ERROR(moments->for_each([&entries](const SnapshotEntry& entry) {
+    entries.push_back(entry);
+    return Status();
+  }));
+  return &state_->indices.emplace(entity, std::move(entries)).first->second;
 }
 
 Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity,

@@ -101,8 +101,7 @@ Result<std::optional<Time>> Timeline::part_at_or_before(size_t part, Time time) 
 Status Timeline::add_entry(size_t part, SnapshotEntry& entry) {
   if (is_journal(part)) {
     const auto found = std::ranges::lower_bound(journal_, entry.time, {}, &SnapshotEntry::time);
-    if (found != journal_.end() && found->time == entry.time)
-      entry.put(false, *found->recorded);
+    if (found != journal_.end() && found->time == entry.time) entry.put(false, *found->recorded);
     return {};
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto span, span_at_or_after(part, entry.time));
@@ -144,6 +143,44 @@ Result<std::optional<SnapshotEntry>> Timeline::at_or_before(Time time) {
   return entry_at(best);
 }
 
+Status Timeline::visit_part(size_t part, Time first, Time last, const Visit& visit) {
+  if (is_journal(part)) {
+    auto entry = std::ranges::lower_bound(journal_, first, {}, &SnapshotEntry::time);
+    for (; entry != journal_.end() && entry->time <= last; ++entry)
+      ENGRAM_RETURN_IF_ERROR(visit(*entry));
+    return {};
+  }
+  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, open(part));
+  ENGRAM_ASSIGN_OR_RETURN(auto span, span_at_or_after(part, first));
+  while (span && span->time <= last) {
+    SnapshotEntry entry;
+    entry.time = span->time;
+    entry.put(parts_[part].is_latent, {parts_[part].segment, span->rows, span->first});
+    ENGRAM_RETURN_IF_ERROR(visit(entry));
+    ENGRAM_ASSIGN_OR_RETURN(span, reader->snapshot_at(entity_, span->first + span->rows));
+  }
+  return {};
+}
+
+Status Timeline::for_each(Time first, Time last, const Visit& visit) {
+  for (const Cluster& cluster : clusters_) {
+    if (cluster.last < first || cluster.first > last) continue;
+    const Time end = std::min(last, cluster.last);
+    std::optional<Time> from = std::max(first, cluster.first);
+    if (cluster.parts.size() == 1) {
+      ENGRAM_RETURN_IF_ERROR(visit_part(cluster.parts.front(), *from, end, visit));
+      continue;
+    }
+    while (from) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto entry, at_or_after(*from));
+      if (!entry || entry->time > end) break;
+      ENGRAM_RETURN_IF_ERROR(visit(*entry));
+      from = next_ns(entry->time);
+    }
+  }
+  return {};
+}
+
 Result<uint64_t> Timeline::count_of(Cluster& cluster) {
   if (cluster.count) return *cluster.count;
   if (cluster.parts.size() == 1) {
@@ -151,12 +188,10 @@ Result<uint64_t> Timeline::count_of(Cluster& cluster) {
     return is_journal(part) ? journal_.size() : parts_[part].snapshots;
   }
   uint64_t counted = 0;
-  for (std::optional<Time> from = cluster.first; from;) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, at_or_after(*from));
-    if (!entry || entry->time > cluster.last) break;
+  ENGRAM_RETURN_IF_ERROR(for_each(cluster.first, cluster.last, [&](const SnapshotEntry&) {
     ++counted;
-    from = next_ns(entry->time);
-  }
+    return Status();
+  }));
   cluster.count = counted;
   return counted;
 }

@@ -75,6 +75,12 @@ class Timeline {
   /// Complexity: as nth.
   Result<uint64_t> count();
 
+  /// Visits the snapshots from `first` to `last`, both included, in the order of time, until one
+  /// visit fails.
+  using Visit = std::function<Status(const SnapshotEntry&)>;
+  Status for_each(Time first, Time last, const Visit& visit);
+  Status for_each(const Visit& visit) { return for_each(Time::min(), Time::max(), visit); }
+
  private:
   /// Parts that share times, directly or through others.
   struct Cluster {
@@ -96,6 +102,7 @@ class Timeline {
   Result<std::optional<RowSpan>> span_at_or_after(size_t part, Time time);
   Status add_entry(size_t part, SnapshotEntry& entry);
   Result<std::optional<SnapshotEntry>> entry_at(std::optional<Time> time);
+  Status visit_part(size_t part, Time first, Time last, const Visit& visit);
   Result<uint64_t> count_of(Cluster& cluster);
   Result<std::optional<SnapshotEntry>> nth_of(const Cluster& cluster, uint64_t index);
 

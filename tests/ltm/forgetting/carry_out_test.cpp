@@ -191,8 +191,7 @@ TEST_F(CarryOut, KilledAtAnyMomentNothingElseIsLost) {
     options.rules = {older_than(now_ - second(2 * round + 2))};
     const auto made = plan(options);
     ASSERT_OK(made);
-    for (const auto& [entity, times] : made->to_set())
-      to_go[entity].insert(times.begin(), times.end());
+    for (const auto& [entity, times] : made->to_set()) to_go[entity].insert_all(times);
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) ::_exit(carry_out(store_, *made, {}).ok() ? 0 : 1);

@@ -110,6 +110,36 @@ TEST_F(Policies, RedundancyComparesWithWhatStaysNotWithTheOneBefore) {
   EXPECT_THAT(gone(plan(only(redundant({})))), ElementsAre(1, 3, 5));
 }
 
+TEST_F(Policies, RedundancySeesTheSameInOnePartAndInMany) {
+  std::mt19937 random(7);
+  std::vector<Snapshot> snapshots;
+  for (int64_t i = 0; i < 60; ++i)
+    snapshots.push_back(numbered("cam", i, static_cast<double>(random() % 3)));
+  append(snapshots);
+  Recall recall(*StoreReader::open(store_), {});
+  ForgetSource source(recall, accesses_);
+  const std::vector<SnapshotEntry> all = **recall.store().index(example_entity());
+  std::vector<bool> may_go;
+  for (size_t i = 0; i < all.size(); ++i) may_go.push_back(random() % 3 != 0);
+  const auto propose_in_parts_of = [&](size_t part) {
+    const auto policy = *RedundancyPolicy::create(*redundant(Seconds(9)).redundancy);
+    std::vector<size_t> proposed;
+    for (size_t first = 0; first < all.size(); first += part) {
+      const size_t end = std::min(first + part, all.size());
+      const std::vector<bool> allowed(may_go.begin() + static_cast<ptrdiff_t>(first),
+                                      may_go.begin() + static_cast<ptrdiff_t>(end));
+      const auto seen = std::span(all).subspan(first, end - first);
+      const auto proposals = policy->propose(source, {example_entity(), seen, allowed});
+      EXPECT_OK(proposals);
+      for (const ForgetProposal& each : *proposals) proposed.push_back(first + each.snapshot);
+    }
+    return proposed;
+  };
+  const auto whole = propose_in_parts_of(all.size());
+  EXPECT_GT(whole.size(), 3u);
+  for (const size_t part : {1, 2, 7, 59}) EXPECT_EQ(propose_in_parts_of(part), whole) << part;
+}
+
 TEST_F(Policies, RedundancyIsTakenOfWhatEarlierRulesLeave) {
   append({numbered("cam", 0, 1), numbered("cam", 1, 1), numbered("cam", 2, 1)});
   ForgetOptions options = only(older_than(Seconds(0)));

@@ -102,6 +102,30 @@ TEST_P(TimelineTest, WalksInTheOrderOfTime) {
   EXPECT_EQ(needed, expected_.end());
 }
 
+TEST_P(TimelineTest, VisitsWhatLiesInASpan) {
+  RandomValues random(GetParam() + 2000);
+  for (int i = 0; i < 20; ++i) {
+    const Time first = time_from_ns(static_cast<int64_t>(random.below(kTimes * 10)) - 20);
+    const Time last = time_from_ns(to_ns(first) + static_cast<int64_t>(random.below(300)));
+    auto needed = expected_.lower_bound(first);
+    EXPECT_OK(timeline_->for_each(first, last, [&](const SnapshotEntry& entry) {
+      expect_entry(std::optional(entry), needed);
+      if (needed != expected_.end()) ++needed;
+      return Status();
+    }));
+    EXPECT_EQ(needed, expected_.upper_bound(last));
+  }
+}
+
+TEST_P(TimelineTest, StopsAVisitThatFails) {
+  int visits = 0;
+  EXPECT_FAILS(timeline_->for_each([&visits](const SnapshotEntry&) {
+    return ++visits == 3 ? cancelled("enough") : Status();
+  }),
+               StatusCode::kCancelled, "enough");
+  EXPECT_EQ(visits, 3);
+}
+
 TEST_P(TimelineTest, CountsFromTheFirst) {
   uint64_t index = 0;
   for (auto needed = expected_.begin(); needed != expected_.end(); ++needed, ++index)
