@@ -45,6 +45,9 @@ Status ForgetPlanner::load(bool is_explicit) {
   for (const MemoryId& id : source_.store().entities()) {
     Entity entity{id, {}, {}, {}, {}, 0, 0};
     ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, source_.store().timeline(id));
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t total, timeline->count());
+    entity.times.reserve(total);
+    entity.places.reserve(total);
     ENGRAM_RETURN_IF_ERROR(timeline->for_each([&entity](const SnapshotEntry& entry) {
       entity.times.push_back(entry.time);
       entity.places.push_back(SnapshotPlaces::of(entry));
@@ -219,6 +222,9 @@ uint64_t ForgetPlanner::wanted_bytes(const ForgetOptions& options) const {
 Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
     const ForgetRule& rule, std::vector<std::vector<bool>>& is_queued) {
   std::vector<Candidate> candidates;
+  size_t most = 0;
+  for (const Entity& entity : entities_) most += entity.times.size();
+  candidates.reserve(most);  // Pages that are not written to are not there.
   for (uint32_t e = 0; e < entities_.size(); ++e) {
     const Entity& entity = entities_[e];
     if (!rule.match.matches(entity.id)) continue;
