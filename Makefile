@@ -15,7 +15,7 @@ SECONDS ?= 600
 KILLS ?= 300
 
 .PHONY: help packages build test demo bench crash faults fuzz check-headers clean \
-        experiments recorder-bars store-scale store-peers
+        experiments recorder-bars store-scale store-readers store-peers
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -27,6 +27,7 @@ help:
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
 	@echo "make recorder-bars   does the recorder keep up with a robot? (RECORDINGS, BARS=options)"
 	@echo "make store-scale     does a store of ten million snapshots stay quick?"
+	@echo "make store-readers   do readers in several threads get in each other's way?"
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
@@ -78,6 +79,9 @@ recorder-bars: experiments
 
 store-scale: experiments
 	$(MEASURE) store/store_scale --json store_scale.json $(BARS)
+
+store-readers: experiments
+	$(MEASURE) store/store_readers --json store_readers.json $(BARS)
 
 store-peers:
 	@cmake/install_packages.sh experiments/packages.txt

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
 
-#include "ltm/recall/recall.h"
 #include "ltm/recording/recording_config.h"
+#include "store/image_reads.h"
 #include "store/peer.h"
 
 namespace engram::experiments {
@@ -38,14 +38,7 @@ class EngramPeer final : public Peer {
   }
 
   Result<Buffer> image(size_t camera, Time time) override {
-    const ltm::MemoryId id = camera_id(camera);
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer,
-                            recall_->query(ltm::Query::of_entity(id, ltm::select::At{time})));
-    const ltm::InstanceResult* found = answer.find_instance(id.at(time).instance(0));
-    const idf::Data* image = found == nullptr ? nullptr : found->data.at("image");
-    if (image == nullptr || !image->is<idf::NdArray>())
-      return not_found("entity '{}': no image at {}", id.to_string(), to_string(time));
-    return image->get<idf::NdArray>().buffer();
+    return read_image(*recall_, camera, time);
   }
 
  private:

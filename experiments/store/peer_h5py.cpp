@@ -16,12 +16,12 @@ class HandOver {
  public:
   explicit HandOver(fs::path folder) : folder_(std::move(folder)) {}
 
-  Status write(const Stream& stream, const std::vector<PeerRead>& reads) const {
+  Status write(const Stream& stream, const std::vector<ImageRead>& reads) const {
     ENGRAM_RETURN_IF_ERROR(make_empty(folder_));
     ENGRAM_RETURN_IF_ERROR(write_frames(stream));
     nlohmann::json said{{"frames", stream.frames().size()}};
     for (size_t i = 0; i < stream.ticks(); ++i) said["ticks"].push_back(tick_json(stream, i));
-    for (const PeerRead& it : reads) said["reads"].push_back({it.camera, it.tick});
+    for (const ImageRead& it : reads) said["reads"].push_back({it.camera, it.tick});
     return replace_file(fs::absolute(folder_ / "stream.json"), as_bytes(said.dump()));
   }
 
@@ -64,7 +64,7 @@ Result<nlohmann::json> run_script(const fs::path& stream, const fs::path& folder
 
 }  // namespace
 
-Result<PeerFigures> run_h5py(const Stream& stream, const std::vector<PeerRead>& reads,
+Result<PeerFigures> run_h5py(const Stream& stream, const std::vector<ImageRead>& reads,
                              const fs::path& folder) {
   const fs::path handed = folder.parent_path() / "h5py_stream";
   ENGRAM_RETURN_IF_ERROR(HandOver(handed).write(stream, reads));

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "store/peer_run.h"
 
-#include <algorithm>
-#include <random>
-
-#include "ltm/core/check.h"
-
 namespace engram::experiments {
 
 namespace {
@@ -29,17 +24,16 @@ Status write(Peer& peer, const Stream& stream, PeerFigures& figures) {
   return {};
 }
 
-Status read(Peer& peer, const Stream& stream, const std::vector<PeerRead>& reads,
+Status read(Peer& peer, const Stream& stream, const std::vector<ImageRead>& reads,
             PeerFigures& figures) {
   std::vector<double> latencies;
-  for (const PeerRead& it : reads) {
-    const Tick tick = stream.tick(it.tick);
+  for (const ImageRead& it : reads) {
+    const Time time = stream.tick(it.tick).time;
     const Stopwatch clock;
-    ENGRAM_ASSIGN_OR_RETURN(const Buffer found, peer.image(it.camera, tick.time));
+    ENGRAM_ASSIGN_OR_RETURN(const Buffer found, peer.image(it.camera, time));
     latencies.push_back(clock.seconds());
-    if (!std::ranges::equal(found.bytes(), tick.images[it.camera].bytes()))
-      return data_loss("{}: image of camera {} at {} is not what was written", figures.name,
-                       it.camera, to_string(tick.time));
+    const Status is_exact = expect_image(found, stream, it);
+    if (!is_exact.ok()) return is_exact.with_context(figures.name);
   }
   figures.read = summarize(latencies);
   return {};
@@ -47,18 +41,7 @@ Status read(Peer& peer, const Stream& stream, const std::vector<PeerRead>& reads
 
 }  // namespace
 
-std::vector<PeerRead> draw_reads(const Stream& stream, size_t count) {
-  ENGRAM_CHECK(stream.ticks() > 0, "no ticks");
-  const size_t images = (stream.ticks() - 1) / Stream::kTicksPerImage;
-  std::mt19937_64 random(1);
-  std::uniform_int_distribution<size_t> image(0, images), camera(0, kCameras.size() - 1);
-  std::vector<PeerRead> reads;
-  for (size_t i = 0; i < count; ++i)
-    reads.push_back({camera(random), image(random) * Stream::kTicksPerImage});
-  return reads;
-}
-
-Result<PeerFigures> run_peer(Peer& peer, const Stream& stream, const std::vector<PeerRead>& reads,
+Result<PeerFigures> run_peer(Peer& peer, const Stream& stream, const std::vector<ImageRead>& reads,
                              const std::filesystem::path& folder) {
   PeerFigures figures;
   figures.name = peer.name();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "store/image_reads.h"
 #include "store/measure.h"
 #include "store/peer.h"
 
@@ -20,23 +21,14 @@ struct PeerFigures {
   Latency read;                  ///< Of one image, files in the cache.
 };
 
-/// An image to look for.
-struct PeerRead {
-  size_t camera = 0;
-  size_t tick = 0;
-};
-
-/// Random ones, the same for every peer. Needs a stream of at least one tick (checked).
-[[nodiscard]] std::vector<PeerRead> draw_reads(const Stream& stream, size_t count);
-
 /// Writes the stream, closes, opens anew and reads; every image is compared with the stream.
 /// Errors: those of the peer; kDataLoss naming the image that came back otherwise.
-Result<PeerFigures> run_peer(Peer& peer, const Stream& stream, const std::vector<PeerRead>& reads,
+Result<PeerFigures> run_peer(Peer& peer, const Stream& stream, const std::vector<ImageRead>& reads,
                              const std::filesystem::path& folder);
 
 /// The same in Python: one dataset per sensor, gzip, a chunk per image.
 /// Errors: kUnavailable where the script fails.
-Result<PeerFigures> run_h5py(const Stream& stream, const std::vector<PeerRead>& reads,
+Result<PeerFigures> run_h5py(const Stream& stream, const std::vector<ImageRead>& reads,
                              const std::filesystem::path& folder);
 
 }  // namespace engram::experiments

@@ -22,7 +22,7 @@ struct Arguments {
 };
 
 /// Runs one peer in a folder.
-using RunPeer = std::function<Result<PeerFigures>(const Stream&, const std::vector<PeerRead>&,
+using RunPeer = std::function<Result<PeerFigures>(const Stream&, const std::vector<ImageRead>&,
                                                   const std::filesystem::path&)>;
 struct Choice {
   const char* word;
@@ -31,7 +31,7 @@ struct Choice {
 
 template <typename Make, typename... Options>
 RunPeer runner(const Make& make, Options... options) {
-  return [=](const Stream& stream, const std::vector<PeerRead>& reads,
+  return [=](const Stream& stream, const std::vector<ImageRead>& reads,
              const std::filesystem::path& folder) {
     return run_peer(*make(options...), stream, reads, folder);
   };
@@ -93,7 +93,7 @@ nlohmann::json to_json(const PeerFigures& it) {
 }
 
 Result<std::vector<PeerFigures>> run_all(const Arguments& arguments, const Stream& stream) {
-  const std::vector<PeerRead> reads = draw_reads(stream, arguments.reads);
+  const std::vector<ImageRead> reads = draw_reads(stream, arguments.reads);
   std::vector<PeerFigures> peers;
   for (const Choice& choice : all_choices()) {
     if (!arguments.peers.empty() &&

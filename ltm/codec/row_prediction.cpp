@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ltm/codec/row_prediction_loops.h"
+#include "ltm/codec/row_wavefront.h"
 #include "ltm/core/check.h"
 
 static_assert(std::endian::native == std::endian::little);
@@ -89,15 +90,17 @@ template <size_t kChannels>
 ENGRAM_INLINE void restore_bytes(const std::byte* residuals, const ImageSize& size,
                                  bool colour_differences, std::byte* image) {
   const size_t width = size.width;
-  const size_t plane = size.height * width;
-  std::vector<uint32_t> line(width);
-  for (size_t y = 0; y < size.height; ++y) {
-    Rows<const uint8_t, kChannels> in;
+  Band<kChannels> band(width);
+  for (size_t first = 0; first < size.height; first += kLanes, band.advance()) {
+    const size_t count = std::min(kLanes, size.height - first);
     for (size_t c = 0; c < kChannels; ++c)
-      in[c] = reinterpret_cast<const uint8_t*>(residuals) + c * plane + y * width;
-    restore_pixels<kChannels>(in, line.data(), width);
-    unpack_pixels<kChannels>(line.data(), colour_differences,
-                             reinterpret_cast<uint8_t*>(image) + y * width * kChannels, width);
+      for (size_t k = 0; k < count; ++k)
+        std::memcpy(band.row(c, k), residuals + (c * size.height + first + k) * width, width);
+    band.restore();
+    for (size_t k = 0; k < count; ++k)
+      join_pixels<kChannels>(band.rows(k), colour_differences,
+                             reinterpret_cast<uint8_t*>(image) + (first + k) * width * kChannels,
+                             width);
   }
 }
 

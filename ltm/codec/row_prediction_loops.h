@@ -117,56 +117,23 @@ ENGRAM_INLINE void restore_lines(const Rows<const T, kChannels>& residuals,
     }
 }
 
-/// Up to four bytes of one pixel beside each other, in a register that knows minimum and maximum.
-using PackedPixel = uint8_t __attribute__((vector_size(16)));
-
-ENGRAM_INLINE PackedPixel spread(uint32_t pixel) {
-  using Words = uint32_t __attribute__((vector_size(16)));
-  return reinterpret_cast<PackedPixel>(Words{pixel, 0, 0, 0});
-}
-
-ENGRAM_INLINE uint32_t gather(PackedPixel pixel) {
-  using Words = uint32_t __attribute__((vector_size(16)));
-  return reinterpret_cast<Words>(pixel)[0];
-}
-
-/// The same for bytes, all channels of a pixel at once. `line` holds the row above, then this one.
+/// Writes pixels; with `colour_differences` the first row is green, the next two less green.
 template <size_t kChannels>
-ENGRAM_INLINE void restore_pixels(const Rows<const uint8_t, kChannels>& residuals,
-                                  uint32_t* __restrict line, size_t width) {
-  PackedPixel left = spread(line[0]);
-  PackedPixel corner = left;
-  for (size_t x = 0; x < width; ++x) {
-    uint32_t packed = 0;
-    for (size_t c = 0; c < kChannels; ++c) packed |= uint32_t{residuals[c][x]} << (8 * c);
-    const PackedPixel upper = spread(line[x]);
-    const PackedPixel least = left < upper ? left : upper;
-    const PackedPixel most = left < upper ? upper : left;
-    const PackedPixel above_least = corner > least ? corner : least;
-    const PackedPixel middle = above_least < most ? above_least : most;
-    left = (spread(packed) + least + most) - middle;
-    corner = upper;
-    line[x] = gather(left);
-  }
-}
-
-/// Writes a row of packed pixels; with `colour_differences` the first byte is green.
-template <size_t kChannels>
-ENGRAM_INLINE void unpack_pixels(const uint32_t* __restrict line, bool colour_differences,
-                                 uint8_t* __restrict pixels, size_t width) {
-  if (kChannels < 3 || !colour_differences) {
-    for (size_t x = 0; x < width; ++x)
-      for (size_t c = 0; c < kChannels; ++c)
-        pixels[x * kChannels + c] = static_cast<uint8_t>(line[x] >> (8 * c));
-    return;
-  }
-  for (size_t x = 0; x < width; ++x) {
-    const uint32_t green = line[x];
-    uint8_t* pixel = pixels + x * kChannels;
-    pixel[0] = static_cast<uint8_t>((line[x] >> 8) + green);
-    pixel[1] = static_cast<uint8_t>(green);
-    pixel[2] = static_cast<uint8_t>((line[x] >> 16) + green);
-    if constexpr (kChannels == 4) pixel[3] = static_cast<uint8_t>(line[x] >> 24);
+ENGRAM_INLINE void join_pixels(const Rows<uint8_t, kChannels>& rows, bool colour_differences,
+                               uint8_t* __restrict pixels, size_t width) {
+  if (kChannels < 3 || !colour_differences)
+    return join_channels<uint8_t, kChannels>(rows, pixels, width);
+  if constexpr (kChannels >= 3) {
+    const uint8_t* __restrict green = rows[0];
+    const uint8_t* __restrict red = rows[1];
+    const uint8_t* __restrict blue = rows[2];
+    for (size_t x = 0; x < width; ++x) {
+      uint8_t* pixel = pixels + x * kChannels;
+      pixel[0] = static_cast<uint8_t>(red[x] + green[x]);
+      pixel[1] = green[x];
+      pixel[2] = static_cast<uint8_t>(blue[x] + green[x]);
+      if constexpr (kChannels == 4) pixel[3] = rows[3][x];
+    }
   }
 }
 

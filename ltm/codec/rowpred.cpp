@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstring>
+#include <memory>
 
 #include "ltm/codec/row_prediction.h"
 #include "ltm/codec/zstd.h"
@@ -13,6 +14,9 @@ namespace {
 
 constexpr int64_t kMaxSide = 1 << 16;
 constexpr uint8_t kVersion = 1;
+/// Most that a thread keeps for residuals: an image of 1280 x 720 RGB. Pages that were never
+/// written take no memory.
+constexpr size_t kKeptRoomBytes = size_t{3} << 20;
 
 /// What precedes the Zstandard frame.
 struct Header {
@@ -44,6 +48,32 @@ Header header_of(idf::ElementType type, const idf::Shape& shape) {
   return header;
 }
 
+/// Memory that nobody zeroes before it is written.
+std::shared_ptr<std::byte[]> make_room(size_t bytes) {
+  return std::make_unique_for_overwrite<std::byte[]>(bytes);
+}
+
+/// Where residuals lie while an image is encoded or decoded. Fresh memory costs as much time as
+/// half of the prediction, so each thread keeps some; larger images have their own.
+class ResidualRoom {
+ public:
+  explicit ResidualRoom(size_t bytes) : bytes_(bytes) {
+    thread_local std::shared_ptr<std::byte[]> kept;
+    if (bytes > kKeptRoomBytes) {
+      room_ = make_room(bytes);
+      return;
+    }
+    if (kept == nullptr) kept = make_room(kKeptRoomBytes);
+    room_ = kept;
+  }
+
+  [[nodiscard]] std::span<std::byte> bytes() const { return {room_.get(), bytes_}; }
+
+ private:
+  std::shared_ptr<std::byte[]> room_;
+  size_t bytes_;
+};
+
 class RowpredCodec final : public Codec {
  public:
   [[nodiscard]] std::string_view name() const override { return "rowpred"; }
@@ -67,11 +97,11 @@ class RowpredCodec final : public Codec {
     Header header = header_of(array.type(), array.shape());
     const bool differences = prefers_colour_differences(array.bytes(), size);
     header.colour_differences = differences ? 1 : 0;
-    std::vector<std::byte> residuals(size.bytes());
-    predict_rows(array.bytes(), size, differences, residuals);
-    std::vector<std::byte> out = compress_residuals(residuals);
+    const ResidualRoom residuals(size.bytes());
+    predict_rows(array.bytes(), size, differences, residuals.bytes());
     const auto start = std::as_bytes(std::span(&header, 1));
-    out.insert(out.begin(), start.begin(), start.end());
+    std::vector<std::byte> out(start.begin(), start.end());
+    append_residuals(residuals.bytes(), out);
     return out;
   }
 
@@ -89,13 +119,16 @@ class RowpredCodec final : public Codec {
                        header.version, header.height, header.width, header.channels, header.element,
                        to_string(type), idf::to_string(shape));
     const ImageSize size = size_of(type, shape);
-    ENGRAM_ASSIGN_OR_RETURN(const auto residuals,
-                            decompress_zstd(bytes.subspan(sizeof(Header)), size.bytes()));
-    if (residuals.size() != size.bytes())
-      return data_loss("rowpred: found {} bytes, needs {}", residuals.size(), size.bytes());
-    std::vector<std::byte> plain(size.bytes());
-    restore_rows(residuals, size, header.colour_differences == 1, plain);
-    return idf::NdArray::create(type, shape, Buffer::take(std::move(plain)));
+    const auto frame = bytes.subspan(sizeof(Header));
+    ENGRAM_ASSIGN_OR_RETURN(const size_t found, zstd_content_size(frame, size.bytes()));
+    if (found != size.bytes())
+      return data_loss("rowpred: found {} bytes, needs {}", found, size.bytes());
+    const ResidualRoom residuals(size.bytes());
+    ENGRAM_RETURN_IF_ERROR(decompress_zstd(frame, residuals.bytes()));
+    const std::shared_ptr<std::byte[]> plain = make_room(size.bytes());
+    const std::span<std::byte> image(plain.get(), size.bytes());
+    restore_rows(residuals.bytes(), size, header.colour_differences == 1, image);
+    return idf::NdArray::create(type, shape, Buffer(plain, image));
   }
 };
 

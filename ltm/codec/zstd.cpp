@@ -49,21 +49,27 @@ std::vector<std::byte> compress_zstd(std::span<const std::byte> bytes, int level
   return out;
 }
 
-std::vector<std::byte> compress_residuals(std::span<const std::byte> bytes) {
+void append_residuals(std::span<const std::byte> bytes, std::vector<std::byte>& out) {
   ZSTD_CCtx* const context = compressor();
   ZSTD_CCtx_reset(context, ZSTD_reset_session_and_parameters);
   ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, kEntropyOnlyLevel);
   ZSTD_CCtx_setParameter(context, ZSTD_c_literalCompressionMode, ZSTD_lcm_huffman);
-  std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
-  const size_t size = ZSTD_compress2(context, out.data(), out.size(), bytes.data(), bytes.size());
+  // Not in `out`, which would keep room for the worst case.
+  const size_t most = ZSTD_compressBound(bytes.size());
+  const auto frame = std::make_unique_for_overwrite<std::byte[]>(most);
+  const size_t size = ZSTD_compress2(context, frame.get(), most, bytes.data(), bytes.size());
   ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
-  out.resize(size);
-  if (size > bytes.size() / kWorthSearching) return out;
-  auto searched = compress_zstd(bytes, 1);
-  return searched.size() < out.size() ? searched : out;
+  std::span<const std::byte> smaller(frame.get(), size);
+  std::vector<std::byte> searched;
+  if (size <= bytes.size() / kWorthSearching) {
+    searched = compress_zstd(bytes, 1);
+    if (searched.size() < size) smaller = searched;
+  }
+  out.reserve(out.size() + smaller.size());
+  out.insert(out.end(), smaller.begin(), smaller.end());
 }
 
-Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes, size_t max_size) {
+Result<size_t> zstd_content_size(std::span<const std::byte> bytes, size_t max_size) {
   const unsigned long long announced = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (announced == ZSTD_CONTENTSIZE_ERROR || announced == ZSTD_CONTENTSIZE_UNKNOWN)
     return data_loss("{} bytes are no zstd frame of known size", bytes.size());
@@ -72,12 +78,21 @@ Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes,
   if (announced / kLargestBlockBytes > bytes.size() / kSmallestBlockBytes)
     return data_loss("zstd frame of {} bytes announces {}: more than it can hold", bytes.size(),
                      announced);
-  std::vector<std::byte> out(announced);
+  return static_cast<size_t>(announced);
+}
+
+Status decompress_zstd(std::span<const std::byte> bytes, std::span<std::byte> out) {
   const size_t size =
       ZSTD_decompressDCtx(decompressor(), out.data(), out.size(), bytes.data(), bytes.size());
   if (ZSTD_isError(size) != 0) return data_loss("zstd frame: {}", ZSTD_getErrorName(size));
-  if (size != out.size())
-    return data_loss("zstd frame: has {} bytes, announced {}", size, announced);
+  if (size != out.size()) return data_loss("zstd frame: has {} bytes, needs {}", size, out.size());
+  return {};
+}
+
+Result<std::vector<std::byte>> decompress_zstd(std::span<const std::byte> bytes, size_t max_size) {
+  ENGRAM_ASSIGN_OR_RETURN(const size_t size, zstd_content_size(bytes, max_size));
+  std::vector<std::byte> out(size);
+  ENGRAM_RETURN_IF_ERROR(decompress_zstd(bytes, std::span(out)));
   return out;
 }
 

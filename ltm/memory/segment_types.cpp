@@ -37,9 +37,10 @@ bool is_harmless(const idf::CastNote& note) {
 
 Status SegmentTypes::declare(const MemoryId& segment, const idf::Type& type) {
   if (!is_segment(segment))
-    return invalid_argument("type of '{}': needs a core segment (two names) or a provider segment "
-                            "(three)",
-                            segment.to_string());
+    return invalid_argument(
+        "type of '{}': needs a core segment (two names) or a provider segment "
+        "(three)",
+        segment.to_string());
   if (is_provider_segment(segment)) {
     if (const idf::Type* core = find(segment.parent()))
       ENGRAM_RETURN_IF_ERROR(check_extension(segment, type, segment.parent(), *core));
@@ -67,10 +68,11 @@ const idf::Type* SegmentTypes::of_entity(const MemoryId& entity) const {
 
 SegmentTypes SegmentTypes::of_entities(const std::vector<MemoryId>& entities) const {
   SegmentTypes some;
-  for (const auto& [segment, type] : types_)
-    if (std::ranges::any_of(entities,
-                            [&](const MemoryId& entity) { return segment.is_prefix_of(entity); }))
-      some.types_.emplace(segment, type);
+  for (const auto& known : types_)
+    if (std::ranges::any_of(entities, [&known](const MemoryId& entity) {
+          return known.first.is_prefix_of(entity);
+        }))
+      some.types_.insert(known);
   return some;
 }
 
@@ -83,7 +85,8 @@ Result<ReinterpretedValue> SegmentTypes::reinterpret(const MemoryId& entity,
   for (const idf::CastNote& note : cast.notes)
     if (!is_harmless(note)) mismatches.push_back(note.what);
   if (const Status status = idf::to_status(mismatches); !status.ok())
-    return status.with_context(fmt::format("'{}' is not of its segment's type", entity.to_string()));
+    return status.with_context(
+        fmt::format("'{}' is not of its segment's type", entity.to_string()));
   return ReinterpretedValue{std::move(cast.value), std::move(cast.notes)};
 }
 
@@ -97,15 +100,14 @@ Result<SegmentTypes> SegmentTypes::from_data(const idf::Data& data) {
   const auto* dict = data.get_if<idf::Dict>();
   if (dict == nullptr) return data_loss("types of segments: found {}", idf::describe(data));
   SegmentTypes types;
-  for (const auto& [name, value] : *dict) {
-    const auto declare = [&]() -> Status {
-      ENGRAM_ASSIGN_OR_RETURN(const MemoryId segment, MemoryId::parse(name));
-      ENGRAM_ASSIGN_OR_RETURN(const idf::Type type, idf::type_from_data(value));
-      return types.declare(segment, type);
-    };
-    if (const Status status = declare(); !status.ok())
+  const auto declare = [&types](const std::string& name, const idf::Data& value) -> Status {
+    ENGRAM_ASSIGN_OR_RETURN(const MemoryId segment, MemoryId::parse(name));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Type type, idf::type_from_data(value));
+    return types.declare(segment, type);
+  };
+  for (const auto& [name, value] : *dict)
+    if (const Status status = declare(name, value); !status.ok())
       return data_loss("type of segment '{}': {}", name, status.message());
-  }
   return types;
 }
 

@@ -44,7 +44,7 @@ std::vector<std::vector<std::byte>> encode(const AccessTable& table) {
     std::vector<int64_t> times, counts, last;
     for (const auto& [time, stats] : snapshots) {
       times.push_back(to_ns(time));
-      counts.push_back(static_cast<int64_t>(std::min<uint64_t>(stats.count, INT64_MAX)));
+      counts.push_back(static_cast<int64_t>(stats.count));
       last.push_back(to_ns(stats.last));
     }
     const auto size = static_cast<int64_t>(times.size());

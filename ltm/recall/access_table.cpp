@@ -5,12 +5,18 @@
 
 namespace engram::ltm {
 
+namespace {
+
+constexpr uint64_t kMostReads = INT64_MAX;
+
+}  // namespace
+
 void AccessTable::add(const MemoryId& entity, Time snapshot, uint64_t count, Time last) {
   if (count == 0) return;
   AccessStats& stats = entities_[entity][snapshot];
   stats.last = stats.count == 0 ? last : std::max(stats.last, last);
-  // Counts come from files: a hostile one must not wrap.
-  stats.count += std::min(count, UINT64_MAX - stats.count);
+  // Counts come from files and go to them as int64: a hostile one must not wrap.
+  stats.count += std::min(count, kMostReads - stats.count);
 }
 
 void AccessTable::add(const AccessTable& other) {

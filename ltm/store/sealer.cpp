@@ -38,8 +38,8 @@ struct JournalContent {
 void keep_last_of_each_time(std::vector<PackedSnapshot>& snapshots) {
   std::ranges::stable_sort(snapshots, {}, &PackedSnapshot::time);
   // unique keeps the first of a run: walk from the back to keep the last.
-  const auto [kept, end] =
-      std::ranges::unique(snapshots.rbegin(), snapshots.rend(), {}, &PackedSnapshot::time);
+  const auto kept = std::unique(snapshots.rbegin(), snapshots.rend(),
+                                [](const auto& a, const auto& b) { return a.time == b.time; });
   snapshots.erase(snapshots.begin(), kept.base());
 }
 

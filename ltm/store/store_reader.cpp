@@ -81,8 +81,8 @@ struct StoreReader::State {
       entries.push_back({frame.head.time, SnapshotEntry::Location{frame.journal, 0, frame.offset}, {}});
     std::ranges::stable_sort(entries, {}, &SnapshotEntry::time);
     // unique keeps the first of a run: walk from the back to keep the last.
-    const auto [kept, end] = std::ranges::unique(entries.rbegin(), entries.rend(), {},
-                                                 &SnapshotEntry::time);
+    const auto kept = std::unique(entries.rbegin(), entries.rend(),
+                                  [](const auto& a, const auto& b) { return a.time == b.time; });
     entries.erase(entries.begin(), kept.base());
     return entries;
   }

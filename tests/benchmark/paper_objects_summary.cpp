@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Times of the paper's three objects per step, the best of many runs, and whether they meet what
-// docs/design.md asks of them. Exit code 1 where they do not.
+// is asked of them. "To bytes and back" can be read with and without the conversions between the
+// generated struct and its value: both are told. Exit code 1 where the narrow reading is missed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -70,9 +71,18 @@ Times measure(const char* name) {
 }
 
 bool meets(const char* what, double found, double most) {
-  fmt::print("{}: {:.2f}, at most {:.2f}: {}\n", what, found, most,
-             found <= most ? "met" : "MISSED");
+  fmt::print("{:<52} {:>8.2f}, at most {:>8.2f} ({:.2f} of it): {}\n", what, found, most,
+             found / most, found <= most ? "met" : "MISSED");
   return found <= most;
+}
+
+/// Both readings beside what they may take.
+bool complex_meets(const Times& complex, const Times& moderate) {
+  const double most = 2 * complex.copy + moderate.total();
+  const bool is_met =
+      meets("complex, value -> bytes -> value, ns", complex.to_bytes + complex.from_bytes, most);
+  (void)meets("complex, struct -> value -> bytes -> value -> struct", complex.total(), most);
+  return is_met;
 }
 
 int run() {
@@ -86,9 +96,7 @@ int run() {
   const Times moderate = measure<Moderate>("moderate");
   const Times complex = measure<Complex>("complex");
   const bool is_moderate_met = meets("moderate / simple", moderate.total() / simple.total(), 4);
-  const bool is_complex_met =
-      meets("complex to bytes and back, ns", complex.to_bytes + complex.from_bytes,
-            2 * complex.copy + moderate.total());
+  const bool is_complex_met = complex_meets(complex, moderate);
   return is_moderate_met && is_complex_met ? 0 : 1;
 }
 

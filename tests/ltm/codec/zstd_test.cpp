@@ -31,6 +31,32 @@ TEST(Zstd, ExpandsWhatCompressesBest) {
   EXPECT_EQ(plain->size(), zeros.size());
 }
 
+TEST(Zstd, FillsExactlyWhatWasAskedFor) {
+  const Bytes plain(1000, std::byte{7});
+  const Bytes packed = compress_zstd(plain);
+  Bytes exact(1000), less(999), more(1001);
+  EXPECT_OK(decompress_zstd(packed, std::span(exact)));
+  EXPECT_EQ(exact, plain);
+  EXPECT_FAILS(decompress_zstd(packed, std::span(less)), StatusCode::kDataLoss, "zstd frame");
+  EXPECT_FAILS(decompress_zstd(packed, std::span(more)), StatusCode::kDataLoss, "has 1000 bytes");
+}
+
+TEST(Zstd, AppendsResidualsBehindWhatIsThere) {
+  RandomValues random(18);
+  Bytes small(50'000);
+  for (std::byte& byte : small) byte = static_cast<std::byte>(random.below(8));
+  // Noise of eight values takes three bits each; a repeated one next to nothing.
+  for (const Bytes& plain : {small, Bytes(50'000, std::byte{3})}) {
+    Bytes out{std::byte{1}, std::byte{2}};
+    append_residuals(plain, out);
+    EXPECT_LT(out.size(), plain == small ? 20'000u : 100u);
+    EXPECT_EQ(out[1], std::byte{2});
+    const auto back = decompress_zstd(std::span(out).subspan(2), plain.size());
+    ASSERT_OK(back);
+    EXPECT_EQ(*back, plain);
+  }
+}
+
 TEST(Zstd, RefusesWhatIsTooLarge) {
   const Bytes packed = compress_zstd(Bytes(1000));
   EXPECT_FAILS(decompress_zstd(packed, 999), StatusCode::kDataLoss, "announces 1000");

@@ -4,7 +4,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "ltm/idf/binary.h"
 #include "ltm/recall/recall.h"
+#include "ltm/store/journal.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
@@ -155,6 +157,23 @@ TEST_F(AccessLogTest, DamageCostsNotesAndNothingElse) {
   overwrite_file(store_ / "access/summary.log", as_bytes("nonsense"));
   overwrite_file(log, whole.bytes());
   EXPECT_EQ(reads(1), 1u);
+}
+
+TEST_F(AccessLogTest, CountsBeyondAllMeasureAreTheSameAfterMerging) {
+  const auto most = idf::NdArray::take<int64_t>({1}, {INT64_MAX});
+  const auto frame = *idf::encode(
+      idf::Dict{{"entity", example_entity().to_string()},
+                {"snapshots", idf::NdArray::take<int64_t>({1}, {to_ns(example_time(1))})},
+                {"counts", most},
+                {"last", most}});
+  std::vector<std::byte> log(as_bytes(kJournalMagic).begin(), as_bytes(kJournalMagic).end());
+  const auto frames = *encode_journal_frames(std::vector{frame, frame});
+  log.insert(log.end(), frames.begin(), frames.end());
+  ASSERT_OK(make_directories(store_ / "access"));
+  ASSERT_OK(replace_file(store_ / "access" / "1-1.log", log));
+  EXPECT_EQ(reads(1), static_cast<uint64_t>(INT64_MAX));
+  ASSERT_OK(merge_accesses(store_));
+  EXPECT_EQ(reads(1), static_cast<uint64_t>(INT64_MAX));
 }
 
 TEST_F(AccessLogTest, AStoreThatCannotBeWrittenToIsReadAllTheSame) {

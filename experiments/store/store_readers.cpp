@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// Do readers get in each other's way? Random images of one store by one thread and by several,
+// each with a reader of its own, beside the same threads that only decode images in memory.
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <ctime>
+#include <functional>
+#include <latch>
+#include <thread>
+
+#include "ltm/codec/codec.h"
+#include "store/image_reads.h"
+#include "store/recorder_run.h"
+#include "store/report.h"
+
+namespace engram::experiments {
+namespace {
+
+constexpr double kScalingBar = 1.8;  // of two threads
+
+struct Arguments {
+  double seconds = 20;
+  size_t frames = 904;
+  size_t reads = 50;
+  size_t threads = 2;
+  int repeats = 200;
+  std::string dir = "bars/readers";
+  std::string json;
+};
+
+/// What one thread does, again and again; made by its number.
+using Work = std::function<Status()>;
+using MakeWork = std::function<Result<Work>(size_t)>;
+
+using Works = std::vector<Work>;
+
+/// What one thread spent. A thread that others lock out waits; one that is only interrupted does
+/// not.
+struct Spent {
+  double cpu_seconds = 0;
+  double waits = 0;
+};
+
+Spent spent_by_thread() {
+  rusage used{};
+  ::getrusage(RUSAGE_THREAD, &used);
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return {static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec),
+          static_cast<double>(used.ru_nvcsw)};
+}
+
+/// One run of one thread or of all.
+struct Pass {
+  double seconds = 0;  ///< From the common start until the last one is done.
+  Spent spent;         ///< Of all.
+};
+
+Result<Pass> run_threads(const Works& works, size_t threads) {
+  std::vector<Status> ends(threads);
+  std::vector<Spent> spent(threads);
+  std::latch start(static_cast<std::ptrdiff_t>(threads) + 1);
+  std::vector<std::jthread> running;
+  for (size_t i = 0; i < threads; ++i)
+    running.emplace_back([&, i] {
+      start.arrive_and_wait();
+      const Spent before = spent_by_thread();
+      ends[i] = works[i]();
+      const Spent after = spent_by_thread();
+      spent[i] = {after.cpu_seconds - before.cpu_seconds, after.waits - before.waits};
+    });
+  start.arrive_and_wait();
+  const Stopwatch clock;
+  running.clear();
+  Pass pass{clock.seconds(), {}};
+  for (size_t i = 0; i < threads; ++i) {
+    ENGRAM_RETURN_IF_ERROR(ends[i]);
+    pass.spent.cpu_seconds += spent[i].cpu_seconds;
+    pass.spent.waits += spent[i].waits;
+  }
+  return pass;
+}
+
+/// The passes of one thread or of several, per image.
+struct Figures {
+  std::vector<double> per_second;
+  std::vector<double> cpu_seconds;
+  double waits = 0;
+
+  void add(const Pass& pass, size_t images) {
+    const auto count = static_cast<double>(images);
+    per_second.push_back(count / pass.seconds);
+    cpu_seconds.push_back(pass.spent.cpu_seconds / count);
+    waits += pass.spent.waits;
+  }
+};
+
+/// One thread and several, alternating.
+struct Scaling {
+  std::string name;
+  Works works;  ///< One per thread.
+  Figures one;
+  Figures several;
+
+  /// By the clock: what else the machine does counts as well.
+  [[nodiscard]] double ratio(double share) const {
+    return quantile(several.per_second, share) / quantile(one.per_second, share);
+  }
+
+  /// What processors that do nothing else would reach, as long as nobody waits.
+  [[nodiscard]] double free_ratio() const {
+    return static_cast<double>(works.size()) * quantile(one.cpu_seconds, 0.5) /
+           quantile(several.cpu_seconds, 0.5);
+  }
+};
+
+Result<Scaling> prepare(std::string name, const MakeWork& make, size_t threads) {
+  Scaling scaling{std::move(name), {}, {}, {}};
+  for (size_t i = 0; i < threads; ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(Work work, make(i));
+    scaling.works.push_back(std::move(work));
+  }
+  return scaling;
+}
+
+Status measure(Scaling& scaling, size_t reads) {
+  const size_t threads = scaling.works.size();
+  ENGRAM_ASSIGN_OR_RETURN(const Pass one, run_threads(scaling.works, 1));
+  ENGRAM_ASSIGN_OR_RETURN(const Pass several, run_threads(scaling.works, threads));
+  scaling.one.add(one, reads);
+  scaling.several.add(several, reads * threads);
+  return {};
+}
+
+/// Each thread its own reader and its own images. One pass before the clock runs compares them.
+MakeWork readers_of(const std::filesystem::path& store, const Stream& stream, size_t reads) {
+  return [=, &stream](size_t thread) -> Result<Work> {
+    ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(store));
+    const auto recall = std::make_shared<ltm::Recall>(std::move(reader), ltm::ModelLoader());
+    std::vector<std::pair<size_t, Time>> places;
+    for (const ImageRead& it : draw_reads(stream, reads, thread + 1)) {
+      places.emplace_back(it.camera, stream.tick(it.tick).time);
+      ENGRAM_ASSIGN_OR_RETURN(const Buffer found,
+                              read_image(*recall, it.camera, places.back().second));
+      ENGRAM_RETURN_IF_ERROR(expect_image(found, stream, it));
+    }
+    return Work([recall, places = std::move(places)]() -> Status {
+      for (const auto& [camera, time] : places)
+        ENGRAM_RETURN_IF_ERROR(read_image(*recall, camera, time).status());
+      return {};
+    });
+  };
+}
+
+/// The same images, encoded in memory.
+MakeWork decoders_of(const Stream& stream, size_t reads) {
+  return [=, &stream](size_t thread) -> Result<Work> {
+    const ltm::Codec* codec = ltm::find_codec("rowpred");
+    const idf::NdArray& first = stream.frames().front();
+    std::vector<std::vector<std::byte>> packed;
+    for (const ImageRead& it : draw_reads(stream, reads, thread + 1)) {
+      ENGRAM_ASSIGN_OR_RETURN(
+          auto bytes, codec->encode(stream.frames()[stream.frame_index(it.camera, it.tick)]));
+      packed.push_back(std::move(bytes));
+    }
+    return Work([=, packed = std::move(packed), &first]() -> Status {
+      for (const auto& bytes : packed)
+        ENGRAM_RETURN_IF_ERROR(codec->decode(bytes, first.type(), first.shape()).status());
+      return {};
+    });
+  };
+}
+
+void print_table(const std::vector<Scaling>& rows) {
+  const size_t threads = rows.front().works.size();
+  const auto several = fmt::format("{} threads", threads);
+  TextTable table({"what", "images/s, best", several, "median", several, "ratio, best", "median",
+                   "CPU ms per image", several, "ratio, free cores", "waits", several, "bar"});
+  for (const Scaling& it : rows)
+    table.add({it.name, fmt::format("{:.0f}", quantile(it.one.per_second, 1)),
+               fmt::format("{:.0f}", quantile(it.several.per_second, 1)),
+               fmt::format("{:.0f}", quantile(it.one.per_second, 0.5)),
+               fmt::format("{:.0f}", quantile(it.several.per_second, 0.5)),
+               fmt::format("{:.2f}", it.ratio(1)), fmt::format("{:.2f}", it.ratio(0.5)),
+               fmt::format("{:.3f}", 1e3 * quantile(it.one.cpu_seconds, 0.5)),
+               fmt::format("{:.3f}", 1e3 * quantile(it.several.cpu_seconds, 0.5)),
+               fmt::format("{:.2f}", it.free_ratio()), fmt::format("{:.0f}", it.one.waits),
+               fmt::format("{:.0f}", it.several.waits),
+               threads == 2 ? verdict(it.ratio(1) >= kScalingBar) : ""});
+  fmt::print("\n{}", table.to_string());
+}
+
+nlohmann::json to_json(const Figures& it) {
+  return {{"per_second", it.per_second}, {"cpu_seconds", it.cpu_seconds}, {"waits", it.waits}};
+}
+
+Status run(const Arguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.frames));
+  const Stream stream(std::move(source), arguments.seconds);
+  const auto store = std::filesystem::path(arguments.dir) / "store";
+  ENGRAM_RETURN_IF_ERROR(record_stream({"readers", "preset: recorder\n"}, stream, store).status());
+  fmt::print("stream: {}; {:.0f} s; {} reads per thread, {} times\n", stream.description(),
+             stream.seconds(), arguments.reads, arguments.repeats);
+  ENGRAM_ASSIGN_OR_RETURN(Scaling stored,
+                          prepare("images of one store", readers_of(store, stream, arguments.reads),
+                                  arguments.threads));
+  ENGRAM_ASSIGN_OR_RETURN(
+      Scaling in_memory,
+      prepare("images in memory", decoders_of(stream, arguments.reads), arguments.threads));
+  for (int i = 0; i < arguments.repeats; ++i) {
+    ENGRAM_RETURN_IF_ERROR(measure(stored, arguments.reads));
+    ENGRAM_RETURN_IF_ERROR(measure(in_memory, arguments.reads));
+  }
+  const std::vector<Scaling> rows{std::move(stored), std::move(in_memory)};
+  print_table(rows);
+  nlohmann::json json{{"stream", stream.description()}, {"threads", arguments.threads}};
+  for (const Scaling& it : rows)
+    json["rows"].push_back(
+        {{"name", it.name}, {"one", to_json(it.one)}, {"several", to_json(it.several)}});
+  return write_json(arguments.json, json);
+}
+
+}  // namespace
+}  // namespace engram::experiments
+
+int main(int argc, char** argv) {
+  engram::experiments::Arguments arguments;
+  CLI::App app(
+      "Measures how reading scales over threads. ENGRAM_RECORDINGS names a folder of videos;"
+      " without it a scene is rendered.");
+  app.add_option("--seconds", arguments.seconds, "length of the stream")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--frames", arguments.frames, "most decoded frames in memory, 0.9 MB each")
+      ->check(CLI::Range(2, 20000))
+      ->capture_default_str();
+  app.add_option("--reads", arguments.reads, "of one image at a random time, per thread")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--threads", arguments.threads, "to compare with one")
+      ->check(CLI::Range(2, 256))
+      ->capture_default_str();
+  app.add_option("--repeats", arguments.repeats, "of one thread and several, alternating")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--dir", arguments.dir, "where the store is made anew")->capture_default_str();
+  app.add_option("--json", arguments.json, "file for all figures");
+  CLI11_PARSE(app, argc, argv);
+  return engram::experiments::exit_code("store_readers", engram::experiments::run(arguments));
+}
