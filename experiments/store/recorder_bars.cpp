@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Does the recorder keep up with a robot? Speed, bytes and memory as fast as it goes, the latency
 // of commits at the robot's pace, and how far all that is from copying and writing bytes.
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 
 #include "store/recorder_limits.h"
 #include "store/recorder_run.h"
 #include "store/report.h"
+#include "store/stream_options.h"
 
 namespace engram::experiments {
 namespace {
@@ -22,12 +21,9 @@ constexpr const char* kFiltered =
     " codecs: [{kind: image, codec: png}]}]\n";
 
 struct Arguments {
-  double seconds = 40;
+  StreamOptions stream{.seconds = 40, .dir = "bars/recorder"};
   double paced_seconds = 20;
-  size_t frames = 904;
   int repeats = 3;
-  std::string dir = "bars/recorder";
-  std::string json;
 };
 
 /// One row of the report: the repeats of one way to record.
@@ -56,7 +52,7 @@ Result<Measured> measure(const RecorderRun& run, const Stream& stream, const Arg
   for (int i = 0; i < repeats; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(
         RecorderFigures figures,
-        record_stream(run, stream, std::filesystem::path(arguments.dir) / "store"));
+        record_stream(run, stream, std::filesystem::path(arguments.stream.dir) / "store"));
     measured.repeats.push_back(figures);
     fmt::print("{}: {:.2f} times real time, verified\n", run.name, figures.times_real);
     std::fflush(stdout);
@@ -119,9 +115,9 @@ void print_limits(const Limits& limits, const RecorderFigures& recorder) {
 }
 
 Status run(const Arguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.frames));
+  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.stream.frames));
   const Stream paced(source, arguments.paced_seconds);
-  const Stream stream(std::move(source), arguments.seconds);
+  const Stream stream(std::move(source), arguments.stream.seconds);
   fmt::print("stream: {}; {:.0f} s, {:.3f} MB/s raw\n", stream.description(), stream.seconds(),
              static_cast<double>(stream.raw_bytes()) / 1e6 / stream.seconds());
   std::vector<Measured> rows;
@@ -139,14 +135,14 @@ Status run(const Arguments& arguments) {
   rows.push_back(std::move(fast));
   const RecorderFigures& first = rows.front().repeats.front();
   ENGRAM_ASSIGN_OR_RETURN(const Limits limits,
-                          measure_limits(stream, first.disk_bytes, arguments.dir));
+                          measure_limits(stream, first.disk_bytes, arguments.stream.dir));
   print_table(rows);
   print_limits(limits, first);
   nlohmann::json json{{"stream", stream.description()},
                       {"copy_seconds", limits.copy_seconds},
                       {"write_seconds", limits.write_seconds}};
   for (const Measured& row : rows) json["runs"].push_back(to_json(row));
-  return write_json(arguments.json, json);
+  return write_json(arguments.stream.json, json);
 }
 
 }  // namespace
@@ -157,20 +153,12 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures the recorder on a robot's stream. ENGRAM_RECORDINGS names a folder of"
       " videos; without it a scene is rendered.");
-  app.add_option("--seconds", arguments.seconds, "length of the stream")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--paced-seconds", arguments.paced_seconds, "length at the robot's pace")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--frames", arguments.frames, "most decoded frames in memory, 0.9 MB each")
-      ->check(CLI::Range(2, 20000))
-      ->capture_default_str();
+  arguments.stream.add_to(app);
+  engram::experiments::add_seconds(app, "--paced-seconds", arguments.paced_seconds,
+                                   "length at the robot's pace");
   app.add_option("--repeats", arguments.repeats, "of what goes as fast as it can")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  app.add_option("--dir", arguments.dir, "where stores are made anew")->capture_default_str();
-  app.add_option("--json", arguments.json, "file for all figures");
   CLI11_PARSE(app, argc, argv);
   return engram::experiments::exit_code("recorder_bars", engram::experiments::run(arguments));
 }

@@ -1,24 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // What would a user pick instead? One stream into Engram, ROS 1 bags, HDF5 and SQLite, in one run:
 // bytes, speed of writing, and how long it takes to find one image again.
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <functional>
 
 #include "store/peer_run.h"
 #include "store/report.h"
+#include "store/stream_options.h"
 
 namespace engram::experiments {
 namespace {
 
 struct Arguments {
-  double seconds = 40;
-  size_t frames = 904;
+  StreamOptions stream{.seconds = 40, .dir = "bars/peers"};
   size_t reads = 1000;
   std::vector<std::string> peers;
-  std::string dir = "bars/peers";
-  std::string json;
 };
 
 /// Runs one peer in a folder.
@@ -99,7 +95,7 @@ Result<std::vector<PeerFigures>> run_all(const Arguments& arguments, const Strea
     if (!arguments.peers.empty() &&
         std::ranges::find(arguments.peers, choice.word) == arguments.peers.end())
       continue;
-    const auto folder = std::filesystem::path(arguments.dir) / choice.word;
+    const auto folder = std::filesystem::path(arguments.stream.dir) / choice.word;
     ENGRAM_ASSIGN_OR_RETURN(PeerFigures figures, choice.run(stream, reads, folder));
     ENGRAM_RETURN_IF_ERROR(make_empty(folder));
     fmt::print("{}: written in {:.1f} s, {} reads exact\n", figures.name, figures.write_seconds,
@@ -111,8 +107,8 @@ Result<std::vector<PeerFigures>> run_all(const Arguments& arguments, const Strea
 }
 
 Status run(const Arguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.frames));
-  const Stream stream(std::move(source), arguments.seconds);
+  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.stream.frames));
+  const Stream stream(std::move(source), arguments.stream.seconds);
   const double raw_bytes = static_cast<double>(stream.raw_bytes());
   fmt::print("stream: {}; {:.0f} s, {:.3f} MB/s raw\n", stream.description(), stream.seconds(),
              raw_bytes / 1e6 / stream.seconds());
@@ -121,7 +117,7 @@ Status run(const Arguments& arguments) {
   print_losses(peers);
   nlohmann::json json{{"stream", stream.description()}, {"raw_bytes", stream.raw_bytes()}};
   for (const PeerFigures& it : peers) json["peers"].push_back(to_json(it));
-  return write_json(arguments.json, json);
+  return write_json(arguments.stream.json, json);
 }
 
 }  // namespace
@@ -132,12 +128,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Compares Engram with what else could store a robot's stream. ENGRAM_RECORDINGS"
       " names a folder of videos; without it a scene is rendered.");
-  app.add_option("--seconds", arguments.seconds, "length of the stream")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--frames", arguments.frames, "most decoded frames in memory, 0.9 MB each")
-      ->check(CLI::Range(2, 20000))
-      ->capture_default_str();
+  arguments.stream.add_to(app);
   app.add_option("--reads", arguments.reads, "of one image at a random time")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
@@ -145,8 +136,6 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->check(
           CLI::IsMember({"engram", "bag", "bag-lz4", "bag-bz2", "h5py", "sqlite", "sqlite-zstd"}));
-  app.add_option("--dir", arguments.dir, "where files are made anew")->capture_default_str();
-  app.add_option("--json", arguments.json, "file for all figures");
   CLI11_PARSE(app, argc, argv);
   return engram::experiments::exit_code("store_peers", engram::experiments::run(arguments));
 }

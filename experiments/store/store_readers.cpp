@@ -3,7 +3,6 @@
 // each with a reader of its own, beside the same threads that only decode images in memory.
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <ctime>
 #include <functional>
 #include <latch>
@@ -13,6 +12,7 @@
 #include "store/image_reads.h"
 #include "store/recorder_run.h"
 #include "store/report.h"
+#include "store/stream_options.h"
 
 namespace engram::experiments {
 namespace {
@@ -20,13 +20,10 @@ namespace {
 constexpr double kScalingBar = 1.8;  // of two threads
 
 struct Arguments {
-  double seconds = 20;
-  size_t frames = 904;
+  StreamOptions stream{.seconds = 20, .dir = "bars/readers"};
   size_t reads = 50;
   size_t threads = 2;
   int repeats = 200;
-  std::string dir = "bars/readers";
-  std::string json;
 };
 
 /// What one thread does, again and again; made by its number.
@@ -196,9 +193,9 @@ nlohmann::json to_json(const Figures& it) {
 }
 
 Status run(const Arguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.frames));
-  const Stream stream(std::move(source), arguments.seconds);
-  const auto store = std::filesystem::path(arguments.dir) / "store";
+  ENGRAM_ASSIGN_OR_RETURN(StreamSource source, load_stream_source(arguments.stream.frames));
+  const Stream stream(std::move(source), arguments.stream.seconds);
+  const auto store = std::filesystem::path(arguments.stream.dir) / "store";
   ENGRAM_RETURN_IF_ERROR(record_stream({"readers", "preset: recorder\n"}, stream, store).status());
   fmt::print("stream: {}; {:.0f} s; {} reads per thread, {} times\n", stream.description(),
              stream.seconds(), arguments.reads, arguments.repeats);
@@ -218,7 +215,7 @@ Status run(const Arguments& arguments) {
   for (const Scaling& it : rows)
     json["rows"].push_back(
         {{"name", it.name}, {"one", to_json(it.one)}, {"several", to_json(it.several)}});
-  return write_json(arguments.json, json);
+  return write_json(arguments.stream.json, json);
 }
 
 }  // namespace
@@ -229,12 +226,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures how reading scales over threads. ENGRAM_RECORDINGS names a folder of videos;"
       " without it a scene is rendered.");
-  app.add_option("--seconds", arguments.seconds, "length of the stream")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--frames", arguments.frames, "most decoded frames in memory, 0.9 MB each")
-      ->check(CLI::Range(2, 20000))
-      ->capture_default_str();
+  arguments.stream.add_to(app);
   app.add_option("--reads", arguments.reads, "of one image at a random time, per thread")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -244,8 +236,6 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", arguments.repeats, "of one thread and several, alternating")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--dir", arguments.dir, "where the store is made anew")->capture_default_str();
-  app.add_option("--json", arguments.json, "file for all figures");
   CLI11_PARSE(app, argc, argv);
   return engram::experiments::exit_code("store_readers", engram::experiments::run(arguments));
 }
