@@ -128,6 +128,8 @@ TEST(RecordingConfig, HasPresetsThatParse) {
     EXPECT_EQ(options->rules[0].filters.empty(), preset.name == "recorder");
   }
   EXPECT_FAILS(recording_preset("tiny"), StatusCode::kNotFound, "recorder, balanced, small");
+  const auto small = read(*recording_preset("small"));
+  EXPECT_FALSE(SealRules::create(small.rules[0].pack)->empty());
 }
 
 TEST(RecordingConfig, NamesFileLineAndKeyOfWhatIsWrong) {
