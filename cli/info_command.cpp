@@ -18,7 +18,7 @@ constexpr const char* kFooter = R"(Examples:
   engram info robot.engram --json | jq '.entities[].stored_bytes'
 
 raw      bytes of the plain values: as they came (offered) and after the filters (kept)
-stored   their recorded form: segments and journal
+stored   their recorded form: segments and journal; the codecs are those of the newest segments
 latent   their form as latents; the model that decodes them counts beside)";
 
 /// A figure per snapshot, or nothing where there are none.
@@ -50,7 +50,7 @@ Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& en
   return 1 / to_seconds(*middle);
 }
 
-Json entity_json(const ltm::EntitySummary& summary, double rate_hz) {
+Json entity_json(const ltm::EntitySummary& summary, const ltm::StoredForms& forms, double rate_hz) {
   Json models = Json::array();
   for (const ltm::ModelInfo& model : summary.models)
     models.push_back({{"version", model.version}, {"file", model.file}, {"bytes", model.bytes}});
@@ -67,6 +67,8 @@ Json entity_json(const ltm::EntitySummary& summary, double rate_hz) {
             {"offered_bytes", summary.offered_bytes},
             {"raw_bytes", summary.raw_bytes},
             {"stored_bytes", summary.stored_bytes},
+            {"media_codecs", forms.media_codecs},
+            {"has_number_columns", forms.has_columns},
             {"latent_bytes", summary.latent_bytes},
             {"model_bytes", summary.model_bytes},
             {"models", std::move(models)}};
@@ -97,7 +99,17 @@ std::string bytes_each(uint64_t total, uint64_t count) {
                      bytes_text(each(total, count)));
 }
 
-void print_entity(const ltm::EntitySummary& summary, double rate_hz) {
+/// ", as h264, numbers as columns"; nothing where neither says more than that it is stored.
+std::string forms_text(const ltm::StoredForms& forms) {
+  std::string text;
+  for (const std::string& codec : forms.media_codecs)
+    text += (text.empty() ? ", as " : " and ") + codec;
+  if (forms.has_columns) text += ", numbers as columns";
+  return text;
+}
+
+void print_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& forms,
+                  double rate_hz) {
   print("\n" + summary.id.to_string());
   print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
                     count_text(summary.snapshots), count_text(summary.offered),
@@ -114,7 +126,8 @@ void print_entity(const ltm::EntitySummary& summary, double rate_hz) {
   print(fmt::format("  raw        {} offered, {} kept",
                     bytes_text(static_cast<double>(summary.offered_bytes)),
                     bytes_each(summary.raw_bytes, summary.snapshots)));
-  print("  stored     " + bytes_each(summary.stored_bytes, summary.recorded_snapshots));
+  print("  stored     " + bytes_each(summary.stored_bytes, summary.recorded_snapshots) +
+        forms_text(forms));
   if (summary.latent_snapshots == 0) return;
   print(fmt::format("  latent     {} + {} model = {}",
                     bytes_each(summary.latent_bytes, summary.latent_snapshots),
@@ -163,10 +176,12 @@ ExitCode run(const std::string& store, bool is_json) {
     if (!summary.ok()) return fail(summary.status());
     const auto rate_hz = typical_rate_hz(**reader, entity);
     if (!rate_hz.ok()) return fail(rate_hz.status());
+    const auto forms = (*reader)->newest_forms(entity);
+    if (!forms.ok()) return fail(forms.status());
     if (is_json)
-      json["entities"].push_back(entity_json(*summary, *rate_hz));
+      json["entities"].push_back(entity_json(*summary, *forms, *rate_hz));
     else
-      print_entity(*summary, *rate_hz);
+      print_entity(*summary, *forms, *rate_hz);
   }
   if (is_json)
     print_json(json);

@@ -20,6 +20,8 @@ class CodecText {
 
   [[nodiscard]] const std::string& name() const { return name_; }
 
+  [[nodiscard]] bool has(const std::string& key) const { return values_.contains(key); }
+
   /// Takes the value of `key`, or `fallback` where it was not given. `is_main` takes a value
   /// without a key too.
   /// Errors: kInvalidArgument where it is no number of `least` to `most`.

@@ -2,8 +2,12 @@
 #include "ltm/codec/packed_value.h"
 
 #include <algorithm>
+#include <array>
 
 #include "ltm/codec/codec.h"
+#include "ltm/codec/medium_decoder.h"
+#include "ltm/codec/pack_rule_use.h"
+#include "ltm/codec/seal_rules.h"
 #include "ltm/codec/zstd_codec.h"
 #include "ltm/idf/layout.h"
 
@@ -12,7 +16,8 @@ namespace engram::ltm {
 namespace {
 
 constexpr int64_t kLeastSide = 8;
-constexpr std::string_view kStays = "none";
+/// For images by themselves, the first that accepts them.
+constexpr std::array<std::string_view, 3> kLosslessCodecs{"rowpred", "png", "shuffle"};
 
 /// Null where the arrays stay in the value.
 using ChosenCodec = std::shared_ptr<const Codec>;
@@ -20,6 +25,12 @@ using ChosenCodec = std::shared_ptr<const Codec>;
 Result<ChosenCodec> make_chosen(const std::string& text) {
   if (text == kStays) return ChosenCodec();
   return make_codec(text);
+}
+
+const Codec& lossless_codec(idf::ElementType type, const idf::Shape& shape) {
+  for (const std::string_view name : kLosslessCodecs)
+    if (const Codec* codec = find_codec(name); codec->accepts(type, shape)) return *codec;
+  return zstd_codec();
 }
 
 bool is_picture(MediumKind kind) {
@@ -33,6 +44,13 @@ struct Packer::Plan {
     std::string path;
     std::optional<MediumKind> kind;
     ChosenCodec codec;
+    bool is_for_groups = false;  ///< Then a null codec stands for one without loss.
+
+    [[nodiscard]] const Codec* choose(const idf::TensorMember& member) const {
+      if (codec != nullptr && codec->accepts(member.type, member.shape)) return codec.get();
+      if (is_for_groups) return &lossless_codec(member.type, member.shape);
+      return codec == nullptr ? nullptr : find_codec("shuffle");
+    }
   };
 
   /// The codec of an array; null where it stays.
@@ -40,9 +58,7 @@ struct Packer::Plan {
     const MediumKind kind = medium_kind(member.type, member.shape);
     for (const Rule& rule : rules) {
       if ((rule.kind && *rule.kind != kind) || !matches_path(rule.path, member.path)) continue;
-      if (rule.codec == nullptr || rule.codec->accepts(member.type, member.shape))
-        return rule.codec.get();
-      return find_codec("shuffle");
+      return rule.choose(member);
     }
     if (member.kind == idf::MemberKind::kImage || is_picture(kind)) {
       if (image == nullptr || image->accepts(member.type, member.shape)) return image.get();
@@ -91,6 +107,7 @@ bool matches_path(std::string_view pattern, std::string_view path) {
 }
 
 Status PackOptions::validate() const {
+  ENGRAM_RETURN_IF_ERROR(SealRules::create(*this).status());
   return Packer::create(*this).status();
 }
 
@@ -99,8 +116,12 @@ Result<Packer> Packer::create(const PackOptions& options) {
   for (const PackRule& rule : options.rules) {
     if (rule.path.empty())
       return invalid_argument("rule for codec '{}': path is empty", rule.codec);
-    ENGRAM_ASSIGN_OR_RETURN(auto codec, make_chosen(rule.codec));
-    plan->rules.push_back({rule.path, rule.kind, std::move(codec)});
+    ENGRAM_ASSIGN_OR_RETURN(const PackRuleUse use, use_of(rule));
+    if (use == PackRuleUse::kNumbers) continue;
+    const bool is_for_groups = use == PackRuleUse::kGroup;
+    const std::string& text = is_for_groups ? rule.journal : rule.codec;
+    ENGRAM_ASSIGN_OR_RETURN(auto codec, text.empty() ? ChosenCodec() : make_chosen(text));
+    plan->rules.push_back({rule.path, rule.kind, std::move(codec), is_for_groups});
   }
   ENGRAM_ASSIGN_OR_RETURN(plan->image, make_chosen(options.image_codec));
   ENGRAM_ASSIGN_OR_RETURN(plan->array, make_chosen(options.array_codec));
@@ -130,20 +151,31 @@ Result<PackedValue> pack(const idf::Data& value, const PackOptions& options) {
   return packer.pack(value);
 }
 
-Result<idf::Data> unpack(const PackedValue& packed) {
+Result<idf::Data> unpack(const PackedValue& packed, MediumDecoder& decoder) {
   idf::Data value = packed.rest;
   for (const PackedMedium& medium : packed.media) {
     idf::Data* place = value.at(medium.path);
     if (place == nullptr || !place->is<idf::None>())
       return data_loss("member '{}': the value has no place for it", medium.path);
-    const Codec* codec = find_codec(medium.codec);
-    if (codec == nullptr)
-      return data_loss("member '{}': unknown codec '{}'", medium.path, medium.codec);
-    auto array = codec->decode(medium.bytes.bytes(), medium.type, medium.shape);
+    auto array = decoder.decode(medium);
     if (!array.ok()) return array.status().with_context("member '" + medium.path + "'");
     *place = std::move(array).value();
   }
   return value;
+}
+
+Result<idf::Data> unpack(const PackedValue& packed) {
+  MediumDecoder decoder;
+  return unpack(packed, decoder);
+}
+
+Result<PackedMedium> pack_alone(const PackedMedium& medium, MediumDecoder& decoder) {
+  auto array = decoder.decode(medium);
+  if (!array.ok()) return array.status().with_context("member '" + medium.path + "'");
+  const Codec& codec = lossless_codec(medium.type, medium.shape);
+  ENGRAM_ASSIGN_OR_RETURN(auto bytes, codec.encode(*array));
+  return PackedMedium{medium.path, std::string(codec.name()), medium.type, medium.shape,
+                      Buffer::take(std::move(bytes))};
 }
 
 }  // namespace engram::ltm

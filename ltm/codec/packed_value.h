@@ -12,6 +12,16 @@
 
 namespace engram::ltm {
 
+/// The most plain bytes and arrays of a group: who wants one of them decodes them all.
+inline constexpr uint64_t kMaxGroupBytes = uint64_t{512} << 20;
+inline constexpr uint64_t kMaxGroupImages = 1024;
+
+/// Which array of an encoded group.
+struct GroupPlace {
+  uint32_t index = 0;
+  uint32_t count = 1;  ///< Of the group's arrays.
+};
+
 /// An ndarray that left its value and went through a codec.
 struct PackedMedium {
   std::string path;   ///< Where it belongs in the value.
@@ -19,6 +29,9 @@ struct PackedMedium {
   idf::ElementType type = idf::ElementType::kUInt8;
   idf::Shape shape;
   Buffer bytes;
+  /// Where `codec` is a group codec (ltm/codec/group_codec.h): then `bytes` are those of the whole
+  /// group, which all of its arrays share.
+  std::optional<GroupPlace> group = std::nullopt;
 };
 
 /// A value as it is stored: its media encoded apart, the rest as it was.
@@ -29,10 +42,11 @@ struct PackedValue {
 
 /// What an array is, as far as its element type and shape tell.
 enum class MediumKind {
-  kImage,  ///< What a layout calls an image (ltm/idf/layout.h), but for depth.
-  kDepth,  ///< float32 or uint16 [H, W, 1] with H, W of at least 8.
-  kCloud,  ///< float32 [N, 3 to 16] with N of at least 8.
-  kArray,  ///< Any other.
+  kImage,   ///< What a layout calls an image (ltm/idf/layout.h), but for depth.
+  kDepth,   ///< float32 or uint16 [H, W, 1] with H, W of at least 8.
+  kCloud,   ///< float32 [N, 3 to 16] with N of at least 8.
+  kArray,   ///< Any other.
+  kNumber,  ///< In rules only: numbers and arrays that stay in the value.
 };
 
 [[nodiscard]] MediumKind medium_kind(idf::ElementType type, const idf::Shape& shape);
@@ -43,8 +57,13 @@ struct PackRule {
   std::string path = "**";
   /// Their kind; nothing: any.
   std::optional<MediumKind> kind;
-  /// Text of a codec (ltm/codec/codec_text.h), or "none": they stay in the value.
+  /// Text of a codec (ltm/codec/codec_text.h), or "none": they stay in the value. That of a group
+  /// codec: they are recorded singly, and put together when they are sealed
+  /// (ltm/codec/seal_rules.h). For numbers: "columns" or "none".
   std::string codec;
+  /// How arrays for a group codec are recorded, without loss. Empty: by "rowpred", or where that
+  /// does not accept them by "png".
+  std::string journal = {};
 };
 
 struct PackOptions {
@@ -58,7 +77,8 @@ struct PackOptions {
   /// Smaller ones of these stay in the value, as plain datasets of segments. Unit: bytes.
   size_t least_array_bytes = 64 << 10;
 
-  /// Errors: kInvalidArgument where a codec is unknown or a path empty.
+  /// Errors: kInvalidArgument where a codec is unknown, a rule contradicts itself or a path is
+  /// empty; kFailedPrecondition where the encoder of a group codec is not installed.
   [[nodiscard]] Status validate() const;
 };
 
@@ -83,8 +103,15 @@ class Packer {
 /// Packs one value. Errors: those of Packer.
 Result<PackedValue> pack(const idf::Data& value, const PackOptions& options);
 
+class MediumDecoder;
+
 /// Errors: kDataLoss where media do not decode to what was packed.
+Result<idf::Data> unpack(const PackedValue& packed, MediumDecoder& decoder);
 Result<idf::Data> unpack(const PackedValue& packed);
+
+/// A medium of a group as one by itself: what it decodes to, without further loss.
+/// Errors: those of MediumDecoder.
+Result<PackedMedium> pack_alone(const PackedMedium& medium, MediumDecoder& decoder);
 
 /// True where `pattern` of PackRule::path stands for `path`. Complexity: O(product of the sizes).
 [[nodiscard]] bool matches_path(std::string_view pattern, std::string_view path);

@@ -91,6 +91,9 @@ class File {
   /// Errors: kDataLoss where a group on the way is damaged.
   Result<bool> exists(const std::string& path) const;
 
+  /// True for groups, false for datasets. Errors: kNotFound, kDataLoss where it is damaged.
+  Result<bool> is_group(const std::string& path) const;
+
   /// Names in a group, in the order of their bytes. Errors: kNotFound.
   Result<std::vector<std::string>> list(const std::string& group) const;
 

@@ -25,6 +25,16 @@ Result<bool> File::exists(const std::string& path) const {
   return state_->look_up(path);
 }
 
+Result<bool> File::is_group(const std::string& path) const {
+  const std::scoped_lock lock(library_mutex());
+  H5O_info_t info{};
+  if (H5Oget_info_by_name2(state_->file, path.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
+    ENGRAM_RETURN_IF_ERROR(state_->check_exists(path));
+    return state_->broken(path, "is damaged");
+  }
+  return info.type == H5O_TYPE_GROUP;
+}
+
 Result<std::vector<std::string>> File::list(const std::string& group) const {
   const std::scoped_lock lock(library_mutex());
   ENGRAM_RETURN_IF_ERROR(state_->check_exists(group));

@@ -40,6 +40,32 @@ struct Kept {
   }
 };
 
+/// The seal-time parts of the rules, by entity; empty where there are none.
+SealRulesOf seal_rules_of(const Recorder::Options& options) {
+  struct Rules {
+    std::vector<std::pair<EntityPattern, SealRules>> by_pattern;
+    SealRules otherwise;
+  };
+  const auto made = [](const PackOptions& pack) {
+    auto rules = SealRules::create(pack);
+    ENGRAM_CHECK(rules.ok(), "{}", rules.status().message());
+    return *std::move(rules);
+  };
+  auto rules = std::make_shared<Rules>();
+  rules->otherwise = made(options.pack);
+  bool is_any = !rules->otherwise.empty();
+  for (const EntityRule& rule : options.rules) {
+    rules->by_pattern.emplace_back(rule.match, made(rule.pack));
+    is_any = is_any || !rules->by_pattern.back().second.empty();
+  }
+  if (!is_any) return {};
+  return [rules = std::shared_ptr<const Rules>(std::move(rules))](const MemoryId& entity) {
+    for (const auto& [pattern, of_pattern] : rules->by_pattern)
+      if (pattern.matches(entity)) return of_pattern;
+    return rules->otherwise;
+  };
+}
+
 bool may_work_later(const Status& status) {
   return status.code() == StatusCode::kUnavailable ||
          status.code() == StatusCode::kResourceExhausted;
@@ -308,7 +334,9 @@ Result<Recorder> Recorder::open(const std::filesystem::path& store, const Option
                                 Clock clock) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   if (is_store_absent(store)) ENGRAM_RETURN_IF_ERROR(create_store(store));
-  ENGRAM_ASSIGN_OR_RETURN(auto writer, StoreWriter::open(store, options.store, clock));
+  StoreWriter::Options writing = options.store;
+  if (!writing.seal_rules) writing.seal_rules = seal_rules_of(options);
+  ENGRAM_ASSIGN_OR_RETURN(auto writer, StoreWriter::open(store, writing, clock));
   return Recorder(std::make_unique<State>(options, std::move(clock), std::move(writer)));
 }
 

@@ -54,6 +54,7 @@ class Recorder {
     std::optional<double> max_rate_hz;
     /// For the same entities.
     PackOptions pack;
+    /// Its `seal_rules` are made of the rules for packing, where they are empty.
     StoreWriter::Options store;
     /// The first one that matches an entity counts.
     std::vector<EntityRule> rules;

@@ -2,6 +2,7 @@
 #include "ltm/recording/recording_config.h"
 
 #include <array>
+#include <utility>
 
 #include "ltm/core/config.h"
 #include "ltm/filter/config_choice.h"
@@ -16,11 +17,33 @@ Result<std::optional<MediumKind>> read_kind(ConfigMap& map) {
   MediumKind kind{};
   ENGRAM_RETURN_IF_ERROR(
       read_choice(map, "kind", kind,
-                  std::array<Choice<MediumKind>, 4>{{{"image", MediumKind::kImage},
+                  std::array<Choice<MediumKind>, 5>{{{"image", MediumKind::kImage},
                                                      {"depth", MediumKind::kDepth},
                                                      {"cloud", MediumKind::kCloud},
-                                                     {"array", MediumKind::kArray}}}));
+                                                     {"array", MediumKind::kArray},
+                                                     {"number", MediumKind::kNumber}}}));
   return std::optional(kind);
+}
+
+/// Puts the codec's text into the rule: of a list, the first whose encoder is installed.
+Status choose_codec(const ConfigValue& codec, PackRule& rule) {
+  if (!codec.is_list()) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.codec, codec.text());
+    const Status status = PackOptions{.rules = {rule}}.validate();
+    return status.ok() ? status : codec.error(status);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto texts, codec.list());
+  Status missing = codec.error("found no codec, needs one or more");
+  bool is_chosen = false;
+  for (const ConfigValue& each : texts) {
+    PackRule with = rule;
+    ENGRAM_ASSIGN_OR_RETURN(with.codec, each.text());
+    const Status status = PackOptions{.rules = {with}}.validate();
+    if (!status.ok() && status.code() != StatusCode::kFailedPrecondition) return each.error(status);
+    if (!status.ok()) missing = each.error(status);
+    if (status.ok() && !std::exchange(is_chosen, true)) rule = std::move(with);
+  }
+  return is_chosen ? Status() : missing;
 }
 
 Result<PackRule> read_codec(const ConfigValue& value) {
@@ -28,11 +51,10 @@ Result<PackRule> read_codec(const ConfigValue& value) {
   PackRule rule;
   ENGRAM_RETURN_IF_ERROR(map.read("path", rule.path, &ConfigValue::text));
   ENGRAM_ASSIGN_OR_RETURN(rule.kind, read_kind(map));
+  ENGRAM_RETURN_IF_ERROR(map.read("journal", rule.journal, &ConfigValue::text));
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue codec, map.require("codec"));
-  ENGRAM_ASSIGN_OR_RETURN(rule.codec, codec.text());
+  ENGRAM_RETURN_IF_ERROR(choose_codec(codec, rule));
   ENGRAM_RETURN_IF_ERROR(map.finish());
-  const Status status = PackOptions{.rules = {rule}}.validate();
-  if (!status.ok()) return codec.error(status);
   return rule;
 }
 

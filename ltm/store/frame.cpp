@@ -85,7 +85,16 @@ Result<PackedMedium> medium_from_data(const Data& data) {
 
 Result<Data> instance_to_data(const PackedInstance& instance) {
   List media;
-  for (const PackedMedium& medium : instance.value.media) media.push_back(medium_to_data(medium));
+  MediumDecoder decoder;
+  for (const PackedMedium& medium : instance.value.media) {
+    if (!medium.group) {
+      media.push_back(medium_to_data(medium));
+      continue;
+    }
+    // Frames stand alone: the others of the group may never be written.
+    ENGRAM_ASSIGN_OR_RETURN(const PackedMedium alone, pack_alone(medium, decoder));
+    media.push_back(medium_to_data(alone));
+  }
   ENGRAM_ASSIGN_OR_RETURN(const auto rest, idf::encode(instance.value.rest));
   if (rest.size() > kMaxRestBytes)
     return invalid_argument("a value has {} bytes beside its media, at most {} fit", rest.size(),
@@ -181,9 +190,14 @@ Result<PackedSnapshot> decode_frame(const Buffer& payload) {
 }
 
 Result<Snapshot> unpack(const PackedSnapshot& packed) {
+  MediumDecoder decoder;
+  return unpack(packed, decoder);
+}
+
+Result<Snapshot> unpack(const PackedSnapshot& packed, MediumDecoder& decoder) {
   Snapshot snapshot{packed.entity, packed.time, {}};
   for (const PackedInstance& instance : packed.instances) {
-    auto data = unpack(instance.value);
+    auto data = unpack(instance.value, decoder);
     if (!data.ok()) return data.status().with_context(snapshot.id().to_string());
     snapshot.instances.push_back({std::move(data).value(), instance.metadata});
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ltm/codec/medium_decoder.h"
 #include "ltm/codec/packed_value.h"
 #include "ltm/memory/snapshot.h"
 
@@ -25,6 +26,7 @@ struct PackedSnapshot {
 };
 
 /// Errors: kDataLoss where media do not decode.
+Result<Snapshot> unpack(const PackedSnapshot& packed, MediumDecoder& decoder);
 Result<Snapshot> unpack(const PackedSnapshot& packed);
 
 }  // namespace engram::ltm

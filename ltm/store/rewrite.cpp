@@ -80,6 +80,9 @@ class Merger {
       kept.trailing_dropped += part.dropped;
       kept.trailing_dropped_bytes += part.dropped_bytes;
       merged_.raw_bytes[part.id] += part.raw_bytes;
+      ENGRAM_ASSIGN_OR_RETURN(const StoredForms forms, reader_.forms(part.id, segment));
+      // Numbers stay stored as they were; so do images, which need no rules for it.
+      if (forms.has_columns) kept.rules = SealRules::all_columns();
       ENGRAM_RETURN_IF_ERROR(add_snapshots(segment, part.id, kept));
     }
     return {};

@@ -20,8 +20,19 @@ constexpr uint64_t kFramesBytes = uint64_t{1} << 20;
 uint64_t size_of(const PackedSnapshot& snapshot) {
   uint64_t bytes = snapshot.raw_bytes;
   for (const PackedInstance& instance : snapshot.instances)
-    for (const PackedMedium& medium : instance.value.media) bytes += medium.bytes.size();
+    for (const PackedMedium& medium : instance.value.media)
+      bytes += medium.bytes.size() / (medium.group ? medium.group->count : 1);
   return bytes;
+}
+
+/// True where a group of images goes on behind this snapshot.
+bool is_in_group(const std::map<MemoryId, RecordedEntity>& recorded, const MemoryId& entity) {
+  const auto found = recorded.find(entity);
+  if (found == recorded.end() || found->second.snapshots.empty()) return false;
+  for (const PackedInstance& instance : found->second.snapshots.back().instances)
+    for (const PackedMedium& medium : instance.value.media)
+      if (medium.group && medium.group->index + 1 < medium.group->count) return true;
+  return false;
 }
 
 uint64_t size_of(const LatentSnapshot& snapshot) {
@@ -69,7 +80,7 @@ class SegmentSalvage {
             return lose(1, read), Status();
           last = span.time;
           ++counts.saved;
-          return held_bytes_ < kHeldBytes ? Status() : broken = write(told.id);
+          return has_room(told.id) ? Status() : broken = write(told.id);
         });
     ENGRAM_RETURN_IF_ERROR(broken);
     if (!walked.ok()) lose(0, walked);
@@ -100,8 +111,21 @@ class SegmentSalvage {
     held_bytes_ += size_of(packed);
     dropped_[entity].first += packed.dropped;
     dropped_[entity].second += packed.dropped_bytes;
-    recorded_[entity].snapshots.push_back(std::move(packed));
+    RecordedEntity& saved = recorded_[entity];
+    if (saved.snapshots.empty()) saved.rules = rules_of(entity);
+    saved.snapshots.push_back(std::move(packed));
     return {};
+  }
+
+  /// Numbers stay stored as they were.
+  [[nodiscard]] SealRules rules_of(const MemoryId& entity) {
+    const auto forms = reader_.forms(entity);
+    return forms.ok() && forms->has_columns ? SealRules::all_columns() : SealRules();
+  }
+
+  /// Groups of images that are cut must be taken apart: they may take some more room.
+  [[nodiscard]] bool has_room(const MemoryId& entity) const {
+    return held_bytes_ < (is_in_group(recorded_, entity) ? kMaxGroupBytes : kHeldBytes);
   }
 
   /// What filters dropped stays counted, also where the rows that told of it are lost.

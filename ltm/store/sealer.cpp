@@ -81,7 +81,9 @@ Status publish_segment(const std::filesystem::path& store, const std::filesystem
 }  // namespace
 
 Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job) {
-  ENGRAM_ASSIGN_OR_RETURN(const JournalContent content, read_journals(store, job.journals));
+  ENGRAM_ASSIGN_OR_RETURN(JournalContent content, read_journals(store, job.journals));
+  if (job.rules)
+    for (auto& [id, entity] : content.entities) entity.rules = job.rules(id);
   if (!content.entities.empty() || content.damaged > 0) {
     ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
     if (Status status = publish_segment(store, file, content, job); !status.ok()) {

@@ -4,13 +4,18 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
 
+#include "ltm/codec/seal_rules.h"
 #include "ltm/store/manifest.h"
 
 namespace engram::ltm {
+
+/// The rules of an entity. Called from the sealer's thread.
+using SealRulesOf = std::function<SealRules(const MemoryId&)>;
 
 /// Turns closed journals into segments, in order, on a thread of its own. Where this fails the
 /// journals keep what they hold, and it is tried again.
@@ -30,6 +35,7 @@ class Sealer {
     uint64_t bytes = 0;  ///< Of the journals.
     SegmentTypes types;  ///< That their values came under.
     std::map<MemoryId, DropReasons> dropped_by;  ///< Since the job before.
+    SealRulesOf rules;  ///< Empty: all is stored as it lies in the journals.
   };
 
   Sealer(std::filesystem::path store, const Options& options);

@@ -115,7 +115,7 @@ class SegmentCheck {
     for (const PackedInstance& instance : packed.instances)
       report_.media += instance.value.media.size();
     links_.add(packed, types_, segment_.file);
-    return options_.is_deep ? unpack(packed).status() : Status();
+    return options_.is_deep ? unpack(packed, decoder_).status() : Status();
   }
 
   void compare(const SegmentEntity& told, const SegmentEntity& seen) {
@@ -159,6 +159,7 @@ class SegmentCheck {
   };
 
   SegmentTypes types_;
+  MediumDecoder decoder_;
   std::vector<Damage> damage_;  ///< Of the entity at hand.
   uint64_t damaged_ = 0;        ///< Places of it, all of them.
 };

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "ltm/memory/segment_types.h"
@@ -18,6 +20,12 @@ struct RowSpan {
   Time time{};
   uint64_t first = 0;
   uint32_t rows = 0;
+};
+
+/// How the recorded form of an entity is stored.
+struct StoredForms {
+  std::set<std::string> media_codecs;  ///< Names; those of groups of images, too.
+  bool has_columns = false;            ///< Numbers are compressed columns, not plain datasets.
 };
 
 /// What a segment file says of itself.
@@ -52,6 +60,9 @@ class SegmentReader {
 
   /// Bytes of the file that the entity's datasets take.
   Result<uint64_t> stored_bytes(const MemoryId& entity) const;
+
+  /// Of recorded segments. Errors: kNotFound, kDataLoss.
+  Result<StoredForms> forms(const MemoryId& entity);
 
   /// Snapshots of an entity in the order of the file, which is that of time.
   /// Errors: kNotFound, kDataLoss.

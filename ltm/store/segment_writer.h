@@ -5,24 +5,28 @@
 #include <map>
 #include <vector>
 
+#include "ltm/codec/seal_rules.h"
 #include "ltm/store/latent.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/packed_snapshot.h"
 
 namespace engram::ltm {
 
+/// What a segment is to hold of one entity.
+struct RecordedEntity {
+  std::vector<PackedSnapshot> snapshots;  ///< In the order of time.
+  uint64_t trailing_dropped = 0;          ///< After the last snapshot.
+  uint64_t trailing_dropped_bytes = 0;
+  SealRules rules;  ///< What becomes of images and numbers that are stored singly.
+};
+
 /// Writes a whole segment file of recorded snapshots; the caller publishes it.
 ///
-/// `entities` hold snapshots in the order of time. `trailing` adds what was dropped after the last
-/// snapshot of an entity. `types` are those that the values came under. Returns the segment with
-/// everything but its `file`.
-/// Errors: kUnavailable, kInvalidArgument.
+/// `types` are those that the values came under. Returns the segment with everything but its
+/// `file`.
+/// Errors: kUnavailable, kInvalidArgument; kDataLoss where groups of images that are not whole any
+/// more do not decode.
 /// Source: docs/format.md, section "Segment".
-struct RecordedEntity {
-  std::vector<PackedSnapshot> snapshots;
-  uint64_t trailing_dropped = 0;
-  uint64_t trailing_dropped_bytes = 0;
-};
 Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
                                            const std::map<MemoryId, RecordedEntity>& entities,
                                            const SegmentTypes& types = {});

@@ -20,6 +20,9 @@ constexpr size_t kMaxOpenSegments = 64;
 /// A writer may seal and remove a journal while it is being opened: then look again.
 constexpr int kOpenAttempts = 20;
 
+/// That are looked at for how an entity is stored.
+constexpr int kSegmentsForForms = 4;
+
 struct JournalEntry {
   uint32_t journal = 0;
   uint64_t offset = 0;
@@ -40,6 +43,7 @@ struct StoreReader::State {
   std::map<MemoryId, std::vector<TimelinePart>> parts;
   std::map<MemoryId, Timeline> timelines;
   std::map<MemoryId, std::vector<SnapshotEntry>> indices;
+  MediumDecoder decoder;
 
   Status load() {
     ENGRAM_ASSIGN_OR_RETURN(manifest, read_manifest(path));
@@ -283,9 +287,31 @@ Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity,
   return segment->read_recorded(entity, {entry.time, at.at, at.rows});
 }
 
+Result<StoredForms> StoreReader::forms(const MemoryId& entity, uint32_t segment) {
+  ENGRAM_CHECK(segment < state_->manifest.segments.size(), "there is no segment {}", segment);
+  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, state_->segment(segment));
+  return reader->forms(entity);
+}
+
+Result<StoredForms> StoreReader::newest_forms(const MemoryId& entity) {
+  StoredForms all;
+  const std::vector<SegmentInfo>& segments = state_->manifest.segments;
+  int looked_at = 0;
+  for (size_t i = segments.size(); i-- > 0 && looked_at < kSegmentsForForms;) {
+    const SegmentEntity* part = segments[i].find(entity);
+    if (segments[i].kind != SegmentKind::kRecorded || part == nullptr || part->snapshots == 0)
+      continue;
+    ++looked_at;
+    ENGRAM_ASSIGN_OR_RETURN(const StoredForms found, forms(entity, static_cast<uint32_t>(i)));
+    all.media_codecs.insert(found.media_codecs.begin(), found.media_codecs.end());
+    all.has_columns = all.has_columns || found.has_columns;
+  }
+  return all;
+}
+
 Result<Snapshot> StoreReader::read_recorded(const MemoryId& entity, const SnapshotEntry& entry) {
   ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
-  return unpack(packed);
+  return unpack(packed, state_->decoder);
 }
 
 Result<LatentSnapshot> StoreReader::read_latent(const MemoryId& entity,

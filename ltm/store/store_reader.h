@@ -35,7 +35,8 @@ struct EntitySummary {
   LatentSums latent;  ///< Over all latent segments; the newest model's version.
 };
 
-/// Reads one generation of a store, unsealed journal included. Later changes are not seen.
+/// Reads one generation of a store, unsealed journal included. Later changes are not seen. Groups
+/// of images that were decoded last are kept, see MediumDecoder.
 ///
 /// Threading: one thread. Any number of readers run beside each other and beside a writer.
 /// Source: docs/format.md.
@@ -70,6 +71,14 @@ class StoreReader {
   /// The recorded form as it is stored. Needs `entry.recorded` (checked).
   /// Errors: kDataLoss naming the segment and the row.
   Result<PackedSnapshot> read_packed(const MemoryId& entity, const SnapshotEntry& entry);
+
+  /// How the entity is stored in a recorded segment: an index into the manifest's (checked).
+  /// Errors: kNotFound, kDataLoss.
+  Result<StoredForms> forms(const MemoryId& entity, uint32_t segment);
+
+  /// How the entity is stored in the newest segments that hold it.
+  /// Errors: kDataLoss.
+  Result<StoredForms> newest_forms(const MemoryId& entity);
 
   /// Decodes the recorded form. Needs `entry.recorded` (checked).
   /// Errors: kDataLoss naming the segment and the row.

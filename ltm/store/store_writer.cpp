@@ -53,6 +53,7 @@ struct StoreWriter::State {
   std::shared_ptr<Journal> journal;  ///< Null until the first append after it was closed.
   std::vector<uint64_t> closed_journals;  ///< That nobody was told to seal yet.
   uint64_t next_journal = 1;
+  uint64_t first_own = 1;               ///< The first journal of this session.
   uint64_t unsealed_bytes = 0;          ///< Of these journals.
   std::optional<Time> oldest_unsealed;  ///< By the clock, when it was appended.
   std::map<MemoryId, Time> last_times;
@@ -83,6 +84,7 @@ struct StoreWriter::State {
     next_journal = manifest.first_journal;
     ENGRAM_ASSIGN_OR_RETURN(const auto journals, list_journals(path));
     for (const uint64_t number : journals) ENGRAM_RETURN_IF_ERROR(take_over(number));
+    first_own = next_journal;
     if (unsealed_bytes > 0) oldest_unsealed = clock();
     if (damaged > 0)
       log::warning("store '{}': {} damaged places in the journal; what was there is lost",
@@ -140,13 +142,21 @@ struct StoreWriter::State {
     return unsealed_bytes >= options.seal_bytes || clock() - *oldest_unsealed >= options.seal_after;
   }
 
+  void add_job(std::vector<uint64_t> journals, const SealRulesOf& rules) {
+    if (journals.empty()) return;
+    sealer->add({std::move(journals), unsealed_bytes, types, std::exchange(dropped_by, {}), rules});
+  }
+
   /// Hands all journals to the sealer; the next append begins a new one.
   void hand_over() {
     if (journal) closed_journals.push_back(journal->number());
     journal.reset();
-    if (!closed_journals.empty())
-      sealer->add({std::exchange(closed_journals, {}), unsealed_bytes, types,
-                   std::exchange(dropped_by, {})});
+    const auto own = std::ranges::lower_bound(closed_journals, first_own);
+    // By what rules another session recorded is not known.
+    if (options.seal_rules) add_job({closed_journals.begin(), own}, {});
+    add_job({options.seal_rules ? own : closed_journals.begin(), closed_journals.end()},
+            options.seal_rules);
+    closed_journals.clear();
     unsealed_bytes = 0;
     oldest_unsealed.reset();
   }

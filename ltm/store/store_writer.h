@@ -9,6 +9,7 @@
 
 #include "ltm/memory/segment_types.h"
 #include "ltm/store/packed_snapshot.h"
+#include "ltm/store/sealer.h"
 
 namespace engram::ltm {
 
@@ -39,6 +40,10 @@ class StoreWriter {
     /// Recording stops with an error where the disk has less free space: what is there can still
     /// be sealed then.
     uint64_t min_free_bytes = uint64_t{256} << 20;
+    /// What becomes of an entity's images and numbers when they are sealed. Counts for what this
+    /// writer appends: what others left in their journals is sealed as it lies there. Encoding
+    /// images as groups costs time of the sealer's thread, never of an append.
+    SealRulesOf seal_rules = {};
 
     [[nodiscard]] Status validate() const;
   };

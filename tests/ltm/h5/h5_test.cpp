@@ -161,6 +161,19 @@ TEST(H5, NamesWhatIsMissingOrOfAnotherKind) {
   EXPECT_FAILS(file->storage_bytes("/x"), StatusCode::kNotFound, "'/x'");
 }
 
+TEST(H5, TellsGroupsFromDatasets) {
+  const ScratchDirectory scratch;
+  auto file = *File::create(scratch / "f.h5");
+  ASSERT_OK(file.make_group("/group/inner"));
+  const uint64_t count = 1;
+  ASSERT_OK(file.write("/group/data", Type::kUInt8, {&count, 1}, std::vector<std::byte>(1),
+                       Storage::kCompressed));
+  EXPECT_TRUE(*file.is_group("/group"));
+  EXPECT_TRUE(*file.is_group("/group/inner"));
+  EXPECT_FALSE(*file.is_group("/group/data"));
+  EXPECT_FAILS(file.is_group("/group/other"), StatusCode::kNotFound, "other");
+}
+
 TEST(H5, RefusesWhatItCannotWriteOrOpen) {
   const ScratchDirectory scratch;
   EXPECT_FAILS(File::open(scratch / "none.h5"), StatusCode::kNotFound, "none.h5");

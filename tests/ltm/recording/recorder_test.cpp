@@ -74,6 +74,31 @@ TEST_F(RecorderTest, KeepsEverythingWithoutARate) {
   for (int64_t i = 0; i < 20; ++i) EXPECT_EQ((*found)[static_cast<size_t>(i)], frame(i));
 }
 
+TEST_F(RecorderTest, SealsAsItsRulesSay) {
+  EntityRule rule{.name = "cameras", .match = {}, .filters = {}, .pack = {}};
+  rule.pack.rules = {{.kind = MediumKind::kImage, .codec = "ffv1:group=4"},
+                     {.kind = MediumKind::kNumber, .codec = "columns"}};
+  auto recorder = *Recorder::open(store(), {.rules = {rule}});
+  const auto taken = [](int64_t i) {
+    const idf::Dict value{{"image", example_image(24, 32, 3, i)}, {"x", static_cast<double>(i)}};
+    return Snapshot{example_entity(), example_time(i), {{value, {}}}};
+  };
+  for (int64_t i = 0; i < 10; ++i) ASSERT_OK(recorder.commit({{taken(i)}}));
+  {
+    const auto unsealed = *StoreReader::open(store());
+    EXPECT_TRUE(unsealed->newest_forms(example_entity())->media_codecs.empty());
+    EXPECT_EQ((*read_all(*unsealed, example_entity()))[7], taken(7));
+  }
+  ASSERT_OK(recorder.close());
+  const auto reader = *StoreReader::open(store());
+  const auto forms = reader->newest_forms(example_entity());
+  EXPECT_EQ(forms->media_codecs, std::set<std::string>{"ffv1"});
+  EXPECT_TRUE(forms->has_columns);
+  const auto found = read_all(*reader, example_entity());
+  ASSERT_EQ(found->size(), 10u);
+  for (int64_t i = 0; i < 10; ++i) EXPECT_EQ((*found)[static_cast<size_t>(i)], taken(i));
+}
+
 TEST_F(RecorderTest, CountsOnceWhatOneCommitDrops) {
   auto recorder = *Recorder::open(store(), {.max_rate_hz = 5.0});
   Commit commit;

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "ltm/codec/seal_rules.h"
 #include "tests/ltm/expect_status.h"
 
 namespace engram::ltm {
@@ -127,6 +128,8 @@ TEST(RecordingConfig, HasPresetsThatParse) {
     EXPECT_EQ(options->rules[0].filters.empty(), preset.name == "recorder");
   }
   EXPECT_FAILS(recording_preset("tiny"), StatusCode::kNotFound, "recorder, balanced, small");
+  const auto small = read(*recording_preset("small"));
+  EXPECT_FALSE(SealRules::create(small.rules[0].pack)->empty());
 }
 
 TEST(RecordingConfig, NamesFileLineAndKeyOfWhatIsWrong) {
@@ -212,6 +215,50 @@ TEST(RecordingConfig, ReadsTheExamplesOfTheDocumentation) {
 TEST(RecordingConfig, LeavesTheSectionOnForgettingToOthers) {
   const auto options = read("forget: {rules: [{older_than: 30d}]}\nrecording: {threads: 3}\n");
   EXPECT_EQ(options.threads, 3);
+}
+
+TEST(RecordingConfig, ReadsWhatBecomesOfValuesWhenTheyAreSealed) {
+  const auto options = read(R"(
+entities:
+  - match: .*
+    codecs:
+      - {kind: image, codec: "h264:crf=20,group=10", journal: png}
+      - {path: raw/**, kind: number, codec: none}
+      - {kind: number, codec: columns}
+)");
+  ASSERT_EQ(options.rules.size(), 1u);
+  const auto rules = SealRules::create(options.rules[0].pack);
+  ASSERT_OK(rules);
+  const GroupCodec* codec = rules->group_codec("image", idf::ElementType::kUInt8, {24, 32, 3});
+  ASSERT_NE(codec, nullptr);
+  EXPECT_EQ(codec->name(), "h264");
+  EXPECT_EQ(codec->group_size(), 10u);
+  EXPECT_TRUE(rules->are_columns("x"));
+  EXPECT_FALSE(rules->are_columns("raw/x"));
+}
+
+TEST(RecordingConfig, TakesTheFirstCodecOfAListThatIsInstalled) {
+  const auto codec_of = [](const std::string& codecs) {
+    const auto options =
+        read("entities: [{match: .*, codecs: [{kind: image, codec: " + codecs + "}]}]");
+    return options.rules.at(0).pack.rules.at(0).codec;
+  };
+  EXPECT_EQ(codec_of("[jpeg, png]"), "jpeg");
+  EXPECT_EQ(codec_of(R"(["ffv1:group=4", png])"), "ffv1:group=4");
+}
+
+TEST(RecordingConfig, RefusesCodecsForWhatTheyAreNot) {
+  const auto refused = [](const std::string& rule, const std::string& part) {
+    expect_refused("entities:\n  - match: .*\n    codecs:\n      - " + rule,
+                   AllOf(HasSubstr("rec.yaml:4"), HasSubstr(part)));
+  };
+  refused("{kind: number, codec: h264}", "not for numbers");
+  refused("{kind: image, codec: columns}", "needs kind: number");
+  refused("{kind: cloud, codec: h264}", "is for images");
+  refused("{codec: h264, journal: jpeg}", "has loss");
+  refused("{codec: png, journal: png}", "that of the journal already");
+  refused("{codec: []}", "needs one or more");
+  refused("{codec: [png, gif]}", "unknown codec 'gif'");
 }
 
 }  // namespace

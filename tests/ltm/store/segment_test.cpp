@@ -191,6 +191,38 @@ TEST(Segment, KeepsBlocksOfLargeRemaindersSmall) {
   EXPECT_LE(*file->int_attribute(group + "/remainder", "rows_per_block"), 20);
 }
 
+TEST(Segment, GivesManySmallBlocksOfARemainderADictionaryWhereItPays) {
+  const ScratchDirectory scratch;
+  const std::string dictionary = segment_group(example_entity()) + "/remainder/dictionary";
+  const auto has_dictionary = [&](int64_t count, const auto& text_of) {
+    Entities entities;
+    for (int64_t i = 0; i < count; ++i)
+      entities[example_entity()].push_back(
+          {example_entity(), example_time(i), {{idf::Dict{{"text", text_of(i)}}, {}}}});
+    EXPECT_OK(write(scratch / "s.h5", entities));
+    const auto reader = *SegmentReader::open(scratch / "s.h5");
+    const auto found = read(*reader, example_entity());
+    EXPECT_OK(found);
+    for (size_t i = 0; i < found->size(); i += 97)
+      EXPECT_EQ((*found)[i], entities[example_entity()][i]) << i;
+    const bool is_there = *h5::File::open(scratch / "s.h5")->exists(dictionary);
+    std::filesystem::remove(scratch / "s.h5");
+    return is_there;
+  };
+  const auto alike = [](int64_t i) {
+    return fmt::format("the gripper closed around cup {} of the kitchen", i * 7919 % 10'007);
+  };
+  RandomValues random(3);
+  const auto noise = [&](int64_t) {
+    std::string text;
+    for (int i = 0; i < 12; ++i) text += static_cast<char>(random.below(255) + 1);
+    return text;
+  };
+  EXPECT_TRUE(has_dictionary(16'000, alike));
+  EXPECT_FALSE(has_dictionary(4'000, alike));
+  EXPECT_FALSE(has_dictionary(9'000, noise));
+}
+
 TEST(Segment, KeepsMediaOfVaryingShapeInOneGroup) {
   // Point clouds of varying length: each row has a layout of its own.
   Entities entities;

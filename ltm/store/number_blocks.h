@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: numbers of segments as compressed columns.
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ltm/store/segment_source.h"
+
+namespace engram::ltm {
+
+/// Numbers of one type: `columns` columns, in each row `elements` numbers of every column.
+struct NumberTable {
+  idf::ElementType type = idf::ElementType::kFloat64;
+  uint64_t rows = 0;
+  size_t columns = 1;
+  size_t elements = 1;
+
+  [[nodiscard]] size_t cell_bytes() const { return elements * idf::size_bytes(type); }
+  [[nodiscard]] size_t row_bytes() const { return columns * cell_bytes(); }
+};
+
+/// Writes the cells, row-major, as blobs of compressed columns, a block of rows at a time.
+/// Errors: those of h5::File::write.
+/// Source: docs/format.md, "Columns".
+Status write_number_blocks(h5::File& file, const std::string& group, const NumberTable& table,
+                           std::span<const std::byte> cells);
+
+/// Reads such rows; the last block of each table is kept. Safe on hostile files.
+///
+/// Threading: one thread. The source must outlive it.
+class NumberBlocks {
+ public:
+  explicit NumberBlocks(SegmentSource& source) : source_(source) {}
+
+  /// True where the numbers at `group` are blocks, false where they are a plain dataset.
+  /// Errors: kNotFound, kDataLoss.
+  Result<bool> has(const std::string& group);
+
+  /// The bytes of one row; valid until the next call.
+  /// Errors: kDataLoss.
+  Result<std::span<const std::byte>> row(const std::string& group, const NumberTable& table,
+                                         uint64_t row);
+
+ private:
+  struct Block {
+    bool is_there = false;
+    uint64_t rows_per_block = 0;
+    uint64_t number = UINT64_MAX;  ///< Of the block in `cells`.
+    std::vector<std::byte> cells;  ///< Row-major.
+  };
+
+  Result<Block*> find(const std::string& group);
+  Status load(const std::string& group, const NumberTable& table, uint64_t number, Block& block);
+
+  SegmentSource& source_;
+  std::map<std::string, Block> blocks_;
+};
+
+}  // namespace engram::ltm

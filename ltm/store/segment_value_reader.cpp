@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/segment_value_reader.h"
+
+#include <algorithm>
+
+#include "ltm/codec/zstd.h"
+#include "ltm/idf/binary.h"
+#include "ltm/store/segment_format.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr size_t kMaxRemainderBytes = size_t{1} << 31;
+constexpr uint64_t kMaxDictionary = 1 << 20;
+constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
+
+}  // namespace
+
+Result<idf::Data> SegmentValueReader::value(const std::string& group, uint64_t row) {
+  ENGRAM_ASSIGN_OR_RETURN(idf::Data remains, remainder(group + "/remainder", row));
+  if (const idf::Data* whole = remains.at("value"); remains.is<idf::Dict>() && whole != nullptr)
+    return *whole;
+  if (!remains.is<idf::List>())
+    return source_.broken(group, fmt::format("row {} has no remainder", row));
+  ENGRAM_ASSIGN_OR_RETURN(Tables * tables, tables_of(group));
+  ENGRAM_ASSIGN_OR_RETURN(auto arrays, tensors(*tables, row));
+  return tables->layout.join({std::move(arrays), remains.get<idf::List>()});
+}
+
+Result<idf::Data> SegmentValueReader::remainder(const std::string& group, uint64_t row) {
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t per_block,
+                          source_.file().int_attribute(group, "rows_per_block"));
+  if (per_block < 1) return source_.broken(group, "has no rows per block");
+  const uint64_t number = row / static_cast<uint64_t>(per_block);
+  auto known = remainders_.find(group);
+  if (known == remainders_.end() || known->second.number != number) {
+    ENGRAM_ASSIGN_OR_RETURN(RemainderBlock block, read_block(group, number));
+    known = remainders_.insert_or_assign(group, std::move(block)).first;
+  }
+  const idf::List& rows = known->second.rows;
+  const uint64_t at = row % static_cast<uint64_t>(per_block);
+  if (at >= rows.size())
+    return source_.broken(group, fmt::format("block {} lacks row {}", number, row));
+  return rows[at];
+}
+
+Result<SegmentValueReader::RemainderBlock> SegmentValueReader::read_block(const std::string& group,
+                                                                          uint64_t number) {
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer packed, source_.blob(group, number));
+  ENGRAM_ASSIGN_OR_RETURN(const ZstdDictionary* common, dictionary(group));
+  ENGRAM_ASSIGN_OR_RETURN(auto plain, common == nullptr
+                                          ? decompress_zstd(packed.bytes(), kMaxRemainderBytes)
+                                          : common->decompress(packed.bytes(), kMaxRemainderBytes));
+  ENGRAM_ASSIGN_OR_RETURN(idf::Data block, idf::decode(Buffer::take(std::move(plain)), kDepth));
+  if (!block.is<idf::List>())
+    return source_.broken(group, fmt::format("block {} is no list", number));
+  return RemainderBlock{number, std::move(*block.get_if<idf::List>())};
+}
+
+/// Null where the blocks were packed without one.
+Result<const ZstdDictionary*> SegmentValueReader::dictionary(const std::string& group) {
+  auto known = dictionaries_.find(group);
+  if (known == dictionaries_.end()) {
+    std::optional<ZstdDictionary> found;
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, source_.file().exists(group + "/dictionary"));
+    if (is_there) {
+      ENGRAM_ASSIGN_OR_RETURN(
+          auto bytes, source_.file().read(group + "/dictionary", h5::Type::kUInt8, kMaxDictionary));
+      ENGRAM_ASSIGN_OR_RETURN(
+          found, source_.located(ZstdDictionary::from_bytes(Buffer::take(std::move(bytes)))));
+    }
+    known = dictionaries_.emplace(group, std::move(found)).first;
+  }
+  return known->second ? &*known->second : nullptr;
+}
+
+Result<idf::Layout> SegmentValueReader::layout(const std::string& group) {
+  ENGRAM_ASSIGN_OR_RETURN(auto bytes, source_.file().read(group + "/layout", h5::Type::kUInt8));
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data data,
+                          idf::decode(Buffer::take(std::move(bytes)), kDepth));
+  return idf::Layout::from_data(data);
+}
+
+Result<SegmentValueReader::Tables*> SegmentValueReader::tables_of(const std::string& group) {
+  if (const auto known = tables_.find(group); known != tables_.end()) return &known->second;
+  ENGRAM_ASSIGN_OR_RETURN(Tables tables, open_tables(group));
+  return &tables_.emplace(group, std::move(tables)).first->second;
+}
+
+Result<SegmentValueReader::Tables> SegmentValueReader::open_tables(const std::string& group) {
+  Tables tables;
+  ENGRAM_ASSIGN_OR_RETURN(tables.layout, layout(group));
+  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times, source_.column(group + "/timestamp"));
+  std::map<std::string, size_t> matrices;
+  for (const idf::TensorMember& member : tables.layout.members()) {
+    const size_t size = *idf::size_bytes(member.type, member.shape);
+    Table made{group + "/arrays" + segment_member(member.path),
+               {member.type, times->rows(), 1, size / idf::size_bytes(member.type)}};
+    if (is_scalar(member)) {
+      made.path = group + "/columns/" + scalar_group(member) + "/values";
+      const auto [known, is_new] = matrices.emplace(made.path, tables.tables.size());
+      if (!is_new) {
+        const size_t column = tables.tables[known->second].shape.columns++;
+        tables.members.push_back({known->second, column * size});
+        continue;
+      }
+    }
+    ENGRAM_ASSIGN_OR_RETURN(made.are_blocks, blocks_.has(made.path));
+    tables.members.push_back({tables.tables.size(), 0});
+    tables.tables.push_back(std::move(made));
+  }
+  return tables;
+}
+
+Result<bool> SegmentValueReader::has_columns(const std::string& group) {
+  ENGRAM_ASSIGN_OR_RETURN(const Tables* tables, tables_of(group));
+  return std::ranges::any_of(tables->tables, &Table::are_blocks);
+}
+
+Result<std::vector<idf::NdArray>> SegmentValueReader::tensors(Tables& tables, uint64_t row) {
+  std::vector<idf::NdArray> values;
+  for (size_t i = 0; i < tables.members.size(); ++i) {
+    const idf::TensorMember& member = tables.layout.members()[i];
+    const Table& table = tables.tables[tables.members[i].table];
+    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, row_of(table, row));
+    const size_t offset = tables.members[i].offset;
+    const size_t size = table.shape.cell_bytes();
+    if (bytes.size() < offset + size)
+      return source_.broken(table.path, "has fewer columns than the layout");
+    ENGRAM_ASSIGN_OR_RETURN(
+        idf::NdArray array,
+        idf::NdArray::create(member.type, member.shape, Buffer::copy(bytes.subspan(offset, size))));
+    values.push_back(std::move(array));
+  }
+  return values;
+}
+
+Result<std::span<const std::byte>> SegmentValueReader::row_of(const Table& table, uint64_t row) {
+  if (table.are_blocks) return blocks_.row(table.path, table.shape, row);
+  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * plain, source_.column(table.path));
+  if (plain->info().type != h5_type(table.shape.type))
+    return source_.broken(table.path, "has another element type than the layout says");
+  return plain->row(row);
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: what segment files are read with.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ltm/codec/zstd_dictionary.h"
+#include "ltm/idf/layout.h"
+#include "ltm/store/number_blocks.h"
+#include "ltm/store/segment_source.h"
+
+namespace engram::ltm {
+
+/// Joins the values of rows from their tensor members and remainders, without media.
+///
+/// Threading: one thread. The source must outlive it.
+/// Source: docs/format.md, section "Recorded segments".
+class SegmentValueReader {
+ public:
+  explicit SegmentValueReader(SegmentSource& source) : source_(source), blocks_(source) {}
+
+  /// The value of a row, `none` where its media were.
+  /// Errors: kDataLoss.
+  Result<idf::Data> value(const std::string& group, uint64_t row);
+
+  /// The entry of a row in a group of remainders; the last block read is kept.
+  /// Errors: kDataLoss.
+  Result<idf::Data> remainder(const std::string& group, uint64_t row);
+
+  /// True where any numbers of the entity are stored as compressed columns.
+  /// Errors: kDataLoss.
+  Result<bool> has_columns(const std::string& group);
+
+ private:
+  struct RemainderBlock {
+    uint64_t number = 0;
+    idf::List rows;
+  };
+
+  Result<idf::Layout> layout(const std::string& group);
+  Result<RemainderBlock> read_block(const std::string& group, uint64_t number);
+  Result<const ZstdDictionary*> dictionary(const std::string& group);
+  /// Where the members of a layout lie.
+  struct Table {
+    std::string path;
+    NumberTable shape;
+    bool are_blocks = false;
+  };
+  struct Member {
+    size_t table = 0;   ///< Index into the tables.
+    size_t offset = 0;  ///< Of its bytes in a row of the table.
+  };
+  struct Tables {
+    idf::Layout layout;
+    std::vector<Table> tables;
+    std::vector<Member> members;  ///< In the order of the layout.
+  };
+
+  Result<Tables*> tables_of(const std::string& group);
+  Result<Tables> open_tables(const std::string& group);
+  Result<std::vector<idf::NdArray>> tensors(Tables& tables, uint64_t row);
+  Result<std::span<const std::byte>> row_of(const Table& table, uint64_t row);
+
+  SegmentSource& source_;
+  NumberBlocks blocks_;
+  std::map<std::string, Tables> tables_;
+  std::map<std::string, std::optional<ZstdDictionary>> dictionaries_;  ///< Nothing: has none.
+  std::map<std::string, RemainderBlock> remainders_;  ///< The last block read, per group.
+};
+
+}  // namespace engram::ltm

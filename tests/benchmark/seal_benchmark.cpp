@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the choices of storage at seal time cost and give: images of the recordings below the folder
+// ENGRAM_RECORDINGS (*.mp4), five a second, or of a rendered scene, with 43 numbers each. A record
+// run includes sealing; a read is one snapshot at a random place. docs/codecs.md has the table.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <random>
+
+#include "datasets/scene.h"
+#include "datasets/video_reader.h"
+#include "ltm/recording/recorder.h"
+#include "ltm/recording/recording_config.h"
+#include "ltm/store/store_reader.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::ltm {
+namespace {
+
+using Images = std::vector<idf::NdArray>;
+
+constexpr size_t kMostImages = 400;
+constexpr int kNumbers = 43;
+constexpr Duration kStep = std::chrono::milliseconds(200);
+
+MemoryId camera() {
+  return *MemoryId::parse("Vision/RGB/head/cam");
+}
+
+/// Every sixth frame of videos with 30 a second.
+void add_video(const std::filesystem::path& path, Images& images) {
+  auto video = datasets::VideoReader::open(path, {});
+  for (size_t i = 0; video.ok() && images.size() < kMostImages; ++i) {
+    auto frame = video->next();
+    if (!frame.ok() || !*frame) return;
+    if (i % 6 == 0) images.push_back((*frame)->image);
+  }
+}
+
+const Images& images() {
+  static const auto all = [] {
+    Images made;
+    std::vector<std::filesystem::path> paths;
+    if (const char* folder = std::getenv("ENGRAM_RECORDINGS"))
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.path().extension() == ".mp4") paths.push_back(entry.path());
+    std::ranges::sort(paths);
+    for (const auto& path : paths) add_video(path, made);
+    if (!made.empty()) return made;
+    const auto scene =
+        datasets::Scene::create({.width = 640, .height = 480, .seconds = 20, .rate_hz = 5}).value();
+    for (int i = 0; i < 90; ++i) made.push_back(scene.render(i)->image);
+    return made;
+  }();
+  return all;
+}
+
+Snapshot snapshot(size_t index) {
+  idf::Dict joints;
+  for (int i = 0; i < kNumbers; ++i)
+    joints.set("joint_" + std::to_string(i),
+               std::sin(0.05 * static_cast<double>(index) + static_cast<double>(i)));
+  const Time time = time_from_ns(0) + kStep * static_cast<int64_t>(index + 1);
+  return {camera(), time, {{idf::Dict{{"image", images()[index]}, {"joints", joints}}, {}}}};
+}
+
+/// Records all images into a store that is not there; `codecs` is YAML.
+Status record(const std::filesystem::path& store, const std::string& codecs) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      const auto options,
+      parse_recording_config("entities: [{match: .*, codecs: " + codecs + "}]", codecs));
+  ENGRAM_ASSIGN_OR_RETURN(auto recorder, Recorder::open(store, options));
+  for (size_t i = 0; i < images().size(); ++i)
+    ENGRAM_RETURN_IF_ERROR(recorder.commit({{snapshot(i)}}));
+  return recorder.close();
+}
+
+double squared_error(const idf::NdArray& a, const idf::NdArray& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.bytes().size(); ++i) {
+    const double difference = a.values<uint8_t>()[i] - b.values<uint8_t>()[i];
+    sum += difference * difference;
+  }
+  return sum / static_cast<double>(a.bytes().size());
+}
+
+/// Peak signal to noise of the pooled error of all images, and of the worst image.
+std::pair<double, double> psnr_db(StoreReader& reader) {
+  const auto* entries = *reader.index(camera());
+  double sum = 0, worst = 0;
+  for (size_t i = 0; i < entries->size(); ++i) {
+    const auto found = reader.read_recorded(camera(), (*entries)[i]);
+    const auto& image = found->instances[0].data.at("image")->get<idf::NdArray>();
+    const double error = squared_error(image, images()[i]);
+    sum += error / static_cast<double>(entries->size());
+    worst = std::max(worst, error);
+  }
+  const auto db = [](double mse) { return mse > 0 ? 10 * std::log10(255.0 * 255.0 / mse) : 999; };
+  return {db(sum), db(worst)};
+}
+
+void record_all(benchmark::State& state, const std::string& codecs) {
+  const ScratchDirectory scratch;
+  uint64_t raw = 0;
+  for (const idf::NdArray& image : images()) raw += image.bytes().size();
+  for (auto _ : state) {
+    std::filesystem::remove_all(scratch / "store");
+    if (const Status status = record(scratch / "store", codecs); !status.ok())
+      return state.SkipWithError(status.to_string().c_str());
+  }
+  const auto reader = *StoreReader::open(scratch / "store");
+  const auto [pooled, worst] = psnr_db(*reader);
+  state.SetBytesProcessed(static_cast<int64_t>(state.iterations() * raw));
+  state.counters["kB_each"] = static_cast<double>(reader->summary(camera())->stored_bytes) / 1000 /
+                              static_cast<double>(images().size());
+  state.counters["psnr_db"] = pooled;
+  state.counters["worst_db"] = worst;
+}
+
+void read_random(benchmark::State& state, const std::string& codecs) {
+  const ScratchDirectory scratch;
+  if (const Status status = record(scratch / "store", codecs); !status.ok())
+    return state.SkipWithError(status.to_string().c_str());
+  const auto reader = *StoreReader::open(scratch / "store");
+  const auto* entries = *reader->index(camera());
+  std::mt19937 random(1);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        reader->read_recorded(camera(), (*entries)[random() % entries->size()]));
+}
+
+void read_in_order(benchmark::State& state, const std::string& codecs) {
+  const ScratchDirectory scratch;
+  if (const Status status = record(scratch / "store", codecs); !status.ok())
+    return state.SkipWithError(status.to_string().c_str());
+  const auto reader = *StoreReader::open(scratch / "store");
+  const auto* entries = *reader->index(camera());
+  size_t next = 0;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(reader->read_recorded(camera(), (*entries)[next++ % entries->size()]));
+}
+
+template <typename F>
+auto* add(const std::string& name, F function, const std::string& codec) {
+  const std::string codecs = "[{kind: image, codec: \"" + codec + "\"}]";
+  return benchmark::RegisterBenchmark((name + "/" + codec).c_str(),
+                                      [=](benchmark::State& state) { function(state, codecs); })
+      ->Unit(benchmark::kMillisecond)
+      ->MeasureProcessCPUTime()
+      ->UseRealTime();
+}
+
+const bool kAreAdded = [] {
+  for (const char* codec :
+       {"rowpred", "png", "jpeg", "jpeg:75", "ffv1:group=30", "h264:crf=18,group=10",
+        "h264:crf=18,group=30", "h264:crf=23,group=10", "h264:crf=23,group=30",
+        "h264:crf=23,group=60", "h265:crf=23,group=30", "h265:crf=26,group=30"})
+    add("seal_record", record_all, codec)->Iterations(1);
+  for (const char* codec :
+       {"rowpred", "png", "jpeg", "ffv1:group=10", "ffv1:group=30", "h264:crf=23,group=10",
+        "h264:crf=23,group=30", "h265:crf=26,group=30"}) {
+    add("seal_read_random", read_random, codec);
+    add("seal_read_in_order", read_in_order, codec);
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace engram::ltm
