@@ -29,50 +29,52 @@ Result<idf::Data> SegmentValueReader::value(const std::string& group, uint64_t r
 }
 
 Result<idf::Data> SegmentValueReader::remainder(const std::string& group, uint64_t row) {
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t per_block,
-                          source_.file().int_attribute(group, "rows_per_block"));
-  if (per_block < 1) return source_.broken(group, "has no rows per block");
-  const uint64_t number = row / static_cast<uint64_t>(per_block);
-  auto known = remainders_.find(group);
-  if (known == remainders_.end() || known->second.number != number) {
-    ENGRAM_ASSIGN_OR_RETURN(RemainderBlock block, read_block(group, number));
-    known = remainders_.insert_or_assign(group, std::move(block)).first;
-  }
-  const idf::List& rows = known->second.rows;
-  const uint64_t at = row % static_cast<uint64_t>(per_block);
-  if (at >= rows.size())
+  ENGRAM_ASSIGN_OR_RETURN(Remainder * remainder, remainder_of(group));
+  const uint64_t number = row / remainder->rows_per_block;
+  if (remainder->number != number) ENGRAM_RETURN_IF_ERROR(read_block(group, number, *remainder));
+  const uint64_t at = row % remainder->rows_per_block;
+  if (at >= remainder->rows.size())
     return source_.broken(group, fmt::format("block {} lacks row {}", number, row));
-  return rows[at];
+  return remainder->rows[at];
 }
 
-Result<SegmentValueReader::RemainderBlock> SegmentValueReader::read_block(const std::string& group,
-                                                                          uint64_t number) {
+Status SegmentValueReader::read_block(const std::string& group, uint64_t number,
+                                      Remainder& remainder) {
+  remainder.number.reset();
   ENGRAM_ASSIGN_OR_RETURN(const Buffer packed, source_.blob(group, number));
-  ENGRAM_ASSIGN_OR_RETURN(const ZstdDictionary* common, dictionary(group));
-  ENGRAM_ASSIGN_OR_RETURN(auto plain, common == nullptr
-                                          ? decompress_zstd(packed.bytes(), kMaxRemainderBytes)
-                                          : common->decompress(packed.bytes(), kMaxRemainderBytes));
+  const auto& common = remainder.dictionary;
+  ENGRAM_ASSIGN_OR_RETURN(auto plain, common
+                                          ? common->decompress(packed.bytes(), kMaxRemainderBytes)
+                                          : decompress_zstd(packed.bytes(), kMaxRemainderBytes));
   ENGRAM_ASSIGN_OR_RETURN(idf::Data block, idf::decode(Buffer::take(std::move(plain)), kDepth));
   if (!block.is<idf::List>())
     return source_.broken(group, fmt::format("block {} is no list", number));
-  return RemainderBlock{number, std::move(*block.get_if<idf::List>())};
+  remainder.rows = std::move(*block.get_if<idf::List>());
+  remainder.number = number;
+  return {};
 }
 
-/// Null where the blocks were packed without one.
-Result<const ZstdDictionary*> SegmentValueReader::dictionary(const std::string& group) {
-  auto known = dictionaries_.find(group);
-  if (known == dictionaries_.end()) {
-    std::optional<ZstdDictionary> found;
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, source_.file().exists(group + "/dictionary"));
-    if (is_there) {
-      ENGRAM_ASSIGN_OR_RETURN(
-          auto bytes, source_.file().read(group + "/dictionary", h5::Type::kUInt8, kMaxDictionary));
-      ENGRAM_ASSIGN_OR_RETURN(
-          found, source_.located(ZstdDictionary::from_bytes(Buffer::take(std::move(bytes)))));
-    }
-    known = dictionaries_.emplace(group, std::move(found)).first;
+Result<SegmentValueReader::Remainder*> SegmentValueReader::remainder_of(const std::string& group) {
+  if (const auto known = remainders_.find(group); known != remainders_.end()) return &known->second;
+  ENGRAM_ASSIGN_OR_RETURN(Remainder opened, open_remainder(group));
+  return &remainders_.emplace(group, std::move(opened)).first->second;
+}
+
+Result<SegmentValueReader::Remainder> SegmentValueReader::open_remainder(const std::string& group) {
+  Remainder opened;
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t per_block,
+                          source_.file().int_attribute(group, "rows_per_block"));
+  if (per_block < 1) return source_.broken(group, "has no rows per block");
+  opened.rows_per_block = static_cast<uint64_t>(per_block);
+  ENGRAM_ASSIGN_OR_RETURN(const bool has_dictionary, source_.file().exists(group + "/dictionary"));
+  if (has_dictionary) {
+    ENGRAM_ASSIGN_OR_RETURN(
+        auto bytes, source_.file().read(group + "/dictionary", h5::Type::kUInt8, kMaxDictionary));
+    ENGRAM_ASSIGN_OR_RETURN(
+        opened.dictionary,
+        source_.located(ZstdDictionary::from_bytes(Buffer::take(std::move(bytes)))));
   }
-  return known->second ? &*known->second : nullptr;
+  return opened;
 }
 
 Result<idf::Layout> SegmentValueReader::layout(const std::string& group) {

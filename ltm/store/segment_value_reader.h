@@ -36,14 +36,18 @@ class SegmentValueReader {
   Result<bool> has_columns(const std::string& group);
 
  private:
-  struct RemainderBlock {
-    uint64_t number = 0;
-    idf::List rows;
+  /// A group of remainders, opened once.
+  struct Remainder {
+    uint64_t rows_per_block = 0;
+    std::optional<ZstdDictionary> dictionary;  ///< Nothing where blocks were packed without one.
+    std::optional<uint64_t> number;            ///< Of the last block read.
+    idf::List rows;                            ///< Of it.
   };
 
   Result<idf::Layout> layout(const std::string& group);
-  Result<RemainderBlock> read_block(const std::string& group, uint64_t number);
-  Result<const ZstdDictionary*> dictionary(const std::string& group);
+  Result<Remainder*> remainder_of(const std::string& group);
+  Result<Remainder> open_remainder(const std::string& group);
+  Status read_block(const std::string& group, uint64_t number, Remainder& remainder);
   /// Where the members of a layout lie.
   struct Table {
     std::string path;
@@ -68,8 +72,7 @@ class SegmentValueReader {
   SegmentSource& source_;
   NumberBlocks blocks_;
   std::map<std::string, Tables> tables_;
-  std::map<std::string, std::optional<ZstdDictionary>> dictionaries_;  ///< Nothing: has none.
-  std::map<std::string, RemainderBlock> remainders_;  ///< The last block read, per group.
+  std::map<std::string, Remainder> remainders_;
 };
 
 }  // namespace engram::ltm
