@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/pack_rule_use.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <set>
 
 #include "ltm/codec/codec.h"
 #include "ltm/codec/codec_text.h"
@@ -16,6 +19,20 @@ Result<bool> is_group_text(std::string_view text) {
   if (std::ranges::find(group_codec_names(), parsed.name()) == group_codec_names().end())
     return false;
   return find_codec(parsed.name()) == nullptr || parsed.has("group");
+}
+
+/// Of single arrays and of groups, each once.
+std::string known_codecs() {
+  std::set<std::string_view> names(group_codec_names().begin(), group_codec_names().end());
+  for (const Codec* codec : all_codecs()) names.insert(codec->name());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Status check_single(const PackRule& rule) {
+  ENGRAM_ASSIGN_OR_RETURN(const CodecText parsed, CodecText::parse(rule.codec));
+  if (find_codec(parsed.name()) != nullptr) return {};
+  return invalid_argument("unknown codec '{}', needs one of: {}; or '{}'", parsed.name(),
+                          known_codecs(), kStays);
 }
 
 Status check_numbers(const PackRule& rule) {
@@ -48,6 +65,7 @@ Result<PackRuleUse> use_of(const PackRule& rule) {
   if (!is_group && !rule.journal.empty())
     return invalid_argument("journal codec '{}': codec '{}' is that of the journal already",
                             rule.journal, rule.codec);
+  if (!is_numbers && !is_group && rule.codec != kStays) ENGRAM_RETURN_IF_ERROR(check_single(rule));
   if (is_numbers) ENGRAM_RETURN_IF_ERROR(check_numbers(rule));
   if (is_group) ENGRAM_RETURN_IF_ERROR(check_group(rule));
   return is_numbers ? PackRuleUse::kNumbers

@@ -31,7 +31,8 @@ entities:
     codecs:
       - {kind: image, codec: png}
 )"},
-    {"small", R"(# Five snapshots a second, fewer while little changes, images with loss: on five recordings of a
+    {"small",
+     R"(# Five snapshots a second, fewer while little changes, images with loss: on five recordings of a
 # robot's camera (640 x 480, 5 Hz) H.264 keeps 39.7 dB in 6.6 kB each, JPEG, where its encoder is
 # not installed, 44.1 dB in 42.4 kB.
 entities:

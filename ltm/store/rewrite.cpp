@@ -80,9 +80,7 @@ class Merger {
       kept.trailing_dropped += part.dropped;
       kept.trailing_dropped_bytes += part.dropped_bytes;
       merged_.raw_bytes[part.id] += part.raw_bytes;
-      ENGRAM_ASSIGN_OR_RETURN(const StoredForms forms, reader_.forms(part.id, segment));
-      // Numbers stay stored as they were; so do images, which need no rules for it.
-      if (forms.has_columns) kept.rules = SealRules::all_columns();
+      if (part.snapshots > 0) ENGRAM_RETURN_IF_ERROR(keep_forms(segment, part.id, kept));
       ENGRAM_RETURN_IF_ERROR(add_snapshots(segment, part.id, kept));
     }
     return {};
@@ -101,6 +99,13 @@ class Merger {
 
  private:
   using Entities = std::map<MemoryId, RecordedEntity>;
+
+  /// Numbers stay stored as they were; so do images, which need no rules for it.
+  Status keep_forms(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
+    ENGRAM_ASSIGN_OR_RETURN(const StoredForms forms, reader_.forms(id, segment));
+    if (forms.has_columns) kept.rules = SealRules::all_columns();
+    return {};
+  }
 
   Status add_snapshots(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
     const SegmentEntity& part = *reader_.manifest().segments[segment].find(id);

@@ -12,6 +12,7 @@
 #include <random>
 
 #include "datasets/scene.h"
+#include "datasets/table.h"
 #include "datasets/video_reader.h"
 #include "ltm/recording/recorder.h"
 #include "ltm/recording/recording_config.h"
@@ -144,6 +145,74 @@ void read_in_order(benchmark::State& state, const std::string& codecs) {
     benchmark::DoNotOptimize(reader->read_recorded(camera(), (*entries)[next++ % entries->size()]));
 }
 
+/// The rows of all tables (*.csv) of the recordings, or made-up ones, as values.
+const std::vector<idf::Data>& rows() {
+  static const auto all = [] {
+    std::vector<idf::Data> made;
+    std::vector<std::filesystem::path> paths;
+    if (const char* folder = std::getenv("ENGRAM_RECORDINGS"))
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.path().extension() == ".csv") paths.push_back(entry.path());
+    std::ranges::sort(paths);
+    for (const auto& path : paths) {
+      const auto table = datasets::Table::read(path, {});
+      if (!table.ok() || table->columns().empty()) continue;
+      for (size_t row = 0; row < table->columns()[0].values.size(); ++row) {
+        idf::Dict value;
+        for (size_t i = 0; i < table->columns().size(); ++i)
+          value.set("column_" + std::to_string(i), table->columns()[i].values[row]);
+        made.emplace_back(std::move(value));
+      }
+    }
+    for (int i = 0; made.size() < 1000; ++i) made.push_back(snapshot(0).instances[0].data);
+    return made;
+  }();
+  return all;
+}
+
+/// Records the rows ten times over; `value_of` makes the value of a row.
+template <typename F>
+Status record_rows(const std::filesystem::path& store, const std::string& codecs,
+                   const F& value_of) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      const auto options,
+      parse_recording_config("entities: [{match: .*, codecs: " + codecs + "}]", codecs));
+  ENGRAM_ASSIGN_OR_RETURN(auto recorder, Recorder::open(store, options));
+  for (size_t i = 0; i < 10 * rows().size(); ++i) {
+    const Time time = time_from_ns(0) + kStep * static_cast<int64_t>(i + 1);
+    ENGRAM_RETURN_IF_ERROR(recorder.commit({{{camera(), time, {{value_of(i), {}}}}}}));
+  }
+  return recorder.close();
+}
+
+void record_numbers(benchmark::State& state, const std::string& codecs) {
+  const ScratchDirectory scratch;
+  const auto value_of = [](size_t i) { return rows()[i % rows().size()]; };
+  for (auto _ : state) {
+    std::filesystem::remove_all(scratch / "store");
+    if (const Status status = record_rows(scratch / "store", codecs, value_of); !status.ok())
+      return state.SkipWithError(status.to_string().c_str());
+  }
+  const auto reader = *StoreReader::open(scratch / "store");
+  const auto summary = *reader->summary(camera());
+  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * summary.snapshots));
+  state.counters["bytes_each"] =
+      static_cast<double>(summary.stored_bytes) / static_cast<double>(summary.snapshots);
+}
+
+void read_numbers(benchmark::State& state, const std::string& codecs) {
+  const ScratchDirectory scratch;
+  const auto value_of = [](size_t i) { return rows()[i % rows().size()]; };
+  if (const Status status = record_rows(scratch / "store", codecs, value_of); !status.ok())
+    return state.SkipWithError(status.to_string().c_str());
+  const auto reader = *StoreReader::open(scratch / "store");
+  const auto* entries = *reader->index(camera());
+  std::mt19937 random(1);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        reader->read_recorded(camera(), (*entries)[random() % entries->size()]));
+}
+
 template <typename F>
 auto* add(const std::string& name, F function, const std::string& codec) {
   const std::string codecs = "[{kind: image, codec: \"" + codec + "\"}]";
@@ -165,6 +234,17 @@ const bool kAreAdded = [] {
         "h264:crf=23,group=30", "h265:crf=26,group=30"}) {
     add("seal_read_random", read_random, codec);
     add("seal_read_in_order", read_in_order, codec);
+  }
+  for (const char* how : {"none", "columns"}) {
+    const std::string codecs = std::string("[{kind: number, codec: ") + how + "}]";
+    benchmark::RegisterBenchmark((std::string("seal_record_numbers/") + how).c_str(),
+                                 [=](benchmark::State& state) { record_numbers(state, codecs); })
+        ->Unit(benchmark::kMillisecond)
+        ->MeasureProcessCPUTime()
+        ->Iterations(1);
+    benchmark::RegisterBenchmark((std::string("seal_read_numbers/") + how).c_str(),
+                                 [=](benchmark::State& state) { read_numbers(state, codecs); })
+        ->Unit(benchmark::kMicrosecond);
   }
   return true;
 }();

@@ -75,6 +75,7 @@ TEST(SealRules, RefuseWhatContradictsItself) {
   refused({.codec = "h264", .journal = "gif"}, "unknown codec 'gif'");
   refused({.codec = "png", .journal = "rowpred"}, "that of the journal already");
   refused({.codec = "h264:crf=99"}, "crf is 99");
+  refused({.codec = "h256"}, "'h256', needs one of: av1, ffv1, h264, h265, jpeg");
   refused({.codec = "h264:level=2"}, "no option 'level'");
 }
 

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images that are sealed as groups: ltm/store/media_sorter.h and segment_media_reader.h.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "ltm/codec/codec.h"
 #include "ltm/codec/group_codec.h"
@@ -64,6 +70,19 @@ class MediaGroups : public ::testing::Test {
     for (const Snapshot& each : snapshots)
       ASSERT_OK(writing->append({packed(each, options_for(codec))}, nullptr));
     ASSERT_OK(writing->seal());
+  }
+
+  /// Records pictures from `first` on, without end; reports each acknowledged one.
+  [[noreturn]] void write_forever(int64_t first, int report) {
+    const PackOptions options = options_for("ffv1:group=5");
+    StoreWriter::Options writing{.durability = Durability::kNone, .seal_bytes = 8000};
+    writing.seal_rules = [rules = *SealRules::create(options)](const MemoryId&) { return rules; };
+    const auto writer = StoreWriter::open(store_, writing);
+    if (!writer.ok()) ::_exit(3);
+    for (int64_t i = first;; ++i) {
+      if (!(*writer)->append({packed(snapshot(i, picture(i)), options)}, nullptr).ok()) ::_exit(4);
+      if (::write(report, &i, sizeof(i)) != sizeof(i)) ::_exit(5);
+    }
   }
 
   void seal_pictures(int64_t first, int64_t end, const std::string& codec) {
@@ -332,6 +351,39 @@ TEST_F(MediaGroups, WithFlippedBitsAreFoundAndNeverWrong) {
       }
     }
   }
+}
+
+TEST_F(MediaGroups, LoseNothingAcknowledgedWhereTheWriterIsKilledWhileSealing) {
+  int64_t next = 0;
+  for (int round = 0; round < 12; ++round) {
+    int ends[2] = {-1, -1};
+    ASSERT_EQ(::pipe(ends), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) write_forever(next, ends[1]);
+    ::close(ends[1]);
+    // Nothing is killed before the child has begun.
+    int64_t last = next - 1, index = 0;
+    if (::read(ends[0], &index, sizeof(index)) == sizeof(index)) last = index;
+    std::jthread killer([child, round] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(15 + round * 7));
+      ::kill(child, SIGKILL);
+    });
+    while (::read(ends[0], &index, sizeof(index)) == sizeof(index)) last = index;
+    killer.join();
+    int outcome = 0;
+    ::waitpid(child, &outcome, 0);
+    EXPECT_TRUE(WIFSIGNALED(outcome));
+    ::close(ends[0]);
+    const auto found = read();
+    ASSERT_GE(static_cast<int64_t>(found.size()), last + 1);
+    next = static_cast<int64_t>(found.size());
+    for (int64_t i = 0; i < next; ++i)
+      ASSERT_EQ(found[static_cast<size_t>(i)], snapshot(i, picture(i)));
+  }
+  const auto names = codecs();
+  EXPECT_TRUE(
+      std::ranges::any_of(names, [](const auto& name) { return name.starts_with("ffv1"); }));
 }
 
 /// A media group written by hand.

@@ -5,8 +5,10 @@
 
 #include "ltm/core/file.h"
 #include "ltm/h5/h5.h"
+#include "ltm/store/segment_blobs.h"
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_reader.h"
+#include "ltm/store/segment_value_reader.h"
 #include "ltm/store/segment_writer.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/random_values.h"
@@ -221,6 +223,26 @@ TEST(Segment, GivesManySmallBlocksOfARemainderADictionaryWhereItPays) {
   EXPECT_TRUE(has_dictionary(16'000, alike));
   EXPECT_FALSE(has_dictionary(4'000, alike));
   EXPECT_FALSE(has_dictionary(9'000, noise));
+}
+
+TEST(Segment, RefusesADictionaryThatIsNone) {
+  const ScratchDirectory scratch;
+  {
+    auto file = *h5::File::create(scratch / "s.h5");
+    BlobColumn blobs;
+    blobs.append(as_bytes("a block"));
+    ASSERT_OK(blobs.write(file, "/remainder"));
+    ASSERT_OK(file.write_attribute("/remainder", "rows_per_block", int64_t{8}));
+    const std::vector<std::byte> bytes(300, std::byte{7});
+    const uint64_t count = bytes.size();
+    ASSERT_OK(file.write("/remainder/dictionary", h5::Type::kUInt8, {&count, 1}, bytes,
+                         h5::Storage::kCompressed));
+    ASSERT_OK(file.close());
+  }
+  SegmentSource source(*h5::File::open(scratch / "s.h5"),
+                       *File::open(scratch / "s.h5", File::Mode::kRead));
+  EXPECT_FAILS(SegmentValueReader(source).remainder("/remainder", 3), StatusCode::kDataLoss,
+               "dictionary");
 }
 
 TEST(Segment, KeepsMediaOfVaryingShapeInOneGroup) {
