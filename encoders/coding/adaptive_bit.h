@@ -15,7 +15,7 @@ namespace engram::encoders {
 /// Threading: one thread.
 class AdaptiveBit {
  public:
-  static constexpr int kFastRate = 4;  ///< A bit moves the estimate by 2^-rate of the way.
+  static constexpr int kFastRate = 6;  ///< A bit moves the estimate by 2^-rate of the way.
   static constexpr int kSlowRate = 7;
 
   AdaptiveBit() = default;

@@ -54,7 +54,7 @@ double log_scale_of(const ResidualTrace& sample, const std::vector<double>& para
 
 std::vector<double> descend(const std::vector<ResidualTrace>& samples, size_t channels) {
   std::vector<double> parameters(kScaleInputs + channels, -0.3);
-  const std::array<double, kScaleInputs> start{0.3, 0.3, 0.15, 0.15, 0.0};
+  const std::array<double, kScaleInputs> start{0.3, 0.3, 0.1, 0.1, 0.0, 0.1};
   std::ranges::copy(start, parameters.begin());
   Adam adam(parameters.size());
   for (int step = 0; step < kSteps; ++step) {

@@ -47,8 +47,8 @@ constexpr auto kTail = [] {
     const double core = 1.0 / (1.0 + exp_of(z)), wide = 1.0 / (1.0 + exp_of(z / 4));
     // The ramp keeps neighbours apart.
     const double ramp = static_cast<double>(kTailEntries - 1 - i) * 16 + 1024;
-    table[i] = static_cast<uint32_t>((2147483648.0 - 131072.0) * (0.875 * core + 0.125 * wide) +
-                                     ramp);
+    table[i] =
+        static_cast<uint32_t>((2147483648.0 - 131072.0) * (0.875 * core + 0.125 * wide) + ramp);
   }
   return table;
 }();

@@ -37,8 +37,8 @@ class Mixer {
   [[nodiscard]] BitProbability mix(std::span<const LogOdds, N> odds) const {
     int64_t sum = 0;
     for (size_t i = 0; i < N; ++i) sum += int64_t{odds[i]} * weights_[i];
-    return squash(static_cast<LogOdds>(
-        std::clamp<int64_t>(sum / 65536, -kMostLogOdds, kMostLogOdds)));
+    return squash(
+        static_cast<LogOdds>(std::clamp<int64_t>(sum / 65536, -kMostLogOdds, kMostLogOdds)));
   }
 
   /// `one` is what mix returned for `odds`; a smaller `rate` learns faster (2^-rate).

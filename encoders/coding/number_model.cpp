@@ -69,8 +69,8 @@ NumberChannel read_channel(ByteReader& in) {
   for (PredictorTerm& term : channel.terms) {
     const auto code = static_cast<uint64_t>(in.get_varint());
     term.kind = static_cast<FeatureKind>(code % kFeatureKinds);
-    term.channel = static_cast<uint16_t>(
-        std::min<uint64_t>(code / kFeatureKinds, NumberModel::kMostNumbers));
+    term.channel =
+        static_cast<uint16_t>(std::min<uint64_t>(code / kFeatureKinds, NumberModel::kMostNumbers));
     term.weight = in.get<int16_t>();
   }
   return channel;
@@ -79,8 +79,7 @@ NumberChannel read_channel(ByteReader& in) {
 /// Terms may look only at what is decoded by then.
 bool are_terms_known(const NumberModel& model, size_t at) {
   return std::ranges::all_of(model.channels[at].terms, [&](const PredictorTerm& term) {
-    const bool is_now =
-        term.kind == FeatureKind::kChangeNow || term.kind == FeatureKind::kLevelNow;
+    const bool is_now = term.kind == FeatureKind::kChangeNow || term.kind == FeatureKind::kLevelNow;
     return term.channel < (is_now ? at : model.channels.size());
   });
 }
@@ -89,6 +88,7 @@ template <typename Visit>
 void for_each_start(NumberModel& model, Visit visit) {
   for (int16_t& weight : model.scale_weights) visit(weight);
   for (int8_t& odds : model.scale_starts) visit(odds);
+  for (int8_t& odds : model.hold_starts) visit(odds);
   for (int8_t& odds : model.channel_starts) visit(odds);
   for (auto& sets : model.mixers)
     for (auto& weights : sets)
@@ -122,8 +122,8 @@ std::vector<NumberField> number_fields(const idf::Layout& layout, double bound,
     for (const int64_t size : member.shape)
       count = std::min<int64_t>(count * size, NumberModel::kMostNumbers + 1);
     field.count = static_cast<uint32_t>(count);
-    const bool is_real = member.type == idf::ElementType::kFloat32 ||
-                         member.type == idf::ElementType::kFloat64;
+    const bool is_real =
+        member.type == idf::ElementType::kFloat32 || member.type == idf::ElementType::kFloat64;
     field.bound = bound;
     if (member.kind == idf::MemberKind::kOrientation && orientation_bound_rad > 0)
       field = {NumberKind::kOrientation, 4, orientation_bound_rad};
@@ -144,7 +144,7 @@ Result<NumberModel> NumberModel::create(std::vector<NumberField> fields) {
   model.channel_starts.resize(channels * kChannelNodes);
   for (NumberChannel& channel : model.channels) channel.start_scale = channel.usual_scale = 16;
   for (auto& sets : model.mixers)
-    for (auto& weights : sets) weights = {1024, 512, 512, 512, 1024, 512, 0};
+    for (auto& weights : sets) weights = {1024, 512, 512, 512, 512, 512, 512, 0};
   return model;
 }
 

@@ -35,11 +35,11 @@ struct NumberField {
 
 /// A number that helps to predict another. The values are part of the format.
 enum class FeatureKind : uint8_t {
-  kChange = 0,       ///< What it changed by in the row before.
-  kChangeBefore = 1, ///< What it changed by in the one before that.
-  kChangeNow = 2,    ///< What it changes by in this row: only of channels that come before.
-  kLevelNow = 3,     ///< This row's value minus the predicted one's last: as kChangeNow.
-  kLevel = 4,        ///< Its last value minus the predicted one's last.
+  kChange = 0,        ///< What it changed by in the row before.
+  kChangeBefore = 1,  ///< What it changed by in the one before that.
+  kChangeNow = 2,     ///< What it changes by in this row: only of channels that come before.
+  kLevelNow = 3,      ///< This row's value minus the predicted one's last: as kChangeNow.
+  kLevel = 4,         ///< Its last value minus the predicted one's last.
 };
 inline constexpr size_t kFeatureKinds = 5;
 
@@ -53,11 +53,11 @@ struct PredictorTerm {
 
 /// One integer per row: a number, or one of three of an orientation.
 struct NumberChannel {
-  uint8_t decimals = 0;      ///< Of an exact number: it is an integer over 10^decimals.
-  uint8_t eighths = 0;       ///< Of an orientation's first: how much of the last turn goes on.
-  int64_t start = 0;         ///< What a block starts from. Unit: steps.
-  int8_t start_scale = 0;    ///< Spread around it: 2^(x / 4) steps.
-  int8_t usual_scale = 0;    ///< Size of a residual: 2^(x / 4) / 16 steps.
+  uint8_t decimals = 0;    ///< Of an exact number: it is an integer over 10^decimals.
+  uint8_t eighths = 0;     ///< Of an orientation's first: how much of the last turn goes on.
+  int64_t start = 0;       ///< What a block starts from. Unit: steps.
+  int8_t start_scale = 0;  ///< Spread around it: 2^(x / 4) steps.
+  int8_t usual_scale = 0;  ///< Size of a residual: 2^(x / 4) / 16 steps.
   /// Corrections of the scale per estimate: 2^(x / 16).
   std::array<int8_t, 4> scale_bias{};
   std::vector<PredictorTerm> terms;  ///< At most kMostTerms.
@@ -70,9 +70,10 @@ struct NumberChannel {
 inline constexpr size_t kNumberNodes = 17;
 inline constexpr size_t kScaleClasses = 24;
 inline constexpr size_t kChannelNodes = 7;
-inline constexpr size_t kScaleInputs = 5;
-/// Four predictions, two adaptive contexts, a constant.
-inline constexpr size_t kMixerInputs = 7;
+inline constexpr size_t kScaleInputs = 6;
+inline constexpr size_t kHoldClasses = 7;
+/// Four predictions, three adaptive contexts, a constant.
+inline constexpr size_t kMixerInputs = 8;
 
 /// What is known of an entity's numbers before a block is read: bounds, predictors and where the
 /// adaptive models start.
@@ -82,9 +83,11 @@ struct NumberModel {
   std::vector<NumberField> fields;
   std::vector<NumberChannel> channels;
   /// Weights of the logarithms of recent residuals in that of the next, in 1/256.
-  std::array<int16_t, kScaleInputs> scale_weights{0, 96, 64, 64, 0};
+  std::array<int16_t, kScaleInputs> scale_weights{64, 64, 32, 32, 0, 16};
   /// Log odds in 1/16, by node and scale.
   std::vector<int8_t> scale_starts = std::vector<int8_t>(kNumberNodes * kScaleClasses);
+  /// By node and where the last value lies from the prediction.
+  std::vector<int8_t> hold_starts = std::vector<int8_t>(kNumberNodes * kHoldClasses);
   /// By channel and node.
   std::vector<int8_t> channel_starts;
   /// First row, other rows.

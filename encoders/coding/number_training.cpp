@@ -111,7 +111,8 @@ class Training {
         model_.channels[channel].eighths = eighths;
       }
     };
-    for_each_number(model_, [](auto&, size_t, size_t) {}, fit);
+    for_each_number(
+        model_, [](auto&, size_t, size_t) {}, fit);
   }
 
   [[nodiscard]] double turn_left(size_t number, int eighths) const {

@@ -15,7 +15,7 @@ struct NumberTraining {
   size_t most_terms = 8;
   /// A term must save so many bits of the training data: more keeps the model small and less bound
   /// to what it saw.
-  double least_gain_bits = 48;
+  double least_gain_bits = 6;
   /// Rows that are looked at, those of all recordings together. Time grows with them and with the
   /// square of the numbers.
   size_t most_rows = 4096;

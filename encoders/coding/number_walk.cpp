@@ -19,7 +19,7 @@ constexpr int64_t kMostOffset = int64_t{1} << 30;
 /// Learning rate of the adapting predictor: 2^-kAdaptRate.
 constexpr int kAdaptRate = 7;
 
-constexpr std::array<double, 16> kPowers{1,   1e1, 1e2, 1e3, 1e4,  1e5,  1e6,  1e7,
+constexpr std::array<double, 16> kPowers{1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                          1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
 int64_t clamp_units(int64_t units) {
@@ -38,8 +38,8 @@ double from_ordered(uint64_t code) {
 
 int64_t nearest_step(double distance, double step) {
   const double steps = std::nearbyint(distance / step);
-  return static_cast<int64_t>(std::clamp(steps, -static_cast<double>(kMostResidual),
-                                         static_cast<double>(kMostResidual)));
+  return static_cast<int64_t>(
+      std::clamp(steps, -static_cast<double>(kMostResidual), static_cast<double>(kMostResidual)));
 }
 
 }  // namespace
@@ -90,8 +90,8 @@ void NumberWalk::add_field(const NumberField& field) {
   }
   RotationParameters start{};
   for (size_t i = 0; i < 3; ++i)
-    start[i] = static_cast<double>(model_.channels[steps_.size() + i].start) *
-               parameter_step(field.bound);
+    start[i] =
+        static_cast<double>(model_.channels[steps_.size() + i].start) * parameter_step(field.bound);
   const Quaternion first = canonical(from_parameters(start));
   orientations_.push_back({first, first});
   steps_.insert(steps_.end(), 3, 1);
@@ -114,22 +114,25 @@ int64_t NumberWalk::feature(const PredictorTerm& term, size_t channel) const {
   return 0;
 }
 
-std::array<int32_t, kScaleInputs> NumberWalk::sizes(size_t channel) const {
+std::array<int32_t, kScaleInputs> NumberWalk::sizes(size_t channel,
+                                                    const Estimates& estimates) const {
   const auto log_of = [](int64_t size) {
     return log2_sixteenths(static_cast<uint64_t>(size) + 2) - 64;
   };
   const ChannelHistory& own = history_[channel];
   const int64_t recent = (recent_[0] + recent_[1] + recent_[2] + recent_[3]) / 4;
   const int64_t row = channel == 0 ? row_before_ : row_sum_ / static_cast<int64_t>(channel);
-  return {log_of(own.fast), log_of(own.slow), log_of(recent), log_of(row), log_of(row_before_)};
+  const int64_t moved = (std::abs(estimates.offset[1]) + std::abs(estimates.offset[2])) / 2;
+  return {log_of(own.fast), log_of(own.slow),    log_of(recent),
+          log_of(row),      log_of(row_before_), log_of(moved)};
 }
 
 int64_t NumberWalk::adapted_change(size_t channel) const {
   int64_t sum = 0;
   const auto& terms = model_.channels[channel].terms;
   for (size_t i = 0; i < terms.size(); ++i)
-    sum += std::clamp(feature(terms[i], channel), -kMostFeature, kMostFeature) *
-           adapted_[channel][i];
+    sum +=
+        std::clamp(feature(terms[i], channel), -kMostFeature, kMostFeature) * adapted_[channel][i];
   return sum >> 16;
 }
 
@@ -151,7 +154,7 @@ NumberWalk::Prediction NumberWalk::predict(size_t channel) const {
   };
   result.estimates.offset = {0, offset_of(0), offset_of((own.last - own.before) * 3 / 4),
                              offset_of(adapted_change(channel))};
-  result.sizes = sizes(channel);
+  result.sizes = sizes(channel, result.estimates);
   int32_t scale = 0;
   for (size_t i = 0; i < kScaleInputs; ++i) scale += result.sizes[i] * model_.scale_weights[i];
   for (size_t i = 0; i < kEstimates; ++i)
@@ -215,9 +218,9 @@ void NumberWalk::code_number(Port& port, const NumberField& field, size_t channe
   history_[channel].now = clamp_units(prediction.centre + residual * step);
   const double coded = from_units(field, known, history_[channel].now);
   if constexpr (!Port::kIsDecoder)
-    ENGRAM_CHECK(field.kind == NumberKind::kExact ? coded == value
-                                                  : std::abs(coded - value) <= field.bound,
-                 "{} became {}, bound {}", value, coded, field.bound);
+    ENGRAM_CHECK(
+        field.kind == NumberKind::kExact ? coded == value : std::abs(coded - value) <= field.bound,
+        "{} became {}, bound {}", value, coded, field.bound);
   value = coded;
   learn(channel, residual);
 }
@@ -336,7 +339,8 @@ void NumberWalk::end_row(std::span<const double> row) {
   }
   if (rows_ == 0)
     for (auto& [last, before] : orientations_) before = last;
-  if (rows_ > 0) row_before_ = row_sum_ / static_cast<int64_t>(std::max<size_t>(history_.size(), 1));
+  if (rows_ > 0)
+    row_before_ = row_sum_ / static_cast<int64_t>(std::max<size_t>(history_.size(), 1));
   std::ranges::copy(row, last_row_.begin());
   ++rows_;
 }

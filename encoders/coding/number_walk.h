@@ -59,6 +59,7 @@ class ResidualModels {
     size_t channel;
     bool is_first;
     size_t scale_class;
+    size_t hold_class;
   };
 
   template <typename Port>
@@ -69,6 +70,7 @@ class ResidualModels {
   int64_t code_magnitude(Port& port, const Place& place, int sign, int64_t magnitude);
 
   std::vector<AdaptiveBit> by_scale_;
+  std::vector<AdaptiveBit> by_hold_;
   std::vector<AdaptiveBit> by_channel_;
   std::array<std::array<Mixer<kMixerInputs>, kNumberNodes>, 2> mixers_;
 };
@@ -112,15 +114,15 @@ class NumberWalk {
 
   void add_field(const NumberField& field);
   [[nodiscard]] int64_t feature(const PredictorTerm& term, size_t channel) const;
-  [[nodiscard]] std::array<int32_t, kScaleInputs> sizes(size_t channel) const;
+  [[nodiscard]] std::array<int32_t, kScaleInputs> sizes(size_t channel,
+                                                        const Estimates& estimates) const;
   [[nodiscard]] int64_t adapted_change(size_t channel) const;
   [[nodiscard]] Prediction predict(size_t channel) const;
   void adapt(size_t channel);
   void learn(size_t channel, int64_t residual);
   void end_row(std::span<const double> row);
   template <typename Port>
-  int64_t code_residual(Port& port, size_t channel, const Prediction& prediction,
-                        int64_t residual);
+  int64_t code_residual(Port& port, size_t channel, const Prediction& prediction, int64_t residual);
   template <typename Port>
   void code_number(Port& port, const NumberField& field, size_t channel, double& value);
   template <typename Port>
