@@ -15,7 +15,7 @@ SECONDS ?= 600
 KILLS ?= 300
 
 .PHONY: help packages build test demo bench crash faults fuzz check-headers clean \
-        experiments recorder-bars store-scale store-peers
+        experiments recorder-bars store-scale store-peers number-bars codec-bars
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -28,6 +28,8 @@ help:
 	@echo "make recorder-bars   does the recorder keep up with a robot? (RECORDINGS, BARS=options)"
 	@echo "make store-scale     does a store of ten million snapshots stay quick?"
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
+	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
+	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -78,6 +80,12 @@ recorder-bars: experiments
 
 store-scale: experiments
 	$(MEASURE) store/store_scale --json store_scale.json $(BARS)
+
+number-bars: experiments
+	$(MEASURE) learning/number_bars --json number_bars.json $(BARS)
+
+codec-bars: experiments
+	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
 
 store-peers:
 	@cmake/install_packages.sh experiments/packages.txt
