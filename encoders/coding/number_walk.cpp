@@ -11,7 +11,8 @@ namespace engram::encoders {
 namespace {
 
 constexpr int kTermBits = 12;
-constexpr int64_t kMostResidual = int64_t{1} << 33;
+/// From the largest prediction to the smallest value.
+constexpr int64_t kMostResidual = (int64_t{1} << 41) - 1;
 constexpr int64_t kMostSize = int64_t{1} << 24;
 constexpr int64_t kMostFeature = int64_t{1} << 36;
 constexpr int64_t kMostWeight = int64_t{1} << 19;
@@ -61,7 +62,7 @@ int64_t step_units(const NumberField& field) {
 
 bool has_decimals(double value, uint8_t decimals) {
   const double whole = std::nearbyint(value * kPowers[decimals]);
-  return std::abs(whole) <= static_cast<double>(kMostUnits) &&
+  return std::abs(whole) <= static_cast<double>(kMostUnits / 2) &&
          std::bit_cast<uint64_t>(whole / kPowers[decimals]) == std::bit_cast<uint64_t>(value);
 }
 
@@ -142,7 +143,7 @@ NumberWalk::Prediction NumberWalk::predict(size_t channel) const {
   Prediction result;
   result.centre = own.last;
   if (rows_ == 0) {
-    result.estimates.scale.fill(4 * known.start_scale);
+    result.estimates.scale.fill(std::clamp(4 * known.start_scale, -64, 320));
     return result;
   }
   int64_t change = 0;

@@ -110,6 +110,15 @@ TEST(NumberCodec, KeepsExactNumbersExactly) {
   expect_near(round_trip(codec, rows), rows, -1);
 }
 
+TEST(NumberCodec, KeepsExactNumbersThatJump) {
+  std::vector<double> rows;
+  for (const double size : {1.0, 1e3, 1e9, 549755813888.0, 549755813889.0, 1e12, 1e18})
+    for (int i = 0; i < 6; ++i) rows.push_back(i % 2 == 0 ? size : -size);
+  const auto codec = trained_codec({{NumberKind::kExact, 1}}, {rows});
+  expect_near(round_trip(codec, rows), rows, -1);
+  expect_near(round_trip(plain_codec({{NumberKind::kExact, 1}}), rows), rows, -1);
+}
+
 TEST(NumberCodec, TakesFewBytesWhereNumbersFollowEachOther) {
   const std::vector<std::vector<double>> recordings{arm(400, 6, 3), arm(400, 6, 50)};
   const std::vector<NumberField> fields{{NumberKind::kBounded, 6, 1e-3}};
