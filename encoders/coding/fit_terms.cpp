@@ -57,9 +57,7 @@ double value_of(const PredictorTerm& term, size_t channel, const ChannelRows& ro
   return 0;
 }
 
-bool may_help(const NumberModel& model, const PredictorTerm& term, size_t channel) {
-  static thread_local std::vector<double> bounds;
-  bounds = bounds_of(model);
+bool may_help(const std::vector<double>& bounds, const PredictorTerm& term, size_t channel) {
   const size_t from = term.channel;
   const bool is_now = term.kind == FeatureKind::kChangeNow || term.kind == FeatureKind::kLevelNow;
   if (is_now && from >= channel) return false;
@@ -73,12 +71,13 @@ class TermSearch {
   TermSearch(const NumberModel& model, size_t channel, std::span<const ChannelRows> recordings)
       : channel_(channel), recordings_(recordings) {
     collect_target();
+    const std::vector<double> bounds = bounds_of(model);
     const size_t first = channel - std::min(channel, kMostDistance);
     const size_t end = std::min(model.channels.size(), channel + kMostDistance + 1);
     for (size_t kind = 0; kind < kFeatureKinds; ++kind)
       for (size_t from = first; from < end; ++from) {
         const PredictorTerm term{static_cast<FeatureKind>(kind), static_cast<uint16_t>(from), 0};
-        if (may_help(model, term, channel)) add_candidate(term);
+        if (may_help(bounds, term, channel)) add_candidate(term);
       }
     residual_ = target_;
   }
