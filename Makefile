@@ -15,7 +15,7 @@ SECONDS ?= 600
 KILLS ?= 300
 
 .PHONY: help packages build test demo bench crash faults fuzz check-headers clean \
-        experiments recorder-bars store-scale store-readers store-peers
+        experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -29,6 +29,8 @@ help:
 	@echo "make store-scale     does a store of ten million snapshots stay quick?"
 	@echo "make store-readers   do readers in several threads get in each other's way?"
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
+	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
+	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -82,6 +84,12 @@ store-scale: experiments
 
 store-readers: experiments
 	$(MEASURE) store/store_readers --json store_readers.json $(BARS)
+
+number-bars: experiments
+	$(MEASURE) learning/number_bars --json number_bars.json $(BARS)
+
+codec-bars: experiments
+	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
 
 store-peers:
 	@cmake/install_packages.sh experiments/packages.txt

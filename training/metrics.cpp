@@ -47,12 +47,6 @@ void add_depth(std::span<const uint16_t> a, std::span<const uint16_t> b, ErrorSu
 
 }  // namespace
 
-double psnr_db(double mse) {
-  if (std::isnan(mse)) return mse;
-  if (mse <= 0) return kLargestPsnrDb;
-  return std::min(kLargestPsnrDb, 10.0 * std::log10(kPeak * kPeak / mse));
-}
-
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other) {
   const idf::Layout layout = idf::Layout::of(recorded);
   ENGRAM_ASSIGN_OR_RETURN(const auto a, layout.split(recorded));
@@ -72,38 +66,6 @@ Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& o
     }
   }
   return ltm::MeasuredError{images.mean(), numbers.mean()};
-}
-
-void PsnrStatistics::add(double mse) {
-  if (std::isnan(mse)) return;
-  values_db_.push_back(psnr_db(mse));
-  mse_sum_ += mse;
-  if (values_db_.back() >= kLargestPsnrDb) ++capped_;
-}
-
-double PsnrStatistics::mean_db() const {
-  if (values_db_.empty()) return kNaN;
-  double sum = 0;
-  for (const double value : values_db_) sum += value;
-  return sum / static_cast<double>(values_db_.size());
-}
-
-double PsnrStatistics::pooled_db() const {
-  return values_db_.empty() ? kNaN : psnr_db(mse_sum_ / static_cast<double>(values_db_.size()));
-}
-
-double PsnrStatistics::minimum_db() const {
-  return quantile_db(0);
-}
-
-double PsnrStatistics::quantile_db(double share) const {
-  if (values_db_.empty()) return kNaN;
-  std::vector<double> sorted = values_db_;
-  std::sort(sorted.begin(), sorted.end());
-  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<size_t>(position);
-  const size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
 void RmseStatistics::add(double mse) {

@@ -97,7 +97,8 @@ void configure(const VideoKind& kind, const VideoOptions& options, AVCodecContex
     encoder.bit_rate = 0;
     set(encoder, "cpu-used", std::to_string(std::clamp(9 - options.effort, 0, 8)));
     set(encoder, "row-mt", "0");
-    set(encoder, "lag-in-frames", "0");
+    // Without looking ahead, libaom gives all frames much the same quality whatever crf says.
+    set(encoder, "lag-in-frames", "19");
     return;
   }
   set(encoder, "preset", kPresets[static_cast<size_t>(options.effort)]);

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace engram::encoders {
+
+/// A probability of a one: 1 to 65535 of 65536.
+using BitProbability = uint32_t;
+inline constexpr int kProbabilityBits = 16;
+
+/// Writes bits of known probability into few bytes: one of probability p takes about -log2(p).
+/// Integer arithmetic only, so every machine writes and reads the same.
+///
+/// Threading: one thread.
+/// Source: docs/learning.md, section "Numbers".
+class BinaryEncoder {
+ public:
+  static constexpr bool kIsDecoder = false;
+
+  /// Returns `bit`, as a decoder returns what it reads: one walk serves both.
+  bool code(bool bit, BitProbability one);
+
+  /// Ends the stream; zero bytes at its end are left out. The encoder must not be used afterwards.
+  [[nodiscard]] std::vector<std::byte> finish();
+
+ private:
+  void shift_low();
+
+  uint64_t low_ = 0;
+  uint32_t range_ = 0xffffffff;
+  uint8_t pending_ = 0;
+  uint64_t pending_count_ = 0;
+  bool has_pending_ = false;
+  std::vector<std::byte> bytes_;
+};
+
+/// Reads what BinaryEncoder wrote, given the same probabilities. Any bytes give some bits: whether
+/// they are the written ones is for a checksum to say (checked_block.h). Never reads outside.
+///
+/// Threading: one thread.
+class BinaryDecoder {
+ public:
+  static constexpr bool kIsDecoder = true;
+
+  /// `bytes` outlive the decoder.
+  explicit BinaryDecoder(std::span<const std::byte> bytes);
+
+  /// The next bit; the first argument is not looked at.
+  bool code(bool, BitProbability one);
+
+ private:
+  [[nodiscard]] uint32_t next_byte();
+
+  std::span<const std::byte> bytes_;
+  size_t at_ = 0;
+  uint32_t code_ = 0;
+  uint32_t range_ = 0xffffffff;
+};
+
+}  // namespace engram::encoders

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "ltm/core/status.h"
+
+namespace engram::encoders {
+
+/// Appends a checksum of 32 bits (XXH3, truncated, little endian) that finds damage. It also covers
+/// `count`, which is not stored: who reads must know it.
+[[nodiscard]] std::vector<std::byte> with_checksum(std::vector<std::byte> bytes,
+                                                   uint64_t count = 0);
+
+/// What with_checksum was given. `what` names the bytes in the message.
+/// Errors: kDataLoss where the checksum does not fit.
+Result<std::span<const std::byte>> without_checksum(std::span<const std::byte> bytes,
+                                                    std::string_view what, uint64_t count = 0);
+
+}  // namespace engram::encoders

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "encoders/coding/adaptive_bit.h"
+#include "ltm/core/status.h"
+
+namespace engram::encoders {
+
+/// Adaptive model of signed 64-bit integers in one context: is it zero, its sign, the number of
+/// bits of its magnitude one by one, then those bits; the first two of them have models too.
+///
+/// Threading: one thread.
+/// Source: docs/learning.md, section "Numbers".
+class IntegerModel {
+ public:
+  /// Bits of the magnitude: that of INT64_MIN has 64.
+  static constexpr size_t kWidths = 64;
+  static constexpr size_t kBits = 2 + kWidths + 3 * kWidths;
+  /// What start() holds: widths up to 16, then nothing is known.
+  static constexpr size_t kStarts = 2 + 16;
+
+  IntegerModel() = default;
+  /// Starts from a stored table, in sixteen-bit probabilities (0 counts as 1), trusted as if `seen`
+  /// integers had been coded (at most 255).
+  IntegerModel(std::span<const uint16_t, kStarts> start, int seen);
+
+  /// A table to start from another time.
+  [[nodiscard]] std::array<uint16_t, kStarts> start() const;
+
+  /// Writes `value`, or reads and returns one.
+  template <typename Port>
+  int64_t code(Port& port, int64_t value);
+
+ private:
+  template <typename Port>
+  uint64_t code_low_bits(Port& port, size_t width, uint64_t magnitude);
+
+  AdaptiveBit zero_;
+  AdaptiveBit sign_;
+  std::array<AdaptiveBit, kWidths> wider_;  ///< Has the magnitude more than i + 1 bits?
+  std::array<std::array<AdaptiveBit, 3>, kWidths> high_;
+};
+
+/// Integers that decode alone, with a checksum: context of each is chosen by the magnitudes of the
+/// two before. `starts` has kIntegerContexts tables, or none.
+/// Shape: values [N].
+inline constexpr size_t kIntegerContexts = 6;
+using IntegerStarts = std::vector<std::array<uint16_t, IntegerModel::kStarts>>;
+[[nodiscard]] std::vector<std::byte> encode_integers(std::span<const int32_t> values,
+                                                     const IntegerStarts& starts = {});
+
+/// Safe on hostile bytes.
+/// Errors: kDataLoss where the checksum does not fit or the values are no 32-bit integers.
+Result<std::vector<int32_t>> decode_integers(std::span<const std::byte> bytes, size_t count,
+                                             const IntegerStarts& starts = {});
+
+/// Tables that suit `values`.
+[[nodiscard]] IntegerStarts train_integer_starts(std::span<const int32_t> values);
+
+// Implementation of the template.
+
+template <typename Port>
+uint64_t IntegerModel::code_low_bits(Port& port, size_t width, uint64_t magnitude) {
+  uint64_t result = 1;
+  size_t node = 0;
+  for (size_t left = width - 1; left > 0; --left) {
+    const bool bit = ((magnitude >> (left - 1)) & 1) != 0;
+    const bool is_modelled = width - 1 - left < 2;
+    const bool coded =
+        is_modelled ? high_[width - 1][node].code(port, bit) : port.code(bit, 1u << 15);
+    node = coded ? 2 : 1;
+    result = (result << 1) | (coded ? 1 : 0);
+  }
+  return result;
+}
+
+template <typename Port>
+int64_t IntegerModel::code(Port& port, int64_t value) {
+  if (zero_.code(port, value == 0)) return 0;
+  const bool is_negative = sign_.code(port, value < 0);
+  uint64_t magnitude = static_cast<uint64_t>(value);
+  if (is_negative) magnitude = 0 - magnitude;
+  size_t width = 1;
+  while (width < kWidths && wider_[width - 1].code(port, (magnitude >> width) != 0)) ++width;
+  magnitude = code_low_bits(port, width, magnitude);
+  return static_cast<int64_t>(is_negative ? 0 - magnitude : magnitude);
+}
+
+}  // namespace engram::encoders

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "encoders/coding/binary_coder.h"
+
+namespace engram::encoders {
+
+/// Logarithms of odds in units of 1/256, -3072 to 3072 (a probability of 6e-6).
+using LogOdds = int32_t;
+inline constexpr LogOdds kMostLogOdds = 3071;
+
+/// The probability of these odds. Tables made at compile time: the same on every machine.
+[[nodiscard]] BitProbability squash(LogOdds odds);
+
+/// ln(p / (1 - p)) where p = part / (part + rest); needs part + rest < 2^40.
+[[nodiscard]] LogOdds log_odds(uint64_t part, uint64_t rest);
+[[nodiscard]] LogOdds log_odds(BitProbability one);
+
+/// Share above `z` of a distribution around zero that has a logistic core (7 of 8 parts) and wide
+/// shoulders (four times as wide). `z` in 1/32 of the scale of the core.
+/// Returns 2^31 times the share, never zero: strictly falling up to |z| = 2048, then constant.
+[[nodiscard]] uint32_t share_above(int64_t z);
+
+/// 16 log2(value): exact to one step. Needs value > 0 (checked).
+[[nodiscard]] int32_t log2_sixteenths(uint64_t value);
+
+/// 2^20 / 2^(exponent / 16). `exponent` from -160 to 320 (clamped).
+[[nodiscard]] int64_t inverse_power(int32_t exponent);
+
+}  // namespace engram::encoders

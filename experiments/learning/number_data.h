@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ltm/core/status.h"
+
+namespace engram::experiments {
+
+/// Numbers of one recording. Shape: rows [K, columns.size()].
+struct NumberRecording {
+  std::string name;
+  std::vector<std::string> columns;
+  std::vector<double> rows;
+
+  [[nodiscard]] size_t count() const { return columns.empty() ? 0 : rows.size() / columns.size(); }
+};
+
+/// Every `stride`-th row of all CSV files below a folder, in the order of their names; those
+/// columns that begin with one of `prefixes`, in the order of the prefixes. Errors: kNotFound where
+/// there is none; those of reading a table.
+Result<std::vector<NumberRecording>> read_numbers(const std::filesystem::path& folder,
+                                                  const std::vector<std::string>& prefixes,
+                                                  size_t stride);
+
+}  // namespace engram::experiments
