@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 
+#include "ltm/codec/seal_rules.h"
 #include "ltm/core/file.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/rewrite.h"
@@ -19,12 +20,22 @@ constexpr int kPerRound = 6;
 constexpr std::array<const char*, kSteps> kStepNames{"open",    "record",  "seal",
                                                      "declare", "publish", "drop recorded",
                                                      "compact", "forget"};
+/// Images as groups, numbers as columns: all of it without loss.
+SealRules seal_rules(const MemoryId& entity) {
+  PackOptions options;
+  if (entity == session_entity(0)) options.rules = {{"**", MediumKind::kNumber, "columns"}};
+  if (entity == session_entity(1)) options.rules = {{"**", MediumKind::kImage, "ffv1:group=4"}};
+  return *SealRules::create(options);
+}
+
 enum Step { kOpen, kRecord, kSeal, kDeclare, kPublish, kDrop, kCompact, kForget };
 
 class Session {
  public:
   Session(std::filesystem::path store, const SessionOptions& options, const Tell& tell)
-      : store_(std::move(store)), options_(options), tell_(tell) {}
+      : store_(std::move(store)), options_(options), tell_(tell) {
+    options_.store.seal_rules = seal_rules;
+  }
 
   void run() {
     begin(kOpen);

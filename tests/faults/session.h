@@ -31,7 +31,8 @@ struct Told {
 using Tell = std::function<void(const Told&)>;
 
 /// Entities of a session: the first has numbers and texts and is dropped from time to time, the
-/// second has a number and an image.
+/// second has a number and an image. Sealed, the first one's numbers are columns, the second one's
+/// images groups.
 inline constexpr int kEntities = 2;
 [[nodiscard]] MemoryId session_entity(int number);
 
