@@ -6,21 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "encoders/coding/latent_grid.h"
 #include "encoders/range_coder.h"
 
 namespace engram::encoders {
-
-/// Size of one block of integer latents, channels first.
-struct LatentGrid {
-  int channels = 0;
-  int height = 1;
-  int width = 1;
-
-  [[nodiscard]] size_t count() const {
-    return static_cast<size_t>(channels) * static_cast<size_t>(height) * static_cast<size_t>(width);
-  }
-  friend bool operator==(const LatentGrid&, const LatentGrid&) = default;
-};
 
 /// Turns the integer latents of one snapshot into bytes that decode alone.
 ///

@@ -27,6 +27,9 @@ class AdaptiveBit {
     return std::clamp<uint32_t>((uint32_t{fast_} + slow_) / 2, 32, 65536 - 32);
   }
 
+  /// Bits that taught it, at most 255.
+  [[nodiscard]] int seen() const { return seen_; }
+
   void update(bool bit) {
     const int32_t target = bit ? 65535 : 0;
     move(fast_, target, kFastRate);
