@@ -118,14 +118,14 @@ Result<libav::Input> open_input(const std::filesystem::path& path) {
   AVFormatContext* opened = nullptr;
   if (const int code = avformat_open_input(&opened, url.c_str(), nullptr, nullptr); code < 0) {
     if (code == AVERROR(EACCES) || code == AVERROR(EMFILE))
-      return unavailable("video '{}': cannot open: {}", path.string(), libav::error_text(code));
+      return unavailable("video '{}': cannot open: {}", path.string(), libav::describe(code));
     return invalid_argument("video '{}': is no video, or its index is missing: {}", path.string(),
-                            libav::error_text(code));
+                            libav::describe(code));
   }
   libav::Input input(opened);
   if (const int code = avformat_find_stream_info(opened, nullptr); code < 0)
     return invalid_argument("video '{}': cannot tell what it holds: {}", path.string(),
-                            libav::error_text(code));
+                            libav::describe(code));
   return input;
 }
 
@@ -161,7 +161,7 @@ Result<libav::Codec> open_decoder(const AVStream& stream, int threads,
   decoder->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
   if (const int code = avcodec_open2(decoder.get(), codec, nullptr); code < 0)
     return invalid_argument("video '{}': cannot decode codec '{}': {}", path.string(), name,
-                            libav::error_text(code));
+                            libav::describe(code));
   return decoder;
 }
 
@@ -282,7 +282,7 @@ Status VideoReader::State::feed() {
     if (code == AVERROR_EOF)
       note_end();
     else
-      broken_by = libav::error_text(code);
+      broken_by = libav::describe(code);
     is_draining = true;
     avcodec_send_packet(decoder.get(), nullptr);
     return {};
@@ -314,7 +314,7 @@ Result<bool> VideoReader::State::receive() {
     }
     ++damaged;
     if (++errors_in_row <= kMaxErrorsInRow) continue;
-    broken_by = fmt::format("the decoder gives up: {}", libav::error_text(code));
+    broken_by = fmt::format("the decoder gives up: {}", libav::describe(code));
     return false;
   }
 }
@@ -369,7 +369,7 @@ VideoReader::~VideoReader() = default;
 
 Result<VideoReader> VideoReader::open(const std::filesystem::path& path, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
-  libav::silence();
+  libav::keep_quiet();
   ENGRAM_ASSIGN_OR_RETURN(libav::Input input, open_input(path));
   ENGRAM_ASSIGN_OR_RETURN(AVStream* const stream, find_video(*input, path));
   ENGRAM_ASSIGN_OR_RETURN(libav::Codec decoder, open_decoder(*stream, options.threads, path));
