@@ -2,6 +2,8 @@
 #include "cli/command.h"
 
 #include <cstdio>
+#include <exception>
+#include <new>
 
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
@@ -15,6 +17,26 @@ namespace {
 std::string problem(const Status& status) { return status.ok() ? "" : status.message(); }
 
 }  // namespace
+
+ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;
+  }
+  return exit_code;
+}
+
+int exit_code_of(const std::function<ExitCode()>& program) {
+  try {
+    return static_cast<int>(program());
+  } catch (const std::bad_alloc&) {
+    log::write(log::Level::kError, "out of memory");
+  } catch (const std::exception& error) {
+    log::write(log::Level::kError, error.what());
+  }
+  return static_cast<int>(ExitCode::kFailed);
+}
 
 ExitCode fail(const Status& status) {
   log::write(log::Level::kError, status.message());

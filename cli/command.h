@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -33,6 +34,13 @@ void add_simulate_command(CLI::App& app, ExitCode& exit_code);
 void add_check_command(CLI::App& app, ExitCode& exit_code);
 void add_recover_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
+
+/// Reads the arguments and runs the command that they name, which sets `exit_code`. Returns it, or
+/// kWrongUsage after telling what is wrong with the arguments.
+ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code);
+
+/// Runs a program: an exception that nobody caught is told on stderr.
+int exit_code_of(const std::function<ExitCode()>& program);
 
 /// What stands below `engram idf`, for a program that is nothing else.
 void add_idf_commands(CLI::App& app, ExitCode& exit_code);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `engram idf` as a program of its own: what builds need, without the libraries that learn.
-#include <exception>
-
 #include "cli/command.h"
-#include "ltm/core/log.h"
 
 namespace engram::cli {
 
@@ -15,12 +12,7 @@ ExitCode run(int argc, char** argv) {
   app.set_version_flag("--version", "engram " ENGRAM_VERSION);
   auto exit_code = ExitCode::kDone;
   add_idf_commands(app, exit_code);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;
-  }
-  return exit_code;
+  return run_command(app, argc, argv, exit_code);
 }
 
 }  // namespace
@@ -28,10 +20,5 @@ ExitCode run(int argc, char** argv) {
 }  // namespace engram::cli
 
 int main(int argc, char** argv) {
-  try {
-    return static_cast<int>(engram::cli::run(argc, argv));
-  } catch (const std::exception& error) {
-    engram::log::write(engram::log::Level::kError, error.what());
-  }
-  return static_cast<int>(engram::cli::ExitCode::kFailed);
+  return engram::cli::exit_code_of([&] { return engram::cli::run(argc, argv); });
 }

@@ -276,8 +276,9 @@ ExitCode run(const ImportArguments& arguments) {
   progress.finish();
   // What was committed before an error stays, and is sealed like the rest.
   const Status closed = recorder->close();
-  if (!report.ok()) return fail(report.status());
-  if (!closed.ok()) return fail(closed);
+  if (!report.ok()) fail(report.status());
+  if (!closed.ok()) fail(closed);
+  if (!report.ok() || !closed.ok()) return ExitCode::kFailed;
   if (arguments.is_json)
     print_json(report_json(*report, *recorder));
   else

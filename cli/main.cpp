@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <exception>
-#include <new>
 #include <string_view>
 
 #include "cli/command.h"
@@ -62,12 +60,7 @@ ExitCode run(int argc, char** argv) {
   add_idf_command(app, exit_code);
   add_check_command(app, exit_code);
   add_recover_command(app, exit_code);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;
-  }
-  return exit_code;
+  return run_command(app, argc, argv, exit_code);
 }
 
 }  // namespace
@@ -77,12 +70,5 @@ ExitCode run(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (engram::cli::is_learning(argc, argv)) engram::cli::rest_waiting_threads(argv);
   engram::cli::watch_for_interrupts();
-  try {
-    return static_cast<int>(engram::cli::run(argc, argv));
-  } catch (const std::bad_alloc&) {
-    engram::log::write(engram::log::Level::kError, "out of memory");
-  } catch (const std::exception& error) {
-    engram::log::write(engram::log::Level::kError, error.what());
-  }
-  return static_cast<int>(engram::cli::ExitCode::kFailed);
+  return engram::cli::exit_code_of([&] { return engram::cli::run(argc, argv); });
 }

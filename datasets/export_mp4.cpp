@@ -70,14 +70,9 @@ class Mp4Sink : public SnapshotSink {
   }
 
   Status add(const ltm::SnapshotResult& snapshot) override {
-    ++report_.snapshots;
-    for (const ltm::InstanceResult& instance : snapshot.instances) {
-      ++report_.instances;
-      count_other_members(instance.data, report_);
-      for (const ImageMember& member : image_members(instance.data))
-        ENGRAM_RETURN_IF_ERROR(write(snapshot.time, instance.index, member));
-    }
-    return {};
+    return for_each_image(snapshot, report_, [&](int32_t index, const ImageMember& member) {
+      return write(snapshot.time, index, member);
+    });
   }
 
   Status finish() override { return close_all(); }

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/libav.h"
 
-#include <array>
 #include <string_view>
 
 extern "C" {
-#include <libavutil/error.h>
-#include <libavutil/log.h>
 #include <libavutil/opt.h>
 #include <libavutil/pixdesc.h>
 }
@@ -83,7 +80,7 @@ bool has_small_chroma(AVPixelFormat format) {
          log2_width == 1 && log2_height == 1;
 }
 
-void describe(SwsContext* scaler, const PixelFormat& from, const PixelFormat& to) {
+void set_formats(SwsContext* scaler, const PixelFormat& from, const PixelFormat& to) {
   av_opt_set_int(scaler, "srcw", from.width, 0);
   av_opt_set_int(scaler, "srch", from.height, 0);
   av_opt_set_int(scaler, "src_format", from.format, 0);
@@ -97,16 +94,6 @@ void describe(SwsContext* scaler, const PixelFormat& from, const PixelFormat& to
 }
 
 }  // namespace
-
-std::string error_text(int error) {
-  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
-  av_strerror(error, text.data(), text.size());
-  return text.data();
-}
-
-void silence() {
-  av_log_set_level(AV_LOG_QUIET);
-}
 
 PixelFormat rgb_format(int width, int height) {
   return {.width = width,
@@ -137,11 +124,11 @@ Result<Scaler> make_converter(const PixelFormat& from, const PixelFormat& to) {
                               static_cast<int>(picture.matrix), name_of(picture.format));
   Scaler scaler(sws_alloc_context());
   if (!scaler) return resource_exhausted("no memory for a colour converter");
-  describe(scaler.get(), from, to);
+  set_formats(scaler.get(), from, to);
   if (const int error = sws_init_context(scaler.get(), nullptr, nullptr); error < 0)
     return invalid_argument("cannot convert pixel format '{}' {} x {} to '{}': {}",
                             name_of(from.format), from.width, from.height, name_of(to.format),
-                            error_text(error));
+                            describe(error));
   // Fails for conversions without a matrix (RGB to RGB), which need none.
   sws_setColorspaceDetails(scaler.get(), coefficients(from), from.is_full_range ? 1 : 0,
                            coefficients(to), to.is_full_range ? 1 : 0, 0, 1 << 16, 1 << 16);

@@ -10,36 +10,27 @@ extern "C" {
 }
 
 #include <memory>
-#include <string>
 
+#include "ltm/codec/libav.h"
 #include "ltm/core/status.h"
 
 namespace engram::datasets::libav {
 
-/// Frees through the functions of libav that take the address of the pointer.
-template <auto kFree>
-struct Freer {
-  template <typename T>
-  void operator()(T* object) const {
-    kFree(&object);
-  }
-};
+using ltm::libav::describe;
+using ltm::libav::keep_quiet;
 
+struct InputCloser {
+  void operator()(AVFormatContext* input) const { avformat_close_input(&input); }
+};
 struct ScalerFreer {
   void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
 };
 
-using Input = std::unique_ptr<AVFormatContext, Freer<avformat_close_input>>;
-using Codec = std::unique_ptr<AVCodecContext, Freer<avcodec_free_context>>;
-using Frame = std::unique_ptr<AVFrame, Freer<av_frame_free>>;
-using Packet = std::unique_ptr<AVPacket, Freer<av_packet_free>>;
+using Input = std::unique_ptr<AVFormatContext, InputCloser>;
+using Codec = ltm::libav::Owned<AVCodecContext>;
+using Frame = ltm::libav::Owned<AVFrame>;
+using Packet = ltm::libav::Owned<AVPacket>;
 using Scaler = std::unique_ptr<SwsContext, ScalerFreer>;
-
-/// The library's words for an error code.
-[[nodiscard]] std::string error_text(int error);
-
-/// Keeps the libraries from printing: everything they have to say becomes a Status or a count.
-void silence();
 
 /// How the pixels of a picture are laid out and what their numbers mean.
 struct PixelFormat {

@@ -77,7 +77,7 @@ Result<libav::Codec> open_encoder(const VideoWriter::Options& options) {
   av_opt_set_int(encoder->priv_data, "mbtree", 0, 0);
   if (const int code = avcodec_open2(encoder.get(), codec, nullptr); code < 0)
     return invalid_argument("libx264 refuses {} x {}, preset '{}', crf {}: {}", options.width,
-                            options.height, options.preset, options.crf, libav::error_text(code));
+                            options.height, options.preset, options.crf, libav::describe(code));
   return encoder;
 }
 
@@ -92,7 +92,7 @@ using Output = std::unique_ptr<AVFormatContext, OutputFreer>;
 Status failure(int code, std::string_view what) {
   const auto kind =
       code == AVERROR(ENOSPC) ? StatusCode::kResourceExhausted : StatusCode::kUnavailable;
-  return Status(kind, fmt::format("{}: {}", what, libav::error_text(code)));
+  return Status(kind, fmt::format("{}: {}", what, libav::describe(code)));
 }
 
 void set_metadata(AVFormatContext& output, const VideoWriter::Options& options) {
@@ -272,7 +272,7 @@ VideoWriter::~VideoWriter() = default;
 
 Result<VideoWriter> VideoWriter::create(const std::filesystem::path& path, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
-  libav::silence();
+  libav::keep_quiet();
   auto state = std::make_unique<State>();
   state->path = path;
   state->beside = path.string() + ".new";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: owners for the C types of FFmpeg's libavcodec.
+// Not installed; for this room and datasets: owners for the C types of FFmpeg's libavcodec.
 
 extern "C" {
 #include <libavcodec/avcodec.h>

@@ -278,6 +278,20 @@ struct Recorder::State {
     log::warning("snapshot '{}', which a filter had held, is lost: {}", id, status.to_string());
   }
 
+  /// Stores what filters hold, and seals.
+  Status finish() {
+    ++commits;
+    std::vector<Kept> kept;
+    for (auto& [entity, channel] : channels.all()) {
+      FilterChain::Output output;
+      channel.chain.flush(output);
+      take_output(channel, std::move(output), kept);
+    }
+    ENGRAM_RETURN_IF_ERROR(store(kept));
+    ENGRAM_RETURN_IF_ERROR(note_drops());
+    return writer->seal();
+  }
+
   Status note_drops() {
     last_notes = clock();
     for (auto& [entity, channel] : channels.all()) {
@@ -356,16 +370,12 @@ Status Recorder::commit(const Commit& commit) {
 }
 
 Status Recorder::close() {
-  ++state_->commits;
-  std::vector<Kept> kept;
-  for (auto& [entity, channel] : state_->channels.all()) {
-    FilterChain::Output output;
-    channel.chain.flush(output);
-    State::take_output(channel, std::move(output), kept);
-  }
-  ENGRAM_RETURN_IF_ERROR(state_->store(kept));
-  ENGRAM_RETURN_IF_ERROR(state_->note_drops());
-  return state_->writer->seal();
+  Status status = state_->finish();
+  if (status.ok()) return status;
+  const Status forced = state_->writer->sync();
+  if (forced.ok()) return status;
+  return status.with_context(
+      fmt::format("a power cut may cost what was kept last ({})", forced.message()));
 }
 
 std::optional<Time> Recorder::last_time(const MemoryId& entity) const {

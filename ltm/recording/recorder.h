@@ -93,6 +93,8 @@ class Recorder {
 
   /// Lets go of what filters hold, seals everything and closes the store. Without it the journal
   /// keeps what was kept.
+  /// Errors: those of commit and of StoreWriter::seal: the journal keeps what was acknowledged, and
+  /// is forced to the disk; where that fails too (StoreWriter::sync), the message says so.
   Status close();
 
   /// Time of the entity's last snapshot, stored in this session or before.

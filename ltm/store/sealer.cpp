@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/sealer.h"
 
-#include <algorithm>
 #include <map>
 #include <set>
 
@@ -9,6 +8,7 @@
 #include "ltm/core/log.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/journal.h"
+#include "ltm/store/last_of_each_time.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/segment_writer.h"
@@ -32,16 +32,6 @@ struct JournalContent {
     entity.trailing_dropped_bytes += snapshot.dropped_bytes;
   }
 };
-
-/// Orders by time; of equal times the last counts: it is an update, or an append whose sync failed
-/// and that was tried again.
-void keep_last_of_each_time(std::vector<PackedSnapshot>& snapshots) {
-  std::ranges::stable_sort(snapshots, {}, &PackedSnapshot::time);
-  // unique keeps the first of a run: walk from the back to keep the last.
-  const auto kept = std::unique(snapshots.rbegin(), snapshots.rend(),
-                                [](const auto& a, const auto& b) { return a.time == b.time; });
-  snapshots.erase(snapshots.begin(), kept.base());
-}
 
 Result<JournalContent> read_journals(const std::filesystem::path& store,
                                      const std::vector<uint64_t>& numbers) {

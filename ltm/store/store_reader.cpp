@@ -8,6 +8,7 @@
 #include "ltm/core/file.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/journal.h"
+#include "ltm/store/last_of_each_time.h"
 #include "ltm/store/segment_reader.h"
 
 namespace engram::ltm {
@@ -83,11 +84,7 @@ struct StoreReader::State {
     if (frames == journal_entries.end()) return entries;
     for (const JournalEntry& frame : frames->second)
       entries.push_back({frame.head.time, SnapshotEntry::Location{frame.journal, 0, frame.offset}, {}});
-    std::ranges::stable_sort(entries, {}, &SnapshotEntry::time);
-    // unique keeps the first of a run: walk from the back to keep the last.
-    const auto kept = std::unique(entries.rbegin(), entries.rend(),
-                                  [](const auto& a, const auto& b) { return a.time == b.time; });
-    entries.erase(entries.begin(), kept.base());
+    keep_last_of_each_time(entries);
     return entries;
   }
 

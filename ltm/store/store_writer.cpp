@@ -54,6 +54,7 @@ struct StoreWriter::State {
   std::vector<uint64_t> closed_journals;  ///< That nobody was told to seal yet.
   uint64_t next_journal = 1;
   uint64_t first_own = 1;               ///< The first journal of this session.
+  bool has_unforced = false;            ///< Appended since `sync` or `seal`, without an fsync.
   uint64_t unsealed_bytes = 0;          ///< Of these journals.
   std::optional<Time> oldest_unsealed;  ///< By the clock, when it was appended.
   std::map<MemoryId, Time> last_times;
@@ -133,6 +134,7 @@ struct StoreWriter::State {
     for (const auto& payload : payloads) unsealed_bytes += payload.size();
     if (!oldest_unsealed) oldest_unsealed = clock();
     if (options.durability == Durability::kEvery) return journal->sync();
+    has_unforced = true;
     if (syncer) syncer->note_append(journal);
     return {};
   }
@@ -170,7 +172,30 @@ struct StoreWriter::State {
 
   Status seal() {
     hand_over();
-    return sealer->finish();
+    ENGRAM_RETURN_IF_ERROR(sealer->finish());
+    has_unforced = false;
+    return {};
+  }
+
+  Status sync() {
+    if (!std::exchange(has_unforced, false)) return {};
+    const Status status = sync_journals();
+    const Status regular = syncer ? syncer->take_error() : Status();
+    return status.ok() ? regular : status;
+  }
+
+  /// Those of this session that nobody has sealed yet; one may be sealed and removed meanwhile.
+  Status sync_journals() const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
+    Status first;
+    for (const uint64_t number : numbers) {
+      if (number < first_own) continue;
+      auto file = File::open(path / Journal::file_name(number), File::Mode::kRead);
+      if (file.status().code() == StatusCode::kNotFound) continue;
+      Status status = file.ok() ? file->sync() : file.status();
+      if (first.ok()) first = std::move(status);
+    }
+    return first;
   }
 };
 
@@ -187,9 +212,9 @@ Status StoreWriter::Options::validate() const {
 StoreWriter::StoreWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 StoreWriter::~StoreWriter() {
-  // The journal keeps what is not sealed; a power cut after this must not cost it.
-  if (state_->journal && !state_->journal->sync().ok())
-    log::warning("store '{}': the journal could not be forced to disk", state_->path.string());
+  if (const Status status = state_->sync(); !status.ok())
+    log::warning("store '{}': a power cut may cost what was appended last: {}",
+                 state_->path.string(), status.to_string());
 }
 
 Result<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::filesystem::path& store,
@@ -269,6 +294,10 @@ const SegmentTypes& StoreWriter::types() const {
 
 Status StoreWriter::seal() {
   return state_->seal();
+}
+
+Status StoreWriter::sync() {
+  return state_->sync();
 }
 
 std::optional<Time> StoreWriter::last_time(const MemoryId& entity) const {

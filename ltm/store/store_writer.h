@@ -53,6 +53,9 @@ class StoreWriter {
   static Result<std::unique_ptr<StoreWriter>> open(const std::filesystem::path& store,
                                                    const Options& options,
                                                    Clock clock = system_now);
+
+  /// Does what `sync` does, but can only log what fails: whoever ends a session otherwise than by
+  /// `seal` calls `sync` before.
   ~StoreWriter();
 
   /// Appends to the journal; the bytes of each frame are returned through `frame_bytes`. Times may
@@ -76,7 +79,15 @@ class StoreWriter {
   [[nodiscard]] const SegmentTypes& types() const;
 
   /// Publishes everything in the journals and waits until it is done.
+  /// Errors: those of the sealing; the journals keep everything then.
   Status seal();
+
+  /// Forces what this writer appended and is not sealed to the disk, at any level of durability:
+  /// after ok no power cut costs it. An error is told once: the next call is about what was
+  /// appended since.
+  /// Errors: kUnavailable naming the journal, also where the regular forcing failed since the last
+  /// append; what was acknowledged may not survive a power cut then.
+  Status sync();
 
   /// The latest time of the entity, stored in this session or before.
   [[nodiscard]] std::optional<Time> last_time(const MemoryId& entity) const;

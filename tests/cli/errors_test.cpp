@@ -4,12 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "ltm/recording/recorder.h"
 #include "ltm/store/manifest.h"
 #include "tests/cli/program.h"
+#include "tests/faults/faulty_files.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::cli {
@@ -65,6 +68,29 @@ TEST_F(Errors, TruncatedVideoKeepsWhatCameBefore) {
   const RunResult result = import(path("cut.mp4"), recording.table);
   EXPECT_THAT(result.exit_code, ::testing::AnyOf(kFailed, kDoneWithLoss)) << result.err;
   EXPECT_THAT(result.err, HasSubstr("cut.mp4"));
+}
+
+/// Runs an import whose disk is dead from its n-th change on.
+RunResult import_onto_dying_disk(const std::vector<std::string>& arguments, const std::string& root,
+                                 int change) {
+  const std::map<std::string, std::string> environment{
+      {"LD_PRELOAD", FAULTY_FILES},
+      {"ASAN_OPTIONS", "verify_asan_link_order=0"},
+      {"ENGRAM_FAULTS_ROOT", root},
+      {"ENGRAM_FAULTS_CALL", std::to_string(change)},
+      {"ENGRAM_FAULTS_KIND", std::to_string(kFaultDead)}};
+  for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
+  RunResult result = run_engram(arguments);
+  for (const auto& [name, value] : environment) ::unsetenv(name.c_str());
+  return result;
+}
+
+TEST_F(Errors, DiskThatDiesIsToldWithWhatAPowerCutMayCost) {
+  const auto arguments = import_arguments(make_recording(directory_.path(), 4), path("store"));
+  const RunResult result = import_onto_dying_disk(arguments, path("store"), 40);
+  EXPECT_EQ(result.exit_code, kFailed);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("Input/output error"),
+                                HasSubstr("a power cut may cost what was kept last")));
 }
 
 TEST_F(Errors, ColumnThatIsNotNumericIsNamedWithItsLine) {

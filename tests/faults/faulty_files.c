@@ -26,15 +26,19 @@ static int64_t failing_call;
 static int failing_kind;
 
 void faulty_files_watch(const char* directory) {
+  pthread_mutex_lock(&mutex);
   root_bytes = strlen(directory);
   if (root_bytes >= kMaxPath) abort();
   memcpy(root, directory, root_bytes + 1);
   calls = 0;
+  pthread_mutex_unlock(&mutex);
 }
 
 void faulty_files_fail(int64_t call, int kind) {
+  pthread_mutex_lock(&mutex);
   failing_call = call;
   failing_kind = kind;
+  pthread_mutex_unlock(&mutex);
 }
 
 void faulty_files_trace(const char* file) {

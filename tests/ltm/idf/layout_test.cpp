@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/idf/layout.h"
 
-#include "tests/ltm/expect_status.h"
+#include "tests/ltm/idf/expect_round_trip.h"
 #include "tests/ltm/random_values.h"
 
 namespace engram::idf {
@@ -16,13 +16,7 @@ TEST(Layout, SplitsAndJoinsRandomValues) {
   RandomValues random(8);
   for (int i = 0; i < 3000; ++i) {
     const Data value = random.value(5);
-    const Layout layout = Layout::of(value);
-    const auto parts = layout.split(value);
-    ASSERT_OK(parts);
-    EXPECT_EQ(parts->tensors.size(), layout.members().size());
-    const auto joined = layout.join(*parts);
-    ASSERT_OK(joined);
-    EXPECT_EQ(*joined, value);
+    expect_round_trip(Layout::of(value), value);
   }
 }
 

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/idf/layout.h"
-#include "tests/ltm/expect_status.h"
+#include "tests/ltm/idf/expect_round_trip.h"
 #include "tests/ltm/print_values.h"
 #include "tests/ltm/random_types.h"
 
 namespace engram::idf {
 namespace {
-
-void expect_round_trip(const Layout& layout, const Data& value) {
-  const auto parts = layout.split(value);
-  ASSERT_OK(parts);
-  EXPECT_EQ(parts->tensors.size(), layout.members().size());
-  const auto joined = layout.join(*parts);
-  ASSERT_OK(joined);
-  EXPECT_EQ(*joined, value);
-}
 
 TEST(TypedLayout, SplitsAndJoinsRandomValuesOfItsType) {
   RandomTypes random(13);

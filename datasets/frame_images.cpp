@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/frame_images.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+#include <vector>
+
+namespace engram::datasets {
+
+namespace {
+
+// swscale may write whole vectors: lines are padded to these.
+constexpr int kLineAlignment = 64;
+
+/// What of a picture is cut out.
+cv::Rect crop_of(int width, int height, bool crops_square) {
+  if (!crops_square) return {0, 0, width, height};
+  const int side = std::min(width, height);
+  return {(width - side) / 2, (height - side) / 2, side, side};
+}
+
+int scaled(int size, int by, int of) {
+  return std::max(1, static_cast<int>(std::lround(static_cast<double>(size) * by / of)));
+}
+
+cv::Size output_size(const VideoInfo& info, const VideoReader::Options& options) {
+  const cv::Size from = crop_of(info.width, info.height, options.crops_square).size();
+  if (options.width == 0 && options.height == 0) return from;
+  if (options.width == 0) return {scaled(from.width, options.height, from.height), options.height};
+  if (options.height == 0) return {options.width, scaled(from.height, options.width, from.width)};
+  return {options.width, options.height};
+}
+
+}  // namespace
+
+FrameImages::FrameImages(const VideoInfo& info, const VideoReader::Options& options)
+    : size_(output_size(info, options)), crops_square_(options.crops_square) {}
+
+Result<idf::NdArray> FrameImages::make(const AVFrame& frame) {
+  try {
+    return convert(frame);
+  } catch (const cv::Exception& error) {
+    return invalid_argument("cannot scale a frame: {}", error.what());
+  }
+}
+
+Result<idf::NdArray> FrameImages::convert(const AVFrame& frame) {
+  ENGRAM_RETURN_IF_ERROR(prepare(libav::format_of(frame)));
+  const std::array<uint8_t*, 1> lines{whole_.data};
+  const std::array<int, 1> strides{static_cast<int>(whole_.step)};
+  if (sws_scale(converter_.get(), frame.data, frame.linesize, 0, frame.height, lines.data(),
+                strides.data()) != frame.height)
+    return invalid_argument("the colours of a frame cannot be converted");
+  return fit(whole_(crop_of(frame.width, frame.height, crops_square_)));
+}
+
+Status FrameImages::prepare(const libav::PixelFormat& format) {
+  if (converter_ && format == format_) return {};
+  const int stride = (format.width + kLineAlignment - 1) / kLineAlignment * kLineAlignment;
+  ENGRAM_ASSIGN_OR_RETURN(
+      converter_, libav::make_converter(format, libav::rgb_format(format.width, format.height)));
+  whole_.create(format.height, stride, CV_8UC3);
+  format_ = format;
+  return {};
+}
+
+idf::NdArray FrameImages::fit(const cv::Mat& from) const {
+  std::vector<uint8_t> pixels(static_cast<size_t>(size_.area()) * 3);
+  cv::Mat to(size_, CV_8UC3, pixels.data());
+  const bool shrinks = size_.width <= from.cols && size_.height <= from.rows;
+  if (from.size() == size_)
+    from.copyTo(to);
+  else
+    cv::resize(from, to, size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return idf::NdArray::take({size_.height, size_.width, 3}, std::move(pixels));
+}
+
+}  // namespace engram::datasets

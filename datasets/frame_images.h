@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <opencv2/core.hpp>
+
+#include "datasets/libav.h"
+#include "datasets/video_reader.h"
+
+namespace engram::datasets {
+
+/// Turns decoded frames into RGB images of one size: converts their colours, crops and scales.
+///
+/// Threading: one thread.
+class FrameImages {
+ public:
+  FrameImages(const VideoInfo& info, const VideoReader::Options& options);
+
+  /// Shape: uint8 [H, W, 3], the same size whatever that of the frame is.
+  /// Errors: kInvalidArgument where its colours cannot be converted, or it cannot be scaled.
+  Result<idf::NdArray> make(const AVFrame& frame);
+
+ private:
+  Result<idf::NdArray> convert(const AVFrame& frame);
+  Status prepare(const libav::PixelFormat& format);
+  [[nodiscard]] idf::NdArray fit(const cv::Mat& from) const;
+
+  cv::Size size_;
+  bool crops_square_;
+  libav::PixelFormat format_;  ///< Of the last frame.
+  libav::Scaler converter_;    ///< From that format.
+  cv::Mat whole_;              ///< The last frame in RGB, before it is cropped.
+};
+
+}  // namespace engram::datasets

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoders/model_records.h"
+
+#include <string_view>
+#include <utility>
+
+#include "encoders/model_vectors.h"
+
+namespace engram::encoders {
+
+namespace {
+
+Status write_spans(h5::File& file, const std::string& path, const std::vector<TimeSpan>& spans) {
+  std::vector<int64_t> ends;
+  for (const TimeSpan& span : spans) {
+    ends.push_back(to_ns(span.first));
+    ends.push_back(to_ns(span.last));
+  }
+  return write_vector(file, path, ends);
+}
+
+Result<std::vector<TimeSpan>> read_spans(const h5::File& file, const std::string& path) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto ends, read_vector<int64_t>(file, path));
+  std::vector<TimeSpan> spans;
+  for (size_t i = 0; i + 1 < ends.size(); i += 2)
+    spans.push_back({time_from_ns(ends[i]), time_from_ns(ends[i + 1])});
+  return spans;
+}
+
+}  // namespace
+
+Status write_tables(h5::File& file, const LatentCoder& coder) {
+  std::vector<int32_t> firsts;
+  std::vector<uint16_t> sizes, frequencies;
+  for (const FrequencyTable& table : coder.tables()) {
+    const auto values = table.frequencies();
+    firsts.push_back(table.first());
+    sizes.push_back(static_cast<uint16_t>(values.size()));
+    frequencies.insert(frequencies.end(), values.begin(), values.end());
+  }
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/tables/first", firsts));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/tables/symbols", sizes));
+  return write_vector(file, "/tables/frequencies", frequencies);
+}
+
+Result<LatentCoder> read_tables(const h5::File& file, std::vector<LatentGrid> grids) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto firsts, read_vector<int32_t>(file, "/tables/first"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto sizes, read_vector<uint16_t>(file, "/tables/symbols"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto all, read_vector<uint16_t>(file, "/tables/frequencies"));
+  if (firsts.size() != sizes.size())
+    return data_loss("found {} first symbols for {} tables", firsts.size(), sizes.size());
+  std::vector<FrequencyTable> tables;
+  std::span<const uint16_t> frequencies(all);
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    if (frequencies.size() < sizes[i]) return data_loss("found too few frequencies");
+    ENGRAM_ASSIGN_OR_RETURN(FrequencyTable table, FrequencyTable::from_frequencies(
+                                                      firsts[i], frequencies.first(sizes[i])));
+    tables.push_back(std::move(table));
+    frequencies = frequencies.subspan(sizes[i]);
+  }
+  return LatentCoder::create(std::move(grids), std::move(tables));
+}
+
+Status write_prediction(h5::File& file, const PredictionRecord& record) {
+  std::vector<double> images, numbers, image_errors, number_errors;
+  for (size_t i = 0; i < record.expected.size(); ++i) {
+    images.push_back(record.image_gates[i]);
+    numbers.push_back(record.number_gates[i]);
+    image_errors.push_back(record.expected[i].image_mse);
+    number_errors.push_back(record.expected[i].number_mse);
+  }
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/image_gates", images));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/number_gates", numbers));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/image_mse", image_errors));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/number_mse", number_errors));
+  return file.write_attribute("/prediction", "step_ns", static_cast<int64_t>(record.step.count()));
+}
+
+Result<PredictionRecord> read_prediction(const h5::File& file) {
+  PredictionRecord record;
+  ENGRAM_ASSIGN_OR_RETURN(const auto images, read_vector<double>(file, "/prediction/image_gates"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto numbers,
+                          read_vector<double>(file, "/prediction/number_gates"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto image_mse, read_vector<double>(file, "/prediction/image_mse"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto number_mse,
+                          read_vector<double>(file, "/prediction/number_mse"));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t step, file.int_attribute("/prediction", "step_ns"));
+  for (const auto* values : {&images, &numbers, &image_mse, &number_mse})
+    if (values->size() != kMeasuredHorizons)
+      return data_loss("found {} horizons, needs {}", values->size(), kMeasuredHorizons);
+  for (size_t i = 0; i < kMeasuredHorizons; ++i) {
+    if (!(images[i] >= 0 && images[i] <= 1 && numbers[i] >= 0 && numbers[i] <= 1))
+      return data_loss("found a gate outside 0..1");
+    record.image_gates[i] = images[i];
+    record.number_gates[i] = numbers[i];
+    record.expected[i] = {image_mse[i], number_mse[i]};
+  }
+  record.step = Duration(step);
+  return record;
+}
+
+Status write_provenance(h5::File& file, const Provenance& from) {
+  ENGRAM_RETURN_IF_ERROR(file.make_group("/provenance"));
+  const std::string group = "/provenance";
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "entity", std::string_view(from.entity)));
+  ENGRAM_RETURN_IF_ERROR(
+      file.write_attribute(group, "code_version", std::string_view(from.code_version)));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "seed", static_cast<int64_t>(from.seed)));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "steps", from.steps));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "training_seconds", from.training_seconds));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "final_loss", from.final_loss));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "lambda", from.lambda));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_error", from.number_error));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
+  ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
+  return write_spans(file, group + "/dynamics_spans", from.dynamics_spans);
+}
+
+Result<Provenance> read_provenance(const h5::File& file) {
+  const std::string group = "/provenance";
+  Provenance from;
+  ENGRAM_ASSIGN_OR_RETURN(from.entity, file.string_attribute(group, "entity"));
+  ENGRAM_ASSIGN_OR_RETURN(from.code_version, file.string_attribute(group, "code_version"));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t seed, file.int_attribute(group, "seed"));
+  from.seed = static_cast<uint64_t>(seed);
+  ENGRAM_ASSIGN_OR_RETURN(from.steps, file.int_attribute(group, "steps"));
+  ENGRAM_ASSIGN_OR_RETURN(from.training_seconds, file.double_attribute(group, "training_seconds"));
+  ENGRAM_ASSIGN_OR_RETURN(from.final_loss, file.double_attribute(group, "final_loss"));
+  ENGRAM_ASSIGN_OR_RETURN(from.lambda, file.double_attribute(group, "lambda"));
+  ENGRAM_ASSIGN_OR_RETURN(from.number_error, file.double_attribute(group, "number_error"));
+  ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
+  ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));
+  ENGRAM_ASSIGN_OR_RETURN(from.dynamics_spans, read_spans(file, group + "/dynamics_spans"));
+  return from;
+}
+
+}  // namespace engram::encoders

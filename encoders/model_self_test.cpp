@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoders/model_self_test.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoders/model_vectors.h"
+#include "encoders/model_weights.h"
+
+namespace engram::encoders {
+
+using torch::Tensor;
+
+namespace {
+
+/// Decoded grey levels may differ by this much between machines.
+constexpr double kImageTolerance = 1.0;
+/// Decoded numbers may, in standard deviations.
+constexpr double kNumberTolerance = 1e-2;
+
+/// Every image element and every number of a decoded value: what the self test compares.
+struct SelfTest {
+  std::vector<double> grey_levels;
+  std::vector<double> numbers;  ///< In standard deviations.
+};
+
+Result<SelfTest> decoded_example(DeepModel& model, std::span<const std::byte> code) {
+  constexpr int64_t kMostPixels = 512;
+  torch::NoGradGuard no_grad;
+  SelfTest test;
+  ENGRAM_ASSIGN_OR_RETURN(const auto integers, model.coder.decode(code));
+  const Parts parts = model.autoencoder->decode(model.to_latents(integers));
+  for (const Tensor& image : parts.images) {
+    const Tensor flat = image.contiguous().flatten().clamp(0, 255);
+    const int64_t stride = std::max<int64_t>(1, flat.numel() / kMostPixels);
+    for (int64_t i = 0; i < flat.numel(); i += stride)
+      test.grey_levels.push_back(flat.data_ptr<float>()[i]);
+  }
+  if (parts.numbers.defined())
+    for (const float number : floats_of(parts.numbers)) test.numbers.push_back(number);
+  return test;
+}
+
+Status check_close(std::span<const float> stored, std::span<const double> found, double tolerance,
+                   std::string_view what) {
+  if (stored.size() != found.size())
+    return data_loss("self test: found {} {}, needs {}", found.size(), what, stored.size());
+  for (size_t i = 0; i < found.size(); ++i)
+    if (!(std::abs(found[i] - static_cast<double>(stored[i])) <= tolerance))
+      return data_loss("self test: decoded {} {} is {}, needs {} within {}", what, i, found[i],
+                       stored[i], tolerance);
+  return {};
+}
+
+}  // namespace
+
+Status write_self_test(h5::File& file, DeepModel& model, const idf::Data& example) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Latent latent, model.encode(example));
+  ENGRAM_ASSIGN_OR_RETURN(const SelfTest test, decoded_example(model, latent.code.bytes()));
+  const auto* bytes = reinterpret_cast<const uint8_t*>(latent.code.data());
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/self_test/code",
+                                      std::vector<uint8_t>(bytes, bytes + latent.code.size())));
+  std::vector<float> grey(test.grey_levels.begin(), test.grey_levels.end());
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/self_test/grey_levels", grey));
+  std::vector<float> numbers(test.numbers.begin(), test.numbers.end());
+  return write_vector(file, "/self_test/numbers", numbers);
+}
+
+Status run_self_test(const h5::File& file, DeepModel& model) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto code, read_vector<uint8_t>(file, "/self_test/code"));
+  ENGRAM_ASSIGN_OR_RETURN(const SelfTest test,
+                          decoded_example(model, std::as_bytes(std::span(code))));
+  ENGRAM_ASSIGN_OR_RETURN(const auto grey, read_vector<float>(file, "/self_test/grey_levels"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto numbers, read_vector<float>(file, "/self_test/numbers"));
+  ENGRAM_RETURN_IF_ERROR(check_close(grey, test.grey_levels, kImageTolerance, "grey level"));
+  return check_close(numbers, test.numbers, kNumberTolerance, "number");
+}
+
+}  // namespace engram::encoders
