@@ -15,7 +15,7 @@ namespace engram::ltm {
 namespace {
 
 /// A writer may seal a journal or replace a segment while the store is listed: then look again.
-constexpr int kOpenAttempts = 20;
+constexpr int kOpenAttempts = 100;
 /// Damaged frames of one journal that are told one by one.
 constexpr uint64_t kMaxTold = 10;
 

@@ -19,7 +19,7 @@ namespace {
 constexpr size_t kMaxOpenSegments = 64;
 
 /// A writer may seal and remove a journal while it is being opened: then look again.
-constexpr int kOpenAttempts = 20;
+constexpr int kOpenAttempts = 100;
 
 /// That are looked at for how an entity is stored.
 constexpr int kSegmentsForForms = 4;
