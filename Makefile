@@ -13,9 +13,12 @@ BARS ?=
 SECONDS ?= 600
 # How many recording processes `make crash` kills.
 KILLS ?= 300
+DB ?= 35
+BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash faults fuzz check-headers clean \
-        experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars
+        experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars \
+        latent-trial
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -31,6 +34,7 @@ help:
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
+	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -90,6 +94,13 @@ number-bars: experiments
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
+
+latent-trial:
+	@cmake/install_packages.sh experiments/packages.txt
+	@$(MAKE) experiments
+	/usr/bin/python3 experiments/learning/image_latents.py $(IMAGES) --db $(DB) --seconds $(BUDGET) \
+	  --out build/experiments/latents.bin
+	build/experiments/learning/latent_bytes build/experiments/latents.bin
 
 store-peers:
 	@cmake/install_packages.sh experiments/packages.txt
