@@ -10,8 +10,7 @@ TimeSet::TimeSet(std::initializer_list<Time> times) : TimeSet(std::vector<Time>(
 
 TimeSet::TimeSet(std::vector<Time> times) : times_(std::move(times)) {
   std::ranges::sort(times_);
-  const auto repeated = std::ranges::unique(times_);
-  times_.erase(repeated.begin(), repeated.end());
+  times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
 }
 
 bool TimeSet::insert(Time time) {
