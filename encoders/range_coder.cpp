@@ -10,7 +10,6 @@ namespace engram::encoders {
 namespace {
 
 constexpr uint32_t kTotal = 1u << FrequencyTable::kBits;
-constexpr uint32_t kSmallestRange = 1u << 24;
 constexpr int kPlainBits = 16;
 /// Weight of the smoothing distribution, in observations.
 constexpr double kSmoothing = 4.0;
@@ -134,66 +133,21 @@ void RangeEncoder::put_plain(uint32_t value) {
 }
 
 void RangeEncoder::narrow(uint32_t start, uint32_t size, int bits) {
-  const uint32_t unit = range_ >> bits;
-  low_ += uint64_t{unit} * start;
-  range_ = unit * size;
-  while (range_ < kSmallestRange) {
-    range_ <<= 8;
-    shift_low();
-  }
-}
-
-// A byte leaves only when no carry can change it any more: 0xff bytes wait with the one before.
-void RangeEncoder::shift_low() {
-  if (low_ < 0xff000000u || low_ > 0xffffffffu) {
-    const auto carry = static_cast<uint8_t>(low_ >> 32);
-    if (has_pending_)
-      bytes_.push_back(static_cast<std::byte>(static_cast<uint8_t>(pending_ + carry)));
-    for (; pending_count_ > 0; --pending_count_)
-      bytes_.push_back(static_cast<std::byte>(static_cast<uint8_t>(0xff + carry)));
-    pending_ = static_cast<uint8_t>(low_ >> 24);
-    has_pending_ = true;
-  } else {
-    ++pending_count_;
-  }
-  low_ = (low_ & 0x00ffffffu) << 8;
+  const uint32_t unit = output_.range() >> bits;
+  output_.narrow(unit * start, unit * size);
 }
 
 std::vector<std::byte> RangeEncoder::finish() {
-  // Of all numbers in the last interval the one with most zeros at its end: those are not written.
-  const uint64_t last = low_ + range_ - 1;
-  for (int bits = 32; bits >= 0; --bits) {
-    const uint64_t rounded = (last >> bits) << bits;
-    if (rounded >= low_) {
-      low_ = rounded;
-      break;
-    }
-  }
-  for (int i = 0; i < 5; ++i) shift_low();
-  while (!bytes_.empty() && bytes_.back() == std::byte{0}) bytes_.pop_back();
-  return std::move(bytes_);
-}
-
-RangeDecoder::RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
-  for (int i = 0; i < 4; ++i) code_ = (code_ << 8) | next_byte();
-}
-
-uint32_t RangeDecoder::next_byte() {
-  return at_ < bytes_.size() ? static_cast<uint32_t>(bytes_[at_++]) : 0;
+  return output_.finish();
 }
 
 uint32_t RangeDecoder::position(int bits) {
-  unit_ = range_ >> bits;
-  return std::min(code_ / unit_, (1u << bits) - 1);
+  unit_ = input_.range() >> bits;
+  return std::min(input_.offset() / unit_, (1u << bits) - 1);
 }
 
 void RangeDecoder::narrow(uint32_t start, uint32_t size) {
-  code_ -= unit_ * start;
-  range_ = unit_ * size;
-  while (range_ < kSmallestRange) {
-    range_ <<= 8;
-    code_ = (code_ << 8) | next_byte();
-  }
+  input_.narrow(unit_ * start, unit_ * size);
 }
 
 uint32_t RangeDecoder::get_plain() {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "encoders/coding/range_bytes.h"
 #include "ltm/core/status.h"
 
 namespace engram::encoders {
@@ -67,14 +68,8 @@ class RangeEncoder {
  private:
   void narrow(uint32_t start, uint32_t size, int bits);
   void put_plain(uint32_t value);
-  void shift_low();
 
-  uint64_t low_ = 0;
-  uint32_t range_ = 0xffffffff;
-  uint8_t pending_ = 0;
-  uint64_t pending_count_ = 0;
-  bool has_pending_ = false;
-  std::vector<std::byte> bytes_;
+  RangeOutput output_;
 };
 
 /// Reads what RangeEncoder wrote, given the same tables. Any bytes give some integers: whether
@@ -84,7 +79,7 @@ class RangeEncoder {
 class RangeDecoder {
  public:
   /// `bytes` outlive the decoder.
-  explicit RangeDecoder(std::span<const std::byte> bytes);
+  explicit RangeDecoder(std::span<const std::byte> bytes) : input_(bytes) {}
 
   [[nodiscard]] int32_t get(const FrequencyTable& table);
 
@@ -92,12 +87,8 @@ class RangeDecoder {
   [[nodiscard]] uint32_t position(int bits);
   void narrow(uint32_t start, uint32_t size);
   [[nodiscard]] uint32_t get_plain();
-  [[nodiscard]] uint32_t next_byte();
 
-  std::span<const std::byte> bytes_;
-  size_t at_ = 0;
-  uint32_t code_ = 0;
-  uint32_t range_ = 0xffffffff;
+  RangeInput input_;
   uint32_t unit_ = 1;
 };
 

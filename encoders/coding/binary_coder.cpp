@@ -3,77 +3,20 @@
 
 namespace engram::encoders {
 
-namespace {
-
-constexpr uint32_t kSmallestRange = 1u << 24;
-
-}  // namespace
-
 bool BinaryEncoder::code(bool bit, BitProbability one) {
-  const uint32_t bound = (range_ >> kProbabilityBits) * one;
-  if (bit) {
-    range_ = bound;
-  } else {
-    low_ += bound;
-    range_ -= bound;
-  }
-  while (range_ < kSmallestRange) {
-    range_ <<= 8;
-    shift_low();
-  }
+  const uint32_t bound = (output_.range() >> kProbabilityBits) * one;
+  output_.narrow(bit ? 0 : bound, bit ? bound : output_.range() - bound);
   return bit;
 }
 
-// A byte leaves when no carry can reach it any more: 0xff bytes wait with the one before them.
-void BinaryEncoder::shift_low() {
-  if (low_ < 0xff000000u || low_ > 0xffffffffu) {
-    const auto carry = static_cast<uint8_t>(low_ >> 32);
-    if (has_pending_) bytes_.push_back(std::byte(static_cast<uint8_t>(pending_ + carry)));
-    for (; pending_count_ > 0; --pending_count_)
-      bytes_.push_back(std::byte(static_cast<uint8_t>(0xff + carry)));
-    pending_ = static_cast<uint8_t>(low_ >> 24);
-    has_pending_ = true;
-  } else {
-    ++pending_count_;
-  }
-  low_ = (low_ & 0x00ffffffu) << 8;
-}
-
 std::vector<std::byte> BinaryEncoder::finish() {
-  // Any number of the last interval will do: the one with most zeros at its end is shortest.
-  const uint64_t last = low_ + range_ - 1;
-  for (int bits = 32; bits >= 0; --bits) {
-    const uint64_t rounded = (last >> bits) << bits;
-    if (rounded < low_) continue;
-    low_ = rounded;
-    break;
-  }
-  for (int i = 0; i < 5; ++i) shift_low();
-  while (!bytes_.empty() && bytes_.back() == std::byte{0}) bytes_.pop_back();
-  return std::move(bytes_);
-}
-
-BinaryDecoder::BinaryDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
-  for (int i = 0; i < 4; ++i) code_ = (code_ << 8) | next_byte();
-}
-
-uint32_t BinaryDecoder::next_byte() {
-  return at_ < bytes_.size() ? std::to_integer<uint32_t>(bytes_[at_++]) : 0;
+  return output_.finish();
 }
 
 bool BinaryDecoder::code(bool, BitProbability one) {
-  const uint32_t bound = (range_ >> kProbabilityBits) * one;
-  const bool bit = code_ < bound;
-  if (bit) {
-    range_ = bound;
-  } else {
-    code_ -= bound;
-    range_ -= bound;
-  }
-  while (range_ < kSmallestRange) {
-    range_ <<= 8;
-    code_ = (code_ << 8) | next_byte();
-  }
+  const uint32_t bound = (input_.range() >> kProbabilityBits) * one;
+  const bool bit = input_.offset() < bound;
+  input_.narrow(bit ? 0 : bound, bit ? bound : input_.range() - bound);
   return bit;
 }
 

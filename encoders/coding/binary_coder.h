@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "encoders/coding/range_bytes.h"
+
 namespace engram::encoders {
 
 /// A probability of a one: 1 to 65535 of 65536.
@@ -28,14 +30,7 @@ class BinaryEncoder {
   [[nodiscard]] std::vector<std::byte> finish();
 
  private:
-  void shift_low();
-
-  uint64_t low_ = 0;
-  uint32_t range_ = 0xffffffff;
-  uint8_t pending_ = 0;
-  uint64_t pending_count_ = 0;
-  bool has_pending_ = false;
-  std::vector<std::byte> bytes_;
+  RangeOutput output_;
 };
 
 /// Reads what BinaryEncoder wrote, given the same probabilities. Any bytes give some bits: whether
@@ -47,18 +42,13 @@ class BinaryDecoder {
   static constexpr bool kIsDecoder = true;
 
   /// `bytes` outlive the decoder.
-  explicit BinaryDecoder(std::span<const std::byte> bytes);
+  explicit BinaryDecoder(std::span<const std::byte> bytes) : input_(bytes) {}
 
   /// The next bit; the first argument is not looked at.
   bool code(bool, BitProbability one);
 
  private:
-  [[nodiscard]] uint32_t next_byte();
-
-  std::span<const std::byte> bytes_;
-  size_t at_ = 0;
-  uint32_t code_ = 0;
-  uint32_t range_ = 0xffffffff;
+  RangeInput input_;
 };
 
 }  // namespace engram::encoders

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "ltm/core/check.h"
-
 namespace engram::encoders {
 
 namespace {
@@ -43,8 +41,12 @@ size_t few(int64_t sum) {
   return sum == 0 ? 0 : sum <= 2 ? 1 : sum <= 6 ? 2 : 3;
 }
 
-int64_t size(int32_t value) {
-  return std::abs(int64_t{value});
+int64_t size(int64_t value) {
+  return std::abs(value);
+}
+
+int64_t distance(int32_t a, int32_t b) {
+  return size(int64_t{a} - b);
 }
 
 /// One channel of a row; zero outside.
@@ -149,8 +151,8 @@ void LatentWalk::note_changes(Grid& grid, const Grid& coarser, std::span<const i
       const int fy = y * from.height / grid.shape.height, fx = x * from.width / grid.shape.width;
       int64_t sum = 0;
       for (int c = 0; c < from.channels; ++c)
-        sum += size(Plane(row, coarser.first, from, c).at(fy, fx) -
-                    Plane(last_, coarser.first, from, c).at(fy, fx));
+        sum += distance(Plane(row, coarser.first, from, c).at(fy, fx),
+                        Plane(last_, coarser.first, from, c).at(fy, fx));
       grid.change[static_cast<size_t>(y * grid.shape.width + x)] = static_cast<uint8_t>(few(sum));
     }
   }
@@ -168,13 +170,13 @@ LatentWalk::Place LatentWalk::place_of(const Grid& grid, size_t number,
   const int64_t around = 2 * (size(west) + size(north)) + size(west_north) + size(east_north);
   const int64_t around_then = 2 * size(last) + size(then.at(y, x + 1)) + size(then.at(y + 1, x)) +
                               size(then.at(y - 1, x)) + size(then.at(y, x - 1));
-  int64_t change = size(west - then.at(y, x - 1)) + size(north - then.at(y - 1, x)) +
-                   size(east_north - then.at(y - 1, x + 1));
+  int64_t change = distance(west, then.at(y, x - 1)) + distance(north, then.at(y - 1, x)) +
+                   distance(east_north, then.at(y - 1, x + 1));
   int64_t channels = 0;
   for (int before_c = std::max(0, c - 4); before_c < c; ++before_c) {
     const int32_t value = Plane(row, grid.first, grid.shape, before_c).at(y, x);
     channels += size(value);
-    change += size(value - Plane(last_, grid.first, grid.shape, before_c).at(y, x));
+    change += distance(value, Plane(last_, grid.first, grid.shape, before_c).at(y, x));
   }
   const auto channel = static_cast<size_t>(c);
   const auto place = static_cast<size_t>(y * grid.shape.width + x);
@@ -229,16 +231,17 @@ int32_t LatentWalk::code_latent(Port& port, const Place& place, int32_t value) {
   const int64_t needed = size(value);
   int64_t magnitude = 1;
   for (; magnitude <= static_cast<int64_t>(kLatentUnary); ++magnitude) {
-    const int64_t distance = std::clamp<int64_t>(magnitude - size(place.last), -4, 4) + 4;
+    const int64_t beyond = std::clamp<int64_t>(magnitude - size(place.last), -4, 4) + 4;
     const size_t relation =
-        place.relation + side * static_cast<size_t>(kRelations) + static_cast<size_t>(distance);
+        place.relation + side * static_cast<size_t>(kRelations) + static_cast<size_t>(beyond);
     if (!code_bit(port, place, static_cast<size_t>(magnitude) + 1, relation, needed > magnitude))
       break;
   }
+  // Hostile bytes may tell of anything.
   if (magnitude > static_cast<int64_t>(kLatentUnary))
-    magnitude += large_[place.grid].code(port, needed - magnitude);
+    magnitude +=
+        std::clamp<int64_t>(large_[place.grid].code(port, needed - magnitude), 0, int64_t{1} << 31);
   const int64_t result = is_negative ? -magnitude : magnitude;
-  // Damaged bytes may tell of anything; a checksum was looked at before.
   return static_cast<int32_t>(std::clamp<int64_t>(result, INT32_MIN, INT32_MAX));
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "encoders/coding/checked_block.h"
 #include "tests/ltm/expect_status.h"
 
 namespace engram::encoders {
@@ -98,6 +99,18 @@ TEST(LatentSequence, FindsDamage) {
   for (size_t bytes = 0; bytes < block.size(); ++bytes)
     EXPECT_FALSE(codec.decode(std::span(block).first(bytes), 10).ok()) << bytes;
   EXPECT_FALSE(codec.decode(block, 11).ok()) << "the number of rows is part of it";
+}
+
+TEST(LatentSequence, AnyBytesWithAFittingChecksumGiveSomeLatents) {
+  std::mt19937 random(13);
+  const LatentSequenceCodec codec{LatentModel(kGrids)};
+  for (int round = 0; round < 200; ++round) {
+    std::vector<std::byte> bytes(random() % 400);
+    for (std::byte& each : bytes) each = std::byte(round % 2 == 0 ? random() : random() % 2 * 255);
+    const auto decoded = codec.decode(with_checksum(bytes, 9), 9);
+    ASSERT_OK(decoded);
+    EXPECT_EQ(decoded->size(), 9 * kLatents);
+  }
 }
 
 TEST(LatentSequence, ItsModelIsStoredWhole) {
