@@ -156,7 +156,16 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--steps", arguments->steps,
                       "Optimiser steps instead of a time: same seed, same model");
   command->add_option("--seed", options.train.seed, "Seed of all chance")->capture_default_str();
-  command->add_option("--lambda", options.train.lambda, "Larger: better images, more bytes")
+  command->add_option("--psnr", options.train.psnr_db, "Mean PSNR of images to aim at, dB")
+      ->capture_default_str();
+  command->add_option("--number-bound", options.train.number_bound,
+                      "Largest error of numbers; 0: 0.005 standard deviations of each")
+      ->capture_default_str();
+  command->add_option("--width", options.train.width,
+                      "Features of the networks, a multiple of 16; 0: by the number of snapshots")
+      ->capture_default_str();
+  command->add_option("--block", options.train.block_rows,
+                      "Snapshots coded together: more take fewer bytes, one is reached later")
       ->capture_default_str();
   command->add_option("--threads", options.train.threads, "Threads of the networks")
       ->capture_default_str();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "encoders/dynamics.h"
+#include "encoders/latent_block.h"
 #include "encoders/provenance.h"
 #include "encoders/tensor_plan.h"
 #include "ltm/core/time.h"
@@ -34,53 +35,49 @@ struct PredictionRecord {
 /// Threading: one thread.
 struct DeepModel {
   /// Freshly initialised networks. Uses LibTorch's random generator.
-  DeepModel(TensorPlan plan, const NetworkShape& shape);
+  DeepModel(TensorPlan plan, const NetworkSizes& sizes);
 
   TensorPlan plan;
   std::vector<double> mean;       ///< Per number.
-  std::vector<double> deviation;  ///< Per number; 0 where it never changed: it is its mean.
+  std::vector<double> deviation;  ///< Per number; 0 where it never changed.
   Autoencoder autoencoder;
   Dynamics dynamics;
-  LatentCoder coder;
+  LatentBlockCodec codec;
+  size_t block_rows = 16;  ///< Most rows that encode() puts into one block.
   PredictionRecord prediction;
   Provenance provenance;
 
   /// Numbers in units of their deviation from the mean; 0 for those that are not finite.
   [[nodiscard]] std::vector<float> normalise(std::span<const double> numbers) const;
 
-  /// The images of one value in grey levels, padded, and its numbers, normalised. Batch of one.
+  /// The images of one value in grey levels, padded, and its numbers, normalised. Batch of one, of
+  /// scene 0.
   /// Errors: kInvalidArgument where the value has another layout.
   Result<Parts> to_parts(const idf::SplitValue& value) const;
 
-  /// The value of one row of a batch.
-  Result<idf::Data> to_value(const Parts& parts, const idf::List& remainder) const;
+  /// The value of a batch of one, with these numbers.
+  Result<idf::Data> to_value(const Parts& parts, std::span<const double> numbers,
+                             const idf::List& remainder) const;
 
-  /// Rounded latents of a batch of one as integers, and back.
-  [[nodiscard]] std::vector<int32_t> to_integers(const Parts& latents) const;
-  [[nodiscard]] Parts to_latents(std::span<const int32_t> integers) const;
+  /// The numbers of a batch of one, as they were before they were normalised.
+  [[nodiscard]] std::vector<double> to_numbers(const Parts& parts) const;
 
-  Result<ltm::Latent> encode(const idf::Data& value);
-  Result<idf::Data> decode(const ltm::Latent& latent);
+  /// Rounded latents of one image of a batch of one: coarse, then fine.
+  [[nodiscard]] static std::vector<int32_t> to_integers(const ImageLatents& latents);
+
+  /// One row as a batch of one.
+  [[nodiscard]] Latents to_latents(const LatentRows& rows, size_t row) const;
+
+  /// Codes consecutive values of one recording as one block.
+  Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
+
+  Result<idf::Data> decode(const LatentRows& rows, size_t row, const idf::List& remainder);
 };
 
 /// Pixels [B, H, W, C] as they lie in memory -> [B, C, H, W] in grey levels, padded by repeating
 /// the edge.
 [[nodiscard]] torch::Tensor to_grey_levels(const ImageMember& image, const ImageShape& shape,
                                            const torch::Tensor& pixels);
-
-/// The network sizes for a layout. `width` and `latent_channels` as in NetworkShape.
-[[nodiscard]] NetworkShape network_shape(const TensorPlan& plan, int width, int latent_channels);
-
-/// Rounds all weights to what a model file keeps: 8 bits per weight and a scale per output
-/// channel, whole grey levels for backgrounds, 32-bit floats for vectors.
-void round_weights(torch::nn::Module& module);
-
-/// How a model file keeps a tensor.
-enum class Kept { kBytes, kPixels, kFloats };
-[[nodiscard]] Kept kept_as(const std::string& name, const torch::Tensor& tensor, bool is_buffer);
-
-/// Scale of one output channel, such that weights are scale * [-127, 127]; exact when repeated.
-[[nodiscard]] float weight_scale(float largest);
 
 /// What training and queries both see of a model.
 [[nodiscard]] std::unique_ptr<ltm::Encoder> make_encoder(std::shared_ptr<DeepModel> model);

@@ -17,7 +17,7 @@ Status save_model(DeepModel& model, const idf::Data& example, const std::filesys
 
 /// Reads a model and runs its self test. Safe on hostile files.
 /// Errors: kNotFound; kDataLoss where the file is damaged or decodes its own example differently;
-/// kFailedPrecondition where its format is newer.
+/// kFailedPrecondition where its format is another.
 Result<std::shared_ptr<DeepModel>> read_model(const std::filesystem::path& path);
 
 }  // namespace engram::encoders

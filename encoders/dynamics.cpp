@@ -1,95 +1,139 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/dynamics.h"
 
+#include <numbers>
+
 namespace engram::encoders {
 
 using torch::Tensor;
 
 namespace {
 
-constexpr double kSlope = 0.1;
 constexpr int kNumberFeatures = 128;
 /// Logit that gates start with: 27 % open.
 constexpr double kFirstGate = -1.0;
+constexpr double kLeastLogScale = -4.0;
+constexpr double kMostLogScale = 6.0;
+/// No latent costs more than -log2 of it.
+constexpr double kLeastProbability = 1e-7;
 
-Tensor activate(const Tensor& x) {
-  return torch::leaky_relu(x, kSlope);
+Tensor twice_as_large(const Tensor& x) {
+  namespace F = torch::nn::functional;
+  return F::interpolate(x, F::InterpolateFuncOptions()
+                               .scale_factor(std::vector<double>{2.0, 2.0})
+                               .mode(torch::kNearest));
+}
+
+/// [B]
+Tensor bits_of(const Tensor& z, const Expected& expected) {
+  return laplace_bits((z - expected.mean).abs(), expected.log_scale.exp()).sum({1, 2, 3});
 }
 
 }  // namespace
 
-ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& image, const NetworkShape& network,
-                                     int number_features)
-    : stride(image.stride) {
-  const int latents = network.latent_channels;
-  const int features = network.width * 3 / 2;
-  input = register_module("input", make_conv(2 * latents, features, 3));
-  if (number_features > 0)
-    from_numbers = register_module("from_numbers", make_zero_linear(number_features, features));
-  block_1 = register_module("block_1", ResidualBlock(features));
-  block_2 = register_module("block_2", ResidualBlock(features));
-  change = register_module("change", make_conv(features, latents, 1, true));
-  gate = register_module("gate", make_conv(features, stride * stride, 1, true));
-  torch::NoGradGuard no_grad;
-  gate->bias.fill_(kFirstGate);
+Tensor laplace_bits(const Tensor& distance, const Tensor& scale) {
+  const Tensor above = 0.5 * torch::exp(-(distance + 0.5) / scale);
+  const Tensor outside = 0.5 * torch::exp(-(distance - 0.5).clamp_min(0) / scale) - above;
+  const Tensor inside = 1 - 0.5 * torch::exp(-(0.5 - distance).clamp_min(0) / scale) - above;
+  const Tensor probability = torch::where(distance > 0.5, outside, inside);
+  return torch::log(probability.clamp_min(kLeastProbability)) * (-1.0 / std::numbers::ln2);
 }
 
-std::pair<Tensor, Tensor> ImageDynamicsImpl::forward(const Tensor& now, const Tensor& before,
-                                                     const Tensor& features) {
-  Tensor x = input(torch::cat({now, now - before}, 1));  // [B, F, h, w]
-  if (features.defined() && from_numbers) x = x + from_numbers(features).unsqueeze(2).unsqueeze(3);
-  x = activate(block_2(block_1(x)));
-  return {change(x), torch::sigmoid(torch::pixel_shuffle(gate(x), stride))};
+LatentPriorImpl::LatentPriorImpl(int channels, int known, int features)
+    : input(register_module("input", make_conv(2 * channels + known, features, 3))),
+      output(register_module("output", make_conv(features, 2 * channels, 1, true))),
+      block(register_module("block", ResidualBlock(features))) {}
+
+Expected LatentPriorImpl::forward(const Tensor& last, const Tensor& before, const Tensor& known,
+                                  const Tensor& added) {
+  std::vector<Tensor> inputs{last, last - before};
+  if (known.defined()) inputs.push_back(known);
+  Tensor x = input(torch::cat(inputs, 1));
+  if (added.defined()) x = with_features(x, added);
+  x = activate(block(x));
+  const std::vector<Tensor> outputs = output(x).chunk(2, 1);
+  return {last + outputs[0], outputs[1].clamp(kLeastLogScale, kMostLogScale), x};
+}
+
+ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes,
+                                     int number_features)
+    : stride(shape.coarse_stride()) {
+  const int features = sizes.width / 2;
+  coarse_prior =
+      register_module("coarse_prior", LatentPrior(sizes.coarse_channels, 0, features));
+  fine_prior = register_module(
+      "fine_prior", LatentPrior(sizes.fine_channels, sizes.coarse_channels, features / 2));
+  gate_output = register_module("gate_output", make_conv(features, stride * stride, 1, true));
+  if (number_features > 0)
+    from_numbers = register_module("from_numbers", make_zero_linear(number_features, features));
+  torch::NoGradGuard no_grad;
+  gate_output->bias.fill_(kFirstGate);
+}
+
+Expected ImageDynamicsImpl::coarse(const ImageLatents& last, const ImageLatents& before,
+                                   const Tensor& number_features) {
+  return coarse_prior(last.coarse, before.coarse, Tensor(),
+                      from_numbers ? from_numbers(number_features) : Tensor());
+}
+
+Expected ImageDynamicsImpl::fine(const ImageLatents& last, const ImageLatents& before,
+                                 const Tensor& then) {
+  return fine_prior(last.fine, before.fine, twice_as_large(then), Tensor());
+}
+
+Tensor ImageDynamicsImpl::gate(const Tensor& features) {
+  return torch::sigmoid(torch::pixel_shuffle(gate_output(features), stride));
 }
 
 DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
   const int features = network.numbers > 0 ? kNumberFeatures : 0;
   for (size_t i = 0; i < network.images.size(); ++i)
     images.push_back(register_module("image" + std::to_string(i),
-                                     ImageDynamics(network.images[i], network, features)));
+                                     ImageDynamics(network.images[i], network.sizes, features)));
   if (network.numbers == 0) return;
-  number_input =
-      register_module("number_input", torch::nn::Linear(2 * network.number_latents, features));
+  number_input = register_module("number_input", torch::nn::Linear(2 * network.numbers, features));
   number_hidden = register_module("number_hidden", torch::nn::Linear(features, features));
-  number_change =
-      register_module("number_change", make_zero_linear(features, network.number_latents));
+  number_change = register_module("number_change", make_zero_linear(features, network.numbers));
   number_gate = register_module("number_gate", make_zero_linear(features, network.numbers));
 }
 
-DynamicsStep DynamicsImpl::forward(Autoencoder& autoencoder, const Parts& now,
-                                   const Parts& before) {
-  DynamicsStep step;
-  Tensor features;
-  if (number_input) {
-    const Tensor& scale = autoencoder->numbers->latent_scale;
-    const Tensor x = now.numbers / scale;
-    const Tensor speed = (now.numbers - before.numbers) / scale;
-    features = activate(number_input(torch::cat({x, speed}, 1)));  // [B, K]
-    features = activate(number_hidden(features));
-    step.change.numbers = number_change(features) * scale;     // [B, M]
-    step.number_gate = torch::sigmoid(number_gate(features));  // [B, N]
+Tensor DynamicsImpl::number_features(const Latents& last, const Latents& before) {
+  if (!number_input) return {};
+  const Tensor x = torch::cat({last.numbers, last.numbers - before.numbers}, 1);
+  return activate(number_hidden(activate(number_input(x))));
+}
+
+Tensor DynamicsImpl::bits(const Latents& then, const Latents& last, const Latents& before) {
+  const Tensor features = number_features(last, before);
+  Tensor sum = torch::zeros({then.scene.size(0)});
+  for (size_t i = 0; i < images.size(); ++i) {
+    const ImageLatents& z = then.images[i];
+    sum = sum + bits_of(z.coarse, images[i]->coarse(last.images[i], before.images[i], features)) +
+          bits_of(z.fine, images[i]->fine(last.images[i], before.images[i], z.coarse));
+  }
+  return sum;
+}
+
+DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
+  DynamicsStep step{{{}, last.numbers, last.scene}, {}, {}};
+  const Tensor features = number_features(last, before);
+  if (features.defined()) {
+    step.then.numbers = last.numbers + number_change(features);
+    step.number_gate = torch::sigmoid(number_gate(features));
   }
   for (size_t i = 0; i < images.size(); ++i) {
-    const Tensor& scale = autoencoder->images[i]->latent_scale;
-    auto [change, gate] =
-        images[i]->forward(now.images[i] / scale, before.images[i] / scale, features);
-    step.change.images.push_back(change * scale);
-    step.gates.push_back(gate);
+    const Expected coarse = images[i]->coarse(last.images[i], before.images[i], features);
+    const Expected fine = images[i]->fine(last.images[i], before.images[i], coarse.mean);
+    step.then.images.push_back({coarse.mean, fine.mean});
+    step.gates.push_back(images[i]->gate(coarse.features));
   }
   return step;
 }
 
 namespace {
 
-Parts sum(const Parts& a, const Parts& b) {
-  Parts result;
-  for (size_t i = 0; i < a.images.size(); ++i) result.images.push_back(a.images[i] + b.images[i]);
-  if (a.numbers.defined()) result.numbers = a.numbers + b.numbers;
-  return result;
-}
-
 Parts gated(const Parts& last, const DynamicsStep& step, const Parts& then, const Parts& now) {
-  Parts values;
+  Parts values{{}, {}, last.scene};
   for (size_t i = 0; i < last.images.size(); ++i)
     values.images.push_back(
         (last.images[i] + step.gates[i] * (then.images[i] - now.images[i])).clamp(0, 255));
@@ -101,15 +145,15 @@ Parts gated(const Parts& last, const DynamicsStep& step, const Parts& then, cons
 }  // namespace
 
 std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics, const Parts& last,
-                            const Parts& now, const Parts& before, int steps) {
+                            const Latents& now, const Latents& before, int steps) {
   const Parts decoded = autoencoder->decode(now);
   std::vector<Parts> values;
-  Parts previous = before;
-  Parts current = now;
+  Latents previous = before;
+  Latents current = now;
   for (int i = 0; i < steps; ++i) {
-    const DynamicsStep step = dynamics->forward(autoencoder, current, previous);
+    DynamicsStep step = dynamics->step(current, previous);
     previous = current;
-    current = sum(current, step.change);
+    current = step.then;
     values.push_back(gated(last, step, autoencoder->decode(current), decoded));
   }
   return values;

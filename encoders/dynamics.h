@@ -9,53 +9,84 @@
 
 namespace engram::encoders {
 
-/// One step of the dynamics in latent space.
+/// What is expected of the latents of one grid before they are known. [B, z, h, w] each.
+struct Expected {
+  torch::Tensor mean;
+  torch::Tensor log_scale;  ///< Of a Laplace distribution around the mean.
+  torch::Tensor features;   ///< What it was concluded from.
+};
+
+/// The distribution of the next latents of a grid, given the last two and what else is known.
+/// Starts by expecting the last ones again.
+struct LatentPriorImpl : torch::nn::Module {
+  LatentPriorImpl(int channels, int known, int features);
+
+  /// `known` [B, K, h, w] or undefined; `added` [B, features] or undefined.
+  Expected forward(const torch::Tensor& last, const torch::Tensor& before,
+                   const torch::Tensor& known, const torch::Tensor& added);
+
+  torch::nn::Conv2d input{nullptr}, output{nullptr};
+  ResidualBlock block{nullptr};
+};
+TORCH_MODULE(LatentPrior);
+
+/// The prior of the latents of one image, and how far its prediction is trusted per pixel.
+struct ImageDynamicsImpl : torch::nn::Module {
+  ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features);
+
+  Expected coarse(const ImageLatents& last, const ImageLatents& before,
+                  const torch::Tensor& number_features);
+  /// `then`: the coarse latents of the snapshot whose fine ones are asked for.
+  Expected fine(const ImageLatents& last, const ImageLatents& before, const torch::Tensor& then);
+  /// Of Expected::features of coarse(): [B, 1, H, W], 0 to 1.
+  torch::Tensor gate(const torch::Tensor& features);
+
+  int stride;
+  LatentPrior coarse_prior{nullptr}, fine_prior{nullptr};
+  torch::nn::Conv2d gate_output{nullptr};
+  torch::nn::Linear from_numbers{nullptr};
+};
+TORCH_MODULE(ImageDynamics);
+
+/// One step of the dynamics.
 struct DynamicsStep {
-  Parts change;                      ///< To be added to the latents.
+  Latents then;
   std::vector<torch::Tensor> gates;  ///< Per image [B, 1, H, W], 0 to 1.
   torch::Tensor number_gate;         ///< [B, N], 0 to 1; undefined without numbers.
 };
 
-/// The next latents of one image from the last two; starts by changing nothing.
-struct ImageDynamicsImpl : torch::nn::Module {
-  ImageDynamicsImpl(const ImageShape& shape, const NetworkShape& network, int number_features);
-
-  /// `now`, `before`: [B, Z, h, w] divided by their scale; `features` [B, K] or undefined.
-  /// Returns the change [B, Z, h, w] and the gate [B, 1, H, W].
-  std::pair<torch::Tensor, torch::Tensor> forward(const torch::Tensor& now,
-                                                  const torch::Tensor& before,
-                                                  const torch::Tensor& features);
-
-  int stride;
-  torch::nn::Conv2d input{nullptr}, change{nullptr}, gate{nullptr};
-  torch::nn::Linear from_numbers{nullptr};
-  ResidualBlock block_1{nullptr}, block_2{nullptr};
-};
-TORCH_MODULE(ImageDynamics);
-
-/// Continues the latents of one entity:
+/// Expects the next latents from the last two: what makes them cheap, and what predicts.
 ///
-///     value(k) = last + gate * (decode(z + changes) - decode(z))
+///     value(k) = last + gate * (decode(z(k)) - decode(z))
 ///
 /// so that a closed gate is a copy of the last value.
 /// Source: docs/learning.md, section "Prediction".
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);
 
-  /// `now`, `before`: latents as Autoencoder::encode gives them.
-  DynamicsStep forward(Autoencoder& autoencoder, const Parts& now, const Parts& before);
+  /// Bits that the image latents `then` take after `last` and `before`. [B]
+  torch::Tensor bits(const Latents& then, const Latents& last, const Latents& before);
+
+  DynamicsStep step(const Latents& last, const Latents& before);
 
   NetworkShape shape;
   std::vector<ImageDynamics> images;
   torch::nn::Linear number_input{nullptr}, number_hidden{nullptr}, number_change{nullptr},
       number_gate{nullptr};
+
+ private:
+  torch::Tensor number_features(const Latents& last, const Latents& before);
 };
 TORCH_MODULE(Dynamics);
 
-/// The values after `steps` steps, for every step, from the last values and the last two latents.
+/// Bits of the unit interval around a value `distance` from the mean of a Laplace distribution.
+[[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance,
+                                         const torch::Tensor& scale);
+
+/// The values after 1..`steps` steps, from the last values and the last two latents.
 /// Values are grey levels (clamped to 0..255) and normalised numbers.
 [[nodiscard]] std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics,
-                                          const Parts& last, const Parts& now, const Parts& before,
-                                          int steps);
+                                          const Parts& last, const Latents& now,
+                                          const Latents& before, int steps);
 
 }  // namespace engram::encoders

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/model_file.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "encoders/deep_model_file.h"
@@ -15,17 +16,40 @@ namespace engram::encoders {
 namespace {
 
 constexpr std::string_view kFormat = "engram model";
-constexpr int64_t kMaxWidth = 512;
-constexpr int64_t kMaxLatentChannels = 256;
+constexpr int64_t kMaxBlockRows = 1024;
+
+/// The integers of the file's root that say how large the networks are.
+template <typename Visit>
+Status for_each_size(NetworkSizes& sizes, Visit visit) {
+  ENGRAM_RETURN_IF_ERROR(visit("width", sizes.width));
+  ENGRAM_RETURN_IF_ERROR(visit("coarse_channels", sizes.coarse_channels));
+  ENGRAM_RETURN_IF_ERROR(visit("fine_channels", sizes.fine_channels));
+  return visit("scenes", sizes.scenes);
+}
+
+Result<NetworkSizes> read_sizes(const h5::File& file) {
+  NetworkSizes sizes;
+  ENGRAM_RETURN_IF_ERROR(for_each_size(sizes, [&](const char* name, int& size) -> Status {
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t value, file.int_attribute("/", name));
+    size = static_cast<int>(std::clamp<int64_t>(value, -1, INT32_MAX));
+    return {};
+  }));
+  if (!sizes.is_valid())
+    return data_loss("found a width of {}, {} and {} latent channels, {} scenes", sizes.width,
+                     sizes.coarse_channels, sizes.fine_channels, sizes.scenes);
+  return sizes;
+}
 
 Status write_model(DeepModel& model, const idf::Data& example, const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format", kFormat));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "version", int64_t{kModelFormatVersion}));
+  NetworkSizes sizes = model.autoencoder->shape.sizes;
+  ENGRAM_RETURN_IF_ERROR(for_each_size(sizes, [&](const char* name, int size) {
+    return file.write_attribute("/", name, int64_t{size});
+  }));
   ENGRAM_RETURN_IF_ERROR(
-      file.write_attribute("/", "width", int64_t{model.autoencoder->shape.width}));
-  ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "latent_channels",
-                                              int64_t{model.autoencoder->shape.latent_channels}));
+      file.write_attribute("/", "block_rows", static_cast<int64_t>(model.block_rows)));
   ENGRAM_ASSIGN_OR_RETURN(const auto layout, idf::encode(model.plan.layout().to_data()));
   const auto* bytes = reinterpret_cast<const uint8_t*>(layout.data());
   ENGRAM_RETURN_IF_ERROR(
@@ -36,7 +60,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   for (const ImageMember& image : model.plan.images()) scales.push_back(image.scale);
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/image_scale", scales));
   ENGRAM_RETURN_IF_ERROR(write_weights(file, model));
-  ENGRAM_RETURN_IF_ERROR(write_tables(file, model.coder));
+  ENGRAM_RETURN_IF_ERROR(write_codec(file, model.codec));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, model.prediction));
   ENGRAM_RETURN_IF_ERROR(write_provenance(file, model.provenance));
   ENGRAM_RETURN_IF_ERROR(write_self_test(file, model, example));
@@ -47,8 +71,8 @@ Status check_format(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string format, file.string_attribute("/", "format"));
   if (format != kFormat) return data_loss("found format '{}', needs '{}'", format, kFormat);
   ENGRAM_ASSIGN_OR_RETURN(const int64_t version, file.int_attribute("/", "version"));
-  if (version > kModelFormatVersion)
-    return failed_precondition("found version {}, this program reads up to {}", version,
+  if (version != kModelFormatVersion)
+    return failed_precondition("found version {}, this program reads version {}", version,
                                kModelFormatVersion);
   return {};
 }
@@ -70,21 +94,19 @@ Result<TensorPlan> read_plan(const h5::File& file) {
 
 Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(TensorPlan plan, read_plan(file));
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t width, file.int_attribute("/", "width"));
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t latents, file.int_attribute("/", "latent_channels"));
-  if (width < 2 || width > kMaxWidth || latents < 1 || latents > kMaxLatentChannels)
-    return data_loss("found width {} and {} latent channels, needs 2..{} and 1..{}", width, latents,
-                     kMaxWidth, kMaxLatentChannels);
-  const NetworkShape shape =
-      network_shape(plan, static_cast<int>(width), static_cast<int>(latents));
-  auto model = std::make_shared<DeepModel>(std::move(plan), shape);
+  ENGRAM_ASSIGN_OR_RETURN(const NetworkSizes sizes, read_sizes(file));
+  auto model = std::make_shared<DeepModel>(std::move(plan), sizes);
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t rows, file.int_attribute("/", "block_rows"));
+  if (rows < 1 || rows > kMaxBlockRows)
+    return data_loss("found blocks of {} rows, needs 1 to {}", rows, kMaxBlockRows);
+  model->block_rows = static_cast<size_t>(rows);
   ENGRAM_ASSIGN_OR_RETURN(model->mean, read_vector<double>(file, "/normaliser/mean"));
   ENGRAM_ASSIGN_OR_RETURN(model->deviation, read_vector<double>(file, "/normaliser/deviation"));
   const size_t numbers = model->plan.number_count();
   if (model->mean.size() != numbers || model->deviation.size() != numbers)
     return data_loss("found a normaliser of {} numbers, needs {}", model->mean.size(), numbers);
   ENGRAM_RETURN_IF_ERROR(read_weights(file, *model));
-  ENGRAM_ASSIGN_OR_RETURN(model->coder, read_tables(file, shape.grids()));
+  ENGRAM_RETURN_IF_ERROR(read_codec(file, model->autoencoder->shape, model->codec));
   ENGRAM_ASSIGN_OR_RETURN(model->prediction, read_prediction(file));
   ENGRAM_ASSIGN_OR_RETURN(model->provenance, read_provenance(file));
   ENGRAM_RETURN_IF_ERROR(run_self_test(file, *model));

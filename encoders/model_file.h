@@ -8,12 +8,12 @@
 
 namespace engram::encoders {
 
-/// Newest format of a model file that this program reads and writes.
-inline constexpr int kModelFormatVersion = 1;
+/// The format of model files that this program reads and writes.
+inline constexpr int kModelFormatVersion = 2;
 
 /// Reads where a model comes from, without its networks.
 /// Errors: kNotFound; kDataLoss where the file is damaged; kFailedPrecondition where its format is
-/// newer.
+/// another.
 Result<Provenance> read_provenance(const std::filesystem::path& path);
 
 }  // namespace engram::encoders

@@ -27,38 +27,43 @@ Result<std::vector<TimeSpan>> read_spans(const h5::File& file, const std::string
   return spans;
 }
 
-}  // namespace
+constexpr const char* kNumberCodecPath = "/codec/numbers";
 
-Status write_tables(h5::File& file, const LatentCoder& coder) {
-  std::vector<int32_t> firsts;
-  std::vector<uint16_t> sizes, frequencies;
-  for (const FrequencyTable& table : coder.tables()) {
-    const auto values = table.frequencies();
-    firsts.push_back(table.first());
-    sizes.push_back(static_cast<uint16_t>(values.size()));
-    frequencies.insert(frequencies.end(), values.begin(), values.end());
-  }
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/tables/first", firsts));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/tables/symbols", sizes));
-  return write_vector(file, "/tables/frequencies", frequencies);
+std::string image_codec_path(size_t image) {
+  return fmt::format("/codec/image{}", image);
 }
 
-Result<LatentCoder> read_tables(const h5::File& file, std::vector<LatentGrid> grids) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto firsts, read_vector<int32_t>(file, "/tables/first"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto sizes, read_vector<uint16_t>(file, "/tables/symbols"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto all, read_vector<uint16_t>(file, "/tables/frequencies"));
-  if (firsts.size() != sizes.size())
-    return data_loss("found {} first symbols for {} tables", firsts.size(), sizes.size());
-  std::vector<FrequencyTable> tables;
-  std::span<const uint16_t> frequencies(all);
-  for (size_t i = 0; i < sizes.size(); ++i) {
-    if (frequencies.size() < sizes[i]) return data_loss("found too few frequencies");
-    ENGRAM_ASSIGN_OR_RETURN(FrequencyTable table, FrequencyTable::from_frequencies(
-                                                      firsts[i], frequencies.first(sizes[i])));
-    tables.push_back(std::move(table));
-    frequencies = frequencies.subspan(sizes[i]);
+Status write_bytes(h5::File& file, const std::string& path, const std::vector<std::byte>& bytes) {
+  const auto* first = reinterpret_cast<const uint8_t*>(bytes.data());
+  return write_vector(file, path, std::vector<uint8_t>(first, first + bytes.size()));
+}
+
+}  // namespace
+
+Status write_codec(h5::File& file, const LatentBlockCodec& codec) {
+  ENGRAM_RETURN_IF_ERROR(file.make_group("/codec"));
+  for (size_t i = 0; i < codec.images.size(); ++i)
+    ENGRAM_RETURN_IF_ERROR(
+        write_bytes(file, image_codec_path(i), codec.images[i].model().to_bytes()));
+  if (!codec.numbers) return {};
+  return write_bytes(file, kNumberCodecPath, codec.numbers->model().to_bytes());
+}
+
+Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec) {
+  for (size_t i = 0; i < shape.images.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, image_codec_path(i)));
+    ENGRAM_ASSIGN_OR_RETURN(
+        LatentModel model, LatentModel::from_bytes(std::as_bytes(std::span(bytes)), shape.grids(i)));
+    codec.images.emplace_back(std::move(model));
   }
-  return LatentCoder::create(std::move(grids), std::move(tables));
+  if (shape.numbers == 0) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, kNumberCodecPath));
+  ENGRAM_ASSIGN_OR_RETURN(NumberModel model,
+                          NumberModel::from_bytes(std::as_bytes(std::span(bytes))));
+  if (model.count() != static_cast<size_t>(shape.numbers))
+    return data_loss("found a codec of {} numbers, needs {}", model.count(), shape.numbers);
+  codec.numbers.emplace(std::move(model));
+  return {};
 }
 
 Status write_prediction(h5::File& file, const PredictionRecord& record) {
@@ -109,8 +114,8 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "steps", from.steps));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "training_seconds", from.training_seconds));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "final_loss", from.final_loss));
-  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "lambda", from.lambda));
-  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_error", from.number_error));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "psnr_db", from.psnr_db));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_bound", from.number_bound));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
   return write_spans(file, group + "/dynamics_spans", from.dynamics_spans);
@@ -126,8 +131,8 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.steps, file.int_attribute(group, "steps"));
   ENGRAM_ASSIGN_OR_RETURN(from.training_seconds, file.double_attribute(group, "training_seconds"));
   ENGRAM_ASSIGN_OR_RETURN(from.final_loss, file.double_attribute(group, "final_loss"));
-  ENGRAM_ASSIGN_OR_RETURN(from.lambda, file.double_attribute(group, "lambda"));
-  ENGRAM_ASSIGN_OR_RETURN(from.number_error, file.double_attribute(group, "number_error"));
+  ENGRAM_ASSIGN_OR_RETURN(from.psnr_db, file.double_attribute(group, "psnr_db"));
+  ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));
   ENGRAM_ASSIGN_OR_RETURN(from.dynamics_spans, read_spans(file, group + "/dynamics_spans"));

@@ -13,9 +13,9 @@ namespace engram::encoders {
 // What a model file holds beside its networks. Reading is safe on hostile files.
 // Errors: kDataLoss where numbers are missing or out of their bounds.
 
-/// "/tables": the frequencies that latents are coded with.
-Status write_tables(h5::File& file, const LatentCoder& coder);
-Result<LatentCoder> read_tables(const h5::File& file, std::vector<LatentGrid> grids);
+/// "/codec": what the latents of images and the numbers are coded with.
+Status write_codec(h5::File& file, const LatentBlockCodec& codec);
+Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec);
 
 /// "/prediction": gates and measured errors per horizon.
 Status write_prediction(h5::File& file, const PredictionRecord& record);

@@ -28,8 +28,8 @@ Result<SelfTest> decoded_example(DeepModel& model, std::span<const std::byte> co
   constexpr int64_t kMostPixels = 512;
   torch::NoGradGuard no_grad;
   SelfTest test;
-  ENGRAM_ASSIGN_OR_RETURN(const auto integers, model.coder.decode(code));
-  const Parts parts = model.autoencoder->decode(model.to_latents(integers));
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, model.codec.decode(code, 1, 1));
+  const Parts parts = model.autoencoder->decode(model.to_latents(rows, 0));
   for (const Tensor& image : parts.images) {
     const Tensor flat = image.contiguous().flatten().clamp(0, 255);
     const int64_t stride = std::max<int64_t>(1, flat.numel() / kMostPixels);
@@ -55,7 +55,8 @@ Status check_close(std::span<const float> stored, std::span<const double> found,
 }  // namespace
 
 Status write_self_test(h5::File& file, DeepModel& model, const idf::Data& example) {
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Latent latent, model.encode(example));
+  ENGRAM_ASSIGN_OR_RETURN(const auto latents, model.encode({&example, 1}));
+  const ltm::Latent& latent = latents.front();
   ENGRAM_ASSIGN_OR_RETURN(const SelfTest test, decoded_example(model, latent.code.bytes()));
   const auto* bytes = reinterpret_cast<const uint8_t*>(latent.code.data());
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/self_test/code",

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encoders/layers.h"
 #include "encoders/model_vectors.h"
+#include "encoders/weight_rounding.h"
 
 namespace engram::encoders {
 

@@ -26,8 +26,8 @@ struct Provenance {
   int64_t steps = 0;  ///< Of the optimiser, autoencoder and dynamics together.
   double training_seconds = 0;
   double final_loss = 0;
-  double lambda = 0;
-  double number_error = 0;
+  double psnr_db = 0;       ///< That was aimed at.
+  double number_bound = 0;  ///< Of numbers; 0: one of each, relative to how far it moves.
   int64_t snapshots = 0;  ///< That the autoencoder was trained on.
   /// Recordings that the autoencoder was trained on.
   std::vector<TimeSpan> autoencoder_spans;

@@ -13,6 +13,7 @@
 #include "ltm/store/publish.h"
 #include "ltm/store/store_reader.h"
 #include "training/metrics.h"
+#include "training/sequences.h"
 
 namespace engram::training {
 
@@ -151,32 +152,53 @@ class EntityJob {
     return source;
   }
 
+  /// Blocks of latents never cross a gap between recordings.
   Status encode_all(ltm::Encoder& encoder) {
-    for (size_t i = 0; i < entries_.size(); ++i) {
-      if (stop_.stop_requested()) return cancelled("consolidation was stopped");
-      ENGRAM_RETURN_IF_ERROR(encode_one(encoder, entries_[i]));
-      if (progress_) progress_({"encode " + entity_.to_string(), i + 1, entries_.size(), {}, -1});
+    std::vector<Time> times;
+    for (const ltm::SnapshotEntry& entry : entries_) times.push_back(entry.time);
+    const auto most = static_cast<size_t>(options_.train.block_rows);
+    for (const Sequence& sequence : cut_sequences(times))
+      for (size_t first = sequence.first; first < sequence.end; first += most) {
+        if (stop_.stop_requested()) return cancelled("consolidation was stopped");
+        const size_t count = std::min(most, sequence.end - first);
+        ENGRAM_RETURN_IF_ERROR(encode_run(encoder, std::span(entries_).subspan(first, count)));
+        if (progress_)
+          progress_({"encode " + entity_.to_string(), first + count, entries_.size(), {}, -1});
+      }
+    return {};
+  }
+
+  /// Encodes consecutive snapshots, and compares what a query will see with what was recorded.
+  Status encode_run(ltm::Encoder& encoder, std::span<const ltm::SnapshotEntry> entries) {
+    std::vector<idf::Data> values;
+    std::vector<ltm::Snapshot> snapshots;
+    for (const ltm::SnapshotEntry& entry : entries) {
+      ENGRAM_ASSIGN_OR_RETURN(snapshots.emplace_back(), reader_.read_recorded(entity_, entry));
+      for (const ltm::Instance& instance : snapshots.back().instances)
+        values.push_back(instance.data);
+    }
+    ENGRAM_ASSIGN_OR_RETURN(auto latents, encoder.encode(values));
+    ENGRAM_ASSIGN_OR_RETURN(const auto decoded, encoder.decode(latents));
+    size_t at = 0;
+    for (const ltm::Snapshot& snapshot : snapshots) {
+      ltm::LatentSnapshot coded{snapshot.time, report_.model_version, {}};
+      for (const ltm::Instance& instance : snapshot.instances) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(instance.data, decoded[at]));
+        count(latents[at], error);
+        coded.instances.push_back({std::move(latents[at++]), instance.metadata, error});
+      }
+      report_.raw_bytes += snapshot.raw_bytes();
+      latents_.push_back(std::move(coded));
     }
     return {};
   }
 
-  Status encode_one(ltm::Encoder& encoder, const ltm::SnapshotEntry& entry) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader_.read_recorded(entity_, entry));
-    ltm::LatentSnapshot coded{snapshot.time, report_.model_version, {}};
-    for (const ltm::Instance& instance : snapshot.instances) {
-      ENGRAM_ASSIGN_OR_RETURN(auto latents, encoder.encode({&instance.data, 1}));
-      ENGRAM_ASSIGN_OR_RETURN(const auto decoded, encoder.decode(latents));
-      ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(instance.data, decoded.front()));
-      psnr_.add(error.image_mse);
-      rmse_.add(error.number_mse);
-      report_.latent_bytes += latents.front().code.size();
-      if (!latents.front().remainder.empty())
-        report_.latent_bytes += idf::encoded_size(idf::Data(latents.front().remainder));
-      coded.instances.push_back({std::move(latents.front()), instance.metadata, error});
-    }
-    report_.raw_bytes += snapshot.raw_bytes();
-    latents_.push_back(std::move(coded));
-    return {};
+  void count(const ltm::Latent& latent, const ltm::MeasuredError& error) {
+    psnr_.add(error.image_mse);
+    rmse_.add(error.number_mse);
+    if (latent.place.index == 0) report_.latent_bytes += latent.code.size();
+    if (!latent.remainder.empty())
+      report_.latent_bytes += idf::encoded_size(idf::Data(latent.remainder));
   }
 
   void finish() {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "training/scenes.h"
+
 namespace engram::training {
 
 using torch::Tensor;
@@ -54,6 +56,7 @@ class Loader {
     for (const Sequence& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
     choose_scales();
     normalise();
+    find_scenes(data_);
     return std::move(data_);
   }
 
@@ -62,7 +65,7 @@ class Loader {
     for (const auto& image : data_.plan.images())
       data_.images.push_back(torch::empty({rows, image.height, image.width, image.channels},
                                           image.is_depth ? torch::kInt16 : torch::kUInt8));
-    raw_numbers_ =
+    data_.plain_numbers =
         torch::empty({rows, static_cast<int64_t>(data_.plan.number_count())}, torch::kFloat64);
   }
 
@@ -75,7 +78,7 @@ class Loader {
       std::memcpy(data_.images[i].select(0, row).data_ptr(), bytes.data(), bytes.size());
     }
     const std::vector<double> numbers = data_.plan.read_numbers(split);
-    std::copy(numbers.begin(), numbers.end(), raw_numbers_.select(0, row).data_ptr<double>());
+    std::copy(numbers.begin(), numbers.end(), data_.plain_numbers.select(0, row).data_ptr<double>());
     data_.times.push_back(source_.times[index]);
     return {};
   }
@@ -104,13 +107,13 @@ class Loader {
     data_.mean.assign(count, 0.0);
     data_.deviation.assign(count, 0.0);
     if (count == 0) return;
-    data_.numbers = torch::zeros({raw_numbers_.size(0), static_cast<int64_t>(count)});
+    data_.numbers = torch::zeros({data_.plain_numbers.size(0), static_cast<int64_t>(count)});
     for (size_t i = 0; i < count; ++i) normalise(i);
   }
 
   // A number that never changes keeps deviation 0 and its exact value as mean.
   void normalise(size_t i) {
-    const Tensor column = raw_numbers_.select(1, static_cast<int64_t>(i));
+    const Tensor column = data_.plain_numbers.select(1, static_cast<int64_t>(i));
     const Tensor known = column.masked_select(torch::isfinite(column));
     if (known.numel() == 0) return;
     data_.mean[i] = known[0].item<double>();
@@ -125,14 +128,18 @@ class Loader {
 
   const TrainingSource& source_;
   const std::stop_token& stop_;
-  Tensor raw_numbers_;
   Dataset data_;
 };
 
 }  // namespace
 
+int Dataset::scenes() const {
+  return backgrounds.empty() ? 1 : static_cast<int>(backgrounds.front().size(0));
+}
+
 encoders::Parts Dataset::batch(const encoders::NetworkShape& shape, const Tensor& indices) const {
   encoders::Parts parts;
+  parts.scene = scene.index_select(0, indices);
   for (size_t i = 0; i < images.size(); ++i)
     parts.images.push_back(encoders::to_grey_levels(plan.images()[i], shape.images[i],
                                                     images[i].index_select(0, indices)));

@@ -5,45 +5,45 @@
 #include <string>
 
 #include "training/dataset.h"
+#include "training/schedule.h"
 
 // Internal to the room: includes LibTorch.
 
 namespace engram::training {
 
-/// How far a fit is, asked once per step: it ends by time or by number of steps.
-///
-/// Threading: one thread.
-class Schedule {
- public:
-  /// Ends after `steps` where given, else after `seconds`.
-  Schedule(std::optional<int> steps, double seconds);
-
-  /// The share that is done, 0 to 1.
-  [[nodiscard]] double share(int64_t step) const;
-  [[nodiscard]] double seconds_left(int64_t step) const;
-
- private:
-  std::optional<int> steps_;
-  double seconds_;
-  std::chrono::steady_clock::time_point start_;
+/// How a fit is going.
+struct FitStep {
+  int64_t step = 0;
+  double loss = 0;     ///< Smoothed.
+  double psnr_db = 0;  ///< Mean over images, smoothed; 0 where there are none.
+  double bytes = 0;    ///< Of the latents of a value, as the prior tells, smoothed.
 };
-
-/// Learning rate relative to its peak: rises for a start, then falls as a cosine to zero.
-[[nodiscard]] double learning_rate_share(double share);
 
 /// Told after every step.
-using StepSink = std::function<void(int64_t step, double loss, double seconds_left)>;
+using StepSink = std::function<void(const FitStep&)>;
 
-struct FitResult {
-  int64_t steps = 0;
-  double loss = 0;  ///< Mean over the last tenth or so.
+/// Trains the autoencoder and the prior of its latents together: fewest bits at the PSNR that was
+/// asked for. Does nothing without images.
+/// Errors: kCancelled.
+Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
+                                const TrainOptions& options, const Schedule& schedule,
+                                const std::stop_token& stop, const StepSink& sink);
+
+/// The rounded latents of all rows, kept as 16-bit integers.
+struct LatentTable {
+  std::vector<encoders::ImageLatents> images;
+  torch::Tensor numbers;
+  torch::Tensor scene;
+
+  [[nodiscard]] encoders::Latents rows(const torch::Tensor& indices) const;
 };
 
-/// Sets the normaliser, starts from the Karhunen-Loeve transform and trains the autoencoder.
-/// Errors: kCancelled.
-Result<FitResult> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                  const TrainOptions& options, const Schedule& schedule,
-                                  const std::stop_token& stop, const StepSink& sink);
+[[nodiscard]] LatentTable encode_all(encoders::DeepModel& model, const Dataset& data);
+
+/// Learns what latents and numbers are coded with, from what will be coded.
+/// Errors: kInvalidArgument where the numbers cannot be coded.
+Status fit_codec(encoders::DeepModel& model, const Dataset& data, const LatentTable& latents,
+                 const TrainOptions& options);
 
 /// Indices of snapshots in the middle of a window: one before and one after are of the same
 /// sequence.
@@ -58,18 +58,15 @@ struct Windows {
 /// The first row of a sequence that the dynamics are not trained on.
 [[nodiscard]] size_t held_out_from(const Sequence& sequence);
 
-/// Trains the dynamics; the autoencoder stays as it is.
+/// Trains the dynamics to predict values; the autoencoder stays as it is.
 /// Errors: kCancelled.
-Result<FitResult> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
-                               const TrainOptions& options, const Schedule& schedule,
-                               const std::stop_token& stop, const StepSink& sink);
+Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
+                             const LatentTable& latents, const TrainOptions& options,
+                             const Schedule& schedule, const std::stop_token& stop,
+                             const StepSink& sink);
 
 /// Measures every gate on the held-out windows and keeps those that win over copying the last
 /// value, in mean squared error and (images) in mean PSNR.
 Status measure_prediction(encoders::DeepModel& model, const Dataset& data);
-
-/// Integer latents of one row.
-[[nodiscard]] std::vector<int32_t> latents_of(encoders::DeepModel& model, const Dataset& data,
-                                              size_t row);
 
 }  // namespace engram::training

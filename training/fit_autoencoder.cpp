@@ -1,177 +1,171 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
 #include "training/fit.h"
+#include "training/quality/psnr.h"
 
 namespace engram::training {
 
+using encoders::ImageLatents;
+using encoders::Latents;
 using torch::Tensor;
 
 namespace {
 
 constexpr double kPeakRate = 1.5e-3;
-/// Rate of the linear parts, relative to the others: their first values are good already.
-constexpr double kLinearRate = 0.1;
+/// Rate of the backgrounds, relative to the others: their first values are good already.
+constexpr double kBackgroundRate = 0.5;
 /// Share of the time that rounding is imitated by noise; afterwards latents are rounded.
-constexpr double kNoiseShare = 0.3;
+constexpr double kNoiseShare = 0.5;
 constexpr double kLargestGradient = 1.0;
-constexpr int64_t kMostInitialImages = 512;
-/// Pixels farther than this from the background count as moving. Unit: grey levels.
-constexpr double kMoving = 12.0;
-
-/// Squared error at which one more bit is worth its price (uniform quantiser, high rate).
-double mse_of(double lambda) {
-  return 1.0 / (2.0 * std::numbers::ln2 * lambda);
-}
-
-/// Price of a squared normalised number that leads to this error.
-double number_lambda(double error) {
-  return 1.0 / (2.0 * std::numbers::ln2 * error * error);
-}
+/// Consecutive rows of a batch, after one that is only their past.
+constexpr int64_t kChunk = 4;
+constexpr double kRecent = 0.02;
+/// Elements of an image whose bits count as they are: a larger one's count less, as its error does.
+constexpr double kUsualElements = 128 * 128 * 3;
 
 Tensor quantised(const Tensor& z, bool is_noisy) {
   if (is_noisy) return z + torch::rand_like(z) - 0.5;
   return z + (z.round() - z).detach();
 }
 
-encoders::Parts quantised(const encoders::Parts& latents, bool is_noisy) {
-  encoders::Parts result;
-  for (const Tensor& image : latents.images) result.images.push_back(quantised(image, is_noisy));
-  if (latents.numbers.defined()) result.numbers = quantised(latents.numbers, is_noisy);
+/// Rows of chunks: [chunks, kChunk + 1], flat.
+Tensor draw(const Dataset& data, int64_t chunks) {
+  std::vector<int64_t> rows;
+  const Tensor last = torch::randint(static_cast<int64_t>(data.size()), {chunks}, torch::kLong);
+  for (int64_t i = 0; i < chunks; ++i) {
+    const auto row = last[i].item<int64_t>();
+    const auto sequence = std::find_if(data.sequences.begin(), data.sequences.end(),
+                                       [&](auto& s) { return row < static_cast<int64_t>(s.end); });
+    const auto first = static_cast<int64_t>(sequence->first);
+    for (int64_t k = kChunk; k >= 0; --k) rows.push_back(std::max(row - k, first));
+  }
+  return torch::tensor(rows, torch::kLong);
+}
+
+/// Rows `from` to `to` of every chunk of x [chunks * (kChunk + 1), ...], flat.
+Tensor of_chunks(const Tensor& x, int64_t from, int64_t to) {
+  return x.unflatten(0, {-1, kChunk + 1}).slice(1, from, to).flatten(0, 1);
+}
+
+/// The rows before each; the first stands for what was before itself.
+Tensor before_each(const Tensor& x) {
+  const Tensor rows = x.unflatten(0, {-1, kChunk + 1});
+  return torch::cat({rows.slice(1, 0, 1), rows.slice(1, 0, kChunk - 1)}, 1).flatten(0, 1);
+}
+
+/// The same part of all tensors of a batch.
+template <typename Part>
+Latents part_of(const Latents& latents, Part part) {
+  Latents result{{}, {}, part(latents.scene)};
+  for (const ImageLatents& image : latents.images)
+    result.images.push_back({part(image.coarse), part(image.fine)});
+  if (latents.numbers.defined()) result.numbers = part(latents.numbers);
   return result;
 }
 
-void initialise(encoders::DeepModel& model, const Dataset& data, const TrainOptions& options) {
-  const int64_t rows = static_cast<int64_t>(data.size());
-  const int64_t stride = std::max<int64_t>(1, rows / kMostInitialImages);
-  const auto sample =
-      data.batch(model.autoencoder->shape, torch::arange(0, rows, stride, torch::kLong));
-  for (size_t i = 0; i < sample.images.size(); ++i)
-    model.autoencoder->images[i]->initialise(sample.images[i], mse_of(options.lambda));
-  if (data.numbers.defined())
-    model.autoencoder->numbers->initialise(data.numbers,
-                                           options.number_error * options.number_error);
-}
-
-/// Squared error per pixel and channel, moving pixels weighted.
-Tensor image_error(const Tensor& x, const Tensor& decoded, const Tensor& background,
-                   double weight) {
-  const Tensor error = (x - decoded).square();
-  if (weight == 1.0) return error.mean();
-  const Tensor moving =
-      ((x - background.detach() * encoders::kGreyLevels).abs().amax(1, true) > kMoving);
-  const Tensor weights = 1.0 + (weight - 1.0) * moving.to(torch::kFloat32);  // [B, 1, H, W]
-  return (error * weights).mean() / weights.mean();
-}
-
-Tensor loss_of(encoders::DeepModel& model, const encoders::Parts& values,
-               const TrainOptions& options, bool is_noisy) {
-  auto& autoencoder = model.autoencoder;
-  const auto latents = quantised(autoencoder->encode(values), is_noisy);
-  const auto decoded = autoencoder->decode(latents);
-  Tensor loss = torch::zeros({});
-  for (size_t i = 0; i < values.images.size(); ++i) {
-    const Tensor& x = values.images[i];
-    const double elements = static_cast<double>(x.numel());
-    loss = loss + autoencoder->images[i]->bits(latents.images[i]).sum() / elements +
-           options.lambda * image_error(x, decoded.images[i], autoencoder->images[i]->background,
-                                        options.moving_weight);
-  }
-  if (values.numbers.defined()) {
-    const Tensor error = (values.numbers - decoded.numbers).square().mean();
-    const double elements = static_cast<double>(values.numbers.numel());
-    loss = loss + number_lambda(options.number_error) * error +
-           autoencoder->numbers->bits(latents.numbers).sum() / elements;
-  }
-  return loss;
-}
-
-/// Two groups: the linear parts first, the rest second.
-torch::optim::Adam make_optimiser(encoders::Autoencoder& autoencoder) {
-  std::vector<Tensor> linear;
-  for (auto& image : autoencoder->images)
-    for (const Tensor& tensor : image->linear_parameters()) linear.push_back(tensor);
-  if (autoencoder->numbers)
-    for (const Tensor& tensor : autoencoder->numbers->linear_parameters()) linear.push_back(tensor);
-  std::vector<Tensor> rest;
-  for (const Tensor& tensor : autoencoder->parameters())
-    if (std::none_of(linear.begin(), linear.end(),
-                     [&](const Tensor& t) { return t.is_same(tensor); }))
-      rest.push_back(tensor);
+torch::optim::Adam make_optimiser(encoders::DeepModel& model) {
+  std::vector<Tensor> backgrounds;
+  for (auto& image : model.autoencoder->images) backgrounds.push_back(image->background);
+  std::vector<Tensor> rest = model.dynamics->parameters();
+  for (const auto& item : model.autoencoder->named_parameters())
+    if (!item.key().ends_with("background")) rest.push_back(item.value());
+  const auto options = [](double rate) {
+    auto adam = std::make_unique<torch::optim::AdamOptions>(rate);
+    adam->betas({0.9, 0.98});
+    return adam;
+  };
   std::vector<torch::optim::OptimizerParamGroup> groups;
-  groups.emplace_back(linear, std::make_unique<torch::optim::AdamOptions>(kPeakRate * kLinearRate));
-  groups.emplace_back(rest, std::make_unique<torch::optim::AdamOptions>(kPeakRate));
+  groups.emplace_back(rest, options(kPeakRate));
+  groups.emplace_back(backgrounds, options(kPeakRate * kBackgroundRate));
   return torch::optim::Adam(groups, torch::optim::AdamOptions(kPeakRate));
 }
 
 void set_rate(torch::optim::Adam& optimiser, double share) {
   const double rate = kPeakRate * learning_rate_share(share);
   auto& groups = optimiser.param_groups();
-  static_cast<torch::optim::AdamOptions&>(groups[0].options()).lr(rate * kLinearRate);
-  static_cast<torch::optim::AdamOptions&>(groups[1].options()).lr(rate);
+  static_cast<torch::optim::AdamOptions&>(groups[0].options()).lr(rate);
+  static_cast<torch::optim::AdamOptions&>(groups[1].options()).lr(rate * kBackgroundRate);
+}
+
+/// What a batch costs.
+struct Cost {
+  Tensor error;      ///< Mean squared error per row and image, in grey levels. [B, images]
+  Tensor bits;       ///< [B]
+};
+
+Cost cost_of(encoders::DeepModel& model, const encoders::Parts& values, bool is_noisy) {
+  Latents all = model.autoencoder->encode(values);
+  for (ImageLatents& image : all.images)
+    image = {quantised(image.coarse, is_noisy), quantised(image.fine, is_noisy)};
+  const auto now_part = [](const Tensor& x) { return of_chunks(x, 1, kChunk + 1); };
+  const Latents now = part_of(all, now_part);
+  const Latents last = part_of(all, [](const Tensor& x) { return of_chunks(x, 0, kChunk); });
+  const Latents before = part_of(all, before_each);
+  Cost cost;
+  cost.bits = model.dynamics->bits(now, last, before);
+  const encoders::Parts decoded = model.autoencoder->decode(now);
+  std::vector<Tensor> errors;
+  for (size_t i = 0; i < values.images.size(); ++i)
+    errors.push_back(
+        (decoded.images[i] - now_part(values.images[i])).square().mean({1, 2, 3}));
+  cost.error = torch::stack(errors, 1);
+  return cost;
+}
+
+double mean_psnr_db(const Tensor& error) {
+  const Tensor psnr = 10.0 * torch::log10(255.0 * 255.0 / error.detach().clamp_min(1e-3));
+  return psnr.mean().item<double>();
+}
+
+/// Elements of all images of a value, in usual images.
+double size_of(const encoders::NetworkShape& shape) {
+  double elements = 0;
+  for (const auto& image : shape.images)
+    elements += static_cast<double>(image.channels) * image.height * image.width;
+  return elements / kUsualElements;
+}
+
+void start_from_backgrounds(encoders::DeepModel& model, const Dataset& data) {
+  torch::NoGradGuard no_grad;
+  for (size_t i = 0; i < data.backgrounds.size(); ++i)
+    model.autoencoder->images[i]->background.copy_(data.backgrounds[i] / encoders::kGreyLevels);
 }
 
 }  // namespace
 
-Schedule::Schedule(std::optional<int> steps, double seconds)
-    : steps_(steps), seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-
-double Schedule::share(int64_t step) const {
-  if (steps_) return static_cast<double>(step) / std::max(*steps_, 1);
-  return to_seconds(std::chrono::steady_clock::now() - start_) / seconds_;
-}
-
-double Schedule::seconds_left(int64_t step) const {
-  const double elapsed = to_seconds(std::chrono::steady_clock::now() - start_);
-  if (!steps_) return std::max(seconds_ - elapsed, 0.0);
-  return step == 0 ? -1 : elapsed / static_cast<double>(step) * static_cast<double>(*steps_ - step);
-}
-
-double learning_rate_share(double share) {
-  constexpr double kWarmUp = 0.03;
-  constexpr double kLast = 0.01;
-  if (share < kWarmUp) return kLast + (1 - kLast) * share / kWarmUp;
-  const double rest = std::min((share - kWarmUp) / (1 - kWarmUp), 1.0);
-  return kLast + (1 - kLast) * 0.5 * (1 + std::cos(std::numbers::pi * rest));
-}
-
-Result<FitResult> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                  const TrainOptions& options, const Schedule& schedule,
-                                  const std::stop_token& stop, const StepSink& sink) {
-  initialise(model, data, options);
-  auto optimiser = make_optimiser(model.autoencoder);
-  const auto rows = static_cast<int64_t>(data.size());
-  FitResult result;
-  Tensor order;
-  int64_t at = rows;
-  for (double share = 0; (share = schedule.share(result.steps)) < 1.0; ++result.steps) {
+Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
+                                const TrainOptions& options, const Schedule& schedule,
+                                const std::stop_token& stop, const StepSink& sink) {
+  FitStep now;
+  if (data.images.empty()) return now;
+  start_from_backgrounds(model, data);
+  auto optimiser = make_optimiser(model);
+  std::vector<Tensor> parameters = optimiser.param_groups()[0].params();
+  const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
+  const double size = size_of(model.autoencoder->shape);
+  ErrorPrice price(options.psnr_db);
+  Smoothed loss_mean(kRecent), psnr(kRecent), bytes(kRecent);
+  for (double share = 0; (share = schedule.share(now.step)) < 1.0; ++now.step) {
     if (stop.stop_requested()) return cancelled("training was stopped");
-    if (at + std::min<int64_t>(options.batch_size, rows) > rows) {
-      order = torch::randperm(rows, torch::kLong);
-      at = 0;
-    }
-    const Tensor indices = order.slice(0, at, at + options.batch_size);
-    at += options.batch_size;
     set_rate(optimiser, share);
+    const auto values = data.batch(model.autoencoder->shape, draw(data, chunks));
+    const Cost cost = cost_of(model, values, share < kNoiseShare);
+    const Tensor loss = cost.error.mean() * price.value() + cost.bits.mean() / (8000.0 * size);
     optimiser.zero_grad();
-    const Tensor loss =
-        loss_of(model, data.batch(model.autoencoder->shape, indices), options, share < kNoiseShare);
     loss.backward();
-    torch::nn::utils::clip_grad_norm_(model.autoencoder->parameters(), kLargestGradient);
+    torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
     optimiser.step();
-    const auto value = loss.item<double>();
-    result.loss = result.steps == 0 ? value : 0.95 * result.loss + 0.05 * value;
-    sink(result.steps, result.loss, schedule.seconds_left(result.steps));
+    loss_mean.add(loss.item<double>());
+    psnr.add(mean_psnr_db(cost.error));
+    bytes.add(cost.bits.detach().mean().item<double>() / 8);
+    price.follow(psnr.value(), share);
+    now.loss = loss_mean.value();
+    now.psnr_db = psnr.value();
+    now.bytes = bytes.value();
+    sink(now);
   }
-  return result;
-}
-
-std::vector<int32_t> latents_of(encoders::DeepModel& model, const Dataset& data, size_t row) {
-  torch::NoGradGuard no_grad;
-  const Tensor index = torch::tensor({static_cast<int64_t>(row)}, torch::kLong);
-  const auto values = data.batch(model.autoencoder->shape, index);
-  return model.to_integers(encoders::round(model.autoencoder->encode(values)));
+  return now;
 }
 
 }  // namespace engram::training

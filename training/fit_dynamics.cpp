@@ -20,44 +20,6 @@ constexpr int kTrainedHorizons = 2;
 constexpr size_t kMostMeasuredWindows = 256;
 constexpr std::array<double, 5> kGates{0.0, 0.25, 0.5, 0.75, 1.0};
 
-/// The rounded latents of all rows, kept as 16-bit integers.
-struct LatentTable {
-  std::vector<Tensor> images;
-  Tensor numbers;
-
-  [[nodiscard]] Parts rows(const Tensor& indices) const {
-    Parts parts;
-    for (const Tensor& image : images)
-      parts.images.push_back(image.index_select(0, indices)
-                                 .to(torch::kFloat32)
-                                 .contiguous(at::MemoryFormat::ChannelsLast));
-    if (numbers.defined()) parts.numbers = numbers.index_select(0, indices).to(torch::kFloat32);
-    return parts;
-  }
-};
-
-Tensor narrowed(const Tensor& z) {
-  return z.clamp(-32767, 32767).to(torch::kInt16);
-}
-
-LatentTable encode_all(encoders::DeepModel& model, const Dataset& data) {
-  torch::NoGradGuard no_grad;
-  std::vector<std::vector<Tensor>> images(data.images.size());
-  std::vector<Tensor> numbers;
-  const auto rows = static_cast<int64_t>(data.size());
-  for (int64_t first = 0; first < rows; first += 16) {
-    const Tensor indices = torch::arange(first, std::min(first + 16, rows), torch::kLong);
-    const Parts z =
-        encoders::round(model.autoencoder->encode(data.batch(model.autoencoder->shape, indices)));
-    for (size_t i = 0; i < images.size(); ++i) images[i].push_back(narrowed(z.images[i]));
-    if (z.numbers.defined()) numbers.push_back(narrowed(z.numbers));
-  }
-  LatentTable table;
-  for (const auto& image : images) table.images.push_back(torch::cat(image));
-  if (!numbers.empty()) table.numbers = torch::cat(numbers);
-  return table;
-}
-
 Tensor error_of(const Parts& predicted, const Parts& actual) {
   constexpr double kUnit = encoders::kGreyLevels * encoders::kGreyLevels;
   Tensor error = torch::zeros({});
@@ -180,17 +142,18 @@ Windows make_windows(std::span<const Sequence> sequences, int horizon) {
   return windows;
 }
 
-Result<FitResult> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
-                               const TrainOptions& options, const Schedule& schedule,
-                               const std::stop_token& stop, const StepSink& sink) {
-  FitResult result;
+Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
+                             const LatentTable& latents, const TrainOptions& options,
+                             const Schedule& schedule, const std::stop_token& stop,
+                             const StepSink& sink) {
+  FitStep result;
+  Smoothed loss_mean(0.05);
   const auto rows = make_windows(data.sequences, kTrainedHorizons).training;
   if (rows.empty()) return result;
   const Frozen frozen(*model.autoencoder);
-  const LatentTable latents = encode_all(model, data);
   torch::optim::Adam optimiser(model.dynamics->parameters(), torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
-  for (double share = 0; (share = schedule.share(result.steps)) < 1.0; ++result.steps) {
+  for (double share = 0; (share = schedule.share(result.step)) < 1.0; ++result.step) {
     if (stop.stop_requested()) return cancelled("training was stopped");
     const Tensor now = windows.index_select(
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
@@ -207,9 +170,9 @@ Result<FitResult> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
     loss.backward();
     torch::nn::utils::clip_grad_norm_(model.dynamics->parameters(), kLargestGradient);
     optimiser.step();
-    const auto value = loss.item<double>();
-    result.loss = result.steps == 0 ? value : 0.95 * result.loss + 0.05 * value;
-    sink(result.steps, result.loss, schedule.seconds_left(result.steps));
+    loss_mean.add(loss.item<double>());
+    result.loss = loss_mean.value();
+    sink(result);
   }
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include "encoders/deep_model_file.h"
 #include "encoders/threads.h"
+#include "encoders/weight_rounding.h"
 #include "training/fit.h"
 
 namespace engram::training {
@@ -11,14 +12,14 @@ namespace {
 
 constexpr std::string_view kCodeVersion = "0.1.0";
 /// Share of the budget, or of the steps, that the autoencoder gets.
-constexpr double kAutoencoderShare = 0.75;
+constexpr double kAutoencoderShare = 0.85;
 constexpr size_t kFewestSnapshots = 2;
 
 /// Features that pay for their bytes in the model file. Source: docs/learning.md.
 int chosen_width(const TrainOptions& options, size_t snapshots) {
   if (options.width > 0) return options.width;
-  if (snapshots < 2000) return 32;
-  return snapshots < 20000 ? 48 : 64;
+  if (snapshots < 2000) return 64;
+  return snapshots < 20000 ? 96 : 128;
 }
 
 Schedule schedule_of(const TrainOptions& options, double share) {
@@ -27,22 +28,29 @@ Schedule schedule_of(const TrainOptions& options, double share) {
   return Schedule(steps, to_seconds(options.budget) * share);
 }
 
+std::string text_of(const FitStep& step, std::string_view phase, size_t epoch) {
+  std::string text = fmt::format("{}, epoch {}, ", phase, epoch);
+  if (step.psnr_db > 0) return text + fmt::format("{:.2f} dB, {:.0f} B", step.psnr_db, step.bytes);
+  return text + fmt::format("loss {:.4f}", step.loss);
+}
+
 /// Tells progress as a share of the budget, or of the steps where their number is fixed.
 StepSink step_sink(const ProgressSink& progress, const std::string& entity,
                    const TrainOptions& options, std::string_view phase, size_t steps_per_epoch,
-                   double share_before, double share_after) {
-  if (!progress) return [](int64_t, double, double) {};
-  return [=, phase = std::string(phase)](int64_t step, double loss, double seconds_left) {
+                   const Schedule& schedule, double share_before, double share) {
+  if (!progress) return [](const FitStep&) {};
+  return [=, &schedule, phase = std::string(phase)](const FitStep& step) {
     Progress now{"train " + entity, 0, 0, {}, -1};
-    now.detail =
-        fmt::format("{}, epoch {}, loss {:.4f}", phase,
-                    static_cast<size_t>(step) / std::max<size_t>(steps_per_epoch, 1) + 1, loss);
+    const auto epoch = static_cast<size_t>(step.step) / std::max<size_t>(steps_per_epoch, 1) + 1;
+    now.detail = text_of(step, phase, epoch);
     if (options.steps) {
       now.total = static_cast<uint64_t>(*options.steps);
-      now.done = static_cast<uint64_t>(step + static_cast<int64_t>(*options.steps * share_before));
+      now.done =
+          static_cast<uint64_t>(step.step + static_cast<int64_t>(*options.steps * share_before));
     } else {
       const double budget = to_seconds(options.budget);
-      now.seconds_left = seconds_left + budget * share_after;
+      now.seconds_left =
+          schedule.seconds_left(step.step) + budget * (1 - share_before - share);
       now.total = static_cast<uint64_t>(budget * 1000);
       now.done = static_cast<uint64_t>(std::max(0.0, budget - now.seconds_left) * 1000);
     }
@@ -60,12 +68,6 @@ void describe(const Dataset& data, encoders::Provenance& provenance) {
     if (end > sequence.first)
       provenance.dynamics_spans.push_back({data.times[sequence.first], data.times[end - 1]});
   }
-}
-
-encoders::LatentCoder make_coder(encoders::DeepModel& model, const Dataset& data) {
-  encoders::LatentStatistics statistics(model.autoencoder->shape.grids());
-  for (size_t row = 0; row < data.size(); ++row) statistics.add(latents_of(model, data, row));
-  return statistics.coder();
 }
 
 void add_notes(const TrainingSource& source, const Dataset& data, TrainReport& report) {
@@ -90,26 +92,29 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   ENGRAM_ASSIGN_OR_RETURN(const Dataset data, load_dataset(source, options, stop));
 
   // Model.
-  encoders::DeepModel model(data.plan,
-                            encoders::network_shape(data.plan, chosen_width(options, data.size()),
-                                                    options.latent_channels));
+  encoders::DeepModel model(data.plan, {chosen_width(options, data.size()), options.coarse_channels,
+                                        options.fine_channels, data.scenes()});
   model.mean = data.mean;
   model.deviation = data.deviation;
 
-  // The autoencoder, then the dynamics of what it codes: each on the weights that will be stored.
+  // The autoencoder and its codec, then what predicts: each on the weights that will be stored.
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
+  const double coding = data.images.empty() ? 0 : kAutoencoderShare;
+  const Schedule coding_time = schedule_of(options, coding);
   ENGRAM_ASSIGN_OR_RETURN(
-      const FitResult coded,
-      fit_autoencoder(model, data, options, schedule_of(options, kAutoencoderShare), stop,
-                      step_sink(progress, source.entity, options, "autoencoder", epoch, 0,
-                                1 - kAutoencoderShare)));
+      const FitStep coded,
+      fit_autoencoder(
+          model, data, options, coding_time, stop,
+          step_sink(progress, source.entity, options, "autoencoder", epoch, coding_time, 0, coding)));
   encoders::round_weights(*model.autoencoder);
-  model.coder = make_coder(model, data);
+  const LatentTable latents = encode_all(model, data);
+  ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
+  const Schedule dynamics_time = schedule_of(options, 1 - coding);
   ENGRAM_ASSIGN_OR_RETURN(
-      const FitResult dynamics,
-      fit_dynamics(model, data, options, schedule_of(options, 1 - kAutoencoderShare), stop,
-                   step_sink(progress, source.entity, options, "dynamics", epoch,
-                             kAutoencoderShare, 0)));
+      const FitStep dynamics,
+      fit_dynamics(model, data, latents, options, dynamics_time, stop,
+                   step_sink(progress, source.entity, options, "dynamics", epoch, dynamics_time,
+                             coding, 1 - coding)));
   encoders::round_weights(*model.dynamics);
   model.prediction.step = median_step(data.times);
   ENGRAM_RETURN_IF_ERROR(measure_prediction(model, data));
@@ -119,21 +124,22 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   report.snapshots = source.times.size();
   report.used_snapshots = data.size();
   report.sequences = data.sequences.size() + data.left_out_sequences;
-  report.autoencoder_steps = coded.steps;
-  report.dynamics_steps = dynamics.steps;
+  report.autoencoder_steps = coded.step;
+  report.dynamics_steps = dynamics.step;
   report.final_loss = coded.loss;
+  report.training_psnr_db = coded.psnr_db;
   add_notes(source, data, report);
   report.seconds = to_seconds(std::chrono::steady_clock::now() - start);
   auto& provenance = model.provenance;
   provenance.entity = source.entity;
   provenance.code_version = kCodeVersion;
   provenance.seed = options.seed;
-  provenance.steps = coded.steps + dynamics.steps;
+  provenance.steps = coded.step + dynamics.step;
   // Under a fixed number of steps the same seed gives the same file.
   provenance.training_seconds = options.steps ? 0 : report.seconds;
   provenance.final_loss = coded.loss;
-  provenance.lambda = options.lambda;
-  provenance.number_error = options.number_error;
+  provenance.psnr_db = options.psnr_db;
+  provenance.number_bound = options.number_bound;
   describe(data, provenance);
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
   ENGRAM_RETURN_IF_ERROR(encoders::save_model(model, example, file));
@@ -147,15 +153,19 @@ Status TrainOptions::validate() const {
     return invalid_argument("training budget: found {}, needs more than zero", to_string(budget));
   if (steps && *steps < 1) return invalid_argument("training steps: found {}, needs 1", *steps);
   if (batch_size < 1) return invalid_argument("batch size: found {}, needs 1", batch_size);
-  if (!(lambda > 0)) return invalid_argument("lambda: found {}, needs more than zero", lambda);
-  if (!(number_error > 0))
-    return invalid_argument("number error: found {}, needs more than zero", number_error);
-  if (width != 0 && (width < 8 || width > 512 || width % 2 != 0))
-    return invalid_argument("width: found {}, needs 0 or an even number of 8 to 512", width);
-  if (latent_channels < 1 || latent_channels > 64)
-    return invalid_argument("latent channels: found {}, needs 1 to 64", latent_channels);
-  if (!(moving_weight >= 1))
-    return invalid_argument("moving weight: found {}, needs at least 1", moving_weight);
+  if (!(psnr_db >= 10 && psnr_db <= 60))
+    return invalid_argument("quality: found {} dB, needs 10 to 60", psnr_db);
+  if (!(number_bound >= 0))
+    return invalid_argument("bound of numbers: found {}, needs 0 or more", number_bound);
+  const encoders::NetworkSizes sizes{width == 0 ? 64 : width, coarse_channels, fine_channels, 1};
+  if (!sizes.is_valid())
+    return invalid_argument(
+        "found a width of {} and {} and {} latent channels, needs a multiple of 16 up to {} (or 0) "
+        "and 1 to {}",
+        width, coarse_channels, fine_channels, encoders::NetworkSizes::kMostWidth,
+        encoders::NetworkSizes::kMostChannels);
+  if (block_rows < 1 || block_rows > 1024)
+    return invalid_argument("snapshots of a block: found {}, needs 1 to 1024", block_rows);
   if (threads < 1) return invalid_argument("threads: found {}, needs at least 1", threads);
   if (hold_out_recordings < 0)
     return invalid_argument("recordings to leave out: found {}, needs 0 or more",

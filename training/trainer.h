@@ -32,18 +32,20 @@ struct TrainOptions {
   std::optional<int> steps;
   uint64_t seed = 1;
   int batch_size = 8;
-  /// Weight of the squared error (grey levels squared) against bits per pixel and channel.
-  /// Larger: better images, more bytes. Figures are in docs/learning.md, section "Measured".
-  double lambda = 0.003;
-  /// Error that the numbers are coded to, in standard deviations of each.
-  double number_error = 0.01;
-  /// Features of the networks; zero chooses by the number of snapshots, because the model is
-  /// stored too.
+  /// Quality of images to aim at: mean of their PSNR, at the fewest bytes. Figures are in
+  /// docs/learning.md, section "Measured".
+  double psnr_db = 36;
+  /// Largest error of a number, in its unit, and of an orientation in rad. Zero: 0.005 standard
+  /// deviations of each, and 0.001 rad.
+  double number_bound = 0;
+  /// Features of the networks where places are few, a multiple of 16; zero chooses by the number of
+  /// snapshots, because the model is stored too.
   int width = 0;
-  /// Channels of an image's latents.
-  int latent_channels = 32;
-  /// Weight of pixels that differ from the background, relative to the others.
-  double moving_weight = 1.0;
+  /// Channels of an image's latents at 16 x 16 and at 8 x 8 pixels.
+  int coarse_channels = 24;
+  int fine_channels = 4;
+  /// Snapshots that are coded as one block: more take fewer bytes, one is reached later.
+  int block_rows = 16;
   /// Threads of the networks. Two entities in two processes of one thread beat one on two.
   int threads = 2;
   /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.
@@ -63,6 +65,7 @@ struct TrainReport {
   int64_t dynamics_steps = 0;
   double seconds = 0;
   double final_loss = 0;
+  double training_psnr_db = 0;  ///< Mean over images, smoothed, at the end; 0 without images.
   std::vector<std::string> notes;  ///< What a reader should know, in sentences.
 };
 

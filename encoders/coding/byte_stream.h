@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room.
+// Private to the learning rooms.
 
 #include <bit>
 #include <cstddef>
@@ -71,6 +71,7 @@ class ByteReader {
 
   [[nodiscard]] bool failed() const { return failed_; }
   [[nodiscard]] bool is_at_end() const { return at_ == bytes_.size(); }
+  [[nodiscard]] std::span<const std::byte> rest() const { return bytes_.subspan(at_); }
 
  private:
   uint8_t next() {

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "ltm/codec/packed_value.h"
 #include "ltm/core/buffer.h"
 #include "ltm/memory/snapshot.h"
 #include "ltm/memory/source.h"
@@ -14,6 +15,7 @@ namespace engram::ltm {
 struct Latent {
   Buffer code;
   idf::List remainder;
+  GroupPlace place = {};
 };
 
 struct LatentInstance {

@@ -51,6 +51,33 @@ TEST_F(LoadModel, DecodesIdenticallyEveryTime) {
   }
 }
 
+TEST_F(LoadModel, CodesConsecutiveValuesAsBlocks) {
+  auto model = load();
+  std::vector<idf::Data> values;
+  for (int i = 0; i < 20; ++i) values.push_back(scene_at(i));
+  const auto latents = model.encoder->encode(values);
+  ASSERT_TRUE(latents.ok()) << latents.status().to_string();
+  ASSERT_EQ(latents->size(), 20u);
+  EXPECT_EQ(latents->front().place.count, 16u);
+  EXPECT_EQ(latents->back().place.count, 4u);
+  EXPECT_EQ(latents->back().place.index, 3u);
+  EXPECT_EQ(latents->front().code.data(), (*latents)[15].code.data());
+  size_t alone = 0;
+  for (const idf::Data& value : values)
+    alone += model.encoder->encode({&value, 1})->front().code.size();
+  EXPECT_LT(latents->front().code.size() + latents->back().code.size(), alone);
+}
+
+TEST_F(LoadModel, RejectsAPlaceOutsideItsBlock) {
+  auto model = load();
+  const std::vector<idf::Data> values{scene_at(3), scene_at(4)};
+  auto latents = *model.encoder->encode(values);
+  latents[0].place = {2, 2};
+  EXPECT_EQ(model.encoder->decode(latents).status().code(), StatusCode::kDataLoss);
+  latents[0].place = {0, 3};  // The checksum knows how many there are.
+  EXPECT_EQ(model.encoder->decode(latents).status().code(), StatusCode::kDataLoss);
+}
+
 TEST_F(LoadModel, KeepsTheRemainderAsItWas) {
   auto model = load();
   const idf::Data value = scene_at(7);

@@ -57,7 +57,7 @@ inline training::TrainOptions quick_options(int steps) {
   options.steps = steps;
   options.threads = 1;
   options.width = 16;
-  options.latent_channels = 12;
+  options.coarse_channels = 12;
   return options;
 }
 

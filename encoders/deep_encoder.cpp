@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "encoders/deep_model.h"
+
+namespace engram::encoders {
+
+namespace {
+
+class DeepEncoder : public ltm::Encoder {
+ public:
+  explicit DeepEncoder(std::shared_ptr<DeepModel> model) : model_(std::move(model)) {}
+
+  Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values) override {
+    return guarded("encode", [&]() -> Result<std::vector<ltm::Latent>> {
+      std::vector<ltm::Latent> latents;
+      for (; !values.empty(); values = values.subspan(std::min(model_->block_rows, values.size()))) {
+        ENGRAM_ASSIGN_OR_RETURN(
+            auto block, model_->encode(values.first(std::min(model_->block_rows, values.size()))));
+        std::ranges::move(block, std::back_inserter(latents));
+      }
+      return latents;
+    });
+  }
+
+  Result<std::vector<idf::Data>> decode(std::span<const ltm::Latent> latents) override {
+    return guarded("decode", [&]() -> Result<std::vector<idf::Data>> {
+      std::vector<idf::Data> values;
+      for (const ltm::Latent& latent : latents) {
+        ENGRAM_RETURN_IF_ERROR(block_.reach(model_->codec, latent));
+        ENGRAM_ASSIGN_OR_RETURN(
+            idf::Data value, model_->decode(block_.rows(), latent.place.index, latent.remainder));
+        values.push_back(std::move(value));
+      }
+      return values;
+    });
+  }
+
+ private:
+  /// The last block that was decoded, as far as it was.
+  class Block {
+   public:
+    /// Decodes so that the row of `latent` is there. Who asks twice for a block gets all of it at
+    /// the second time, and the next rows cost nothing.
+    Status reach(const LatentBlockCodec& codec, const ltm::Latent& latent) {
+      const auto [index, count] = latent.place;
+      if (index >= count)
+        return data_loss("latent: found place {} in a block of {} rows", index, count);
+      const bool is_known = count == count_ && std::ranges::equal(bytes_.bytes(), latent.code.bytes());
+      if (is_known && index < known_) return {};
+      const size_t wanted = is_known ? count : index + 1;
+      known_ = 0;
+      ENGRAM_ASSIGN_OR_RETURN(rows_, codec.decode(latent.code.bytes(), count, wanted));
+      bytes_ = latent.code;
+      count_ = count;
+      known_ = wanted;
+      return {};
+    }
+
+    [[nodiscard]] const LatentRows& rows() const { return rows_; }
+
+   private:
+    Buffer bytes_;
+    uint32_t count_ = 0;
+    size_t known_ = 0;  ///< Rows of `rows_`.
+    LatentRows rows_;
+  };
+
+  std::shared_ptr<DeepModel> model_;
+  Block block_;
+};
+
+}  // namespace
+
+std::unique_ptr<ltm::Encoder> make_encoder(std::shared_ptr<DeepModel> model) {
+  return std::make_unique<DeepEncoder>(std::move(model));
+}
+
+}  // namespace engram::encoders

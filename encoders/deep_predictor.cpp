@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "encoders/deep_model.h"
+
+namespace engram::encoders {
+
+namespace {
+
+class DeepPredictor : public ltm::Predictor {
+ public:
+  explicit DeepPredictor(std::shared_ptr<DeepModel> model) : model_(std::move(model)) {}
+
+  [[nodiscard]] std::string_view name() const override { return "deep"; }
+  [[nodiscard]] Duration step() const override { return model_->prediction.step; }
+  [[nodiscard]] size_t context() const override { return 2; }
+
+  Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history, int steps) override {
+    if (history.empty()) return invalid_argument("predict: found no history, needs one value");
+    if (steps < 1) return invalid_argument("predict: found {} steps, needs at least 1", steps);
+    return guarded("predict", [&] { return predict_checked(history, steps); });
+  }
+
+  [[nodiscard]] ltm::MeasuredError expected_error(int steps) const override {
+    return model_->prediction.expected[index_of(steps)];
+  }
+
+ private:
+  static size_t index_of(int steps) {
+    return static_cast<size_t>(std::clamp(steps, 1, kMeasuredHorizons) - 1);
+  }
+
+  Result<std::vector<idf::Data>> predict_checked(std::span<const idf::Data> history, int steps) {
+    torch::NoGradGuard no_grad;
+    const auto& layout = model_->plan.layout();
+    ENGRAM_ASSIGN_OR_RETURN(const auto split, layout.split(history.back()));
+    ENGRAM_ASSIGN_OR_RETURN(const auto earlier,
+                            layout.split(history[history.size() > 1 ? history.size() - 2 : 0]));
+    ENGRAM_ASSIGN_OR_RETURN(Parts last, model_->to_parts(split));
+    ENGRAM_ASSIGN_OR_RETURN(Parts before, model_->to_parts(earlier));
+    last.scene = before.scene = model_->autoencoder->distances(last).argmin(1);
+    const auto futures = roll_out(model_->autoencoder, model_->dynamics, last,
+                                  round(model_->autoencoder->encode(last)),
+                                  round(model_->autoencoder->encode(before)), steps);
+    std::vector<idf::Data> values;
+    for (int i = 0; i < steps; ++i) {
+      ENGRAM_ASSIGN_OR_RETURN(idf::Data value, value_at(history.back(), split, last,
+                                                        futures[static_cast<size_t>(i)], i));
+      values.push_back(std::move(value));
+    }
+    return values;
+  }
+
+  // Members whose gate is closed keep the last value bit for bit.
+  Result<idf::Data> value_at(const idf::Data& newest, const idf::SplitValue& split,
+                             const Parts& last, const Parts& future, int step) const {
+    const size_t horizon = index_of(step + 1);
+    const double image_gate = model_->prediction.image_gates[horizon];
+    const double number_gate = model_->prediction.number_gates[horizon];
+    if (image_gate == 0 && number_gate == 0) return newest;
+    const Parts mixed = mix(last, future, image_gate, number_gate);
+    ENGRAM_ASSIGN_OR_RETURN(
+        const idf::Data value,
+        model_->to_value(mixed, model_->to_numbers(mixed), split.remainder));
+    ENGRAM_ASSIGN_OR_RETURN(idf::SplitValue parts, model_->plan.layout().split(value));
+    if (image_gate == 0)
+      for (const ImageMember& image : model_->plan.images())
+        parts.tensors[image.member] = split.tensors[image.member];
+    if (number_gate == 0)
+      for (const NumberMember& number : model_->plan.numbers())
+        parts.tensors[number.member] = split.tensors[number.member];
+    return model_->plan.layout().join(parts);
+  }
+
+  std::shared_ptr<DeepModel> model_;
+};
+
+}  // namespace
+
+std::unique_ptr<ltm::Predictor> make_predictor(std::shared_ptr<DeepModel> model) {
+  return std::make_unique<DeepPredictor>(std::move(model));
+}
+
+}  // namespace engram::encoders

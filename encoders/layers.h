@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "encoders/torch.h"
+
+// Internal to the learning rooms: includes LibTorch.
+
+namespace engram::encoders {
+
+/// A unit of the networks' image side. Unit: grey levels.
+inline constexpr double kGreyLevels = 64.0;
+
+[[nodiscard]] torch::Tensor activate(const torch::Tensor& x);
+
+/// [B, C, H, W] -> [B, C factor^2, H / factor, W / factor], channels last in memory.
+[[nodiscard]] torch::Tensor unshuffled(const torch::Tensor& x, int factor);
+
+/// A convolution that keeps the size and starts at zero where `starts_at_zero`.
+[[nodiscard]] torch::nn::Conv2d make_conv(int in, int out, int kernel, bool starts_at_zero = false);
+
+/// A dense layer that starts at zero.
+[[nodiscard]] torch::nn::Linear make_zero_linear(int in, int out);
+
+/// Adds a vector of features [B, F] to every place of x [B, F, H, W].
+[[nodiscard]] torch::Tensor with_features(const torch::Tensor& x, const torch::Tensor& features);
+
+/// Two 3x3 convolutions beside an identity; starts as the identity.
+struct ResidualBlockImpl : torch::nn::Module {
+  explicit ResidualBlockImpl(int features);
+  torch::Tensor forward(const torch::Tensor& x);
+
+  torch::nn::Conv2d first{nullptr}, second{nullptr};
+};
+TORCH_MODULE(ResidualBlock);
+
+}  // namespace engram::encoders

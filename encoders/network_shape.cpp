@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoders/network_shape.h"
+
+#include <algorithm>
+
+namespace engram::encoders {
+
+namespace {
+
+/// The longest side of an image, in units.
+constexpr int kMostUnits = 256;
+
+int padded(int size, int multiple) {
+  return (size + multiple - 1) / multiple * multiple;
+}
+
+}  // namespace
+
+bool NetworkSizes::is_valid() const {
+  return width >= 16 && width <= kMostWidth && width % 16 == 0 && coarse_channels >= 1 &&
+         coarse_channels <= kMostChannels && fine_channels >= 1 &&
+         fine_channels <= kMostChannels && scenes >= 1 && scenes <= kMostScenes;
+}
+
+std::vector<LatentGrid> NetworkShape::grids(size_t image) const {
+  const ImageShape& shape = images[image];
+  const int coarse = shape.coarse_stride();
+  const int fine = shape.fine_stride();
+  return {{sizes.coarse_channels, shape.height / coarse, shape.width / coarse},
+          {sizes.fine_channels, shape.height / fine, shape.width / fine}};
+}
+
+NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes) {
+  NetworkShape shape;
+  shape.sizes = sizes;
+  for (const ImageMember& image : plan.images()) {
+    ImageShape one{image.channels, 0, 0, 1};
+    while (std::max(image.height, image.width) > kMostUnits * one.unit) one.unit *= 2;
+    one.height = padded(image.height, one.coarse_stride());
+    one.width = padded(image.width, one.coarse_stride());
+    shape.images.push_back(one);
+  }
+  shape.numbers = static_cast<int>(plan.number_count());
+  return shape;
+}
+
+}  // namespace engram::encoders

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/scenes.h"
+
+#include <algorithm>
+
+namespace engram::training {
+
+using torch::Tensor;
+
+namespace {
+
+/// Images that a median is taken of, evenly spaced.
+constexpr size_t kMostMedianImages = 64;
+/// Recordings whose medians differ by less share a background. Unit: grey levels, mean.
+constexpr double kAlike = 3.0;
+constexpr size_t kMostScenes = 16;
+
+/// The median image of a sequence, per member. [1, C, H, W]
+std::vector<Tensor> medians_of(const Dataset& data, const encoders::NetworkShape& shape,
+                               const Sequence& sequence) {
+  const size_t step = (sequence.size() + kMostMedianImages - 1) / kMostMedianImages;
+  const auto rows = torch::arange(static_cast<int64_t>(sequence.first),
+                                  static_cast<int64_t>(sequence.end),
+                                  static_cast<int64_t>(step), torch::kLong);
+  std::vector<Tensor> medians;
+  for (const Tensor& images : data.batch(shape, rows).images)
+    medians.push_back(std::get<0>(images.median(0, true)));
+  return medians;
+}
+
+/// Mean difference over the pixels of all members.
+double difference(const std::vector<Tensor>& a, const std::vector<Tensor>& b) {
+  double sum = 0;
+  double count = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    sum += (a[i] - b[i]).abs().sum().item<double>();
+    count += static_cast<double>(a[i].numel());
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+void find_scenes(Dataset& data) {
+  data.scene = torch::zeros({static_cast<int64_t>(data.size())}, torch::kLong);
+  if (data.images.empty()) return;
+  const auto shape = encoders::network_shape(data.plan, {});
+  std::vector<std::vector<Tensor>> scenes;
+  for (const Sequence& sequence : data.sequences) {
+    const std::vector<Tensor> medians = medians_of(data, shape, sequence);
+    std::vector<double> differences;
+    for (const auto& scene : scenes) differences.push_back(difference(scene, medians));
+    auto nearest = std::ranges::min_element(differences);
+    const bool is_new = nearest == differences.end() ||
+                        (*nearest >= kAlike && scenes.size() < kMostScenes);
+    const auto scene =
+        is_new ? static_cast<int64_t>(scenes.size()) : nearest - differences.begin();
+    if (is_new) scenes.push_back(medians);
+    data.scene.slice(0, static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end))
+        .fill_(scene);
+  }
+  for (size_t i = 0; i < data.images.size(); ++i) {
+    std::vector<Tensor> of_member;
+    for (const auto& scene : scenes) of_member.push_back(scene[i]);
+    data.backgrounds.push_back(torch::cat(of_member));
+  }
+}
+
+}  // namespace engram::training
