@@ -113,7 +113,7 @@ class PlainH5py(unittest.TestCase):
         offsets, codes = group["latent/offset"][:], group["latent/bytes"][:]
         holders = group["latent/holder"][:]
         for row, expected in enumerate(self.expected("code")):
-            holder = holders[row]
+            holder = int(holders[row])
             self.assertEqual(list(codes[offsets[holder]:offsets[holder + 1]]), expected)
         self.assertEqual(len(set(holders)), 15 + 5)
         places = [list(place) for place in zip(group["latent/index"], group["latent/count"])]
