@@ -249,6 +249,28 @@ TEST_F(LatentBlocksTest, OfWhichOneIsDamagedCostOnlyItsRows) {
   EXPECT_EQ(code_bytes().count(), 3 * kExampleBlockBytes);
 }
 
+TEST_F(LatentBlocksTest, AreFoundAgainWithoutAManifest) {
+  make(9);
+  ASSERT_OK(forget({1, 7}));
+  const uint64_t bytes = open()->summary(example_entity())->latent_bytes;
+  std::filesystem::remove(store_ / "MANIFEST.json");
+  ASSERT_OK(recover_store(store_, scratch_ / "copy"));
+  store_ = scratch_ / "copy";
+  expect_as_published({0, 2, 3, 4, 5, 6, 8});
+  EXPECT_EQ(open()->summary(example_entity())->latent_bytes, bytes);
+}
+
+TEST_F(LatentBlocksTest, StayWhereRecordedSegmentsAreJoined) {
+  for (int64_t first = 0; first < 12; first += 3) record(first, first + 3);
+  ASSERT_OK(publish(1, example_block_latents(0, 12, 1)));
+  const std::filesystem::path file = latent_file();
+  const auto report = compact(store_, {});
+  ASSERT_OK(report);
+  EXPECT_EQ(report->segments_after, 1u);
+  EXPECT_EQ(latent_file(), file);
+  expect_as_published({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+}
+
 /// A latent segment of one block, with these holders.
 void write_by_hand(const std::filesystem::path& path, const std::vector<uint64_t>& holders) {
   auto file = *h5::File::create(path);
