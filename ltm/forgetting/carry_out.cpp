@@ -20,12 +20,12 @@ void add(const RewriteReport& round, RewriteReport& sum) {
 
 Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan plan,
                                const PlanAgain& plan_again, const ProgressSink& progress,
-                               const std::stop_token& stop) {
+                               const std::stop_token& stop, const ForgetRewriteOptions& options) {
   ForgetReport report;
   ENGRAM_ASSIGN_OR_RETURN(report.bytes_before, directory_bytes(store));
   while (plan.snapshots() > 0) {
     ENGRAM_ASSIGN_OR_RETURN(const RewriteReport round,
-                            forget_snapshots(store, plan.to_set(), progress, stop));
+                            forget_snapshots(store, plan.to_set(), progress, stop, options));
     add(round, report.rewritten);
     ++report.rounds;
     // A round that takes nothing (others were faster) would take nothing again.

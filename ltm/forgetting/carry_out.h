@@ -24,9 +24,10 @@ using PlanAgain = std::function<Result<ForgetPlan>()>;
 ///
 /// Killed at any moment, all that was not to go is there; a stop comes between two segments. A
 /// segment that is in a plan and was replaced meanwhile is an error, and may be tried again.
-/// Errors and threading: those of forget_snapshots and of `plan_again`.
+/// Errors and threading: those of forget_snapshots, which gets `options`, and of `plan_again`.
 Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan plan,
                                const PlanAgain& plan_again, const ProgressSink& progress = {},
-                               const std::stop_token& stop = {});
+                               const std::stop_token& stop = {},
+                               const ForgetRewriteOptions& options = {});
 
 }  // namespace engram::ltm

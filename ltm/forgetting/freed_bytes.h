@@ -43,7 +43,8 @@ class FreedBytes {
   [[nodiscard]] uint64_t expected() const { return exact_ + static_cast<uint64_t>(shares_); }
 
   /// What they free at least: shares in segments of which something stays count less, as columns
-  /// and blocks of fewer rows compress worse and files have a part that does not shrink.
+  /// and blocks of fewer rows compress worse and files have a part that does not shrink. Blocks of
+  /// latents are taken to go whole: of those that are only cut no bytes go.
   [[nodiscard]] uint64_t careful() const { return exact_ + static_cast<uint64_t>(careful_); }
 
   /// The share of one snapshot.

@@ -19,11 +19,14 @@ class Encoder {
  public:
   virtual ~Encoder() = default;
 
-  /// One latent per value, in order.
+  /// One latent per value, in order. The values are consecutive snapshots of one recording and may
+  /// be coded as blocks: then latents share their bytes, and their places tell which is which.
   /// Errors: kInvalidArgument where a value has another layout than the model.
   virtual Result<std::vector<Latent>> encode(std::span<const idf::Data> values) = 0;
 
-  /// One value per latent, in order. Exactly what a query answers. Safe on hostile bytes.
+  /// One value per latent, in order. Exactly what a query answers. Safe on hostile bytes and
+  /// places. Any latents of the model, also some of a block; those of one block come in its order,
+  /// in this call or in later ones, so that keeping the last block is enough to decode each once.
   /// Errors: kDataLoss where a latent is not of this model.
   virtual Result<std::vector<idf::Data>> decode(std::span<const Latent> latents) = 0;
 };

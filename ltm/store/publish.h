@@ -37,12 +37,12 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 /// Older latents of the same times are superseded; models that no latent names any more go.
 ///
 /// `model_file` is moved into the store. `snapshots` increase in time, all of version `version`.
-/// They were made of what journals before `first_unseen_journal` had sealed (Manifest::first_journal
-/// of the generation that was read): latents of what was forgotten since then, or recorded anew, are
-/// left out.
+/// They were made of what journals before `first_unseen_journal` had sealed
+/// (Manifest::first_journal of the generation that was read): latents of what was forgotten since
+/// then, or recorded anew, are left out; a block of which some stay is stored with all its bytes.
 /// Errors: kAlreadyExists where the version is taken; kInvalidArgument where `snapshots` are empty
-/// or not as said; kFailedPrecondition where none of them is left; kNotFound where there is no
-/// `model_file`; kUnavailable, kResourceExhausted.
+/// or not as said, or have places that no block can have; kFailedPrecondition where none of them is
+/// left; kNotFound where there is no `model_file`; kUnavailable, kResourceExhausted.
 /// Threading: runs beside a live writer.
 Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,
                      const std::filesystem::path& model_file,

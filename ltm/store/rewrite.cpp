@@ -5,6 +5,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
+#include "ltm/store/latent_blocks.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_writer.h"
@@ -267,7 +268,8 @@ Result<ForgottenSums> count_latent_only(StoreReader& reader, uint32_t number, co
 
 /// A latent segment without what is to be forgotten. False where it has nothing of that.
 Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& reader,
-                             uint32_t number, const ForgetSet& gone, RewriteReport& report) {
+                             uint32_t number, const ForgetSet& gone,
+                             const ForgetRewriteOptions& options, RewriteReport& report) {
   const SegmentInfo& old = reader.manifest().segments[number];
   const SegmentEntity& part = old.entities.front();
   const auto forget = gone.find(part.id);
@@ -285,6 +287,8 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
     kept.push_back(std::move(snapshot));
   }
   if (kept.size() == spans.size()) return false;
+  if (options.recode_latents)
+    ENGRAM_RETURN_IF_ERROR(recode_cut_blocks(part.id, kept, options.recode_latents));
   std::optional<SegmentInfo> made;
   std::filesystem::path file;
   if (!kept.empty()) {
@@ -376,7 +380,8 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
 }
 
 Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
-                                       const ProgressSink& progress, const std::stop_token& stop) {
+                                       const ProgressSink& progress, const std::stop_token& stop,
+                                       const ForgetRewriteOptions& options) {
   RewriteReport report;
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
   const auto& segments = reader->manifest().segments;
@@ -391,7 +396,7 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
       if (segments[i].kind != kind || !holds_any(segments[i], gone)) continue;
       if (progress) progress({"forget " + store.string(), i, segments.size(), "", -1});
       if (kind == SegmentKind::kLatent)
-        ENGRAM_RETURN_IF_ERROR(rewrite_latents(store, *reader, i, gone, report).status());
+        ENGRAM_RETURN_IF_ERROR(rewrite_latents(store, *reader, i, gone, options, report).status());
       else
         ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, report));
       report.is_cancelled = stop.stop_requested();

@@ -7,6 +7,7 @@
 
 #include "ltm/core/progress.h"
 #include "ltm/core/time_set.h"
+#include "ltm/store/latent.h"
 #include "ltm/store/manifest.h"
 
 namespace engram::ltm {
@@ -57,11 +58,20 @@ using ForgetSet = std::map<MemoryId, TimeSet>;
 Result<RewriteReport> compact(const std::filesystem::path& store, const CompactOptions& options,
                               const ProgressSink& progress = {}, const std::stop_token& stop = {});
 
+struct ForgetRewriteOptions {
+  /// Where it is given, each block of latents that lacks rows in a segment that is written anew is
+  /// coded again from those that stay. Else its bytes stay whole until its last row goes: nothing
+  /// reads the rows that went, but they could still be decoded from the file.
+  LatentRecoder recode_latents = {};
+};
+
 /// Takes sealed snapshots out of the store in every form, recorded and latent, and counts them in
 /// the manifest. What is in a journal stays. A model that no latent names any more goes.
-/// Errors and threading: as of compact.
+/// Errors: those of compact and of the recoder; then nothing of that segment is changed.
+/// Threading: as of compact.
 Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
                                        const ProgressSink& progress = {},
-                                       const std::stop_token& stop = {});
+                                       const std::stop_token& stop = {},
+                                       const ForgetRewriteOptions& options = {});
 
 }  // namespace engram::ltm

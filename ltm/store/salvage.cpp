@@ -2,6 +2,7 @@
 #include "ltm/store/salvage.h"
 
 #include <algorithm>
+#include <set>
 
 #include "ltm/core/file.h"
 #include "ltm/store/frame.h"
@@ -35,10 +36,21 @@ bool is_in_group(const std::map<MemoryId, RecordedEntity>& recorded, const Memor
   return false;
 }
 
-uint64_t size_of(const LatentSnapshot& snapshot) {
+/// True where a block of latents goes on behind this snapshot.
+bool is_in_block(const std::vector<LatentSnapshot>& latents) {
+  if (latents.empty()) return false;
+  return std::ranges::any_of(latents.back().instances, [](const LatentInstance& instance) {
+    return instance.latent.place.index + 1 < instance.latent.place.count;
+  });
+}
+
+/// What a snapshot adds to those that are held; the bytes of a block count once. `codes` are held.
+uint64_t size_of(const LatentSnapshot& snapshot, std::set<const std::byte*>& codes) {
   uint64_t bytes = 0;
-  for (const LatentInstance& instance : snapshot.instances)
-    bytes += sizeof(instance) + instance.latent.code.size();
+  for (const LatentInstance& instance : snapshot.instances) {
+    const Buffer& code = instance.latent.code;
+    bytes += sizeof(instance) + (codes.insert(code.data()).second ? code.size() : 0);
+  }
   return bytes;
 }
 
@@ -103,7 +115,7 @@ class SegmentSalvage {
   Status collect(const MemoryId& entity, const RowSpan& span) {
     if (told_.kind == SegmentKind::kLatent) {
       ENGRAM_ASSIGN_OR_RETURN(LatentSnapshot latent, reader_.read_latent(entity, span));
-      held_bytes_ += size_of(latent);
+      held_bytes_ += size_of(latent, held_codes_);
       latents_.push_back(std::move(latent));
       return {};
     }
@@ -123,9 +135,11 @@ class SegmentSalvage {
     return forms.ok() && forms->has_columns ? SealRules::all_columns() : SealRules();
   }
 
-  /// Groups of images that are cut must be taken apart: they may take some more room.
+  /// Groups of images that are cut must be taken apart, blocks of latents be stored twice: they may
+  /// take some more room.
   [[nodiscard]] bool has_room(const MemoryId& entity) const {
-    return held_bytes_ < (is_in_group(recorded_, entity) ? kMaxGroupBytes : kHeldBytes);
+    const bool goes_on = is_in_group(recorded_, entity) || is_in_block(latents_);
+    return held_bytes_ < (goes_on ? kMaxGroupBytes : kHeldBytes);
   }
 
   /// What filters dropped stays counted, also where the rows that told of it are lost.
@@ -163,6 +177,7 @@ class SegmentSalvage {
 
   Status finish(SegmentInfo info, const std::string& file) {
     held_bytes_ = 0;
+    held_codes_.clear();
     info.file = file;
     result_.made.push_back(std::move(info));
     ENGRAM_ASSIGN_OR_RETURN(File made, File::open(target_ / file, File::Mode::kRead));
@@ -179,6 +194,7 @@ class SegmentSalvage {
   std::map<MemoryId, RecordedEntity> recorded_;
   std::map<MemoryId, std::pair<uint64_t, uint64_t>> dropped_;  ///< Counted in rows; their bytes.
   std::vector<LatentSnapshot> latents_;
+  std::set<const std::byte*> held_codes_;  ///< Of these.
   uint64_t held_bytes_ = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include "ltm/idf/json.h"
 #include "ltm/store/segment_format.h"
+#include "ltm/store/segment_latents.h"
 #include "ltm/store/segment_media_reader.h"
 #include "ltm/store/segment_source.h"
 #include "ltm/store/segment_value_reader.h"
@@ -23,6 +24,7 @@ struct SegmentReader::State {
   SegmentSource source;
   SegmentValueReader values{source};
   SegmentMediaReader media{source};
+  LatentCodeReader codes{source};
 
   State(h5::File file, File raw) : source(std::move(file), std::move(raw)) {}
 
@@ -243,7 +245,7 @@ Result<LatentSnapshot> SegmentReader::read_latent(const MemoryId& entity, const 
   for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
     LatentInstance instance;
     ENGRAM_ASSIGN_OR_RETURN(instance.metadata, state_->metadata(group, row, span.time));
-    ENGRAM_ASSIGN_OR_RETURN(instance.latent.code, state_->source.blob(group + "/latent", row));
+    ENGRAM_ASSIGN_OR_RETURN(instance.latent, state_->codes.read(group + "/latent", row));
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data rest,
                             state_->values.remainder(group + "/remainder", row));
     if (!rest.is<idf::List>())

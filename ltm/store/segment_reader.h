@@ -77,6 +77,7 @@ class SegmentReader {
 
   /// Errors: kNotFound, kDataLoss naming file, object and row.
   Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);
+  /// Rows of one block share a Buffer where they are read in their order.
   Result<LatentSnapshot> read_latent(const MemoryId& entity, const RowSpan& span);
 
  private:

@@ -12,6 +12,7 @@
 #include "ltm/store/media_sorter.h"
 #include "ltm/store/segment_blobs.h"
 #include "ltm/store/segment_format.h"
+#include "ltm/store/segment_latents.h"
 #include "ltm/store/segment_media.h"
 #include "ltm/store/segment_rows.h"
 #include "ltm/store/segment_tensors.h"
@@ -172,14 +173,14 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
   ENGRAM_ASSIGN_OR_RETURN(h5::File segment, create_segment(file, "latent"));
   const std::string group = segment_group(entity);
   RowColumns columns;
-  BlobColumn codes;
+  LatentCodeColumn codes;
   RemainderColumn remainder;
   std::vector<double> image_mse, number_mse;
   for (const LatentSnapshot& snapshot : snapshots) {
     for (size_t i = 0; i < snapshot.instances.size(); ++i) {
       const LatentInstance& instance = snapshot.instances[i];
       columns.append(snapshot.time, i, instance.metadata);
-      codes.append(instance.latent.code.bytes());
+      ENGRAM_RETURN_IF_ERROR(codes.append(instance.latent));
       remainder.append(instance.latent.remainder);
       image_mse.push_back(instance.error.image_mse);
       number_mse.push_back(instance.error.number_mse);

@@ -32,8 +32,10 @@ Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
                                            const SegmentTypes& types = {});
 
 /// Writes a whole segment file of one entity's latents, all of one model version, in the order of
-/// time; the caller publishes it. Returns the segment with everything but its `file`.
-/// Errors: kUnavailable, kInvalidArgument.
+/// time; the caller publishes it. Returns the segment with everything but its `file`. The bytes of
+/// a block are stored once, whole also where rows of it are missing, and so they count in
+/// `stored_bytes`.
+/// Errors: kUnavailable; kInvalidArgument where latents have places that no block can have.
 Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, const MemoryId& entity,
                                          const std::vector<LatentSnapshot>& snapshots);
 

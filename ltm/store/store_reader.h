@@ -27,7 +27,7 @@ struct EntitySummary {
   uint64_t offered = 0;        ///< Snapshots that came in, dropped ones included.
   uint64_t offered_bytes = 0;  ///< Their plain bytes.
   uint64_t stored_bytes = 0;   ///< Recorded form: segments and journal.
-  uint64_t latent_bytes = 0;   ///< Latents, without models.
+  uint64_t latent_bytes = 0;   ///< Latents, without models; blocks count once.
   uint64_t model_bytes = 0;    ///< All model files of the entity.
   ForgottenSums forgotten;     ///< Counted in `offered` too.
   DropReasons dropped_by;      ///< Why filters dropped, as far as it is known.

@@ -36,6 +36,46 @@ class BytesEncoder final : public Encoder {
   }
 };
 
+/// Codes four values at a time as one block, and keeps the one that it decoded last.
+class BlockEncoder final : public Encoder {
+ public:
+  explicit BlockEncoder(int* decoded = nullptr) : decoded_(decoded) {}
+
+  Result<std::vector<Latent>> encode(std::span<const idf::Data> values) override {
+    std::vector<Latent> latents;
+    for (size_t first = 0; first < values.size(); first += kRows) {
+      const auto block = values.subspan(first, std::min(kRows, values.size() - first));
+      ENGRAM_ASSIGN_OR_RETURN(auto bytes, idf::encode(idf::List(block.begin(), block.end())));
+      const Buffer code = Buffer::take(std::move(bytes));
+      for (size_t i = 0; i < block.size(); ++i)
+        latents.push_back(
+            {code, {}, {static_cast<uint32_t>(i), static_cast<uint32_t>(block.size())}});
+    }
+    return latents;
+  }
+
+  Result<std::vector<idf::Data>> decode(std::span<const Latent> latents) override {
+    std::vector<idf::Data> values;
+    for (const Latent& latent : latents) {
+      if (!std::ranges::equal(latent.code.bytes(), last_.bytes())) {
+        ENGRAM_ASSIGN_OR_RETURN(const idf::Data block, idf::decode(latent.code));
+        last_ = latent.code;
+        block_ = block.get<idf::List>();
+        ++*decoded_;
+      }
+      values.push_back(block_[latent.place.index]);
+    }
+    return values;
+  }
+
+ private:
+  static constexpr size_t kRows = 4;
+
+  int* decoded_;  ///< Counts blocks.
+  Buffer last_;
+  idf::List block_;
+};
+
 /// Adds the number of steps and the length of the history to the last value.
 class CountingPredictor final : public Predictor {
  public:
@@ -173,6 +213,41 @@ TEST_F(RecallTest, PrefersTheFormThatIsAskedFor) {
   ASSERT_OK(latent);
   EXPECT_EQ(latent->entities()[0]->snapshots[5].source, Source::kReconstructed);
   EXPECT_EQ(latent->entities()[0]->snapshots[6].source, Source::kRecorded);
+}
+
+TEST_F(RecallTest, DecodesABlockOnceForAllSnapshotsOfAQuery) {
+  make_store(0, false);
+  std::vector<idf::Data> values;
+  for (int64_t i = 0; i < 10; ++i)
+    values.push_back(example_snapshot(example_entity(), i).instances[0].data);
+  std::vector<LatentSnapshot> snapshots;
+  std::vector<Latent> latents = *BlockEncoder().encode(values);
+  for (Latent& latent : latents) {
+    const auto i = static_cast<int64_t>(snapshots.size());
+    snapshots.push_back(
+        {example_time(i), 1, {{std::move(latent), example_metadata(i), {2.0, 0.25}}}});
+  }
+  const auto model = temporary_file(store_, ".model");
+  ASSERT_OK(replace_file(*model, as_bytes("weights")));
+  ASSERT_OK(publish_model(store_, example_entity(), 1, *model, snapshots));
+  ASSERT_OK(drop_recorded(store_, example_entity(), {}));
+  for (const auto& [selector, first, count, blocks] : {std::tuple{"all", 0, 10, 3},
+                                                       {"index:5..5", 5, 1, 1},
+                                                       {"index:2..6", 2, 5, 2},
+                                                       {"latest:3", 7, 3, 2}}) {
+    int decoded = 0;
+    Recall recall = open([&decoded](const std::filesystem::path&) -> Result<LoadedModel> {
+      return LoadedModel{std::make_unique<BlockEncoder>(&decoded), nullptr};
+    });
+    const auto answer = recall.query(ask(selector));
+    ASSERT_OK(answer);
+    const auto& found = answer->entities()[0]->snapshots;
+    ASSERT_EQ(found.size(), static_cast<size_t>(count));
+    for (int i = 0; i < count; ++i)
+      EXPECT_EQ(snapshot_of(found[static_cast<size_t>(i)]),
+                example_snapshot(example_entity(), first + i));
+    EXPECT_EQ(decoded, blocks) << selector;
+  }
 }
 
 TEST_F(RecallTest, NeedsALoaderForLatents) {

@@ -118,6 +118,12 @@ TEST_F(BitFlip, OfALatentSegmentIsFound) {
   flip_many("segments/000003.h5", 0, kFullLatent);
 }
 
+TEST_F(BitFlip, OfBlocksOfLatentsIsFound) {
+  std::filesystem::remove_all(store_.path);
+  store_ = FullStore::make(scratch_ / "store", true);
+  flip_many("segments/000003.h5", 0, kFullLatent);
+}
+
 TEST_F(BitFlip, OfAModelIsFound) {
   flip_many(model_file_name(example_entity(), 1), 0, kFullLatent);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -84,6 +85,35 @@ inline std::vector<LatentSnapshot> example_latents(int64_t first, int64_t end, i
   std::vector<LatentSnapshot> latents;
   for (int64_t i = first; i < end; ++i) latents.push_back(example_latent(i, version));
   return latents;
+}
+
+/// Rows and bytes of the blocks that the latents below are of.
+inline constexpr int64_t kExampleBlockRows = 6;
+inline constexpr size_t kExampleBlockBytes = 500;
+
+/// A made-up latent of example snapshot `index`, in a block with its neighbours: the bytes of each
+/// are equal, not shared.
+inline LatentSnapshot example_block_latent(int64_t index, int version) {
+  const int64_t block = index / kExampleBlockRows;
+  std::vector<uint8_t> code(kExampleBlockBytes, static_cast<uint8_t>(version));
+  for (size_t i = 0; i < code.size(); ++i) code[i] += static_cast<uint8_t>(i * (block + 3) + i / 7);
+  LatentSnapshot made = example_latent(index, version);
+  made.instances[0].latent.code = Buffer::take(std::move(code));
+  made.instances[0].latent.place = {static_cast<uint32_t>(index % kExampleBlockRows),
+                                    static_cast<uint32_t>(kExampleBlockRows)};
+  return made;
+}
+
+inline std::vector<LatentSnapshot> example_block_latents(int64_t first, int64_t end, int version) {
+  std::vector<LatentSnapshot> latents;
+  for (int64_t i = first; i < end; ++i) latents.push_back(example_block_latent(i, version));
+  return latents;
+}
+
+/// Code, remainder and place.
+inline bool is_equal(const Latent& a, const Latent& b) {
+  return std::ranges::equal(a.code.bytes(), b.code.bytes()) && a.remainder == b.remainder &&
+         a.place.index == b.place.index && a.place.count == b.place.count;
 }
 
 }  // namespace engram::ltm

@@ -24,6 +24,7 @@ struct FullStore {
 
   std::filesystem::path path;
   std::map<MemoryId, std::map<Time, Snapshot>> snapshots;
+  bool has_blocks = false;  ///< Latents are coded as blocks.
 
   static MemoryId arm() { return *MemoryId::from_names({"Body", "Arm", "left", "arm"}); }
 
@@ -70,9 +71,10 @@ struct FullStore {
   }
 
   /// Makes the store at `place`; the last writer is gone without sealing.
-  static FullStore make(const std::filesystem::path& place) {
+  static FullStore make(const std::filesystem::path& place, bool has_blocks = false) {
     FullStore store;
     store.path = place;
+    store.has_blocks = has_blocks;
     EXPECT_OK(create_store(place));
     const auto writer = *StoreWriter::open(place, {});
     EXPECT_OK(writer->declare(example_entity().parent(), cam_type()));
@@ -83,7 +85,9 @@ struct FullStore {
     }
     const auto model = *temporary_file(place, ".model");
     EXPECT_OK(replace_file(model, as_bytes("weights of a model that sees")));
-    EXPECT_OK(publish_model(place, example_entity(), 1, model, example_latents(0, kLatent, 1)));
+    EXPECT_OK(publish_model(
+        place, example_entity(), 1, model,
+        has_blocks ? example_block_latents(0, kLatent, 1) : example_latents(0, kLatent, 1)));
     for (const MemoryId& entity : {example_entity(), arm()})
       store.append(*writer, entity, kSealed, kSealed + kUnsealed);
     return store;
@@ -98,13 +102,12 @@ struct ReadBack {
   uint64_t failed = 0;  ///< Reads that told an error.
 };
 
-inline bool is_example_latent(const LatentSnapshot& found, Time time) {
+inline bool is_example_latent(const LatentSnapshot& found, Time time, bool has_blocks) {
   const int64_t index = (to_ns(time) - kExampleStart_ns) / 200'000'000;
-  const LatentSnapshot expected = example_latent(index, 1);
+  const LatentSnapshot expected =
+      has_blocks ? example_block_latent(index, 1) : example_latent(index, 1);
   return found.time == time && found.model_version == 1 && found.instances.size() == 1 &&
-         std::ranges::equal(found.instances[0].latent.code.bytes(),
-                            expected.instances[0].latent.code.bytes()) &&
-         found.instances[0].latent.remainder == expected.instances[0].latent.remainder &&
+         is_equal(found.instances[0].latent, expected.instances[0].latent) &&
          found.instances[0].metadata == expected.instances[0].metadata &&
          found.instances[0].error == expected.instances[0].error;
 }
@@ -135,7 +138,8 @@ inline ReadBack read_back(const FullStore& expected, const std::filesystem::path
       if (!found.ok())
         ++result.failed;
       else
-        ++(is_example_latent(*found, entry.time) ? result.latent : result.wrong);
+        ++(is_example_latent(*found, entry.time, expected.has_blocks) ? result.latent
+                                                                      : result.wrong);
     }
   }
   return result;

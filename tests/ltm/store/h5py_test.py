@@ -111,8 +111,13 @@ class PlainH5py(unittest.TestCase):
     def test_latents(self):
         group = self.latent[ENTITY]
         offsets, codes = group["latent/offset"][:], group["latent/bytes"][:]
+        holders = group["latent/holder"][:]
         for row, expected in enumerate(self.expected("code")):
-            self.assertEqual(list(codes[offsets[row]:offsets[row + 1]]), expected)
+            holder = int(holders[row])
+            self.assertEqual(list(codes[offsets[holder]:offsets[holder + 1]]), expected)
+        self.assertEqual(len(set(holders)), 15 + 5)
+        places = [list(place) for place in zip(group["latent/index"], group["latent/count"])]
+        self.assertEqual(places, self.expected("place"))
         self.assertEqual(self.all_rows(group["error/image_mse"]), [4.0] * len(self.rows))
         self.assertEqual(self.all_rows(group["error/number_mse"]), [0.5] * len(self.rows))
 

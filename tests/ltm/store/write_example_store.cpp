@@ -15,6 +15,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int64_t kSnapshots = 40;
+/// The latents of the others are coded as blocks, the first of which lacks some.
+constexpr int64_t kAlone = 15;
 
 Snapshot robot_snapshot(int64_t index) {
   const double x = 0.125 * static_cast<double>(index);
@@ -48,14 +50,17 @@ Status write_store(const std::filesystem::path& store) {
   ENGRAM_RETURN_IF_ERROR(writer->seal());
   ENGRAM_ASSIGN_OR_RETURN(const auto model, temporary_file(store, ".model"));
   ENGRAM_RETURN_IF_ERROR(replace_file(model, as_bytes("weights")));
-  return publish_model(store, example_entity(), 1, model, example_latents(0, kSnapshots, 1));
+  std::vector<LatentSnapshot> latents = example_latents(0, kAlone, 1);
+  for (LatentSnapshot& each : example_block_latents(kAlone, kSnapshots, 1))
+    latents.push_back(std::move(each));
+  return publish_model(store, example_entity(), 1, model, latents);
 }
 
 Json describe(const Snapshot& snapshot, const PackedSnapshot& packed,
               const LatentSnapshot& latent) {
   const idf::Data& value = snapshot.instances[0].data;
   const Buffer& png = packed.instances[0].value.media[0].bytes;
-  const auto code = latent.instances[0].latent.code.bytes();
+  const Latent& coded = latent.instances[0].latent;
   Json json{{"timestamp", to_ns(snapshot.time)},
             {"a", *value.at("joints/a\\/b")->as_number()},
             {"elbow", *value.at("joints/elbow")->as_number()},
@@ -69,7 +74,8 @@ Json describe(const Snapshot& snapshot, const PackedSnapshot& packed,
   json["png_start"] = Json::array();
   for (size_t i = 0; i < 24; ++i) json["png_start"].push_back(static_cast<int>(png.bytes()[i]));
   json["code"] = Json::array();
-  for (const std::byte byte : code) json["code"].push_back(static_cast<int>(byte));
+  json["place"] = {coded.place.index, coded.place.count};
+  for (const std::byte byte : coded.code.bytes()) json["code"].push_back(static_cast<int>(byte));
   return json;
 }
 
