@@ -31,14 +31,15 @@ void for_each_number(const NumberModel& model, Visit visit, VisitOrientation vis
   }
 }
 
-/// The same share of every recording, from its start.
+/// The same share of every recording, from its start: one row at least, where it has one.
 std::vector<Rows> sample(std::span<const Rows> recordings, size_t numbers, size_t most_rows) {
   size_t rows = 0;
   for (const Rows& recording : recordings) rows += recording.size() / numbers;
   std::vector<Rows> result;
   for (const Rows& recording : recordings) {
     const size_t own = recording.size() / numbers;
-    const size_t kept = rows <= most_rows ? own : std::max<size_t>(own * most_rows / rows, 1);
+    const size_t kept =
+        rows <= most_rows ? own : std::min(own, std::max<size_t>(own * most_rows / rows, 1));
     result.emplace_back(recording.begin(),
                         recording.begin() + static_cast<ptrdiff_t>(kept * numbers));
   }

@@ -288,6 +288,12 @@ TEST(NumberTraining, RefusesRecordingsOfAnotherSize) {
             StatusCode::kInvalidArgument);
 }
 
+TEST(NumberTraining, TakesAnEmptyRecordingBesideALongOne) {
+  const std::vector<std::vector<double>> recordings{{}, arm(40, 4, 6)};
+  const auto codec = trained_codec({{NumberKind::kBounded, 4, 1e-3}}, recordings, {.most_rows = 9});
+  expect_near(round_trip(codec, recordings[1]), recordings[1], 1e-3);
+}
+
 TEST(NumberCodec, WritesTheSameBytesOnEveryMachine) {
   std::vector<double> rows;
   for (int t = 0; t < 12; ++t)
