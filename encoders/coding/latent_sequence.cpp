@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/coding/latent_sequence.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 
 #include "encoders/coding/byte_stream.h"
@@ -31,6 +33,7 @@ void code_numbers(Port& port, std::vector<T>& numbers, size_t period) {
 }  // namespace
 
 LatentModel::LatentModel(std::vector<LatentGrid> grids) : grids_(std::move(grids)) {
+  ENGRAM_CHECK(!grids_.empty(), "no grids");
   for (const LatentGrid& grid : grids_)
     ENGRAM_CHECK(grid.channels > 0 && grid.height > 0 && grid.width > 0,
                  "a grid of {} x {} x {} latents", grid.channels, grid.height, grid.width);
@@ -58,6 +61,15 @@ LatentModel LatentModel::train(std::vector<LatentGrid> grids,
   return model;
 }
 
+uint64_t LatentModel::identity() const {
+  ByteWriter sizes;
+  sizes.put<uint64_t>(starts_.size());
+  for (const LatentGrid& grid : grids_)
+    for (const int size : {grid.channels, grid.height, grid.width}) sizes.put<int32_t>(size);
+  const std::vector<std::byte> bytes = sizes.take();
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
 size_t LatentModel::latents() const {
   size_t sum = 0;
   for (const LatentGrid& grid : grids_) sum += grid.count();
@@ -73,14 +85,14 @@ std::vector<std::byte> LatentModel::to_bytes() const {
   std::vector<int16_t> weights = weights_;
   code_numbers(encoder, starts, kLatentNodes);
   code_numbers(encoder, weights, kLatentContexts + 1);
-  return with_checksum(encoder.finish(), starts_.size());
+  return with_checksum(encoder.finish(), identity());
 }
 
 Result<LatentModel> LatentModel::from_bytes(std::span<const std::byte> bytes,
                                             std::vector<LatentGrid> grids) {
   LatentModel model(std::move(grids));
   ENGRAM_ASSIGN_OR_RETURN(const auto content,
-                          without_checksum(bytes, "model of latents", model.starts_.size()));
+                          without_checksum(bytes, "model of latents", model.identity()));
   BinaryDecoder decoder(content);
   std::vector<int16_t> starts(model.starts_.size());
   code_numbers(decoder, starts, kLatentNodes);

@@ -128,6 +128,17 @@ TEST(LatentSequence, ItsModelIsStoredWhole) {
   EXPECT_FAILS(LatentModel::from_bytes(damaged, kGrids), StatusCode::kDataLoss, "model of latents");
 }
 
+TEST(LatentSequence, ItsModelFitsItsGridsAlone) {
+  const auto bytes = LatentModel(kGrids).to_bytes();
+  // As many contexts as kGrids: only the sizes differ.
+  const std::vector<LatentGrid> turned{{3, 4, 2}, {2, 4, 8}};
+  EXPECT_FAILS(LatentModel::from_bytes(bytes, turned), StatusCode::kDataLoss, "model of latents");
+}
+
+TEST(LatentSequence, NeedsAGrid) {
+  EXPECT_DEATH(LatentModel({}), "no grids");
+}
+
 TEST(LatentSequence, EqualLatentsGiveEqualBytes) {
   const LatentSequenceCodec codec{LatentModel(kGrids)};
   EXPECT_EQ(codec.encode(calm(10, 12)), codec.encode(calm(10, 12)));
