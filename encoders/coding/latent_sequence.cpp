@@ -48,13 +48,13 @@ LatentModel LatentModel::train(std::vector<LatentGrid> grids,
   const size_t latents = model.latents();
   for (int pass = 0; pass < kTrainingPasses; ++pass) {
     LatentWalk walk(model);
-    BitCounter counter;
+    BinaryListener listener;
     for (std::vector<int32_t> sequence : sequences) {
       ENGRAM_CHECK(sequence.size() % latents == 0, "{} latents in rows of {}", sequence.size(),
                    latents);
       walk.begin_block();
       for (size_t at = 0; at < sequence.size(); at += latents)
-        walk.code_row(counter, std::span(sequence).subspan(at, latents));
+        walk.code_row(listener, std::span(sequence).subspan(at, latents));
     }
     walk.store(model);
   }

@@ -180,12 +180,12 @@ class Training {
     for (const Rows& rows : recordings_) {
       ChannelRows channels;
       NumberWalk walk(model_);
-      BinaryEncoder encoder;
+      BinaryListener listener;
       for (size_t at = 0; at < rows.size(); at += numbers_) {
         std::vector<double> row(rows.begin() + static_cast<ptrdiff_t>(at),
                                 rows.begin() + static_cast<ptrdiff_t>(at + numbers_));
         const std::vector<double> real = row;
-        walk.code(encoder, row);
+        walk.code(listener, row);
         add_row(walk, real, is_open, channels);
       }
       result.push_back(std::move(channels));
@@ -222,13 +222,13 @@ class Training {
   void code_block(std::span<const double> rows, std::vector<ResidualTrace>* trace,
                   ResidualModels* models) const {
     NumberWalk walk(model_);
-    BinaryEncoder encoder;
+    BinaryListener listener;
     walk.trace_to(trace);
     if (models != nullptr) std::swap(walk.models(), *models);
     std::vector<double> row(numbers_);
     for (size_t at = 0; at < rows.size(); at += numbers_) {
       std::ranges::copy(rows.subspan(at, numbers_), row.begin());
-      walk.code(encoder, row);
+      walk.code(listener, row);
     }
     if (models != nullptr) std::swap(walk.models(), *models);
   }

@@ -353,6 +353,7 @@ void NumberWalk::end_row(std::span<const double> row) {
 }
 
 template void NumberWalk::code(BinaryEncoder&, std::span<double>);
+template void NumberWalk::code(BinaryListener&, std::span<double>);
 template void NumberWalk::code(BinaryDecoder&, std::span<double>);
 
 }  // namespace engram::encoders
