@@ -65,8 +65,9 @@ class LatentSequenceCodec {
   /// `latents` hold whole rows (checked).
   [[nodiscard]] std::vector<std::byte> encode(std::span<const int32_t> latents) const;
 
-  /// The first `wanted` of the `rows` of a block. Safe on hostile bytes.
-  /// Complexity: O(wanted).
+  /// The first `wanted` of the `rows` of a block, at most all of them (checked). Safe on hostile
+  /// bytes: `rows` is covered by the checksum.
+  /// Complexity: O(wanted), behind the checksum of the whole block and the model's starts.
   /// Errors: kDataLoss where the checksum does not fit.
   Result<std::vector<int32_t>> decode(std::span<const std::byte> block, size_t rows,
                                       size_t wanted) const;

@@ -11,7 +11,7 @@ namespace engram::encoders {
 namespace {
 
 constexpr int kTermBits = 12;
-/// From the largest prediction to the smallest value.
+/// From the largest prediction to the smallest value: also the largest that ResidualModels reads.
 constexpr int64_t kMostResidual = (int64_t{1} << 41) - 1;
 constexpr int64_t kMostSize = int64_t{1} << 24;
 constexpr int64_t kMostFeature = int64_t{1} << 36;
@@ -221,7 +221,6 @@ void NumberWalk::code_number(Port& port, const NumberField& field, size_t channe
     residual = nearest_step(to_units(field, known, value) - static_cast<double>(prediction.centre),
                             static_cast<double>(step));
   residual = code_residual(port, channel, prediction, residual);
-  residual = std::clamp(residual, -kMostResidual, kMostResidual);
   history_[channel].now = clamp_units(prediction.centre + residual * step);
   const double coded = from_units(field, known, history_[channel].now);
   if constexpr (!Port::kIsDecoder)
