@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "ltm/recording/recorder.h"
 #include "store/fresh_process.h"
 #include "store/measure.h"
@@ -40,6 +42,17 @@ TEST(Measure, QuantileIsTheSmallestValueThatSoManyDoNotExceed) {
   EXPECT_EQ(quantile(values, 0.51), 3);
   EXPECT_EQ(quantile(values, 0.99), 4);
   EXPECT_EQ(quantile(values, 0), 1);
+}
+
+TEST(Measure, FindsFilesBelowAFolderInOrderAndTellsWhereItCannot) {
+  const auto folder = scratch("files");
+  ASSERT_TRUE(make_empty(folder / "b.csv").ok());
+  for (const char* name : {"z.csv", "b.csv/a.csv", "b.csv/a.mp4"})
+    std::ofstream(folder / name) << 1;
+  EXPECT_EQ(files_below(folder, ".csv").value(),
+            (std::vector{folder / "b.csv/a.csv", folder / "z.csv"}));
+  EXPECT_EQ(files_below(folder / "none", ".csv").status().code(), StatusCode::kNotFound);
+  EXPECT_EQ(files_below(folder / "z.csv", ".csv").status().code(), StatusCode::kUnavailable);
 }
 
 TEST(FreshProcess, HandsOverWhatWasFoundAndWhatFailed) {
