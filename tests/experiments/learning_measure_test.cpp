@@ -7,6 +7,7 @@
 #include <random>
 
 #include "learning/codec_measure.h"
+#include "learning/latent_trial.h"
 #include "learning/number_measure.h"
 
 namespace engram::experiments {
@@ -110,6 +111,42 @@ TEST(RivalBytes, RefusesWhatHasNoSteps) {
     EXPECT_EQ(found.status().code(), StatusCode::kInvalidArgument);
     EXPECT_THAT(found.status().message(), testing::HasSubstr("column 'joint'"));
   }
+}
+
+/// Three rows of 3 latents in two recordings.
+const std::vector<int32_t> kTrial{3, 2, 0, 2, 2, 1, 1, 1, 1, 1, 1, 2, 3, 4, 5, 6, 7, 8, -9};
+
+Result<LatentTrial> read_trial(const std::vector<int32_t>& integers) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "engram_latent_trial";
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(integers.data()),
+             static_cast<std::streamsize>(integers.size() * sizeof(int32_t)));
+  auto trial = read_latent_trial(file);
+  std::filesystem::remove(file);
+  return trial;
+}
+
+TEST(LatentTrial, IsReadAndCutIntoBlocks) {
+  const auto trial = read_trial(kTrial);
+  ASSERT_TRUE(trial.ok()) << trial.status().to_string();
+  EXPECT_EQ(trial->rows, 3u);
+  EXPECT_EQ(trial->latents, 3u);
+  EXPECT_EQ(blocks_of(*trial, 3), (std::vector<LatentRows>{{1, 2, 3, 4, 5, 6}, {7, 8, -9}}));
+  EXPECT_EQ(blocks_of(*trial, 1), (std::vector<LatentRows>{{1, 2, 3}, {4, 5, 6}, {7, 8, -9}}));
+}
+
+TEST(LatentTrial, RefusesWhatIsNotWhole) {
+  for (size_t size = 0; size < kTrial.size(); ++size)
+    EXPECT_EQ(
+        read_trial({kTrial.begin(), kTrial.begin() + static_cast<ptrdiff_t>(size)}).status().code(),
+        StatusCode::kDataLoss)
+        << size;
+  for (size_t at = 0; at < 10; ++at) {
+    auto hostile = kTrial;
+    hostile[at] = 1 << 19;
+    EXPECT_EQ(read_trial(hostile).status().code(), StatusCode::kDataLoss) << at;
+  }
+  EXPECT_EQ(read_latent_trial("no such file").status().code(), StatusCode::kNotFound);
 }
 
 }  // namespace
