@@ -33,6 +33,13 @@ class BinaryEncoder {
   RangeOutput output_;
 };
 
+/// A port that writes nothing: what is left of coding is learning.
+class BinaryListener {
+ public:
+  static constexpr bool kIsDecoder = false;
+  bool code(bool bit, BitProbability) { return bit; }
+};
+
 /// Reads what BinaryEncoder wrote, given the same probabilities. Any bytes give some bits: whether
 /// they are the written ones is for a checksum to say (checked_block.h). Never reads outside.
 ///

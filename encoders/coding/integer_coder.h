@@ -2,12 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "encoders/coding/adaptive_bit.h"
-#include "ltm/core/status.h"
 
 namespace engram::encoders {
 
@@ -20,19 +18,8 @@ class IntegerModel {
  public:
   /// Bits of the magnitude: that of INT64_MIN has 64.
   static constexpr size_t kWidths = 64;
-  static constexpr size_t kBits = 2 + kWidths + 3 * kWidths;
-  /// What start() holds: widths up to 16, then nothing is known.
-  static constexpr size_t kStarts = 2 + 16;
 
-  IntegerModel() = default;
-  /// Starts from a stored table, in sixteen-bit probabilities (0 counts as 1), trusted as if `seen`
-  /// integers had been coded (at most 255).
-  IntegerModel(std::span<const uint16_t, kStarts> start, int seen);
-
-  /// A table to start from another time.
-  [[nodiscard]] std::array<uint16_t, kStarts> start() const;
-
-  /// Writes `value`, or reads and returns one.
+  /// Writes `value`, or reads and returns one: any bits give one.
   template <typename Port>
   int64_t code(Port& port, int64_t value);
 
@@ -45,22 +32,6 @@ class IntegerModel {
   std::array<AdaptiveBit, kWidths> wider_;  ///< Has the magnitude more than i + 1 bits?
   std::array<std::array<AdaptiveBit, 3>, kWidths> high_;
 };
-
-/// Integers that decode alone, with a checksum: context of each is chosen by the magnitudes of the
-/// two before. `starts` has kIntegerContexts tables, or none.
-/// Shape: values [N].
-inline constexpr size_t kIntegerContexts = 6;
-using IntegerStarts = std::vector<std::array<uint16_t, IntegerModel::kStarts>>;
-[[nodiscard]] std::vector<std::byte> encode_integers(std::span<const int32_t> values,
-                                                     const IntegerStarts& starts = {});
-
-/// Safe on hostile bytes.
-/// Errors: kDataLoss where the checksum does not fit or the values are no 32-bit integers.
-Result<std::vector<int32_t>> decode_integers(std::span<const std::byte> bytes, size_t count,
-                                             const IntegerStarts& starts = {});
-
-/// Tables that suit `values`.
-[[nodiscard]] IntegerStarts train_integer_starts(std::span<const int32_t> values);
 
 // Implementation of the template.
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/coding/latent_sequence.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 
 #include "encoders/coding/byte_stream.h"
@@ -31,6 +33,7 @@ void code_numbers(Port& port, std::vector<T>& numbers, size_t period) {
 }  // namespace
 
 LatentModel::LatentModel(std::vector<LatentGrid> grids) : grids_(std::move(grids)) {
+  ENGRAM_CHECK(!grids_.empty(), "no grids");
   for (const LatentGrid& grid : grids_)
     ENGRAM_CHECK(grid.channels > 0 && grid.height > 0 && grid.width > 0,
                  "a grid of {} x {} x {} latents", grid.channels, grid.height, grid.width);
@@ -45,17 +48,26 @@ LatentModel LatentModel::train(std::vector<LatentGrid> grids,
   const size_t latents = model.latents();
   for (int pass = 0; pass < kTrainingPasses; ++pass) {
     LatentWalk walk(model);
-    BitCounter counter;
+    BinaryListener listener;
     for (std::vector<int32_t> sequence : sequences) {
       ENGRAM_CHECK(sequence.size() % latents == 0, "{} latents in rows of {}", sequence.size(),
                    latents);
       walk.begin_block();
       for (size_t at = 0; at < sequence.size(); at += latents)
-        walk.code_row(counter, std::span(sequence).subspan(at, latents));
+        walk.code_row(listener, std::span(sequence).subspan(at, latents));
     }
     walk.store(model);
   }
   return model;
+}
+
+uint64_t LatentModel::identity() const {
+  ByteWriter sizes;
+  sizes.put<uint64_t>(starts_.size());
+  for (const LatentGrid& grid : grids_)
+    for (const int size : {grid.channels, grid.height, grid.width}) sizes.put<int32_t>(size);
+  const std::vector<std::byte> bytes = sizes.take();
+  return XXH3_64bits(bytes.data(), bytes.size());
 }
 
 size_t LatentModel::latents() const {
@@ -73,14 +85,14 @@ std::vector<std::byte> LatentModel::to_bytes() const {
   std::vector<int16_t> weights = weights_;
   code_numbers(encoder, starts, kLatentNodes);
   code_numbers(encoder, weights, kLatentContexts + 1);
-  return with_checksum(encoder.finish(), starts_.size());
+  return with_checksum(encoder.finish(), identity());
 }
 
 Result<LatentModel> LatentModel::from_bytes(std::span<const std::byte> bytes,
                                             std::vector<LatentGrid> grids) {
   LatentModel model(std::move(grids));
   ENGRAM_ASSIGN_OR_RETURN(const auto content,
-                          without_checksum(bytes, "model of latents", model.starts_.size()));
+                          without_checksum(bytes, "model of latents", model.identity()));
   BinaryDecoder decoder(content);
   std::vector<int16_t> starts(model.starts_.size());
   code_numbers(decoder, starts, kLatentNodes);

@@ -16,14 +16,15 @@ namespace engram::encoders {
 /// Source: docs/learning.md, section "Sequences of latents".
 class LatentModel {
  public:
-  /// Knows nothing yet. `grids` from the coarsest to the finest; none of them empty (checked).
+  /// Knows nothing yet. `grids` from the coarsest to the finest; one at least, none of them empty
+  /// (checked).
   explicit LatentModel(std::vector<LatentGrid> grids);
 
   /// Learns from sequences, each of whole rows: [T, latents()].
   static LatentModel train(std::vector<LatentGrid> grids,
                            std::span<const std::vector<int32_t>> sequences);
 
-  /// Compressed.
+  /// Compressed, with a checksum that also covers identity().
   [[nodiscard]] std::vector<std::byte> to_bytes() const;
 
   /// Errors: kDataLoss where the bytes are no model of these grids.
@@ -31,6 +32,9 @@ class LatentModel {
                                         std::vector<LatentGrid> grids);
 
   [[nodiscard]] const std::vector<LatentGrid>& grids() const { return grids_; }
+
+  /// Of the grids' sizes and the number of contexts: models of other grids have another one.
+  [[nodiscard]] uint64_t identity() const;
 
   /// Latents of one row: of all grids, one after the other.
   [[nodiscard]] size_t latents() const;
@@ -61,8 +65,9 @@ class LatentSequenceCodec {
   /// `latents` hold whole rows (checked).
   [[nodiscard]] std::vector<std::byte> encode(std::span<const int32_t> latents) const;
 
-  /// The first `wanted` of the `rows` of a block. Safe on hostile bytes.
-  /// Complexity: O(wanted).
+  /// The first `wanted` of the `rows` of a block, at most all of them (checked). Safe on hostile
+  /// bytes: `rows` is covered by the checksum.
+  /// Complexity: O(wanted), behind the checksum of the whole block and the model's starts.
   /// Errors: kDataLoss where the checksum does not fit.
   Result<std::vector<int32_t>> decode(std::span<const std::byte> block, size_t rows,
                                       size_t wanted) const;

@@ -264,6 +264,7 @@ void LatentWalk::code_row(Port& port, std::span<int32_t> row) {
 
 template void LatentWalk::code_row(BinaryEncoder&, std::span<int32_t>);
 template void LatentWalk::code_row(BinaryDecoder&, std::span<int32_t>);
+template void LatentWalk::code_row(BinaryListener&, std::span<int32_t>);
 template void LatentWalk::code_row(BitCounter&, std::span<int32_t>);
 
 }  // namespace engram::encoders

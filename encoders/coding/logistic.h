@@ -7,14 +7,17 @@
 
 namespace engram::encoders {
 
-/// Logarithms of odds in units of 1/256, -3072 to 3072 (a probability of 6e-6).
+/// Natural logarithms of odds in units of 1/256, at most kMostLogOdds either way: a probability of
+/// 6.2e-6 at the least.
 using LogOdds = int32_t;
 inline constexpr LogOdds kMostLogOdds = 3071;
 
-/// The probability of these odds. Tables made at compile time: the same on every machine.
+/// The probability of these odds, 16 to 65520 of 65536. Tables made at compile time: the same on
+/// every machine.
 [[nodiscard]] BitProbability squash(LogOdds odds);
 
-/// ln(p / (1 - p)) where p = part / (part + rest); needs part + rest < 2^40.
+/// ln(p / (1 - p)) where p = part / (part + rest), each counted as one more than it is; needs each
+/// below 2^40.
 [[nodiscard]] LogOdds log_odds(uint64_t part, uint64_t rest);
 [[nodiscard]] LogOdds log_odds(BitProbability one);
 

@@ -31,14 +31,15 @@ void for_each_number(const NumberModel& model, Visit visit, VisitOrientation vis
   }
 }
 
-/// The same share of every recording, from its start.
+/// The same share of every recording, from its start: one row at least, where it has one.
 std::vector<Rows> sample(std::span<const Rows> recordings, size_t numbers, size_t most_rows) {
   size_t rows = 0;
   for (const Rows& recording : recordings) rows += recording.size() / numbers;
   std::vector<Rows> result;
   for (const Rows& recording : recordings) {
     const size_t own = recording.size() / numbers;
-    const size_t kept = rows <= most_rows ? own : std::max<size_t>(own * most_rows / rows, 1);
+    const size_t kept =
+        rows <= most_rows ? own : std::min(own, std::max<size_t>(own * most_rows / rows, 1));
     result.emplace_back(recording.begin(),
                         recording.begin() + static_cast<ptrdiff_t>(kept * numbers));
   }
@@ -179,12 +180,12 @@ class Training {
     for (const Rows& rows : recordings_) {
       ChannelRows channels;
       NumberWalk walk(model_);
-      BinaryEncoder encoder;
+      BinaryListener listener;
       for (size_t at = 0; at < rows.size(); at += numbers_) {
         std::vector<double> row(rows.begin() + static_cast<ptrdiff_t>(at),
                                 rows.begin() + static_cast<ptrdiff_t>(at + numbers_));
         const std::vector<double> real = row;
-        walk.code(encoder, row);
+        walk.code(listener, row);
         add_row(walk, real, is_open, channels);
       }
       result.push_back(std::move(channels));
@@ -221,13 +222,13 @@ class Training {
   void code_block(std::span<const double> rows, std::vector<ResidualTrace>* trace,
                   ResidualModels* models) const {
     NumberWalk walk(model_);
-    BinaryEncoder encoder;
+    BinaryListener listener;
     walk.trace_to(trace);
     if (models != nullptr) std::swap(walk.models(), *models);
     std::vector<double> row(numbers_);
     for (size_t at = 0; at < rows.size(); at += numbers_) {
       std::ranges::copy(rows.subspan(at, numbers_), row.begin());
-      walk.code(encoder, row);
+      walk.code(listener, row);
     }
     if (models != nullptr) std::swap(walk.models(), *models);
   }

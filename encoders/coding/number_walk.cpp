@@ -11,7 +11,7 @@ namespace engram::encoders {
 namespace {
 
 constexpr int kTermBits = 12;
-/// From the largest prediction to the smallest value.
+/// From the largest prediction to the smallest value: also the largest that ResidualModels reads.
 constexpr int64_t kMostResidual = (int64_t{1} << 41) - 1;
 constexpr int64_t kMostSize = int64_t{1} << 24;
 constexpr int64_t kMostFeature = int64_t{1} << 36;
@@ -35,6 +35,10 @@ uint64_t ordered(double value) {
 
 double from_ordered(uint64_t code) {
   return std::bit_cast<double>((code >> 63) != 0 ? code & ~(uint64_t{1} << 63) : ~code);
+}
+
+bool has_same_bits(double a, double b) {
+  return std::bit_cast<uint64_t>(a) == std::bit_cast<uint64_t>(b);
 }
 
 int64_t nearest_step(double distance, double step) {
@@ -62,8 +66,10 @@ int64_t step_units(const NumberField& field) {
 
 bool has_decimals(double value, uint8_t decimals) {
   const double whole = std::nearbyint(value * kPowers[decimals]);
-  return std::abs(whole) <= static_cast<double>(kMostUnits / 2) &&
-         std::bit_cast<uint64_t>(whole / kPowers[decimals]) == std::bit_cast<uint64_t>(value);
+  if (!(std::abs(whole) <= static_cast<double>(kMostUnits / 2))) return false;
+  // By way of an integer: zero loses its sign there.
+  const auto units = static_cast<double>(static_cast<int64_t>(whole));
+  return has_same_bits(units / kPowers[decimals], value);
 }
 
 NumberWalk::NumberWalk(const NumberModel& model)
@@ -215,13 +221,12 @@ void NumberWalk::code_number(Port& port, const NumberField& field, size_t channe
     residual = nearest_step(to_units(field, known, value) - static_cast<double>(prediction.centre),
                             static_cast<double>(step));
   residual = code_residual(port, channel, prediction, residual);
-  residual = std::clamp(residual, -kMostResidual, kMostResidual);
   history_[channel].now = clamp_units(prediction.centre + residual * step);
   const double coded = from_units(field, known, history_[channel].now);
   if constexpr (!Port::kIsDecoder)
-    ENGRAM_CHECK(
-        field.kind == NumberKind::kExact ? coded == value : std::abs(coded - value) <= field.bound,
-        "{} became {}, bound {}", value, coded, field.bound);
+    ENGRAM_CHECK(field.kind == NumberKind::kExact ? has_same_bits(coded, value)
+                                                  : std::abs(coded - value) <= field.bound,
+                 "{} became {}, bound {}", value, coded, field.bound);
   value = coded;
   learn(channel, residual);
 }
@@ -347,6 +352,7 @@ void NumberWalk::end_row(std::span<const double> row) {
 }
 
 template void NumberWalk::code(BinaryEncoder&, std::span<double>);
+template void NumberWalk::code(BinaryListener&, std::span<double>);
 template void NumberWalk::code(BinaryDecoder&, std::span<double>);
 
 }  // namespace engram::encoders

@@ -145,6 +145,8 @@ int64_t ResidualModels::code(Port& port, size_t channel, bool is_first, const Es
 
 template int64_t ResidualModels::code(BinaryEncoder&, size_t, bool, const Estimates&, int64_t,
                                       int64_t);
+template int64_t ResidualModels::code(BinaryListener&, size_t, bool, const Estimates&, int64_t,
+                                      int64_t);
 template int64_t ResidualModels::code(BinaryDecoder&, size_t, bool, const Estimates&, int64_t,
                                       int64_t);
 

@@ -2,7 +2,6 @@
 // What the video codecs need for what quality on the clips that learned codecs are measured on.
 #include <CLI/CLI.hpp>
 
-#include <cstdlib>
 #include <map>
 
 #include "learning/codec_measure.h"
@@ -13,7 +12,7 @@ namespace engram::experiments {
 namespace {
 
 struct Arguments {
-  std::string folder;
+  std::filesystem::path folder;
   std::vector<std::string> clips{"bottle", "one", "g1"};
   std::vector<std::string> codecs{"h264", "h265", "av1"};
   std::vector<int> groups{0, 10};
@@ -119,8 +118,7 @@ Status run(const Arguments& arguments) {
 int main(int count, char** values) {
   using namespace engram::experiments;
   Arguments arguments;
-  const char* folder = std::getenv("ENGRAM_RECORDINGS");
-  arguments.folder = folder == nullptr ? "" : folder;
+  arguments.folder = recordings_folder();
   CLI::App app("What video codecs need for what quality");
   app.add_option("--recordings", arguments.folder, "folder with the clips (ENGRAM_RECORDINGS)");
   app.add_option("--clips", arguments.clips)->check(CLI::IsMember({"bottle", "one", "g1"}));

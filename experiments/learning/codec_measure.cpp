@@ -2,6 +2,7 @@
 #include "learning/codec_measure.h"
 
 #include <algorithm>
+#include <span>
 
 #include "datasets/video_reader.h"
 #include "ltm/codec/group_codec.h"
@@ -16,17 +17,6 @@ namespace {
 
 constexpr int kSide = 128;
 constexpr Duration kPeriod = std::chrono::milliseconds(200);
-
-std::vector<fs::path> files_below(const fs::path& folder, const std::string& part) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
-       at.increment(error))
-    if (at->path().extension() == ".mp4" && at->path().string().find(part) != std::string::npos)
-      files.push_back(at->path());
-  std::ranges::sort(files);
-  return files;
-}
 
 Status append_video(const fs::path& file, const ClipOptions& options, Clip& clip) {
   datasets::VideoReader::Options reading{kSide, kSide, options.crops_square, 1};
@@ -65,8 +55,10 @@ Status compare(const Clip& clip, size_t first, std::span<const idf::NdArray> dec
 
 Result<Clip> read_clip(const fs::path& folder, const ClipOptions& options) {
   Clip clip{options.name, {}};
-  for (const fs::path& file : files_below(folder, options.file))
-    ENGRAM_RETURN_IF_ERROR(append_video(file, options, clip));
+  ENGRAM_ASSIGN_OR_RETURN(const auto files, files_below(folder, ".mp4"));
+  for (const fs::path& file : files)
+    if (file.string().find(options.file) != std::string::npos)
+      ENGRAM_RETURN_IF_ERROR(append_video(file, options, clip));
   if (clip.images.empty())
     return not_found("folder '{}': found no video '...{}'", folder.string(), options.file);
   return clip;

@@ -1,108 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the latents of image_latents.py really take: bytes that decode to them again.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <chrono>
-#include <fstream>
-#include <optional>
-#include <vector>
+#include <CLI/CLI.hpp>
 
 #include "encoders/coding/latent_sequence.h"
+#include "learning/latent_trial.h"
+#include "store/report.h"
 
+namespace engram::experiments {
 namespace {
 
-using engram::encoders::LatentGrid;
-using engram::encoders::LatentModel;
-using engram::encoders::LatentSequenceCodec;
-using Sequence = std::vector<int32_t>;
+using encoders::LatentModel;
+using encoders::LatentSequenceCodec;
 
-constexpr int32_t kMost = 1 << 20;
-
-struct Trial {
-  std::vector<LatentGrid> grids;
-  std::vector<Sequence> recordings;
-  size_t rows = 0;
-  size_t latents = 0;  ///< Of a row.
-};
-
-std::optional<Trial> read(const char* path) {
-  std::ifstream file(path, std::ios::binary);
-  const auto next = [&file] {
-    int32_t value = -1;
-    file.read(reinterpret_cast<char*>(&value), sizeof(value));
-    return value;
-  };
-  const int32_t rows = next(), recordings = next();
-  if (!file || rows < 1 || rows > kMost || recordings < 1 || recordings > rows) return {};
-  std::vector<int32_t> starts;
-  for (int32_t i = 0; i < recordings; ++i) starts.push_back(next());
-  starts.push_back(rows);
-  Trial trial;
-  trial.rows = static_cast<size_t>(rows);
-  for (int i = 0; i < 2; ++i) {
-    const int32_t channels = next(), height = next(), width = next();
-    if (std::min({channels, height, width}) < 1 || std::max({channels, height, width}) > 1024)
-      return {};
-    trial.grids.push_back({channels, height, width});
-    trial.latents += trial.grids.back().count();
-  }
-  for (size_t i = 0; i + 1 < starts.size(); ++i) {
-    if (starts[i + 1] <= starts[i]) return {};
-    Sequence sequence(static_cast<size_t>(starts[i + 1] - starts[i]) * trial.latents);
-    file.read(reinterpret_cast<char*>(sequence.data()),
-              static_cast<std::streamsize>(sequence.size() * sizeof(int32_t)));
-    trial.recordings.push_back(std::move(sequence));
-  }
-  return file ? std::optional(std::move(trial)) : std::nullopt;
-}
-
-std::vector<Sequence> blocks_of(const Trial& trial, size_t rows) {
-  std::vector<Sequence> blocks;
-  for (const Sequence& recording : trial.recordings)
-    for (size_t at = 0; at < recording.size(); at += rows * trial.latents)
-      blocks.emplace_back(
-          recording.begin() + static_cast<ptrdiff_t>(at),
-          recording.begin() +
-              static_cast<ptrdiff_t>(std::min(recording.size(), at + rows * trial.latents)));
-  return blocks;
-}
-
-/// False where a block does not decode to what it was made of.
-bool print_row(const Trial& trial, size_t rows, const std::string& name) {
+/// Codes all recordings in blocks with a model that went through its bytes, and decodes them again.
+Status add_row(const LatentTrial& trial, size_t rows, const std::string& name, TextTable& table) {
   const auto blocks = blocks_of(trial, rows);
-  const LatentSequenceCodec codec(LatentModel::train(trial.grids, blocks));
+  const auto model_bytes = LatentModel::train(trial.grids, blocks).to_bytes();
+  ENGRAM_ASSIGN_OR_RETURN(auto model, LatentModel::from_bytes(model_bytes, trial.grids));
+  const LatentSequenceCodec codec(std::move(model));
   size_t bytes = 0;
   double seconds = 0;
-  for (const Sequence& block : blocks) {
+  for (const LatentRows& block : blocks) {
     const auto coded = codec.encode(block);
     bytes += coded.size();
-    const auto begin = std::chrono::steady_clock::now();
-    const auto decoded = codec.decode(coded, block.size() / trial.latents);
-    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (!decoded.ok() || *decoded != block) return false;
+    Stopwatch watch;
+    ENGRAM_ASSIGN_OR_RETURN(const auto decoded, codec.decode(coded, block.size() / trial.latents));
+    seconds += watch.seconds();
+    if (decoded != block) return data_loss("a block of {} latents decodes to others", block.size());
   }
   const auto each = static_cast<double>(trial.rows);
-  fmt::print("| {:<14} | {:<15.1f} | {:<11} | {:<15.2f} |\n", name,
-             static_cast<double>(bytes) / each, codec.model().to_bytes().size(),
-             seconds * 1000 / each);
-  return true;
+  table.add({name, fmt::format("{:.1f}", static_cast<double>(bytes) / each),
+             std::to_string(model_bytes.size()),
+             fmt::format("{:.1f}", static_cast<double>(bytes + model_bytes.size()) / each),
+             fmt::format("{:.2f}", 1e3 * seconds / each)});
+  return {};
+}
+
+Status run(const std::string& file) {
+  ENGRAM_ASSIGN_OR_RETURN(const LatentTrial trial, read_latent_trial(file));
+  fmt::print("{} rows of {} latents in {} recordings\n\n", trial.rows, trial.latents,
+             trial.recordings.size());
+  TextTable table({"rows per block", "bytes per image", "entropy model bytes",
+                   "bytes per image with it", "ms per row, out"});
+  ENGRAM_RETURN_IF_ERROR(add_row(trial, trial.rows, "whole", table));
+  for (const size_t rows : {32, 10, 1})
+    ENGRAM_RETURN_IF_ERROR(add_row(trial, rows, std::to_string(rows), table));
+  fmt::print("{}", table.to_string());
+  return {};
 }
 
 }  // namespace
+}  // namespace engram::experiments
 
 int main(int argc, char** argv) {
-  const auto trial = argc == 2 ? read(argv[1]) : std::nullopt;
-  if (!trial) {
-    fmt::print(stderr, "latent_bytes: needs one file that image_latents.py wrote\n");
-    return 2;
-  }
-  fmt::print("{} rows of {} latents in {} recordings\n\n", trial->rows, trial->latents,
-             trial->recordings.size());
-  fmt::print("| rows per block | bytes per image | model bytes | ms per row, out |\n");
-  fmt::print("|----------------|-----------------|-------------|-----------------|\n");
-  const bool is_right = print_row(*trial, trial->rows, "whole") && print_row(*trial, 32, "32") &&
-                        print_row(*trial, 10, "10") && print_row(*trial, 1, "1");
-  if (!is_right) fmt::print(stderr, "latent_bytes: a block decodes to something else\n");
-  return is_right ? 0 : 1;
+  std::string file;
+  CLI::App app("What image latents take as blocks of consecutive ones");
+  app.add_option("file", file, "what image_latents.py wrote")->required();
+  CLI11_PARSE(app, argc, argv);
+  return engram::experiments::exit_code("latent_bytes", engram::experiments::run(file));
 }

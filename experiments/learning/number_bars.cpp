@@ -3,15 +3,12 @@
 // what it learned from and on recordings that it never saw, beside general compressors.
 #include <CLI/CLI.hpp>
 
-#include <cmath>
-#include <cstdlib>
+#include <algorithm>
 #include <optional>
 
 #include "encoders/coding/number_codec.h"
 #include "encoders/coding/number_training.h"
-#include "learning/number_data.h"
-#include "ltm/codec/column_codec.h"
-#include "ltm/codec/zstd.h"
+#include "learning/number_measure.h"
 #include "store/measure.h"
 #include "store/report.h"
 
@@ -19,10 +16,9 @@ namespace engram::experiments {
 namespace {
 
 constexpr double kBar = 0.40;  // bytes per value
-constexpr int kZstdLevel = 19;
 
 struct Arguments {
-  std::string folder;
+  std::filesystem::path folder;
   double bound = 1e-3;
   size_t stride = 6;
   std::string json;
@@ -38,9 +34,14 @@ struct Figures {
 
 using Recordings = std::vector<NumberRecording>;
 
+std::vector<encoders::NumberField> fields_of(const Recordings& recordings, double bound) {
+  return {
+      {encoders::NumberKind::kBounded, static_cast<uint32_t>(recordings[0].columns.size()), bound}};
+}
+
 /// Codes one recording in blocks with a model that went through its bytes, and decodes it again.
 Status code(const std::vector<std::byte>& model_bytes, const NumberRecording& recording,
-            size_t block_rows, Figures& figures) {
+            size_t block_rows, double bound, Figures& figures) {
   ENGRAM_ASSIGN_OR_RETURN(auto model, encoders::NumberModel::from_bytes(model_bytes));
   const encoders::NumberCodec codec(std::move(model));
   const size_t width = recording.columns.size();
@@ -55,8 +56,9 @@ Status code(const std::vector<std::byte>& model_bytes, const NumberRecording& re
     figures.decode_seconds += watch.restart();
     figures.bytes += static_cast<double>(block.size());
     figures.values += static_cast<double>(rows.size());
-    for (size_t i = 0; i < rows.size(); ++i)
-      figures.largest_error = std::max(figures.largest_error, std::abs(rows[i] - decoded[i]));
+    ENGRAM_ASSIGN_OR_RETURN(const double error,
+                            largest_error(recording.name, rows, decoded, bound));
+    figures.largest_error = std::max(figures.largest_error, error);
   }
   return {};
 }
@@ -66,12 +68,10 @@ Result<std::vector<std::byte>> train(const Recordings& recordings, std::optional
   std::vector<std::vector<double>> rows;
   for (size_t i = 0; i < recordings.size(); ++i)
     if (i != left_out) rows.push_back(recordings[i].rows);
-  const auto width = static_cast<uint32_t>(recordings[0].columns.size());
   encoders::NumberTraining options;
   options.block_rows = block_rows;
-  ENGRAM_ASSIGN_OR_RETURN(const auto model,
-                          encoders::train_number_model(
-                              {{encoders::NumberKind::kBounded, width, bound}}, rows, options));
+  ENGRAM_ASSIGN_OR_RETURN(
+      const auto model, encoders::train_number_model(fields_of(recordings, bound), rows, options));
   return model.to_bytes();
 }
 
@@ -80,7 +80,7 @@ Result<Figures> in_sample(const Recordings& recordings, size_t block_rows, doubl
   Figures figures;
   figures.model_bytes = static_cast<double>(model.size());
   for (const NumberRecording& recording : recordings)
-    ENGRAM_RETURN_IF_ERROR(code(model, recording, block_rows, figures));
+    ENGRAM_RETURN_IF_ERROR(code(model, recording, block_rows, bound, figures));
   return figures;
 }
 
@@ -90,7 +90,7 @@ Result<Figures> unseen(const Recordings& recordings, size_t block_rows, double b
   for (size_t i = 0; i < recordings.size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(const auto model, train(recordings, i, block_rows, bound));
     const double before = figures.bytes;
-    ENGRAM_RETURN_IF_ERROR(code(model, recordings[i], block_rows, figures));
+    ENGRAM_RETURN_IF_ERROR(code(model, recordings[i], block_rows, bound, figures));
     folds.push_back((figures.bytes - before) / static_cast<double>(recordings[i].rows.size()));
     figures.model_bytes +=
         static_cast<double>(model.size()) / static_cast<double>(recordings.size());
@@ -98,46 +98,32 @@ Result<Figures> unseen(const Recordings& recordings, size_t block_rows, double b
   return figures;
 }
 
-template <typename T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
+/// Whole recordings by a model that knows its fields alone.
+Result<Figures> with_nothing_learned(const Recordings& recordings, double bound) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto model,
+                          encoders::NumberModel::create(fields_of(recordings, bound)));
+  const std::vector<std::byte> bytes = model.to_bytes();
+  Figures figures;
+  figures.model_bytes = static_cast<double>(bytes.size());
+  for (const NumberRecording& recording : recordings)
+    ENGRAM_RETURN_IF_ERROR(code(bytes, recording, 0, bound, figures));
+  return figures;
 }
 
-/// Column by column: steps of twice the bound, or their differences.
-std::vector<int16_t> quantised(const NumberRecording& recording, double bound, bool is_delta) {
-  std::vector<int16_t> result;
-  const size_t width = recording.columns.size();
-  for (size_t column = 0; column < width; ++column) {
-    long before = 0;
-    for (size_t at = column; at < recording.rows.size(); at += width) {
-      const long step = std::lround(recording.rows[at] / (2 * bound));
-      result.push_back(static_cast<int16_t>(is_delta ? step - before : step));
-      before = step;
-    }
-  }
-  return result;
-}
-
-void add_rivals(const Recordings& recordings, double bound, TextTable& table,
-                nlohmann::json& json) {
-  double values = 0, raw = 0, delta = 0, columns = 0;
-  for (const NumberRecording& recording : recordings) {
+Status add_rivals(const Recordings& recordings, double bound, TextTable& table,
+                  nlohmann::json& json) {
+  double values = 0;
+  for (const NumberRecording& recording : recordings)
     values += static_cast<double>(recording.rows.size());
-    const std::vector<float> floats(recording.rows.begin(), recording.rows.end());
-    raw += static_cast<double>(ltm::compress_zstd(bytes_of(floats), kZstdLevel).size());
-    const auto differences = quantised(recording, bound, true);
-    delta += static_cast<double>(ltm::compress_zstd(bytes_of(differences), kZstdLevel).size());
-    const auto steps = quantised(recording, bound, false);
-    columns +=
-        static_cast<double>(ltm::compress_column(idf::ElementType::kInt16, bytes_of(steps)).size());
-  }
+  ENGRAM_ASSIGN_OR_RETURN(const RivalBytes rivals, rival_bytes(recordings, bound));
   const auto add = [&](const std::string& name, double bytes) {
     table.add({name, "whole", fmt::format("{:.3f}", bytes / values), "-", "-", "-", "-"});
     json["rivals"][name] = bytes / values;
   };
-  add("float32, zstd 19", raw);
-  add("differences of steps, zstd 19", delta);
-  add("steps, compress_column", columns);
+  add("float32, zstd 19", rivals.floats);
+  add("differences of steps, zstd 19", rivals.differences);
+  add("steps, compress_column", rivals.steps);
+  return {};
 }
 
 void add_row(const std::string& name, size_t block_rows, const Figures& figures, double width,
@@ -157,6 +143,47 @@ void add_row(const std::string& name, size_t block_rows, const Figures& figures,
                           {"largest_error", figures.largest_error}});
 }
 
+/// What whole recordings took, bytes per value.
+struct Judged {
+  double own = 0;
+  std::vector<double> left_out;  ///< Each recording by what it did not learn from; none of one.
+  double left_out_all = 0;
+};
+
+/// The bar is for what a model never saw.
+void print_verdict(const Judged& judged) {
+  fmt::print("bar, whole recordings: at most {:.2f} bytes per value\n", kBar);
+  fmt::print("  what it learned from: {:.4f} {}\n", judged.own, verdict(judged.own <= kBar));
+  if (judged.left_out.empty()) {
+    fmt::print("  left out: not judged, found one recording, needs two\n");
+    return;
+  }
+  fmt::print("  left out: {:.4f} {}; each:", judged.left_out_all,
+             verdict(judged.left_out_all <= kBar));
+  for (const double fold : judged.left_out) fmt::print(" {:.4f}", fold);
+  fmt::print("\n");
+}
+
+/// Adds the rows of all block lengths.
+Result<Judged> add_ours(const Recordings& recordings, double bound, TextTable& table,
+                        nlohmann::json& json) {
+  const auto width = static_cast<double>(recordings[0].columns.size());
+  Judged judged;
+  for (const size_t block_rows : {0, 30, 10, 1}) {
+    ENGRAM_ASSIGN_OR_RETURN(const Figures own, in_sample(recordings, block_rows, bound));
+    add_row("ours, what it learned from", block_rows, own, width, table, json);
+    if (block_rows == 0) judged.own = own.per_value();
+    if (recordings.size() < 2) continue;
+    std::vector<double> folds;
+    ENGRAM_ASSIGN_OR_RETURN(const Figures left_out, unseen(recordings, block_rows, bound, folds));
+    add_row("ours, one recording left out", block_rows, left_out, width, table, json);
+    if (block_rows == 0) judged = {judged.own, folds, left_out.per_value()};
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const Figures untrained, with_nothing_learned(recordings, bound));
+  add_row("ours, nothing learned", 0, untrained, width, table, json);
+  return judged;
+}
+
 Status measure(const std::vector<std::string>& prefixes, const Arguments& arguments,
                nlohmann::json& json) {
   ENGRAM_ASSIGN_OR_RETURN(const Recordings recordings,
@@ -168,25 +195,10 @@ Status measure(const std::vector<std::string>& prefixes, const Arguments& argume
   TextTable table({"what", "rows per block", "bytes per value", "model bytes",
                    "with model: these, 3,000, 30,000 rows", "largest error",
                    "us per value, in / out"});
-  const auto width = static_cast<double>(recordings[0].columns.size());
-  std::vector<double> folds;
-  double best = 0;
-  for (const size_t block_rows : {0, 30, 10, 1}) {
-    ENGRAM_ASSIGN_OR_RETURN(const Figures own, in_sample(recordings, block_rows, arguments.bound));
-    if (block_rows == 0) best = own.per_value();
-    add_row("ours, what it learned from", block_rows, own, width, table, json);
-    if (recordings.size() < 2) continue;
-    std::vector<double> these;
-    ENGRAM_ASSIGN_OR_RETURN(const Figures left_out,
-                            unseen(recordings, block_rows, arguments.bound, these));
-    if (block_rows == 0) folds = these;
-    add_row("ours, one recording left out", block_rows, left_out, width, table, json);
-  }
-  add_rivals(recordings, arguments.bound, table, json);
+  ENGRAM_ASSIGN_OR_RETURN(const Judged judged, add_ours(recordings, arguments.bound, table, json));
+  ENGRAM_RETURN_IF_ERROR(add_rivals(recordings, arguments.bound, table, json));
   fmt::print("{}", table.to_string());
-  fmt::print("left out, each recording:");
-  for (const double fold : folds) fmt::print(" {:.4f}", fold);
-  fmt::print("\nbar: at most {:.2f} bytes per value: {}\n", kBar, verdict(best <= kBar));
+  print_verdict(judged);
   return {};
 }
 
@@ -203,8 +215,7 @@ Status run(const Arguments& arguments) {
 int main(int count, char** values) {
   using namespace engram::experiments;
   Arguments arguments;
-  const char* folder = std::getenv("ENGRAM_RECORDINGS");
-  arguments.folder = folder == nullptr ? "" : folder;
+  arguments.folder = recordings_folder();
   CLI::App app("What joint positions cost within an error bound");
   app.add_option("--recordings", arguments.folder, "folder with CSV files (ENGRAM_RECORDINGS)");
   app.add_option("--bound", arguments.bound, "largest error");

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "learning/number_data.h"
 
-#include <algorithm>
-
 #include "datasets/table.h"
+#include "store/measure.h"
 
 namespace engram::experiments {
 
@@ -32,16 +31,16 @@ Result<NumberRecording> read_recording(const fs::path& file,
 Result<std::vector<NumberRecording>> read_numbers(const fs::path& folder,
                                                   const std::vector<std::string>& prefixes,
                                                   size_t stride) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
-       at.increment(error))
-    if (at->path().extension() == ".csv") files.push_back(at->path());
-  std::ranges::sort(files);
+  ENGRAM_ASSIGN_OR_RETURN(const auto files, files_below(folder, ".csv"));
   std::vector<NumberRecording> recordings;
   for (const fs::path& file : files) {
     ENGRAM_ASSIGN_OR_RETURN(auto recording, read_recording(file, prefixes, stride));
-    if (!recording.columns.empty()) recordings.push_back(std::move(recording));
+    if (recording.columns.empty()) continue;
+    if (!recordings.empty() && recording.columns != recordings[0].columns)
+      return invalid_argument("recording '{}': {} columns '{}...', others than those of '{}'",
+                              recording.name, recording.columns.size(), recording.columns[0],
+                              recordings[0].name);
+    recordings.push_back(std::move(recording));
   }
   if (recordings.empty())
     return not_found("folder '{}': found no table with columns '{}...'", folder.string(),

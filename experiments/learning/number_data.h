@@ -20,7 +20,7 @@ struct NumberRecording {
 
 /// Every `stride`-th row of all CSV files below a folder, in the order of their names; those
 /// columns that begin with one of `prefixes`, in the order of the prefixes. Errors: kNotFound where
-/// there is none; those of reading a table.
+/// there is none; kInvalidArgument where two have other columns; those of reading a table.
 Result<std::vector<NumberRecording>> read_numbers(const std::filesystem::path& folder,
                                                   const std::vector<std::string>& prefixes,
                                                   size_t stride);

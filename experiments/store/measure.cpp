@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -23,8 +24,13 @@ namespace {
 Status for_each_file(const fs::path& folder, const std::function<Status(const fs::path&)>& visit) {
   std::error_code error;
   fs::recursive_directory_iterator entries(folder, error);
-  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error))
-    if (entries->is_regular_file(error)) ENGRAM_RETURN_IF_ERROR(visit(entries->path()));
+  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
+    const bool is_file = entries->is_regular_file(error);
+    if (error) return unavailable("file '{}': {}", entries->path().string(), error.message());
+    if (is_file) ENGRAM_RETURN_IF_ERROR(visit(entries->path()));
+  }
+  if (error == std::errc::no_such_file_or_directory)
+    return not_found("folder '{}': {}", folder.string(), error.message());
   if (error) return unavailable("folder '{}': {}", folder.string(), error.message());
   return {};
 }
@@ -67,6 +73,21 @@ double quantile(std::vector<double> values, double share) {
 
 Latency summarize(const std::vector<double>& seconds) {
   return {quantile(seconds, 0.5), quantile(seconds, 0.99), quantile(seconds, 1)};
+}
+
+fs::path recordings_folder() {
+  const char* folder = std::getenv("ENGRAM_RECORDINGS");
+  return folder == nullptr ? "" : folder;
+}
+
+Result<std::vector<fs::path>> files_below(const fs::path& folder, std::string_view extension) {
+  std::vector<fs::path> files;
+  ENGRAM_RETURN_IF_ERROR(for_each_file(folder, [&](const fs::path& file) -> Status {
+    if (file.extension() == extension) files.push_back(file);
+    return {};
+  }));
+  std::ranges::sort(files);
+  return files;
 }
 
 Result<uint64_t> tree_bytes(const fs::path& folder) {

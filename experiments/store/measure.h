@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "ltm/core/status.h"
@@ -39,6 +40,14 @@ struct Latency {
 
 /// Needs one value (checked).
 [[nodiscard]] Latency summarize(const std::vector<double>& seconds);
+
+/// What the environment's ENGRAM_RECORDINGS names; empty where it is not set.
+[[nodiscard]] std::filesystem::path recordings_folder();
+
+/// All files in a folder whose names end so (".mp4"), at any depth, in the order of their paths.
+/// Errors: kNotFound, kUnavailable naming the folder.
+Result<std::vector<std::filesystem::path>> files_below(const std::filesystem::path& folder,
+                                                       std::string_view extension);
 
 /// Bytes of all files in a folder, at any depth.
 Result<uint64_t> tree_bytes(const std::filesystem::path& folder);

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <optional>
 
 #include "datasets/scene.h"
 #include "datasets/table.h"
 #include "datasets/video_reader.h"
+#include "store/measure.h"
 
 namespace engram::experiments {
 
@@ -32,19 +32,13 @@ struct FoundFiles {
 
 Result<FoundFiles> find_files(const fs::path& folder) {
   FoundFiles found;
-  std::error_code error;
-  fs::recursive_directory_iterator entries(folder, error);
-  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
-    const fs::path& path = entries->path();
-    if (path.extension() == ".mp4") found.videos.push_back(path);
-    if (path.extension() == ".csv") found.tables.emplace(path.stem().string(), path);
-  }
-  if (error) return unavailable("recordings '{}': {}", folder.string(), error.message());
+  ENGRAM_ASSIGN_OR_RETURN(found.videos, files_below(folder, ".mp4"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto tables, files_below(folder, ".csv"));
+  for (const fs::path& path : tables) found.tables.emplace(path.stem().string(), path);
   const auto is_alone = [&](const fs::path& video) {
     return !found.tables.contains(video.stem().string());
   };
   if (!std::ranges::all_of(found.videos, is_alone)) std::erase_if(found.videos, is_alone);
-  std::sort(found.videos.begin(), found.videos.end());
   if (found.videos.empty())
     return not_found("recordings '{}': found no *.mp4, needs one or more", folder.string());
   return found;
@@ -122,9 +116,8 @@ Result<StreamSource> render_scene(size_t frames) {
 }
 
 Result<StreamSource> load_stream_source(size_t most_frames) {
-  const char* folder = std::getenv("ENGRAM_RECORDINGS");
-  if (folder == nullptr || *folder == '\0') return render_scene(most_frames);
-  return read_recordings(folder, most_frames);
+  const fs::path folder = recordings_folder();
+  return folder.empty() ? render_scene(most_frames) : read_recordings(folder, most_frames);
 }
 
 }  // namespace engram::experiments

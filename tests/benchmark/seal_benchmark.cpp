@@ -18,6 +18,7 @@
 #include "ltm/recording/recording_config.h"
 #include "ltm/store/store_reader.h"
 #include "tests/ltm/scratch_directory.h"
+#include "training/quality/psnr.h"
 
 namespace engram::ltm {
 namespace {
@@ -80,28 +81,17 @@ Status record(const std::filesystem::path& store, const std::string& codecs) {
   return recorder.close();
 }
 
-double squared_error(const idf::NdArray& a, const idf::NdArray& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.bytes().size(); ++i) {
-    const double difference = a.values<uint8_t>()[i] - b.values<uint8_t>()[i];
-    sum += difference * difference;
-  }
-  return sum / static_cast<double>(a.bytes().size());
-}
-
-/// Peak signal to noise of the pooled error of all images, and of the worst image.
-std::pair<double, double> psnr_db(StoreReader& reader) {
-  const auto* entries = *reader.index(camera());
-  double sum = 0, worst = 0;
+/// Of the store's images beside those that were recorded.
+Result<training::PsnrStatistics> psnr_of(StoreReader& reader) {
+  training::PsnrStatistics psnr;
+  ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader.index(camera()));
   for (size_t i = 0; i < entries->size(); ++i) {
-    const auto found = reader.read_recorded(camera(), (*entries)[i]);
-    const auto& image = found->instances[0].data.at("image")->get<idf::NdArray>();
-    const double error = squared_error(image, images()[i]);
-    sum += error / static_cast<double>(entries->size());
-    worst = std::max(worst, error);
+    ENGRAM_ASSIGN_OR_RETURN(const Snapshot found, reader.read_recorded(camera(), (*entries)[i]));
+    const auto& image = found.instances[0].data.at("image")->get<idf::NdArray>();
+    ENGRAM_ASSIGN_OR_RETURN(const double mse, training::image_mse(images()[i], image));
+    psnr.add(mse);
   }
-  const auto db = [](double mse) { return mse > 0 ? 10 * std::log10(255.0 * 255.0 / mse) : 999; };
-  return {db(sum), db(worst)};
+  return psnr;
 }
 
 void record_all(benchmark::State& state, const std::string& codecs) {
@@ -114,12 +104,13 @@ void record_all(benchmark::State& state, const std::string& codecs) {
       return state.SkipWithError(status.to_string().c_str());
   }
   const auto reader = *StoreReader::open(scratch / "store");
-  const auto [pooled, worst] = psnr_db(*reader);
+  const auto psnr = psnr_of(*reader);
+  if (!psnr.ok()) return state.SkipWithError(psnr.status().to_string().c_str());
   state.SetBytesProcessed(static_cast<int64_t>(state.iterations() * raw));
   state.counters["kB_each"] = static_cast<double>(reader->summary(camera())->stored_bytes) / 1000 /
                               static_cast<double>(images().size());
-  state.counters["psnr_db"] = pooled;
-  state.counters["worst_db"] = worst;
+  state.counters["psnr_db"] = psnr->pooled_db();
+  state.counters["worst_db"] = psnr->minimum_db();
 }
 
 void read_random(benchmark::State& state, const std::string& codecs) {

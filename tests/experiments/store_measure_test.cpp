@@ -2,11 +2,17 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
 #include "ltm/recording/recorder.h"
 #include "store/fresh_process.h"
 #include "store/measure.h"
 #include "store/scale_writer.h"
 #include "store/stream.h"
+#include "store/thread_run.h"
 #include "store/verify.h"
 
 namespace engram::experiments {
@@ -40,6 +46,44 @@ TEST(Measure, QuantileIsTheSmallestValueThatSoManyDoNotExceed) {
   EXPECT_EQ(quantile(values, 0.51), 3);
   EXPECT_EQ(quantile(values, 0.99), 4);
   EXPECT_EQ(quantile(values, 0), 1);
+}
+
+TEST(Measure, FindsFilesBelowAFolderInOrderAndTellsWhereItCannot) {
+  const auto folder = scratch("files");
+  ASSERT_TRUE(make_empty(folder / "b.csv").ok());
+  for (const char* name : {"z.csv", "b.csv/a.csv", "b.csv/a.mp4"})
+    std::ofstream(folder / name) << 1;
+  EXPECT_EQ(files_below(folder, ".csv").value(),
+            (std::vector{folder / "b.csv/a.csv", folder / "z.csv"}));
+  EXPECT_EQ(files_below(folder / "none", ".csv").status().code(), StatusCode::kNotFound);
+  EXPECT_EQ(files_below(folder / "z.csv", ".csv").status().code(), StatusCode::kUnavailable);
+}
+
+TEST(RunThreads, CountsFromTheFirstBeginToTheLastEnd) {
+  using Clock = std::chrono::steady_clock;
+  std::array<Clock::time_point, 2> begin, end;
+  const auto work = [&](size_t thread) {
+    return [&, thread] {
+      begin[thread] = Clock::now();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1 + 3 * thread));
+      end[thread] = Clock::now();
+      return Status();
+    };
+  };
+  const Works works{work(0), work(1)};
+  for (int run = 0; run < 20; ++run) {
+    const Pass pass = run_threads(works, 2).value();
+    const auto spanned = std::max(end[0], end[1]) - std::min(begin[0], begin[1]);
+    EXPECT_GE(pass.seconds, std::chrono::duration<double>(spanned).count());
+    EXPECT_GE(pass.spent.waits, 2);
+  }
+  EXPECT_GE(run_threads(works, 1)->seconds, 0.001);
+}
+
+TEST(RunThreads, TellsWhatFailed) {
+  const Works works{[] { return Status(); }, [] { return data_loss("torn"); }};
+  EXPECT_TRUE(run_threads(works, 1).ok());
+  EXPECT_EQ(run_threads(works, 2).status().code(), StatusCode::kDataLoss);
 }
 
 TEST(FreshProcess, HandsOverWhatWasFoundAndWhatFailed) {

@@ -7,6 +7,8 @@
 #include <random>
 
 #include "encoders/coding/checked_block.h"
+#include "encoders/coding/integer_coder.h"
+#include "encoders/coding/logistic.h"
 #include "tests/ltm/expect_status.h"
 
 namespace engram::encoders {
@@ -109,7 +111,42 @@ TEST(LatentSequence, AnyBytesWithAFittingChecksumGiveSomeLatents) {
     for (std::byte& each : bytes) each = std::byte(round % 2 == 0 ? random() : random() % 2 * 255);
     const auto decoded = codec.decode(with_checksum(bytes, 9), 9);
     ASSERT_OK(decoded);
-    EXPECT_EQ(decoded->size(), 9 * kLatents);
+    ASSERT_EQ(decoded->size(), 9 * kLatents);
+    EXPECT_EQ(*codec.decode(codec.encode(*decoded), 9), *decoded) << "what is read can be written";
+  }
+}
+
+/// A block of one row that begins with one latent above the unary part, by the bits that a model
+/// which knows nothing asks for. `beyond` is what the integer behind the unary part says.
+std::vector<std::byte> hostile_block(bool is_negative, int64_t beyond) {
+  // Every context is new: a mixer of eight inputs hears its constant alone.
+  const BitProbability one = squash(256 / 4);
+  BinaryEncoder encoder;
+  encoder.code(false, one);  // Not zero.
+  encoder.code(is_negative, one);
+  for (int magnitude = 1; magnitude <= 12; ++magnitude) encoder.code(true, one);
+  IntegerModel large;
+  large.code(encoder, beyond);
+  return with_checksum(encoder.finish(), 1);
+}
+
+TEST(LatentSequence, ClampsWhateverAHostileBlockSays) {
+  const LatentSequenceCodec codec{LatentModel(kGrids)};
+  const auto first = [&](bool is_negative, int64_t beyond) -> int32_t {
+    const auto row = codec.decode(hostile_block(is_negative, beyond), 1);
+    return row.ok() ? row->front() : 0;
+  };
+  EXPECT_EQ(first(false, 0), 13);
+  EXPECT_EQ(first(true, 987), -1000) << "the script speaks the language of blocks";
+  EXPECT_EQ(first(false, INT32_MAX - 13), INT32_MAX);
+  EXPECT_EQ(first(true, int64_t{INT32_MAX} - 12), INT32_MIN);
+  for (const int64_t beyond : {int64_t{INT32_MAX}, int64_t{1} << 40, INT64_MAX, INT64_MAX - 14}) {
+    EXPECT_EQ(first(false, beyond), INT32_MAX) << beyond;
+    EXPECT_EQ(first(true, beyond), INT32_MIN) << beyond;
+  }
+  for (const int64_t beyond : {int64_t{-1}, int64_t{-14}, INT64_MIN}) {
+    EXPECT_EQ(first(false, beyond), 13) << beyond;
+    EXPECT_EQ(first(true, beyond), -13) << beyond;
   }
 }
 
@@ -126,6 +163,17 @@ TEST(LatentSequence, ItsModelIsStoredWhole) {
   auto damaged = bytes;
   damaged[bytes.size() / 2] ^= std::byte{1};
   EXPECT_FAILS(LatentModel::from_bytes(damaged, kGrids), StatusCode::kDataLoss, "model of latents");
+}
+
+TEST(LatentSequence, ItsModelFitsItsGridsAlone) {
+  const auto bytes = LatentModel(kGrids).to_bytes();
+  // As many contexts as kGrids: only the sizes differ.
+  const std::vector<LatentGrid> turned{{3, 4, 2}, {2, 4, 8}};
+  EXPECT_FAILS(LatentModel::from_bytes(bytes, turned), StatusCode::kDataLoss, "model of latents");
+}
+
+TEST(LatentSequence, NeedsAGrid) {
+  EXPECT_DEATH(LatentModel({}), "no grids");
 }
 
 TEST(LatentSequence, EqualLatentsGiveEqualBytes) {

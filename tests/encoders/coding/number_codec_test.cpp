@@ -110,6 +110,12 @@ TEST(NumberCodec, KeepsExactNumbersExactly) {
   expect_near(round_trip(codec, rows), rows, -1);
 }
 
+TEST(NumberCodec, KeepsTheSignOfAnExactZero) {
+  const std::vector<double> rows{0.0, -0.0, -0.0, 1.0, -0.0, 0.0, 0.25, -0.0};
+  expect_near(round_trip(plain_codec({{NumberKind::kExact, 1}}), rows), rows, -1);
+  expect_near(round_trip(trained_codec({{NumberKind::kExact, 1}}, {rows}), rows), rows, -1);
+}
+
 TEST(NumberCodec, KeepsExactNumbersThatJump) {
   std::vector<double> rows;
   for (const double size : {1.0, 1e3, 1e9, 549755813888.0, 549755813889.0, 1e12, 1e18})
@@ -286,6 +292,12 @@ TEST(NumberTraining, RefusesRecordingsOfAnotherSize) {
                 .status()
                 .code(),
             StatusCode::kInvalidArgument);
+}
+
+TEST(NumberTraining, TakesAnEmptyRecordingBesideALongOne) {
+  const std::vector<std::vector<double>> recordings{{}, arm(40, 4, 6)};
+  const auto codec = trained_codec({{NumberKind::kBounded, 4, 1e-3}}, recordings, {.most_rows = 9});
+  expect_near(round_trip(codec, recordings[1]), recordings[1], 1e-3);
 }
 
 TEST(NumberCodec, WritesTheSameBytesOnEveryMachine) {
