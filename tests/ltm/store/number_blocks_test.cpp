@@ -91,6 +91,66 @@ TEST(NumberBlocks, AreChosenByPath) {
   expect_numbers(scratch / "s.h5", 100);
 }
 
+TEST(NumberBlocks, OfWideRowsAreNoLargerThanIsReadAgain) {
+  const ScratchDirectory scratch;
+  const auto path = scratch / "wide.h5";
+  const NumberTable table{idf::ElementType::kFloat32, 2, 1, size_t{5} << 20};
+  std::vector<float> numbers(table.rows * table.elements);
+  for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<float>(i / table.elements);
+  const auto cells = std::as_bytes(std::span(numbers));
+  auto file = *h5::File::create(path);
+  ASSERT_OK(write_number_blocks(file, "/values", table, cells));
+  // As many rows as make a block whole must fit, not these two alone.
+  const auto rows = static_cast<uint64_t>(*file.int_attribute("/values", "rows_per_block"));
+  EXPECT_LE(rows * table.row_bytes(), kMaxNumberBlockBytes);
+  ASSERT_OK(file.close());
+  SegmentSource source(*h5::File::open(path), *File::open(path, File::Mode::kRead));
+  NumberBlocks blocks(source);
+  for (uint64_t row = 0; row < table.rows; ++row) {
+    const auto found = blocks.row("/values", table, row);
+    ASSERT_OK(found);
+    EXPECT_TRUE(
+        std::ranges::equal(*found, cells.subspan(row * table.row_bytes(), table.row_bytes())));
+  }
+}
+
+TEST(NumberBlocks, RefuseRowsThatWouldNotBeReadAgain) {
+  const ScratchDirectory scratch;
+  auto file = *h5::File::create(scratch / "s.h5");
+  const NumberTable table{idf::ElementType::kFloat64, 1, 1, (kMaxNumberBlockBytes >> 3) + 1};
+  EXPECT_FAILS(write_number_blocks(file, "/values", table, {}), StatusCode::kInvalidArgument,
+               "at most");
+}
+
+TEST(NumberBlocks, OfManyTablesAreKeptAsFarAsTheyFit) {
+  constexpr uint64_t kRows = 1000, kKept = 3 * kRows * sizeof(double);
+  const ScratchDirectory scratch;
+  const auto path = scratch / "s.h5";
+  const NumberTable table{idf::ElementType::kFloat64, kRows, 1, 1};
+  std::vector<double> numbers(kRows);
+  auto file = *h5::File::create(path);
+  for (int i = 0; i < 8; ++i) {
+    numbers.assign(kRows, i);
+    ASSERT_OK(write_number_blocks(file, "/" + std::to_string(i), table,
+                                  std::as_bytes(std::span(numbers))));
+  }
+  ASSERT_OK(file.close());
+  SegmentSource source(*h5::File::open(path), *File::open(path, File::Mode::kRead));
+  NumberBlocks blocks(source, kKept);
+  for (int look = 0; look < 40; ++look) {
+    const int i = look * 3 % 8;
+    const auto row = blocks.row("/" + std::to_string(i), table, kRows - 1);
+    ASSERT_OK(row);
+    EXPECT_EQ(h5::as_vector<double>(*row), std::vector<double>{static_cast<double>(i)});
+    EXPECT_LE(blocks.held_bytes(), kKept);
+  }
+  EXPECT_EQ(blocks.held_bytes(), kKept);
+  NumberBlocks narrow(source, 1);
+  ASSERT_OK(narrow.row("/0", table, 0));
+  ASSERT_OK(narrow.row("/1", table, 0));
+  EXPECT_EQ(narrow.held_bytes(), kRows * sizeof(double)) << "one is always kept";
+}
+
 TEST(NumberBlocks, StayBlocksInASegmentThatIsWrittenAnew) {
   const ScratchDirectory scratch;
   const auto store = scratch / "store";
