@@ -103,7 +103,8 @@ class Merger {
   /// Numbers stay stored as they were; so do images, which need no rules for it.
   Status keep_forms(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
     ENGRAM_ASSIGN_OR_RETURN(const StoredForms forms, reader_.forms(id, segment));
-    if (forms.has_columns) kept.rules = SealRules::all_columns();
+    columns_[id].insert(forms.columns.begin(), forms.columns.end());
+    kept.rules = SealRules::columns(columns_[id]);
     return {};
   }
 
@@ -152,6 +153,7 @@ class Merger {
 
   StoreReader& reader_;
   const FateOf& fate_of_;
+  std::map<MemoryId, std::set<std::string, std::less<>>> columns_;  ///< In any of the segments.
   Merged merged_;
 };
 

@@ -120,7 +120,7 @@ class SegmentSalvage {
   /// Numbers stay stored as they were.
   [[nodiscard]] SealRules rules_of(const MemoryId& entity) {
     const auto forms = reader_.forms(entity);
-    return forms.ok() && forms->has_columns ? SealRules::all_columns() : SealRules();
+    return forms.ok() ? SealRules::columns(forms->columns) : SealRules();
   }
 
   /// Groups of images that are cut must be taken apart: they may take some more room.

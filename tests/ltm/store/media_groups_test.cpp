@@ -321,7 +321,7 @@ TEST_F(MediaGroups, AreRecoveredButForTheDamagedOne) {
   expect_content(expected);
   EXPECT_EQ(codecs()[0], "h264 0/10");
   EXPECT_EQ(codecs()[19], "h264 9/10");
-  EXPECT_TRUE((*StoreReader::open(store_))->forms(example_entity(), 0)->has_columns);
+  EXPECT_TRUE((*StoreReader::open(store_))->forms(example_entity(), 0)->has_columns());
   expect_clean(store_);
 }
 

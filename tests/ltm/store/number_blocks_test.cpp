@@ -10,6 +10,7 @@
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_writer.h"
+#include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
@@ -64,7 +65,7 @@ TEST(NumberBlocks, GiveBackEveryBit) {
     const auto file = scratch / (std::to_string(count) + ".h5");
     ASSERT_OK(write(file, count, SealRules::all_columns()));
     expect_numbers(file, count);
-    EXPECT_TRUE((*SegmentReader::open(file))->forms(example_entity())->has_columns);
+    EXPECT_TRUE((*SegmentReader::open(file))->forms(example_entity())->has_columns());
   }
 }
 
@@ -75,7 +76,8 @@ TEST(NumberBlocks, AreSmallerThanPlainDatasets) {
   ASSERT_OK(plain);
   ASSERT_OK(blocks);
   EXPECT_LT(blocks->bytes, plain->bytes * 7 / 10);
-  EXPECT_FALSE((*SegmentReader::open(scratch / "plain.h5"))->forms(example_entity())->has_columns);
+  EXPECT_FALSE(
+      (*SegmentReader::open(scratch / "plain.h5"))->forms(example_entity())->has_columns());
 }
 
 TEST(NumberBlocks, AreChosenByPath) {
@@ -168,8 +170,32 @@ TEST(NumberBlocks, StayBlocksInASegmentThatIsWrittenAnew) {
   const auto segments = read_manifest(store)->segments;
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_TRUE(
-      (*SegmentReader::open(store / segments[0].file))->forms(example_entity())->has_columns);
+      (*SegmentReader::open(store / segments[0].file))->forms(example_entity())->has_columns());
   expect_numbers(store / segments[0].file, 99);
+}
+
+TEST(NumberBlocks, StayThoseThatTheyWereWhereASegmentIsWrittenAnew) {
+  const ScratchDirectory scratch;
+  const auto store = scratch / "store";
+  ASSERT_OK(create_store(store));
+  StoreWriter::Options options;
+  options.seal_rules = [](const MemoryId&) {
+    return *SealRules::create(
+        {.rules = {{.path = "joints/**", .kind = MediumKind::kNumber, .codec = "none"},
+                   {.path = "f*", .kind = MediumKind::kNumber, .codec = "columns"}}});
+  };
+  for (const int64_t first : {0, 50}) {
+    const auto writer = *StoreWriter::open(store, options);
+    for (int64_t i = first; i < first + 50; ++i)
+      ASSERT_OK(writer->append({pack_snapshot(numbers(i))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  const std::set<std::string, std::less<>> columns{"float", "force"};
+  EXPECT_EQ((*StoreReader::open(store))->forms(example_entity(), 0)->columns, columns);
+  ASSERT_OK(compact(store, {}));
+  EXPECT_EQ((*StoreReader::open(store))->forms(example_entity(), 0)->columns, columns);
+  ASSERT_OK(forget_snapshots(store, {{example_entity(), {example_time(99)}}}));
+  EXPECT_EQ((*StoreReader::open(store))->forms(example_entity(), 0)->columns, columns);
 }
 
 class HostileBlocks : public ::testing::Test {
