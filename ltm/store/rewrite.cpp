@@ -2,6 +2,7 @@
 #include "ltm/store/rewrite.h"
 
 #include <algorithm>
+#include <set>
 
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
@@ -306,6 +307,25 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
   return true;
 }
 
+/// Opens the store anew for a segment that is to be written anew: what others took the place of is
+/// not there for a reader that was open before.
+struct OpenedSegment {
+  std::unique_ptr<StoreReader> reader;
+  uint32_t number = 0;  ///< Index into its manifest's segments.
+};
+
+Result<OpenedSegment> open_for(const std::filesystem::path& store, const std::string& file) {
+  OpenedSegment opened;
+  ENGRAM_ASSIGN_OR_RETURN(opened.reader, StoreReader::open(store));
+  const auto& segments = opened.reader->manifest().segments;
+  const auto found = std::ranges::find(segments, file, &SegmentInfo::file);
+  if (found == segments.end())
+    return unavailable("store '{}': segment '{}' was replaced meanwhile: try again", store.string(),
+                       file);
+  opened.number = static_cast<uint32_t>(found - segments.begin());
+  return opened;
+}
+
 bool holds_any(const SegmentInfo& segment, const ForgetSet& gone) {
   return std::ranges::any_of(gone, [&segment](const auto& entry) {
     const SegmentEntity* part = segment.find(entry.first);
@@ -380,22 +400,25 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
 Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
                                        const ProgressSink& progress, const std::stop_token& stop) {
   RewriteReport report;
-  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
-  const auto& segments = reader->manifest().segments;
-  Rewriter rewriter(store, *reader, [&gone](const MemoryId& id, const SnapshotEntry& entry) {
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest before, read_manifest(store));
+  const FateOf fate_of = [&gone](const MemoryId& id, const SnapshotEntry& entry) {
     const auto times = gone.find(id);
     return times != gone.end() && times->second.contains(entry.time) ? Fate::kForget : Fate::kKeep;
-  });
+  };
   // Latents first: without them the recorded form still is whole, the other way round a moment
   // that was forgotten would live on as latents.
   for (const SegmentKind kind : {SegmentKind::kLatent, SegmentKind::kRecorded}) {
-    for (uint32_t i = 0; i < segments.size() && !report.is_cancelled; ++i) {
-      if (segments[i].kind != kind || !holds_any(segments[i], gone)) continue;
-      if (progress) progress({"forget " + store.string(), i, segments.size(), "", -1});
+    for (size_t i = 0; i < before.segments.size() && !report.is_cancelled; ++i) {
+      const SegmentInfo& segment = before.segments[i];
+      if (segment.kind != kind || !holds_any(segment, gone)) continue;
+      if (progress) progress({"forget " + store.string(), i, before.segments.size(), "", -1});
+      ENGRAM_ASSIGN_OR_RETURN(const OpenedSegment opened, open_for(store, segment.file));
       if (kind == SegmentKind::kLatent)
-        ENGRAM_RETURN_IF_ERROR(rewrite_latents(store, *reader, i, gone, report).status());
+        ENGRAM_RETURN_IF_ERROR(
+            rewrite_latents(store, *opened.reader, opened.number, gone, report).status());
       else
-        ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, report));
+        ENGRAM_RETURN_IF_ERROR(
+            Rewriter(store, *opened.reader, fate_of).rewrite({opened.number}, report));
       report.is_cancelled = stop.stop_requested();
     }
   }
@@ -409,15 +432,24 @@ Result<DropReport> drop_recorded(const std::filesystem::path& store, const Memor
   ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));
   ENGRAM_ASSIGN_OR_RETURN(DropReport report, check_before_drop(*reader, entity, keep));
   if (report.snapshots == 0) return report;
-  Rewriter rewriter(store, *reader, [&](const MemoryId& id, const SnapshotEntry& entry) {
-    return id == entity && is_dropped(entry, keep) ? Fate::kDrop : Fate::kKeep;
-  });
+  std::set<std::string> checked;
+  for (const SegmentInfo& segment : reader->manifest().segments)
+    if (segment.kind == SegmentKind::kLatent) checked.insert(segment.file);
   RewriteReport rewritten;
-  const auto& segments = reader->manifest().segments;
   // In the order of the list: older forms go before the newer ones whose place they would take.
-  for (uint32_t i = 0; i < segments.size(); ++i)
-    if (segments[i].kind == SegmentKind::kRecorded && segments[i].find(entity) != nullptr)
-      ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, rewritten));
+  for (const SegmentInfo& segment : reader->manifest().segments) {
+    if (segment.kind != SegmentKind::kRecorded || segment.find(entity) == nullptr) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const OpenedSegment opened, open_for(store, segment.file));
+    const auto& now = opened.reader->manifest().segments;
+    const FateOf fate_of = [&](const MemoryId& id, const SnapshotEntry& entry) {
+      // Latents that were published meanwhile were not read.
+      const bool is_to_go = id == entity && is_dropped(entry, keep) &&
+                            checked.contains(now[entry.latent->source].file);
+      return is_to_go ? Fate::kDrop : Fate::kKeep;
+    };
+    ENGRAM_RETURN_IF_ERROR(
+        Rewriter(store, *opened.reader, fate_of).rewrite({opened.number}, rewritten));
+  }
   report.freed_bytes = rewritten.freed_bytes();
   return report;
 }

@@ -36,11 +36,11 @@ class RewriteTest : public ::testing::Test {
     ASSERT_OK(writer->seal());
   }
 
-  void publish_latents(int64_t first, int64_t end, int version) {
+  void publish_latents(int64_t first, int64_t end, int version,
+                       const MemoryId& entity = example_entity()) {
     const auto model = *temporary_file(store_, ".model");
     overwrite_file(model, as_bytes("weights"));
-    ASSERT_OK(publish_model(store_, example_entity(), version, model,
-                            example_latents(first, end, version)));
+    ASSERT_OK(publish_model(store_, entity, version, model, example_latents(first, end, version)));
   }
 
   void expect_content(const Content& expected, const std::string& name = "cam") {
@@ -151,6 +151,42 @@ TEST_F(RewriteTest, ForgetsInEveryFormAndCountsIt) {
   EXPECT_EQ(after.forgotten.snapshots, 3u);
   EXPECT_EQ(after.offered, before.offered);
   EXPECT_GT(after.forgotten.raw_bytes, 0u);
+}
+
+TEST_F(RewriteTest, ForgetsInMoreSegmentsThanStayOpen) {
+  constexpr int kEntities = 66;
+  ForgetSet gone;
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (int e = 0; e < kEntities; ++e)
+      for (int64_t i = 0; i < 2; ++i)
+        ASSERT_OK(writer->append({packed_example(i, example_entity(std::to_string(e)))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  for (int e = 0; e < kEntities; ++e) {
+    const auto entity = example_entity(std::to_string(e));
+    publish_latents(0, 2, 1, entity);
+    gone[entity].insert(example_time(1));
+  }
+  const auto report = forget_snapshots(store_, gone);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->snapshots, static_cast<uint64_t>(kEntities));
+  const auto reader = *StoreReader::open(store_);
+  for (int e = 0; e < kEntities; ++e) {
+    const auto& entries = **reader->index(example_entity(std::to_string(e)));
+    ASSERT_EQ(entries.size(), 1u);
+    EXPECT_TRUE(entries[0].recorded && entries[0].latent);
+  }
+}
+
+TEST_F(RewriteTest, ForgetsInMoreSegmentsOfOneTimeThanStayOpen) {
+  for (int i = 0; i < 66; ++i) seal({0, 1}, i);
+  ForgetSet gone;
+  forget_examples({0}, gone);
+  const auto report = forget_snapshots(store_, gone);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->snapshots, 1u);
+  expect_content(content_);
 }
 
 TEST_F(RewriteTest, ForgettingTheLastOfAModelTakesTheModel) {
