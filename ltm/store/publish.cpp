@@ -112,8 +112,10 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
     kept.push_back(snapshot);
   }
   if (!kept.empty()) return kept;
-  return failed_precondition("entity '{}': of {} snapshots none is as it was when the model was made",
-                             entity.to_string(), snapshots.size());
+  return failed_precondition(
+      "entity '{}': of {} snapshots none is as it was when the model was made: they were forgotten, "
+      "recorded anew, or joined with newer ones by compaction; train again",
+      entity.to_string(), snapshots.size());
 }
 
 /// Puts a model and its latents into the manifest, where that is still of `generation`. False where

@@ -39,7 +39,8 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 /// `model_file` is moved into the store. `snapshots` increase in time, all of version `version`.
 /// They were made of what journals before `first_unseen_journal` had sealed (Manifest::first_journal
 /// of the generation that was read): latents of what was forgotten since then, or recorded anew, are
-/// left out.
+/// left out. So are those of a segment that compaction joined meanwhile with one that is newer: what
+/// in it was recorded anew cannot be told any more. Compact before training or after it.
 /// Errors: kAlreadyExists where the version is taken; kInvalidArgument where `snapshots` are empty
 /// or not as said; kFailedPrecondition where none of them is left; kNotFound where there is no
 /// `model_file`; kUnavailable, kResourceExhausted.
