@@ -108,7 +108,10 @@ Result<SegmentValueReader::Tables> SegmentValueReader::open_tables(const std::st
         continue;
       }
     }
-    ENGRAM_ASSIGN_OR_RETURN(made.are_blocks, blocks_.has(made.path));
+    const auto are_blocks = blocks_.has(made.path);
+    if (are_blocks.status().code() == StatusCode::kNotFound)
+      return source_.broken(made.path, "is missing");
+    ENGRAM_ASSIGN_OR_RETURN(made.are_blocks, are_blocks);
     tables.members.push_back({tables.tables.size(), 0});
     tables.tables.push_back(std::move(made));
   }
