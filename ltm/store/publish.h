@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "ltm/store/latent.h"
 #include "ltm/store/manifest.h"
+#include "ltm/store/temporary_file.h"
 
 namespace engram::ltm {
 
@@ -19,14 +19,6 @@ namespace engram::ltm {
 /// that may be removed once it is published.
 [[nodiscard]] std::vector<std::string> remove_unused_models(Manifest& manifest,
                                                             std::vector<std::string> obsolete);
-
-/// A file name of its own in the store's `tmp/`, for what is written before it is published.
-/// What a killed process left there is removed by the next writer.
-Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
-                                             std::string_view suffix);
-
-/// True where the process is gone that a file in `tmp/` with this name belongs to.
-[[nodiscard]] bool belongs_to_dead_process(const std::string& name);
 
 /// Where a model lies in a store, and back: "models/Vision.RGB.head.cam.v2.h5".
 [[nodiscard]] std::string model_file_name(const MemoryId& entity, int version);

@@ -83,20 +83,20 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
     kept.push_back(std::move(snapshot));
   }
   if (kept.size() == spans.size()) return false;
-  std::optional<SegmentInfo> made;
-  std::filesystem::path file;
+  std::optional<MadeSegment> made;
   if (!kept.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store, ".h5"));
-    ENGRAM_ASSIGN_OR_RETURN(made, write_latent_segment(file, part.id, kept));
+    ENGRAM_ASSIGN_OR_RETURN(TemporaryFile file, TemporaryFile::create(store, ".h5"));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo info, write_latent_segment(file.path(), part.id, kept));
+    made.emplace(MadeSegment{std::move(file), std::move(info)});
   }
   ENGRAM_ASSIGN_OR_RETURN(const ForgottenSums sums,
                           count_latent_only(reader, number, part.id, times));
-  ENGRAM_RETURN_IF_ERROR(replace_segments(store, {old}, made, file, [&](Manifest& manifest) {
+  ENGRAM_RETURN_IF_ERROR(replace_segments(store, {old}, made, [&](Manifest& manifest) {
     if (sums.snapshots > 0) add_sums(manifest, {{part.id, sums}});
   }));
   report.snapshots += sums.snapshots;
   report.bytes_before += old.bytes;
-  report.bytes_after += made ? made->bytes : 0;
+  report.bytes_after += made ? made->info.bytes : 0;
   ++report.segments_before;
   report.segments_after += made ? 1 : 0;
   return true;

@@ -121,20 +121,16 @@ Result<SegmentInfo> write_merged(const std::filesystem::path& file, const Merged
                                  const std::filesystem::path& like) {
   ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(like));
   ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
-  auto made = write_recorded_segment(file, merged.entities, types);
-  if (!made.ok()) {
-    const Status removed = remove_file(file);
-    return removed.ok() ? made.status() : made.status().with_context(removed.message());
-  }
+  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made, write_recorded_segment(file, merged.entities, types));
   // Recorded forms that were dropped stay counted: their latents are still there.
-  for (SegmentEntity& part : made->entities) part.raw_bytes = merged.raw_bytes.at(part.id);
+  for (SegmentEntity& part : made.entities) part.raw_bytes = merged.raw_bytes.at(part.id);
   return made;
 }
 
 }  // namespace
 
 Status replace_segments(const std::filesystem::path& store, const std::vector<SegmentInfo>& old,
-                        std::optional<SegmentInfo> made, const std::filesystem::path& file,
+                        const std::optional<MadeSegment>& made,
                         const std::function<void(Manifest&)>& note) {
   std::vector<std::string> obsolete;
   ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
@@ -147,9 +143,9 @@ Status replace_segments(const std::filesystem::path& store, const std::vector<Se
       obsolete.push_back(segment.file);
     }
     if (made) {
-      made->file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-      ENGRAM_RETURN_IF_ERROR(publish_file(file, store / made->file));
-      *place = *made;
+      *place = made->info;
+      place->file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
+      ENGRAM_RETURN_IF_ERROR(publish_file(made->file.path(), store / place->file));
     }
     std::erase_if(manifest.segments, [&](const SegmentInfo& segment) {
       return std::ranges::find(obsolete, segment.file) != obsolete.end();
@@ -181,20 +177,21 @@ Status SegmentRewriter::rewrite(const std::vector<uint32_t>& numbers, RewriteRep
   }
   const Merged merged = merger.finish();
   if (numbers.size() == 1 && !merged.has_less) return {};
-  std::optional<SegmentInfo> made;
-  std::filesystem::path file;
+  std::optional<MadeSegment> made;
   if (!merged.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store_, ".h5"));
-    ENGRAM_ASSIGN_OR_RETURN(made, write_merged(file, merged, store_ / old.back().file));
+    ENGRAM_ASSIGN_OR_RETURN(TemporaryFile file, TemporaryFile::create(store_, ".h5"));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo info,
+                            write_merged(file.path(), merged, store_ / old.back().file));
     for (const SegmentInfo& segment : old)
-      made->last_journal = std::max(made->last_journal, segment.last_journal);
+      info.last_journal = std::max(info.last_journal, segment.last_journal);
+    made.emplace(MadeSegment{std::move(file), std::move(info)});
   }
   ENGRAM_RETURN_IF_ERROR(replace_segments(
-      store_, old, made, file, [&](Manifest& manifest) { add_sums(manifest, merged.gone); }));
+      store_, old, made, [&](Manifest& manifest) { add_sums(manifest, merged.gone); }));
   for (const SegmentInfo& segment : old) report.bytes_before += segment.bytes;
   report.segments_before += old.size();
   report.segments_after += made ? 1 : 0;
-  report.bytes_after += made ? made->bytes : 0;
+  report.bytes_after += made ? made->info.bytes : 0;
   for (const auto& [entity, sums] : merged.gone) report.snapshots += sums.snapshots;
   return {};
 }

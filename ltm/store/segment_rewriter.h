@@ -11,6 +11,7 @@
 
 #include "ltm/store/rewrite.h"
 #include "ltm/store/store_reader.h"
+#include "ltm/store/temporary_file.h"
 
 namespace engram::ltm {
 
@@ -25,11 +26,17 @@ using FateOf = std::function<Fate(const MemoryId&, const SnapshotEntry&)>;
 /// Adds what was forgotten to what the manifest counts.
 void add_sums(Manifest& manifest, const std::map<MemoryId, ForgottenSums>& gone);
 
-/// Puts `made`, already written to `file`, in the place of segments that are there now; the files
-/// of these go. Nothing in `made`: they go alone. `note` may change the manifest further.
+/// A segment that is written and not published yet.
+struct MadeSegment {
+  TemporaryFile file;
+  SegmentInfo info;  ///< Without `file`.
+};
+
+/// Puts `made` in the place of segments that are there now; the files of these go. Nothing in
+/// `made`: they go alone. `note` may change the manifest further.
 /// Errors: kFailedPrecondition where one of them is not there any more; those of edit_manifest.
 Status replace_segments(const std::filesystem::path& store, const std::vector<SegmentInfo>& old,
-                        std::optional<SegmentInfo> made, const std::filesystem::path& file,
+                        const std::optional<MadeSegment>& made,
                         const std::function<void(Manifest&)>& note);
 
 /// Writes recorded segments anew as one: without what updates replaced and what is to go, all else

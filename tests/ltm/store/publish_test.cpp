@@ -124,6 +124,13 @@ TEST_F(PublishTest, NeverLetsLatentsTakeThePlaceOfALaterUpdate) {
   EXPECT_EQ(*left, std::vector<Snapshot>{update});
 }
 
+TEST_F(PublishTest, LeavesOnlyTheModelToItsOwnerWhereItFails) {
+  record(0, 6);
+  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
+  EXPECT_FAILS(publish(1, example_latents(0, 6, 1)), StatusCode::kAlreadyExists, "exists");
+  EXPECT_EQ(files_in("tmp"), 1u);
+}
+
 TEST_F(PublishTest, KeepsModelsOfEntitiesApart) {
   const MemoryId one = *MemoryId::from_names({"a.b", "c", "d", "e"});
   const MemoryId two = *MemoryId::from_names({"a", "b.c", "d", "e"});

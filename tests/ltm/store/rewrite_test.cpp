@@ -216,6 +216,24 @@ TEST_F(RewriteTest, LeavesSegmentsAloneThatHoldNothingOfIt) {
   for (size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].file, before[i].file);
 }
 
+TEST_F(RewriteTest, LeavesNoFileBehindWhereItCannotPublish) {
+  seal({0, 1, 2});
+  publish_latents(0, 3, 1);
+  // A directory lies where the next segment is to go.
+  const uint64_t next = read_manifest(store_)->next_segment;
+  std::filesystem::create_directories(store_ / fmt::format("segments/{:06}.h5/in", next));
+  const ForgetSet gone{{example_entity(), {example_time(1)}}};
+  EXPECT_FAILS(forget_snapshots(store_, gone), StatusCode::kUnavailable, "");
+  EXPECT_EQ(files_in("tmp"), 0u) << "of latents";
+  ASSERT_OK(edit_manifest(store_, [](Manifest& manifest) {
+    std::erase_if(manifest.segments,
+                  [](const auto& segment) { return segment.kind == SegmentKind::kLatent; });
+    return Status();
+  }));
+  EXPECT_FAILS(forget_snapshots(store_, gone), StatusCode::kUnavailable, "");
+  EXPECT_EQ(files_in("tmp"), 0u) << "of what was recorded";
+}
+
 TEST_F(RewriteTest, RefusesToRewriteWhatIsDamaged) {
   seal({0, 1, 2});
   seal({3});
