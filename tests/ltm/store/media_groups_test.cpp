@@ -287,8 +287,8 @@ TEST_F(MediaGroups, AreNotMadeOfWhatDoesNotDecode) {
   EXPECT_EQ(codecs(), std::vector<std::string>(5, "rowpred"));
 }
 
-TEST_F(MediaGroups, GoIntoAJournalOneByOne) {
-  seal_pictures(0, 10, "h264:group=10");
+TEST_F(MediaGroups, WithoutLossGoIntoAJournalOneByOne) {
+  seal_pictures(0, 10, "ffv1:group=10");
   const auto expected = read();
   const auto from = *StoreReader::open(store_);
   const auto other = scratch_ / "other";
@@ -297,6 +297,15 @@ TEST_F(MediaGroups, GoIntoAJournalOneByOne) {
   for (const SnapshotEntry& entry : **from->index(example_entity()))
     ASSERT_OK(writing->append({*from->read_packed(example_entity(), entry)}, nullptr));
   EXPECT_EQ(*read_all(**StoreReader::open(other), example_entity()), expected);
+}
+
+TEST_F(MediaGroups, WithLossDoNotGoIntoAJournal) {
+  seal_pictures(0, 2, "h264:group=2");
+  const auto from = *StoreReader::open(store_);
+  const SnapshotEntry& first = (*from->index(example_entity()))->front();
+  const auto writing = *StoreWriter::open(store_, {});
+  EXPECT_FAILS(writing->append({*from->read_packed(example_entity(), first)}, nullptr),
+               StatusCode::kInvalidArgument, "'image': is of a group of 'h264', which has loss");
 }
 
 TEST_F(MediaGroups, AreRecoveredButForTheDamagedOne) {
