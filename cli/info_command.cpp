@@ -68,7 +68,7 @@ Json entity_json(const ltm::EntitySummary& summary, const ltm::StoredForms& form
             {"raw_bytes", summary.raw_bytes},
             {"stored_bytes", summary.stored_bytes},
             {"media_codecs", forms.media_codecs},
-            {"has_number_columns", forms.has_columns},
+            {"has_number_columns", forms.has_columns()},
             {"latent_bytes", summary.latent_bytes},
             {"model_bytes", summary.model_bytes},
             {"models", std::move(models)}};
@@ -104,7 +104,7 @@ std::string forms_text(const ltm::StoredForms& forms) {
   std::string text;
   for (const std::string& codec : forms.media_codecs)
     text += (text.empty() ? ", as " : " and ") + codec;
-  if (forms.has_columns) text += ", numbers as columns";
+  if (forms.has_columns()) text += ", numbers as columns";
   return text;
 }
 

@@ -52,6 +52,11 @@ class GroupCodec {
 /// Those whose encoders are installed.
 [[nodiscard]] std::vector<std::string_view> available_group_codecs();
 
+/// True where the text of a rule's codec means groups. `ffv1` is a codec for single images, too: it
+/// does where it says how large they are.
+/// Errors: kInvalidArgument where the text is malformed.
+Result<bool> means_groups(std::string_view text);
+
 /// Decodes what was stored under `name`; null where there is none of this name.
 [[nodiscard]] const GroupCodec* find_group_codec(std::string_view name);
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
+#include "ltm/codec/codec.h"
 #include "ltm/codec/group_codec.h"
 #include "ltm/codec/video_codec.h"
 
@@ -20,6 +23,13 @@ std::vector<std::string_view> available_group_codecs() {
   for (const VideoKind& kind : video_kinds())
     if (is_installed(kind)) names.push_back(kind.name);
   return names;
+}
+
+Result<bool> means_groups(std::string_view text) {
+  ENGRAM_ASSIGN_OR_RETURN(const CodecText parsed, CodecText::parse(text));
+  const auto is_named = [&parsed](const VideoKind& kind) { return kind.name == parsed.name(); };
+  if (std::ranges::none_of(video_kinds(), is_named)) return false;
+  return find_codec(parsed.name()) == nullptr || parsed.has("group");
 }
 
 const GroupCodec* find_group_codec(std::string_view name) {

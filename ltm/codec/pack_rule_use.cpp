@@ -3,7 +3,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <set>
 
 #include "ltm/codec/codec.h"
@@ -13,13 +12,6 @@
 namespace engram::ltm {
 
 namespace {
-
-Result<bool> is_group_text(std::string_view text) {
-  ENGRAM_ASSIGN_OR_RETURN(const CodecText parsed, CodecText::parse(text));
-  if (std::ranges::find(group_codec_names(), parsed.name()) == group_codec_names().end())
-    return false;
-  return find_codec(parsed.name()) == nullptr || parsed.has("group");
-}
 
 /// Of single arrays and of groups, each once.
 std::string known_codecs() {
@@ -60,7 +52,7 @@ Result<PackRuleUse> use_of(const PackRule& rule) {
     return invalid_argument("codec '{}': is for numbers, needs kind: number", rule.codec);
   bool is_group = false;
   if (!is_numbers && rule.codec != kStays) {
-    ENGRAM_ASSIGN_OR_RETURN(is_group, is_group_text(rule.codec));
+    ENGRAM_ASSIGN_OR_RETURN(is_group, means_groups(rule.codec));
   }
   if (!is_group && !rule.journal.empty())
     return invalid_argument("journal codec '{}': codec '{}' is that of the journal already",

@@ -20,7 +20,6 @@ enum class PackRuleUse : uint8_t {
   kNumbers,  ///< Numbers that stay in the value.
 };
 
-/// `ffv1` is a codec for single images, too: it means groups where it says how large.
 /// Errors: kInvalidArgument where the rule contradicts itself.
 Result<PackRuleUse> use_of(const PackRule& rule);
 

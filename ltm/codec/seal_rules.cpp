@@ -15,6 +15,7 @@ struct SealRules::Plan {
   };
 
   std::vector<Rule> rules;
+  std::set<std::string, std::less<>> columns;  ///< Paths, whatever the rules say.
 };
 
 Result<SealRules> SealRules::create(const PackOptions& options) {
@@ -29,6 +30,12 @@ Result<SealRules> SealRules::create(const PackOptions& options) {
   }
   SealRules rules;
   if (is_any) rules.plan_ = std::move(plan);
+  return rules;
+}
+
+SealRules SealRules::columns(std::set<std::string, std::less<>> paths) {
+  SealRules rules;
+  if (!paths.empty()) rules.plan_ = std::make_shared<Plan>(Plan{{}, std::move(paths)});
   return rules;
 }
 
@@ -51,6 +58,7 @@ const GroupCodec* SealRules::group_codec(std::string_view path, idf::ElementType
 
 bool SealRules::are_columns(std::string_view path) const {
   if (plan_ == nullptr) return false;
+  if (plan_->columns.contains(path)) return true;
   for (const Plan::Rule& each : plan_->rules)
     if (each.use == PackRuleUse::kNumbers && matches_path(each.rule.path, path))
       return each.rule.codec == kColumns;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <string_view>
 
 #include "ltm/codec/group_codec.h"
@@ -23,7 +26,10 @@ class SealRules {
   /// is not installed.
   static Result<SealRules> create(const PackOptions& options);
 
-  /// Rules under which all numbers become columns, and nothing else happens.
+  /// Rules under which the numbers at these paths, and no others, become columns; images stay.
+  static SealRules columns(std::set<std::string, std::less<>> paths);
+
+  /// Rules under which all numbers do.
   static SealRules all_columns();
 
   /// True where all stays as it is.

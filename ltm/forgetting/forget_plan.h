@@ -26,7 +26,7 @@ struct EntityForgetPlan {
 struct ForgetPlan {
   std::map<MemoryId, EntityForgetPlan> entities;  ///< All of the store, also those that stay whole.
   /// Snapshots are taken to be of equal size within their segment and entity; a file that goes
-  /// whole counts exactly.
+  /// whole counts exactly, and images in groups not before all of their entity in the segment go.
   uint64_t freed_bytes = 0;
   uint64_t store_bytes = 0;      ///< Of the store's directory, before.
   uint64_t free_disk_bytes = 0;  ///< Before.

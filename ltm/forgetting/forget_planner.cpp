@@ -200,10 +200,21 @@ Status ForgetPlanner::protect_linked() {
   return {};
 }
 
-FreedBytes ForgetPlanner::freed() const {
-  FreedBytes freed(source_.store().manifest());
+/// A segment that does not tell counts as one with groups: rewriting it frees nothing, either.
+bool ForgetPlanner::has_groups(uint32_t segment, const MemoryId& entity) {
+  const auto [known, is_new] = has_groups_.try_emplace({segment, entity}, true);
+  if (!is_new) return known->second;
+  const auto forms = source_.store().forms(entity, segment);
+  if (forms.ok()) known->second = forms->has_groups;
+  return known->second;
+}
+
+FreedBytes ForgetPlanner::freed() {
+  FreedBytes freed(source_.store().manifest(), [this](uint32_t segment, const MemoryId& entity) {
+    return has_groups(segment, entity);
+  });
   for (const Entity& entity : entities_)
-    for (const SnapshotPlaces& places : entity.places) freed.count(places);
+    for (const SnapshotPlaces& places : entity.places) freed.count(entity.id, places);
   for (const Entity& entity : entities_)
     for (size_t i = 0; i < entity.reason.size(); ++i)
       if (entity.reason[i] != kStays) freed.take(entity.id, entity.places[i]);
@@ -288,7 +299,7 @@ EntityForgetPlan ForgetPlanner::plan_of(const Entity& entity, const FreedBytes& 
   return plan;
 }
 
-ForgetPlan ForgetPlanner::finish() const {
+ForgetPlan ForgetPlanner::finish() {
   ForgetPlan plan;
   const FreedBytes going = freed();
   plan.freed_bytes = going.expected();

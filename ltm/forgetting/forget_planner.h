@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ltm/forgetting/freed_bytes.h"
@@ -35,7 +37,7 @@ class ForgetPlanner {
   /// Takes more, until quotas are met as far as can be told.
   Status take_for_quota(const ForgetOptions& options);
 
-  [[nodiscard]] ForgetPlan finish() const;
+  [[nodiscard]] ForgetPlan finish();
 
  private:
   static constexpr uint16_t kStays = 0;
@@ -78,7 +80,8 @@ class ForgetPlanner {
                                                std::vector<std::vector<bool>>& is_queued);
   Status follow_links(std::vector<std::pair<size_t, size_t>>& waiting);
   Result<SnapshotEntry> entry(const Entity& entity, size_t snapshot);
-  [[nodiscard]] FreedBytes freed() const;
+  bool has_groups(uint32_t segment, const MemoryId& entity);
+  [[nodiscard]] FreedBytes freed();
   [[nodiscard]] uint64_t freed_model_bytes(const Entity& entity) const;
   [[nodiscard]] EntityForgetPlan plan_of(const Entity& entity, const FreedBytes& shares) const;
 
@@ -87,6 +90,7 @@ class ForgetPlanner {
   const ForgetContext& context_;
   std::vector<Entity> entities_;  ///< In the order of their names.
   std::vector<std::string> reasons_{"stays"};
+  std::map<std::pair<uint32_t, MemoryId>, bool> has_groups_;  ///< Segments that were asked.
   uint64_t missing_bytes_ = 0;
 };
 

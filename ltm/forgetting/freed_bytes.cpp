@@ -26,25 +26,33 @@ SnapshotPlaces SnapshotPlaces::of(const SnapshotEntry& entry) {
   return places;
 }
 
-FreedBytes::FreedBytes(const Manifest& manifest) {
+FreedBytes::FreedBytes(const Manifest& manifest, HasGroups has_groups)
+    : has_groups_(std::move(has_groups)) {
   segments_.resize(manifest.segments.size());
   for (size_t i = 0; i < segments_.size(); ++i) {
-    segments_[i].bytes = manifest.segments[i].bytes;
-    for (const SegmentEntity& part : manifest.segments[i].entities)
+    const SegmentInfo& info = manifest.segments[i];
+    segments_[i].bytes = info.bytes;
+    segments_[i].is_recorded = info.kind == SegmentKind::kRecorded;
+    for (const SegmentEntity& part : info.entities)
       if (part.snapshots > 0)
-        segments_[i].each[part.id] =
+        segments_[i].parts[part.id].each =
             static_cast<double>(part.stored_bytes) / static_cast<double>(part.snapshots);
   }
 }
 
-void FreedBytes::count(const SnapshotPlaces& places) {
-  if (places.has_recorded_segment()) ++segments_[places.recorded].left;
-  if (places.has_latents()) ++segments_[places.latent].left;
+void FreedBytes::count_in(uint32_t segment, const MemoryId& entity) {
+  ++segments_[segment].left;
+  ++segments_[segment].parts[entity].left;
+}
+
+void FreedBytes::count(const MemoryId& entity, const SnapshotPlaces& places) {
+  if (places.has_recorded_segment()) count_in(places.recorded, entity);
+  if (places.has_latents()) count_in(places.latent, entity);
 }
 
 double FreedBytes::share_in(uint32_t segment, const MemoryId& entity) const {
-  const auto each = segments_[segment].each.find(entity);
-  return each == segments_[segment].each.end() ? 0 : each->second;
+  const auto part = segments_[segment].parts.find(entity);
+  return part == segments_[segment].parts.end() || !part->second.counts() ? 0 : part->second.each;
 }
 
 double FreedBytes::share(const MemoryId& entity, const SnapshotPlaces& places) const {
@@ -56,9 +64,13 @@ double FreedBytes::share(const MemoryId& entity, const SnapshotPlaces& places) c
 
 void FreedBytes::take_from(uint32_t number, const MemoryId& entity) {
   Segment& segment = segments_[number];
-  ENGRAM_CHECK(segment.left > 0, "segment {} has nothing left", number);
-  const double before = segment.shares;
-  segment.shares = --segment.left == 0 ? 0 : before + share_in(number, entity);
+  Part& part = segment.parts[entity];
+  ENGRAM_CHECK(part.left > 0, "segment {} has nothing left of '{}'", number, entity.to_string());
+  if (part.went == 0) part.has_groups = segment.is_recorded && has_groups_(number, entity);
+  const double before = segment.shares, part_before = part.shares();
+  ++part.went;
+  --part.left;
+  segment.shares = --segment.left == 0 ? 0 : before + part.shares() - part_before;
   if (segment.left == 0) exact_ += segment.bytes;
   shares_ = std::max(0.0, shares_ + segment.shares - before);
   careful_ = std::max(0.0, careful_ + careful_part(segment.shares) - careful_part(before));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -27,14 +28,21 @@ struct SnapshotPlaces {
 
 /// Estimates what forgetting frees, snapshot by snapshot.
 ///
+/// Images of a group do not count until all that the segment holds of their entity goes: those that
+/// stay of a group that is cut are stored one by one, which may take more bytes than all of it did.
+///
 /// Threading: one thread.
 class FreedBytes {
  public:
+  /// Says of a recorded segment, an index into the manifest's, whether it holds groups of images of
+  /// an entity. It is asked once about each entity of a segment that loses anything.
+  using HasGroups = std::function<bool(uint32_t segment, const MemoryId& entity)>;
+
   /// `manifest` must outlive this.
-  explicit FreedBytes(const Manifest& manifest);
+  FreedBytes(const Manifest& manifest, HasGroups has_groups);
 
   /// Tells of a snapshot that is there, before any goes.
-  void count(const SnapshotPlaces& places);
+  void count(const MemoryId& entity, const SnapshotPlaces& places);
 
   /// A counted snapshot goes.
   void take(const MemoryId& entity, const SnapshotPlaces& places);
@@ -47,20 +55,34 @@ class FreedBytes {
   /// latents are taken to go whole: of those that are only cut no bytes go.
   [[nodiscard]] uint64_t careful() const { return exact_ + static_cast<uint64_t>(careful_); }
 
-  /// The share of one snapshot.
+  /// The share of one snapshot that went, as it stands now.
   [[nodiscard]] double share(const MemoryId& entity, const SnapshotPlaces& places) const;
 
  private:
+  /// What a segment holds of an entity.
+  struct Part {
+    double each = 0;    ///< Bytes of one snapshot.
+    uint64_t left = 0;  ///< Counted snapshots that stay.
+    uint64_t went = 0;
+    bool has_groups = false;  ///< Known once one went.
+
+    [[nodiscard]] bool counts() const { return !has_groups || left == 0; }
+    [[nodiscard]] double shares() const { return counts() ? each * static_cast<double>(went) : 0; }
+  };
+
   struct Segment {
-    std::map<MemoryId, double> each;  ///< Bytes of one snapshot.
+    std::map<MemoryId, Part> parts;
     uint64_t bytes = 0;
     uint64_t left = 0;  ///< Counted snapshots that stay.
     double shares = 0;  ///< Of those that went.
+    bool is_recorded = false;
   };
 
   [[nodiscard]] double share_in(uint32_t segment, const MemoryId& entity) const;
+  void count_in(uint32_t segment, const MemoryId& entity);
   void take_from(uint32_t segment, const MemoryId& entity);
 
+  HasGroups has_groups_;
   std::vector<Segment> segments_;
   double shares_ = 0;   ///< In segments of which something stays.
   double careful_ = 0;  ///< What is counted on of them.

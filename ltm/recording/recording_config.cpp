@@ -7,6 +7,7 @@
 #include "ltm/core/config.h"
 #include "ltm/filter/config_choice.h"
 #include "ltm/filter/filter_config.h"
+#include "ltm/recording/codec_choice.h"
 
 namespace engram::ltm {
 
@@ -25,27 +26,6 @@ Result<std::optional<MediumKind>> read_kind(ConfigMap& map) {
   return std::optional(kind);
 }
 
-/// Puts the codec's text into the rule: of a list, the first whose encoder is installed.
-Status choose_codec(const ConfigValue& codec, PackRule& rule) {
-  if (!codec.is_list()) {
-    ENGRAM_ASSIGN_OR_RETURN(rule.codec, codec.text());
-    const Status status = PackOptions{.rules = {rule}}.validate();
-    return status.ok() ? status : codec.error(status);
-  }
-  ENGRAM_ASSIGN_OR_RETURN(const auto texts, codec.list());
-  Status missing = codec.error("found no codec, needs one or more");
-  bool is_chosen = false;
-  for (const ConfigValue& each : texts) {
-    PackRule with = rule;
-    ENGRAM_ASSIGN_OR_RETURN(with.codec, each.text());
-    const Status status = PackOptions{.rules = {with}}.validate();
-    if (!status.ok() && status.code() != StatusCode::kFailedPrecondition) return each.error(status);
-    if (!status.ok()) missing = each.error(status);
-    if (status.ok() && !std::exchange(is_chosen, true)) rule = std::move(with);
-  }
-  return is_chosen ? Status() : missing;
-}
-
 Result<PackRule> read_codec(const ConfigValue& value) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
   PackRule rule;
@@ -53,7 +33,9 @@ Result<PackRule> read_codec(const ConfigValue& value) {
   ENGRAM_ASSIGN_OR_RETURN(rule.kind, read_kind(map));
   ENGRAM_RETURN_IF_ERROR(map.read("journal", rule.journal, &ConfigValue::text));
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue codec, map.require("codec"));
-  ENGRAM_RETURN_IF_ERROR(choose_codec(codec, rule));
+  ENGRAM_ASSIGN_OR_RETURN(rule, choose_codec(codec, rule, [](const PackRule& chosen) {
+                            return PackOptions{.rules = {chosen}}.validate();
+                          }));
   ENGRAM_RETURN_IF_ERROR(map.finish());
   return rule;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/frame.h"
 
+#include "ltm/codec/group_codec.h"
 #include "ltm/codec/zstd.h"
 #include "ltm/idf/binary.h"
 
@@ -83,6 +84,17 @@ Result<PackedMedium> medium_from_data(const Data& data) {
   return medium;
 }
 
+/// Frames stand alone: the others of the group may never be written.
+Result<PackedMedium> outside_its_group(const PackedMedium& medium, MediumDecoder& decoder) {
+  const GroupCodec* codec = find_group_codec(medium.codec);
+  if (codec != nullptr && !codec->is_lossless())
+    return invalid_argument(
+        "medium '{}': is of a group of '{}', which has loss: a journal would have it encoded once "
+        "more when it is sealed; needs the image as it was before, or a segment",
+        medium.path, medium.codec);
+  return pack_alone(medium, decoder);
+}
+
 Result<Data> instance_to_data(const PackedInstance& instance) {
   List media;
   MediumDecoder decoder;
@@ -91,8 +103,7 @@ Result<Data> instance_to_data(const PackedInstance& instance) {
       media.push_back(medium_to_data(medium));
       continue;
     }
-    // Frames stand alone: the others of the group may never be written.
-    ENGRAM_ASSIGN_OR_RETURN(const PackedMedium alone, pack_alone(medium, decoder));
+    ENGRAM_ASSIGN_OR_RETURN(const PackedMedium alone, outside_its_group(medium, decoder));
     media.push_back(medium_to_data(alone));
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto rest, idf::encode(instance.value.rest));

@@ -10,7 +10,9 @@ namespace engram::ltm {
 
 /// Payload of a journal frame: one packed snapshot. A snapshot without instances only says what
 /// was dropped after the one before.
-/// Errors: kInvalidArgument where a value nests too deep.
+/// Images of a group that has no loss are written singly, as frames stand alone.
+/// Errors: kInvalidArgument where a value nests too deep or an image is of a group with loss: it
+/// would be encoded once more when it is sealed. Those of pack_alone.
 /// Source: docs/format.md, section "Journal".
 Result<std::vector<std::byte>> encode_frame(const PackedSnapshot& snapshot);
 

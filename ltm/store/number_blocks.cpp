@@ -12,11 +12,19 @@ namespace {
 
 constexpr const char* kCodec = "columns";
 /// Who reads one row decodes its block: wide ones have fewer rows.
-constexpr size_t kBlockBytes = 256 << 10;
-constexpr uint64_t kLeastRows = 64;
+constexpr uint64_t kBlockBytes = 256 << 10;
 constexpr uint64_t kMostRows = 4096;
-/// A hostile file may tell of any size.
-constexpr uint64_t kMostBlockBytes = uint64_t{1} << 30;
+/// Columns of few rows hardly compress: a block has so many, as far as they fit into a larger one.
+constexpr uint64_t kWishedRows = 64;
+constexpr uint64_t kLargeBlockBytes = 16 << 20;
+static_assert(kLargeBlockBytes <= kMaxNumberBlockBytes);
+
+/// Of rows that are no larger than blocks may be: then a block of so many is not, either.
+uint64_t rows_per_block(uint64_t row_bytes) {
+  row_bytes = std::max<uint64_t>(row_bytes, 1);
+  const uint64_t rows = std::clamp(kBlockBytes / row_bytes, kWishedRows, kMostRows);
+  return std::clamp<uint64_t>(kLargeBlockBytes / row_bytes, 1, rows);
+}
 
 /// Swaps cells and their elements: `[rows, count]` to `[count, rows]`.
 void transpose(std::span<const std::byte> from, size_t rows, size_t count, size_t width,
@@ -33,8 +41,10 @@ Status write_number_blocks(h5::File& file, const std::string& group, const Numbe
                            std::span<const std::byte> cells) {
   const size_t width = idf::size_bytes(table.type);
   const size_t row_bytes = table.row_bytes();
-  const uint64_t per_block =
-      std::clamp<uint64_t>(kBlockBytes / std::max<size_t>(row_bytes, 1), kLeastRows, kMostRows);
+  if (row_bytes > kMaxNumberBlockBytes)
+    return invalid_argument("columns '{}': a row has {} bytes, at most {} fit", group, row_bytes,
+                            kMaxNumberBlockBytes);
+  const uint64_t per_block = rows_per_block(row_bytes);
   BlobColumn blobs;
   std::vector<std::byte> turned;
   for (uint64_t first = 0; first < table.rows; first += per_block) {
@@ -63,6 +73,7 @@ Result<std::span<const std::byte>> NumberBlocks::row(const std::string& group,
   if (row >= table.rows)
     return source_.broken(group, fmt::format("has {} rows, needs row {}", table.rows, row));
   const uint64_t number = row / block->rows_per_block;
+  block->last_use = ++uses_;
   if (block->number != number) ENGRAM_RETURN_IF_ERROR(load(group, table, number, *block));
   const uint64_t at = row % block->rows_per_block * table.row_bytes();
   return std::span<const std::byte>(block->cells).subspan(at, table.row_bytes());
@@ -89,10 +100,13 @@ Status NumberBlocks::load(const std::string& group, const NumberTable& table, ui
                           Block& block) {
   const uint64_t first = number * block.rows_per_block;
   const uint64_t rows = std::min(block.rows_per_block, table.rows - first);
-  if (table.row_bytes() > kMostBlockBytes / rows)
+  if (table.row_bytes() > kMaxNumberBlockBytes / rows)
     return source_.broken(group, fmt::format("has blocks of {} rows of {} bytes, at most {} bytes "
                                              "fit",
-                                             rows, table.row_bytes(), kMostBlockBytes));
+                                             rows, table.row_bytes(), kMaxNumberBlockBytes));
+  block.number = UINT64_MAX;
+  block.cells = {};
+  make_room(rows * table.row_bytes());
   std::vector<std::byte> turned;
   for (size_t i = 0; i < table.columns; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(const Buffer packed, source_.blob(group, number * table.columns + i));
@@ -101,11 +115,29 @@ Status NumberBlocks::load(const std::string& group, const NumberTable& table, ui
         source_.located(decompress_column(packed.bytes(), table.type, rows * table.elements)));
     turned.insert(turned.end(), column.begin(), column.end());
   }
-  block.number = UINT64_MAX;
   block.cells.resize(turned.size());
   transpose(turned, table.columns * table.elements, rows, idf::size_bytes(table.type), block.cells);
   block.number = number;
   return {};
+}
+
+uint64_t NumberBlocks::held_bytes() const {
+  uint64_t bytes = 0;
+  for (const auto& [group, block] : blocks_) bytes += block.cells.size();
+  return bytes;
+}
+
+/// Lets go of the blocks that were not used for longest, until `bytes` more fit.
+void NumberBlocks::make_room(uint64_t bytes) {
+  const auto last_use = [](const auto& each) {
+    return each.second.cells.empty() ? UINT64_MAX : each.second.last_use;
+  };
+  for (uint64_t held = held_bytes(); held > 0 && held + bytes > kept_bytes_;) {
+    Block& oldest = std::ranges::min_element(blocks_, {}, last_use)->second;
+    held -= oldest.cells.size();
+    oldest.number = UINT64_MAX;
+    oldest.cells = {};
+  }
 }
 
 }  // namespace engram::ltm

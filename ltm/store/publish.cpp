@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/publish.h"
 
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <charconv>
 #include <set>
 #include <sstream>
@@ -112,8 +107,10 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
     kept.push_back(snapshot);
   }
   if (!kept.empty()) return kept;
-  return failed_precondition("entity '{}': of {} snapshots none is as it was when the model was made",
-                             entity.to_string(), snapshots.size());
+  return failed_precondition(
+      "entity '{}': of {} snapshots none is as it was when the model was made: they were forgotten, "
+      "recorded anew, or joined with newer ones by compaction; train again",
+      entity.to_string(), snapshots.size());
 }
 
 /// Puts a model and its latents into the manifest, where that is still of `generation`. False where
@@ -121,8 +118,9 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
 Result<bool> publish_latents(const std::filesystem::path& store, uint64_t generation,
                              const ModelInfo& model, const std::filesystem::path& model_file,
                              const std::vector<LatentSnapshot>& snapshots) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
-  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment, write_latent_segment(file, model.entity, snapshots));
+  ENGRAM_ASSIGN_OR_RETURN(const TemporaryFile file, TemporaryFile::create(store, ".h5"));
+  ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment,
+                          write_latent_segment(file.path(), model.entity, snapshots));
   std::vector<std::string> obsolete;
   bool has_changed = false;
   const Status status = edit_manifest(store, [&](Manifest& manifest) -> Status {
@@ -135,7 +133,7 @@ Result<bool> publish_latents(const std::filesystem::path& store, uint64_t genera
         superseded_segments(store, manifest, model.entity, times_of(snapshots)));
     segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
     ENGRAM_RETURN_IF_ERROR(publish_file(model_file, store / model.file));
-    ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
+    ENGRAM_RETURN_IF_ERROR(publish_file(file.path(), store / segment.file));
     std::erase_if(manifest.segments,
                   [&](const SegmentInfo& old) { return superseded.contains(old.file); });
     manifest.segments.push_back(std::move(segment));
@@ -144,10 +142,7 @@ Result<bool> publish_latents(const std::filesystem::path& store, uint64_t genera
         remove_unused_models(manifest, std::vector(superseded.begin(), superseded.end()));
     return {};
   });
-  if (has_changed) {
-    ENGRAM_RETURN_IF_ERROR(remove_file(file));
-    return false;
-  }
+  if (has_changed) return false;
   ENGRAM_RETURN_IF_ERROR(status);
   for (const std::string& old : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / old));
   return true;
@@ -170,13 +165,6 @@ std::vector<std::string> remove_unused_models(Manifest& manifest,
     return true;
   });
   return obsolete;
-}
-
-bool belongs_to_dead_process(const std::string& name) {
-  int process = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
-  if (error != std::errc() || process <= 0) return true;
-  return process != ::getpid() && ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
 std::string model_file_name(const MemoryId& entity, int version) {
@@ -209,13 +197,6 @@ std::optional<ModelInfo> model_of_file(const std::string& file) {
   model.file = model_file_name(*entity, model.version);
   if (model.version < 1 || model.file != file) return std::nullopt;
   return model;
-}
-
-Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
-                                             std::string_view suffix) {
-  static std::atomic<uint64_t> number = 0;
-  ENGRAM_RETURN_IF_ERROR(make_directories(store / "tmp"));
-  return store / "tmp" / fmt::format("{}-{}{}", ::getpid(), number++, suffix);
 }
 
 Status publish_model(const std::filesystem::path& store, const MemoryId& entity, int version,

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "ltm/store/latent.h"
 #include "ltm/store/manifest.h"
+#include "ltm/store/temporary_file.h"
 
 namespace engram::ltm {
 
@@ -19,14 +19,6 @@ namespace engram::ltm {
 /// that may be removed once it is published.
 [[nodiscard]] std::vector<std::string> remove_unused_models(Manifest& manifest,
                                                             std::vector<std::string> obsolete);
-
-/// A file name of its own in the store's `tmp/`, for what is written before it is published.
-/// What a killed process left there is removed by the next writer.
-Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
-                                             std::string_view suffix);
-
-/// True where the process is gone that a file in `tmp/` with this name belongs to.
-[[nodiscard]] bool belongs_to_dead_process(const std::string& name);
 
 /// Where a model lies in a store, and back: "models/Vision.RGB.head.cam.v2.h5".
 [[nodiscard]] std::string model_file_name(const MemoryId& entity, int version);
@@ -40,6 +32,8 @@ Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
 /// They were made of what journals before `first_unseen_journal` had sealed
 /// (Manifest::first_journal of the generation that was read): latents of what was forgotten since
 /// then, or recorded anew, are left out; a block of which some stay is stored with all its bytes.
+/// So are those of a segment that compaction joined meanwhile with one that is newer: what in it
+/// was recorded anew cannot be told any more. Compact before training or after it.
 /// Errors: kAlreadyExists where the version is taken; kInvalidArgument where `snapshots` are empty
 /// or not as said, or have places that no block can have; kFailedPrecondition where none of them is
 /// left; kNotFound where there is no `model_file`; kUnavailable, kResourceExhausted.

@@ -46,9 +46,10 @@ struct RecoverReport {
 /// say what they hold; then segments count in the order of their numbers, and how many snapshots
 /// unreadable groups and files held is not known.
 ///
-/// Errors: kNotFound where there is no store; kFailedPrecondition where its format is newer or a
-/// process writes to it; kAlreadyExists where `target` or what a killed recover left is there;
-/// kInvalidArgument where `target` lies in `source`; kResourceExhausted, kUnavailable, kCancelled.
+/// Errors: kNotFound where there is no store; kFailedPrecondition where its format is newer, a
+/// process writes to it or the decoder of a group of images is not installed; kAlreadyExists where
+/// `target` or what a killed recover left is there; kInvalidArgument where `target` lies in
+/// `source`; kResourceExhausted, kUnavailable, kCancelled.
 /// Source: docs/format.md, section "Checking and recovering".
 Result<RecoverReport> recover_store(const std::filesystem::path& source,
                                     const std::filesystem::path& target,

@@ -2,222 +2,20 @@
 #include "ltm/store/rewrite.h"
 
 #include <algorithm>
+#include <set>
 
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/latent_blocks.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/segment_reader.h"
+#include "ltm/store/segment_rewriter.h"
 #include "ltm/store/segment_writer.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::ltm {
 
 namespace {
-
-/// What becomes of a recorded snapshot when its segment is written anew.
-enum class Fate {
-  kKeep,
-  kDrop,    ///< Its latents stay: reports go on counting it.
-  kForget,  ///< It goes altogether.
-};
-using FateOf = std::function<Fate(const MemoryId&, const SnapshotEntry&)>;
-
-/// Puts `made`, already written to `file`, in the place of segments that are there now; the files
-/// of these go. Nothing in `made`: they go alone.
-Status replace_segments(const std::filesystem::path& store, const std::vector<SegmentInfo>& old,
-                        std::optional<SegmentInfo> made, const std::filesystem::path& file,
-                        const std::function<void(Manifest&)>& note) {
-  std::vector<std::string> obsolete;
-  ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
-    auto place = manifest.segments.end();
-    for (const SegmentInfo& segment : old) {
-      place = std::ranges::find(manifest.segments, segment.file, &SegmentInfo::file);
-      if (place == manifest.segments.end())
-        return failed_precondition("store '{}': segment '{}' went while it was rewritten",
-                                   store.string(), segment.file);
-      obsolete.push_back(segment.file);
-    }
-    if (made) {
-      made->file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-      ENGRAM_RETURN_IF_ERROR(publish_file(file, store / made->file));
-      *place = *made;
-    }
-    std::erase_if(manifest.segments, [&](const SegmentInfo& segment) {
-      return std::ranges::find(obsolete, segment.file) != obsolete.end();
-    });
-    note(manifest);
-    obsolete = remove_unused_models(manifest, std::move(obsolete));
-    return {};
-  }));
-  for (const std::string& name : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / name));
-  return {};
-}
-
-/// The content of some recorded segments without what updates replaced and what is to be forgotten.
-struct Merged {
-  std::map<MemoryId, RecordedEntity> entities;
-  std::map<MemoryId, ForgottenSums> gone;
-  std::map<MemoryId, uint64_t> raw_bytes;  ///< As reports count them, forgotten ones excluded.
-  /// Something was left out, be it forgotten or replaced by an update.
-  bool has_less = false;
-
-  /// True where nothing is left to be stored or counted.
-  [[nodiscard]] bool empty() const {
-    return std::ranges::all_of(entities, [this](const auto& entity) {
-      return entity.second.snapshots.empty() && entity.second.trailing_dropped == 0 &&
-             raw_bytes.at(entity.first) == 0;
-    });
-  }
-};
-
-class Merger {
- public:
-  Merger(StoreReader& reader, const FateOf& fate_of) : reader_(reader), fate_of_(fate_of) {}
-
-  Status add(uint32_t segment) {
-    for (const SegmentEntity& part : reader_.manifest().segments[segment].entities) {
-      RecordedEntity& kept = merged_.entities[part.id];
-      kept.trailing_dropped += part.dropped;
-      kept.trailing_dropped_bytes += part.dropped_bytes;
-      merged_.raw_bytes[part.id] += part.raw_bytes;
-      if (part.snapshots > 0) ENGRAM_RETURN_IF_ERROR(keep_forms(segment, part.id, kept));
-      ENGRAM_RETURN_IF_ERROR(add_snapshots(segment, part.id, kept));
-    }
-    return {};
-  }
-
-  Merged finish() {
-    for (auto& [id, entity] : merged_.entities)
-      std::ranges::stable_sort(entity.snapshots, {}, &PackedSnapshot::time);
-    // Entities of which nothing is left need no group.
-    for (auto entity = merged_.entities.begin(); entity != merged_.entities.end();)
-      entity = entity->second.snapshots.empty() && merged_.gone.contains(entity->first)
-                   ? forget_rest(entity)
-                   : std::next(entity);
-    return std::move(merged_);
-  }
-
- private:
-  using Entities = std::map<MemoryId, RecordedEntity>;
-
-  /// Numbers stay stored as they were; so do images, which need no rules for it.
-  Status keep_forms(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
-    ENGRAM_ASSIGN_OR_RETURN(const StoredForms forms, reader_.forms(id, segment));
-    if (forms.has_columns) kept.rules = SealRules::all_columns();
-    return {};
-  }
-
-  Status add_snapshots(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
-    const SegmentEntity& part = *reader_.manifest().segments[segment].find(id);
-    if (part.snapshots == 0) return {};
-    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader_.timeline(id));
-    const size_t before = kept.snapshots.size();
-    ENGRAM_RETURN_IF_ERROR(
-        timeline->for_each(part.first, part.last, [&](const SnapshotEntry& entry) -> Status {
-          const auto& recorded = entry.recorded;
-          if (!recorded || recorded->rows == 0 || recorded->source != segment) return {};
-          return add_snapshot(id, entry, kept);
-        }));
-    merged_.has_less = merged_.has_less || kept.snapshots.size() - before < part.snapshots;
-    return {};
-  }
-
-  Status add_snapshot(const MemoryId& id, const SnapshotEntry& entry, RecordedEntity& kept) {
-    const Fate fate = fate_of_(id, entry);
-    if (fate == Fate::kDrop) return {};
-    ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_packed(id, entry));
-    if (fate == Fate::kForget) {
-      note_gone(id, packed);
-      return {};
-    }
-    kept.trailing_dropped -= packed.dropped;
-    kept.trailing_dropped_bytes -= packed.dropped_bytes;
-    kept.snapshots.push_back(std::move(packed));
-    return {};
-  }
-
-  void note_gone(const MemoryId& id, const PackedSnapshot& packed) {
-    ForgottenSums& sums = merged_.gone[id];
-    ++sums.snapshots;
-    sums.raw_bytes += packed.raw_bytes;
-    merged_.raw_bytes[id] -= std::min(merged_.raw_bytes[id], packed.raw_bytes);
-  }
-
-  Entities::iterator forget_rest(Entities::iterator entity) {
-    ForgottenSums& sums = merged_.gone[entity->first];
-    sums.dropped += entity->second.trailing_dropped;
-    sums.dropped_bytes += entity->second.trailing_dropped_bytes;
-    return merged_.entities.erase(entity);
-  }
-
-  StoreReader& reader_;
-  const FateOf& fate_of_;
-  Merged merged_;
-};
-
-void add_sums(Manifest& manifest, const std::map<MemoryId, ForgottenSums>& gone) {
-  for (const auto& [entity, sums] : gone) {
-    ForgottenSums& total = manifest.forgotten[entity];
-    total.snapshots += sums.snapshots;
-    total.raw_bytes += sums.raw_bytes;
-    total.dropped += sums.dropped;
-    total.dropped_bytes += sums.dropped_bytes;
-  }
-}
-
-/// Writes recorded segments anew as one.
-class Rewriter {
- public:
-  Rewriter(std::filesystem::path store, StoreReader& reader, FateOf fate_of)
-      : store_(std::move(store)), reader_(reader), fate_of_(std::move(fate_of)) {}
-
-  Status rewrite(const std::vector<uint32_t>& numbers, RewriteReport& report) {
-    Merger merger(reader_, fate_of_);
-    std::vector<SegmentInfo> old;
-    for (const uint32_t number : numbers) {
-      ENGRAM_RETURN_IF_ERROR(merger.add(number));
-      old.push_back(reader_.manifest().segments[number]);
-    }
-    const Merged merged = merger.finish();
-    if (numbers.size() == 1 && !merged.has_less) return {};
-    std::optional<SegmentInfo> made;
-    std::filesystem::path file;
-    if (!merged.empty()) {
-      ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store_, ".h5"));
-      ENGRAM_ASSIGN_OR_RETURN(made, write(file, merged, old.back()));
-      for (const SegmentInfo& segment : old)
-        made->last_journal = std::max(made->last_journal, segment.last_journal);
-    }
-    ENGRAM_RETURN_IF_ERROR(replace_segments(
-        store_, old, made, file, [&](Manifest& manifest) { add_sums(manifest, merged.gone); }));
-    for (const SegmentInfo& segment : old) report.bytes_before += segment.bytes;
-    report.segments_before += old.size();
-    report.segments_after += made ? 1 : 0;
-    report.bytes_after += made ? made->bytes : 0;
-    for (const auto& [entity, sums] : merged.gone) report.snapshots += sums.snapshots;
-    return {};
-  }
-
- private:
-  Result<std::optional<SegmentInfo>> write(const std::filesystem::path& file, const Merged& merged,
-                                           const SegmentInfo& like) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(store_ / like.file));
-    ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
-    auto made = write_recorded_segment(file, merged.entities, types);
-    if (!made.ok()) {
-      const Status removed = remove_file(file);
-      return removed.ok() ? made.status() : made.status().with_context(removed.message());
-    }
-    // Recorded forms that were dropped stay counted: their latents are still there.
-    for (SegmentEntity& part : made->entities) part.raw_bytes = merged.raw_bytes.at(part.id);
-    return std::optional(std::move(made).value());
-  }
-
-  std::filesystem::path store_;
-  StoreReader& reader_;
-  FateOf fate_of_;
-};
 
 /// Runs of recorded segments that can become one. Latents between them end a run: what is recorded
 /// after latents may be an update of what they were made of.
@@ -289,23 +87,42 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
   if (kept.size() == spans.size()) return false;
   if (options.recode_latents)
     ENGRAM_RETURN_IF_ERROR(recode_cut_blocks(part.id, kept, options.recode_latents));
-  std::optional<SegmentInfo> made;
-  std::filesystem::path file;
+  std::optional<MadeSegment> made;
   if (!kept.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(file, temporary_file(store, ".h5"));
-    ENGRAM_ASSIGN_OR_RETURN(made, write_latent_segment(file, part.id, kept));
+    ENGRAM_ASSIGN_OR_RETURN(TemporaryFile file, TemporaryFile::create(store, ".h5"));
+    ENGRAM_ASSIGN_OR_RETURN(SegmentInfo info, write_latent_segment(file.path(), part.id, kept));
+    made.emplace(MadeSegment{std::move(file), std::move(info)});
   }
   ENGRAM_ASSIGN_OR_RETURN(const ForgottenSums sums,
                           count_latent_only(reader, number, part.id, times));
-  ENGRAM_RETURN_IF_ERROR(replace_segments(store, {old}, made, file, [&](Manifest& manifest) {
+  ENGRAM_RETURN_IF_ERROR(replace_segments(store, {old}, made, [&](Manifest& manifest) {
     if (sums.snapshots > 0) add_sums(manifest, {{part.id, sums}});
   }));
   report.snapshots += sums.snapshots;
   report.bytes_before += old.bytes;
-  report.bytes_after += made ? made->bytes : 0;
+  report.bytes_after += made ? made->info.bytes : 0;
   ++report.segments_before;
   report.segments_after += made ? 1 : 0;
   return true;
+}
+
+/// Opens the store anew for a segment that is to be written anew: what others took the place of is
+/// not there for a reader that was open before.
+struct OpenedSegment {
+  std::unique_ptr<StoreReader> reader;
+  uint32_t number = 0;  ///< Index into its manifest's segments.
+};
+
+Result<OpenedSegment> open_for(const std::filesystem::path& store, const std::string& file) {
+  OpenedSegment opened;
+  ENGRAM_ASSIGN_OR_RETURN(opened.reader, StoreReader::open(store));
+  const auto& segments = opened.reader->manifest().segments;
+  const auto found = std::ranges::find(segments, file, &SegmentInfo::file);
+  if (found == segments.end())
+    return unavailable("store '{}': segment '{}' was replaced meanwhile: try again", store.string(),
+                       file);
+  opened.number = static_cast<uint32_t>(found - segments.begin());
+  return opened;
 }
 
 bool holds_any(const SegmentInfo& segment, const ForgetSet& gone) {
@@ -372,7 +189,7 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
     for (uint32_t n = 0; n < reader->manifest().segments.size(); ++n)
       if (std::ranges::find(files, reader->manifest().segments[n].file) != files.end())
         numbers.push_back(n);
-    Rewriter rewriter(store, *reader, [](const auto&, const auto&) { return Fate::kKeep; });
+    SegmentRewriter rewriter(store, *reader, [](const auto&, const auto&) { return Fate::kKeep; });
     ENGRAM_RETURN_IF_ERROR(rewriter.rewrite(numbers, report));
     report.is_cancelled = stop.stop_requested();
   }
@@ -383,22 +200,25 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
                                        const ProgressSink& progress, const std::stop_token& stop,
                                        const ForgetRewriteOptions& options) {
   RewriteReport report;
-  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
-  const auto& segments = reader->manifest().segments;
-  Rewriter rewriter(store, *reader, [&gone](const MemoryId& id, const SnapshotEntry& entry) {
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest before, read_manifest(store));
+  const FateOf fate_of = [&gone](const MemoryId& id, const SnapshotEntry& entry) {
     const auto times = gone.find(id);
     return times != gone.end() && times->second.contains(entry.time) ? Fate::kForget : Fate::kKeep;
-  });
+  };
   // Latents first: without them the recorded form still is whole, the other way round a moment
   // that was forgotten would live on as latents.
   for (const SegmentKind kind : {SegmentKind::kLatent, SegmentKind::kRecorded}) {
-    for (uint32_t i = 0; i < segments.size() && !report.is_cancelled; ++i) {
-      if (segments[i].kind != kind || !holds_any(segments[i], gone)) continue;
-      if (progress) progress({"forget " + store.string(), i, segments.size(), "", -1});
+    for (size_t i = 0; i < before.segments.size() && !report.is_cancelled; ++i) {
+      const SegmentInfo& segment = before.segments[i];
+      if (segment.kind != kind || !holds_any(segment, gone)) continue;
+      if (progress) progress({"forget " + store.string(), i, before.segments.size(), "", -1});
+      ENGRAM_ASSIGN_OR_RETURN(const OpenedSegment opened, open_for(store, segment.file));
       if (kind == SegmentKind::kLatent)
-        ENGRAM_RETURN_IF_ERROR(rewrite_latents(store, *reader, i, gone, options, report).status());
+        ENGRAM_RETURN_IF_ERROR(
+            rewrite_latents(store, *opened.reader, opened.number, gone, options, report).status());
       else
-        ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, report));
+        ENGRAM_RETURN_IF_ERROR(
+            SegmentRewriter(store, *opened.reader, fate_of).rewrite({opened.number}, report));
       report.is_cancelled = stop.stop_requested();
     }
   }
@@ -412,15 +232,24 @@ Result<DropReport> drop_recorded(const std::filesystem::path& store, const Memor
   ENGRAM_RETURN_IF_ERROR(check_models(store, reader->manifest(), entity));
   ENGRAM_ASSIGN_OR_RETURN(DropReport report, check_before_drop(*reader, entity, keep));
   if (report.snapshots == 0) return report;
-  Rewriter rewriter(store, *reader, [&](const MemoryId& id, const SnapshotEntry& entry) {
-    return id == entity && is_dropped(entry, keep) ? Fate::kDrop : Fate::kKeep;
-  });
+  std::set<std::string> checked;
+  for (const SegmentInfo& segment : reader->manifest().segments)
+    if (segment.kind == SegmentKind::kLatent) checked.insert(segment.file);
   RewriteReport rewritten;
-  const auto& segments = reader->manifest().segments;
   // In the order of the list: older forms go before the newer ones whose place they would take.
-  for (uint32_t i = 0; i < segments.size(); ++i)
-    if (segments[i].kind == SegmentKind::kRecorded && segments[i].find(entity) != nullptr)
-      ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({i}, rewritten));
+  for (const SegmentInfo& segment : reader->manifest().segments) {
+    if (segment.kind != SegmentKind::kRecorded || segment.find(entity) == nullptr) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const OpenedSegment opened, open_for(store, segment.file));
+    const auto& now = opened.reader->manifest().segments;
+    const FateOf fate_of = [&](const MemoryId& id, const SnapshotEntry& entry) {
+      // Latents that were published meanwhile were not read.
+      const bool is_to_go = id == entity && is_dropped(entry, keep) &&
+                            checked.contains(now[entry.latent->source].file);
+      return is_to_go ? Fate::kDrop : Fate::kKeep;
+    };
+    ENGRAM_RETURN_IF_ERROR(
+        SegmentRewriter(store, *opened.reader, fate_of).rewrite({opened.number}, rewritten));
+  }
   report.freed_bytes = rewritten.freed_bytes();
   return report;
 }

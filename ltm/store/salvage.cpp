@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "ltm/codec/medium_decoder.h"
 #include "ltm/core/file.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/segment_walk.h"
@@ -88,8 +89,10 @@ class SegmentSalvage {
           if (!times.ok()) return lose(span.rows, times), Status();
           if (last && span.time <= *last)
             return lose(1, data_loss("row {} runs backwards in time", span.first)), Status();
-          if (const Status read = collect(told.id, span); !read.ok())
-            return lose(1, read), Status();
+          const Status read = collect(told.id, span);
+          // Nothing is lost that another installation decodes.
+          if (read.code() == StatusCode::kFailedPrecondition) return broken = read;
+          if (!read.ok()) return lose(1, read), Status();
           last = span.time;
           ++counts.saved;
           return has_room(told.id) ? Status() : broken = write(told.id);
@@ -120,6 +123,7 @@ class SegmentSalvage {
       return {};
     }
     ENGRAM_ASSIGN_OR_RETURN(PackedSnapshot packed, reader_.read_recorded(entity, span));
+    ENGRAM_RETURN_IF_ERROR(decode_groups(packed));
     held_bytes_ += size_of(packed);
     dropped_[entity].first += packed.dropped;
     dropped_[entity].second += packed.dropped_bytes;
@@ -129,10 +133,18 @@ class SegmentSalvage {
     return {};
   }
 
+  /// Whether others of their group are lost comes out later: then they are written as they decode.
+  Status decode_groups(const PackedSnapshot& packed) {
+    for (const PackedInstance& instance : packed.instances)
+      for (const PackedMedium& medium : instance.value.media)
+        if (medium.group) ENGRAM_RETURN_IF_ERROR(decoder_.decode(medium).status());
+    return {};
+  }
+
   /// Numbers stay stored as they were.
   [[nodiscard]] SealRules rules_of(const MemoryId& entity) {
     const auto forms = reader_.forms(entity);
-    return forms.ok() && forms->has_columns ? SealRules::all_columns() : SealRules();
+    return forms.ok() ? SealRules::columns(forms->columns) : SealRules();
   }
 
   /// Groups of images that are cut must be taken apart, blocks of latents be stored twice: they may
@@ -191,6 +203,7 @@ class SegmentSalvage {
   const std::stop_token& stop_;
   SalvagedSegment& result_;
   SegmentTypes types_;
+  MediumDecoder decoder_;
   std::map<MemoryId, RecordedEntity> recorded_;
   std::map<MemoryId, std::pair<uint64_t, uint64_t>> dropped_;  ///< Counted in rows; their bytes.
   std::vector<LatentSnapshot> latents_;

@@ -26,11 +26,13 @@ struct SalvagedSegment {
   std::vector<Finding> findings;  ///< A fault per entity that lost something.
 };
 
-/// Writes every snapshot of a segment that can be read whole into new segments below `target`.
+/// Writes every snapshot of a segment that can be read whole, groups of images decoded, into new
+/// segments below `target`.
 /// `told` is what the manifest says of it, `types` are to be taken where its own cannot be read;
 /// `next_file` names each new one. What is written at once
 /// is bounded.
-/// Errors: kFailedPrecondition where the format is newer; kUnavailable, kResourceExhausted,
+/// Errors: kFailedPrecondition where the format is newer, or the decoder of a group is not
+/// installed; kUnavailable, kResourceExhausted,
 /// kCancelled.
 Result<SalvagedSegment> salvage_segment(const std::filesystem::path& source,
                                         const SegmentInfo& told, const SegmentTypes& types,

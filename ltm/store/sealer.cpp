@@ -75,12 +75,9 @@ Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job)
   if (job.rules)
     for (auto& [id, entity] : content.entities) entity.rules = job.rules(id);
   if (!content.entities.empty() || content.damaged > 0) {
-    ENGRAM_ASSIGN_OR_RETURN(const std::filesystem::path file, temporary_file(store, ".h5"));
-    if (Status status = publish_segment(store, file, content, job); !status.ok()) {
-      // It is tried again and again: what failed must not fill the disk.
-      const Status removed = remove_file(file);
-      return removed.ok() ? status : status.with_context(removed.message());
-    }
+    // It is tried again and again: what failed must not fill the disk.
+    ENGRAM_ASSIGN_OR_RETURN(const TemporaryFile file, TemporaryFile::create(store, ".h5"));
+    ENGRAM_RETURN_IF_ERROR(publish_segment(store, file.path(), content, job));
   }
   // From here on the segment is the truth; a journal that stays behind is removed at the next
   // opening. Damaged journals are kept for whoever wants to look at what was lost.

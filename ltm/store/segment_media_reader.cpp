@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/segment_media_reader.h"
 
+#include <algorithm>
+
 namespace engram::ltm {
 
 Result<std::vector<PackedMedium>> SegmentMediaReader::media(const std::string& group,
@@ -20,6 +22,11 @@ Result<std::set<std::string>> SegmentMediaReader::codecs(const std::string& grou
   ENGRAM_ASSIGN_OR_RETURN(const auto* groups, groups_of(group));
   for (const MediaGroup& found : *groups) names.insert(found.medium.codec);
   return names;
+}
+
+Result<bool> SegmentMediaReader::has_groups(const std::string& group) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* groups, groups_of(group));
+  return std::ranges::any_of(*groups, &MediaGroup::has_groups);
 }
 
 Result<std::optional<PackedMedium>> SegmentMediaReader::single(const MediaGroup& found,

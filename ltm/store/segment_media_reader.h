@@ -31,6 +31,10 @@ class SegmentMediaReader {
   /// Errors: kDataLoss.
   Result<std::set<std::string>> codecs(const std::string& group);
 
+  /// True where images of any of them are stored in groups.
+  /// Errors: kDataLoss.
+  Result<bool> has_groups(const std::string& group);
+
  private:
   struct MediaGroup {
     std::string name;

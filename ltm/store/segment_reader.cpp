@@ -89,6 +89,12 @@ struct SegmentReader::State {
   }
 };
 
+void StoredForms::add(const StoredForms& other) {
+  media_codecs.insert(other.media_codecs.begin(), other.media_codecs.end());
+  has_groups = has_groups || other.has_groups;
+  columns.insert(other.columns.begin(), other.columns.end());
+}
+
 SegmentReader::SegmentReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
 SegmentReader::~SegmentReader() = default;
 
@@ -146,7 +152,8 @@ Result<StoredForms> SegmentReader::forms(const MemoryId& entity) {
   const std::string group = segment_group(entity);
   StoredForms forms;
   ENGRAM_ASSIGN_OR_RETURN(forms.media_codecs, state_->media.codecs(group));
-  ENGRAM_ASSIGN_OR_RETURN(forms.has_columns, state_->values.has_columns(group));
+  ENGRAM_ASSIGN_OR_RETURN(forms.has_groups, state_->media.has_groups(group));
+  ENGRAM_ASSIGN_OR_RETURN(forms.columns, state_->values.columns(group));
   return forms;
 }
 

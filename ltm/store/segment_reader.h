@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -25,7 +26,14 @@ struct RowSpan {
 /// How the recorded form of an entity is stored.
 struct StoredForms {
   std::set<std::string> media_codecs;  ///< Names; those of groups of images, too.
-  bool has_columns = false;            ///< Numbers are compressed columns, not plain datasets.
+  bool has_groups = false;             ///< Images of one medium or more are stored in groups.
+  /// Paths of the numbers in compressed columns; all others are in plain datasets.
+  std::set<std::string, std::less<>> columns;
+
+  [[nodiscard]] bool has_columns() const { return !columns.empty(); }
+
+  /// Takes over what another segment holds in each form.
+  void add(const StoredForms& other);
 };
 
 /// What a segment file says of itself.

@@ -108,16 +108,23 @@ Result<SegmentValueReader::Tables> SegmentValueReader::open_tables(const std::st
         continue;
       }
     }
-    ENGRAM_ASSIGN_OR_RETURN(made.are_blocks, blocks_.has(made.path));
+    const auto are_blocks = blocks_.has(made.path);
+    if (are_blocks.status().code() == StatusCode::kNotFound)
+      return source_.broken(made.path, "is missing");
+    ENGRAM_ASSIGN_OR_RETURN(made.are_blocks, are_blocks);
     tables.members.push_back({tables.tables.size(), 0});
     tables.tables.push_back(std::move(made));
   }
   return tables;
 }
 
-Result<bool> SegmentValueReader::has_columns(const std::string& group) {
+Result<std::set<std::string, std::less<>>> SegmentValueReader::columns(const std::string& group) {
   ENGRAM_ASSIGN_OR_RETURN(const Tables* tables, tables_of(group));
-  return std::ranges::any_of(tables->tables, &Table::are_blocks);
+  std::set<std::string, std::less<>> paths;
+  for (size_t i = 0; i < tables->members.size(); ++i)
+    if (tables->tables[tables->members[i].table].are_blocks)
+      paths.insert(tables->layout.members()[i].path);
+  return paths;
 }
 
 Result<std::vector<idf::NdArray>> SegmentValueReader::tensors(Tables& tables, uint64_t row) {

@@ -3,8 +3,10 @@
 
 // Private to this room: what segment files are read with.
 
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,9 +33,9 @@ class SegmentValueReader {
   /// Errors: kDataLoss.
   Result<idf::Data> remainder(const std::string& group, uint64_t row);
 
-  /// True where any numbers of the entity are stored as compressed columns.
+  /// Paths of the numbers of the entity that are stored as compressed columns.
   /// Errors: kDataLoss.
-  Result<bool> has_columns(const std::string& group);
+  Result<std::set<std::string, std::less<>>> columns(const std::string& group);
 
  private:
   /// A group of remainders, opened once.

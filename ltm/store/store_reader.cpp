@@ -300,8 +300,7 @@ Result<StoredForms> StoreReader::newest_forms(const MemoryId& entity) {
       continue;
     ++looked_at;
     ENGRAM_ASSIGN_OR_RETURN(const StoredForms found, forms(entity, static_cast<uint32_t>(i)));
-    all.media_codecs.insert(found.media_codecs.begin(), found.media_codecs.end());
-    all.has_columns = all.has_columns || found.has_columns;
+    all.add(found);
   }
   return all;
 }

@@ -42,7 +42,8 @@ class StoreWriter {
     uint64_t min_free_bytes = uint64_t{256} << 20;
     /// What becomes of an entity's images and numbers when they are sealed. Counts for what this
     /// writer appends: what others left in their journals is sealed as it lies there. Encoding
-    /// images as groups costs time of the sealer's thread, never of an append.
+    /// images as groups costs time of the sealer's thread; appends wait where that does not keep
+    /// up, see max_waiting_journals.
     SealRulesOf seal_rules = {};
 
     [[nodiscard]] Status validate() const;

@@ -150,13 +150,14 @@ Status Timeline::visit_part(size_t part, Time first, Time last, const Visit& vis
       ENGRAM_RETURN_IF_ERROR(visit(*entry));
     return {};
   }
-  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, open(part));
   ENGRAM_ASSIGN_OR_RETURN(auto span, span_at_or_after(part, first));
   while (span && span->time <= last) {
     SnapshotEntry entry;
     entry.time = span->time;
     entry.put(parts_[part].is_latent, {parts_[part].segment, span->rows, span->first});
     ENGRAM_RETURN_IF_ERROR(visit(entry));
+    // A visit may have read so many other segments that this one was closed.
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, open(part));
     ENGRAM_ASSIGN_OR_RETURN(span, reader->snapshot_at(entity_, span->first + span->rows));
   }
   return {};

@@ -49,6 +49,7 @@ struct TimelinePart {
 /// Threading: one thread.
 class Timeline {
  public:
+  /// What it gives is used until it is called again, or a visit is.
   using OpenSegment = std::function<Result<SegmentReader*>(uint32_t segment)>;
 
   /// `parts` in the order of the manifest, none of them empty; `journal` in the order of time, each
@@ -76,7 +77,7 @@ class Timeline {
   Result<uint64_t> count();
 
   /// Visits the snapshots from `first` to `last`, both included, in the order of time, until one
-  /// visit fails.
+  /// visit fails. A visit may read from the store, and ask this timeline.
   using Visit = std::function<Status(const SnapshotEntry&)>;
   Status for_each(Time first, Time last, const Visit& visit);
   Status for_each(const Visit& visit) { return for_each(Time::min(), Time::max(), visit); }

@@ -47,6 +47,15 @@ TEST(SealRules, TakeTheFirstThatFits) {
   EXPECT_FALSE(rules->are_columns("raw/1"));
 }
 
+TEST(SealRules, OfPathsAreForTheseAlone) {
+  const SealRules rules = SealRules::columns({"joints/*", "x"});
+  EXPECT_TRUE(rules.are_columns("x"));
+  EXPECT_TRUE(rules.are_columns("joints/*"));
+  EXPECT_FALSE(rules.are_columns("joints/1")) << "a path, no pattern";
+  EXPECT_EQ(rules.group_codec("x", ElementType::kUInt8, kPicture), nullptr);
+  EXPECT_TRUE(SealRules::columns({}).empty());
+}
+
 TEST(SealRules, RecordImagesForGroupsWithoutLoss) {
   const idf::NdArray image = smooth_image(24, 32, 3);
   const auto codec_of = [&](const PackRule& rule) {

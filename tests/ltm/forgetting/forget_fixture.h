@@ -35,6 +35,25 @@ class ForgetFixture : public ::testing::Test {
     return snapshot;
   }
 
+  /// Seals `count` noisy pictures of an entity from second `first` on, as groups with loss. Content
+  /// is not compared.
+  void seal_groups(const std::string& name, int64_t first, int64_t count) {
+    const PackOptions options{.rules = {{.kind = MediumKind::kImage, .codec = "h264:group=10"}}};
+    StoreWriter::Options writing{.durability = Durability::kNone};
+    writing.seal_rules = [&options](const MemoryId&) { return *SealRules::create(options); };
+    const auto writer = *StoreWriter::open(store_, writing);
+    for (int64_t i = first; i < first + count; ++i) {
+      Snapshot snapshot = noisy(name, i, 128 * 128 * 3);
+      idf::Data& noise = *snapshot.instances.front().data.at("noise");
+      noise = *idf::NdArray::create(idf::ElementType::kUInt8, {128, 128, 3},
+                                    noise.get<idf::NdArray>().buffer());
+      PackedSnapshot packed = pack_snapshot(snapshot);
+      packed.instances[0].value = *pack(snapshot.instances[0].data, options);
+      ASSERT_OK(writer->append({packed}, nullptr));
+    }
+    ASSERT_OK(writer->seal());
+  }
+
   void append(const std::vector<Snapshot>& snapshots, bool is_sealed = true) {
     const auto writer = *StoreWriter::open(store_, {.durability = Durability::kNone});
     for (const Snapshot& snapshot : snapshots) {

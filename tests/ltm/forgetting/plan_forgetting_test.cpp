@@ -137,6 +137,24 @@ TEST_F(PlanForgetting, AMetQuotaTakesNothing) {
   EXPECT_EQ(plan(options)->snapshots(), 0u);
 }
 
+TEST_F(PlanForgetting, GroupsOfImagesFreeNothingUntilTheyGoWhole) {
+  seal_groups("cam", 0, 20);
+  seal_groups("cam", 20, 20);
+  ForgetOptions half = all_old();
+  half.protection.younger_than = Seconds(986);
+  const auto cut = plan(half);
+  ASSERT_THAT(gone(cut), SizeIs(15));
+  EXPECT_EQ(cut->freed_bytes, 0u);
+  EXPECT_EQ(cut->entities.at(example_entity()).freed_bytes, 0u);
+  ForgetOptions options;
+  options.most_bytes = context().store_bytes - 40'000;
+  const auto made = plan(options);
+  EXPECT_THAT(gone(made), SizeIs(20)) << "the first segment whole, and no more";
+  EXPECT_EQ(made->missing_bytes, 0u);
+  ASSERT_OK(forget_snapshots(store_, made->to_set()));
+  EXPECT_LE(context().store_bytes, *options.most_bytes) << "the plan keeps its word";
+}
+
 TEST_F(PlanForgetting, FreeDiskSpaceIsAQuotaToo) {
   for (int64_t i = 0; i < 4; ++i) append({noisy("cam", i, 40'000)});
   Recall recall(*StoreReader::open(store_), {});

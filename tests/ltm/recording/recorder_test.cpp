@@ -93,7 +93,7 @@ TEST_F(RecorderTest, SealsAsItsRulesSay) {
   const auto reader = *StoreReader::open(store());
   const auto forms = reader->newest_forms(example_entity());
   EXPECT_EQ(forms->media_codecs, std::set<std::string>{"ffv1"});
-  EXPECT_TRUE(forms->has_columns);
+  EXPECT_TRUE(forms->has_columns());
   const auto found = read_all(*reader, example_entity());
   ASSERT_EQ(found->size(), 10u);
   for (int64_t i = 0; i < 10; ++i) EXPECT_EQ((*found)[static_cast<size_t>(i)], taken(i));

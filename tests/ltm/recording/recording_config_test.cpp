@@ -237,14 +237,16 @@ entities:
   EXPECT_FALSE(rules->are_columns("raw/x"));
 }
 
-TEST(RecordingConfig, TakesTheFirstCodecOfAListThatIsInstalled) {
-  const auto codec_of = [](const std::string& codecs) {
-    const auto options =
-        read("entities: [{match: .*, codecs: [{kind: image, codec: " + codecs + "}]}]");
-    return options.rules.at(0).pack.rules.at(0).codec;
+TEST(RecordingConfig, TakesACodecOfAList) {
+  const auto rule_of = [](const std::string& rule) {
+    const auto options = read("entities: [{match: .*, codecs: [{kind: image, " + rule + "}]}]");
+    return options.rules.at(0).pack.rules.at(0);
   };
-  EXPECT_EQ(codec_of("[jpeg, png]"), "jpeg");
-  EXPECT_EQ(codec_of(R"(["ffv1:group=4", png])"), "ffv1:group=4");
+  EXPECT_EQ(rule_of("codec: [jpeg, png]").codec, "jpeg");
+  EXPECT_EQ(rule_of(R"(codec: ["ffv1:group=4", png])").codec, "ffv1:group=4");
+  const PackRule with_journal = rule_of(R"(codec: ["ffv1:group=4", "jpeg:95"], journal: png)");
+  EXPECT_EQ(with_journal.codec, "ffv1:group=4");
+  EXPECT_EQ(with_journal.journal, "png");
 }
 
 TEST(RecordingConfig, RefusesCodecsForWhatTheyAreNot) {
@@ -257,6 +259,7 @@ TEST(RecordingConfig, RefusesCodecsForWhatTheyAreNot) {
   refused("{kind: cloud, codec: h264}", "is for images");
   refused("{codec: h264, journal: jpeg}", "has loss");
   refused("{codec: png, journal: png}", "that of the journal already");
+  refused("{codec: [png, jpeg], journal: png}", "that of the journal already");
   refused("{codec: []}", "needs one or more");
   refused("{codec: [png, gif]}", "unknown codec 'gif'");
 }

@@ -68,6 +68,17 @@ TEST_F(DropRecorded, DropsAWholeEntity) {
     }
 }
 
+TEST_F(DropRecorded, DropsFromMoreSegmentsOfOneTimeThanStayOpen) {
+  for (int i = 0; i < 66; ++i) record(0, 2);
+  ASSERT_OK(publish(1, example_latents(0, 1, 1)));
+  const auto report = drop_recorded(store_, example_entity(), {});
+  ASSERT_OK(report);
+  EXPECT_EQ(report->snapshots, 1u);
+  const auto kept = read_all(*open(), example_entity());
+  ASSERT_OK(kept);
+  EXPECT_EQ(*kept, std::vector<Snapshot>{example_snapshot(example_entity(), 1)});
+}
+
 TEST_F(DropRecorded, KeepsCountsOfWhatFiltersDropped) {
   {
     const auto writer = *StoreWriter::open(store_, {});

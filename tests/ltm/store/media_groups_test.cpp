@@ -20,6 +20,7 @@
 #include "ltm/store/segment_media.h"
 #include "ltm/store/segment_media_reader.h"
 #include "ltm/store/segment_reader.h"
+#include "ltm/store/segment_writer.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/codec/test_images.h"
 #include "tests/ltm/expect_status.h"
@@ -286,8 +287,8 @@ TEST_F(MediaGroups, AreNotMadeOfWhatDoesNotDecode) {
   EXPECT_EQ(codecs(), std::vector<std::string>(5, "rowpred"));
 }
 
-TEST_F(MediaGroups, GoIntoAJournalOneByOne) {
-  seal_pictures(0, 10, "h264:group=10");
+TEST_F(MediaGroups, WithoutLossGoIntoAJournalOneByOne) {
+  seal_pictures(0, 10, "ffv1:group=10");
   const auto expected = read();
   const auto from = *StoreReader::open(store_);
   const auto other = scratch_ / "other";
@@ -296,6 +297,15 @@ TEST_F(MediaGroups, GoIntoAJournalOneByOne) {
   for (const SnapshotEntry& entry : **from->index(example_entity()))
     ASSERT_OK(writing->append({*from->read_packed(example_entity(), entry)}, nullptr));
   EXPECT_EQ(*read_all(**StoreReader::open(other), example_entity()), expected);
+}
+
+TEST_F(MediaGroups, WithLossDoNotGoIntoAJournal) {
+  seal_pictures(0, 2, "h264:group=2");
+  const auto from = *StoreReader::open(store_);
+  const SnapshotEntry& first = (*from->index(example_entity()))->front();
+  const auto writing = *StoreWriter::open(store_, {});
+  EXPECT_FAILS(writing->append({*from->read_packed(example_entity(), first)}, nullptr),
+               StatusCode::kInvalidArgument, "'image': is of a group of 'h264', which has loss");
 }
 
 TEST_F(MediaGroups, AreRecoveredButForTheDamagedOne) {
@@ -321,8 +331,48 @@ TEST_F(MediaGroups, AreRecoveredButForTheDamagedOne) {
   expect_content(expected);
   EXPECT_EQ(codecs()[0], "h264 0/10");
   EXPECT_EQ(codecs()[19], "h264 9/10");
-  EXPECT_TRUE((*StoreReader::open(store_))->forms(example_entity(), 0)->has_columns);
+  EXPECT_TRUE((*StoreReader::open(store_))->forms(example_entity(), 0)->has_columns());
   expect_clean(store_);
+}
+
+TEST_F(MediaGroups, ThatDoNotDecodeAreLostAloneWhereTheirSegmentIsDamaged) {
+  const Buffer nothing = Buffer::copy(as_bytes("no group of images"));
+  RecordedEntity recorded;
+  std::vector<Snapshot> expected;
+  for (int64_t i = 0; i < 30; ++i) {
+    Snapshot made = snapshot(i, picture(i));
+    made.instances[0].data.get_if<idf::Dict>()->set("other", picture(i, 1));
+    recorded.snapshots.push_back(packed(made, {}));
+    if (i < 10 || i >= 20) expected.push_back(made);
+    if (i < 10 || i >= 20) continue;
+    PackedMedium& medium = recorded.snapshots.back().instances[0].value.media[0];
+    ASSERT_EQ(medium.path, "image");
+    medium.codec = "h264";
+    medium.bytes = nothing;
+    medium.group = {static_cast<uint32_t>(i - 10), 10};
+  }
+  auto info =
+      *write_recorded_segment(store_ / "segments/000001.h5", {{example_entity(), recorded}});
+  info.file = "segments/000001.h5";
+  ASSERT_OK(edit_manifest(store_, [&info](Manifest& manifest) {
+    manifest.segments.push_back(info);
+    manifest.next_segment = 2;
+    return Status();
+  }));
+  // The group is cut where the other image of a row is damaged.
+  const Buffer other = recorded.snapshots[13].instances[0].value.media[1].bytes;
+  const Buffer whole = *read_file(segment_file());
+  std::vector<std::byte> damaged(whole.bytes().begin(), whole.bytes().end());
+  const auto place = std::ranges::search(damaged, other.bytes());
+  ASSERT_FALSE(place.empty());
+  place.front() ^= std::byte{1};
+  overwrite_file(segment_file(), damaged);
+  const auto copy = scratch_ / "copy";
+  const auto report = recover_store(store_, copy);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->entities.at(example_entity()).recorded, 20u);
+  EXPECT_EQ(report->entities.at(example_entity()).recorded_lost, 10u);
+  EXPECT_EQ(*read_all(**StoreReader::open(copy), example_entity()), expected);
 }
 
 TEST_F(MediaGroups, WithFlippedBitsAreFoundAndNeverWrong) {

@@ -10,6 +10,7 @@
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_writer.h"
+#include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
@@ -64,7 +65,7 @@ TEST(NumberBlocks, GiveBackEveryBit) {
     const auto file = scratch / (std::to_string(count) + ".h5");
     ASSERT_OK(write(file, count, SealRules::all_columns()));
     expect_numbers(file, count);
-    EXPECT_TRUE((*SegmentReader::open(file))->forms(example_entity())->has_columns);
+    EXPECT_TRUE((*SegmentReader::open(file))->forms(example_entity())->has_columns());
   }
 }
 
@@ -75,7 +76,8 @@ TEST(NumberBlocks, AreSmallerThanPlainDatasets) {
   ASSERT_OK(plain);
   ASSERT_OK(blocks);
   EXPECT_LT(blocks->bytes, plain->bytes * 7 / 10);
-  EXPECT_FALSE((*SegmentReader::open(scratch / "plain.h5"))->forms(example_entity())->has_columns);
+  EXPECT_FALSE(
+      (*SegmentReader::open(scratch / "plain.h5"))->forms(example_entity())->has_columns());
 }
 
 TEST(NumberBlocks, AreChosenByPath) {
@@ -89,6 +91,66 @@ TEST(NumberBlocks, AreChosenByPath) {
   EXPECT_TRUE(*file.exists(group + "/arrays/force/offset"));
   EXPECT_TRUE(file.info(group + "/columns/float64/values").ok());
   expect_numbers(scratch / "s.h5", 100);
+}
+
+TEST(NumberBlocks, OfWideRowsAreNoLargerThanIsReadAgain) {
+  const ScratchDirectory scratch;
+  const auto path = scratch / "wide.h5";
+  const NumberTable table{idf::ElementType::kFloat32, 2, 1, size_t{5} << 20};
+  std::vector<float> numbers(table.rows * table.elements);
+  for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<float>(i / table.elements);
+  const auto cells = std::as_bytes(std::span(numbers));
+  auto file = *h5::File::create(path);
+  ASSERT_OK(write_number_blocks(file, "/values", table, cells));
+  // As many rows as make a block whole must fit, not these two alone.
+  const auto rows = static_cast<uint64_t>(*file.int_attribute("/values", "rows_per_block"));
+  EXPECT_LE(rows * table.row_bytes(), kMaxNumberBlockBytes);
+  ASSERT_OK(file.close());
+  SegmentSource source(*h5::File::open(path), *File::open(path, File::Mode::kRead));
+  NumberBlocks blocks(source);
+  for (uint64_t row = 0; row < table.rows; ++row) {
+    const auto found = blocks.row("/values", table, row);
+    ASSERT_OK(found);
+    EXPECT_TRUE(
+        std::ranges::equal(*found, cells.subspan(row * table.row_bytes(), table.row_bytes())));
+  }
+}
+
+TEST(NumberBlocks, RefuseRowsThatWouldNotBeReadAgain) {
+  const ScratchDirectory scratch;
+  auto file = *h5::File::create(scratch / "s.h5");
+  const NumberTable table{idf::ElementType::kFloat64, 1, 1, (kMaxNumberBlockBytes >> 3) + 1};
+  EXPECT_FAILS(write_number_blocks(file, "/values", table, {}), StatusCode::kInvalidArgument,
+               "at most");
+}
+
+TEST(NumberBlocks, OfManyTablesAreKeptAsFarAsTheyFit) {
+  constexpr uint64_t kRows = 1000, kKept = 3 * kRows * sizeof(double);
+  const ScratchDirectory scratch;
+  const auto path = scratch / "s.h5";
+  const NumberTable table{idf::ElementType::kFloat64, kRows, 1, 1};
+  std::vector<double> numbers(kRows);
+  auto file = *h5::File::create(path);
+  for (int i = 0; i < 8; ++i) {
+    numbers.assign(kRows, i);
+    ASSERT_OK(write_number_blocks(file, "/" + std::to_string(i), table,
+                                  std::as_bytes(std::span(numbers))));
+  }
+  ASSERT_OK(file.close());
+  SegmentSource source(*h5::File::open(path), *File::open(path, File::Mode::kRead));
+  NumberBlocks blocks(source, kKept);
+  for (int look = 0; look < 40; ++look) {
+    const int i = look * 3 % 8;
+    const auto row = blocks.row("/" + std::to_string(i), table, kRows - 1);
+    ASSERT_OK(row);
+    EXPECT_EQ(h5::as_vector<double>(*row), std::vector<double>{static_cast<double>(i)});
+    EXPECT_LE(blocks.held_bytes(), kKept);
+  }
+  EXPECT_EQ(blocks.held_bytes(), kKept);
+  NumberBlocks narrow(source, 1);
+  ASSERT_OK(narrow.row("/0", table, 0));
+  ASSERT_OK(narrow.row("/1", table, 0));
+  EXPECT_EQ(narrow.held_bytes(), kRows * sizeof(double)) << "one is always kept";
 }
 
 TEST(NumberBlocks, StayBlocksInASegmentThatIsWrittenAnew) {
@@ -108,8 +170,32 @@ TEST(NumberBlocks, StayBlocksInASegmentThatIsWrittenAnew) {
   const auto segments = read_manifest(store)->segments;
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_TRUE(
-      (*SegmentReader::open(store / segments[0].file))->forms(example_entity())->has_columns);
+      (*SegmentReader::open(store / segments[0].file))->forms(example_entity())->has_columns());
   expect_numbers(store / segments[0].file, 99);
+}
+
+TEST(NumberBlocks, StayThoseThatTheyWereWhereASegmentIsWrittenAnew) {
+  const ScratchDirectory scratch;
+  const auto store = scratch / "store";
+  ASSERT_OK(create_store(store));
+  StoreWriter::Options options;
+  options.seal_rules = [](const MemoryId&) {
+    return *SealRules::create(
+        {.rules = {{.path = "joints/**", .kind = MediumKind::kNumber, .codec = "none"},
+                   {.path = "f*", .kind = MediumKind::kNumber, .codec = "columns"}}});
+  };
+  for (const int64_t first : {0, 50}) {
+    const auto writer = *StoreWriter::open(store, options);
+    for (int64_t i = first; i < first + 50; ++i)
+      ASSERT_OK(writer->append({pack_snapshot(numbers(i))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  const std::set<std::string, std::less<>> columns{"float", "force"};
+  EXPECT_EQ((*StoreReader::open(store))->forms(example_entity(), 0)->columns, columns);
+  ASSERT_OK(compact(store, {}));
+  EXPECT_EQ((*StoreReader::open(store))->forms(example_entity(), 0)->columns, columns);
+  ASSERT_OK(forget_snapshots(store, {{example_entity(), {example_time(99)}}}));
+  EXPECT_EQ((*StoreReader::open(store))->forms(example_entity(), 0)->columns, columns);
 }
 
 class HostileBlocks : public ::testing::Test {

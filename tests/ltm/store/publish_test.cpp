@@ -101,7 +101,7 @@ TEST_F(PublishTest, LeavesOutWhatWasUpdatedWhileTheModelWasMade) {
   // Joined: the update now lies in one segment with what the job has read.
   ASSERT_OK(compact(store_, {}));
   EXPECT_FAILS(publish(1, example_latents(0, 6, 1), example_entity(), unseen),
-               StatusCode::kFailedPrecondition, "none is as it was");
+               StatusCode::kFailedPrecondition, "by compaction; train again");
   const uint64_t seen_all = read_manifest(store_)->first_journal;
   ASSERT_OK(publish(1, example_latents(0, 6, 1), example_entity(), seen_all));
   EXPECT_EQ(open()->summary(example_entity())->latent_snapshots, 5u) << "one is not sealed";
@@ -122,6 +122,13 @@ TEST_F(PublishTest, NeverLetsLatentsTakeThePlaceOfALaterUpdate) {
   const auto left = read_all(*open(), example_entity());
   ASSERT_OK(left);
   EXPECT_EQ(*left, std::vector<Snapshot>{update});
+}
+
+TEST_F(PublishTest, LeavesOnlyTheModelToItsOwnerWhereItFails) {
+  record(0, 6);
+  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
+  EXPECT_FAILS(publish(1, example_latents(0, 6, 1)), StatusCode::kAlreadyExists, "exists");
+  EXPECT_EQ(files_in("tmp"), 1u);
 }
 
 TEST_F(PublishTest, KeepsModelsOfEntitiesApart) {

@@ -36,11 +36,11 @@ class RewriteTest : public ::testing::Test {
     ASSERT_OK(writer->seal());
   }
 
-  void publish_latents(int64_t first, int64_t end, int version) {
+  void publish_latents(int64_t first, int64_t end, int version,
+                       const MemoryId& entity = example_entity()) {
     const auto model = *temporary_file(store_, ".model");
     overwrite_file(model, as_bytes("weights"));
-    ASSERT_OK(publish_model(store_, example_entity(), version, model,
-                            example_latents(first, end, version)));
+    ASSERT_OK(publish_model(store_, entity, version, model, example_latents(first, end, version)));
   }
 
   void expect_content(const Content& expected, const std::string& name = "cam") {
@@ -153,6 +153,42 @@ TEST_F(RewriteTest, ForgetsInEveryFormAndCountsIt) {
   EXPECT_GT(after.forgotten.raw_bytes, 0u);
 }
 
+TEST_F(RewriteTest, ForgetsInMoreSegmentsThanStayOpen) {
+  constexpr int kEntities = 66;
+  ForgetSet gone;
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (int e = 0; e < kEntities; ++e)
+      for (int64_t i = 0; i < 2; ++i)
+        ASSERT_OK(writer->append({packed_example(i, example_entity(std::to_string(e)))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  for (int e = 0; e < kEntities; ++e) {
+    const auto entity = example_entity(std::to_string(e));
+    publish_latents(0, 2, 1, entity);
+    gone[entity].insert(example_time(1));
+  }
+  const auto report = forget_snapshots(store_, gone);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->snapshots, static_cast<uint64_t>(kEntities));
+  const auto reader = *StoreReader::open(store_);
+  for (int e = 0; e < kEntities; ++e) {
+    const auto& entries = **reader->index(example_entity(std::to_string(e)));
+    ASSERT_EQ(entries.size(), 1u);
+    EXPECT_TRUE(entries[0].recorded && entries[0].latent);
+  }
+}
+
+TEST_F(RewriteTest, ForgetsInMoreSegmentsOfOneTimeThanStayOpen) {
+  for (int i = 0; i < 66; ++i) seal({0, 1}, i);
+  ForgetSet gone;
+  forget_examples({0}, gone);
+  const auto report = forget_snapshots(store_, gone);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->snapshots, 1u);
+  expect_content(content_);
+}
+
 TEST_F(RewriteTest, ForgettingTheLastOfAModelTakesTheModel) {
   seal({0, 1, 2});
   publish_latents(0, 3, 1);
@@ -178,6 +214,24 @@ TEST_F(RewriteTest, LeavesSegmentsAloneThatHoldNothingOfIt) {
   const auto after = (*StoreReader::open(store_))->manifest().segments;
   ASSERT_EQ(after.size(), before.size());
   for (size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].file, before[i].file);
+}
+
+TEST_F(RewriteTest, LeavesNoFileBehindWhereItCannotPublish) {
+  seal({0, 1, 2});
+  publish_latents(0, 3, 1);
+  // A directory lies where the next segment is to go.
+  const uint64_t next = read_manifest(store_)->next_segment;
+  std::filesystem::create_directories(store_ / fmt::format("segments/{:06}.h5/in", next));
+  const ForgetSet gone{{example_entity(), {example_time(1)}}};
+  EXPECT_FAILS(forget_snapshots(store_, gone), StatusCode::kUnavailable, "");
+  EXPECT_EQ(files_in("tmp"), 0u) << "of latents";
+  ASSERT_OK(edit_manifest(store_, [](Manifest& manifest) {
+    std::erase_if(manifest.segments,
+                  [](const auto& segment) { return segment.kind == SegmentKind::kLatent; });
+    return Status();
+  }));
+  EXPECT_FAILS(forget_snapshots(store_, gone), StatusCode::kUnavailable, "");
+  EXPECT_EQ(files_in("tmp"), 0u) << "of what was recorded";
 }
 
 TEST_F(RewriteTest, RefusesToRewriteWhatIsDamaged) {

@@ -2,6 +2,7 @@
 #include "ltm/store/timeline.h"
 
 #include <map>
+#include <ranges>
 
 #include "ltm/store/publish.h"
 #include "ltm/store/store_reader.h"
@@ -144,6 +145,32 @@ TEST(Timeline, OfNothingIsEmpty) {
   EXPECT_FALSE(timeline.at_or_after(Time{})->has_value());
   EXPECT_FALSE(timeline.at_or_before(Time{})->has_value());
   EXPECT_FALSE(timeline.nth(0)->has_value());
+}
+
+TEST(Timeline, GoesOnWhereAVisitReadsMoreSegmentsThanStayOpen) {
+  constexpr int64_t kSegments = 70, kAll = 2 * kSegments;
+  const ScratchDirectory scratch;
+  ASSERT_OK(create_store(scratch / "store"));
+  {
+    const auto writer = *StoreWriter::open(scratch / "store", {});
+    for (int64_t i = 0; i < kAll; ++i) {
+      ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+      if (i % 2 == 1) ASSERT_OK(writer->seal());
+    }
+  }
+  const auto reader = *StoreReader::open(scratch / "store");
+  ASSERT_EQ(reader->manifest().segments.size(), static_cast<size_t>(kSegments));
+  std::vector<SnapshotEntry> seen;
+  ASSERT_OK((*reader->timeline(example_entity()))->for_each([&](const SnapshotEntry& entry) {
+    seen.push_back(entry);
+    if (seen.size() + 1 != kAll) return Status();
+    // In the middle of the last segment: all others but one.
+    for (const SnapshotEntry& each : seen | std::views::take(kAll - 4))
+      ENGRAM_RETURN_IF_ERROR(reader->read_packed(example_entity(), each).status());
+    return Status();
+  }));
+  ASSERT_EQ(seen.size(), static_cast<size_t>(kAll));
+  EXPECT_EQ(seen.back().time, example_time(kAll - 1));
 }
 
 TEST(Timeline, UnitesRecordedAndLatentForms) {
