@@ -101,6 +101,7 @@ Tensor ImageAutoencoderImpl::decode(const ImageLatents& latents, const Tensor& n
 }
 
 AutoencoderImpl::AutoencoderImpl(const NetworkShape& network) : shape(network) {
+  if (shape.sizes.width == 0) return;
   for (size_t i = 0; i < shape.images.size(); ++i)
     images.push_back(
         register_module("image" + std::to_string(i),
@@ -117,7 +118,9 @@ Latents AutoencoderImpl::encode(const Parts& values) {
 Parts AutoencoderImpl::decode(const Latents& latents) {
   Parts values{{}, latents.numbers, latents.scene};
   for (size_t i = 0; i < images.size(); ++i)
-    values.images.push_back(images[i]->decode(latents.images[i], latents.numbers, latents.scene));
+    values.images.push_back(latents.images[i].coarse.defined()
+                                ? images[i]->decode(latents.images[i], latents.numbers, latents.scene)
+                                : Tensor());
   return values;
 }
 

@@ -85,13 +85,14 @@ struct AutoencoderImpl : torch::nn::Module {
 
   /// Not rounded.
   Latents encode(const Parts& values);
+  /// Images whose latents are undefined stay so.
   Parts decode(const Latents& latents);
 
   /// Sum over all pixels of how far an image is from the background of each scene. [B, scenes]
   torch::Tensor distances(const Parts& values);
 
   NetworkShape shape;
-  std::vector<ImageAutoencoder> images;
+  std::vector<ImageAutoencoder> images;  ///< None where the sizes say so.
 };
 TORCH_MODULE(Autoencoder);
 

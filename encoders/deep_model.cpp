@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ltm/codec/group_codec.h"
+
 namespace engram::encoders {
 
-using ltm::GroupPlace;
 using torch::Tensor;
 
 namespace {
@@ -69,6 +70,10 @@ DeepModel::DeepModel(TensorPlan tensor_plan, const NetworkSizes& sizes)
       autoencoder(network_shape(plan, sizes)),
       dynamics(autoencoder->shape) {
   codec.scenes = static_cast<uint32_t>(sizes.scenes);
+  for (const ImageMember& image : plan.images())
+    codec.frames.push_back(
+        {image.is_depth ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
+         {image.height, image.width, image.channels}});
 }
 
 std::vector<float> DeepModel::normalise(std::span<const double> numbers) const {
@@ -94,12 +99,20 @@ Result<Parts> DeepModel::to_parts(const idf::SplitValue& value) const {
   return parts;
 }
 
-Result<idf::Data> DeepModel::to_value(const Parts& parts, std::span<const double> numbers,
+std::vector<idf::NdArray> DeepModel::to_arrays(const Parts& parts) const {
+  std::vector<idf::NdArray> arrays(parts.images.size());
+  for (size_t i = 0; i < arrays.size(); ++i)
+    if (parts.images[i].defined()) arrays[i] = to_array(plan.images()[i], parts.images[i]);
+  return arrays;
+}
+
+Result<idf::Data> DeepModel::to_value(std::vector<idf::NdArray> images,
+                                      std::span<const double> numbers,
                                       const idf::List& remainder) const {
   idf::SplitValue value;
   value.tensors.resize(plan.layout().members().size());
-  for (size_t i = 0; i < plan.images().size(); ++i)
-    value.tensors[plan.images()[i].member] = to_array(plan.images()[i], parts.images[i]);
+  for (size_t i = 0; i < images.size(); ++i)
+    value.tensors[plan.images()[i].member] = std::move(images[i]);
   if (plan.number_count() > 0) plan.write_numbers(numbers, value.tensors);
   value.remainder = remainder;
   return plan.layout().join(value);
@@ -127,9 +140,13 @@ std::vector<int32_t> DeepModel::to_integers(const ImageLatents& latents) {
 Latents DeepModel::to_latents(const LatentRows& rows, size_t row) const {
   Latents latents{{}, {}, torch::tensor({static_cast<int64_t>(rows.scene)}, torch::kLong)};
   for (size_t i = 0; i < rows.images.size(); ++i) {
+    if (rows.images[i].form != ImageForm::kLatents) {
+      latents.images.emplace_back();
+      continue;
+    }
     const std::vector<LatentGrid> grids = autoencoder->shape.grids(i);
     const size_t each = grids[0].count() + grids[1].count();
-    const auto integers = std::span(rows.images[i]).subspan(row * each, each);
+    const auto integers = std::span(rows.images[i].latents).subspan(row * each, each);
     latents.images.push_back({grid_tensor(grids[0], integers.first(grids[0].count())),
                               grid_tensor(grids[1], integers.subspan(grids[0].count()))});
   }
@@ -139,45 +156,98 @@ Latents DeepModel::to_latents(const LatentRows& rows, size_t row) const {
   return latents;
 }
 
-Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> values) {
+Result<LatentRows> DeepModel::to_rows(std::span<const idf::SplitValue> values) {
   torch::NoGradGuard no_grad;
-  std::vector<ltm::Latent> latents;
-  std::vector<Parts> parts;
   LatentRows rows;
-  Tensor distances = torch::zeros({1, autoencoder->shape.sizes.scenes});
-  for (const idf::Data& value : values) {
-    ENGRAM_ASSIGN_OR_RETURN(idf::SplitValue split, plan.layout().split(value));
-    ENGRAM_ASSIGN_OR_RETURN(parts.emplace_back(), to_parts(split));
-    distances = distances + autoencoder->distances(parts.back());
-    const std::vector<double> numbers = plan.read_numbers(split);
+  rows.images.resize(plan.images().size());
+  for (const idf::SplitValue& value : values) {
+    const std::vector<double> numbers = plan.read_numbers(value);
     rows.numbers.insert(rows.numbers.end(), numbers.begin(), numbers.end());
-    const GroupPlace place{static_cast<uint32_t>(latents.size()),
-                           static_cast<uint32_t>(values.size())};
-    latents.push_back({{}, std::move(split.remainder), place});
   }
+  if (autoencoder->images.empty()) return rows;
+  std::vector<Parts> parts;
+  for (const idf::SplitValue& value : values) {
+    ENGRAM_ASSIGN_OR_RETURN(parts.emplace_back(), to_parts(value));
+  }
+  add_latents(std::move(parts), rows);
+  return rows;
+}
+
+void DeepModel::add_latents(std::vector<Parts> parts, LatentRows& rows) {
+  Tensor distances = torch::zeros({1, autoencoder->shape.sizes.scenes});
+  for (const Parts& one : parts) distances = distances + autoencoder->distances(one);
   const Tensor scene = distances.argmin(1);
   rows.scene = static_cast<uint32_t>(scene.item<int64_t>());
-  rows.images.resize(plan.images().size());
   // One at a time: what comes out must not depend on what is encoded beside it.
   for (Parts& one : parts) {
     one.scene = scene;
     const Latents rounded = round(autoencoder->encode(one));
     for (size_t i = 0; i < rounded.images.size(); ++i) {
       const std::vector<int32_t> integers = to_integers(rounded.images[i]);
-      rows.images[i].insert(rows.images[i].end(), integers.begin(), integers.end());
+      auto& all = rows.images[i].latents;
+      all.insert(all.end(), integers.begin(), integers.end());
     }
   }
-  const Buffer code = Buffer::take(codec.encode(rows, values.size()));
-  for (ltm::Latent& latent : latents) latent.code = code;
+}
+
+Status DeepModel::add_videos(std::span<const idf::SplitValue> values, LatentRows& rows) const {
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    std::vector<idf::NdArray> images;
+    for (const idf::SplitValue& value : values)
+      images.push_back(value.tensors[plan.images()[i].member]);
+    const FrameShape& frame = codec.frames[i];
+    for (const std::string_view name : {"av1", "h264", "ffv1"}) {
+      const auto video = ltm::make_group_codec(name);
+      if (!video.ok() || !(*video)->accepts(frame.type, frame.shape)) continue;
+      ENGRAM_ASSIGN_OR_RETURN(rows.images[i].video, (*video)->encode(images));
+      rows.images[i].form = *form_of_codec(name);
+      break;
+    }
+    if (rows.images[i].video.empty())
+      return invalid_argument("image '{}': no installed video codec takes {} x {} pixels",
+                              plan.layout().members()[plan.images()[i].member].path,
+                              plan.images()[i].height, plan.images()[i].width);
+  }
+  return {};
+}
+
+std::vector<ltm::Latent> latents_of(std::vector<std::byte> block,
+                                    std::vector<idf::SplitValue> values) {
+  const Buffer code = Buffer::take(std::move(block));
+  const auto count = static_cast<uint32_t>(values.size());
+  std::vector<ltm::Latent> latents;
+  for (uint32_t i = 0; i < count; ++i)
+    latents.push_back({code, std::move(values[i].remainder), {i, count}});
   return latents;
+}
+
+Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> values) {
+  std::vector<idf::SplitValue> split;
+  for (const idf::Data& value : values) {
+    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), plan.layout().split(value));
+  }
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, to_rows(split));
+  if (autoencoder->images.empty()) ENGRAM_RETURN_IF_ERROR(add_videos(split, rows));
+  return latents_of(codec.encode(rows, values.size()), std::move(split));
+}
+
+Result<std::vector<idf::NdArray>> DeepModel::decode_images(const LatentRows& rows, size_t row) {
+  torch::NoGradGuard no_grad;
+  const bool has_latents = std::ranges::any_of(
+      rows.images, [](const ImageRows& image) { return image.form == ImageForm::kLatents; });
+  std::vector<idf::NdArray> images(rows.images.size());
+  if (has_latents) images = to_arrays(autoencoder->decode(to_latents(rows, row)));
+  for (size_t i = 0; i < images.size(); ++i)
+    if (rows.images[i].form != ImageForm::kLatents) images[i] = rows.images[i].frames[row];
+  return images;
 }
 
 Result<idf::Data> DeepModel::decode(const LatentRows& rows, size_t row,
                                     const idf::List& remainder) {
-  torch::NoGradGuard no_grad;
   const size_t count = plan.number_count();
   const auto numbers = std::span(rows.numbers).subspan(row * count, count);
-  auto value = to_value(autoencoder->decode(to_latents(rows, row)), numbers, remainder);
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<idf::NdArray> images, decode_images(rows, row));
+  auto value = to_value(std::move(images), numbers, remainder);
   if (!value.ok()) return data_loss("latent: {}", value.status().message());
   return value;
 }

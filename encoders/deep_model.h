@@ -55,8 +55,11 @@ struct DeepModel {
   /// Errors: kInvalidArgument where the value has another layout.
   Result<Parts> to_parts(const idf::SplitValue& value) const;
 
-  /// The value of a batch of one, with these numbers.
-  Result<idf::Data> to_value(const Parts& parts, std::span<const double> numbers,
+  /// The images of a batch of one as arrays.
+  [[nodiscard]] std::vector<idf::NdArray> to_arrays(const Parts& parts) const;
+
+  /// One array per image member and all numbers, as a value.
+  Result<idf::Data> to_value(std::vector<idf::NdArray> images, std::span<const double> numbers,
                              const idf::List& remainder) const;
 
   /// The numbers of a batch of one, as they were before they were normalised.
@@ -68,16 +71,32 @@ struct DeepModel {
   /// One row as a batch of one.
   [[nodiscard]] Latents to_latents(const LatentRows& rows, size_t row) const;
 
-  /// Codes consecutive values of one recording as one block.
+  /// Consecutive values of one recording as rows: images as latents. Without networks they have
+  /// none, and need another form before they can be coded.
+  Result<LatentRows> to_rows(std::span<const idf::SplitValue> values);
+
+  /// Codes consecutive values of one recording as one block: images as latents, or, without
+  /// networks, as videos of usual quality.
+  /// Errors: kInvalidArgument where an image is too small for a video.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
 
+  /// The images of a row, one per member.
+  Result<std::vector<idf::NdArray>> decode_images(const LatentRows& rows, size_t row);
   Result<idf::Data> decode(const LatentRows& rows, size_t row, const idf::List& remainder);
+
+ private:
+  Status add_videos(std::span<const idf::SplitValue> values, LatentRows& rows) const;
+  void add_latents(std::vector<Parts> parts, LatentRows& rows);
 };
 
 /// Pixels [B, H, W, C] as they lie in memory -> [B, C, H, W] in grey levels, padded by repeating
 /// the edge.
 [[nodiscard]] torch::Tensor to_grey_levels(const ImageMember& image, const ImageShape& shape,
                                            const torch::Tensor& pixels);
+
+/// The latents of a block: one per split value, whose remainders they take.
+[[nodiscard]] std::vector<ltm::Latent> latents_of(std::vector<std::byte> block,
+                                                  std::vector<idf::SplitValue> values);
 
 /// What training and queries both see of a model.
 [[nodiscard]] std::unique_ptr<ltm::Encoder> make_encoder(std::shared_ptr<DeepModel> model);

@@ -38,7 +38,8 @@ class DeepPredictor : public ltm::Predictor {
                             layout.split(history[history.size() > 1 ? history.size() - 2 : 0]));
     ENGRAM_ASSIGN_OR_RETURN(Parts last, model_->to_parts(split));
     ENGRAM_ASSIGN_OR_RETURN(Parts before, model_->to_parts(earlier));
-    last.scene = before.scene = model_->autoencoder->distances(last).argmin(1);
+    if (!model_->autoencoder->images.empty())
+      last.scene = before.scene = model_->autoencoder->distances(last).argmin(1);
     const auto futures = roll_out(model_->autoencoder, model_->dynamics, last,
                                   round(model_->autoencoder->encode(last)),
                                   round(model_->autoencoder->encode(before)), steps);
@@ -61,7 +62,7 @@ class DeepPredictor : public ltm::Predictor {
     const Parts mixed = mix(last, future, image_gate, number_gate);
     ENGRAM_ASSIGN_OR_RETURN(
         const idf::Data value,
-        model_->to_value(mixed, model_->to_numbers(mixed), split.remainder));
+        model_->to_value(model_->to_arrays(mixed), model_->to_numbers(mixed), split.remainder));
     ENGRAM_ASSIGN_OR_RETURN(idf::SplitValue parts, model_->plan.layout().split(value));
     if (image_gate == 0)
       for (const ImageMember& image : model_->plan.images())

@@ -87,7 +87,7 @@ Tensor ImageDynamicsImpl::gate(const Tensor& features) {
 
 DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
   const int features = network.numbers > 0 ? kNumberFeatures : 0;
-  for (size_t i = 0; i < network.images.size(); ++i)
+  for (size_t i = 0; i < network.images.size() && network.sizes.width > 0; ++i)
     images.push_back(register_module("image" + std::to_string(i),
                                      ImageDynamics(network.images[i], network.sizes, features)));
   if (network.numbers == 0) return;
@@ -134,7 +134,8 @@ namespace {
 
 Parts gated(const Parts& last, const DynamicsStep& step, const Parts& then, const Parts& now) {
   Parts values{{}, {}, last.scene};
-  for (size_t i = 0; i < last.images.size(); ++i)
+  if (then.images.empty()) values.images = last.images;  // There are no networks.
+  for (size_t i = 0; i < then.images.size(); ++i)
     values.images.push_back(
         (last.images[i] + step.gates[i] * (then.images[i] - now.images[i])).clamp(0, 255));
   if (last.numbers.defined())

@@ -4,36 +4,69 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "encoders/coding/latent_sequence.h"
 #include "encoders/coding/number_codec.h"
+#include "ltm/idf/ndarray.h"
 
 namespace engram::encoders {
 
+/// How the images of one member are kept in a block. The values are part of the format.
+enum class ImageForm : uint8_t { kLatents = 0, kH264 = 1, kH265 = 2, kAv1 = 3, kFfv1 = 4 };
+
+/// The group codec of a form (ltm/codec/group_codec.h); empty for latents.
+[[nodiscard]] std::string_view codec_name(ImageForm form);
+
+/// The form of a group codec's data; nothing where blocks do not take it.
+[[nodiscard]] std::optional<ImageForm> form_of_codec(std::string_view name);
+
+/// One image member over the rows of a block.
+struct ImageRows {
+  ImageForm form = ImageForm::kLatents;
+  std::vector<int32_t> latents;      ///< [rows, latents]; empty in other forms.
+  std::vector<std::byte> video;      ///< What the codec of the form made of all rows.
+  std::vector<idf::NdArray> frames;  ///< Decoded from `video`; not needed to encode.
+
+  friend bool operator==(const ImageRows&, const ImageRows&) = default;
+};
+
 /// What the images and numbers of consecutive snapshots are decoded from.
 struct LatentRows {
-  uint32_t scene = 0;                         ///< Which background.
-  std::vector<std::vector<int32_t>> images;  ///< Per image member [rows, latents].
-  std::vector<double> numbers;               ///< [rows, N].
+  uint32_t scene = 0;              ///< Which background.
+  std::vector<ImageRows> images;  ///< Per image member.
+  std::vector<double> numbers;    ///< [rows, N].
+};
+
+/// Type and shape of an image member.
+struct FrameShape {
+  idf::ElementType type = idf::ElementType::kUInt8;
+  idf::Shape shape;
 };
 
 /// Codes rows as one block, which decodes alone.
 ///
-/// Format: the scene and the size of each image member's code as varints, those codes, the code of
-/// the numbers, and a checksum of 32 bits over all, which also covers the number of rows.
+/// Format: the scene, then form and size of each image member's code as varints, those codes, the
+/// code of the numbers, and a checksum of 32 bits over all, which also covers the number of rows.
 /// Threading: const-parallel.
 struct LatentBlockCodec {
-  std::vector<LatentSequenceCodec> images;
+  std::vector<FrameShape> frames;           ///< Per image member.
+  std::vector<LatentSequenceCodec> images;  ///< Per image member, or none: then all are videos.
   std::optional<NumberCodec> numbers;
   uint32_t scenes = 1;
 
   /// `rows` hold `count` rows of every member (checked).
   [[nodiscard]] std::vector<std::byte> encode(const LatentRows& rows, size_t count) const;
 
-  /// The first `wanted` of the `count` rows of a block. Safe on hostile bytes.
-  /// Errors: kDataLoss.
+  /// The first `wanted` of the `count` rows of a block; videos are decoded whole. Safe on hostile
+  /// bytes.
+  /// Errors: kDataLoss; kFailedPrecondition where a video's decoder is not installed.
   Result<LatentRows> decode(std::span<const std::byte> block, size_t count, size_t wanted) const;
+
+ private:
+  Status decode_image(size_t image, std::span<const std::byte> bytes, size_t count, size_t wanted,
+                      ImageRows& rows) const;
 };
 
 }  // namespace engram::encoders

@@ -50,7 +50,7 @@ Status write_codec(h5::File& file, const LatentBlockCodec& codec) {
 }
 
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec) {
-  for (size_t i = 0; i < shape.images.size(); ++i) {
+  for (size_t i = 0; i < shape.images.size() && shape.sizes.width > 0; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, image_codec_path(i)));
     ENGRAM_ASSIGN_OR_RETURN(
         LatentModel model, LatentModel::from_bytes(std::as_bytes(std::span(bytes)), shape.grids(i)));
@@ -104,6 +104,46 @@ Result<PredictionRecord> read_prediction(const h5::File& file) {
   return record;
 }
 
+namespace {
+
+constexpr const char* kForms = "/provenance/forms";
+
+/// The integers of StoredForms by name.
+template <typename Forms, typename Visit>
+Status for_each_count(Forms& forms, Visit visit) {
+  ENGRAM_RETURN_IF_ERROR(visit("rows", forms.rows));
+  ENGRAM_RETURN_IF_ERROR(visit("latent_rows", forms.latent_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("video_rows", forms.video_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("lossless_rows", forms.lossless_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("below_bound_rows", forms.below_bound_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("kept_bytes", forms.kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("latent_bytes", forms.latent_bytes));
+  return visit("video_bytes", forms.video_bytes);
+}
+
+Status write_forms(h5::File& file, const StoredForms& forms) {
+  ENGRAM_RETURN_IF_ERROR(file.make_group(kForms));
+  ENGRAM_RETURN_IF_ERROR(
+      file.write_attribute(kForms, "representation", std::string_view(forms.representation)));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(kForms, "bound_db", forms.bound_db));
+  return for_each_count(forms, [&](const char* name, int64_t count) {
+    return file.write_attribute(kForms, name, count);
+  });
+}
+
+Result<StoredForms> read_forms(const h5::File& file) {
+  StoredForms forms;
+  ENGRAM_ASSIGN_OR_RETURN(forms.representation, file.string_attribute(kForms, "representation"));
+  ENGRAM_ASSIGN_OR_RETURN(forms.bound_db, file.double_attribute(kForms, "bound_db"));
+  ENGRAM_RETURN_IF_ERROR(for_each_count(forms, [&](const char* name, int64_t& count) -> Status {
+    ENGRAM_ASSIGN_OR_RETURN(count, file.int_attribute(kForms, name));
+    return {};
+  }));
+  return forms;
+}
+
+}  // namespace
+
 Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.make_group("/provenance"));
   const std::string group = "/provenance";
@@ -117,6 +157,7 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "psnr_db", from.psnr_db));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_bound", from.number_bound));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
+  ENGRAM_RETURN_IF_ERROR(write_forms(file, from.forms));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
   return write_spans(file, group + "/dynamics_spans", from.dynamics_spans);
 }
@@ -134,6 +175,7 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.psnr_db, file.double_attribute(group, "psnr_db"));
   ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
+  ENGRAM_ASSIGN_OR_RETURN(from.forms, read_forms(file));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));
   ENGRAM_ASSIGN_OR_RETURN(from.dynamics_spans, read_spans(file, group + "/dynamics_spans"));
   return from;

@@ -29,15 +29,16 @@ Result<SelfTest> decoded_example(DeepModel& model, std::span<const std::byte> co
   torch::NoGradGuard no_grad;
   SelfTest test;
   ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, model.codec.decode(code, 1, 1));
-  const Parts parts = model.autoencoder->decode(model.to_latents(rows, 0));
-  for (const Tensor& image : parts.images) {
+  const Latents latents = model.to_latents(rows, 0);
+  for (const Tensor& image : model.autoencoder->decode(latents).images) {
+    if (!image.defined()) continue;
     const Tensor flat = image.contiguous().flatten().clamp(0, 255);
     const int64_t stride = std::max<int64_t>(1, flat.numel() / kMostPixels);
     for (int64_t i = 0; i < flat.numel(); i += stride)
       test.grey_levels.push_back(flat.data_ptr<float>()[i]);
   }
-  if (parts.numbers.defined())
-    for (const float number : floats_of(parts.numbers)) test.numbers.push_back(number);
+  if (latents.numbers.defined())
+    for (const float number : floats_of(latents.numbers)) test.numbers.push_back(number);
   return test;
 }
 

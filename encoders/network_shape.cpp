@@ -17,7 +17,7 @@ int padded(int size, int multiple) {
 }  // namespace
 
 bool NetworkSizes::is_valid() const {
-  return width >= 16 && width <= kMostWidth && width % 16 == 0 && coarse_channels >= 1 &&
+  return width >= 0 && width <= kMostWidth && width % 16 == 0 && coarse_channels >= 1 &&
          coarse_channels <= kMostChannels && fine_channels >= 1 &&
          fine_channels <= kMostChannels && scenes >= 1 && scenes <= kMostScenes;
 }

@@ -21,7 +21,7 @@ struct ImageShape {
 
 /// Sizes of the networks of one model, as a user may choose them.
 struct NetworkSizes {
-  int width = 64;           ///< Features where places are few; a multiple of 16.
+  int width = 64;            ///< Features where places are few, a multiple of 16; 0: no networks.
   int coarse_channels = 24;  ///< Latents per place of 16 x 16 units.
   int fine_channels = 4;     ///< Latents per place of 8 x 8 units.
   int scenes = 1;            ///< Backgrounds of each image member.
@@ -33,7 +33,7 @@ struct NetworkSizes {
   [[nodiscard]] bool is_valid() const;
 };
 
-/// Sizes of the networks of one model.
+/// What the networks of one model are made from.
 struct NetworkShape {
   NetworkSizes sizes;
   std::vector<ImageShape> images;

@@ -18,6 +18,22 @@ struct TimeSpan {
   friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
 };
 
+/// How the images of an entity were kept, and what it was chosen from. Each image member counts.
+struct StoredForms {
+  std::string representation;  ///< That was asked for: auto, latents or video.
+  double bound_db = 0;         ///< Least PSNR of every image; 0: none was kept.
+  int64_t rows = 0;
+  int64_t latent_rows = 0;    ///< Kept as latents.
+  int64_t video_rows = 0;     ///< Kept as video.
+  int64_t lossless_rows = 0;  ///< Kept without loss.
+  int64_t below_bound_rows = 0;  ///< Whose latents alone would be worse than the bound.
+  int64_t kept_bytes = 0;     ///< Of the forms that were kept.
+  int64_t latent_bytes = 0;   ///< Of all rows as latents; 0 without networks.
+  int64_t video_bytes = 0;    ///< Of all rows as video at the bound; 0 where not tried.
+
+  friend bool operator==(const StoredForms&, const StoredForms&) = default;
+};
+
 /// Where a model comes from.
 struct Provenance {
   std::string entity;
@@ -33,6 +49,8 @@ struct Provenance {
   std::vector<TimeSpan> autoencoder_spans;
   /// The parts of them that the dynamics were trained on.
   std::vector<TimeSpan> dynamics_spans;
+
+  StoredForms forms;
 
   friend bool operator==(const Provenance&, const Provenance&) = default;
 };

@@ -138,7 +138,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
                                 const TrainOptions& options, const Schedule& schedule,
                                 const std::stop_token& stop, const StepSink& sink) {
   FitStep now;
-  if (data.images.empty()) return now;
+  if (model.autoencoder->images.empty()) return now;
   start_from_backgrounds(model, data);
   auto optimiser = make_optimiser(model);
   std::vector<Tensor> parameters = optimiser.param_groups()[0].params();

@@ -89,8 +89,9 @@ encoders::Latents LatentTable::rows(const Tensor& indices) const {
 LatentTable encode_all(encoders::DeepModel& model, const Dataset& data) {
   constexpr int64_t kTogether = 16;
   torch::NoGradGuard no_grad;
-  std::vector<std::vector<Tensor>> coarse(data.images.size()), fine(data.images.size());
-  const auto rows = static_cast<int64_t>(data.images.empty() ? 0 : data.size());
+  const size_t images = model.autoencoder->images.size();
+  std::vector<std::vector<Tensor>> coarse(images), fine(images);
+  const auto rows = static_cast<int64_t>(images == 0 ? 0 : data.size());
   for (int64_t first = 0; first < rows; first += kTogether) {
     const Tensor indices = torch::arange(first, std::min(first + kTogether, rows), torch::kLong);
     const auto z =

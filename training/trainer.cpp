@@ -17,9 +17,15 @@ constexpr size_t kFewestSnapshots = 2;
 
 /// Features that pay for their bytes in the model file. Source: docs/learning.md.
 int chosen_width(const TrainOptions& options, size_t snapshots) {
+  if (!options.has_networks) return 0;
   if (options.width > 0) return options.width;
   if (snapshots < 2000) return 64;
   return snapshots < 20000 ? 96 : 128;
+}
+
+encoders::NetworkSizes sizes_of(const TrainOptions& options, const Dataset& data) {
+  return {chosen_width(options, data.size()), options.coarse_channels, options.fine_channels,
+          options.has_networks ? data.scenes() : 1};
 }
 
 Schedule schedule_of(const TrainOptions& options, double share) {
@@ -92,14 +98,13 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   ENGRAM_ASSIGN_OR_RETURN(const Dataset data, load_dataset(source, options, stop));
 
   // Model.
-  encoders::DeepModel model(data.plan, {chosen_width(options, data.size()), options.coarse_channels,
-                                        options.fine_channels, data.scenes()});
+  encoders::DeepModel model(data.plan, sizes_of(options, data));
   model.mean = data.mean;
   model.deviation = data.deviation;
 
   // The autoencoder and its codec, then what predicts: each on the weights that will be stored.
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
-  const double coding = data.images.empty() ? 0 : kAutoencoderShare;
+  const double coding = model.autoencoder->images.empty() ? 0 : kAutoencoderShare;
   const Schedule coding_time = schedule_of(options, coding);
   ENGRAM_ASSIGN_OR_RETURN(
       const FitStep coded,
@@ -147,6 +152,18 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
 }
 
 }  // namespace
+
+uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options, size_t snapshots) {
+  auto plan = encoders::TensorPlan::create(layout);
+  if (!plan.ok() || plan->images().empty()) return 0;
+  const encoders::DeepModel model(
+      std::move(*plan), {chosen_width(options, snapshots), options.coarse_channels,
+                         options.fine_channels, 1});
+  int64_t weights = 0;
+  for (const auto& tensor : model.autoencoder->parameters()) weights += tensor.numel();
+  for (const auto& tensor : model.dynamics->parameters()) weights += tensor.numel();
+  return static_cast<uint64_t>(weights);
+}
 
 Status TrainOptions::validate() const {
   if (!steps && budget <= Duration::zero())

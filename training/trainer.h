@@ -13,6 +13,7 @@
 #include "ltm/core/status.h"
 #include "ltm/core/time.h"
 #include "ltm/idf/data.h"
+#include "ltm/idf/layout.h"
 
 namespace engram::training {
 
@@ -38,6 +39,8 @@ struct TrainOptions {
   /// Largest error of a number, in its unit, and of an orientation in rad. Zero: 0.005 standard
   /// deviations of each, and 0.001 rad.
   double number_bound = 0;
+  /// Without, images get no latents and no prediction but copies.
+  bool has_networks = true;
   /// Features of the networks where places are few, a multiple of 16; zero chooses by the number of
   /// snapshots, because the model is stored too.
   int width = 0;
@@ -68,6 +71,11 @@ struct TrainReport {
   double training_psnr_db = 0;  ///< Mean over images, smoothed, at the end; 0 without images.
   std::vector<std::string> notes;  ///< What a reader should know, in sentences.
 };
+
+/// About the bytes of the networks that train_model would make for so many snapshots of a layout; 0
+/// where it has no images or cannot be a tensor.
+[[nodiscard]] uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options,
+                                     size_t snapshots);
 
 /// Trains a model on `source` and writes it to `file`, which must not exist.
 ///

@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include "ltm/codec/group_codec.h"
+
 namespace engram::encoders {
 namespace {
 
@@ -16,6 +18,7 @@ LatentBlockCodec codec() {
   codec.images.emplace_back(LatentModel(grids));
   codec.images.emplace_back(LatentModel(grids));
   codec.numbers.emplace(*NumberModel::create({{NumberKind::kBounded, 2, 0.01}}));
+  codec.frames.assign(2, {idf::ElementType::kUInt8, {64, 64, 3}});
   codec.scenes = 3;
   return codec;
 }
@@ -25,7 +28,7 @@ LatentRows some_rows() {
   LatentRows rows;
   rows.scene = 2;
   for (int image = 0; image < 2; ++image) {
-    auto& integers = rows.images.emplace_back();
+    auto& integers = rows.images.emplace_back().latents;
     for (size_t i = 0; i < kRows * (3 * 4 + 2 * 16); ++i)
       integers.push_back(static_cast<int32_t>(random() % 7) - 3);
   }
@@ -50,10 +53,27 @@ TEST(LatentBlock, DecodesOnlyTheRowsThatAreWanted) {
   const auto block = codec().encode(rows, kRows);
   const auto decoded = codec().decode(block, kRows, 2);
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
-  ASSERT_EQ(decoded->images[1].size(), 2u * (3 * 4 + 2 * 16));
-  EXPECT_TRUE(std::equal(decoded->images[1].begin(), decoded->images[1].end(),
-                         rows.images[1].begin()));
+  ASSERT_EQ(decoded->images[1].latents.size(), 2u * (3 * 4 + 2 * 16));
+  EXPECT_TRUE(std::equal(decoded->images[1].latents.begin(),
+                         decoded->images[1].latents.end(), rows.images[1].latents.begin()));
   EXPECT_EQ(decoded->numbers.size(), 4u);
+}
+
+TEST(LatentBlock, HoldsVideosInsteadOfLatents) {
+  std::vector<idf::NdArray> images;
+  for (size_t row = 0; row < kRows; ++row)
+    images.push_back(idf::NdArray::take<uint8_t>(
+        {64, 64, 3}, std::vector<uint8_t>(64 * 64 * 3, static_cast<uint8_t>(row * 9))));
+  LatentRows rows = some_rows();
+  rows.images[1].latents.clear();
+  rows.images[1].form = *form_of_codec("ffv1");
+  rows.images[1].video = *(*ltm::make_group_codec("ffv1"))->encode(images);
+  const auto decoded = codec().decode(codec().encode(rows, kRows), kRows, 3);
+  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
+  EXPECT_EQ(decoded->images[1].form, ImageForm::kFfv1);
+  EXPECT_EQ(decoded->images[1].frames, images);
+  EXPECT_EQ(decoded->images[0].latents.size(), 3u * (3 * 4 + 2 * 16));
+  EXPECT_FALSE(form_of_codec("png").has_value());
 }
 
 TEST(LatentBlock, FindsEveryFlippedBitAndEveryMissingByte) {

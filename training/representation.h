@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "ltm/core/status.h"
+
+namespace engram::training {
+
+/// How the offline phase keeps images.
+enum class Representation {
+  kAuto,     ///< Each block in the cheapest form that keeps the bound.
+  kLatents,  ///< Latents alone, whatever their error.
+  kVideo,    ///< A video codec at the bound; no networks for images.
+};
+
+[[nodiscard]] std::string_view to_string(Representation representation);
+/// Errors: kInvalidArgument naming those there are.
+Result<Representation> representation_of(std::string_view text);
+
+struct RepresentationOptions {
+  Representation kind = Representation::kAuto;
+  /// Least PSNR of every image, but where kLatents was asked for. Unit: dB.
+  double bound_db = 36;
+  /// The group codec that latents compete with.
+  std::string video = "av1";
+  int video_effort = 7;
+  /// Nights like this one that a model will serve: what its bytes are shared by.
+  int nights = 30;
+
+  [[nodiscard]] Status validate() const;
+};
+
+}  // namespace engram::training
