@@ -19,23 +19,6 @@ namespace engram::training {
 
 namespace {
 
-/// Removes a file that was not published.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
-  ~TemporaryFile() {
-    std::error_code ignored;  // A leftover is removed by the next writer.
-    std::filesystem::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// Whether every instance has this layout.
 bool fits(const ltm::Snapshot& snapshot, const idf::Layout& layout) {
   return !snapshot.instances.empty() &&
@@ -120,8 +103,8 @@ class EntityJob {
   Status train_and_publish(Duration budget) {
     TrainOptions train = options_.train;
     train.budget = budget;
-    ENGRAM_ASSIGN_OR_RETURN(auto path, ltm::temporary_file(reader_.path(), ".model.h5"));
-    const TemporaryFile file(std::move(path));
+    ENGRAM_ASSIGN_OR_RETURN(const auto file,
+                            ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
     auto trained = train_model(source(), train, file.path(), progress_, stop_);
     // What cannot be a tensor stays recorded; everything else can go on.
     if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument)

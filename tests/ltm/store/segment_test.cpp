@@ -3,41 +3,13 @@
 #include <bit>
 #include <set>
 
-#include "ltm/core/file.h"
 #include "ltm/h5/h5.h"
-#include "ltm/store/segment_blobs.h"
 #include "ltm/store/segment_format.h"
-#include "ltm/store/segment_reader.h"
-#include "ltm/store/segment_value_reader.h"
-#include "ltm/store/segment_writer.h"
-#include "tests/ltm/expect_status.h"
 #include "tests/ltm/random_values.h"
-#include "tests/ltm/scratch_directory.h"
-#include "tests/ltm/store/example_snapshots.h"
+#include "tests/ltm/store/segment_files.h"
 
 namespace engram::ltm {
 namespace {
-
-using Entities = std::map<MemoryId, std::vector<Snapshot>>;
-
-Result<SegmentInfo> write(const std::filesystem::path& file, const Entities& entities) {
-  std::map<MemoryId, RecordedEntity> packed;
-  for (const auto& [id, snapshots] : entities)
-    for (const Snapshot& snapshot : snapshots)
-      packed[id].snapshots.push_back(pack_snapshot(snapshot));
-  return write_recorded_segment(file, packed);
-}
-
-Result<std::vector<Snapshot>> read(SegmentReader& reader, const MemoryId& entity) {
-  std::vector<Snapshot> snapshots;
-  ENGRAM_ASSIGN_OR_RETURN(const auto spans, reader.index(entity));
-  for (const RowSpan& span : spans) {
-    ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, reader.read_recorded(entity, span));
-    ENGRAM_ASSIGN_OR_RETURN(Snapshot snapshot, unpack(packed));
-    snapshots.push_back(std::move(snapshot));
-  }
-  return snapshots;
-}
 
 /// A camera frame with 52 numbers of the robot and some text.
 idf::Dict robot_value(int64_t index) {
@@ -52,24 +24,6 @@ idf::Dict robot_value(int64_t index) {
           {"task", "pick up the bottle"},
           {"path", idf::List{index, "x"}},
           {"force", idf::NdArray::take<float>({2, 3}, std::vector<float>(6, float(index)))}};
-}
-
-void expect_round_trip(const Entities& entities) {
-  const ScratchDirectory scratch;
-  const auto info = write(scratch / "s.h5", entities);
-  ASSERT_OK(info);
-  EXPECT_EQ(info->bytes, std::filesystem::file_size(scratch / "s.h5"));
-  uint64_t sum = 0;
-  for (const SegmentEntity& part : info->entities) sum += part.stored_bytes;
-  EXPECT_EQ(sum, info->entities.empty() ? 0 : info->bytes);
-  const auto reader = SegmentReader::open(scratch / "s.h5");
-  ASSERT_OK(reader);
-  for (const auto& [id, snapshots] : entities) {
-    const auto found = read(**reader, id);
-    ASSERT_OK(found);
-    ASSERT_EQ(found->size(), snapshots.size());
-    for (size_t i = 0; i < snapshots.size(); ++i) EXPECT_EQ((*found)[i], snapshots[i]) << i;
-  }
 }
 
 TEST(Segment, GivesBackImagesNumbersAndStrings) {
@@ -178,73 +132,6 @@ TEST(Segment, GivesBackKeysWithZeroBytes) {
   expect_round_trip(entities);
 }
 
-TEST(Segment, KeepsBlocksOfLargeRemaindersSmall) {
-  Entities entities;
-  for (int64_t i = 0; i < 40; ++i) {
-    const std::string text(480'000, static_cast<char>('a' + i % 20));
-    entities[example_entity()].push_back(
-        {example_entity(), example_time(i), {{idf::Dict{{"text", text}}, {}}}});
-  }
-  expect_round_trip(entities);
-  const ScratchDirectory scratch;
-  ASSERT_OK(write(scratch / "s.h5", entities));
-  const auto file = h5::File::open(scratch / "s.h5");
-  const std::string group = segment_group(example_entity());
-  EXPECT_LE(*file->int_attribute(group + "/remainder", "rows_per_block"), 20);
-}
-
-TEST(Segment, GivesManySmallBlocksOfARemainderADictionaryWhereItPays) {
-  const ScratchDirectory scratch;
-  const std::string dictionary = segment_group(example_entity()) + "/remainder/dictionary";
-  const auto has_dictionary = [&](int64_t count, const auto& text_of) {
-    Entities entities;
-    for (int64_t i = 0; i < count; ++i)
-      entities[example_entity()].push_back(
-          {example_entity(), example_time(i), {{idf::Dict{{"text", text_of(i)}}, {}}}});
-    EXPECT_OK(write(scratch / "s.h5", entities));
-    const auto reader = *SegmentReader::open(scratch / "s.h5");
-    const auto found = read(*reader, example_entity());
-    EXPECT_OK(found);
-    for (size_t i = 0; i < found->size(); i += 97)
-      EXPECT_EQ((*found)[i], entities[example_entity()][i]) << i;
-    const bool is_there = *h5::File::open(scratch / "s.h5")->exists(dictionary);
-    std::filesystem::remove(scratch / "s.h5");
-    return is_there;
-  };
-  const auto alike = [](int64_t i) {
-    return fmt::format("the gripper closed around cup {} of the kitchen", i * 7919 % 10'007);
-  };
-  RandomValues random(3);
-  const auto noise = [&](int64_t) {
-    std::string text;
-    for (int i = 0; i < 12; ++i) text += static_cast<char>(random.below(255) + 1);
-    return text;
-  };
-  EXPECT_TRUE(has_dictionary(16'000, alike));
-  EXPECT_FALSE(has_dictionary(4'000, alike));
-  EXPECT_FALSE(has_dictionary(9'000, noise));
-}
-
-TEST(Segment, RefusesADictionaryThatIsNone) {
-  const ScratchDirectory scratch;
-  {
-    auto file = *h5::File::create(scratch / "s.h5");
-    BlobColumn blobs;
-    blobs.append(as_bytes("a block"));
-    ASSERT_OK(blobs.write(file, "/remainder"));
-    ASSERT_OK(file.write_attribute("/remainder", "rows_per_block", int64_t{8}));
-    const std::vector<std::byte> bytes(300, std::byte{7});
-    const uint64_t count = bytes.size();
-    ASSERT_OK(file.write("/remainder/dictionary", h5::Type::kUInt8, {&count, 1}, bytes,
-                         h5::Storage::kCompressed));
-    ASSERT_OK(file.close());
-  }
-  SegmentSource source(*h5::File::open(scratch / "s.h5"),
-                       *File::open(scratch / "s.h5", File::Mode::kRead));
-  EXPECT_FAILS(SegmentValueReader(source).remainder("/remainder", 3), StatusCode::kDataLoss,
-               "dictionary");
-}
-
 TEST(Segment, KeepsMediaOfVaryingShapeInOneGroup) {
   // Point clouds of varying length: each row has a layout of its own.
   Entities entities;
@@ -256,7 +143,7 @@ TEST(Segment, KeepsMediaOfVaryingShapeInOneGroup) {
   }
   expect_round_trip(entities);
   const ScratchDirectory scratch;
-  ASSERT_OK(write(scratch / "s.h5", entities));
+  ASSERT_OK(write_entities(scratch / "s.h5", entities));
   const auto file = h5::File::open(scratch / "s.h5");
   const std::string group = segment_group(example_entity());
   EXPECT_FALSE(*file->exists(group + "/arrays/points"));
@@ -286,7 +173,7 @@ TEST(Segment, TellsItsContentsWithoutAManifest) {
     for (int64_t i = 0; i < 3; ++i) entities[id].push_back(example_snapshot(id, i));
   }
   const ScratchDirectory scratch;
-  ASSERT_OK(write(scratch / "s.h5", entities));
+  ASSERT_OK(write_entities(scratch / "s.h5", entities));
   const auto reader = *SegmentReader::open(scratch / "s.h5");
   const auto contents = reader->contents();
   ASSERT_OK(contents);
@@ -358,86 +245,6 @@ TEST(Segment, GivesBackLatents) {
       EXPECT_EQ(a.metadata, b.metadata);
       EXPECT_EQ(std::isnan(a.error.image_mse), std::isnan(b.error.image_mse));
     }
-  }
-}
-
-TEST(Segment, RefusesANewerFormat) {
-  const ScratchDirectory scratch;
-  {
-    auto file = h5::File::create(scratch / "s.h5");
-    ASSERT_OK(file->write_attribute("/", "format_version", int64_t{2}));
-    ASSERT_OK(file->close());
-  }
-  EXPECT_FAILS(SegmentReader::open(scratch / "s.h5"), StatusCode::kFailedPrecondition, "up to 1");
-}
-
-TEST(Segment, IsNoOtherHdf5File) {
-  const ScratchDirectory scratch;
-  ASSERT_OK(h5::File::create(scratch / "s.h5")->close());
-  EXPECT_FAILS(SegmentReader::open(scratch / "s.h5"), StatusCode::kDataLoss, "no segment");
-}
-
-/// A small segment with something of everything.
-Entities small_entities() {
-  Entities entities;
-  for (int64_t i = 0; i < 40; ++i) {
-    idf::Dict value{{"image", example_image(9, 9, 1, i)},
-                    {"x", 0.5 * static_cast<double>(i)},
-                    {"n", static_cast<int32_t>(i)},
-                    {"v", idf::NdArray::take<float>({4}, std::vector<float>(4, float(i)))},
-                    {"label", "l" + std::to_string(i)}};
-    Snapshot snapshot{example_entity(), example_time(i), {{value, example_metadata(i)}}};
-    snapshot.instances[0].metadata.provider = i % 2 == 0 ? "left driver" : "right driver";
-    entities[example_entity()].push_back(snapshot);
-  }
-  return entities;
-}
-
-/// Reads everything of a segment: what can be read must be what was written.
-void expect_original_or_error(const std::filesystem::path& file,
-                              const std::vector<Snapshot>& expected, const std::string& damage) {
-  const auto reader = SegmentReader::open(file);
-  if (!reader.ok()) return;
-  const auto spans = (*reader)->index(example_entity());
-  if (!spans.ok()) return;
-  ASSERT_EQ(spans->size(), expected.size()) << damage;
-  for (size_t i = 0; i < spans->size(); ++i) {
-    EXPECT_EQ((*spans)[i].time, expected[i].time) << damage;
-    const auto packed = (*reader)->read_recorded(example_entity(), (*spans)[i]);
-    if (!packed.ok()) continue;
-    EXPECT_EQ(packed->raw_bytes, expected[i].raw_bytes()) << damage;
-    EXPECT_EQ(packed->dropped, 0u) << damage;
-    const auto snapshot = unpack(*packed);
-    if (!snapshot.ok()) continue;
-    EXPECT_EQ(*snapshot, expected[i]) << damage;
-  }
-}
-
-TEST(Segment, NeverGivesWrongDataWhereAByteIsDamaged) {
-  const ScratchDirectory scratch;
-  const Entities entities = small_entities();
-  ASSERT_OK(write(scratch / "s.h5", entities));
-  const Buffer whole = *read_file(scratch / "s.h5");
-  RandomValues random(31);
-  for (size_t at = random.below(23); at < whole.size(); at += 23) {
-    std::vector<std::byte> damaged(whole.bytes().begin(), whole.bytes().end());
-    damaged[at] ^= static_cast<std::byte>(1u << random.below(8));
-    overwrite_file(scratch / "d.h5", damaged);
-    expect_original_or_error(scratch / "d.h5", entities.at(example_entity()),
-                             "byte " + std::to_string(at));
-    if (HasFatalFailure()) return;
-  }
-}
-
-TEST(Segment, NeverGivesWrongDataWhereItIsCutShort) {
-  const ScratchDirectory scratch;
-  const Entities entities = small_entities();
-  ASSERT_OK(write(scratch / "s.h5", entities));
-  const Buffer whole = *read_file(scratch / "s.h5");
-  for (size_t size = 0; size < whole.size(); size += 997) {
-    overwrite_file(scratch / "d.h5", whole.bytes().subspan(0, size));
-    expect_original_or_error(scratch / "d.h5", entities.at(example_entity()),
-                             "cut at " + std::to_string(size));
   }
 }
 
