@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "cli/command.h"
+#include "cli/forms_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/text.h"
@@ -15,10 +16,15 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   engram consolidate robot.engram
   engram consolidate robot.engram --budget 30m --entity 'Vision/.*'
+  engram consolidate robot.engram --psnr 40
+  engram consolidate robot.engram --representation latents --psnr 35 --width 128
   engram consolidate robot.engram --drop-raw --min-psnr 30
 
 Trains one autoencoder per entity with new recorded snapshots, encodes them, decodes what is
-stored and measures its error. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
+stored and measures its error. Each block of images is kept as latents or as video, whichever takes
+fewer bytes with every image at --psnr or better; where networks cannot save five times what they
+take themselves in --nights nights, video alone is used and no network is trained for images.
+Numbers are kept within --number-bound. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
 moment leaves the store as it was, or with whole entities done.)";
 
 struct ConsolidateArguments {
@@ -26,6 +32,8 @@ struct ConsolidateArguments {
   training::ConsolidateOptions options;
   training::DropOptions drop;
   std::string budget = "2min";
+  std::string representation = "auto";
+  double psnr_db = 36;
   int steps = 0;
   bool drops_raw = false;
   bool is_json = false;
@@ -39,6 +47,12 @@ struct Dropped {
 
 Json number_or_null(double number) {
   return std::isfinite(number) ? Json(number) : Json(nullptr);
+}
+
+std::vector<std::string> all_notes(const training::EntityReport& entity) {
+  std::vector<std::string> notes = entity.notes;
+  notes.insert(notes.end(), entity.training.notes.begin(), entity.training.notes.end());
+  return notes;
 }
 
 Json report_json(const training::ConsolidateReport& report, const std::vector<Dropped>& dropped) {
@@ -60,7 +74,8 @@ Json report_json(const training::ConsolidateReport& report, const std::vector<Dr
                    {"psnr_minimum_db", number_or_null(entity.minimum_psnr_db)},
                    {"rmse", number_or_null(entity.rmse)},
                    {"seconds", entity.seconds},
-                   {"notes", entity.training.notes}});
+                   {"images", forms_json(entity.forms)},
+                   {"notes", all_notes(entity)}});
     }
     entities.push_back(std::move(json));
   }
@@ -95,7 +110,8 @@ void print_report(const training::ConsolidateReport& report) {
     if (entity.left_behind > 0)
       print(fmt::format("  {} snapshots of another layout stay as they are",
                         count_text(entity.left_behind)));
-    for (const std::string& note : entity.training.notes) print("  " + note);
+    if (entity.forms.rows > 0) print("  images: " + forms_text(entity.forms));
+    for (const std::string& note : all_notes(entity)) print("  " + note);
   }
 }
 
@@ -115,6 +131,10 @@ ExitCode run(ConsolidateArguments& arguments) {
   if (!budget.ok()) return wrong_usage(budget.status());
   arguments.options.train.budget = *budget;
   if (arguments.steps > 0) arguments.options.train.steps = arguments.steps;
+  const auto representation = training::representation_of(arguments.representation);
+  if (!representation.ok()) return wrong_usage(representation.status());
+  arguments.options.representation.kind = *representation;
+  arguments.options.representation.bound_db = arguments.options.train.psnr_db = arguments.psnr_db;
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
   const auto report = training::consolidate(arguments.store, arguments.options, progress.sink(),
@@ -156,7 +176,19 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--steps", arguments->steps,
                       "Optimiser steps instead of a time: same seed, same model");
   command->add_option("--seed", options.train.seed, "Seed of all chance")->capture_default_str();
-  command->add_option("--psnr", options.train.psnr_db, "Mean PSNR of images to aim at, dB")
+  command->add_option("--representation", arguments->representation,
+                      "How images are kept: auto, latents or video")
+      ->check(CLI::IsMember({"auto", "latents", "video"}))
+      ->capture_default_str();
+  command->add_option("--psnr", arguments->psnr_db,
+                      "Least PSNR of every image, dB; with latents alone the mean to aim at")
+      ->capture_default_str();
+  command->add_option("--video", options.representation.video,
+                      "Video codec that latents compete with: av1, h265 or h264")
+      ->check(CLI::IsMember({"av1", "h265", "h264"}))
+      ->capture_default_str();
+  command->add_option("--nights", options.representation.nights,
+                      "Nights like this one that share the bytes of a model")
       ->capture_default_str();
   command->add_option("--number-bound", options.train.number_bound,
                       "Largest error of numbers; 0: 0.005 standard deviations of each")

@@ -62,7 +62,7 @@ else
   run info "$store"
 
   say "3. Consolidate: one autoencoder per entity ($budget in all)"
-  run consolidate "$store" --budget "$budget"
+  run consolidate "$store" --budget "$budget" --representation latents --psnr 35
   printf '%s' "$wanted" > "$dir/done.txt"
 fi
 

@@ -89,7 +89,8 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
       counts_.latent_bytes += static_cast<int64_t>(model_.codec.images[i].encode(rows.images[i].latents).size());
     counts_.kept_bytes = counts_.latent_bytes;
   }
-  return encoders::latents_of(model_.codec.encode(rows, split.size()), std::move(split));
+  std::vector<std::byte> block = model_.codec.encode(rows, split.size());
+  return encoders::latents_of(std::move(block), std::move(split));
 }
 
 }  // namespace engram::training

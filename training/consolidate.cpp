@@ -5,19 +5,25 @@
 #include <chrono>
 #include <cmath>
 
-#include "encoders/load_model.h"
+#include "encoders/deep_model_file.h"
 #include "ltm/core/file.h"
 #include "ltm/idf/binary.h"
 #include "ltm/idf/layout.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/store_reader.h"
+#include "training/block_choice.h"
 #include "training/metrics.h"
 #include "training/sequences.h"
 
 namespace engram::training {
 
 namespace {
+
+/// What the mean PSNR of latents has to exceed the bound by. Unit: dB.
+constexpr double kMargin = 1.0;
+/// Networks may take a fifth of what they save.
+constexpr double kWorthwhile = 5;
 
 /// Whether every instance has this layout.
 bool fits(const ltm::Snapshot& snapshot, const idf::Layout& layout) {
@@ -103,24 +109,129 @@ class EntityJob {
   Status train_and_publish(Duration budget) {
     TrainOptions train = options_.train;
     train.budget = budget;
-    ENGRAM_ASSIGN_OR_RETURN(const auto file,
+    RepresentationOptions representation = options_.representation;
+    ENGRAM_ASSIGN_OR_RETURN(train.has_networks, wants_networks(train));
+    if (!train.has_networks) representation.kind = Representation::kVideo;
+    // The mean has to lie above the bound for every image to reach it.
+    if (representation.kind == Representation::kAuto)
+      train.psnr_db = representation.bound_db + kMargin;
+    ENGRAM_ASSIGN_OR_RETURN(bool is_made, make(train, representation));
+    if (is_made && representation.kind == Representation::kAuto && video_is_cheaper()) {
+      train.has_networks = false;
+      representation.kind = Representation::kVideo;
+      ENGRAM_ASSIGN_OR_RETURN(is_made, make(train, representation));
+    }
+    if (!is_made) return {};
+    ENGRAM_RETURN_IF_ERROR(ltm::publish_model(reader_.path(), entity_, report_.model_version,
+                                              file_->path(), latents_,
+                                              reader_.manifest().first_journal));
+    finish();
+    return {};
+  }
+
+  /// Trains a model and codes all snapshots with it. False where it has to be skipped.
+  Result<bool> make(const TrainOptions& train, const RepresentationOptions& representation) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto trained_file,
                             ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
-    auto trained = train_model(source(), train, file.path(), progress_, stop_);
+    auto trained = train_model(source(), train, trained_file.path(), progress_, stop_);
     // What cannot be a tensor stays recorded; everything else can go on.
-    if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument)
-      return skip(trained.status().message());
+    if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument) {
+      ENGRAM_RETURN_IF_ERROR(skip(trained.status().message()));
+      return false;
+    }
     if (!trained.ok()) return trained.status();
     report_.training = std::move(*trained);
-    ENGRAM_ASSIGN_OR_RETURN(ltm::LoadedModel model, encoders::load_model(file.path()));
     report_.model_version = ltm::next_model_version(reader_.manifest(), entity_);
-    ENGRAM_RETURN_IF_ERROR(encode_all(*model.encoder));
-    std::error_code failed;
-    report_.model_bytes = std::filesystem::file_size(file.path(), failed);
-    if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
+    start_counting();
+    ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(trained_file.path()));
+    BlockChoice choice(*model, representation);
+    ENGRAM_RETURN_IF_ERROR(encode_all(choice, *encoders::make_encoder(model)));
+    model->provenance.forms = report_.forms = choice.counts();
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot example,
+                            reader_.read_recorded(entity_, entries_.front()));
+    ENGRAM_ASSIGN_OR_RETURN(auto file, ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
     ENGRAM_RETURN_IF_ERROR(
-        ltm::publish_model(reader_.path(), entity_, report_.model_version, file.path(), latents_,
-                           reader_.manifest().first_journal));
-    finish();
+        encoders::save_model(*model, example.instances.front().data, file.path()));
+    file_.emplace(std::move(file));
+    std::error_code failed;
+    report_.model_bytes = std::filesystem::file_size(file_->path(), failed);
+    if (failed) return unavailable("model '{}': {}", file_->path().string(), failed.message());
+    return true;
+  }
+
+  void start_counting() {
+    latents_.clear();
+    psnr_ = {};
+    rmse_ = {};
+    report_.raw_bytes = report_.latent_bytes = 0;
+  }
+
+  /// Whether networks for images could save five times their bytes, if they took none at all.
+  Result<bool> wants_networks(const TrainOptions& train) {
+    const RepresentationOptions& representation = options_.representation;
+    if (representation.kind != Representation::kAuto)
+      return representation.kind == Representation::kLatents;
+    const uint64_t networks = network_bytes(layout_, train, entries_.size());
+    if (networks == 0) return true;
+    ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes());
+    const double saved = video * static_cast<double>(entries_.size()) * representation.nights;
+    if (saved >= kWorthwhile * static_cast<double>(networks)) return true;
+    report_.notes.push_back(
+        fmt::format("video at {} dB takes {:.0f} bytes a snapshot: {} nights of it are less than {} "
+                    "times what networks take ({} bytes)",
+                    representation.bound_db, video, representation.nights, kWorthwhile, networks));
+    return false;
+  }
+
+  [[nodiscard]] bool video_is_cheaper() {
+    const auto& forms = report_.forms;
+    const double nights = options_.representation.nights;
+    const double with_networks = static_cast<double>(forms.kept_bytes) * nights +
+                                 static_cast<double>(report_.model_bytes);
+    const double video = static_cast<double>(forms.video_bytes) * nights;
+    if (forms.video_bytes == 0 || with_networks <= video) return false;
+    report_.notes.push_back(fmt::format(
+        "networks and the cheaper of latents and video take {:.0f} bytes in {} nights, video alone "
+        "{:.0f}",
+        with_networks, options_.representation.nights, video));
+    return true;
+  }
+
+  /// Bytes of a snapshot's images as video at the bound, from some evenly spaced runs.
+  Result<double> sampled_video_bytes() {
+    constexpr size_t kRuns = 4;
+    const auto most = static_cast<size_t>(options_.train.block_rows);
+    const size_t step = std::max<size_t>(1, entries_.size() / kRuns);
+    const auto& representation = options_.representation;
+    double bytes = 0;
+    size_t count = 0;
+    for (size_t first = 0; first < entries_.size(); first += step) {
+      const size_t end = std::min(first + std::min(most, step), entries_.size());
+      std::vector<std::vector<idf::NdArray>> images;
+      for (size_t i = first; i < end; ++i)
+        ENGRAM_RETURN_IF_ERROR(append_images(entries_[i], images));
+      for (const auto& run : images) {
+        VideoSearch search(representation.video, representation.video_effort,
+                           representation.bound_db);
+        ENGRAM_ASSIGN_OR_RETURN(const auto found, search.find(run));
+        if (found) bytes += static_cast<double>(found->bytes.size());
+      }
+      count += end - first;
+    }
+    return bytes / static_cast<double>(count);
+  }
+
+  /// Adds the images of a snapshot's first instance, one per image member.
+  Status append_images(const ltm::SnapshotEntry& entry,
+                       std::vector<std::vector<idf::NdArray>>& images) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader_.read_recorded(entity_, entry));
+    ENGRAM_ASSIGN_OR_RETURN(auto split, layout_.split(snapshot.instances.front().data));
+    size_t at = 0;
+    for (size_t member = 0; member < split.tensors.size(); ++member) {
+      if (layout_.members()[member].kind != idf::MemberKind::kImage) continue;
+      if (images.size() == at) images.emplace_back();
+      images[at++].push_back(std::move(split.tensors[member]));
+    }
     return {};
   }
 
@@ -136,7 +247,7 @@ class EntityJob {
   }
 
   /// Blocks of latents never cross a gap between recordings.
-  Status encode_all(ltm::Encoder& encoder) {
+  Status encode_all(BlockChoice& choice, ltm::Encoder& decoder) {
     std::vector<Time> times;
     for (const ltm::SnapshotEntry& entry : entries_) times.push_back(entry.time);
     const auto most = static_cast<size_t>(options_.train.block_rows);
@@ -144,7 +255,7 @@ class EntityJob {
       for (size_t first = sequence.first; first < sequence.end; first += most) {
         if (stop_.stop_requested()) return cancelled("consolidation was stopped");
         const size_t count = std::min(most, sequence.end - first);
-        ENGRAM_RETURN_IF_ERROR(encode_run(encoder, std::span(entries_).subspan(first, count)));
+        ENGRAM_RETURN_IF_ERROR(encode_run(choice, decoder, std::span(entries_).subspan(first, count)));
         if (progress_)
           progress_({"encode " + entity_.to_string(), first + count, entries_.size(), {}, -1});
       }
@@ -152,7 +263,8 @@ class EntityJob {
   }
 
   /// Encodes consecutive snapshots, and compares what a query will see with what was recorded.
-  Status encode_run(ltm::Encoder& encoder, std::span<const ltm::SnapshotEntry> entries) {
+  Status encode_run(BlockChoice& choice, ltm::Encoder& decoder,
+                    std::span<const ltm::SnapshotEntry> entries) {
     std::vector<idf::Data> values;
     std::vector<ltm::Snapshot> snapshots;
     for (const ltm::SnapshotEntry& entry : entries) {
@@ -160,8 +272,8 @@ class EntityJob {
       for (const ltm::Instance& instance : snapshots.back().instances)
         values.push_back(instance.data);
     }
-    ENGRAM_ASSIGN_OR_RETURN(auto latents, encoder.encode(values));
-    ENGRAM_ASSIGN_OR_RETURN(const auto decoded, encoder.decode(latents));
+    ENGRAM_ASSIGN_OR_RETURN(auto latents, choice.encode(values));
+    ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder.decode(latents));
     size_t at = 0;
     for (const ltm::Snapshot& snapshot : snapshots) {
       ltm::LatentSnapshot coded{snapshot.time, report_.model_version, {}};
@@ -203,6 +315,7 @@ class EntityJob {
   std::vector<ltm::LatentSnapshot> latents_;
   PsnrStatistics psnr_;
   RmseStatistics rmse_;
+  std::optional<ltm::TemporaryFile> file_;  ///< The model that will be published.
   EntityReport report_;
 };
 
@@ -229,6 +342,7 @@ Result<std::vector<ltm::MemoryId>> matching(const ltm::StoreReader& reader,
 Status ConsolidateOptions::validate() const {
   if (min_snapshots < 2)
     return invalid_argument("smallest number of snapshots: found {}, needs 2", min_snapshots);
+  ENGRAM_RETURN_IF_ERROR(representation.validate());
   return train.validate();
 }
 

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "encoders/provenance.h"
 #include "ltm/memory/memory_id.h"
+#include "training/representation.h"
 #include "training/trainer.h"
 
 namespace engram::training {
@@ -14,6 +16,8 @@ namespace engram::training {
 struct ConsolidateOptions {
   /// Its budget is that of all entities together, split by the square root of their plain bytes.
   TrainOptions train;
+  /// In what form images are kept. In the automatic one train.psnr_db follows its bound.
+  RepresentationOptions representation;
   /// Queries without selectors ("Vision/.*"); an entity that any of them matches is taken. Empty:
   /// every entity.
   std::vector<std::string> entities;
@@ -40,6 +44,8 @@ struct EntityReport {
   double pooled_psnr_db = 0;
   double minimum_psnr_db = 0;
   double rmse = 0;  ///< NaN without numbers.
+  encoders::StoredForms forms;      ///< How the images were kept.
+  std::vector<std::string> notes;  ///< Why, in sentences.
   double seconds = 0;
   TrainReport training;
 };

@@ -57,8 +57,8 @@ Result<std::optional<FoundVideo>> VideoSearch::find_lossless(
 /// Doubles its steps until the bound lies between two qualities, then halves what is between.
 Result<std::optional<FoundVideo>> VideoSearch::find_lossy(std::span<const idf::NdArray> images) {
   std::optional<FoundVideo> best;
-  int good = -1;               // The largest that is known to keep the bound.
-  int bad = most_crf_ + 1;     // The smallest that is known not to.
+  int good = -1;            // The largest that is known to keep the bound.
+  int bad = most_crf_ + 1;  // The smallest that is known not to.
   int step = 1;
   for (int crf = std::clamp(crf_, 0, most_crf_); bad - good > 1;) {
     ENGRAM_ASSIGN_OR_RETURN(
@@ -68,8 +68,10 @@ Result<std::optional<FoundVideo>> VideoSearch::find_lossy(std::span<const idf::N
     (is_good ? good : bad) = crf;
     if (is_good) best = std::move(video);
     const bool is_bracketed = good >= 0 && bad <= most_crf_;
-    crf = is_bracketed ? (good + bad) / 2 : is_good ? good + step : bad - step;
-    crf = std::clamp(crf, good + 1 <= most_crf_ ? good + 1 : most_crf_, std::max(bad - 1, 0));
+    if (is_bracketed)
+      crf = (good + bad) / 2;
+    else
+      crf = is_good ? std::min(good + step, most_crf_) : std::max(bad - step, 0);
     step *= 2;
   }
   if (best) crf_ = good;

@@ -33,7 +33,8 @@ TEST(NetworkShape, SeesLargeImagesInLargerUnits) {
 TEST(NetworkShape, RefusesSizesThatCannotBe) {
   EXPECT_TRUE(NetworkSizes{}.is_valid());
   EXPECT_FALSE((NetworkSizes{24, 24, 4, 1}).is_valid());
-  EXPECT_FALSE((NetworkSizes{0, 24, 4, 1}).is_valid());
+  EXPECT_TRUE((NetworkSizes{0, 24, 4, 1}).is_valid());
+  EXPECT_FALSE((NetworkSizes{-16, 24, 4, 1}).is_valid());
   EXPECT_FALSE((NetworkSizes{64, 0, 4, 1}).is_valid());
   EXPECT_FALSE((NetworkSizes{64, 24, 257, 1}).is_valid());
   EXPECT_FALSE((NetworkSizes{64, 24, 4, 65}).is_valid());

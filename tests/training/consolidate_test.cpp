@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "encoders/load_model.h"
+#include "encoders/model_file.h"
 #include "ltm/recall/recall.h"
 #include "ltm/recording/recorder.h"
 #include "tests/training/moving_scene.h"
@@ -35,7 +36,23 @@ void record(const std::filesystem::path& store, const std::string& entity, int f
 ConsolidateOptions options() {
   ConsolidateOptions options;
   options.train = quick_options(20);
+  options.representation.kind = Representation::kLatents;
   return options;
+}
+
+/// Least PSNR over all snapshots, from what a query answers. Unit: dB.
+double lowest_psnr_db(const std::filesystem::path& store) {
+  ltm::Recall recall(*ltm::StoreReader::open(store), encoders::load_model);
+  ltm::Recall::Options prefer_latent;
+  prefer_latent.prefer = ltm::Recall::Prefer::kLatent;
+  const auto answer = recall.query(*ltm::Query::parse("Test @ all"), prefer_latent);
+  double lowest = kLargestPsnrDb;
+  int i = 0;
+  for (const auto& snapshot : answer->entities()[0]->snapshots) {
+    const auto error = compare(engram::testing::scene_at(i++), snapshot.instances[0].data);
+    lowest = std::min(lowest, psnr_db(error->image_mse));
+  }
+  return lowest;
 }
 
 TEST(Consolidate, PublishesLatentsThatAQueryDecodes) {
@@ -61,6 +78,69 @@ TEST(Consolidate, PublishesLatentsThatAQueryDecodes) {
   EXPECT_EQ(snapshots[5].source, ltm::Source::kReconstructed);
   const auto error = compare(engram::testing::scene_at(5), snapshots[5].instances[0].data);
   EXPECT_DOUBLE_EQ(error->image_mse, snapshots[5].instances[0].error->image_mse);
+}
+
+TEST(Consolidate, KeepsEveryImageWithinTheBound) {
+  for (const double bound_db : {30.0, 42.0}) {
+    for (const Representation kind : {Representation::kAuto, Representation::kVideo}) {
+      const ScratchPath store("bound");
+      record(store.path(), "Test/Scene/sim/square", 0, 40);
+      auto chosen = options();
+      chosen.representation.kind = kind;
+      chosen.representation.bound_db = bound_db;
+      chosen.representation.video_effort = 1;
+      chosen.representation.nights = 100000;  // Networks are worth trying.
+      const auto report = consolidate(store.path(), chosen, {}, {});
+      ASSERT_TRUE(report.ok()) << report.status().to_string();
+      const auto& forms = report->entities[0].forms;
+      EXPECT_EQ(forms.rows, 40);
+      EXPECT_EQ(forms.latent_rows + forms.video_rows + forms.lossless_rows, 40);
+      EXPECT_LE(forms.kept_bytes, forms.video_bytes);
+      EXPECT_GE(report->entities[0].minimum_psnr_db, bound_db);
+      EXPECT_GE(lowest_psnr_db(store.path()), bound_db) << to_string(kind);
+    }
+  }
+}
+
+TEST(Consolidate, MixesLatentsAndVideoWhereEachIsBetter) {
+  const ScratchPath store("mixed");
+  record(store.path(), "Test/Scene/sim/square", 0, 40);
+  auto chosen = options();
+  chosen.train = quick_options(600);
+  chosen.representation.kind = Representation::kAuto;
+  chosen.representation.bound_db = 24;
+  chosen.representation.video_effort = 1;
+  chosen.representation.nights = 100000;
+  const auto report = consolidate(store.path(), chosen, {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const auto& forms = report->entities[0].forms;
+  EXPECT_GT(forms.latent_rows, 0);
+  EXPECT_LT(forms.kept_bytes, forms.video_bytes);
+  EXPECT_GE(lowest_psnr_db(store.path()), 24);
+  const auto provenance = encoders::read_provenance(
+      store.path() / ltm::read_manifest(store.path())->models.front().file);
+  ASSERT_TRUE(provenance.ok()) << provenance.status().to_string();
+  EXPECT_EQ(provenance->forms, forms);
+}
+
+TEST(Consolidate, TrainsNoNetworksThatCannotPay) {
+  const ScratchPath store("video_only");
+  record(store.path(), "Test/Scene/sim/square", 0, 40);
+  auto chosen = options();
+  chosen.representation.kind = Representation::kAuto;
+  chosen.representation.nights = 1;
+  const auto report = consolidate(store.path(), chosen, {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_EQ(report->entities[0].forms.latent_rows, 0);
+  EXPECT_EQ(report->entities[0].training.autoencoder_steps, 0);
+  ASSERT_EQ(report->entities[0].notes.size(), 1u);
+  auto model = encoders::load_model(store.path() /
+                                    ltm::read_manifest(store.path())->models.front().file);
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  const std::vector<idf::Data> history{engram::testing::scene_at(3), engram::testing::scene_at(4)};
+  const auto predicted = model->predictor->predict(history, 2);
+  ASSERT_TRUE(predicted.ok()) << predicted.status().to_string();
+  EXPECT_EQ(compare(predicted->back(), history.back())->image_mse, 0.0);
 }
 
 TEST(Consolidate, SkipsWhatHasNothingNewUnlessForced) {
