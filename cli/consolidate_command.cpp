@@ -94,9 +94,8 @@ void print_report(const training::ConsolidateReport& report) {
       print(fmt::format("{}: skipped: {}", entity.entity.to_string(), entity.skipped_reason));
       continue;
     }
-    print(fmt::format("{} v{}: {} snapshots in {}", entity.entity.to_string(),
-                      entity.model_version, count_text(entity.snapshots),
-                      seconds_text(entity.seconds)));
+    print(fmt::format("{} v{}: {} snapshots in {}", entity.entity.to_string(), entity.model_version,
+                      count_text(entity.snapshots), seconds_text(entity.seconds)));
     print(fmt::format("  raw {}, stored {}, latents {} + model {}",
                       bytes_text(static_cast<double>(entity.raw_bytes)),
                       bytes_text(static_cast<double>(entity.stored_bytes)),
@@ -137,8 +136,8 @@ ExitCode run(ConsolidateArguments& arguments) {
   arguments.options.representation.bound_db = arguments.options.train.psnr_db = arguments.psnr_db;
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
-  const auto report = training::consolidate(arguments.store, arguments.options, progress.sink(),
-                                            interrupt_token());
+  const auto report =
+      training::consolidate(arguments.store, arguments.options, progress.sink(), interrupt_token());
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (!arguments.is_json) print_report(*report);
@@ -176,39 +175,48 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--steps", arguments->steps,
                       "Optimiser steps instead of a time: same seed, same model");
   command->add_option("--seed", options.train.seed, "Seed of all chance")->capture_default_str();
-  command->add_option("--representation", arguments->representation,
-                      "How images are kept: auto, latents or video")
+  command
+      ->add_option("--representation", arguments->representation,
+                   "How images are kept: auto, latents or video")
       ->check(CLI::IsMember({"auto", "latents", "video"}))
       ->capture_default_str();
-  command->add_option("--psnr", arguments->psnr_db,
-                      "Least PSNR of every image, dB; with latents alone the mean to aim at")
+  command
+      ->add_option("--psnr", arguments->psnr_db,
+                   "Least PSNR of every image, dB; with latents alone the mean to aim at")
       ->capture_default_str();
-  command->add_option("--video", options.representation.video,
-                      "Video codec that latents compete with: av1, h265 or h264")
+  command
+      ->add_option("--video", options.representation.video,
+                   "Video codec that latents compete with: av1, h265 or h264")
       ->check(CLI::IsMember({"av1", "h265", "h264"}))
       ->capture_default_str();
-  command->add_option("--nights", options.representation.nights,
-                      "Nights like this one that share the bytes of a model")
+  command
+      ->add_option("--nights", options.representation.nights,
+                   "Nights like this one that share the bytes of a model")
       ->capture_default_str();
-  command->add_option("--number-bound", options.train.number_bound,
-                      "Largest error of numbers; 0: 0.005 standard deviations of each")
+  command
+      ->add_option("--number-bound", options.train.number_bound,
+                   "Largest error of numbers; 0: 0.005 standard deviations of each")
       ->capture_default_str();
-  command->add_option("--width", options.train.width,
-                      "Features of the networks, a multiple of 16; 0: by the number of snapshots")
+  command
+      ->add_option("--width", options.train.width,
+                   "Features of the networks, a multiple of 16; 0: by the number of snapshots")
       ->capture_default_str();
-  command->add_option("--block", options.train.block_rows,
-                      "Snapshots coded together: more take fewer bytes, one is reached later")
+  command
+      ->add_option("--block", options.train.block_rows,
+                   "Snapshots coded together: more take fewer bytes, one is reached later")
       ->capture_default_str();
   command->add_option("--threads", options.train.threads, "Threads of the networks")
       ->capture_default_str();
-  command->add_option("--hold-out", options.train.hold_out_recordings,
-                      "So many of the last recordings take no part in training")
+  command
+      ->add_option("--hold-out", options.train.hold_out_recordings,
+                   "So many of the last recordings take no part in training")
       ->capture_default_str();
   command->add_option("--min-snapshots", options.min_snapshots, "Smaller entities are skipped")
       ->capture_default_str();
   command->add_flag("--force", options.force, "Train even where nothing is new");
-  CLI::Option* drop = command->add_flag("--drop-raw", arguments->drops_raw,
-                                        "Drop recorded data whose latents were decoded and compared");
+  CLI::Option* drop =
+      command->add_flag("--drop-raw", arguments->drops_raw,
+                        "Drop recorded data whose latents were decoded and compared");
   command->add_option("--min-psnr", arguments->drop.min_psnr_db, "Worse images stay recorded, dB")
       ->needs(drop);
   command->add_option("--max-rmse", arguments->drop.max_rmse, "Worse numbers stay recorded")

@@ -77,6 +77,9 @@ void print_entity(const training::EntityEvaluation& entity) {
   add_bytes("in all", entity, 1);
   add_bytes("per snapshot", entity, count);
   print(bytes.to_string("  "));
+  if (!std::isnan(entity.access.in_order_ms))
+    print(fmt::format("  decoded in {:.1f} ms each in order, {:.1f} ms scattered (median)",
+                      entity.access.in_order_ms, entity.access.scattered_ms));
   TextTable images(
       {"PSNR", "images", "mean over images", "pooled error", "5 % quantile", "minimum"});
   TextTable numbers({"RMSE", "values", "over numbers"});

@@ -26,7 +26,8 @@ std::string forms_text(const encoders::StoredForms& forms) {
   if (forms.latent_bytes > 0 && forms.representation != "latents")
     text += fmt::format(" (latents alone {}, {} of them below the bound)",
                         each(forms.latent_bytes, forms.rows), count(forms.below_bound_rows));
-  if (forms.video_bytes > 0) text += fmt::format(" (video alone {})", each(forms.video_bytes, forms.rows));
+  if (forms.video_bytes > 0)
+    text += fmt::format(" (video alone {})", each(forms.video_bytes, forms.rows));
   return text;
 }
 

@@ -20,6 +20,7 @@ constexpr const char* kFooter = R"(Examples:
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
   engram ls robot.engram Vision/RGB/head/cam
   engram export robot.engram 'Vision @ all' --to mp4 -o videos
+  engram models robot.engram
   engram eval robot.engram
   engram forget robot.engram --config robot.yaml --dry-run
   engram compact robot.engram
@@ -50,6 +51,7 @@ ExitCode run(int argc, char** argv) {
   add_import_command(app, exit_code);
   add_info_command(app, exit_code);
   add_consolidate_command(app, exit_code);
+  add_models_command(app, exit_code);
   add_ls_command(app, exit_code);
   add_query_command(app, exit_code);
   add_export_command(app, exit_code);

@@ -76,11 +76,11 @@ Tensor ImageDecoderImpl::forward(const ImageLatents& latents, const Tensor& numb
                                  const Tensor& scene) {
   Tensor x = from_coarse(latents.coarse) + place_16.index_select(0, scene);
   if (from_numbers) x = with_features(x, from_numbers(numbers));
-  x = sixteenth_2(sixteenth_1(x));                                    // [B, F, H/16, W/16]
-  x = shuffled(to_eighth(x)) + from_fine(latents.fine);               // [B, 3F/4, H/8, W/8]
+  x = sixteenth_2(sixteenth_1(x));                                      // [B, F, H/16, W/16]
+  x = shuffled(to_eighth(x)) + from_fine(latents.fine);                 // [B, 3F/4, H/8, W/8]
   x = shuffled(to_quarter(eighth_2(eighth_1(activate(x) + place_8))));  // [B, 3F/8, H/4, W/4]
   x = shuffled(to_half(quarter_2(quarter_1(activate(x) + place_4))));   // [B, 3F/16, H/2, W/2]
-  return shuffled(out(half(activate(x))), 2 * unit);                  // [B, C, H, W]
+  return shuffled(out(half(activate(x))), 2 * unit);                    // [B, C, H, W]
 }
 
 ImageAutoencoderImpl::ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes,
@@ -118,9 +118,10 @@ Latents AutoencoderImpl::encode(const Parts& values) {
 Parts AutoencoderImpl::decode(const Latents& latents) {
   Parts values{{}, latents.numbers, latents.scene};
   for (size_t i = 0; i < images.size(); ++i)
-    values.images.push_back(latents.images[i].coarse.defined()
-                                ? images[i]->decode(latents.images[i], latents.numbers, latents.scene)
-                                : Tensor());
+    values.images.push_back(
+        latents.images[i].coarse.defined()
+            ? images[i]->decode(latents.images[i], latents.numbers, latents.scene)
+            : Tensor());
   return values;
 }
 

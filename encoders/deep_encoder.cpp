@@ -14,7 +14,8 @@ class DeepEncoder : public ltm::Encoder {
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values) override {
     return guarded("encode", [&]() -> Result<std::vector<ltm::Latent>> {
       std::vector<ltm::Latent> latents;
-      for (; !values.empty(); values = values.subspan(std::min(model_->block_rows, values.size()))) {
+      for (; !values.empty();
+           values = values.subspan(std::min(model_->block_rows, values.size()))) {
         ENGRAM_ASSIGN_OR_RETURN(
             auto block, model_->encode(values.first(std::min(model_->block_rows, values.size()))));
         std::ranges::move(block, std::back_inserter(latents));
@@ -46,7 +47,8 @@ class DeepEncoder : public ltm::Encoder {
       const auto [index, count] = latent.place;
       if (index >= count)
         return data_loss("latent: found place {} in a block of {} rows", index, count);
-      const bool is_known = count == count_ && std::ranges::equal(bytes_.bytes(), latent.code.bytes());
+      const bool is_known =
+          count == count_ && std::ranges::equal(bytes_.bytes(), latent.code.bytes());
       if (is_known && index < known_) return {};
       const size_t wanted = is_known ? count : index + 1;
       known_ = 0;

@@ -71,9 +71,8 @@ DeepModel::DeepModel(TensorPlan tensor_plan, const NetworkSizes& sizes)
       dynamics(autoencoder->shape) {
   codec.scenes = static_cast<uint32_t>(sizes.scenes);
   for (const ImageMember& image : plan.images())
-    codec.frames.push_back(
-        {image.is_depth ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
-         {image.height, image.width, image.channels}});
+    codec.frames.push_back({image.is_depth ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
+                            {image.height, image.width, image.channels}});
 }
 
 std::vector<float> DeepModel::normalise(std::span<const double> numbers) const {
@@ -128,12 +127,13 @@ std::vector<double> DeepModel::to_numbers(const Parts& parts) const {
 }
 
 std::vector<int32_t> DeepModel::to_integers(const ImageLatents& latents) {
-  const Tensor flat = torch::nan_to_num(torch::cat({latents.coarse.contiguous().flatten(),
-                                                    latents.fine.contiguous().flatten()}),
-                                        0, 0, 0)
-                          .clamp(-kLargestLatent, kLargestLatent)
-                          .to(torch::kInt32)
-                          .contiguous();
+  const Tensor flat =
+      torch::nan_to_num(
+          torch::cat({latents.coarse.contiguous().flatten(), latents.fine.contiguous().flatten()}),
+          0, 0, 0)
+          .clamp(-kLargestLatent, kLargestLatent)
+          .to(torch::kInt32)
+          .contiguous();
   return {flat.data_ptr<int32_t>(), flat.data_ptr<int32_t>() + flat.numel()};
 }
 

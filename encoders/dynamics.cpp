@@ -59,8 +59,7 @@ ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes
                                      int number_features)
     : stride(shape.coarse_stride()) {
   const int features = sizes.width / 2;
-  coarse_prior =
-      register_module("coarse_prior", LatentPrior(sizes.coarse_channels, 0, features));
+  coarse_prior = register_module("coarse_prior", LatentPrior(sizes.coarse_channels, 0, features));
   fine_prior = register_module(
       "fine_prior", LatentPrior(sizes.fine_channels, sizes.coarse_channels, features / 2));
   gate_output = register_module("gate_output", make_conv(features, stride * stride, 1, true));

@@ -80,8 +80,7 @@ struct DynamicsImpl : torch::nn::Module {
 TORCH_MODULE(Dynamics);
 
 /// Bits of the unit interval around a value `distance` from the mean of a Laplace distribution.
-[[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance,
-                                         const torch::Tensor& scale);
+[[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance, const torch::Tensor& scale);
 
 /// The values after 1..`steps` steps, from the last values and the last two latents.
 /// Values are grey levels (clamped to 0..255) and normalised numbers.

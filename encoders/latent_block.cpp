@@ -87,8 +87,8 @@ Status LatentBlockCodec::decode_image(size_t image, std::span<const std::byte> b
                                       size_t wanted, ImageRows& rows) const {
   if (rows.form != ImageForm::kLatents) {
     const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(rows.form));
-    ENGRAM_ASSIGN_OR_RETURN(
-        rows.frames, codec->decode(bytes, frames[image].type, frames[image].shape, count));
+    ENGRAM_ASSIGN_OR_RETURN(rows.frames,
+                            codec->decode(bytes, frames[image].type, frames[image].shape, count));
     return {};
   }
   if (image >= images.size())

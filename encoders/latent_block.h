@@ -34,7 +34,7 @@ struct ImageRows {
 
 /// What the images and numbers of consecutive snapshots are decoded from.
 struct LatentRows {
-  uint32_t scene = 0;              ///< Which background.
+  uint32_t scene = 0;             ///< Which background.
   std::vector<ImageRows> images;  ///< Per image member.
   std::vector<double> numbers;    ///< [rows, N].
 };

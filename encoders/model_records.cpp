@@ -53,7 +53,8 @@ Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCo
   for (size_t i = 0; i < shape.images.size() && shape.sizes.width > 0; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, image_codec_path(i)));
     ENGRAM_ASSIGN_OR_RETURN(
-        LatentModel model, LatentModel::from_bytes(std::as_bytes(std::span(bytes)), shape.grids(i)));
+        LatentModel model,
+        LatentModel::from_bytes(std::as_bytes(std::span(bytes)), shape.grids(i)));
     codec.images.emplace_back(std::move(model));
   }
   if (shape.numbers == 0) return {};

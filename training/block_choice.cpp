@@ -43,8 +43,9 @@ Status BlockChoice::choose(size_t image, std::span<const idf::NdArray> images, I
   if (video) counts_.video_bytes += static_cast<int64_t>(video->bytes.size());
   const bool has_latents = !rows.latents.empty();
   if (!has_latents && !video)
-    return invalid_argument("image '{}': no installed video codec takes it",
-                            model_.plan.layout().members()[model_.plan.images()[image].member].path);
+    return invalid_argument(
+        "image '{}': no installed video codec takes it",
+        model_.plan.layout().members()[model_.plan.images()[image].member].path);
   const uint64_t latent_bytes =
       has_latents ? model_.codec.images[image].encode(rows.latents).size() : 0;
   counts_.latent_bytes += static_cast<int64_t>(latent_bytes);
@@ -86,7 +87,8 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
   } else {
     counts_.latent_rows += image_rows;
     for (size_t i = 0; i < rows.images.size(); ++i)
-      counts_.latent_bytes += static_cast<int64_t>(model_.codec.images[i].encode(rows.images[i].latents).size());
+      counts_.latent_bytes +=
+          static_cast<int64_t>(model_.codec.images[i].encode(rows.images[i].latents).size());
     counts_.kept_bytes = counts_.latent_bytes;
   }
   std::vector<std::byte> block = model_.codec.encode(rows, split.size());

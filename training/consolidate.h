@@ -43,8 +43,8 @@ struct EntityReport {
   double mean_psnr_db = 0;  ///< NaN without images, like the next three.
   double pooled_psnr_db = 0;
   double minimum_psnr_db = 0;
-  double rmse = 0;  ///< NaN without numbers.
-  encoders::StoredForms forms;      ///< How the images were kept.
+  double rmse = 0;                 ///< NaN without numbers.
+  encoders::StoredForms forms;     ///< How the images were kept.
   std::vector<std::string> notes;  ///< Why, in sentences.
   double seconds = 0;
   TrainReport training;

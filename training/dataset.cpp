@@ -78,7 +78,8 @@ class Loader {
       std::memcpy(data_.images[i].select(0, row).data_ptr(), bytes.data(), bytes.size());
     }
     const std::vector<double> numbers = data_.plan.read_numbers(split);
-    std::copy(numbers.begin(), numbers.end(), data_.plain_numbers.select(0, row).data_ptr<double>());
+    std::copy(numbers.begin(), numbers.end(),
+              data_.plain_numbers.select(0, row).data_ptr<double>());
     data_.times.push_back(source_.times[index]);
     return {};
   }

@@ -22,10 +22,10 @@ struct Dataset {
   std::vector<Time> times;
   std::vector<Sequence> sequences;  ///< Those to train on.
   size_t left_out_sequences = 0;
-  std::vector<torch::Tensor> images;  ///< Per image member: pixels [n, H, W, C].
-  torch::Tensor numbers;              ///< Normalised [n, N]; undefined without numbers.
-  torch::Tensor plain_numbers;        ///< As they were, of float64 [n, N].
-  torch::Tensor scene;                ///< Which background a row belongs to, of int64 [n].
+  std::vector<torch::Tensor> images;       ///< Per image member: pixels [n, H, W, C].
+  torch::Tensor numbers;                   ///< Normalised [n, N]; undefined without numbers.
+  torch::Tensor plain_numbers;             ///< As they were, of float64 [n, N].
+  torch::Tensor scene;                     ///< Which background a row belongs to, of int64 [n].
   std::vector<torch::Tensor> backgrounds;  ///< Per image member [scenes, C, H, W], grey levels.
 
   [[nodiscard]] size_t size() const { return times.size(); }

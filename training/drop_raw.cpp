@@ -30,9 +30,8 @@ Result<bool> may_go(const ltm::Snapshot& recorded, const ltm::SnapshotResult& re
                     const DropOptions& options) {
   if (recorded.instances.size() != recalled.instances.size()) return false;
   for (size_t i = 0; i < recorded.instances.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(
-        const ltm::MeasuredError found,
-        compare(recorded.instances[i].data, recalled.instances[i].data));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MeasuredError found,
+                            compare(recorded.instances[i].data, recalled.instances[i].data));
     const auto& published = recalled.instances[i].error;
     if (!published || !is_within(found, options) ||
         !is_as_published(found.image_mse, published->image_mse))

@@ -9,6 +9,7 @@
 #include "encoders/model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
+#include "training/access_time.h"
 #include "training/metrics.h"
 #include "training/sequences.h"
 
@@ -64,6 +65,8 @@ class EntityMeasurement {
     result_.entity = info_.entity;
     result_.model_version = info_.version;
     ENGRAM_RETURN_IF_ERROR(measure_reconstruction());
+    ENGRAM_ASSIGN_OR_RETURN(result_.access,
+                            measure_access(reader_, info_, *index_, *model_.encoder));
     ENGRAM_RETURN_IF_ERROR(measure_predictions());
     ENGRAM_RETURN_IF_ERROR(add_bytes());
     return std::move(result_);
@@ -278,6 +281,8 @@ nlohmann::ordered_json to_json(const EvalReport& report) {
                         {"reconstruction", quality_json(entity.reconstruction)},
                         {"left_out_reconstruction", quality_json(entity.left_out_reconstruction)},
                         {"prediction", prediction_json(entity)},
+                        {"in_order_ms", number_json(entity.access.in_order_ms)},
+                        {"scattered_ms", number_json(entity.access.scattered_ms)},
                         {"raw_bytes", entity.raw_bytes},
                         {"stored_bytes", entity.stored_bytes},
                         {"latent_bytes", entity.latent_bytes},

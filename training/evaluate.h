@@ -50,6 +50,13 @@ inline constexpr size_t kKnownKinds = 3;
 /// "trained on", "held out", "left-out recordings".
 [[nodiscard]] std::string_view to_string(Known known);
 
+/// Time to read and decode one snapshot from its latents, median over some hundred. NaN where there
+/// are none. Unit: ms.
+struct AccessTimes {
+  double in_order_ms = 0;   ///< Each after the one before it.
+  double scattered_ms = 0;  ///< Never two of one block one after the other.
+};
+
 /// How well the newest model of one entity remembers and predicts.
 struct EntityEvaluation {
   ltm::MemoryId entity;
@@ -59,6 +66,7 @@ struct EntityEvaluation {
   Quality reconstruction;           ///< Of the snapshots that the autoencoder was trained on.
   Quality left_out_reconstruction;  ///< Of left-out recordings.
   std::array<std::vector<PredictionQuality>, kKnownKinds> prediction;  ///< By Known.
+  AccessTimes access;
   uint64_t raw_bytes = 0;     ///< Plain bytes of the entity.
   uint64_t stored_bytes = 0;  ///< Online form.
   uint64_t latent_bytes = 0;

@@ -90,8 +90,8 @@ void set_rate(torch::optim::Adam& optimiser, double share) {
 
 /// What a batch costs.
 struct Cost {
-  Tensor error;      ///< Mean squared error per row and image, in grey levels. [B, images]
-  Tensor bits;       ///< [B]
+  Tensor error;  ///< Mean squared error per row and image, in grey levels. [B, images]
+  Tensor bits;   ///< [B]
 };
 
 Cost cost_of(encoders::DeepModel& model, const encoders::Parts& values, bool is_noisy) {
@@ -107,8 +107,7 @@ Cost cost_of(encoders::DeepModel& model, const encoders::Parts& values, bool is_
   const encoders::Parts decoded = model.autoencoder->decode(now);
   std::vector<Tensor> errors;
   for (size_t i = 0; i < values.images.size(); ++i)
-    errors.push_back(
-        (decoded.images[i] - now_part(values.images[i])).square().mean({1, 2, 3}));
+    errors.push_back((decoded.images[i] - now_part(values.images[i])).square().mean({1, 2, 3}));
   cost.error = torch::stack(errors, 1);
   return cost;
 }

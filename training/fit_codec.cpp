@@ -23,9 +23,7 @@ Tensor narrowed(const Tensor& z) {
 }
 
 Tensor widened(const Tensor& z, const Tensor& indices) {
-  return z.index_select(0, indices)
-      .to(torch::kFloat32)
-      .contiguous(at::MemoryFormat::ChannelsLast);
+  return z.index_select(0, indices).to(torch::kFloat32).contiguous(at::MemoryFormat::ChannelsLast);
 }
 
 /// Rows of one image member, of one sequence: [rows, coarse and fine latents].
@@ -65,10 +63,10 @@ std::vector<NumberField> fields_of(const Dataset& data, double bound) {
 Result<encoders::NumberModel> number_model(const Dataset& data, const TrainOptions& options) {
   std::vector<std::vector<double>> recordings;
   for (const Sequence& sequence : data.sequences) {
-    const Tensor rows = data.plain_numbers
-                            .slice(0, static_cast<int64_t>(sequence.first),
-                                   static_cast<int64_t>(sequence.end))
-                            .contiguous();
+    const Tensor rows =
+        data.plain_numbers
+            .slice(0, static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end))
+            .contiguous();
     recordings.emplace_back(rows.data_ptr<double>(), rows.data_ptr<double>() + rows.numel());
   }
   encoders::NumberTraining training;

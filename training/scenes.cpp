@@ -19,9 +19,9 @@ constexpr size_t kMostScenes = 16;
 std::vector<Tensor> medians_of(const Dataset& data, const encoders::NetworkShape& shape,
                                const Sequence& sequence) {
   const size_t step = (sequence.size() + kMostMedianImages - 1) / kMostMedianImages;
-  const auto rows = torch::arange(static_cast<int64_t>(sequence.first),
-                                  static_cast<int64_t>(sequence.end),
-                                  static_cast<int64_t>(step), torch::kLong);
+  const auto rows =
+      torch::arange(static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end),
+                    static_cast<int64_t>(step), torch::kLong);
   std::vector<Tensor> medians;
   for (const Tensor& images : data.batch(shape, rows).images)
     medians.push_back(std::get<0>(images.median(0, true)));
@@ -51,10 +51,9 @@ void find_scenes(Dataset& data) {
     std::vector<double> differences;
     for (const auto& scene : scenes) differences.push_back(difference(scene, medians));
     auto nearest = std::ranges::min_element(differences);
-    const bool is_new = nearest == differences.end() ||
-                        (*nearest >= kAlike && scenes.size() < kMostScenes);
-    const auto scene =
-        is_new ? static_cast<int64_t>(scenes.size()) : nearest - differences.begin();
+    const bool is_new =
+        nearest == differences.end() || (*nearest >= kAlike && scenes.size() < kMostScenes);
+    const auto scene = is_new ? static_cast<int64_t>(scenes.size()) : nearest - differences.begin();
     if (is_new) scenes.push_back(medians);
     data.scene.slice(0, static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end))
         .fill_(scene);

@@ -41,7 +41,8 @@ double learning_rate_share(double share) {
   constexpr double kWarmUp = 0.02;
   constexpr double kLast = 0.005;
   const double warm = std::min(1.0, kLast + share / kWarmUp);
-  return warm * (kLast + (1 - kLast) * 0.5 * (1 + std::cos(std::numbers::pi * std::min(share, 1.0))));
+  return warm *
+         (kLast + (1 - kLast) * 0.5 * (1 + std::cos(std::numbers::pi * std::min(share, 1.0))));
 }
 
 void Smoothed::add(double value) {
@@ -49,7 +50,8 @@ void Smoothed::add(double value) {
   is_empty_ = false;
 }
 
-ErrorPrice::ErrorPrice(double wanted_db) : wanted_db_(wanted_db), log_price_(std::log(kFirstPrice)) {}
+ErrorPrice::ErrorPrice(double wanted_db)
+    : wanted_db_(wanted_db), log_price_(std::log(kFirstPrice)) {}
 
 double ErrorPrice::value() const {
   return std::exp(log_price_);

@@ -55,8 +55,7 @@ StepSink step_sink(const ProgressSink& progress, const std::string& entity,
           static_cast<uint64_t>(step.step + static_cast<int64_t>(*options.steps * share_before));
     } else {
       const double budget = to_seconds(options.budget);
-      now.seconds_left =
-          schedule.seconds_left(step.step) + budget * (1 - share_before - share);
+      now.seconds_left = schedule.seconds_left(step.step) + budget * (1 - share_before - share);
       now.total = static_cast<uint64_t>(budget * 1000);
       now.done = static_cast<uint64_t>(std::max(0.0, budget - now.seconds_left) * 1000);
     }
@@ -106,20 +105,18 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
   const double coding = model.autoencoder->images.empty() ? 0 : kAutoencoderShare;
   const Schedule coding_time = schedule_of(options, coding);
-  ENGRAM_ASSIGN_OR_RETURN(
-      const FitStep coded,
-      fit_autoencoder(
-          model, data, options, coding_time, stop,
-          step_sink(progress, source.entity, options, "autoencoder", epoch, coding_time, 0, coding)));
+  ENGRAM_ASSIGN_OR_RETURN(const FitStep coded,
+                          fit_autoencoder(model, data, options, coding_time, stop,
+                                          step_sink(progress, source.entity, options, "autoencoder",
+                                                    epoch, coding_time, 0, coding)));
   encoders::round_weights(*model.autoencoder);
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
   const Schedule dynamics_time = schedule_of(options, 1 - coding);
-  ENGRAM_ASSIGN_OR_RETURN(
-      const FitStep dynamics,
-      fit_dynamics(model, data, latents, options, dynamics_time, stop,
-                   step_sink(progress, source.entity, options, "dynamics", epoch, dynamics_time,
-                             coding, 1 - coding)));
+  ENGRAM_ASSIGN_OR_RETURN(const FitStep dynamics,
+                          fit_dynamics(model, data, latents, options, dynamics_time, stop,
+                                       step_sink(progress, source.entity, options, "dynamics",
+                                                 epoch, dynamics_time, coding, 1 - coding)));
   encoders::round_weights(*model.dynamics);
   model.prediction.step = median_step(data.times);
   ENGRAM_RETURN_IF_ERROR(measure_prediction(model, data));
@@ -157,8 +154,8 @@ uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options, s
   auto plan = encoders::TensorPlan::create(layout);
   if (!plan.ok() || plan->images().empty()) return 0;
   const encoders::DeepModel model(
-      std::move(*plan), {chosen_width(options, snapshots), options.coarse_channels,
-                         options.fine_channels, 1});
+      std::move(*plan),
+      {chosen_width(options, snapshots), options.coarse_channels, options.fine_channels, 1});
   int64_t weights = 0;
   for (const auto& tensor : model.autoencoder->parameters()) weights += tensor.numel();
   for (const auto& tensor : model.dynamics->parameters()) weights += tensor.numel();

@@ -68,7 +68,7 @@ struct TrainReport {
   int64_t dynamics_steps = 0;
   double seconds = 0;
   double final_loss = 0;
-  double training_psnr_db = 0;  ///< Mean over images, smoothed, at the end; 0 without images.
+  double training_psnr_db = 0;     ///< Mean over images, smoothed, at the end; 0 without images.
   std::vector<std::string> notes;  ///< What a reader should know, in sentences.
 };
 

@@ -36,9 +36,8 @@ Result<FoundVideo> VideoSearch::encode(std::span<const idf::NdArray> images,
     video.mse.assign(images.size(), 0.0);
     return video;
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto decoded,
-                          coder->decode(video.bytes, images.front().type(), images.front().shape(),
-                                        images.size()));
+  ENGRAM_ASSIGN_OR_RETURN(const auto decoded, coder->decode(video.bytes, images.front().type(),
+                                                            images.front().shape(), images.size()));
   for (size_t i = 0; i < images.size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], decoded[i]));
   }

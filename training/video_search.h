@@ -14,8 +14,8 @@ namespace engram::training {
 /// The smallest video of some images whose every image is within a bound.
 struct FoundVideo {
   std::vector<std::byte> bytes;
-  std::string codec;             ///< Its name.
-  double quality = 0;            ///< Its crf; 0 without loss.
+  std::string codec;        ///< Its name.
+  double quality = 0;       ///< Its crf; 0 without loss.
   std::vector<double> mse;  ///< Of each image. Unit: grey levels squared.
 };
 

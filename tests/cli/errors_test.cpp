@@ -185,7 +185,7 @@ TEST_F(Errors, WrongUsageExitsWithTwo) {
 TEST_F(Errors, HelpAndVersionSucceed) {
   EXPECT_EQ(run_engram({"--version"}).exit_code, 0);
   for (const char* command : {"import", "info", "consolidate", "query", "eval", "simulate", "check",
-                              "recover"}) {
+                              "recover", "models"}) {
     const RunResult help = run_engram({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_THAT(help.out, HasSubstr("Usage")) << command;

@@ -36,8 +36,8 @@ class Journey : public ::testing::Test {
     const Recording recording = make_recording(directory_->path(), 12);
     const RunResult imported = run_engram(import_arguments(recording, store_));
     ASSERT_EQ(imported.exit_code, 0) << imported.err;
-    const RunResult trained = run_engram({"consolidate", store_, "--steps", "120", "--threads", "1",
-                                          "--json"});
+    const RunResult trained = run_engram({"consolidate", store_, "--representation", "latents",
+                                          "--steps", "120", "--threads", "1", "--json"});
     ASSERT_EQ(trained.exit_code, 0) << trained.err;
     consolidated_ = Json::parse(trained.out);
   }
@@ -148,6 +148,36 @@ TEST_F(Journey, EvaluatesBesideCopyLastInBothConventions) {
   EXPECT_EQ(report.at("entities").size(), 2u);
 }
 
+TEST_F(Journey, ListsModelsAndWhatTheyAreMadeOf) {
+  const RunResult shown = run_engram({"models", store_});
+  for (const char* text : {"Vision/RGB/head/cam v1", "trained on 60 snapshots of 1 recordings",
+                           "latents", "with 30,000"})
+    EXPECT_THAT(shown.out, HasSubstr(text));
+  const Json camera = json_of(run_engram({"models", store_, "--entity", "Vision", "--json"}));
+  ASSERT_EQ(camera.at("models").size(), 1u);
+  EXPECT_EQ(camera.at("models").at(0).at("images").at("latent_rows"), 60);
+  EXPECT_EQ(run_engram({"models", store_, "--entity", "Nothing"}).exit_code, kFailed);
+}
+
+TEST(Representation, KeepsImagesAsVideoWhereNetworksCannotPay) {
+  const ScratchDirectory directory;
+  const std::string store = directory.path() / "robot.engram";
+  ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 8), store)).exit_code, 0);
+  const Json done = json_of(run_engram({"consolidate", store, "--steps", "20", "--threads", "1",
+                                        "--psnr", "34", "--json"}));
+  for (const Json& entity : done.at("entities")) {
+    if (entity.at("entity") != kCamera) continue;
+    EXPECT_GE(entity.at("psnr_minimum_db").get<double>(), 34);
+    EXPECT_EQ(entity.at("images").at("latent_rows"), 0);
+    EXPECT_EQ(entity.at("images").at("rows"), 40);
+    EXPECT_LT(entity.at("latent_bytes").get<int>(), entity.at("stored_bytes").get<int>());
+  }
+  const Json answer = json_of(
+      run_engram({"query", store, kCamera + " @ latest:3", "--prefer", "latent", "--json"}));
+  EXPECT_EQ(answer.at("entities").at(0).at("snapshots").at(0).at("source"), "reconstructed");
+  EXPECT_EQ(run_engram({"query", store, kCamera + " @ +200ms"}).exit_code, 0);
+}
+
 TEST_F(Journey, TrainsOnlyWhereSomethingIsNew) {
   const Json again = json_of(run_engram({"consolidate", store_, "--steps", "1", "--json"}));
   for (const Json& entity : again.at("entities")) EXPECT_TRUE(entity.contains("skipped")) << entity;
@@ -158,8 +188,8 @@ TEST(DroppingRawData, KeepsTheMemoryAnsweringFromLatents) {
   const std::string store = directory.path() / "robot.engram";
   ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 8), store)).exit_code, 0);
   const RunResult dropped =
-      run_engram({"consolidate", store, "--steps", "60", "--threads", "1", "--entity", kCamera,
-                  "--drop-raw", "--json"});
+      run_engram({"consolidate", store, "--representation", "latents", "--steps", "60", "--threads",
+                  "1", "--entity", kCamera, "--drop-raw", "--json"});
   ASSERT_EQ(dropped.exit_code, 0) << dropped.err;
   EXPECT_EQ(Json::parse(dropped.out).at("dropped").at(0).at("snapshots"), 40);
   const Json camera = camera_info(store);

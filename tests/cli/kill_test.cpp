@@ -56,7 +56,8 @@ TEST(KillDuringConsolidation, LeavesTheRecordedMemoryAsItWas) {
   const ScratchDirectory directory;
   const std::string store = directory.path() / "robot.engram";
   ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 8), store)).exit_code, 0);
-  const std::vector<std::string> consolidate{"consolidate", store, "--steps", "40", "--threads", "1",
+  const std::vector<std::string> consolidate{"consolidate", store,     "--representation", "latents",
+                                             "--steps",     "40",      "--threads",        "1",
                                              "--force"};
   int killed = 0;
   for (const int milliseconds : {100, 700, 1500, 2500, 4000}) {

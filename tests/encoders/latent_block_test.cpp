@@ -54,8 +54,8 @@ TEST(LatentBlock, DecodesOnlyTheRowsThatAreWanted) {
   const auto decoded = codec().decode(block, kRows, 2);
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   ASSERT_EQ(decoded->images[1].latents.size(), 2u * (3 * 4 + 2 * 16));
-  EXPECT_TRUE(std::equal(decoded->images[1].latents.begin(),
-                         decoded->images[1].latents.end(), rows.images[1].latents.begin()));
+  EXPECT_TRUE(std::equal(decoded->images[1].latents.begin(), decoded->images[1].latents.end(),
+                         rows.images[1].latents.begin()));
   EXPECT_EQ(decoded->numbers.size(), 4u);
 }
 

@@ -8,9 +8,9 @@ namespace {
 
 NetworkShape shape_of(int64_t height, int64_t width) {
   idf::Dict dict;
-  dict.set("image", idf::NdArray::take<uint8_t>(
-                        {height, width, 3},
-                        std::vector<uint8_t>(static_cast<size_t>(height * width * 3))));
+  dict.set("image",
+           idf::NdArray::take<uint8_t>(
+               {height, width, 3}, std::vector<uint8_t>(static_cast<size_t>(height * width * 3))));
   return network_shape(*TensorPlan::create(idf::Layout::of(idf::Data(dict))), {});
 }
 

@@ -134,8 +134,8 @@ TEST(Consolidate, TrainsNoNetworksThatCannotPay) {
   EXPECT_EQ(report->entities[0].forms.latent_rows, 0);
   EXPECT_EQ(report->entities[0].training.autoencoder_steps, 0);
   ASSERT_EQ(report->entities[0].notes.size(), 1u);
-  auto model = encoders::load_model(store.path() /
-                                    ltm::read_manifest(store.path())->models.front().file);
+  auto model =
+      encoders::load_model(store.path() / ltm::read_manifest(store.path())->models.front().file);
   ASSERT_TRUE(model.ok()) << model.status().to_string();
   const std::vector<idf::Data> history{engram::testing::scene_at(3), engram::testing::scene_at(4)};
   const auto predicted = model->predictor->predict(history, 2);
