@@ -22,6 +22,7 @@ constexpr const char* kFooter = R"(Examples:
   engram export robot.engram 'Vision @ all' --to mp4 -o videos
   engram models robot.engram
   engram eval robot.engram
+  engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
   engram forget robot.engram --config robot.yaml --dry-run
   engram compact robot.engram
   engram idf generate kitchen.xml --cpp generated
@@ -33,7 +34,9 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with da
 /// Commands that run networks for long.
 bool is_learning(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
-    if (const std::string_view word = argv[i]; word == "consolidate" || word == "eval") return true;
+    if (const std::string_view word = argv[i];
+        word == "consolidate" || word == "eval" || word == "crossval")
+      return true;
   return false;
 }
 
@@ -52,6 +55,7 @@ ExitCode run(int argc, char** argv) {
   add_info_command(app, exit_code);
   add_consolidate_command(app, exit_code);
   add_models_command(app, exit_code);
+  add_crossval_command(app, exit_code);
   add_ls_command(app, exit_code);
   add_query_command(app, exit_code);
   add_export_command(app, exit_code);

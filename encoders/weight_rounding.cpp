@@ -23,21 +23,44 @@ Kept kept_as(const std::string& name, const Tensor& tensor, bool is_buffer) {
   return is_matrix && !is_buffer ? Kept::kBytes : Kept::kFloats;
 }
 
+namespace {
+
+/// 8 bits per weight and one scale for each of the first axis.
+void round_rows(Tensor& weights) {
+  Tensor scales = weights.flatten(1).abs().amax(1).contiguous();
+  auto* scale = scales.data_ptr<float>();
+  for (int64_t row = 0; row < scales.numel(); ++row) scale[row] = weight_scale(scale[row]);
+  std::vector<int64_t> shape(static_cast<size_t>(weights.dim()), 1);
+  shape.front() = -1;
+  scales = scales.reshape(shape);
+  weights.div_(scales).round_().clamp_(-127, 127).mul_(scales);
+}
+
+}  // namespace
+
 void round_weights(torch::nn::Module& module) {
   torch::NoGradGuard no_grad;
   for (auto& item : module.named_parameters()) {
     Tensor& weights = item.value();
     const Kept kept = kept_as(item.key(), weights, false);
-    if (kept == Kept::kPixels) {
-      weights.copy_((weights * kGreyLevels).round().clamp(0, 255) / kGreyLevels);
-    } else if (kept == Kept::kBytes) {
-      for (int64_t row = 0; row < weights.size(0); ++row) {
-        Tensor channel = weights.select(0, row);
-        const float scale = weight_scale(channel.abs().max().item<float>());
-        channel.copy_((channel / scale).round().clamp(-127, 127) * scale);
-      }
-    }
+    if (kept == Kept::kPixels)
+      weights.mul_(kGreyLevels).round_().clamp_(0, 255).div_(kGreyLevels);
+    else if (kept == Kept::kBytes)
+      round_rows(weights);
   }
+}
+
+RoundedWeights::RoundedWeights(torch::nn::Module& module) : module_(module) {
+  torch::NoGradGuard no_grad;
+  for (const Tensor& weights : module.parameters()) exact_.push_back(weights.clone());
+  round_weights(module);
+}
+
+void RoundedWeights::restore() {
+  torch::NoGradGuard no_grad;
+  auto weights = module_.parameters();
+  for (size_t i = 0; i < exact_.size(); ++i) weights[i].copy_(exact_[i]);
+  exact_.clear();
 }
 
 }  // namespace engram::encoders

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "encoders/torch.h"
 
@@ -12,6 +13,25 @@ namespace engram::encoders {
 /// Rounds all weights to what a model file keeps: 8 bits per weight and a scale per output
 /// channel, whole grey levels for backgrounds, 32-bit floats for vectors.
 void round_weights(torch::nn::Module& module);
+
+/// Rounds the weights of a module until it is told to restore them: gradients of rounded weights
+/// are added to exact ones.
+///
+/// Threading: one thread.
+class RoundedWeights {
+ public:
+  /// The module outlives it.
+  explicit RoundedWeights(torch::nn::Module& module);
+  ~RoundedWeights() { restore(); }
+  RoundedWeights(const RoundedWeights&) = delete;
+  RoundedWeights& operator=(const RoundedWeights&) = delete;
+
+  void restore();
+
+ private:
+  torch::nn::Module& module_;
+  std::vector<torch::Tensor> exact_;
+};
 
 /// How a model file keeps a tensor.
 enum class Kept { kBytes, kPixels, kFloats };

@@ -8,6 +8,7 @@
 #include "encoders/deep_model_file.h"
 #include "ltm/store/publish.h"
 #include "training/entity_encoding.h"
+#include "training/entity_source.h"
 
 namespace engram::training {
 
@@ -17,13 +18,6 @@ namespace {
 constexpr double kMargin = 1.0;
 /// Networks may take a fifth of what they save.
 constexpr double kWorthwhile = 5;
-
-/// Whether every instance has this layout.
-bool fits(const ltm::Snapshot& snapshot, const idf::Layout& layout) {
-  return !snapshot.instances.empty() &&
-         std::all_of(snapshot.instances.begin(), snapshot.instances.end(),
-                     [&](const auto& instance) { return layout.split(instance.data).ok(); });
-}
 
 }  // namespace
 
@@ -42,19 +36,14 @@ Status EntityJob::plan() {
   ENGRAM_ASSIGN_OR_RETURN(const auto summary, reader_.summary(entity_));
   report_.stored_bytes = summary.stored_bytes;
   plain_bytes_ = static_cast<double>(summary.raw_bytes);
-  ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader_.index(entity_));
-  bool has_news = false;
-  for (const ltm::SnapshotEntry& entry : *index) {
-    // What is not sealed yet is the next night's: it will come after the latents of this one.
-    if (!entry.recorded || entry.recorded->rows == 0) continue;
-    entries_.push_back(entry);
-    has_news = has_news || !entry.latent;
-  }
-  if (entries_.size() < options_.min_snapshots)
-    return skip(
-        fmt::format("{} recorded snapshots, needs {}", entries_.size(), options_.min_snapshots));
-  if (!has_news && !options_.force) return skip("nothing new");
-  return find_layout();
+  ENGRAM_ASSIGN_OR_RETURN(
+      EntitySource found,
+      EntitySource::find(reader_, entity_, options_.min_snapshots, !options_.force, stop_));
+  report_.left_behind = found.left_behind;
+  entries_ = std::move(found.entries);
+  layout_ = std::move(found.layout);
+  if (!found.missing.empty()) return skip(std::move(found.missing));
+  return {};
 }
 
 double EntityJob::weight() const {
@@ -66,27 +55,6 @@ Result<EntityReport> EntityJob::run(Duration budget) {
   if (report_.skipped_reason.empty()) ENGRAM_RETURN_IF_ERROR(train_and_publish(budget));
   report_.seconds = to_seconds(std::chrono::steady_clock::now() - start);
   return std::move(report_);
-}
-
-/// The layout of most snapshots would need reading all; the newest one's is what comes next.
-Status EntityJob::find_layout() {
-  ENGRAM_ASSIGN_OR_RETURN(const auto newest, reader_.read_recorded(entity_, entries_.back()));
-  if (newest.instances.empty()) return skip("the newest snapshot has no instance");
-  layout_ = idf::Layout::of(newest.instances.front().data);
-  std::vector<ltm::SnapshotEntry> fitting;
-  for (const ltm::SnapshotEntry& entry : entries_) {
-    if (stop_.stop_requested()) return cancelled("consolidation was stopped");
-    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader_.read_recorded(entity_, entry));
-    if (fits(snapshot, layout_))
-      fitting.push_back(entry);
-    else
-      ++report_.left_behind;
-  }
-  entries_ = std::move(fitting);
-  if (entries_.size() < options_.min_snapshots)
-    return skip(fmt::format("{} recorded snapshots of the newest layout, needs {}", entries_.size(),
-                            options_.min_snapshots));
-  return {};
 }
 
 Status EntityJob::skip(std::string reason) {
@@ -120,7 +88,8 @@ Result<bool> EntityJob::make(const TrainOptions& train,
                              const RepresentationOptions& representation) {
   ENGRAM_ASSIGN_OR_RETURN(const auto trained_file,
                           ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
-  auto trained = train_model(source(), train, trained_file.path(), progress_, stop_);
+  auto trained = train_model(EntitySource::values(reader_, entity_, entries_), train,
+                             trained_file.path(), progress_, stop_);
   // What cannot be a tensor stays recorded; everything else can go on.
   if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument) {
     ENGRAM_RETURN_IF_ERROR(skip(trained.status().message()));
@@ -211,17 +180,6 @@ Status EntityJob::append_images(const ltm::SnapshotEntry& entry,
     images[at++].push_back(std::move(split.tensors[member]));
   }
   return {};
-}
-
-TrainingSource EntityJob::source() {
-  TrainingSource source;
-  source.entity = entity_.to_string();
-  for (const ltm::SnapshotEntry& entry : entries_) source.times.push_back(entry.time);
-  source.read = [this](size_t i) -> Result<idf::Data> {
-    ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot snapshot, reader_.read_recorded(entity_, entries_[i]));
-    return std::move(snapshot.instances.front().data);
-  };
-  return source;
 }
 
 }  // namespace engram::training

@@ -32,7 +32,6 @@ class EntityJob {
   Result<EntityReport> run(Duration budget);
 
  private:
-  Status find_layout();
   Status skip(std::string reason);
   Status train_and_publish(Duration budget);
   /// Trains a model and codes all snapshots with it. False where it has to be skipped.
@@ -45,7 +44,6 @@ class EntityJob {
   /// Adds the images of a snapshot's first instance, one per image member.
   Status append_images(const ltm::SnapshotEntry& entry,
                        std::vector<std::vector<idf::NdArray>>& images);
-  [[nodiscard]] TrainingSource source();
 
   ltm::StoreReader& reader_;
   ltm::MemoryId entity_;

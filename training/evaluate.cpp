@@ -11,6 +11,8 @@
 #include "ltm/store/store_reader.h"
 #include "training/access_time.h"
 #include "training/metrics.h"
+#include "training/quality_json.h"
+#include "training/quality_sums.h"
 #include "training/sequences.h"
 
 namespace engram::training {
@@ -18,25 +20,6 @@ namespace engram::training {
 namespace {
 
 constexpr int kHorizons = 2;
-constexpr double kLowShare = 0.05;
-
-/// Collects errors of both kinds.
-struct QualitySums {
-  PsnrStatistics psnr;
-  RmseStatistics rmse;
-
-  void add(const ltm::MeasuredError& error) {
-    psnr.add(error.image_mse);
-    rmse.add(error.number_mse);
-  }
-
-  [[nodiscard]] Quality quality() const {
-    return {psnr.count(),     psnr.capped(),     psnr.mean_db(),
-            psnr.pooled_db(), psnr.minimum_db(), psnr.quantile_db(kLowShare),
-            rmse.count(),     rmse.rmse()};
-  }
-};
-
 bool contains(const std::vector<encoders::TimeSpan>& spans, Time first, Time last) {
   return std::any_of(spans.begin(), spans.end(), [&](const encoders::TimeSpan& span) {
     return span.contains(first) && span.contains(last);
@@ -214,21 +197,6 @@ Result<std::vector<const ltm::ModelInfo*>> newest_models(const ltm::StoreReader&
     if (is_meant && newest != nullptr) models.push_back(newest);
   }
   return models;
-}
-
-nlohmann::ordered_json number_json(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-}
-
-nlohmann::ordered_json quality_json(const Quality& quality) {
-  return {{"images", quality.images},
-          {"capped", quality.capped},
-          {"mean_psnr_db", number_json(quality.mean_psnr_db)},
-          {"pooled_psnr_db", number_json(quality.pooled_psnr_db)},
-          {"minimum_psnr_db", number_json(quality.minimum_psnr_db)},
-          {"low_psnr_db", number_json(quality.low_psnr_db)},
-          {"numbers", quality.numbers},
-          {"rmse", number_json(quality.rmse)}};
 }
 
 nlohmann::ordered_json prediction_json(const EntityEvaluation& entity) {

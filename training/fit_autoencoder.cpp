@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <optional>
 
+#include "encoders/weight_rounding.h"
 #include "training/fit.h"
 #include "training/quality/psnr.h"
 
@@ -17,6 +19,8 @@ constexpr double kPeakRate = 1.5e-3;
 constexpr double kBackgroundRate = 0.5;
 /// Share of the time that rounding is imitated by noise; afterwards latents are rounded.
 constexpr double kNoiseShare = 0.5;
+/// Share of the time that weights are used as they are; afterwards as they will be stored.
+constexpr double kExactShare = 0.75;
 constexpr double kLargestGradient = 1.0;
 /// Consecutive rows of a batch, after one that is only their past.
 constexpr int64_t kChunk = 4;
@@ -149,10 +153,13 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     if (stop.stop_requested()) return cancelled("training was stopped");
     set_rate(optimiser, share);
     const auto values = data.batch(model.autoencoder->shape, draw(data, chunks));
+    std::optional<encoders::RoundedWeights> rounded;
+    if (share >= kExactShare) rounded.emplace(*model.autoencoder);
     const Cost cost = cost_of(model, values, share < kNoiseShare);
     const Tensor loss = cost.error.mean() * price.value() + cost.bits.mean() / (8000.0 * size);
     optimiser.zero_grad();
     loss.backward();
+    if (rounded) rounded->restore();
     torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
     optimiser.step();
     loss_mean.add(loss.item<double>());

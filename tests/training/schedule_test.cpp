@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/schedule.h"
+
+#include <gtest/gtest.h>
+
+namespace engram::training {
+namespace {
+
+TEST(LearningRate, RisesThenFallsToNearlyNothing) {
+  EXPECT_LT(learning_rate_share(0), 0.01);
+  EXPECT_GT(learning_rate_share(0.02), 0.98);
+  EXPECT_NEAR(learning_rate_share(0.5), 0.5, 0.02);
+  EXPECT_LT(learning_rate_share(1), 0.01);
+  EXPECT_GT(learning_rate_share(1), 0);
+}
+
+TEST(Schedule, CountsStepsWhereTheyAreGiven) {
+  const Schedule schedule(10, 1e9);
+  EXPECT_EQ(schedule.share(0), 0.0);
+  EXPECT_EQ(schedule.share(5), 0.5);
+  EXPECT_EQ(schedule.share(10), 1.0);
+}
+
+TEST(ErrorPrice, FollowsTheQualityInBothDirections) {
+  ErrorPrice price(36);
+  const double first = price.value();
+  price.follow(20, 0.04);  // Too early.
+  EXPECT_DOUBLE_EQ(price.value(), first);
+  for (double share = 0.05; share < 0.2; share += 0.01) price.follow(33, share);
+  const double raised = price.value();
+  EXPECT_GT(raised, 2 * first);
+  for (double share = 0.2; share < 0.5; share += 0.01) price.follow(39, share);
+  EXPECT_LT(price.value(), raised / 2);
+  EXPECT_GT(price.value(), 0);
+}
+
+TEST(ErrorPrice, StaysWhereTheQualityIsWhatWasAskedFor) {
+  ErrorPrice price(36);
+  const double first = price.value();
+  for (double share = 0; share < 1; share += 0.01) price.follow(36, share);
+  EXPECT_DOUBLE_EQ(price.value(), first);
+}
+
+TEST(Smoothed, StartsWithItsFirstValue) {
+  Smoothed mean(0.1);
+  mean.add(5);
+  EXPECT_EQ(mean.value(), 5.0);
+  mean.add(15);
+  EXPECT_DOUBLE_EQ(mean.value(), 6.0);
+}
+
+}  // namespace
+}  // namespace engram::training

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "ltm/idf/layout.h"
+#include "ltm/store/store_reader.h"
+#include "training/trainer.h"
+
+// Private to this room.
+
+namespace engram::training {
+
+/// The recorded snapshots of an entity that one model can learn: those of the newest one's layout.
+struct EntitySource {
+  std::vector<ltm::SnapshotEntry> entries;
+  idf::Layout layout;
+  uint64_t left_behind = 0;  ///< Recorded snapshots of another layout.
+  std::string missing;       ///< Why there are not enough; else empty.
+
+  /// What is sealed: the rest is the next night's. Fewer than `least` are told in `missing`; and,
+  /// where `needs_news`, that all have latents already.
+  /// Errors: kCancelled; those of the store.
+  static Result<EntitySource> find(ltm::StoreReader& reader, const ltm::MemoryId& entity,
+                                   size_t least, bool needs_news, const std::stop_token& stop);
+
+  /// The first instance of each of some snapshots. Reader and entity outlive it.
+  static TrainingSource values(ltm::StoreReader& reader, const ltm::MemoryId& entity,
+                               std::vector<ltm::SnapshotEntry> entries);
+};
+
+}  // namespace engram::training

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "training/evaluate.h"
+
+// Private to this room.
+
+namespace engram::training {
+
+/// NaN and infinity become null.
+[[nodiscard]] nlohmann::ordered_json number_json(double value);
+[[nodiscard]] nlohmann::ordered_json quality_json(const Quality& quality);
+
+}  // namespace engram::training
