@@ -95,6 +95,10 @@ Result<TensorPlan> read_plan(const h5::File& file) {
 Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(TensorPlan plan, read_plan(file));
   ENGRAM_ASSIGN_OR_RETURN(const NetworkSizes sizes, read_sizes(file));
+  for (const ImageShape& image : network_shape(plan, sizes).images)
+    if (sizes.scenes > most_scenes(image))
+      return data_loss("found {} backgrounds of {} x {} pixels, needs at most {}", sizes.scenes,
+                       image.height, image.width, most_scenes(image));
   auto model = std::make_shared<DeepModel>(std::move(plan), sizes);
   ENGRAM_ASSIGN_OR_RETURN(const int64_t rows, file.int_attribute("/", "block_rows"));
   if (rows < 1 || rows > kMaxBlockRows)

@@ -30,6 +30,12 @@ std::vector<LatentGrid> NetworkShape::grids(size_t image) const {
           {sizes.fine_channels, shape.height / fine, shape.width / fine}};
 }
 
+int most_scenes(const ImageShape& image) {
+  const int64_t pixels = int64_t{image.channels} * image.height * image.width;
+  return static_cast<int>(std::clamp<int64_t>(NetworkSizes::kMostBackgroundPixels / pixels, 1,
+                                              NetworkSizes::kMostScenes));
+}
+
 NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes) {
   NetworkShape shape;
   shape.sizes = sizes;

@@ -29,6 +29,8 @@ struct NetworkSizes {
   static constexpr int kMostWidth = 512;
   static constexpr int kMostChannels = 256;
   static constexpr int kMostScenes = 64;
+  /// Of an image member, of all scenes.
+  static constexpr int64_t kMostBackgroundPixels = int64_t{1} << 26;
 
   [[nodiscard]] bool is_valid() const;
 };
@@ -42,6 +44,9 @@ struct NetworkShape {
   /// The grids of an image's latents, coarse and fine.
   [[nodiscard]] std::vector<LatentGrid> grids(size_t image) const;
 };
+
+/// Backgrounds of an image member that fit: at least one.
+[[nodiscard]] int most_scenes(const ImageShape& image);
 
 /// The shape for a layout.
 [[nodiscard]] NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes);

@@ -45,6 +45,9 @@ void find_scenes(Dataset& data) {
   data.scene = torch::zeros({static_cast<int64_t>(data.size())}, torch::kLong);
   if (data.images.empty()) return;
   const auto shape = encoders::network_shape(data.plan, {});
+  size_t most_scenes = kMostScenes;
+  for (const auto& image : shape.images)
+    most_scenes = std::min(most_scenes, static_cast<size_t>(encoders::most_scenes(image)));
   std::vector<std::vector<Tensor>> scenes;
   for (const Sequence& sequence : data.sequences) {
     const std::vector<Tensor> medians = medians_of(data, shape, sequence);
@@ -52,7 +55,7 @@ void find_scenes(Dataset& data) {
     for (const auto& scene : scenes) differences.push_back(difference(scene, medians));
     auto nearest = std::ranges::min_element(differences);
     const bool is_new =
-        nearest == differences.end() || (*nearest >= kAlike && scenes.size() < kMostScenes);
+        nearest == differences.end() || (*nearest >= kAlike && scenes.size() < most_scenes);
     const auto scene = is_new ? static_cast<int64_t>(scenes.size()) : nearest - differences.begin();
     if (is_new) scenes.push_back(medians);
     data.scene.slice(0, static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end))

@@ -30,6 +30,12 @@ TEST(NetworkShape, SeesLargeImagesInLargerUnits) {
   EXPECT_EQ(shape.grids(0), (std::vector<LatentGrid>{{24, 8, 10}, {4, 16, 20}}));
 }
 
+TEST(NetworkShape, LimitsBackgroundsOfLargeImages) {
+  EXPECT_EQ(most_scenes({3, 128, 128, 1}), NetworkSizes::kMostScenes);
+  EXPECT_EQ(most_scenes({3, 2048, 2048, 8}), 5);
+  EXPECT_EQ(most_scenes({3, 4096, 4096, 16}), 1);
+}
+
 TEST(NetworkShape, RefusesSizesThatCannotBe) {
   EXPECT_TRUE(NetworkSizes{}.is_valid());
   EXPECT_FALSE((NetworkSizes{24, 24, 4, 1}).is_valid());
