@@ -214,6 +214,8 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--min-snapshots", options.min_snapshots, "Smaller entities are skipped")
       ->capture_default_str();
   command->add_flag("--force", options.force, "Train even where nothing is new");
+  command->add_flag("--reuse-models", options.reuses_models,
+                    "Encode with the newest model of each entity instead of training one");
   CLI::Option* drop =
       command->add_flag("--drop-raw", arguments->drops_raw,
                         "Drop recorded data whose latents were decoded and compared");

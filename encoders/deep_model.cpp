@@ -174,9 +174,7 @@ Result<LatentRows> DeepModel::to_rows(std::span<const idf::SplitValue> values) {
 }
 
 void DeepModel::add_latents(std::vector<Parts> parts, LatentRows& rows) {
-  Tensor distances = torch::zeros({1, autoencoder->shape.sizes.scenes});
-  for (const Parts& one : parts) distances = distances + autoencoder->distances(one);
-  const Tensor scene = distances.argmin(1);
+  const Tensor scene = best_scene(parts);
   rows.scene = static_cast<uint32_t>(scene.item<int64_t>());
   // One at a time: what comes out must not depend on what is encoded beside it.
   for (Parts& one : parts) {
@@ -188,6 +186,36 @@ void DeepModel::add_latents(std::vector<Parts> parts, LatentRows& rows) {
       all.insert(all.end(), integers.begin(), integers.end());
     }
   }
+}
+
+Tensor DeepModel::best_scene(std::span<const Parts> parts) {
+  // The nearest backgrounds are tried on the first, the middle and the last row.
+  constexpr int64_t kTried = 4;
+  Tensor distances = torch::zeros({1, autoencoder->shape.sizes.scenes});
+  for (const Parts& one : parts) distances = distances + autoencoder->distances(one);
+  const Tensor nearest = distances.squeeze(0).argsort().slice(0, 0, kTried);
+  Tensor best = nearest.slice(0, 0, 1);
+  if (nearest.size(0) == 1) return best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int64_t i = 0; i < nearest.size(0); ++i) {
+    const Tensor scene = nearest.slice(0, i, i + 1);
+    double error = 0;
+    for (const size_t row : {size_t{0}, parts.size() / 2, parts.size() - 1})
+      error += reconstruction_error(parts[row], scene);
+    if (error >= least) continue;
+    least = error;
+    best = scene;
+  }
+  return best;
+}
+
+double DeepModel::reconstruction_error(Parts values, const Tensor& scene) {
+  values.scene = scene;
+  const Parts decoded = autoencoder->decode(round(autoencoder->encode(values)));
+  double error = 0;
+  for (size_t i = 0; i < values.images.size(); ++i)
+    error += (decoded.images[i] - values.images[i]).square().sum().item<double>();
+  return error;
 }
 
 Status DeepModel::add_videos(std::span<const idf::SplitValue> values, LatentRows& rows) const {

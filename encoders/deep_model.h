@@ -75,6 +75,9 @@ struct DeepModel {
   /// none, and need another form before they can be coded.
   Result<LatentRows> to_rows(std::span<const idf::SplitValue> values);
 
+  /// The scene that rows of one recording are reconstructed best with: [1] of int64.
+  [[nodiscard]] torch::Tensor best_scene(std::span<const Parts> parts);
+
   /// Codes consecutive values of one recording as one block: images as latents, or, without
   /// networks, as videos of usual quality.
   /// Errors: kInvalidArgument where an image is too small for a video.
@@ -87,6 +90,7 @@ struct DeepModel {
  private:
   Status add_videos(std::span<const idf::SplitValue> values, LatentRows& rows) const;
   void add_latents(std::vector<Parts> parts, LatentRows& rows);
+  double reconstruction_error(Parts values, const torch::Tensor& scene);
 };
 
 /// Pixels [B, H, W, C] as they lie in memory -> [B, C, H, W] in grey levels, padded by repeating

@@ -39,7 +39,7 @@ class DeepPredictor : public ltm::Predictor {
     ENGRAM_ASSIGN_OR_RETURN(Parts last, model_->to_parts(split));
     ENGRAM_ASSIGN_OR_RETURN(Parts before, model_->to_parts(earlier));
     if (!model_->autoencoder->images.empty())
-      last.scene = before.scene = model_->autoencoder->distances(last).argmin(1);
+      last.scene = before.scene = model_->best_scene({&last, 1});
     const auto futures = roll_out(model_->autoencoder, model_->dynamics, last,
                                   round(model_->autoencoder->encode(last)),
                                   round(model_->autoencoder->encode(before)), steps);

@@ -73,7 +73,8 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
   ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, model_.to_rows(split));
   const auto image_rows = static_cast<int64_t>(split.size() * rows.images.size());
   counts_.rows += image_rows;
-  if (options_.kind != Representation::kLatents && !rows.images.empty()) {
+  const bool needs_video = model_.autoencoder->images.empty();
+  if ((options_.kind != Representation::kLatents || needs_video) && !rows.images.empty()) {
     std::vector<bool> is_within(rows.images.size(), false);
     if (!model_.autoencoder->images.empty()) {
       ENGRAM_ASSIGN_OR_RETURN(is_within, within_bound(rows, split));

@@ -25,6 +25,8 @@ struct ConsolidateOptions {
   size_t min_snapshots = 16;
   /// Also trains where every recorded snapshot has latents already.
   bool force = false;
+  /// Encodes with the newest model of each entity instead of training one.
+  bool reuses_models = false;
 
   [[nodiscard]] Status validate() const;
 };

@@ -72,7 +72,8 @@ Status EntityJob::train_and_publish(Duration budget) {
   if (representation.kind == Representation::kAuto)
     train.psnr_db = representation.bound_db + kMargin;
   ENGRAM_ASSIGN_OR_RETURN(bool is_made, make(train, representation));
-  if (is_made && representation.kind == Representation::kAuto && video_is_cheaper()) {
+  if (is_made && representation.kind == Representation::kAuto && !options_.reuses_models &&
+      video_is_cheaper()) {
     train.has_networks = false;
     representation.kind = Representation::kVideo;
     ENGRAM_ASSIGN_OR_RETURN(is_made, make(train, representation));
@@ -84,21 +85,42 @@ Status EntityJob::train_and_publish(Duration budget) {
   return {};
 }
 
+Status EntityJob::train(const TrainOptions& train, const std::filesystem::path& file) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      report_.training,
+      train_model(EntitySource::values(reader_, entity_, entries_), train, file, progress_, stop_));
+  return {};
+}
+
+Result<std::shared_ptr<encoders::DeepModel>> EntityJob::newest_model() {
+  const ltm::ModelInfo* newest = nullptr;
+  for (const ltm::ModelInfo& model : reader_.manifest().models)
+    if (model.entity == entity_ && (newest == nullptr || model.version > newest->version))
+      newest = &model;
+  if (newest == nullptr) return not_found("{}: has no model yet", entity_.to_string());
+  return encoders::read_model(reader_.path() / newest->file);
+}
+
+Result<std::shared_ptr<encoders::DeepModel>> EntityJob::model_for(const TrainOptions& options) {
+  if (options_.reuses_models) return newest_model();
+  ENGRAM_ASSIGN_OR_RETURN(const auto file, ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
+  ENGRAM_RETURN_IF_ERROR(train(options, file.path()));
+  return encoders::read_model(file.path());
+}
+
 Result<bool> EntityJob::make(const TrainOptions& train,
                              const RepresentationOptions& representation) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto trained_file,
-                          ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
-  auto trained = train_model(EntitySource::values(reader_, entity_, entries_), train,
-                             trained_file.path(), progress_, stop_);
+  auto made = model_for(train);
   // What cannot be a tensor stays recorded; everything else can go on.
-  if (!trained.ok() && trained.status().code() == StatusCode::kInvalidArgument) {
-    ENGRAM_RETURN_IF_ERROR(skip(trained.status().message()));
+  const bool is_unfit = made.status().code() == StatusCode::kInvalidArgument ||
+                        (options_.reuses_models && made.status().code() == StatusCode::kNotFound);
+  if (!made.ok() && is_unfit) {
+    ENGRAM_RETURN_IF_ERROR(skip(made.status().message()));
     return false;
   }
-  if (!trained.ok()) return trained.status();
-  report_.training = std::move(*trained);
+  if (!made.ok()) return made.status();
+  const std::shared_ptr<encoders::DeepModel> model = *std::move(made);
   report_.model_version = ltm::next_model_version(reader_.manifest(), entity_);
-  ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(trained_file.path()));
   const auto decoder = encoders::make_encoder(model);
   EntityEncoding encoding(reader_, entity_, report_.model_version, *model, *decoder,
                           representation);
@@ -119,6 +141,7 @@ Result<bool> EntityJob::make(const TrainOptions& train,
 
 Result<bool> EntityJob::wants_networks(const TrainOptions& train) {
   const RepresentationOptions& representation = options_.representation;
+  if (options_.reuses_models) return true;
   if (representation.kind != Representation::kAuto)
     return representation.kind == Representation::kLatents;
   const uint64_t networks = network_bytes(layout_, train, entries_.size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -11,6 +12,10 @@
 #include "training/consolidate.h"
 
 // Private to this room.
+
+namespace engram::encoders {
+struct DeepModel;
+}
 
 namespace engram::training {
 
@@ -34,6 +39,9 @@ class EntityJob {
  private:
   Status skip(std::string reason);
   Status train_and_publish(Duration budget);
+  Status train(const TrainOptions& train, const std::filesystem::path& file);
+  Result<std::shared_ptr<encoders::DeepModel>> newest_model();
+  Result<std::shared_ptr<encoders::DeepModel>> model_for(const TrainOptions& options);
   /// Trains a model and codes all snapshots with it. False where it has to be skipped.
   Result<bool> make(const TrainOptions& train, const RepresentationOptions& representation);
   /// Whether networks for images could save five times their bytes, if they took none at all.
