@@ -99,6 +99,9 @@ void configure(const VideoKind& kind, const VideoOptions& options, AVCodecContex
     set(encoder, "row-mt", "0");
     // Without looking ahead, libaom gives all frames much the same quality whatever crf says.
     set(encoder, "lag-in-frames", "19");
+    // Pictures that are shown are not to be smoothed over time first: no quality would undo it.
+    set(encoder, "arnr-strength", "0");
+    set(encoder, "aom-params", "enable-keyframe-filtering=0");
     return;
   }
   set(encoder, "preset", kPresets[static_cast<size_t>(options.effort)]);
