@@ -22,8 +22,24 @@ struct FitStep {
 /// Told after every step.
 using StepSink = std::function<void(const FitStep&)>;
 
+/// Freezes the parameters of a module as long as it lives.
+class Frozen {
+ public:
+  explicit Frozen(torch::nn::Module& module) : parameters_(module.parameters()) { set(false); }
+  ~Frozen() { set(true); }
+  Frozen(const Frozen&) = delete;
+  Frozen& operator=(const Frozen&) = delete;
+
+ private:
+  void set(bool is_trained) {
+    for (torch::Tensor& parameter : parameters_) parameter.set_requires_grad(is_trained);
+  }
+  std::vector<torch::Tensor> parameters_;
+};
+
 /// Trains the autoencoder and the prior of its latents together: fewest bits at the PSNR that was
 /// asked for. Does nothing without images.
+/// The prior learns nothing from the held-out parts of sequences (held_out_from).
 /// Errors: kCancelled.
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
                                 const TrainOptions& options, const Schedule& schedule,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -33,18 +34,37 @@ Tensor quantised(const Tensor& z, bool is_noisy) {
   return z + (z.round() - z).detach();
 }
 
-/// Rows of chunks: [chunks, kChunk + 1], flat.
-Tensor draw(const Dataset& data, int64_t chunks) {
+/// Consecutive rows of a batch.
+struct Drawn {
+  Tensor rows;               ///< [chunks, kChunk + 1], flat.
+  bool is_held_out = false;  ///< They end in parts that the dynamics must not learn from.
+};
+
+const Sequence& sequence_of(const Dataset& data, int64_t row) {
+  return *std::ranges::find_if(data.sequences,
+                               [row](auto& s) { return row < static_cast<int64_t>(s.end); });
+}
+
+bool is_held_out(const Dataset& data, int64_t row) {
+  return row >= static_cast<int64_t>(held_out_from(sequence_of(data, row)));
+}
+
+/// All chunks end in a part of the same kind: the first one decides.
+Drawn draw(const Dataset& data, int64_t chunks) {
+  const auto any_row = [&] {
+    return torch::randint(static_cast<int64_t>(data.size()), {1}, torch::kLong).item<int64_t>();
+  };
   std::vector<int64_t> rows;
-  const Tensor last = torch::randint(static_cast<int64_t>(data.size()), {chunks}, torch::kLong);
+  Drawn drawn;
   for (int64_t i = 0; i < chunks; ++i) {
-    const auto row = last[i].item<int64_t>();
-    const auto sequence = std::find_if(data.sequences.begin(), data.sequences.end(),
-                                       [&](auto& s) { return row < static_cast<int64_t>(s.end); });
-    const auto first = static_cast<int64_t>(sequence->first);
-    for (int64_t k = kChunk; k >= 0; --k) rows.push_back(std::max(row - k, first));
+    int64_t last = any_row();
+    if (i == 0) drawn.is_held_out = is_held_out(data, last);
+    while (is_held_out(data, last) != drawn.is_held_out) last = any_row();
+    const auto first = static_cast<int64_t>(sequence_of(data, last).first);
+    for (int64_t k = kChunk; k >= 0; --k) rows.push_back(std::max(last - k, first));
   }
-  return torch::tensor(rows, torch::kLong);
+  drawn.rows = torch::tensor(rows, torch::kLong);
+  return drawn;
 }
 
 /// Rows `from` to `to` of every chunk of x [chunks * (kChunk + 1), ...], flat.
@@ -152,7 +172,11 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   for (double share = 0; (share = schedule.share(now.step)) < 1.0; ++now.step) {
     if (stop.stop_requested()) return cancelled("training was stopped");
     set_rate(optimiser, share);
-    const auto values = data.batch(model.autoencoder->shape, draw(data, chunks));
+    const Drawn drawn = draw(data, chunks);
+    const auto values = data.batch(model.autoencoder->shape, drawn.rows);
+    // What predictions are measured on must not teach the prior: it only tells what latents cost.
+    std::optional<Frozen> frozen;
+    if (drawn.is_held_out) frozen.emplace(*model.dynamics);
     std::optional<encoders::RoundedWeights> rounded;
     if (share >= kExactShare) rounded.emplace(*model.autoencoder);
     const Cost cost = cost_of(model, values, share < kNoiseShare);

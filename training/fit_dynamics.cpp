@@ -30,21 +30,6 @@ Tensor error_of(const Parts& predicted, const Parts& actual) {
   return error;
 }
 
-/// Freezes the parameters of a module as long as it lives.
-class Frozen {
- public:
-  explicit Frozen(torch::nn::Module& module) : parameters_(module.parameters()) { set(false); }
-  ~Frozen() { set(true); }
-  Frozen(const Frozen&) = delete;
-  Frozen& operator=(const Frozen&) = delete;
-
- private:
-  void set(bool is_trained) {
-    for (Tensor& parameter : parameters_) parameter.set_requires_grad(is_trained);
-  }
-  std::vector<Tensor> parameters_;
-};
-
 /// Sums over the measured windows for one horizon, of each gate and of the truth.
 struct GateSums {
   std::array<double, kGates.size()> image_mse{};
