@@ -50,7 +50,8 @@ class DeepEncoder : public ltm::Encoder {
       const bool is_known =
           count == count_ && std::ranges::equal(bytes_.bytes(), latent.code.bytes());
       if (is_known && index < known_) return {};
-      const size_t wanted = is_known ? count : index + 1;
+      const bool is_video = codec.images.empty();  // Decoded whole in any case.
+      const size_t wanted = is_known || is_video ? count : index + 1;
       known_ = 0;
       ENGRAM_ASSIGN_OR_RETURN(rows_, codec.decode(latent.code.bytes(), count, wanted));
       bytes_ = latent.code;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "encoders/coding/number_model.h"
 #include "ltm/idf/layout.h"
 
 namespace engram::encoders {
@@ -36,7 +37,7 @@ class TensorPlan {
   /// Most pixels along a side of an image.
   static constexpr int64_t kMaxImageSide = 4096;
   /// Most numbers of all members together.
-  static constexpr size_t kMaxNumbers = 1 << 16;
+  static constexpr size_t kMaxNumbers = NumberModel::kMostNumbers;
 
   TensorPlan() = default;
 

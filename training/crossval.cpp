@@ -120,7 +120,9 @@ class Crossval {
     result.snapshots = left_out.size();
     result.trained_bytes = trained_bytes / static_cast<double>(trained_snapshots);
     result.left_out_bytes = left_out_bytes / static_cast<double>(left_out.size());
-    result.model_bytes = std::filesystem::file_size(file.path());
+    std::error_code failed;
+    result.model_bytes = std::filesystem::file_size(file.path(), failed);
+    if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
     return result;
   }
 

@@ -18,6 +18,8 @@ namespace {
 constexpr double kMargin = 1.0;
 /// Networks may take a fifth of what they save.
 constexpr double kWorthwhile = 5;
+/// A second model, without networks for images, gets this part of the time again.
+constexpr int kSecondShare = 10;
 
 }  // namespace
 
@@ -75,6 +77,7 @@ Status EntityJob::train_and_publish(Duration budget) {
   if (is_made && representation.kind == Representation::kAuto && !options_.reuses_models &&
       video_is_cheaper()) {
     train.has_networks = false;
+    train.budget = budget / kSecondShare;  // Numbers alone.
     representation.kind = Representation::kVideo;
     ENGRAM_ASSIGN_OR_RETURN(is_made, make(train, representation));
   }
@@ -124,7 +127,12 @@ Result<bool> EntityJob::make(const TrainOptions& train,
   const auto decoder = encoders::make_encoder(model);
   EntityEncoding encoding(reader_, entity_, report_.model_version, *model, *decoder,
                           representation);
-  ENGRAM_RETURN_IF_ERROR(encoding.run(entries_, progress_, stop_));
+  const Status encoded = encoding.run(entries_, progress_, stop_);
+  if (encoded.code() == StatusCode::kInvalidArgument) {  // No codec takes its images.
+    ENGRAM_RETURN_IF_ERROR(skip(encoded.message()));
+    return false;
+  }
+  ENGRAM_RETURN_IF_ERROR(encoded);
   encoding.report(report_);
   latents_ = std::move(encoding.latents());
   model->provenance.forms = report_.forms;
@@ -147,6 +155,7 @@ Result<bool> EntityJob::wants_networks(const TrainOptions& train) {
   const uint64_t networks = network_bytes(layout_, train, entries_.size());
   if (networks == 0) return true;
   ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes());
+  if (video == 0) return true;  // No codec takes its images.
   const double saved = video * static_cast<double>(entries_.size()) * representation.nights;
   if (saved >= kWorthwhile * static_cast<double>(networks)) return true;
   report_.notes.push_back(

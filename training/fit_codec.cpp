@@ -15,6 +15,8 @@ namespace {
 
 /// Bound of a number where none was asked for, relative to its standard deviation.
 constexpr double kRelativeBound = 0.005;
+/// The least bound that a codec takes.
+constexpr double kLeastBound = 1e-150;
 /// Bound of an orientation where none was asked for. Unit: rad.
 constexpr double kOrientationBound = 1e-3;
 
@@ -52,7 +54,8 @@ std::vector<NumberField> fields_of(const Dataset& data, double bound) {
     }
     for (uint32_t i = 0; i < field.count; ++i, ++at) {
       const double deviation = data.deviation[at];
-      NumberField one{NumberKind::kBounded, 1, bound > 0 ? bound : deviation * kRelativeBound};
+      const double relative = std::max(deviation * kRelativeBound, kLeastBound);
+      NumberField one{NumberKind::kBounded, 1, bound > 0 ? bound : relative};
       if (!(deviation > 0)) one = {NumberKind::kExact, 1, 0};
       fields.push_back(one);
     }

@@ -173,6 +173,31 @@ TEST(Consolidate, EncodesWithTheNewestModelWhereAskedTo) {
   EXPECT_NEAR(reused->entities[0].mean_psnr_db, trained->entities[0].mean_psnr_db, 1.0);
 }
 
+TEST(Consolidate, KeepsTinyImagesWithinTheBoundOrLeavesThemRecorded) {
+  const ScratchPath store("tiny_images");
+  {
+    auto recorder = ltm::Recorder::open(store.path(), {});
+    ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+    for (int i = 0; i < 20; ++i) {
+      idf::Dict dict;
+      dict.set("image", idf::NdArray::take<uint8_t>(
+                            {8, 8, 1}, std::vector<uint8_t>(64, static_cast<uint8_t>(i))));
+      const Time time(std::chrono::milliseconds(200 * i));
+      ASSERT_TRUE(recorder->commit({{{id("Test/Scene/sim/tiny"), time, {{dict, {}}}}}}).ok());
+    }
+    ASSERT_TRUE(recorder->close().ok());
+  }
+  for (const Representation kind : {Representation::kAuto, Representation::kVideo}) {
+    auto chosen = options();
+    chosen.representation.kind = kind;
+    chosen.force = true;
+    const auto report = consolidate(store.path(), chosen, {}, {});
+    ASSERT_TRUE(report.ok()) << report.status().to_string();
+    const EntityReport& tiny = report->entities[0];
+    EXPECT_TRUE(!tiny.skipped_reason.empty() || tiny.minimum_psnr_db >= 36) << tiny.minimum_psnr_db;
+  }
+}
+
 TEST(Consolidate, SkipsSmallEntitiesAndTakesOnlyThoseAskedFor) {
   const ScratchPath store("filter");
   record(store.path(), "Test/Scene/sim/large", 0, 17);
