@@ -194,6 +194,10 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
                    "Nights like this one that share the bytes of a model")
       ->capture_default_str();
   command
+      ->add_option("--refine", options.representation.refine_steps,
+                   "Steps that search better latents for each block: smaller and better, but slow")
+      ->capture_default_str();
+  command
       ->add_option("--number-bound", options.train.number_bound,
                    "Largest error of numbers; 0: 0.005 standard deviations of each")
       ->capture_default_str();

@@ -107,6 +107,10 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--width", train.width,
                    "Features of the networks, a multiple of 16; 0: by the number of snapshots")
       ->capture_default_str();
+  command
+      ->add_option("--refine", arguments->options.refine_steps,
+                   "Steps that search better latents for each block that is measured")
+      ->capture_default_str();
   command->add_option("--seed", train.seed, "Seed of all chance")->capture_default_str();
   command->add_option("--threads", train.threads, "Threads of the networks")->capture_default_str();
   command->add_flag("--json", arguments->is_json, "As JSON");

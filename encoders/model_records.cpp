@@ -157,6 +157,7 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "final_loss", from.final_loss));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "psnr_db", from.psnr_db));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_bound", from.number_bound));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "error_price", from.error_price));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
   ENGRAM_RETURN_IF_ERROR(write_forms(file, from.forms));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
@@ -175,6 +176,8 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.final_loss, file.double_attribute(group, "final_loss"));
   ENGRAM_ASSIGN_OR_RETURN(from.psnr_db, file.double_attribute(group, "psnr_db"));
   ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
+  // Files of before it was kept do without.
+  from.error_price = file.double_attribute(group, "error_price").value_or(0.0);
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
   ENGRAM_ASSIGN_OR_RETURN(from.forms, read_forms(file));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));

@@ -43,6 +43,7 @@ struct Provenance {
   double training_seconds = 0;
   double final_loss = 0;
   double psnr_db = 0;       ///< That was aimed at.
+  double error_price = 0;   ///< Kilobytes that a squared grey level was worth at the end; 0: unknown.
   double number_bound = 0;  ///< Of numbers; 0: one of each, relative to how far it moves.
   int64_t snapshots = 0;    ///< That the autoencoder was trained on.
   /// Recordings that the autoencoder was trained on.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/block_choice.h"
 
+#include "training/latent_refinement.h"
 #include "training/quality/psnr.h"
 
 namespace engram::training {
@@ -65,12 +66,16 @@ Status BlockChoice::choose(size_t image, std::span<const idf::NdArray> images, I
   return {};
 }
 
-Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> values) {
+Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> values,
+                                                     const std::stop_token& stop) {
   std::vector<idf::SplitValue> split;
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.layout().split(value));
   }
   ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, model_.to_rows(split));
+  const double bound_db = options_.kind == Representation::kAuto ? options_.bound_db : 0;
+  ENGRAM_ASSIGN_OR_RETURN(
+      rows, refine_latents(model_, split, std::move(rows), {options_.refine_steps, bound_db}, stop));
   const auto image_rows = static_cast<int64_t>(split.size() * rows.images.size());
   counts_.rows += image_rows;
   const bool needs_video = model_.autoencoder->images.empty();

@@ -22,7 +22,9 @@ class BlockChoice {
   BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options);
 
   /// One latent per value: consecutive values of one recording, at most a block.
-  Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
+  /// Errors: kCancelled on `stop`; kInvalidArgument.
+  Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values,
+                                          const std::stop_token& stop = {});
 
   [[nodiscard]] const encoders::StoredForms& counts() const { return counts_; }
 

@@ -8,6 +8,7 @@
 #include "encoders/deep_model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/temporary_file.h"
+#include "training/block_choice.h"
 #include "training/entity_source.h"
 #include "training/quality_json.h"
 #include "training/quality_sums.h"
@@ -139,12 +140,16 @@ class Crossval {
   Result<double> reconstruct(encoders::DeepModel& model, const Sequence& recording,
                              QualitySums& sums, QualitySums& all) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
+    RepresentationOptions representation;
+    representation.kind = Representation::kLatents;
+    representation.refine_steps = options_.refine_steps;
+    BlockChoice choice(model, representation);
     double bytes = 0;
     for (size_t first = 0; first < values.size(); first += model.block_rows) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const auto block =
           std::span(values).subspan(first).first(std::min(model.block_rows, values.size() - first));
-      ENGRAM_ASSIGN_OR_RETURN(const auto latents, model.encode(block));
+      ENGRAM_ASSIGN_OR_RETURN(const auto latents, choice.encode(block, stop_));
       bytes += static_cast<double>(latents.front().code.size());
       ENGRAM_ASSIGN_OR_RETURN(const auto rows, model.codec.decode(latents.front().code.bytes(),
                                                                   block.size(), block.size()));

@@ -21,6 +21,8 @@ struct CrossvalOptions {
   TrainOptions train;
   /// A query without selectors that matches one entity.
   std::string entity;
+  /// Steps of refining the latents that are measured (latent_refinement.h).
+  int refine_steps = 0;
   /// Folds that are made, from the first on; nothing: one per recording.
   std::optional<size_t> most_folds;
 

@@ -16,14 +16,15 @@ Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries,
     for (size_t first = sequence.first; first < sequence.end; first += most_rows_) {
       if (stop.stop_requested()) return cancelled("consolidation was stopped");
       const size_t count = std::min(most_rows_, sequence.end - first);
-      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count)));
+      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), stop));
       if (progress)
         progress({"encode " + entity_.to_string(), first + count, entries.size(), {}, -1});
     }
   return {};
 }
 
-Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries) {
+Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
+                                  const std::stop_token& stop) {
   std::vector<idf::Data> values;
   std::vector<ltm::Snapshot> snapshots;
   for (const ltm::SnapshotEntry& entry : entries) {
@@ -31,7 +32,7 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries) {
     for (const ltm::Instance& instance : snapshots.back().instances)
       values.push_back(instance.data);
   }
-  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values));
+  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, stop));
   ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder_.decode(latents));
   size_t at = 0;
   for (const ltm::Snapshot& snapshot : snapshots) {
@@ -48,12 +49,13 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries) {
 }
 
 /// Snapshots of several instances fill more than one block.
-Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values) {
+Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values,
+                                                               const std::stop_token& stop) {
   std::vector<ltm::Latent> latents;
   while (!values.empty()) {
     const auto block = values.first(std::min(most_rows_, values.size()));
     values = values.subspan(block.size());
-    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice_.encode(block));
+    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice_.encode(block, stop));
     std::ranges::move(coded, std::back_inserter(latents));
   }
   return latents;

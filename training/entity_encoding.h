@@ -44,8 +44,9 @@ class EntityEncoding {
   void report(EntityReport& report) const;
 
  private:
-  Status encode_run(std::span<const ltm::SnapshotEntry> entries);
-  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values);
+  Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop);
+  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values,
+                                                 const std::stop_token& stop);
   void count(const ltm::Latent& latent, const ltm::MeasuredError& error);
 
   ltm::StoreReader& reader_;

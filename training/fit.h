@@ -17,6 +17,7 @@ struct FitStep {
   double loss = 0;     ///< Smoothed.
   double psnr_db = 0;  ///< Mean over images, smoothed; 0 where there are none.
   double bytes = 0;    ///< Of the latents of a value, as the prior tells, smoothed.
+  double price = 0;    ///< Of a squared grey level, in kilobytes.
 };
 
 /// Told after every step.

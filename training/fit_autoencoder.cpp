@@ -5,7 +5,7 @@
 
 #include "encoders/weight_rounding.h"
 #include "training/fit.h"
-#include "training/quality/psnr.h"
+#include "training/row_sampler.h"
 
 namespace engram::training {
 
@@ -34,37 +34,41 @@ Tensor quantised(const Tensor& z, bool is_noisy) {
   return z + (z.round() - z).detach();
 }
 
+/// A sampler that keeps apart what the dynamics must not learn from.
+RowSampler make_sampler(const Dataset& data) {
+  std::vector<size_t> first_held_out;
+  for (const Sequence& sequence : data.sequences) first_held_out.push_back(held_out_from(sequence));
+  return {data.sequences, first_held_out};
+}
+
 /// Consecutive rows of a batch.
-struct Drawn {
-  Tensor rows;               ///< [chunks, kChunk + 1], flat.
-  bool is_held_out = false;  ///< They end in parts that the dynamics must not learn from.
+struct Batch {
+  std::vector<int64_t> rows;  ///< [chunks, kChunk + 1]
+  Tensor weights;             ///< Of the costs of all but each chunk's first row. [chunks * kChunk]
+  bool is_held_out = false;   ///< They end in parts that the dynamics must not learn from.
 };
 
-const Sequence& sequence_of(const Dataset& data, int64_t row) {
-  return *std::ranges::find_if(data.sequences,
-                               [row](auto& s) { return row < static_cast<int64_t>(s.end); });
-}
-
-bool is_held_out(const Dataset& data, int64_t row) {
-  return row >= static_cast<int64_t>(held_out_from(sequence_of(data, row)));
-}
-
-/// All chunks end in a part of the same kind: the first one decides.
-Drawn draw(const Dataset& data, int64_t chunks) {
-  const auto any_row = [&] {
-    return torch::randint(static_cast<int64_t>(data.size()), {1}, torch::kLong).item<int64_t>();
-  };
-  std::vector<int64_t> rows;
-  Drawn drawn;
-  for (int64_t i = 0; i < chunks; ++i) {
-    int64_t last = any_row();
-    if (i == 0) drawn.is_held_out = is_held_out(data, last);
-    while (is_held_out(data, last) != drawn.is_held_out) last = any_row();
-    const auto first = static_cast<int64_t>(sequence_of(data, last).first);
-    for (int64_t k = kChunk; k >= 0; --k) rows.push_back(std::max(last - k, first));
+Batch draw(RowSampler& sampler, int64_t chunks) {
+  Batch batch;
+  std::vector<float> weights;
+  for (const auto& [last, weight] : sampler.draw(chunks)) {
+    batch.is_held_out = sampler.is_held_out(last);
+    for (int64_t k = kChunk; k >= 0; --k)
+      batch.rows.push_back(std::max(last - k, sampler.first_of(last)));
+    weights.insert(weights.end(), kChunk, static_cast<float>(weight));
   }
-  drawn.rows = torch::tensor(rows, torch::kLong);
-  return drawn;
+  batch.weights = torch::tensor(weights);
+  return batch;
+}
+
+/// Tells the sampler what every row of a batch cost. Shape: costs [chunks * kChunk].
+void tell(RowSampler& sampler, const Batch& batch, const Tensor& costs) {
+  const Tensor known = costs.to(torch::kFloat64).contiguous();
+  for (int64_t i = 0; i < known.size(0); ++i) {
+    const int64_t chunk = i / kChunk;
+    const auto at = static_cast<size_t>(chunk * (kChunk + 1) + 1 + i % kChunk);
+    sampler.told(batch.rows[at], known.data_ptr<double>()[i]);
+  }
 }
 
 /// Rows `from` to `to` of every chunk of x [chunks * (kChunk + 1), ...], flat.
@@ -136,10 +140,23 @@ Cost cost_of(encoders::DeepModel& model, const encoders::Parts& values, bool is_
   return cost;
 }
 
-double mean_psnr_db(const Tensor& error) {
-  const Tensor psnr = 10.0 * torch::log10(255.0 * 255.0 / error.detach().clamp_min(1e-3));
-  return psnr.mean().item<double>();
+/// Mean over the images of a row. [B]
+Tensor psnr_db(const Tensor& error) {
+  return (10.0 * torch::log10(255.0 * 255.0 / error.detach().clamp_min(1e-3))).mean(1);
 }
+
+/// Means over recent batches, as if all rows were equally likely.
+class WeightedMean {
+ public:
+  void add(const Tensor& values, const Tensor& weights) {
+    sum_.add((values.detach() * weights).sum().item<double>());
+    weight_.add(weights.sum().item<double>());
+  }
+  [[nodiscard]] double value() const { return sum_.value() / weight_.value(); }
+
+ private:
+  Smoothed sum_{kRecent}, weight_{kRecent};
+};
 
 /// Elements of all images of a value, in usual images.
 double size_of(const encoders::NetworkShape& shape) {
@@ -168,31 +185,35 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
   const double size = size_of(model.autoencoder->shape);
   ErrorPrice price(options.psnr_db);
-  Smoothed loss_mean(kRecent), psnr(kRecent), bytes(kRecent);
+  RowSampler sampler = make_sampler(data);
+  WeightedMean loss_mean, psnr, bytes;
   for (double share = 0; (share = schedule.share(now.step)) < 1.0; ++now.step) {
     if (stop.stop_requested()) return cancelled("training was stopped");
     set_rate(optimiser, share);
-    const Drawn drawn = draw(data, chunks);
-    const auto values = data.batch(model.autoencoder->shape, drawn.rows);
+    const Batch batch = draw(sampler, chunks);
+    const auto values =
+        data.batch(model.autoencoder->shape, torch::tensor(batch.rows, torch::kLong));
     // What predictions are measured on must not teach the prior: it only tells what latents cost.
     std::optional<Frozen> frozen;
-    if (drawn.is_held_out) frozen.emplace(*model.dynamics);
+    if (batch.is_held_out) frozen.emplace(*model.dynamics);
     std::optional<encoders::RoundedWeights> rounded;
     if (share >= kExactShare) rounded.emplace(*model.autoencoder);
     const Cost cost = cost_of(model, values, share < kNoiseShare);
-    const Tensor loss = cost.error.mean() * price.value() + cost.bits.mean() / (8000.0 * size);
+    const Tensor costs = cost.error.mean(1) * price.value() + cost.bits / (8000.0 * size);
     optimiser.zero_grad();
-    loss.backward();
+    (costs * batch.weights).mean().backward();
     if (rounded) rounded->restore();
     torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
     optimiser.step();
-    loss_mean.add(loss.item<double>());
-    psnr.add(mean_psnr_db(cost.error));
-    bytes.add(cost.bits.detach().mean().item<double>() / 8);
+    tell(sampler, batch, costs.detach());
+    loss_mean.add(costs, batch.weights);
+    psnr.add(psnr_db(cost.error), batch.weights);
+    bytes.add(cost.bits / 8, batch.weights);
     price.follow(psnr.value(), share);
     now.loss = loss_mean.value();
     now.psnr_db = psnr.value();
     now.bytes = bytes.value();
+    now.price = price.value();
     sink(now);
   }
   return now;

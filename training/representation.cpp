@@ -33,6 +33,8 @@ Status RepresentationOptions::validate() const {
     return invalid_argument("video codec: found '{}', needs av1, h265 or h264", video);
   if (video_effort < 0 || video_effort > 9)
     return invalid_argument("effort of the video codec: found {}, needs 0 to 9", video_effort);
+  if (refine_steps < 0)
+    return invalid_argument("steps of refining: found {}, needs 0 or more", refine_steps);
   if (nights < 1) return invalid_argument("nights: found {}, needs at least 1", nights);
   return {};
 }

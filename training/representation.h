@@ -26,6 +26,9 @@ struct RepresentationOptions {
   /// The group codec that latents compete with.
   std::string video = "av1";
   int video_effort = 7;
+  /// Steps of refining the latents of each block (latent_refinement.h): some 20 ms of one core per
+  /// image and step.
+  int refine_steps = 0;
   /// Nights like this one that a model will serve: what its bytes are shared by.
   int nights = 30;
 

@@ -141,6 +141,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   provenance.training_seconds = options.steps ? 0 : report.seconds;
   provenance.final_loss = coded.loss;
   provenance.psnr_db = options.psnr_db;
+  provenance.error_price = coded.price;
   provenance.number_bound = options.number_bound;
   describe(data, provenance);
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
