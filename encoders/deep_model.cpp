@@ -280,12 +280,30 @@ Result<idf::Data> DeepModel::decode(const LatentRows& rows, size_t row,
   return value;
 }
 
-Parts mix(const Parts& last, const Parts& predicted, double image_gate, double number_gate) {
+std::vector<Future> futures_of(DeepModel& model, const Parts& last, const Parts& before,
+                               int steps) {
+  const std::vector<Parts> latents =
+      roll_out(model.autoencoder, model.dynamics, last, round(model.autoencoder->encode(last)),
+               round(model.autoencoder->encode(before)), steps);
+  auto motion = model.dynamics->move(last, before, steps);
+  std::vector<Future> futures;
+  for (size_t i = 0; i < latents.size(); ++i)
+    futures.push_back({latents[i], std::move(motion[i])});
+  return futures;
+}
+
+Parts mix(const Parts& last, const Future& future, const Shares& shares) {
   Parts mixed;
-  for (size_t i = 0; i < last.images.size(); ++i)
-    mixed.images.push_back(last.images[i] + image_gate * (predicted.images[i] - last.images[i]));
+  for (size_t i = 0; i < last.images.size(); ++i) {
+    Tensor image = last.images[i];
+    if (shares.latents > 0)
+      image = image + shares.latents * (future.latents.images[i] - last.images[i]);
+    if (shares.motion > 0 && !future.motion.empty())
+      image = image + shares.motion * (future.motion[i] - last.images[i]);
+    mixed.images.push_back(image);
+  }
   if (last.numbers.defined())
-    mixed.numbers = last.numbers + number_gate * (predicted.numbers - last.numbers);
+    mixed.numbers = last.numbers + shares.numbers * (future.latents.numbers - last.numbers);
   return mixed;
 }
 

@@ -23,8 +23,10 @@ inline constexpr int kMeasuredHorizons = 5;
 
 /// How well a model predicts, per horizon from 1 on.
 struct PredictionRecord {
-  /// Share of the deep change that is added to the last value: zero is copy-last.
+  /// Shares of what latents and of what motion expects; the rest is the last value: both zero are
+  /// copy-last.
   std::array<double, kMeasuredHorizons> image_gates{};
+  std::array<double, kMeasuredHorizons> motion_gates{};
   std::array<double, kMeasuredHorizons> number_gates{};
   std::array<ltm::MeasuredError, kMeasuredHorizons> expected{};
   Duration step{};
@@ -106,8 +108,24 @@ struct DeepModel {
 [[nodiscard]] std::unique_ptr<ltm::Encoder> make_encoder(std::shared_ptr<DeepModel> model);
 [[nodiscard]] std::unique_ptr<ltm::Predictor> make_predictor(std::shared_ptr<DeepModel> model);
 
-/// Adds `gates` times the difference between prediction and last value to the last value.
-[[nodiscard]] Parts mix(const Parts& last, const Parts& predicted, double image_gate,
-                        double number_gate);
+/// Shares of a prediction.
+struct Shares {
+  double latents = 0;  ///< Of images.
+  double motion = 0;   ///< Of images.
+  double numbers = 0;
+};
+
+/// What is expected of one moment.
+struct Future {
+  Parts latents;                      ///< As the latents have it.
+  std::vector<torch::Tensor> motion;  ///< Images as their motion has them.
+};
+
+/// The futures of 1..`steps` steps after `last`, whose latents are made on the way.
+[[nodiscard]] std::vector<Future> futures_of(DeepModel& model, const Parts& last,
+                                             const Parts& before, int steps);
+
+/// The last value, plus the shares of how expectations differ from it.
+[[nodiscard]] Parts mix(const Parts& last, const Future& future, const Shares& shares);
 
 }  // namespace engram::encoders

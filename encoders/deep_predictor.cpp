@@ -40,9 +40,7 @@ class DeepPredictor : public ltm::Predictor {
     ENGRAM_ASSIGN_OR_RETURN(Parts before, model_->to_parts(earlier));
     if (!model_->autoencoder->images.empty())
       last.scene = before.scene = model_->best_scene({&last, 1});
-    const auto futures = roll_out(model_->autoencoder, model_->dynamics, last,
-                                  round(model_->autoencoder->encode(last)),
-                                  round(model_->autoencoder->encode(before)), steps);
+    const auto futures = futures_of(*model_, last, before, steps);
     std::vector<idf::Data> values;
     for (int i = 0; i < steps; ++i) {
       ENGRAM_ASSIGN_OR_RETURN(idf::Data value, value_at(history.back(), split, last,
@@ -54,20 +52,23 @@ class DeepPredictor : public ltm::Predictor {
 
   // Members whose gate is closed keep the last value bit for bit.
   Result<idf::Data> value_at(const idf::Data& newest, const idf::SplitValue& split,
-                             const Parts& last, const Parts& future, int step) const {
+                             const Parts& last, const Future& future, int step) const {
     const size_t horizon = index_of(step + 1);
-    const double image_gate = model_->prediction.image_gates[horizon];
-    const double number_gate = model_->prediction.number_gates[horizon];
-    if (image_gate == 0 && number_gate == 0) return newest;
-    const Parts mixed = mix(last, future, image_gate, number_gate);
+    const auto& record = model_->prediction;
+    const Shares shares{record.image_gates[horizon], record.motion_gates[horizon],
+                        record.number_gates[horizon]};
+    const bool copies_images = shares.latents == 0 && shares.motion == 0;
+    const bool copies_numbers = shares.numbers == 0;
+    if (copies_images && copies_numbers) return newest;
+    const Parts mixed = mix(last, future, shares);
     ENGRAM_ASSIGN_OR_RETURN(
         const idf::Data value,
         model_->to_value(model_->to_arrays(mixed), model_->to_numbers(mixed), split.remainder));
     ENGRAM_ASSIGN_OR_RETURN(idf::SplitValue parts, model_->plan.layout().split(value));
-    if (image_gate == 0)
+    if (copies_images)
       for (const ImageMember& image : model_->plan.images())
         parts.tensors[image.member] = split.tensors[image.member];
-    if (number_gate == 0)
+    if (copies_numbers)
       for (const NumberMember& number : model_->plan.numbers())
         parts.tensors[number.member] = split.tensors[number.member];
     return model_->plan.layout().join(parts);

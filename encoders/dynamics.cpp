@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/dynamics.h"
 
+#include <array>
 #include <numbers>
 
 namespace engram::encoders {
@@ -10,6 +11,7 @@ using torch::Tensor;
 namespace {
 
 constexpr int kNumberFeatures = 128;
+constexpr int kMotionFeatures = 16;
 /// Logit that gates start with: 27 % open.
 constexpr double kFirstGate = -1.0;
 constexpr double kLeastLogScale = -4.0;
@@ -65,6 +67,7 @@ ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes
   gate_output = register_module("gate_output", make_conv(features, stride * stride, 1, true));
   if (number_features > 0)
     from_numbers = register_module("from_numbers", make_zero_linear(number_features, features));
+  motion = register_module("motion", ImageMotion(shape, kMotionFeatures, number_features));
   torch::NoGradGuard no_grad;
   gate_output->bias.fill_(kFirstGate);
 }
@@ -96,14 +99,14 @@ DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
   number_gate = register_module("number_gate", make_zero_linear(features, network.numbers));
 }
 
-Tensor DynamicsImpl::number_features(const Latents& last, const Latents& before) {
+Tensor DynamicsImpl::number_features(const Tensor& last, const Tensor& before) {
   if (!number_input) return {};
-  const Tensor x = torch::cat({last.numbers, last.numbers - before.numbers}, 1);
+  const Tensor x = torch::cat({last, last - before}, 1);
   return activate(number_hidden(activate(number_input(x))));
 }
 
 Tensor DynamicsImpl::bits(const Latents& then, const Latents& last, const Latents& before) {
-  const Tensor features = number_features(last, before);
+  const Tensor features = number_features(last.numbers, before.numbers);
   Tensor sum = torch::zeros({then.scene.size(0)});
   for (size_t i = 0; i < images.size(); ++i) {
     const ImageLatents& z = then.images[i];
@@ -115,7 +118,7 @@ Tensor DynamicsImpl::bits(const Latents& then, const Latents& last, const Latent
 
 DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
   DynamicsStep step{{{}, last.numbers, last.scene}, {}, {}};
-  const Tensor features = number_features(last, before);
+  const Tensor features = number_features(last.numbers, before.numbers);
   if (features.defined()) {
     step.then.numbers = last.numbers + number_change(features);
     step.number_gate = torch::sigmoid(number_gate(features));
@@ -127,6 +130,23 @@ DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
     step.gates.push_back(images[i]->gate(coarse.features));
   }
   return step;
+}
+
+std::vector<std::vector<Tensor>> DynamicsImpl::move(const Parts& last, const Parts& before,
+                                                    int steps) {
+  std::vector<std::vector<Tensor>> moved(static_cast<size_t>(steps));
+  const Tensor features = number_features(last.numbers, before.numbers);
+  for (size_t i = 0; i < images.size(); ++i) {
+    std::array<Tensor, 2> seen{before.images[i], last.images[i]};
+    for (size_t step = 0; step < moved.size();) {
+      // What comes later goes on from what was predicted.
+      for (Tensor& image : images[i]->motion(seen[1], seen[0], features)) {
+        seen = {seen[1], image.clamp(0, 255)};
+        if (step < moved.size()) moved[step++].push_back(seen[1]);
+      }
+    }
+  }
+  return moved;
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "encoders/autoencoder.h"
+#include "encoders/motion.h"
 
 // Internal to the learning rooms: includes LibTorch. Letters as in autoencoder.h.
 
@@ -30,7 +31,8 @@ struct LatentPriorImpl : torch::nn::Module {
 };
 TORCH_MODULE(LatentPrior);
 
-/// The prior of the latents of one image, and how far its prediction is trusted per pixel.
+/// The prior of the latents of one image, how far its prediction is trusted per pixel, and what
+/// predicts without latents.
 struct ImageDynamicsImpl : torch::nn::Module {
   ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features);
 
@@ -45,6 +47,7 @@ struct ImageDynamicsImpl : torch::nn::Module {
   LatentPrior coarse_prior{nullptr}, fine_prior{nullptr};
   torch::nn::Conv2d gate_output{nullptr};
   torch::nn::Linear from_numbers{nullptr};
+  ImageMotion motion{nullptr};
 };
 TORCH_MODULE(ImageDynamics);
 
@@ -59,7 +62,8 @@ struct DynamicsStep {
 ///
 ///     value(k) = last + gate * (decode(z(k)) - decode(z))
 ///
-/// so that a closed gate is a copy of the last value.
+/// so that a closed gate is a copy of the last value. Images are also predicted from their pixels
+/// (ImageMotion), which carries over better to what the latents were not trained on.
 /// Source: docs/learning.md, section "Prediction".
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);
@@ -69,20 +73,26 @@ struct DynamicsImpl : torch::nn::Module {
 
   DynamicsStep step(const Latents& last, const Latents& before);
 
+  /// Of normalised numbers [B, N]; undefined without numbers.
+  torch::Tensor number_features(const torch::Tensor& last, const torch::Tensor& before);
+
+  /// The images of the next `steps` steps as their motion goes on: per step, per image member, grey
+  /// levels 0 to 255. None without networks.
+  std::vector<std::vector<torch::Tensor>> move(const Parts& last, const Parts& before, int steps);
+
   NetworkShape shape;
   std::vector<ImageDynamics> images;
   torch::nn::Linear number_input{nullptr}, number_hidden{nullptr}, number_change{nullptr},
       number_gate{nullptr};
 
- private:
-  torch::Tensor number_features(const Latents& last, const Latents& before);
 };
 TORCH_MODULE(Dynamics);
 
 /// Bits of the unit interval around a value `distance` from the mean of a Laplace distribution.
 [[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance, const torch::Tensor& scale);
 
-/// The values after 1..`steps` steps, from the last values and the last two latents.
+/// The values after 1..`steps` steps as the latents have them, from the last values and the last two
+/// latents.
 /// Values are grey levels (clamped to 0..255) and normalised numbers.
 [[nodiscard]] std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics,
                                           const Parts& last, const Latents& now,

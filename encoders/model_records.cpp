@@ -68,14 +68,16 @@ Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCo
 }
 
 Status write_prediction(h5::File& file, const PredictionRecord& record) {
-  std::vector<double> images, numbers, image_errors, number_errors;
+  std::vector<double> images, motion, numbers, image_errors, number_errors;
   for (size_t i = 0; i < record.expected.size(); ++i) {
     images.push_back(record.image_gates[i]);
+    motion.push_back(record.motion_gates[i]);
     numbers.push_back(record.number_gates[i]);
     image_errors.push_back(record.expected[i].image_mse);
     number_errors.push_back(record.expected[i].number_mse);
   }
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/image_gates", images));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/motion_gates", motion));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/number_gates", numbers));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/image_mse", image_errors));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/number_mse", number_errors));
@@ -85,19 +87,22 @@ Status write_prediction(h5::File& file, const PredictionRecord& record) {
 Result<PredictionRecord> read_prediction(const h5::File& file) {
   PredictionRecord record;
   ENGRAM_ASSIGN_OR_RETURN(const auto images, read_vector<double>(file, "/prediction/image_gates"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto motion,
+                          read_vector<double>(file, "/prediction/motion_gates"));
   ENGRAM_ASSIGN_OR_RETURN(const auto numbers,
                           read_vector<double>(file, "/prediction/number_gates"));
   ENGRAM_ASSIGN_OR_RETURN(const auto image_mse, read_vector<double>(file, "/prediction/image_mse"));
   ENGRAM_ASSIGN_OR_RETURN(const auto number_mse,
                           read_vector<double>(file, "/prediction/number_mse"));
   ENGRAM_ASSIGN_OR_RETURN(const int64_t step, file.int_attribute("/prediction", "step_ns"));
-  for (const auto* values : {&images, &numbers, &image_mse, &number_mse})
+  for (const auto* values : {&images, &motion, &numbers, &image_mse, &number_mse})
     if (values->size() != kMeasuredHorizons)
       return data_loss("found {} horizons, needs {}", values->size(), kMeasuredHorizons);
   for (size_t i = 0; i < kMeasuredHorizons; ++i) {
-    if (!(images[i] >= 0 && images[i] <= 1 && numbers[i] >= 0 && numbers[i] <= 1))
-      return data_loss("found a gate outside 0..1");
+    for (const double gate : {images[i], motion[i], numbers[i]})
+      if (!(gate >= 0 && gate <= 1)) return data_loss("found a gate outside 0..1");
     record.image_gates[i] = images[i];
+    record.motion_gates[i] = motion[i];
     record.number_gates[i] = numbers[i];
     record.expected[i] = {image_mse[i], number_mse[i]};
   }

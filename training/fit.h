@@ -82,8 +82,15 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
                              const Schedule& schedule, const std::stop_token& stop,
                              const StepSink& sink);
 
-/// Measures every gate on the held-out windows and keeps those that win over copying the last
-/// value, in mean squared error and (images) in mean PSNR.
+/// Trains what continues the motion of images; everything else stays as it is. Does nothing without
+/// networks.
+/// Errors: kCancelled.
+Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
+                           const TrainOptions& options, const Schedule& schedule,
+                           const std::stop_token& stop, const StepSink& sink);
+
+/// Measures the shares of every way to predict on the held-out windows and keeps those that win over copying the
+/// last value, in mean squared error and (images) in mean PSNR.
 Status measure_prediction(encoders::DeepModel& model, const Dataset& data);
 
 }  // namespace engram::training

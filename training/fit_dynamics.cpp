@@ -30,30 +30,41 @@ Tensor error_of(const Parts& predicted, const Parts& actual) {
   return error;
 }
 
-/// Sums over the measured windows for one horizon, of each gate and of the truth.
+/// Shares of images that are tried: of latents and of motion, together at most all.
+std::vector<encoders::Shares> image_shares() {
+  std::vector<encoders::Shares> shares;
+  for (const double latents : kGates)
+    for (const double motion : kGates)
+      if (latents + motion <= 1) shares.push_back({latents, motion, 0});
+  return shares;
+}
+
+/// Sums over the measured windows for one horizon, of each share and of the truth.
 struct GateSums {
-  std::array<double, kGates.size()> image_mse{};
-  std::array<double, kGates.size()> psnr{};
+  std::vector<encoders::Shares> shares = image_shares();  ///< The first one copies.
+  std::vector<double> image_mse = std::vector<double>(shares.size());
+  std::vector<double> psnr = std::vector<double>(shares.size());
   std::array<double, kGates.size()> number_mse{};
   double count = 0;
 
-  void add(const encoders::DeepModel& model, const Parts& last, const Parts& predicted,
+  void add(const encoders::DeepModel& model, const Parts& last, const encoders::Future& future,
            const Parts& actual) {
-    for (size_t g = 0; g < kGates.size(); ++g) {
-      const Parts mixed = encoders::mix(last, predicted, kGates[g], kGates[g]);
-      const double mse = image_error(mixed, actual);
+    for (size_t g = 0; g < shares.size(); ++g) {
+      const double mse = image_error(encoders::mix(last, future, shares[g]), actual);
       image_mse[g] += mse;
       psnr[g] += psnr_db(mse);
-      number_mse[g] += number_error(model, mixed, actual);
     }
+    for (size_t g = 0; g < kGates.size(); ++g)
+      number_mse[g] +=
+          number_error(model, encoders::mix(last, future, {0, 0, kGates[g]}), actual);
     count += 1;
   }
 
-  /// Where the gate wins in squared error without losing in PSNR.
+  /// The highest PSNR that does not lose in squared error.
   [[nodiscard]] size_t best_for_images() const {
     size_t best = 0;
-    for (size_t g = 1; g < kGates.size(); ++g)
-      if (image_mse[g] < image_mse[best] && psnr[g] >= psnr[0]) best = g;
+    for (size_t g = 1; g < shares.size(); ++g)
+      if (psnr[g] > psnr[best] && image_mse[g] <= image_mse[0]) best = g;
     return best;
   }
 
@@ -95,7 +106,8 @@ void keep_best(encoders::DeepModel& model, const GateSums& sums, size_t horizon)
   const size_t number = sums.best_for_numbers();
   auto& record = model.prediction;
   if (!model.plan.images().empty()) {
-    record.image_gates[horizon] = kGates[image];
+    record.image_gates[horizon] = sums.shares[image].latents;
+    record.motion_gates[horizon] = sums.shares[image].motion;
     record.expected[horizon].image_mse = sums.image_mse[image] / sums.count;
   }
   if (model.plan.number_count() > 0) {
@@ -175,11 +187,8 @@ Status measure_prediction(encoders::DeepModel& model, const Dataset& data) {
     const int steps = static_cast<int>(std::min<size_t>(
         encoders::kMeasuredHorizons, sequence->end - 1 - static_cast<size_t>(row)));
     const Parts last = data.batch(shape, index_of(row));
-    const auto now = encoders::round(model.autoencoder->encode(last));
-    const auto before =
-        encoders::round(model.autoencoder->encode(data.batch(shape, index_of(row - 1))));
-    const auto futures =
-        encoders::roll_out(model.autoencoder, model.dynamics, last, now, before, steps);
+    const Parts before = data.batch(shape, index_of(row - 1));
+    const auto futures = encoders::futures_of(model, last, before, steps);
     for (size_t i = 0; i < futures.size(); ++i)
       sums[i].add(model, last, futures[i],
                   data.batch(shape, index_of(row + static_cast<int64_t>(i) + 1)));

@@ -11,8 +11,9 @@ namespace engram::training {
 namespace {
 
 constexpr std::string_view kCodeVersion = "0.1.0";
-/// Share of the budget, or of the steps, that the autoencoder gets.
-constexpr double kAutoencoderShare = 0.85;
+/// Shares of the budget, or of the steps, that the autoencoder and what continues motion get.
+constexpr double kAutoencoderShare = 0.78;
+constexpr double kMotionShare = 0.14;
 constexpr size_t kFewestSnapshots = 2;
 
 /// Features that pay for their bytes in the model file. Source: docs/learning.md.
@@ -103,7 +104,9 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
 
   // The autoencoder and its codec, then what predicts: each on the weights that will be stored.
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
-  const double coding = model.autoencoder->images.empty() ? 0 : kAutoencoderShare;
+  const bool has_networks = !model.autoencoder->images.empty();
+  const double coding = has_networks ? kAutoencoderShare : 0;
+  const double moving = has_networks ? kMotionShare : 0;
   const Schedule coding_time = schedule_of(options, coding);
   ENGRAM_ASSIGN_OR_RETURN(const FitStep coded,
                           fit_autoencoder(model, data, options, coding_time, stop,
@@ -112,11 +115,17 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   encoders::round_weights(*model.autoencoder);
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
-  const Schedule dynamics_time = schedule_of(options, 1 - coding);
+  const double predicting = 1 - coding - moving;
+  const Schedule dynamics_time = schedule_of(options, predicting);
   ENGRAM_ASSIGN_OR_RETURN(const FitStep dynamics,
                           fit_dynamics(model, data, latents, options, dynamics_time, stop,
                                        step_sink(progress, source.entity, options, "dynamics",
-                                                 epoch, dynamics_time, coding, 1 - coding)));
+                                                 epoch, dynamics_time, coding, predicting)));
+  const Schedule motion_time = schedule_of(options, moving);
+  ENGRAM_ASSIGN_OR_RETURN(const FitStep motion,
+                          fit_motion(model, data, options, motion_time, stop,
+                                     step_sink(progress, source.entity, options, "motion", epoch,
+                                               motion_time, coding + predicting, moving)));
   encoders::round_weights(*model.dynamics);
   model.prediction.step = median_step(data.times);
   ENGRAM_RETURN_IF_ERROR(measure_prediction(model, data));
@@ -127,7 +136,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   report.used_snapshots = data.size();
   report.sequences = data.sequences.size() + data.left_out_sequences;
   report.autoencoder_steps = coded.step;
-  report.dynamics_steps = dynamics.step;
+  report.dynamics_steps = dynamics.step + motion.step;
   report.final_loss = coded.loss;
   report.training_psnr_db = coded.psnr_db;
   add_notes(source, data, report);
@@ -136,7 +145,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   provenance.entity = source.entity;
   provenance.code_version = kCodeVersion;
   provenance.seed = options.seed;
-  provenance.steps = coded.step + dynamics.step;
+  provenance.steps = coded.step + report.dynamics_steps;
   // Under a fixed number of steps the same seed gives the same file.
   provenance.training_seconds = options.steps ? 0 : report.seconds;
   provenance.final_loss = coded.loss;

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "encoders/layers.h"
+#include "encoders/network_shape.h"
+
+// Internal to the learning rooms: includes LibTorch. Letters as in autoencoder.h.
+
+namespace engram::encoders {
+
+/// Continues the motion of the last two images, without latents: the last one is moved by a flow,
+/// and what that leaves wrong is mended under a mask.
+///
+///     image(k) = warp(last, flow(k)) + mask(k) * mend(k)
+///
+/// It starts as a copy of the last image. It knows no places and no scene, and so carries over to
+/// recordings that it was not trained on.
+/// Source: docs/learning.md, section "Prediction".
+struct ImageMotionImpl : torch::nn::Module {
+  /// `added` features come with every call; 0: none.
+  ImageMotionImpl(const ImageShape& shape, int features, int added);
+
+  /// Steps that one call looks ahead.
+  static constexpr int kSteps = 2;
+
+  /// The next images after `last`, `before` the one before it, all in grey levels [B, C, H, W], not
+  /// clamped. `added` [B, added] or undefined.
+  std::vector<torch::Tensor> forward(const torch::Tensor& last, const torch::Tensor& before,
+                                     const torch::Tensor& added);
+
+  int unit, channels;
+  torch::nn::Conv2d stem{nullptr}, to_eighth{nullptr}, to_sixteenth{nullptr};
+  torch::nn::Conv2d from_sixteenth{nullptr}, from_eighth{nullptr}, out{nullptr};
+  ResidualBlock quarter_1{nullptr}, quarter_2{nullptr}, eighth_1{nullptr}, eighth_2{nullptr};
+  ResidualBlock sixteenth_1{nullptr}, sixteenth_2{nullptr}, sixteenth_3{nullptr};
+  torch::nn::Linear from_added{nullptr};
+};
+TORCH_MODULE(ImageMotion);
+
+/// x [B, C, H, W] read at places that lie off by `flow` [B, 2, H, W], to the right and down; beyond
+/// the edge it is repeated. Unit: pixels.
+[[nodiscard]] torch::Tensor warp(const torch::Tensor& x, const torch::Tensor& flow);
+
+}  // namespace engram::encoders
