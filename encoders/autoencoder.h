@@ -18,6 +18,9 @@ struct Parts {
   std::vector<torch::Tensor> images;  ///< Grey levels [B, C, H, W].
   torch::Tensor numbers;              ///< Normalised [B, N]; undefined without numbers.
   torch::Tensor scene;                ///< Which background, of int64 [B].
+  /// Numbers of the entity that predictions start from too, normalised [B, K]; undefined where they
+  /// are not known.
+  torch::Tensor conditions{};
 };
 
 /// The latents of an image at two scales.

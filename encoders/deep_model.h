@@ -3,10 +3,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "encoders/condition.h"
 #include "encoders/dynamics.h"
 #include "encoders/latent_block.h"
 #include "encoders/provenance.h"
@@ -46,7 +48,9 @@ struct DeepModel {
   Dynamics dynamics;
   LatentBlockCodec codec;
   size_t block_rows = 16;  ///< Most rows that encode() puts into one block.
-  PredictionRecord prediction;
+  std::optional<Condition> condition;
+  PredictionRecord prediction;      ///< With conditions, where there are any.
+  PredictionRecord unconditioned;   ///< Where they are not known.
   Provenance provenance;
 
   /// Numbers in units of their deviation from the mean; 0 for those that are not finite.

@@ -15,14 +15,20 @@ class DeepPredictor : public ltm::Predictor {
   [[nodiscard]] Duration step() const override { return model_->prediction.step; }
   [[nodiscard]] size_t context() const override { return 2; }
 
-  Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history, int steps) override {
-    if (history.empty()) return invalid_argument("predict: found no history, needs one value");
-    if (steps < 1) return invalid_argument("predict: found {} steps, needs at least 1", steps);
-    return guarded("predict", [&] { return predict_checked(history, steps); });
+  [[nodiscard]] std::optional<ltm::MemoryId> condition() const override {
+    if (!model_->condition) return std::nullopt;
+    const auto id = ltm::MemoryId::parse(model_->condition->entity);
+    return id.ok() ? std::optional(*id) : std::nullopt;
   }
 
-  [[nodiscard]] ltm::MeasuredError expected_error(int steps) const override {
-    return model_->prediction.expected[index_of(steps)];
+  Result<std::vector<idf::Data>> predict(const ltm::Past& past, int steps) override {
+    if (past.values.empty()) return invalid_argument("predict: found no history, needs one value");
+    if (steps < 1) return invalid_argument("predict: found {} steps, needs at least 1", steps);
+    return guarded("predict", [&] { return predict_checked(past, steps); });
+  }
+
+  [[nodiscard]] ltm::MeasuredError expected_error(int steps, bool has_conditions) const override {
+    return record(has_conditions).expected[index_of(steps)];
   }
 
  private:
@@ -30,8 +36,13 @@ class DeepPredictor : public ltm::Predictor {
     return static_cast<size_t>(std::clamp(steps, 1, kMeasuredHorizons) - 1);
   }
 
-  Result<std::vector<idf::Data>> predict_checked(std::span<const idf::Data> history, int steps) {
+  [[nodiscard]] const PredictionRecord& record(bool has_conditions) const {
+    return has_conditions || !model_->condition ? model_->prediction : model_->unconditioned;
+  }
+
+  Result<std::vector<idf::Data>> predict_checked(const ltm::Past& past, int steps) {
     torch::NoGradGuard no_grad;
+    const auto history = past.values;
     const auto& layout = model_->plan.layout();
     ENGRAM_ASSIGN_OR_RETURN(const auto split, layout.split(history.back()));
     ENGRAM_ASSIGN_OR_RETURN(const auto earlier,
@@ -40,21 +51,33 @@ class DeepPredictor : public ltm::Predictor {
     ENGRAM_ASSIGN_OR_RETURN(Parts before, model_->to_parts(earlier));
     if (!model_->autoencoder->images.empty())
       last.scene = before.scene = model_->best_scene({&last, 1});
+    const bool has_conditions =
+        model_->condition && past.conditions.size() == history.size() &&
+        add_conditions(past.conditions.back(), last) &&
+        add_conditions(past.conditions[history.size() > 1 ? history.size() - 2 : 0], before);
     const auto futures = futures_of(*model_, last, before, steps);
     std::vector<idf::Data> values;
     for (int i = 0; i < steps; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(idf::Data value, value_at(history.back(), split, last,
-                                                        futures[static_cast<size_t>(i)], i));
+      ENGRAM_ASSIGN_OR_RETURN(
+          idf::Data value, value_at(history.back(), split, last, futures[static_cast<size_t>(i)], i,
+                                    record(has_conditions)));
       values.push_back(std::move(value));
     }
     return values;
   }
 
+  /// False where the condition has another layout now: then it is not known.
+  bool add_conditions(const idf::Data& value, Parts& parts) const {
+    auto numbers = model_->condition->read(value);
+    if (numbers.ok()) parts.conditions = *std::move(numbers);
+    return parts.conditions.defined();
+  }
+
   // Members whose gate is closed keep the last value bit for bit.
   Result<idf::Data> value_at(const idf::Data& newest, const idf::SplitValue& split,
-                             const Parts& last, const Future& future, int step) const {
+                             const Parts& last, const Future& future, int step,
+                             const PredictionRecord& record) const {
     const size_t horizon = index_of(step + 1);
-    const auto& record = model_->prediction;
     const Shares shares{record.image_gates[horizon], record.motion_gates[horizon],
                         record.number_gates[horizon]};
     const bool copies_images = shares.latents == 0 && shares.motion == 0;

@@ -12,6 +12,9 @@ namespace {
 
 constexpr int kNumberFeatures = 128;
 constexpr int kMotionFeatures = 16;
+constexpr int kConditionFeatures = 64;
+/// How much more a change of conditions counts than where they are.
+constexpr double kChangeGain = 3.0;
 /// Logit that gates start with: 27 % open.
 constexpr double kFirstGate = -1.0;
 constexpr double kLeastLogScale = -4.0;
@@ -58,7 +61,7 @@ Expected LatentPriorImpl::forward(const Tensor& last, const Tensor& before, cons
 }
 
 ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes,
-                                     int number_features)
+                                     int number_features, int motion_features)
     : stride(shape.coarse_stride()) {
   const int features = sizes.width / 2;
   coarse_prior = register_module("coarse_prior", LatentPrior(sizes.coarse_channels, 0, features));
@@ -67,7 +70,7 @@ ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes
   gate_output = register_module("gate_output", make_conv(features, stride * stride, 1, true));
   if (number_features > 0)
     from_numbers = register_module("from_numbers", make_zero_linear(number_features, features));
-  motion = register_module("motion", ImageMotion(shape, kMotionFeatures, number_features));
+  motion = register_module("motion", ImageMotion(shape, kMotionFeatures, motion_features));
   torch::NoGradGuard no_grad;
   gate_output->bias.fill_(kFirstGate);
 }
@@ -89,9 +92,19 @@ Tensor ImageDynamicsImpl::gate(const Tensor& features) {
 
 DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
   const int features = network.numbers > 0 ? kNumberFeatures : 0;
-  for (size_t i = 0; i < network.images.size() && network.sizes.width > 0; ++i)
-    images.push_back(register_module("image" + std::to_string(i),
-                                     ImageDynamics(network.images[i], network.sizes, features)));
+  const bool has_images = !network.images.empty() && network.sizes.width > 0;
+  const int conditions = has_images ? network.sizes.conditions : 0;
+  const int told = features + (conditions > 0 ? kConditionFeatures : 0);
+  for (size_t i = 0; i < network.images.size() && has_images; ++i)
+    images.push_back(
+        register_module("image" + std::to_string(i),
+                        ImageDynamics(network.images[i], network.sizes, features, told)));
+  if (conditions > 0) {
+    condition_input = register_module("condition_input",
+                                      torch::nn::Linear(2 * conditions + 1, kConditionFeatures));
+    condition_hidden = register_module("condition_hidden",
+                                       torch::nn::Linear(kConditionFeatures, kConditionFeatures));
+  }
   if (network.numbers == 0) return;
   number_input = register_module("number_input", torch::nn::Linear(2 * network.numbers, features));
   number_hidden = register_module("number_hidden", torch::nn::Linear(features, features));
@@ -103,6 +116,23 @@ Tensor DynamicsImpl::number_features(const Tensor& last, const Tensor& before) {
   if (!number_input) return {};
   const Tensor x = torch::cat({last, last - before}, 1);
   return activate(number_hidden(activate(number_input(x))));
+}
+
+Tensor DynamicsImpl::motion_features(const Parts& last, const Parts& before) {
+  std::vector<Tensor> features;
+  if (number_input) features.push_back(number_features(last.numbers, before.numbers));
+  if (condition_input) {
+    const int64_t count = last.scene.size(0);
+    const int64_t inputs = condition_input->options.in_features();
+    Tensor x = torch::zeros({count, inputs});
+    const bool is_known = last.conditions.defined() && before.conditions.defined();
+    if (is_known)
+      x = torch::cat({last.conditions, (last.conditions - before.conditions) * kChangeGain,
+                      torch::ones({count, 1})},
+                     1);
+    features.push_back(activate(condition_hidden(activate(condition_input(x)))));
+  }
+  return features.empty() ? Tensor() : torch::cat(features, 1);
 }
 
 Tensor DynamicsImpl::bits(const Latents& then, const Latents& last, const Latents& before) {
@@ -135,7 +165,7 @@ DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
 std::vector<std::vector<Tensor>> DynamicsImpl::move(const Parts& last, const Parts& before,
                                                     int steps) {
   std::vector<std::vector<Tensor>> moved(static_cast<size_t>(steps));
-  const Tensor features = number_features(last.numbers, before.numbers);
+  const Tensor features = motion_features(last, before);
   for (size_t i = 0; i < images.size(); ++i) {
     std::array<Tensor, 2> seen{before.images[i], last.images[i]};
     for (size_t step = 0; step < moved.size();) {

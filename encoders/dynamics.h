@@ -34,7 +34,8 @@ TORCH_MODULE(LatentPrior);
 /// The prior of the latents of one image, how far its prediction is trusted per pixel, and what
 /// predicts without latents.
 struct ImageDynamicsImpl : torch::nn::Module {
-  ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features);
+  ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features,
+                    int motion_features);
 
   Expected coarse(const ImageLatents& last, const ImageLatents& before,
                   const torch::Tensor& number_features);
@@ -73,8 +74,8 @@ struct DynamicsImpl : torch::nn::Module {
 
   DynamicsStep step(const Latents& last, const Latents& before);
 
-  /// Of normalised numbers [B, N]; undefined without numbers.
-  torch::Tensor number_features(const torch::Tensor& last, const torch::Tensor& before);
+  /// What motion is told beside the images: of the numbers and of the conditions.
+  torch::Tensor motion_features(const Parts& last, const Parts& before);
 
   /// The images of the next `steps` steps as their motion goes on: per step, per image member, grey
   /// levels 0 to 255. None without networks.
@@ -84,16 +85,19 @@ struct DynamicsImpl : torch::nn::Module {
   std::vector<ImageDynamics> images;
   torch::nn::Linear number_input{nullptr}, number_hidden{nullptr}, number_change{nullptr},
       number_gate{nullptr};
+  torch::nn::Linear condition_input{nullptr}, condition_hidden{nullptr};
 
+ private:
+  /// Of normalised numbers [B, N]; undefined without numbers.
+  torch::Tensor number_features(const torch::Tensor& last, const torch::Tensor& before);
 };
 TORCH_MODULE(Dynamics);
 
 /// Bits of the unit interval around a value `distance` from the mean of a Laplace distribution.
 [[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance, const torch::Tensor& scale);
 
-/// The values after 1..`steps` steps as the latents have them, from the last values and the last two
-/// latents.
-/// Values are grey levels (clamped to 0..255) and normalised numbers.
+/// The values after 1..`steps` steps as the latents have them, from the last values and the last
+/// two latents. Values are grey levels (clamped to 0..255) and normalised numbers.
 [[nodiscard]] std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics,
                                           const Parts& last, const Latents& now,
                                           const Latents& before, int steps);

@@ -24,7 +24,8 @@ Status for_each_size(NetworkSizes& sizes, Visit visit) {
   ENGRAM_RETURN_IF_ERROR(visit("width", sizes.width));
   ENGRAM_RETURN_IF_ERROR(visit("coarse_channels", sizes.coarse_channels));
   ENGRAM_RETURN_IF_ERROR(visit("fine_channels", sizes.fine_channels));
-  return visit("scenes", sizes.scenes);
+  ENGRAM_RETURN_IF_ERROR(visit("scenes", sizes.scenes));
+  return visit("conditions", sizes.conditions);
 }
 
 Result<NetworkSizes> read_sizes(const h5::File& file) {
@@ -61,7 +62,9 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/image_scale", scales));
   ENGRAM_RETURN_IF_ERROR(write_weights(file, model));
   ENGRAM_RETURN_IF_ERROR(write_codec(file, model.codec));
-  ENGRAM_RETURN_IF_ERROR(write_prediction(file, model.prediction));
+  if (model.condition) ENGRAM_RETURN_IF_ERROR(write_condition(file, *model.condition));
+  ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/prediction", model.prediction));
+  ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/unconditioned", model.unconditioned));
   ENGRAM_RETURN_IF_ERROR(write_provenance(file, model.provenance));
   ENGRAM_RETURN_IF_ERROR(write_self_test(file, model, example));
   return file.close();
@@ -111,7 +114,11 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
     return data_loss("found a normaliser of {} numbers, needs {}", model->mean.size(), numbers);
   ENGRAM_RETURN_IF_ERROR(read_weights(file, *model));
   ENGRAM_RETURN_IF_ERROR(read_codec(file, model->autoencoder->shape, model->codec));
-  ENGRAM_ASSIGN_OR_RETURN(model->prediction, read_prediction(file));
+  if (sizes.conditions > 0) {
+    ENGRAM_ASSIGN_OR_RETURN(model->condition, read_condition(file, sizes.conditions));
+  }
+  ENGRAM_ASSIGN_OR_RETURN(model->prediction, read_prediction(file, "/prediction"));
+  ENGRAM_ASSIGN_OR_RETURN(model->unconditioned, read_prediction(file, "/unconditioned"));
   ENGRAM_ASSIGN_OR_RETURN(model->provenance, read_provenance(file));
   ENGRAM_RETURN_IF_ERROR(run_self_test(file, *model));
   return model;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "encoders/model_vectors.h"
+#include "ltm/idf/binary.h"
 
 namespace engram::encoders {
 
@@ -67,7 +68,38 @@ Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCo
   return {};
 }
 
-Status write_prediction(h5::File& file, const PredictionRecord& record) {
+Status write_condition(h5::File& file, const Condition& condition) {
+  ENGRAM_RETURN_IF_ERROR(file.make_group("/condition"));
+  ENGRAM_RETURN_IF_ERROR(
+      file.write_attribute("/condition", "entity", std::string_view(condition.entity)));
+  ENGRAM_ASSIGN_OR_RETURN(const auto layout, idf::encode(condition.plan.layout().to_data()));
+  const auto* bytes = reinterpret_cast<const uint8_t*>(layout.data());
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/condition/layout",
+                                      std::vector<uint8_t>(bytes, bytes + layout.size())));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/condition/mean", condition.mean));
+  return write_vector(file, "/condition/deviation", condition.deviation);
+}
+
+Result<Condition> read_condition(const h5::File& file, int count) {
+  Condition condition;
+  ENGRAM_ASSIGN_OR_RETURN(condition.entity, file.string_attribute("/condition", "entity"));
+  if (const auto id = ltm::MemoryId::parse(condition.entity); !id.ok())
+    return data_loss("found a condition of '{}', needs the ID of an entity", condition.entity);
+  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, "/condition/layout"));
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data data, idf::decode(Buffer::take(bytes)));
+  ENGRAM_ASSIGN_OR_RETURN(idf::Layout layout, idf::Layout::from_data(data));
+  ENGRAM_ASSIGN_OR_RETURN(condition.plan, TensorPlan::create(std::move(layout)));
+  ENGRAM_ASSIGN_OR_RETURN(condition.mean, read_vector<double>(file, "/condition/mean"));
+  ENGRAM_ASSIGN_OR_RETURN(condition.deviation, read_vector<double>(file, "/condition/deviation"));
+  const auto needed = static_cast<size_t>(count);
+  if (condition.plan.number_count() != needed || condition.mean.size() != needed ||
+      condition.deviation.size() != needed)
+    return data_loss("found conditions of {} numbers, needs {}", condition.plan.number_count(),
+                     needed);
+  return condition;
+}
+
+Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record) {
   std::vector<double> images, motion, numbers, image_errors, number_errors;
   for (size_t i = 0; i < record.expected.size(); ++i) {
     images.push_back(record.image_gates[i]);
@@ -76,25 +108,25 @@ Status write_prediction(h5::File& file, const PredictionRecord& record) {
     image_errors.push_back(record.expected[i].image_mse);
     number_errors.push_back(record.expected[i].number_mse);
   }
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/image_gates", images));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/motion_gates", motion));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/number_gates", numbers));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/image_mse", image_errors));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/prediction/number_mse", number_errors));
-  return file.write_attribute("/prediction", "step_ns", static_cast<int64_t>(record.step.count()));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/image_gates", images));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/motion_gates", motion));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/number_gates", numbers));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/image_mse", image_errors));
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/number_mse", number_errors));
+  return file.write_attribute(group, "step_ns", static_cast<int64_t>(record.step.count()));
 }
 
-Result<PredictionRecord> read_prediction(const h5::File& file) {
+Result<PredictionRecord> read_prediction(const h5::File& file, const std::string& group) {
   PredictionRecord record;
-  ENGRAM_ASSIGN_OR_RETURN(const auto images, read_vector<double>(file, "/prediction/image_gates"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto images, read_vector<double>(file, group + "/image_gates"));
   ENGRAM_ASSIGN_OR_RETURN(const auto motion,
-                          read_vector<double>(file, "/prediction/motion_gates"));
+                          read_vector<double>(file, group + "/motion_gates"));
   ENGRAM_ASSIGN_OR_RETURN(const auto numbers,
-                          read_vector<double>(file, "/prediction/number_gates"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto image_mse, read_vector<double>(file, "/prediction/image_mse"));
+                          read_vector<double>(file, group + "/number_gates"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto image_mse, read_vector<double>(file, group + "/image_mse"));
   ENGRAM_ASSIGN_OR_RETURN(const auto number_mse,
-                          read_vector<double>(file, "/prediction/number_mse"));
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t step, file.int_attribute("/prediction", "step_ns"));
+                          read_vector<double>(file, group + "/number_mse"));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t step, file.int_attribute(group, "step_ns"));
   for (const auto* values : {&images, &motion, &numbers, &image_mse, &number_mse})
     if (values->size() != kMeasuredHorizons)
       return data_loss("found {} horizons, needs {}", values->size(), kMeasuredHorizons);

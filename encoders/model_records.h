@@ -17,9 +17,13 @@ namespace engram::encoders {
 Status write_codec(h5::File& file, const LatentBlockCodec& codec);
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec);
 
-/// "/prediction": gates and measured errors per horizon.
-Status write_prediction(h5::File& file, const PredictionRecord& record);
-Result<PredictionRecord> read_prediction(const h5::File& file);
+/// "/condition": which numbers of another entity predictions start from.
+Status write_condition(h5::File& file, const Condition& condition);
+Result<Condition> read_condition(const h5::File& file, int count);
+
+/// A group of gates and measured errors per horizon.
+Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record);
+Result<PredictionRecord> read_prediction(const h5::File& file, const std::string& group);
 
 /// "/provenance".
 Status write_provenance(h5::File& file, const Provenance& from);

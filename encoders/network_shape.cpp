@@ -19,7 +19,8 @@ int padded(int size, int multiple) {
 bool NetworkSizes::is_valid() const {
   return width >= 0 && width <= kMostWidth && width % 16 == 0 && coarse_channels >= 1 &&
          coarse_channels <= kMostChannels && fine_channels >= 1 && fine_channels <= kMostChannels &&
-         scenes >= 1 && scenes <= kMostScenes;
+         scenes >= 1 && scenes <= kMostScenes && conditions >= 0 &&
+         conditions <= static_cast<int>(TensorPlan::kMaxNumbers);
 }
 
 std::vector<LatentGrid> NetworkShape::grids(size_t image) const {

@@ -25,6 +25,7 @@ struct NetworkSizes {
   int coarse_channels = 24;  ///< Latents per place of 16 x 16 units.
   int fine_channels = 4;     ///< Latents per place of 8 x 8 units.
   int scenes = 1;            ///< Backgrounds of each image member.
+  int conditions = 0;        ///< Numbers of another entity that predictions start from.
 
   static constexpr int kMostWidth = 512;
   static constexpr int kMostChannels = 256;

@@ -9,6 +9,7 @@
 #include "ltm/memory/query.h"
 #include "ltm/store/temporary_file.h"
 #include "training/block_choice.h"
+#include "training/condition_source.h"
 #include "training/entity_source.h"
 #include "training/quality_json.h"
 #include "training/quality_sums.h"
@@ -99,9 +100,10 @@ class Crossval {
         now.what = fmt::format("fold {} of {}: {}", fold + 1, recordings.size(), now.what);
         progress_(now);
       };
-    ENGRAM_RETURN_IF_ERROR(train_model(EntitySource::values(reader_, entity_, trained),
-                                       options_.train, file.path(), progress, stop_)
-                               .status());
+    TrainingSource source = EntitySource::values(reader_, entity_, trained);
+    ENGRAM_RETURN_IF_ERROR(ConditionSource::add(reader_, entity_, trained.back(), source));
+    ENGRAM_RETURN_IF_ERROR(
+        train_model(source, options_.train, file.path(), progress, stop_).status());
     ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(file.path()));
     FoldSums sums;
     double trained_bytes = 0;
@@ -168,12 +170,19 @@ class Crossval {
                  FoldSums& sums) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
     const auto predictor = encoders::make_predictor(model);
+    std::vector<Time> times;
+    for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
+    ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
+                            ConditionSource::at_all(reader_, predictor->condition(), times));
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const size_t steps = std::min(kHorizons, values.size() - 1 - row);
       ENGRAM_ASSIGN_OR_RETURN(
           const auto futures,
-          predictor->predict(std::span(values).subspan(row - 1, 2), static_cast<int>(steps)));
+          predictor->predict({std::span(values).subspan(row - 1, 2),
+                              std::span(conditions).subspan(conditions.empty() ? 0 : row - 1,
+                                                            conditions.empty() ? 0 : 2)},
+                             static_cast<int>(steps)));
       for (size_t h = 0; h < steps; ++h) {
         ENGRAM_ASSIGN_OR_RETURN(
             const idf::Data line,

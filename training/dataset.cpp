@@ -54,6 +54,7 @@ class Loader {
     const std::vector<Sequence> runs = thinned(sequences, stride);
     allocate(static_cast<int64_t>(total_size(runs)));
     for (const Sequence& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
+    ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
     choose_scales();
     normalise();
     find_scenes(data_);
@@ -90,6 +91,65 @@ class Loader {
       ENGRAM_RETURN_IF_ERROR(read(run.first + i, static_cast<int64_t>(row + i)));
     data_.sequences.push_back({row, row + run.size()});
     return {};
+  }
+
+  /// All conditions, where any has numbers. Those of another layout than the first count as unknown
+  /// and become the mean.
+  Status read_conditions(std::span<const Sequence> runs) {
+    if (!source_.read_condition || data_.images.empty()) return {};
+    encoders::Condition condition;
+    condition.entity = source_.condition_entity;
+    std::vector<std::vector<double>> rows;
+    for (const Sequence& run : runs)
+      for (size_t index = run.first; index < run.end; ++index) {
+        if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
+        ENGRAM_ASSIGN_OR_RETURN(const auto value, source_.read_condition(index));
+        auto& row = rows.emplace_back();
+        if (!value) continue;
+        if (condition.plan.number_count() == 0) {
+          auto plan = encoders::TensorPlan::create(idf::Layout::of(*value));
+          if (!plan.ok() || plan->number_count() == 0) return {};
+          condition.plan = *std::move(plan);
+        }
+        if (const auto split = condition.plan.layout().split(*value); split.ok())
+          row = condition.plan.read_numbers(*split);
+      }
+    const size_t count = condition.plan.number_count();
+    if (count == 0) return {};
+    set_scales(rows, condition);
+    std::vector<float> numbers;
+    for (const auto& row : rows) {
+      const std::vector<float> one =
+          row.empty() ? std::vector<float>(count)
+                      : encoders::normalised(row, condition.mean, condition.deviation);
+      numbers.insert(numbers.end(), one.begin(), one.end());
+    }
+    data_.conditions =
+        torch::tensor(numbers).reshape({static_cast<int64_t>(rows.size()), -1}).contiguous();
+    data_.condition = std::move(condition);
+    return {};
+  }
+
+  /// Mean and deviation of every number over the rows that are known.
+  static void set_scales(std::span<const std::vector<double>> rows,
+                         encoders::Condition& condition) {
+    for (size_t i = 0; i < condition.plan.number_count(); ++i) {
+      double sum = 0;
+      double squares = 0;
+      double count = 0;
+      for (const auto& row : rows) {
+        if (row.empty() || !std::isfinite(row[i])) continue;
+        sum += row[i];
+        squares += row[i] * row[i];
+        count += 1;
+      }
+      const double mean = count > 0 ? sum / count : 0;
+      const double variance = count > 0 ? squares / count - mean * mean : 0;
+      // What is left of a number that never changes is rounding.
+      const bool moves = variance > 1e-12 * (1 + mean * mean) && std::isfinite(variance);
+      condition.mean.push_back(std::isfinite(mean) ? mean : 0);
+      condition.deviation.push_back(moves ? std::sqrt(variance) : 0);
+    }
   }
 
   void choose_scales() {
@@ -145,6 +205,7 @@ encoders::Parts Dataset::batch(const encoders::NetworkShape& shape, const Tensor
     parts.images.push_back(encoders::to_grey_levels(plan.images()[i], shape.images[i],
                                                     images[i].index_select(0, indices)));
   if (numbers.defined()) parts.numbers = numbers.index_select(0, indices);
+  if (conditions.defined()) parts.conditions = conditions.index_select(0, indices);
   return parts;
 }
 

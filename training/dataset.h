@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct Dataset {
   std::vector<torch::Tensor> images;       ///< Per image member: pixels [n, H, W, C].
   torch::Tensor numbers;                   ///< Normalised [n, N]; undefined without numbers.
   torch::Tensor plain_numbers;             ///< As they were, of float64 [n, N].
+  std::optional<encoders::Condition> condition;
+  torch::Tensor conditions;                ///< Normalised [n, K]; undefined without a condition.
   torch::Tensor scene;                     ///< Which background a row belongs to, of int64 [n].
   std::vector<torch::Tensor> backgrounds;  ///< Per image member [scenes, C, H, W], grey levels.
 

@@ -8,6 +8,7 @@
 #include "encoders/deep_model_file.h"
 #include "ltm/store/publish.h"
 #include "training/entity_encoding.h"
+#include "training/condition_source.h"
 #include "training/entity_source.h"
 
 namespace engram::training {
@@ -89,9 +90,10 @@ Status EntityJob::train_and_publish(Duration budget) {
 }
 
 Status EntityJob::train(const TrainOptions& train, const std::filesystem::path& file) {
-  ENGRAM_ASSIGN_OR_RETURN(
-      report_.training,
-      train_model(EntitySource::values(reader_, entity_, entries_), train, file, progress_, stop_));
+  TrainingSource source = EntitySource::values(reader_, entity_, entries_);
+  // The newest one: links of the first may lead to what was forgotten.
+  ENGRAM_RETURN_IF_ERROR(ConditionSource::add(reader_, entity_, entries_.back(), source));
+  ENGRAM_ASSIGN_OR_RETURN(report_.training, train_model(source, train, file, progress_, stop_));
   return {};
 }
 

@@ -10,6 +10,7 @@
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
 #include "training/access_time.h"
+#include "training/condition_source.h"
 #include "training/metrics.h"
 #include "training/quality_json.h"
 #include "training/quality_sums.h"
@@ -139,7 +140,12 @@ class EntityMeasurement {
     }
     const auto history = std::span(values).first(2);
     const auto truth = std::span(values).subspan(2);
-    auto futures = model_.predictor->predict(history, static_cast<int>(truth.size()));
+    const std::array<Time, 2> times{recorded[row - 1]->time, recorded[row]->time};
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto conditions,
+        ConditionSource::at_all(reader_, model_.predictor->condition(), times));
+    auto futures =
+        model_.predictor->predict({history, conditions}, static_cast<int>(truth.size()));
     // Snapshots of another layout are not this model's to predict.
     if (!futures.ok() && futures.status().code() == StatusCode::kInvalidArgument) return {};
     if (!futures.ok()) return futures.status();

@@ -91,6 +91,6 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
 
 /// Measures the shares of every way to predict on the held-out windows and keeps those that win over copying the
 /// last value, in mean squared error and (images) in mean PSNR.
-Status measure_prediction(encoders::DeepModel& model, const Dataset& data);
+void measure_prediction(encoders::DeepModel& model, const Dataset& data);
 
 }  // namespace engram::training

@@ -55,8 +55,7 @@ struct GateSums {
       psnr[g] += psnr_db(mse);
     }
     for (size_t g = 0; g < kGates.size(); ++g)
-      number_mse[g] +=
-          number_error(model, encoders::mix(last, future, {0, 0, kGates[g]}), actual);
+      number_mse[g] += number_error(model, encoders::mix(last, future, {0, 0, kGates[g]}), actual);
     count += 1;
   }
 
@@ -100,11 +99,11 @@ Tensor index_of(int64_t row) {
   return torch::tensor({row}, torch::kLong);
 }
 
-void keep_best(encoders::DeepModel& model, const GateSums& sums, size_t horizon) {
+void keep_best(const encoders::DeepModel& model, const GateSums& sums, size_t horizon,
+               encoders::PredictionRecord& record) {
   if (sums.count == 0) return;
   const size_t image = sums.best_for_images();
   const size_t number = sums.best_for_numbers();
-  auto& record = model.prediction;
   if (!model.plan.images().empty()) {
     record.image_gates[horizon] = sums.shares[image].latents;
     record.motion_gates[horizon] = sums.shares[image].motion;
@@ -174,8 +173,10 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
   return result;
 }
 
-Status measure_prediction(encoders::DeepModel& model, const Dataset& data) {
-  torch::NoGradGuard no_grad;
+namespace {
+
+void measure(encoders::DeepModel& model, const Dataset& data, bool has_conditions,
+             encoders::PredictionRecord& record) {
   const auto& shape = model.autoencoder->shape;
   std::vector<int64_t> rows = make_windows(data.sequences, 1).held_out;
   const size_t stride = std::max<size_t>(1, rows.size() / kMostMeasuredWindows);
@@ -186,18 +187,26 @@ Status measure_prediction(encoders::DeepModel& model, const Dataset& data) {
                                        [&](auto& s) { return static_cast<size_t>(row) < s.end; });
     const int steps = static_cast<int>(std::min<size_t>(
         encoders::kMeasuredHorizons, sequence->end - 1 - static_cast<size_t>(row)));
-    const Parts last = data.batch(shape, index_of(row));
-    const Parts before = data.batch(shape, index_of(row - 1));
+    Parts last = data.batch(shape, index_of(row));
+    Parts before = data.batch(shape, index_of(row - 1));
+    if (!has_conditions) last.conditions = before.conditions = Tensor();
     const auto futures = encoders::futures_of(model, last, before, steps);
     for (size_t i = 0; i < futures.size(); ++i)
       sums[i].add(model, last, futures[i],
                   data.batch(shape, index_of(row + static_cast<int64_t>(i) + 1)));
   }
-  for (size_t i = 0; i < sums.size(); ++i) keep_best(model, sums[i], i);
+  for (size_t i = 0; i < sums.size(); ++i) keep_best(model, sums[i], i, record);
   // Horizons that no recording is long enough for are as uncertain as the last that was measured.
   for (size_t i = 1; i < sums.size(); ++i)
-    if (sums[i].count == 0) model.prediction.expected[i] = model.prediction.expected[i - 1];
-  return {};
+    if (sums[i].count == 0) record.expected[i] = record.expected[i - 1];
+}
+
+}  // namespace
+
+void measure_prediction(encoders::DeepModel& model, const Dataset& data) {
+  torch::NoGradGuard no_grad;
+  measure(model, data, true, model.prediction);
+  if (model.condition) measure(model, data, false, model.unconditioned);
 }
 
 }  // namespace engram::training

@@ -19,6 +19,11 @@ constexpr double kMostBrightness = 12.0;
 /// Errors below are all alike. Unit: squared grey levels.
 constexpr double kLeastError = 4.0;
 constexpr double kRecent = 0.05;
+/// Share of the batches whose conditions are not known.
+constexpr double kUnknownShare = 0.2;
+/// What conditions are blurred by, in standard deviations, and their changes relative to that.
+constexpr double kConditionBlur = 0.1;
+constexpr double kChangeBlur = 0.3;
 
 double uniform(double most) {
   return (torch::rand({1}, torch::kFloat64).item<double>() * 2 - 1) * most;
@@ -66,6 +71,29 @@ Tensor loss_of(encoders::ImageMotion& motion, const std::vector<Tensor>& window,
   return loss;
 }
 
+/// What motion is told of some rows. Conditions are blurred, and unknown in some batches: what was
+/// seen of them is little.
+Tensor features_of(encoders::DeepModel& model, const Dataset& data, const Tensor& rows) {
+  const auto part_of = [&](const Tensor& at) {
+    encoders::Parts parts;
+    parts.scene = data.scene.index_select(0, at);
+    if (data.numbers.defined()) parts.numbers = data.numbers.index_select(0, at);
+    return parts;
+  };
+  encoders::Parts last = part_of(rows);
+  encoders::Parts before = part_of(rows - 1);
+  const bool is_known = torch::rand({1}).item<double>() >= kUnknownShare;
+  if (data.conditions.defined() && is_known) {
+    last.conditions = data.conditions.index_select(0, rows);
+    before.conditions = data.conditions.index_select(0, rows - 1);
+    const Tensor blur = torch::randn_like(last.conditions) * kConditionBlur;
+    last.conditions = last.conditions + blur;
+    before.conditions =
+        before.conditions + blur + torch::randn_like(blur) * (kConditionBlur * kChangeBlur);
+  }
+  return model.dynamics->motion_features(last, before);
+}
+
 }  // namespace
 
 Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
@@ -77,8 +105,9 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
   auto& images = model.dynamics->images;
   if (rows.empty() || images.empty()) return result;
   std::vector<Tensor> parameters;
-  for (auto& image : images)
-    for (Tensor& parameter : image->motion->parameters()) parameters.push_back(parameter);
+  for (const auto& item : model.dynamics->named_parameters())
+    if (item.key().find("motion") != std::string::npos || item.key().starts_with("condition"))
+      parameters.push_back(item.value());
   torch::optim::AdamW optimiser(parameters,
                                 torch::optim::AdamWOptions(kPeakRate).weight_decay(kWeightDecay));
   const Tensor windows = torch::tensor(rows, torch::kLong);
@@ -88,12 +117,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
     static_cast<torch::optim::AdamWOptions&>(group).lr(kPeakRate * learning_rate_share(share));
     const Tensor now = windows.index_select(
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
-    Tensor features;
-    if (data.numbers.defined()) {
-      torch::NoGradGuard no_grad;
-      features = model.dynamics->number_features(data.numbers.index_select(0, now),
-                                                 data.numbers.index_select(0, now - 1));
-    }
+    const Tensor features = features_of(model, data, now);
     optimiser.zero_grad();
     Tensor loss = torch::zeros({});
     for (size_t i = 0; i < images.size(); ++i)

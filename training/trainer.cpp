@@ -26,7 +26,8 @@ int chosen_width(const TrainOptions& options, size_t snapshots) {
 
 encoders::NetworkSizes sizes_of(const TrainOptions& options, const Dataset& data) {
   return {chosen_width(options, data.size()), options.coarse_channels, options.fine_channels,
-          options.has_networks ? data.scenes() : 1};
+          options.has_networks ? data.scenes() : 1,
+          data.condition ? static_cast<int>(data.conditions.size(1)) : 0};
 }
 
 Schedule schedule_of(const TrainOptions& options, double share) {
@@ -101,6 +102,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   encoders::DeepModel model(data.plan, sizes_of(options, data));
   model.mean = data.mean;
   model.deviation = data.deviation;
+  model.condition = data.condition;
 
   // The autoencoder and its codec, then what predicts: each on the weights that will be stored.
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
@@ -127,8 +129,8 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
                                      step_sink(progress, source.entity, options, "motion", epoch,
                                                motion_time, coding + predicting, moving)));
   encoders::round_weights(*model.dynamics);
-  model.prediction.step = median_step(data.times);
-  ENGRAM_RETURN_IF_ERROR(measure_prediction(model, data));
+  model.prediction.step = model.unconditioned.step = median_step(data.times);
+  measure_prediction(model, data);
 
   // Report.
   TrainReport report;
@@ -165,7 +167,7 @@ uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options, s
   if (!plan.ok() || plan->images().empty()) return 0;
   const encoders::DeepModel model(
       std::move(*plan),
-      {chosen_width(options, snapshots), options.coarse_channels, options.fine_channels, 1});
+      {chosen_width(options, snapshots), options.coarse_channels, options.fine_channels, 1, 0});
   int64_t weights = 0;
   for (const auto& tensor : model.autoencoder->parameters()) weights += tensor.numel();
   for (const auto& tensor : model.dynamics->parameters()) weights += tensor.numel();

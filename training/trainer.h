@@ -23,6 +23,11 @@ struct TrainingSource {
   std::vector<Time> times;
   /// The value of times[index].
   std::function<Result<idf::Data>(size_t index)> read;
+
+  /// Another entity whose numbers predictions may start from; empty: none.
+  std::string condition_entity;
+  /// Its value at or before times[index]; nothing where there is none.
+  std::function<Result<std::optional<idf::Data>>(size_t index)> read_condition;
 };
 
 /// How one model is trained. Written into the model file.

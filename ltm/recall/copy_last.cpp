@@ -11,12 +11,12 @@ class CopyLastPredictor final : public Predictor {
   [[nodiscard]] Duration step() const override { return Duration(0); }
   [[nodiscard]] size_t context() const override { return 1; }
 
-  Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history, int steps) override {
-    if (history.empty()) return invalid_argument("copy-last: needs at least one past value");
-    return std::vector<idf::Data>(static_cast<size_t>(std::max(steps, 0)), history.back());
+  Result<std::vector<idf::Data>> predict(const Past& past, int steps) override {
+    if (past.values.empty()) return invalid_argument("copy-last: needs at least one past value");
+    return std::vector<idf::Data>(static_cast<size_t>(std::max(steps, 0)), past.values.back());
   }
 
-  [[nodiscard]] MeasuredError expected_error(int) const override { return {}; }
+  [[nodiscard]] MeasuredError expected_error(int, bool) const override { return {}; }
 };
 
 }  // namespace

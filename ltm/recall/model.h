@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "ltm/memory/memory_id.h"
 #include "ltm/store/latent.h"
 
 namespace engram::ltm {
@@ -31,6 +33,22 @@ class Encoder {
   virtual Result<std::vector<idf::Data>> decode(std::span<const Latent> latents) = 0;
 };
 
+/// What a prediction starts from.
+struct Past {
+  Past() = default;
+  // Most predictions start from values alone.
+  // NOLINTBEGIN(google-explicit-constructor)
+  Past(std::span<const idf::Data> past, std::span<const idf::Data> known = {})
+      : values(past), conditions(known) {}
+  Past(const std::vector<idf::Data>& past) : values(past) {}
+  // NOLINTEND(google-explicit-constructor)
+
+  std::span<const idf::Data> values;  ///< Of the entity, oldest first.
+  /// Of Predictor::condition(), one for each of `values`: the last at or before its time. Empty
+  /// where one is missing.
+  std::span<const idf::Data> conditions;
+};
+
 /// Continues the past of one entity.
 ///
 /// Threading: one thread.
@@ -47,14 +65,17 @@ class Predictor {
   /// Past snapshots that it wants to see; fewer are accepted, at least one is needed.
   [[nodiscard]] virtual size_t context() const = 0;
 
-  /// The values 1..`steps` steps after the last of `history` (oldest first).
-  /// Errors: kInvalidArgument where a value has another layout than the model.
-  virtual Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history,
-                                                 int steps) = 0;
+  /// Another entity whose past makes predictions better; nothing where there is none.
+  [[nodiscard]] virtual std::optional<MemoryId> condition() const { return std::nullopt; }
 
-  /// Error to expect of a prediction so many steps ahead, measured on data that the model was not
-  /// trained on; the last measured one for steps beyond. NaNs where nothing was measured.
-  [[nodiscard]] virtual MeasuredError expected_error(int steps) const = 0;
+  /// The values 1..`steps` steps after the last of `past`.
+  /// Errors: kInvalidArgument where a value has another layout than the model.
+  virtual Result<std::vector<idf::Data>> predict(const Past& past, int steps) = 0;
+
+  /// Error to expect of a prediction so many steps ahead, with or without conditions, measured on
+  /// data that the model was not trained on; the last measured one for steps beyond. NaNs where
+  /// nothing was measured.
+  [[nodiscard]] virtual MeasuredError expected_error(int steps, bool has_conditions) const = 0;
 };
 
 /// The parts of one model file.

@@ -194,18 +194,43 @@ struct Recall::State {
     recalled.horizon = when - entries.back().time;
     recalled.time = when;
     ENGRAM_ASSIGN_OR_RETURN(const int steps, steps_to(*predictor, recalled.horizon, entity, options));
+    ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
+                            conditions_of(*predictor, entries, options.prefer));
     const auto& last = history.back().instances;
     for (size_t i = 0; i < last.size(); ++i) {
-      auto values = predictor->predict(series(history, i), steps);
+      const std::vector<idf::Data> values_before = series(history, i);
+      const bool is_whole = conditions.size() == values_before.size();
+      auto values = predictor->predict(
+          {values_before, is_whole ? std::span(conditions) : std::span<const idf::Data>()}, steps);
       if (!values.ok())
         return values.status().with_context("prediction of " + entity.to_string());
       if (values->empty()) return data_loss("model {}: predicted nothing", model_name);
       InstanceMetadata metadata = last[i].metadata;
       metadata.created = metadata.sent = metadata.arrived = when;
       append_instance(recalled, std::move(values->back()), metadata,
-                      predictor->expected_error(steps));
+                      predictor->expected_error(steps, is_whole));
     }
     return recalled;
+  }
+
+  /// What a predictor's condition was at the times of `entries`; empty where one is not known.
+  Result<std::vector<idf::Data>> conditions_of(const Predictor& predictor,
+                                               std::span<const SnapshotEntry> entries,
+                                               Prefer prefer) {
+    const std::optional<MemoryId> entity = predictor.condition();
+    if (!entity) return std::vector<idf::Data>{};
+    auto timeline = store->timeline(*entity);
+    if (timeline.status().code() == StatusCode::kNotFound) return std::vector<idf::Data>{};
+    ENGRAM_RETURN_IF_ERROR(timeline.status());
+    std::vector<idf::Data> conditions;
+    for (const SnapshotEntry& entry : entries) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto known, (*timeline)->at_or_before(entry.time));
+      if (!known) return std::vector<idf::Data>{};
+      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, read(*entity, *known, prefer));
+      if (past.instances.empty()) return std::vector<idf::Data>{};
+      conditions.push_back(std::move(past.instances.front().data));
+    }
+    return conditions;
   }
 
   /// The number of steps that comes closest to the horizon, at least one.

@@ -110,17 +110,17 @@ TEST_F(LoadModel, RejectsAValueOfAnotherLayout) {
   auto model = load();
   const idf::Data value("text");
   EXPECT_EQ(model.encoder->encode({&value, 1}).status().code(), StatusCode::kInvalidArgument);
-  EXPECT_EQ(model.predictor->predict({&value, 1}, 1).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(model.predictor->predict(std::span(&value, 1), 1).status().code(), StatusCode::kInvalidArgument);
 }
 
 TEST_F(LoadModel, PredictsAsManyStepsAsAskedFromOneValue) {
   auto model = load();
   const idf::Data value = scene_at(7);
-  const auto predicted = model.predictor->predict({&value, 1}, 8);
+  const auto predicted = model.predictor->predict(std::span(&value, 1), 8);
   ASSERT_TRUE(predicted.ok()) << predicted.status().to_string();
   EXPECT_EQ(predicted->size(), 8u);
   EXPECT_EQ(model.predictor->predict({}, 1).status().code(), StatusCode::kInvalidArgument);
-  EXPECT_EQ(model.predictor->predict({&value, 1}, 0).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(model.predictor->predict(std::span(&value, 1), 0).status().code(), StatusCode::kInvalidArgument);
 }
 
 TEST_F(LoadModel, IsAModelLoader) {

@@ -109,8 +109,8 @@ TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
   EXPECT_LE(deep.image_mse, copied.image_mse * 1.001);
   EXPECT_LE(deep.number_mse, copied.number_mse * 1.001);
   EXPECT_EQ(model->predictor->step(), std::chrono::milliseconds(200));
-  EXPECT_LT(model->predictor->expected_error(1).number_mse,
-            model->predictor->expected_error(5).number_mse);
+  EXPECT_LT(model->predictor->expected_error(1, true).number_mse,
+            model->predictor->expected_error(5, true).number_mse);
 }
 
 TEST(Trainer, LeavesWholeRecordingsOut) {

@@ -17,7 +17,7 @@ TEST(CopyLast, AnswersWithTheLastValue) {
   const auto values = predictor->predict(history, 3);
   ASSERT_OK(values);
   EXPECT_EQ(*values, std::vector<idf::Data>(3, idf::Data("last")));
-  EXPECT_TRUE(std::isnan(predictor->expected_error(1).image_mse));
+  EXPECT_TRUE(std::isnan(predictor->expected_error(1, true).image_mse));
   EXPECT_FAILS(predictor->predict({}, 1), StatusCode::kInvalidArgument, "at least one");
 }
 

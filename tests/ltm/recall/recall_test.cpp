@@ -83,7 +83,8 @@ class CountingPredictor final : public Predictor {
   [[nodiscard]] Duration step() const override { return std::chrono::milliseconds(200); }
   [[nodiscard]] size_t context() const override { return 3; }
 
-  Result<std::vector<idf::Data>> predict(std::span<const idf::Data> history, int steps) override {
+  Result<std::vector<idf::Data>> predict(const Past& past, int steps) override {
+    const auto history = past.values;
     std::vector<idf::Data> values;
     for (int step = 1; step <= steps; ++step) {
       idf::Data value = history.back();
@@ -94,7 +95,7 @@ class CountingPredictor final : public Predictor {
     return values;
   }
 
-  [[nodiscard]] MeasuredError expected_error(int steps) const override {
+  [[nodiscard]] MeasuredError expected_error(int steps, bool) const override {
     return {static_cast<double>(steps), 0.5};
   }
 };
