@@ -113,6 +113,52 @@ TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
             model->predictor->expected_error(5, true).number_mse);
 }
 
+/// An image as bright as chance has it, which another entity knows one snapshot earlier.
+TrainingSource announced_source(int count) {
+  const auto level_of = [](size_t i) { return static_cast<int>(i * 2654435761U % 97); };
+  TrainingSource source = scene_source(count, 1, true, false);
+  source.read = [=](size_t i) -> Result<idf::Data> {
+    idf::Dict dict;
+    dict.set("image",
+             idf::NdArray::take<uint8_t>(
+                 {16, 16, 1}, std::vector<uint8_t>(256, static_cast<uint8_t>(80 + level_of(i)))));
+    return idf::Data(std::move(dict));
+  };
+  source.condition_entity = "Test/Scene/sim/announcement";
+  source.read_condition = [=](size_t i) -> Result<std::optional<idf::Data>> {
+    idf::Dict dict;
+    dict.set("next", static_cast<double>(level_of(i + 1)));
+    return std::optional(idf::Data(std::move(dict)));
+  };
+  return source;
+}
+
+TEST(Trainer, PredictsFromWhatAnotherEntityKnows) {
+  const ScratchPath file("condition");
+  const TrainingSource source = announced_source(80);
+  ASSERT_TRUE(train_model(source, quick_options(1200), file.path(), {}, {}).ok());
+  auto model = encoders::load_model(file.path());
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  ltm::Predictor& predictor = *model->predictor;
+  ASSERT_TRUE(predictor.condition().has_value());
+  EXPECT_EQ(predictor.condition()->to_string(), "Test/Scene/sim/announcement");
+  EXPECT_LT(predictor.expected_error(1, true).image_mse,
+            predictor.expected_error(1, false).image_mse / 2);
+  const std::vector<idf::Data> history{*source.read(70), *source.read(71)};
+  const std::vector<idf::Data> conditions{**source.read_condition(70), **source.read_condition(71)};
+  const idf::Data truth = *source.read(72);
+  const auto told = predictor.predict({history, conditions}, 1);
+  const auto untold = predictor.predict(history, 1);
+  ASSERT_TRUE(told.ok()) << told.status().to_string();
+  ASSERT_TRUE(untold.ok()) << untold.status().to_string();
+  EXPECT_LT(compare(truth, told->front())->image_mse, compare(truth, untold->front())->image_mse);
+  // Values of another layout count as not known.
+  const std::vector<idf::Data> others{idf::Data(1.0), idf::Data(2.0)};
+  const auto misled = predictor.predict({history, others}, 1);
+  ASSERT_TRUE(misled.ok()) << misled.status().to_string();
+  EXPECT_TRUE(misled->front() == untold->front());
+}
+
 TEST(Trainer, LeavesWholeRecordingsOut) {
   const ScratchPath file("left_out");
   const auto source = scene_source(60, 3);
