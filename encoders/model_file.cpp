@@ -61,6 +61,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/image_scale", scales));
   ENGRAM_RETURN_IF_ERROR(write_weights(file, model));
   ENGRAM_RETURN_IF_ERROR(write_codec(file, model.codec));
+  ENGRAM_RETURN_IF_ERROR(write_global_code(file, model.global_code));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, model.prediction));
   ENGRAM_RETURN_IF_ERROR(write_provenance(file, model.provenance));
   ENGRAM_RETURN_IF_ERROR(write_self_test(file, model, example));
@@ -111,6 +112,7 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
     return data_loss("found a normaliser of {} numbers, needs {}", model->mean.size(), numbers);
   ENGRAM_RETURN_IF_ERROR(read_weights(file, *model));
   ENGRAM_RETURN_IF_ERROR(read_codec(file, model->autoencoder->shape, model->codec));
+  ENGRAM_ASSIGN_OR_RETURN(model->global_code, read_global_code(file, model->autoencoder->shape));
   ENGRAM_ASSIGN_OR_RETURN(model->prediction, read_prediction(file));
   ENGRAM_ASSIGN_OR_RETURN(model->provenance, read_provenance(file));
   ENGRAM_RETURN_IF_ERROR(run_self_test(file, *model));
