@@ -33,6 +33,7 @@ struct ConsolidateArguments {
   training::DropOptions drop;
   std::string budget = "2min";
   std::string representation = "auto";
+  std::string variant = "rate";
   double psnr_db = 36;
   int steps = 0;
   bool drops_raw = false;
@@ -130,6 +131,9 @@ ExitCode run(ConsolidateArguments& arguments) {
   if (!budget.ok()) return wrong_usage(budget.status());
   arguments.options.train.budget = *budget;
   if (arguments.steps > 0) arguments.options.train.steps = arguments.steps;
+  const auto variant = encoders::training_variant_of(arguments.variant);
+  if (!variant.ok()) return wrong_usage(variant.status());
+  arguments.options.train.variant = *variant;
   const auto representation = training::representation_of(arguments.representation);
   if (!representation.ok()) return wrong_usage(representation.status());
   arguments.options.representation.kind = *representation;
@@ -183,6 +187,11 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--psnr", arguments->psnr_db,
                    "Least PSNR of every image, dB; with latents alone the mean to aim at")
+      ->capture_default_str();
+  command
+      ->add_option("--variant", arguments->variant,
+                   "What latents are trained for: rate (few bytes), ae, vae or wae")
+      ->check(CLI::IsMember({"rate", "ae", "vae", "wae"}))
       ->capture_default_str();
   command
       ->add_option("--video", options.representation.video,

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
 #include "cli/command.h"
+#include "cli/crossval_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "training/crossval.h"
 
 namespace engram::cli {
@@ -13,62 +11,45 @@ namespace {
 
 constexpr const char* kFooter = R"(Examples:
   engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
+  engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --budget 2m
   engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --folds 1 --json
 
-A recording ends where there is a gap. For each, a model is trained on all others for --budget, and
-reconstructs and predicts the one that was left out; nothing is published. PSNR is the mean over
-images / of the pooled error. "copy-last" repeats the last snapshot, "linear" draws a straight line
-through the last two.)";
+A recording ends where there is a gap. For each, a model of each variant is trained on all others
+for --budget, and reconstructs and predicts the one that was left out; nothing is published. PSNR is
+the mean over images / of the pooled error. Variants: "rate" trains for few bytes, "ae" for small
+errors alone, "vae" and "wae" for latents like a Gaussian. "copy-last" repeats the last snapshot,
+"linear" draws a straight line through the last two, "flow" moves pixels on as they moved.)";
 
 struct CrossvalArguments {
   std::string store;
   training::CrossvalOptions options;
+  std::vector<std::string> variants{"rate"};
   std::string budget = "2min";
   int steps = 0;
   size_t folds = 0;
   bool is_json = false;
 };
 
-std::string quality_text(const training::Quality& quality) {
-  if (quality.images > 0)
-    return fmt::format("{:.2f} / {:.2f}", quality.mean_psnr_db, quality.pooled_psnr_db);
-  return number_text(quality.rmse);
-}
-
-std::vector<std::string> fold_row(const std::string& name, const training::CrossvalFold& fold) {
-  std::vector<std::string> row{name,
-                               count_text(fold.snapshots),
-                               fmt::format("{:.0f}", fold.trained_bytes),
-                               quality_text(fold.trained),
-                               fmt::format("{:.0f}", fold.left_out_bytes),
-                               quality_text(fold.left_out)};
-  for (size_t ahead = 0; ahead < 2; ++ahead)
-    for (size_t way = 0; way < training::kPredictings; ++way)
-      row.push_back(quality_text(fold.prediction[way][ahead]));
-  return row;
-}
-
-void print_report(const training::CrossvalReport& report) {
-  print(report.entity.to_string());
-  std::vector<std::string> head{"left out", "snapshots",  "B trained",
-                                "trained",  "B left out", "left out"};
-  for (const char* ahead : {"next", "over-next"})
-    for (size_t way = 0; way < training::kPredictings; ++way)
-      head.push_back(
-          fmt::format("{}: {}", ahead, to_string(static_cast<training::Predicting>(way))));
-  TextTable table(head);
-  for (const training::CrossvalFold& fold : report.folds)
-    table.add(fold_row(engram::to_string(fold.first), fold));
-  table.add(fold_row("all", report.all));
-  print(table.to_string("  "));
-  print(fmt::format("  a model takes {} on average, beside the bytes",
-                    bytes_text(static_cast<double>(report.all.model_bytes))));
+/// "rate,vae", "all".
+Result<std::vector<encoders::TrainingVariant>> variants_of(const std::vector<std::string>& names) {
+  std::vector<encoders::TrainingVariant> variants;
+  for (const std::string& name : names) {
+    if (name == "all") {
+      variants.assign(encoders::kTrainingVariants.begin(), encoders::kTrainingVariants.end());
+      continue;
+    }
+    ENGRAM_ASSIGN_OR_RETURN(variants.emplace_back(), encoders::training_variant_of(name));
+  }
+  return variants;
 }
 
 ExitCode run(CrossvalArguments& arguments) {
   const auto budget = parse_duration(arguments.budget);
   if (!budget.ok()) return wrong_usage(budget.status());
   arguments.options.train.budget = *budget;
+  auto variants = variants_of(arguments.variants);
+  if (!variants.ok()) return wrong_usage(variants.status());
+  arguments.options.variants = *std::move(variants);
   if (arguments.steps > 0) arguments.options.train.steps = arguments.steps;
   if (arguments.folds > 0) arguments.options.most_folds = arguments.folds;
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
@@ -80,7 +61,7 @@ ExitCode run(CrossvalArguments& arguments) {
   if (arguments.is_json)
     print_json(training::to_json(*report));
   else
-    print_report(*report);
+    print(crossval_text(*report));
   return ExitCode::kDone;
 }
 
@@ -94,12 +75,17 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
-  command->add_option("--budget", arguments->budget, "Training time of each fold")
+  command->add_option("--budget", arguments->budget, "Training time of each fold and variant")
       ->check(duration_text())
       ->capture_default_str();
   command->add_option("--steps", arguments->steps,
                       "Optimiser steps instead of a time: same seed, same figures");
   command->add_option("--folds", arguments->folds, "Only so many of the first recordings; 0: all")
+      ->capture_default_str();
+  command
+      ->add_option("--variants,--variant", arguments->variants,
+                   "What latents are trained for: some of rate, ae, vae and wae; or all")
+      ->delimiter(',')
       ->capture_default_str();
   command->add_option("--psnr", train.psnr_db, "Mean PSNR of images to aim at, dB")
       ->capture_default_str();

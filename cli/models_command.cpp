@@ -58,6 +58,7 @@ Json to_json(const Model& model) {
           {"seed", model.from.seed},
           {"psnr_aimed_at_db", model.from.psnr_db},
           {"number_bound", model.from.number_bound},
+          {"variant", to_string(model.from.variant)},
           {"images", forms_json(model.from.forms)}};
 }
 
@@ -73,11 +74,15 @@ std::string row(std::string_view form, int64_t bytes, int64_t rows, uint64_t mod
 
 void print_model(const Model& model) {
   const auto& [info, from] = model;
-  print(fmt::format("{}: {}, trained on {} snapshots of {} recordings, {} steps{}", info->name(),
-                    bytes_text(static_cast<double>(info->bytes)),
-                    count_text(static_cast<uint64_t>(from.snapshots)),
-                    from.autoencoder_spans.size(), count_text(static_cast<uint64_t>(from.steps)),
-                    from.training_seconds > 0 ? " in " + seconds_text(from.training_seconds) : ""));
+  std::string text =
+      fmt::format("{}: {}, trained on {} snapshots of {} recordings, {} steps", info->name(),
+                  bytes_text(static_cast<double>(info->bytes)),
+                  count_text(static_cast<uint64_t>(from.snapshots)), from.autoencoder_spans.size(),
+                  count_text(static_cast<uint64_t>(from.steps)));
+  if (from.training_seconds > 0) text += " in " + seconds_text(from.training_seconds);
+  if (from.variant != encoders::TrainingVariant::kRateAware)
+    text += fmt::format(", variant {}", to_string(from.variant));
+  print(text);
   const encoders::StoredForms& forms = from.forms;
   if (forms.rows == 0) return;
   print(fmt::format("    {:<8} {:>10} {:>12} {:>14}", "form", "an image", "with 3,000",

@@ -37,6 +37,24 @@ class DeepEncoder : public ltm::Encoder {
     });
   }
 
+  Result<std::vector<std::vector<float>>> global_codes(
+      std::span<const ltm::Latent> latents) override {
+    return guarded("global codes", [&]() -> Result<std::vector<std::vector<float>>> {
+      std::vector<std::vector<float>> codes;
+      for (const ltm::Latent& latent : latents) {
+        ENGRAM_RETURN_IF_ERROR(block_.reach(model_->codec, latent));
+        ENGRAM_ASSIGN_OR_RETURN(
+            codes.emplace_back(),
+            model_->global_code_of(block_.rows(), latent.place.index, latent.remainder));
+      }
+      return codes;
+    });
+  }
+
+  Result<std::vector<float>> global_code(const idf::Data& value) override {
+    return guarded("global code", [&] { return model_->global_code_of(value); });
+  }
+
  private:
   /// The last block that was decoded, as far as it was.
   class Block {

@@ -10,6 +10,7 @@
 
 #include "encoders/condition.h"
 #include "encoders/dynamics.h"
+#include "encoders/global_code.h"
 #include "encoders/latent_block.h"
 #include "encoders/provenance.h"
 #include "encoders/tensor_plan.h"
@@ -46,6 +47,7 @@ struct DeepModel {
   std::vector<double> deviation;  ///< Per number; 0 where it never changed.
   Autoencoder autoencoder;
   Dynamics dynamics;
+  GlobalCode global_code;
   LatentBlockCodec codec;
   size_t block_rows = 16;  ///< Most rows that encode() puts into one block.
   std::optional<Condition> condition;
@@ -93,7 +95,16 @@ struct DeepModel {
   Result<std::vector<idf::NdArray>> decode_images(const LatentRows& rows, size_t row);
   Result<idf::Data> decode(const LatentRows& rows, size_t row, const idf::List& remainder);
 
+  /// The global code of a value, kGlobalCodeSize numbers: alike where images look alike.
+  /// Errors: kInvalidArgument where it has another layout; kFailedPrecondition where the model has
+  /// no global code: without networks, or of an older file.
+  Result<std::vector<float>> global_code_of(const idf::Data& value);
+  /// That of a row. Images are decoded only where they are not kept as latents.
+  Result<std::vector<float>> global_code_of(const LatentRows& rows, size_t row,
+                                            const idf::List& remainder);
+
  private:
+  [[nodiscard]] Status check_global_code() const;
   Status add_videos(std::span<const idf::SplitValue> values, LatentRows& rows) const;
   void add_latents(std::vector<Parts> parts, LatentRows& rows);
   double reconstruction_error(Parts values, const torch::Tensor& scene);

@@ -62,6 +62,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/image_scale", scales));
   ENGRAM_RETURN_IF_ERROR(write_weights(file, model));
   ENGRAM_RETURN_IF_ERROR(write_codec(file, model.codec));
+  ENGRAM_RETURN_IF_ERROR(write_global_code(file, model.global_code));
   if (model.condition) ENGRAM_RETURN_IF_ERROR(write_condition(file, *model.condition));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/prediction", model.prediction));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/unconditioned", model.unconditioned));
@@ -114,6 +115,7 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
     return data_loss("found a normaliser of {} numbers, needs {}", model->mean.size(), numbers);
   ENGRAM_RETURN_IF_ERROR(read_weights(file, *model));
   ENGRAM_RETURN_IF_ERROR(read_codec(file, model->autoencoder->shape, model->codec));
+  ENGRAM_ASSIGN_OR_RETURN(model->global_code, read_global_code(file, model->autoencoder->shape));
   if (sizes.conditions > 0) {
     ENGRAM_ASSIGN_OR_RETURN(model->condition, read_condition(file, sizes.conditions));
   }

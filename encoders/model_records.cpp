@@ -169,6 +169,15 @@ Status write_forms(h5::File& file, const StoredForms& forms) {
   });
 }
 
+/// Files from before there were variants do not tell.
+Result<TrainingVariant> read_variant(const h5::File& file, const std::string& group) {
+  const auto name = file.string_attribute(group, "variant");
+  if (!name.ok() && name.status().code() == StatusCode::kNotFound)
+    return TrainingVariant::kRateAware;
+  if (!name.ok()) return name.status();
+  return training_variant_of(*name);
+}
+
 Result<StoredForms> read_forms(const h5::File& file) {
   StoredForms forms;
   ENGRAM_ASSIGN_OR_RETURN(forms.representation, file.string_attribute(kForms, "representation"));
@@ -189,6 +198,7 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(
       file.write_attribute(group, "code_version", std::string_view(from.code_version)));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "seed", static_cast<int64_t>(from.seed)));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "variant", to_string(from.variant)));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "steps", from.steps));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "training_seconds", from.training_seconds));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "final_loss", from.final_loss));
@@ -208,6 +218,7 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.code_version, file.string_attribute(group, "code_version"));
   ENGRAM_ASSIGN_OR_RETURN(const int64_t seed, file.int_attribute(group, "seed"));
   from.seed = static_cast<uint64_t>(seed);
+  ENGRAM_ASSIGN_OR_RETURN(from.variant, read_variant(file, group));
   ENGRAM_ASSIGN_OR_RETURN(from.steps, file.int_attribute(group, "steps"));
   ENGRAM_ASSIGN_OR_RETURN(from.training_seconds, file.double_attribute(group, "training_seconds"));
   ENGRAM_ASSIGN_OR_RETURN(from.final_loss, file.double_attribute(group, "final_loss"));

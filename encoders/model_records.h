@@ -17,6 +17,11 @@ namespace engram::encoders {
 Status write_codec(h5::File& file, const LatentBlockCodec& codec);
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec);
 
+/// "/global_code": 8 bits per weight, a scale per number, the offset of each background. Absent
+/// where the model has none, as in files from before there were any.
+Status write_global_code(h5::File& file, const GlobalCode& code);
+Result<GlobalCode> read_global_code(const h5::File& file, const NetworkShape& shape);
+
 /// "/condition": which numbers of another entity predictions start from.
 Status write_condition(h5::File& file, const Condition& condition);
 Result<Condition> read_condition(const h5::File& file, int count);

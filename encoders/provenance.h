@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "encoders/training_variant.h"
 #include "ltm/core/time.h"
 
 namespace engram::encoders {
@@ -39,6 +40,7 @@ struct Provenance {
   std::string entity;
   std::string code_version;
   uint64_t seed = 0;
+  TrainingVariant variant = TrainingVariant::kRateAware;
   int64_t steps = 0;  ///< Of the optimiser, autoencoder and dynamics together.
   double training_seconds = 0;
   double final_loss = 0;

@@ -23,9 +23,6 @@ Kept kept_as(const std::string& name, const Tensor& tensor, bool is_buffer) {
   return is_matrix && !is_buffer ? Kept::kBytes : Kept::kFloats;
 }
 
-namespace {
-
-/// 8 bits per weight and one scale for each of the first axis.
 void round_rows(Tensor& weights) {
   Tensor scales = weights.flatten(1).abs().amax(1).contiguous();
   auto* scale = scales.data_ptr<float>();
@@ -35,8 +32,6 @@ void round_rows(Tensor& weights) {
   scales = scales.reshape(shape);
   weights.div_(scales).round_().clamp_(-127, 127).mul_(scales);
 }
-
-}  // namespace
 
 void round_weights(torch::nn::Module& module) {
   torch::NoGradGuard no_grad;

@@ -14,6 +14,9 @@ namespace engram::encoders {
 /// channel, whole grey levels for backgrounds, 32-bit floats for vectors.
 void round_weights(torch::nn::Module& module);
 
+/// Rounds weights to 8 bits each and one scale for each of the first axis.
+void round_rows(torch::Tensor& weights);
+
 /// Rounds the weights of a module until it is told to restore them: gradients of rounded weights
 /// are added to exact ones.
 ///

@@ -2,43 +2,19 @@
 #include "training/crossval.h"
 
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <set>
 
 #include "encoders/deep_model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/temporary_file.h"
 #include "training/block_choice.h"
 #include "training/condition_source.h"
+#include "training/crossval_sums.h"
 #include "training/entity_source.h"
-#include "training/quality_json.h"
-#include "training/quality_sums.h"
-#include "training/sequences.h"
 
 namespace engram::training {
 
 namespace {
-
-constexpr size_t kHorizons = 2;
-
-/// What a fold collects.
-struct FoldSums {
-  QualitySums trained, left_out;
-  std::array<std::array<QualitySums, kHorizons>, kPredictings> prediction;
-};
-
-/// A value as a straight line from the last two would have it.
-Result<idf::Data> extrapolated(const encoders::DeepModel& model, const idf::Data& last,
-                               const idf::Data& before, double steps) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto now_split, model.plan.layout().split(last));
-  ENGRAM_ASSIGN_OR_RETURN(const auto before_split, model.plan.layout().split(before));
-  ENGRAM_ASSIGN_OR_RETURN(encoders::Parts now, model.to_parts(now_split));
-  ENGRAM_ASSIGN_OR_RETURN(const encoders::Parts then, model.to_parts(before_split));
-  for (size_t i = 0; i < now.images.size(); ++i)
-    now.images[i] = (now.images[i] + steps * (now.images[i] - then.images[i])).clamp(0, 255);
-  if (now.numbers.defined()) now.numbers = now.numbers + steps * (now.numbers - then.numbers);
-  return model.to_value(model.to_arrays(now), model.to_numbers(now), now_split.remainder);
-}
 
 /// Trains and measures folds of one entity.
 class Crossval {
@@ -59,94 +35,116 @@ class Crossval {
     if (recordings.size() < 2)
       return invalid_argument("{}: found {} recording, needs two to leave one out",
                               entity_.to_string(), recordings.size());
+    ENGRAM_ASSIGN_OR_RETURN(plan_, encoders::TensorPlan::create(std::move(found.layout)));
     CrossvalReport report;
     report.entity = entity_;
     const size_t folds =
         std::min(options_.most_folds.value_or(recordings.size()), recordings.size());
+    FoldSums all(options_.variants.size());
     for (size_t fold = 0; fold < folds; ++fold) {
-      ENGRAM_ASSIGN_OR_RETURN(report.folds.emplace_back(), run_fold(recordings, fold));
+      ENGRAM_ASSIGN_OR_RETURN(const FoldSums sums, run_fold(recordings, fold));
+      all.add(sums, folds);
+      report.folds.push_back(sums.fold(options_.variants));
+      report.folds.back().first = entries_[recordings[fold].first].time;
     }
-    report.all = fold_of(all_);
-    for (const CrossvalFold& fold : report.folds) {
-      report.all.snapshots += fold.snapshots;
-      report.all.trained_bytes += fold.trained_bytes / static_cast<double>(folds);
-      report.all.left_out_bytes += fold.left_out_bytes / static_cast<double>(folds);
-      report.all.model_bytes += fold.model_bytes / folds;
-    }
+    report.all = all.fold(options_.variants);
     return report;
   }
 
  private:
-  static CrossvalFold fold_of(const FoldSums& sums) {
-    CrossvalFold fold;
-    fold.trained = sums.trained.quality();
-    fold.left_out = sums.left_out.quality();
-    for (size_t way = 0; way < kPredictings; ++way)
-      for (size_t h = 0; h < kHorizons; ++h)
-        fold.prediction[way][h] = sums.prediction[way][h].quality();
-    return fold;
+  Result<FoldSums> run_fold(const std::vector<Sequence>& recordings, size_t fold) {
+    FoldSums sums(options_.variants.size());
+    sums.snapshots = recordings[fold].size();
+    ENGRAM_RETURN_IF_ERROR(measure_baselines(recordings[fold], sums));
+    for (size_t i = 0; i < options_.variants.size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(
+          measure_variant(recordings, fold, options_.variants[i], sums.variants[i]));
+    return sums;
   }
 
-  Result<CrossvalFold> run_fold(const std::vector<Sequence>& recordings, size_t fold) {
-    const Sequence& left_out = recordings[fold];
-    std::vector<ltm::SnapshotEntry> trained(entries_);
-    trained.erase(trained.begin() + static_cast<ptrdiff_t>(left_out.first),
-                  trained.begin() + static_cast<ptrdiff_t>(left_out.end));
+  Status measure_baselines(const Sequence& recording, FoldSums& sums) {
+    for (size_t way = 0; way < kBaselines; ++way)
+      ENGRAM_RETURN_IF_ERROR(measure_predictions(
+          recording, std::nullopt,
+          [&](const ltm::Past& past, int steps) {
+            return predict_by(static_cast<Baseline>(way), plan_, past.values[0], past.values[1],
+                              steps);
+          },
+          sums.baselines[way]));
+    return {};
+  }
+
+  Status measure_variant(const std::vector<Sequence>& recordings, size_t fold,
+                         encoders::TrainingVariant variant, VariantSums& sums) {
     ENGRAM_ASSIGN_OR_RETURN(const auto file,
                             ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
+    ENGRAM_RETURN_IF_ERROR(train(recordings, fold, variant, file.path()));
+    ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(file.path()));
+    std::vector<std::vector<float>> codes;
+    for (size_t i = 0; i < recordings.size(); ++i) {
+      QualitySums& quality = i == fold ? sums.left_out : sums.trained;
+      double& bytes = i == fold ? sums.left_out_bytes : sums.trained_bytes;
+      ENGRAM_RETURN_IF_ERROR(reconstruct(*model, recordings[i], quality, bytes, codes));
+    }
+    const Sequence& left_out = recordings[fold];
+    sums.left_out_bytes /= static_cast<double>(left_out.size());
+    sums.trained_bytes /= static_cast<double>(entries_.size() - left_out.size());
+    const auto predictor = encoders::make_predictor(model);
+    ENGRAM_RETURN_IF_ERROR(measure_predictions(
+        left_out, predictor->condition(),
+        [&](const ltm::Past& past, int steps) { return predictor->predict(past, steps); },
+        sums.prediction));
+    ENGRAM_ASSIGN_OR_RETURN(sums.similarity,
+                            measure_similarity(
+                                codes, left_out, [&](size_t i) { return value_at(i); }, stop_));
+    std::error_code failed;
+    sums.model_bytes = static_cast<double>(std::filesystem::file_size(file.path(), failed));
+    if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
+    return {};
+  }
+
+  Status train(const std::vector<Sequence>& recordings, size_t fold,
+               encoders::TrainingVariant variant, const std::filesystem::path& file) {
+    std::vector<ltm::SnapshotEntry> trained(entries_);
+    trained.erase(trained.begin() + static_cast<ptrdiff_t>(recordings[fold].first),
+                  trained.begin() + static_cast<ptrdiff_t>(recordings[fold].end));
     ProgressSink progress;
     if (progress_)
       progress = [&](Progress now) {
-        now.what = fmt::format("fold {} of {}: {}", fold + 1, recordings.size(), now.what);
+        now.what = fmt::format("fold {} of {}, {}: {}", fold + 1, recordings.size(),
+                               to_string(variant), now.what);
         progress_(now);
       };
+    TrainOptions options = options_.train;
+    options.variant = variant;
     TrainingSource source = EntitySource::values(reader_, entity_, trained);
     ENGRAM_RETURN_IF_ERROR(ConditionSource::add(reader_, entity_, trained.back(), source));
-    ENGRAM_RETURN_IF_ERROR(
-        train_model(source, options_.train, file.path(), progress, stop_).status());
-    ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(file.path()));
-    FoldSums sums;
-    double trained_bytes = 0;
-    size_t trained_snapshots = 0;
-    for (size_t i = 0; i < recordings.size(); ++i) {
-      if (i == fold) continue;
-      ENGRAM_ASSIGN_OR_RETURN(const double bytes,
-                              reconstruct(*model, recordings[i], sums.trained, all_.trained));
-      trained_bytes += bytes;
-      trained_snapshots += recordings[i].size();
-    }
-    ENGRAM_ASSIGN_OR_RETURN(const double left_out_bytes,
-                            reconstruct(*model, left_out, sums.left_out, all_.left_out));
-    ENGRAM_RETURN_IF_ERROR(predict(model, left_out, sums));
-    CrossvalFold result = fold_of(sums);
-    result.first = entries_[left_out.first].time;
-    result.snapshots = left_out.size();
-    result.trained_bytes = trained_bytes / static_cast<double>(trained_snapshots);
-    result.left_out_bytes = left_out_bytes / static_cast<double>(left_out.size());
-    std::error_code failed;
-    result.model_bytes = std::filesystem::file_size(file.path(), failed);
-    if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());
-    return result;
+    return train_model(source, options, file, progress, stop_).status();
+  }
+
+  Result<idf::Data> value_at(size_t index) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot snapshot,
+                            reader_.read_recorded(entity_, entries_[index]));
+    return std::move(snapshot.instances.front().data);
   }
 
   Result<std::vector<idf::Data>> values_of(const Sequence& recording) {
     std::vector<idf::Data> values;
     for (size_t i = recording.first; i < recording.end; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot snapshot, reader_.read_recorded(entity_, entries_[i]));
-      values.push_back(std::move(snapshot.instances.front().data));
+      ENGRAM_ASSIGN_OR_RETURN(values.emplace_back(), value_at(i));
     }
     return values;
   }
 
-  /// Bytes of the codes of a recording, in blocks that decode alone.
-  Result<double> reconstruct(encoders::DeepModel& model, const Sequence& recording,
-                             QualitySums& sums, QualitySums& all) {
+  /// Codes a recording in blocks that decode alone, and decodes it; adds the blocks' bytes and the
+  /// snapshots' global codes.
+  Status reconstruct(encoders::DeepModel& model, const Sequence& recording, QualitySums& sums,
+                     double& bytes, std::vector<std::vector<float>>& codes) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
     RepresentationOptions representation;
     representation.kind = Representation::kLatents;
     representation.refine_steps = options_.refine_steps;
     BlockChoice choice(model, representation);
-    double bytes = 0;
     for (size_t first = 0; first < values.size(); first += model.block_rows) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const auto block =
@@ -160,40 +158,34 @@ class Crossval {
                                 model.decode(rows, row, latents[row].remainder));
         ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(block[row], value));
         sums.add(error);
-        all.add(error);
+        if (!model.global_code.is_known()) continue;
+        ENGRAM_ASSIGN_OR_RETURN(codes.emplace_back(),
+                                model.global_code_of(rows, row, latents[row].remainder));
       }
     }
-    return bytes;
+    return {};
   }
 
-  Status predict(const std::shared_ptr<encoders::DeepModel>& model, const Sequence& recording,
-                 FoldSums& sums) {
+  using Predict = std::function<Result<std::vector<idf::Data>>(const ltm::Past& past, int steps)>;
+
+  /// Predicts every snapshot of a recording from the two before it, and from the two before those.
+  Status measure_predictions(const Sequence& recording,
+                             const std::optional<ltm::MemoryId>& condition, const Predict& predict,
+                             std::array<QualitySums, kAhead>& sums) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
-    const auto predictor = encoders::make_predictor(model);
     std::vector<Time> times;
     for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
     ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
-                            ConditionSource::at_all(reader_, predictor->condition(), times));
+                            ConditionSource::at_all(reader_, condition, times));
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
-      const size_t steps = std::min(kHorizons, values.size() - 1 - row);
-      ENGRAM_ASSIGN_OR_RETURN(
-          const auto futures,
-          predictor->predict({std::span(values).subspan(row - 1, 2),
-                              std::span(conditions).subspan(conditions.empty() ? 0 : row - 1,
-                                                            conditions.empty() ? 0 : 2)},
-                             static_cast<int>(steps)));
-      for (size_t h = 0; h < steps; ++h) {
-        ENGRAM_ASSIGN_OR_RETURN(
-            const idf::Data line,
-            extrapolated(*model, values[row], values[row - 1], static_cast<double>(h + 1)));
-        const std::array<const idf::Data*, kPredictings> predicted{&futures[h], &values[row],
-                                                                   &line};
-        for (size_t way = 0; way < kPredictings; ++way) {
-          ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(values[row + h + 1], *predicted[way]));
-          sums.prediction[way][h].add(error);
-          all_.prediction[way][h].add(error);
-        }
+      const size_t steps = std::min(kAhead, values.size() - 1 - row);
+      ltm::Past past(std::span(values).subspan(row - 1, 2));
+      if (!conditions.empty()) past.conditions = std::span(conditions).subspan(row - 1, 2);
+      ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
+      for (size_t ahead = 0; ahead < steps; ++ahead) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(values[row + ahead + 1], futures[ahead]));
+        sums[ahead].add(error);
       }
     }
     return {};
@@ -205,7 +197,7 @@ class Crossval {
   const ProgressSink& progress_;
   const std::stop_token& stop_;
   std::vector<ltm::SnapshotEntry> entries_;
-  FoldSums all_;
+  encoders::TensorPlan plan_;
 };
 
 /// The one entity that a query matches.
@@ -223,30 +215,14 @@ Result<ltm::MemoryId> only_match(const ltm::StoreReader& reader, const std::stri
   return matching.front();
 }
 
-nlohmann::ordered_json to_json(const CrossvalFold& fold) {
-  nlohmann::ordered_json json{{"snapshots", fold.snapshots},
-                              {"trained", quality_json(fold.trained)},
-                              {"left_out", quality_json(fold.left_out)},
-                              {"trained_bytes", fold.trained_bytes},
-                              {"left_out_bytes", fold.left_out_bytes},
-                              {"model_bytes", fold.model_bytes}};
-  for (size_t way = 0; way < kPredictings; ++way)
-    for (size_t h = 0; h < kHorizons; ++h)
-      json[std::string(to_string(static_cast<Predicting>(way)))].push_back(
-          quality_json(fold.prediction[way][h]));
-  return json;
-}
-
 }  // namespace
 
 Status CrossvalOptions::validate() const {
   if (most_folds && *most_folds < 1) return invalid_argument("folds: found 0, needs at least 1");
+  if (variants.empty()) return invalid_argument("training variants: found none, needs at least 1");
+  if (std::set(variants.begin(), variants.end()).size() < variants.size())
+    return invalid_argument("training variants: found one twice, needs each at most once");
   return train.validate();
-}
-
-std::string_view to_string(Predicting predicting) {
-  constexpr std::array<std::string_view, kPredictings> kNames{"model", "copy-last", "linear"};
-  return kNames[static_cast<size_t>(predicting)];
 }
 
 Result<CrossvalReport> crossval(const std::filesystem::path& store, const CrossvalOptions& options,
@@ -255,15 +231,6 @@ Result<CrossvalReport> crossval(const std::filesystem::path& store, const Crossv
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(store));
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, only_match(*reader, options.entity));
   return Crossval(*reader, entity, options, progress, stop).run();
-}
-
-nlohmann::ordered_json to_json(const CrossvalReport& report) {
-  nlohmann::ordered_json folds = nlohmann::ordered_json::array();
-  for (const CrossvalFold& fold : report.folds) {
-    folds.push_back(to_json(fold));
-    folds.back()["left_out_from"] = engram::to_string(fold.first);
-  }
-  return {{"entity", report.entity.to_string()}, {"folds", folds}, {"all", to_json(report.all)}};
 }
 
 }  // namespace engram::training

@@ -11,14 +11,17 @@
 
 #include "ltm/core/progress.h"
 #include "ltm/memory/memory_id.h"
+#include "training/baselines.h"
 #include "training/evaluate.h"
 #include "training/trainer.h"
 
 namespace engram::training {
 
 struct CrossvalOptions {
-  /// How each model is trained; its budget is that of one fold.
+  /// How each model is trained, but for its variant; its budget is that of one fold and variant.
   TrainOptions train;
+  /// Trained one after the other in every fold.
+  std::vector<encoders::TrainingVariant> variants{encoders::TrainingVariant::kRateAware};
   /// A query without selectors that matches one entity.
   std::string entity;
   /// Steps of refining the latents that are measured (latent_refinement.h).
@@ -29,24 +32,45 @@ struct CrossvalOptions {
   [[nodiscard]] Status validate() const;
 };
 
-/// Ways to predict, on the same snapshots.
-enum class Predicting { kModel, kCopyLast, kLinear };
-inline constexpr size_t kPredictings = 3;
+/// Snapshots ahead that predictions are measured for: 1 and 2.
+inline constexpr size_t kAhead = 2;
 
-/// "model", "copy-last", "linear".
-[[nodiscard]] std::string_view to_string(Predicting predicting);
+/// How well global codes find what looks alike, asked for snapshots of the left-out recording among
+/// all others.
+struct SimilarityQuality {
+  uint64_t snapshots = 0;  ///< That were asked for; 0 where there is nothing to measure.
+  uint64_t others = 0;     ///< That were looked through for each.
+  /// What the nearest by code is by pixels: 1 is the nearest of all. By chance: half of `others`.
+  double mean_rank = 0;
+  double neighbour_share = 0;        ///< The nearest by code is the one before or after.
+  double pixel_neighbour_share = 0;  ///< The nearest by pixels is.
+};
 
-/// What a model is worth on data that it was and was not trained on.
-struct CrossvalFold {
-  Time first{};              ///< Of the recording that was left out; not set in the mean.
-  uint64_t snapshots = 0;    ///< Of it.
+/// What the models of one training variant are worth.
+struct VariantQuality {
+  encoders::TrainingVariant variant{};
   Quality trained;           ///< Reconstruction of the recordings that it was trained on.
   Quality left_out;          ///< Of the one that was left out.
   double trained_bytes = 0;  ///< Of a snapshot's latents, in blocks.
   double left_out_bytes = 0;
   uint64_t model_bytes = 0;
-  /// Predictions of the left-out recording, by Predicting, one and two snapshots ahead.
-  std::array<std::array<Quality, 2>, kPredictings> prediction;
+  std::array<Quality, kAhead> prediction;  ///< Of the left-out recording.
+  SimilarityQuality similarity;
+
+  /// How much better images are reconstructed that were trained on. Unit: dB, of means.
+  [[nodiscard]] double reconstruction_gap_db() const;
+};
+
+/// One recording that was left out.
+struct CrossvalFold {
+  Time first{};            ///< Of the recording; not set in the mean.
+  uint64_t snapshots = 0;  ///< Of it.
+  /// Predictions of it, by Baseline.
+  std::array<std::array<Quality, kAhead>, kBaselines> baselines;
+  std::vector<VariantQuality> variants;  ///< As in the options.
+
+  /// How much better a variant predicts images than a copy of the last. Unit: dB, of means.
+  [[nodiscard]] double gain_db(size_t variant, size_t ahead) const;
 };
 
 struct CrossvalReport {
@@ -55,7 +79,7 @@ struct CrossvalReport {
   CrossvalFold all;  ///< Over the snapshots of all folds; bytes are means of the folds.
 };
 
-/// Trains a model on all recordings of an entity but one, for each of them, and measures it on the
+/// Trains models on all recordings of an entity but one, for each of them, and measures them on the
 /// one that was left out. Nothing is published.
 /// Errors: kInvalidArgument where there are fewer than two recordings; kNotFound; kCancelled; those
 /// of the store and of training.

@@ -62,6 +62,9 @@ struct LatentTable {
 Status fit_codec(encoders::DeepModel& model, const Dataset& data, const LatentTable& latents,
                  const TrainOptions& options);
 
+/// Fits the model's global code to small images of the rows. Does nothing without images.
+void fit_global_code(encoders::DeepModel& model, const Dataset& data, const LatentTable& latents);
+
 /// Indices of snapshots in the middle of a window: one before and one after are of the same
 /// sequence.
 struct Windows {

@@ -5,6 +5,7 @@
 
 #include "encoders/weight_rounding.h"
 #include "training/fit.h"
+#include "training/latent_regulariser.h"
 #include "training/row_sampler.h"
 
 namespace engram::training {
@@ -28,11 +29,6 @@ constexpr int64_t kChunk = 4;
 constexpr double kRecent = 0.02;
 /// Elements of an image whose bits count as they are: a larger one's count less, as its error does.
 constexpr double kUsualElements = 128 * 128 * 3;
-
-Tensor quantised(const Tensor& z, bool is_noisy) {
-  if (is_noisy) return z + torch::rand_like(z) - 0.5;
-  return z + (z.round() - z).detach();
-}
 
 /// A sampler that keeps apart what the dynamics must not learn from.
 RowSampler make_sampler(const Dataset& data) {
@@ -92,10 +88,12 @@ Latents part_of(const Latents& latents, Part part) {
   return result;
 }
 
-torch::optim::Adam make_optimiser(encoders::DeepModel& model) {
+torch::optim::Adam make_optimiser(encoders::DeepModel& model,
+                                  const LatentRegulariser& regulariser) {
   std::vector<Tensor> backgrounds;
   for (auto& image : model.autoencoder->images) backgrounds.push_back(image->background);
   std::vector<Tensor> rest = model.dynamics->parameters();
+  for (const Tensor& parameter : regulariser.parameters()) rest.push_back(parameter);
   for (const auto& item : model.autoencoder->named_parameters())
     if (!item.key().ends_with("background")) rest.push_back(item.value());
   const auto options = [](double rate) {
@@ -118,21 +116,23 @@ void set_rate(torch::optim::Adam& optimiser, double share) {
 
 /// What a batch costs.
 struct Cost {
-  Tensor error;  ///< Mean squared error per row and image, in grey levels. [B, images]
-  Tensor bits;   ///< [B]
+  Tensor error;    ///< Mean squared error per row and image, in grey levels. [B, images]
+  Tensor bits;     ///< [B]
+  Tensor latents;  ///< What the training variant adds: [B] or of one number. Unit: kilobytes.
 };
 
-Cost cost_of(encoders::DeepModel& model, const encoders::Parts& values, bool is_noisy) {
-  Latents all = model.autoencoder->encode(values);
-  for (ImageLatents& image : all.images)
-    image = {quantised(image.coarse, is_noisy), quantised(image.fine, is_noisy)};
+Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
+             const encoders::Parts& values, bool is_noisy) {
+  const RegularisedLatents all =
+      regulariser.regularise(model.autoencoder->encode(values), is_noisy);
   const auto now_part = [](const Tensor& x) { return of_chunks(x, 1, kChunk + 1); };
-  const Latents now = part_of(all, now_part);
-  const Latents last = part_of(all, [](const Tensor& x) { return of_chunks(x, 0, kChunk); });
-  const Latents before = part_of(all, before_each);
+  const Latents now = part_of(all.coded, now_part);
+  const Latents last = part_of(all.coded, [](const Tensor& x) { return of_chunks(x, 0, kChunk); });
+  const Latents before = part_of(all.coded, before_each);
   Cost cost;
   cost.bits = model.dynamics->bits(now, last, before);
-  const encoders::Parts decoded = model.autoencoder->decode(now);
+  cost.latents = all.cost.dim() > 0 ? now_part(all.cost) : all.cost;
+  const encoders::Parts decoded = model.autoencoder->decode(part_of(all.decoded, now_part));
   std::vector<Tensor> errors;
   for (size_t i = 0; i < values.images.size(); ++i)
     errors.push_back((decoded.images[i] - now_part(values.images[i])).square().mean({1, 2, 3}));
@@ -180,7 +180,8 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   FitStep now;
   if (model.autoencoder->images.empty()) return now;
   start_from_backgrounds(model, data);
-  auto optimiser = make_optimiser(model);
+  const auto regulariser = make_latent_regulariser(options.variant, model.autoencoder->shape);
+  auto optimiser = make_optimiser(model, *regulariser);
   std::vector<Tensor> parameters = optimiser.param_groups()[0].params();
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
   const double size = size_of(model.autoencoder->shape);
@@ -198,8 +199,9 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     if (batch.is_held_out) frozen.emplace(*model.dynamics);
     std::optional<encoders::RoundedWeights> rounded;
     if (share >= kExactShare) rounded.emplace(*model.autoencoder);
-    const Cost cost = cost_of(model, values, share < kNoiseShare);
-    const Tensor costs = cost.error.mean(1) * price.value() + cost.bits / (8000.0 * size);
+    const Cost cost = cost_of(model, *regulariser, values, share < kNoiseShare);
+    const Tensor costs =
+        cost.error.mean(1) * price.value() + (cost.bits / 8000.0 + cost.latents) / size;
     optimiser.zero_grad();
     (costs * batch.weights).mean().backward();
     if (rounded) rounded->restore();
@@ -209,7 +211,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     loss_mean.add(costs, batch.weights);
     psnr.add(psnr_db(cost.error), batch.weights);
     bytes.add(cost.bits / 8, batch.weights);
-    price.follow(psnr.value(), share);
+    if (regulariser->is_steered()) price.follow(psnr.value(), share);
     now.loss = loss_mean.value();
     now.psnr_db = psnr.value();
     now.bytes = bytes.value();

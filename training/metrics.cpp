@@ -74,6 +74,11 @@ void RmseStatistics::add(double mse) {
   ++count_;
 }
 
+void RmseStatistics::add(const RmseStatistics& more) {
+  mse_sum_ += more.mse_sum_;
+  count_ += more.count_;
+}
+
 double RmseStatistics::rmse() const {
   return count_ == 0 ? kNaN : std::sqrt(mse_sum_ / static_cast<double>(count_));
 }

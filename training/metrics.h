@@ -24,6 +24,7 @@ class RmseStatistics {
  public:
   /// Not a number is left out.
   void add(double mse);
+  void add(const RmseStatistics& more);
 
   [[nodiscard]] uint64_t count() const { return count_; }
   [[nodiscard]] double rmse() const;  ///< NaN where there are no values.

@@ -8,6 +8,11 @@ void QualitySums::add(const ltm::MeasuredError& error) {
   rmse.add(error.number_mse);
 }
 
+void QualitySums::add(const QualitySums& more) {
+  psnr.add(more.psnr);
+  rmse.add(more.rmse);
+}
+
 Quality QualitySums::quality() const {
   constexpr double kLowShare = 0.05;
   return {psnr.count(),     psnr.capped(),     psnr.mean_db(),

@@ -16,6 +16,7 @@ struct QualitySums {
   RmseStatistics rmse;
 
   void add(const ltm::MeasuredError& error);
+  void add(const QualitySums& more);
   [[nodiscard]] Quality quality() const;
 };
 

@@ -117,6 +117,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   encoders::round_weights(*model.autoencoder);
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
+  fit_global_code(model, data, latents);
   const double predicting = 1 - coding - moving;
   const Schedule dynamics_time = schedule_of(options, predicting);
   ENGRAM_ASSIGN_OR_RETURN(const FitStep dynamics,
@@ -147,6 +148,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   provenance.entity = source.entity;
   provenance.code_version = kCodeVersion;
   provenance.seed = options.seed;
+  provenance.variant = options.variant;
   provenance.steps = coded.step + report.dynamics_steps;
   // Under a fixed number of steps the same seed gives the same file.
   provenance.training_seconds = options.steps ? 0 : report.seconds;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "encoders/training_variant.h"
 #include "ltm/core/progress.h"
 #include "ltm/core/status.h"
 #include "ltm/core/time.h"
@@ -38,6 +39,8 @@ struct TrainOptions {
   std::optional<int> steps;
   uint64_t seed = 1;
   int batch_size = 8;
+  /// What the latents of images are trained for. Others than kRateAware are there to compare with.
+  encoders::TrainingVariant variant = encoders::TrainingVariant::kRateAware;
   /// Quality of images to aim at: mean of their PSNR, at the fewest bytes. Figures are in
   /// docs/learning.md, section "Measured".
   double psnr_db = 36;

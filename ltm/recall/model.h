@@ -31,6 +31,15 @@ class Encoder {
   /// in this call or in later ones, so that keeping the last block is enough to decode each once.
   /// Errors: kDataLoss where a latent is not of this model.
   virtual Result<std::vector<idf::Data>> decode(std::span<const Latent> latents) = 0;
+
+  /// One code per latent, in order: some numbers, as many for each, whose Euclidean distance is
+  /// small where images look alike. Images that are kept as latents are not decoded.
+  /// Errors: as decode; kFailedPrecondition where the model has no codes.
+  virtual Result<std::vector<std::vector<float>>> global_codes(std::span<const Latent> latents) = 0;
+
+  /// The code of a value, to look for what resembles it.
+  /// Errors: kInvalidArgument where it has another layout; kFailedPrecondition as above.
+  virtual Result<std::vector<float>> global_code(const idf::Data& value) = 0;
 };
 
 /// What a prediction starts from.

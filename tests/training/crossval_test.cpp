@@ -34,6 +34,12 @@ CrossvalOptions options(int steps) {
   return options;
 }
 
+/// Of 20 values, 18 are one and 17 two ahead of two others.
+void expect_all_predictions(const std::array<Quality, kAhead>& prediction) {
+  EXPECT_EQ(prediction[0].images, 18u);
+  EXPECT_EQ(prediction[1].images, 17u);
+}
+
 TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
   const ScratchPath store("crossval");
   record(store.path(), 3);
@@ -42,23 +48,61 @@ TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
   ASSERT_EQ(report->folds.size(), 3u);
   for (const CrossvalFold& fold : report->folds) {
     EXPECT_EQ(fold.snapshots, 20u);
-    EXPECT_EQ(fold.trained.images, 40u);
-    EXPECT_EQ(fold.left_out.images, 20u);
-    EXPECT_GT(fold.left_out_bytes, 0);
-    for (const auto& way : fold.prediction) {
-      EXPECT_EQ(way[0].images, 18u);
-      EXPECT_EQ(way[1].images, 17u);
-    }
+    ASSERT_EQ(fold.variants.size(), 1u);
+    const VariantQuality& variant = fold.variants[0];
+    EXPECT_EQ(variant.variant, encoders::TrainingVariant::kRateAware);
+    EXPECT_EQ(variant.trained.images, 40u);
+    EXPECT_EQ(variant.left_out.images, 20u);
+    EXPECT_GT(variant.left_out_bytes, 0);
+    EXPECT_EQ(variant.similarity.snapshots, 20u);
+    EXPECT_EQ(variant.similarity.others, 59u);
+    expect_all_predictions(variant.prediction);
+    for (const auto& way : fold.baselines) expect_all_predictions(way);
   }
   EXPECT_EQ(report->all.snapshots, 60u);
-  EXPECT_EQ(report->all.left_out.images, 60u);
+  EXPECT_EQ(report->all.variants[0].left_out.images, 60u);
+  EXPECT_EQ(report->all.variants[0].similarity.snapshots, 60u);
   EXPECT_NE(report->folds[0].first, report->folds[1].first);
   // The square moves by two pixels each time, the joints turn evenly.
-  const auto& copied = report->all.prediction[static_cast<size_t>(Predicting::kCopyLast)];
+  const auto& copied = report->all.baselines[static_cast<size_t>(Baseline::kCopyLast)];
   EXPECT_GT(copied[0].mean_psnr_db, copied[1].mean_psnr_db);
-  const auto& linear = report->all.prediction[static_cast<size_t>(Predicting::kLinear)];
+  const auto& linear = report->all.baselines[static_cast<size_t>(Baseline::kLinear)];
   EXPECT_LT(linear[0].rmse, copied[0].rmse);
+  const auto& flow = report->all.baselines[static_cast<size_t>(Baseline::kFlow)];
+  EXPECT_GT(flow[0].mean_psnr_db, copied[0].mean_psnr_db + 1);
+  EXPECT_EQ(flow[0].rmse, linear[0].rmse);
   EXPECT_EQ(to_json(*report).at("folds").size(), 3u);
+}
+
+TEST(Crossval, PutsVariantsBesideEachOther) {
+  const ScratchPath store("crossval_variants");
+  record(store.path(), 2);
+  auto chosen = options(30);
+  chosen.variants.assign(encoders::kTrainingVariants.begin(), encoders::kTrainingVariants.end());
+  const auto report = crossval(store.path(), chosen);
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  ASSERT_EQ(report->all.variants.size(), 4u);
+  const auto json = to_json(*report);
+  for (size_t i = 0; i < 4; ++i) {
+    const VariantQuality& variant = report->all.variants[i];
+    EXPECT_EQ(variant.variant, chosen.variants[i]);
+    EXPECT_EQ(variant.left_out.images, 40u);
+    EXPECT_NEAR(variant.reconstruction_gap_db(),
+                variant.trained.mean_psnr_db - variant.left_out.mean_psnr_db, 1e-9);
+    const auto& one = json.at("all").at("variants").at(std::string(to_string(variant.variant)));
+    EXPECT_EQ(one.at("gain_over_copy_last_db")[1].get<double>(), report->all.gain_db(i, 1));
+    if (i > 0) {
+      EXPECT_NE(variant.left_out.pooled_psnr_db, report->all.variants[0].left_out.pooled_psnr_db);
+    }
+  }
+}
+
+TEST(Crossval, NeedsEachVariantOnce) {
+  auto chosen = options(2);
+  chosen.variants.push_back(encoders::TrainingVariant::kRateAware);
+  EXPECT_EQ(chosen.validate().code(), StatusCode::kInvalidArgument);
+  chosen.variants.clear();
+  EXPECT_EQ(chosen.validate().code(), StatusCode::kInvalidArgument);
 }
 
 TEST(Crossval, LeavesNothingInTheStore) {

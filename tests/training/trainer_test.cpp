@@ -64,6 +64,42 @@ TEST(Trainer, WritesTheSameModelForTheSameSeedAndSteps) {
   EXPECT_FALSE(content_of(a) == content_of(c));
 }
 
+class TrainerOfVariant : public ::testing::TestWithParam<encoders::TrainingVariant> {};
+
+TEST_P(TrainerOfVariant, OverfitsOneBatch) {
+  const ScratchPath before("variant_start"), after("variant_overfit");
+  const auto source = scene_source(8, 1, true, false);
+  auto options = quick_options(2);
+  options.variant = GetParam();
+  ASSERT_TRUE(train_model(source, options, before.path(), {}, {}).ok());
+  options.steps = 400;
+  ASSERT_TRUE(train_model(source, options, after.path(), {}, {}).ok());
+  auto first = encoders::load_model(before.path());
+  auto last = encoders::load_model(after.path());
+  ASSERT_TRUE(first.ok()) << first.status().to_string();
+  ASSERT_TRUE(last.ok()) << last.status().to_string();
+  const double start = reconstruction_error(source, *first->encoder).image_mse;
+  const double end = reconstruction_error(source, *last->encoder).image_mse;
+  EXPECT_LT(end, 0.3 * start);
+  EXPECT_EQ(encoders::read_provenance(after.path())->variant, GetParam());
+}
+
+TEST_P(TrainerOfVariant, WritesTheSameModelForTheSameSeedAndSteps) {
+  const ScratchPath a("variant_a"), b("variant_b"), rate("variant_rate");
+  const auto source = scene_source(24);
+  auto options = quick_options(10);
+  ASSERT_TRUE(train_model(source, options, rate.path(), {}, {}).ok());
+  options.variant = GetParam();
+  ASSERT_TRUE(train_model(source, options, a.path(), {}, {}).ok());
+  ASSERT_TRUE(train_model(source, options, b.path(), {}, {}).ok());
+  EXPECT_TRUE(content_of(a) == content_of(b));
+  EXPECT_EQ(content_of(a) == content_of(rate), GetParam() == encoders::TrainingVariant::kRateAware);
+}
+
+INSTANTIATE_TEST_SUITE_P(Variants, TrainerOfVariant,
+                         ::testing::ValuesIn(encoders::kTrainingVariants),
+                         [](const auto& tested) { return std::string(to_string(tested.param)); });
+
 TEST(Trainer, KeepsNumbersWithinTheBoundThatWasAskedFor) {
   const ScratchPath file("numbers");
   const auto source = scene_source(64, 1, false, true);

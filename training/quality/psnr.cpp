@@ -74,6 +74,14 @@ void PsnrStatistics::add(double mse) {
   if (values_db_.back() >= kLargestPsnrDb) ++capped_;
 }
 
+void PsnrStatistics::add(const PsnrStatistics& more) {
+  // Indices: it may be the same object.
+  for (size_t i = 0, count = more.values_db_.size(); i < count; ++i)
+    values_db_.push_back(more.values_db_[i]);
+  mse_sum_ += more.mse_sum_;
+  capped_ += more.capped_;
+}
+
 double PsnrStatistics::mean_db() const {
   if (values_db_.empty()) return kNaN;
   double sum = 0;

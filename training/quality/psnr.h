@@ -32,6 +32,7 @@ class PsnrStatistics {
  public:
   /// Not a number is left out.
   void add(double mse);
+  void add(const PsnrStatistics& more);
 
   [[nodiscard]] uint64_t count() const { return values_db_.size(); }
   /// Images whose PSNR was capped at kLargestPsnrDb.

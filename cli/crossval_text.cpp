@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/crossval_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "cli/text.h"
+
+namespace engram::cli {
+
+namespace {
+
+using training::CrossvalFold;
+using training::CrossvalReport;
+using training::Quality;
+using training::VariantQuality;
+
+std::string quality_text(const Quality& quality) {
+  if (quality.images > 0)
+    return fmt::format("{:.2f} / {:.2f}", quality.mean_psnr_db, quality.pooled_psnr_db);
+  return number_text(quality.rmse);
+}
+
+std::string signed_text(double db) {
+  return std::isnan(db) ? "-" : fmt::format("{:+.2f}", db);
+}
+
+std::string bytes_each(double bytes) {
+  return fmt::format("{:.0f}", bytes);
+}
+
+/// "all" and every fold, by name.
+template <typename Row>
+std::string table_of_folds(const CrossvalReport& report, const std::vector<std::string>& header,
+                           Row row) {
+  TextTable table(header);
+  for (const CrossvalFold& fold : report.folds) table.add(row(engram::to_string(fold.first), fold));
+  table.add(row("all", report.all));
+  return table.to_string("  ");
+}
+
+std::string variant_table(const CrossvalReport& report, size_t index) {
+  return table_of_folds(report,
+                        {"left out", "snapshots", "B trained", "trained", "B left out", "left out",
+                         "trained - left", "next", "over copy", "over-next", "over copy"},
+                        [index](const std::string& name, const CrossvalFold& fold) {
+                          const VariantQuality& variant = fold.variants[index];
+                          return std::vector<std::string>{
+                              name,
+                              count_text(fold.snapshots),
+                              bytes_each(variant.trained_bytes),
+                              quality_text(variant.trained),
+                              bytes_each(variant.left_out_bytes),
+                              quality_text(variant.left_out),
+                              signed_text(variant.reconstruction_gap_db()),
+                              quality_text(variant.prediction[0]),
+                              signed_text(fold.gain_db(index, 0)),
+                              quality_text(variant.prediction[1]),
+                              signed_text(fold.gain_db(index, 1))};
+                        });
+}
+
+std::string similarity_text(const training::SimilarityQuality& similarity) {
+  if (similarity.snapshots == 0) return "";
+  return fmt::format(
+      "  nearest by global code, {} of the left-out asked for: by pixels on average number {:.1f} "
+      "of "
+      "{}; next in time {:.0f} % (by pixels {:.0f} %)\n",
+      count_text(similarity.snapshots), similarity.mean_rank, count_text(similarity.others),
+      100 * similarity.neighbour_share, 100 * similarity.pixel_neighbour_share);
+}
+
+std::string baseline_table(const CrossvalReport& report) {
+  std::vector<std::string> header{"left out"};
+  for (const char* ahead : {"next", "over-next"})
+    for (size_t way = 0; way < training::kBaselines; ++way)
+      header.push_back(
+          fmt::format("{}: {}", ahead, to_string(static_cast<training::Baseline>(way))));
+  return table_of_folds(report, header, [](const std::string& name, const CrossvalFold& fold) {
+    std::vector<std::string> row{name};
+    for (size_t ahead = 0; ahead < training::kAhead; ++ahead)
+      for (const auto& way : fold.baselines) row.push_back(quality_text(way[ahead]));
+    return row;
+  });
+}
+
+std::string comparison_table(const CrossvalFold& all) {
+  TextTable table(
+      {"over all folds", "B left out", "model", "trained", "left out", "next", "over-next"});
+  for (const VariantQuality& variant : all.variants)
+    table.add({std::string(to_string(variant.variant)), bytes_each(variant.left_out_bytes),
+               bytes_text(static_cast<double>(variant.model_bytes)), quality_text(variant.trained),
+               quality_text(variant.left_out), quality_text(variant.prediction[0]),
+               quality_text(variant.prediction[1])});
+  for (size_t way = 0; way < training::kBaselines; ++way)
+    table.add({std::string(to_string(static_cast<training::Baseline>(way))), "", "", "", "",
+               quality_text(all.baselines[way][0]), quality_text(all.baselines[way][1])});
+  return table.to_string("  ");
+}
+
+}  // namespace
+
+std::string crossval_text(const CrossvalReport& report) {
+  std::string text = report.entity.to_string() + "\n";
+  for (size_t i = 0; i < report.all.variants.size(); ++i) {
+    const VariantQuality& variant = report.all.variants[i];
+    text += fmt::format("{}, a model takes {} beside the bytes\n", to_string(variant.variant),
+                        bytes_text(static_cast<double>(variant.model_bytes)));
+    text += variant_table(report, i) + "\n" + similarity_text(variant.similarity);
+  }
+  text += "predictions that learn nothing\n" + baseline_table(report) + "\n";
+  return text + "beside each other\n" + comparison_table(report.all);
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "training/crossval.h"
+
+namespace engram::cli {
+
+/// The report as tables: folds of each variant, of what learns nothing, and all beside each other.
+/// PSNR is "mean / pooled".
+[[nodiscard]] std::string crossval_text(const training::CrossvalReport& report);
+
+}  // namespace engram::cli

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "ltm/core/status.h"
+
+namespace engram::encoders {
+
+/// What latents were trained for. Networks, codec, storage and prediction are the same.
+///
+/// Source: docs/learning.md, section "Training variants".
+enum class TrainingVariant : uint8_t {
+  kRateAware,    ///< "rate": squared error and the bits that latents take.
+  kAutoencoder,  ///< "ae": squared error alone.
+  kVae,          ///< "vae": squared error and divergence from a Gaussian prior.
+  kWae,          ///< "wae": squared error and how far pooled latents are from a Gaussian (MMD).
+};
+inline constexpr std::array kTrainingVariants{TrainingVariant::kRateAware,
+                                              TrainingVariant::kAutoencoder, TrainingVariant::kVae,
+                                              TrainingVariant::kWae};
+
+/// "rate", "ae", "vae", "wae".
+[[nodiscard]] std::string_view to_string(TrainingVariant variant);
+
+/// Errors: kInvalidArgument where no variant has that name.
+Result<TrainingVariant> training_variant_of(std::string_view name);
+
+}  // namespace engram::encoders

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "training/crossval_sums.h"
+#include "training/quality_json.h"
+
+namespace engram::training {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const SimilarityQuality& similarity) {
+  return {{"snapshots", similarity.snapshots},
+          {"others", similarity.others},
+          {"mean_rank", similarity.mean_rank},
+          {"neighbour_share", similarity.neighbour_share},
+          {"pixel_neighbour_share", similarity.pixel_neighbour_share}};
+}
+
+Json to_json(const CrossvalFold& fold) {
+  Json json{{"snapshots", fold.snapshots}};
+  for (size_t way = 0; way < kBaselines; ++way)
+    for (const Quality& ahead : fold.baselines[way])
+      json["baselines"][std::string(to_string(static_cast<Baseline>(way)))].push_back(
+          quality_json(ahead));
+  for (size_t i = 0; i < fold.variants.size(); ++i) {
+    const VariantQuality& variant = fold.variants[i];
+    Json& one = json["variants"][std::string(to_string(variant.variant))];
+    one = {{"trained", quality_json(variant.trained)},
+           {"left_out", quality_json(variant.left_out)},
+           {"reconstruction_gap_db", number_json(variant.reconstruction_gap_db())},
+           {"trained_bytes", variant.trained_bytes},
+           {"left_out_bytes", variant.left_out_bytes},
+           {"model_bytes", variant.model_bytes},
+           {"similarity", to_json(variant.similarity)}};
+    for (size_t ahead = 0; ahead < kAhead; ++ahead) {
+      one["prediction"].push_back(quality_json(variant.prediction[ahead]));
+      one["gain_over_copy_last_db"].push_back(number_json(fold.gain_db(i, ahead)));
+    }
+  }
+  return json;
+}
+
+}  // namespace
+
+double VariantQuality::reconstruction_gap_db() const {
+  return trained.mean_psnr_db - left_out.mean_psnr_db;
+}
+
+double CrossvalFold::gain_db(size_t variant, size_t ahead) const {
+  return variants[variant].prediction[ahead].mean_psnr_db -
+         baselines[static_cast<size_t>(Baseline::kCopyLast)][ahead].mean_psnr_db;
+}
+
+void VariantSums::add(const VariantSums& fold, size_t folds) {
+  const auto count = static_cast<double>(folds);
+  trained.add(fold.trained);
+  left_out.add(fold.left_out);
+  for (size_t ahead = 0; ahead < kAhead; ++ahead) prediction[ahead].add(fold.prediction[ahead]);
+  trained_bytes += fold.trained_bytes / count;
+  left_out_bytes += fold.left_out_bytes / count;
+  model_bytes += fold.model_bytes / count;
+  similarity.add(fold.similarity);
+}
+
+VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
+  VariantQuality quality;
+  quality.variant = variant;
+  quality.trained = trained.quality();
+  quality.left_out = left_out.quality();
+  for (size_t ahead = 0; ahead < kAhead; ++ahead)
+    quality.prediction[ahead] = prediction[ahead].quality();
+  quality.trained_bytes = trained_bytes;
+  quality.left_out_bytes = left_out_bytes;
+  quality.model_bytes = static_cast<uint64_t>(std::lround(model_bytes));
+  quality.similarity = similarity.quality();
+  return quality;
+}
+
+void FoldSums::add(const FoldSums& fold, size_t folds) {
+  snapshots += fold.snapshots;
+  for (size_t way = 0; way < kBaselines; ++way)
+    for (size_t ahead = 0; ahead < kAhead; ++ahead)
+      baselines[way][ahead].add(fold.baselines[way][ahead]);
+  for (size_t i = 0; i < variants.size(); ++i) variants[i].add(fold.variants[i], folds);
+}
+
+CrossvalFold FoldSums::fold(const std::vector<encoders::TrainingVariant>& names) const {
+  CrossvalFold result;
+  result.snapshots = snapshots;
+  for (size_t way = 0; way < kBaselines; ++way)
+    for (size_t ahead = 0; ahead < kAhead; ++ahead)
+      result.baselines[way][ahead] = baselines[way][ahead].quality();
+  for (size_t i = 0; i < variants.size(); ++i)
+    result.variants.push_back(variants[i].quality(names[i]));
+  return result;
+}
+
+nlohmann::ordered_json to_json(const CrossvalReport& report) {
+  Json folds = Json::array();
+  for (const CrossvalFold& fold : report.folds) {
+    folds.push_back(to_json(fold));
+    folds.back()["left_out_from"] = engram::to_string(fold.first);
+  }
+  return {{"entity", report.entity.to_string()}, {"folds", folds}, {"all", to_json(report.all)}};
+}
+
+}  // namespace engram::training
