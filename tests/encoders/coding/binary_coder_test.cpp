@@ -80,6 +80,23 @@ TEST(BinaryCoder, WritesTheSameBytesOnEveryMachine) {
   EXPECT_EQ(text, "00000d513ef4e3389cfdb3ce");
 }
 
+TEST(AdaptiveBit, MovesAsDivisionWould) {
+  for (const BitProbability start : {1u, 77u, 20000u, 32768u, 65535u}) {
+    for (const int seen : {0, 1, 5, 30, 61, 62, 125, 126, 254, 255}) {
+      AdaptiveBit bit(start, seen);
+      auto fast = static_cast<int>(start), slow = fast;
+      for (int i = 0; i < 400; ++i) {
+        const bool is_one = i % 7 < 3 || i > 250;
+        const int target = is_one ? 65535 : 0, known = std::min(seen + i, 255);
+        bit.update(is_one);
+        fast += (target - fast) / std::min(known + 2, 64);
+        slow += (target - slow) / std::min(known + 2, 128);
+        ASSERT_EQ(bit.mean(), static_cast<uint32_t>(fast + slow) / 2) << start << ' ' << seen;
+      }
+    }
+  }
+}
+
 TEST(AdaptiveBit, ApproachesTheEntropyOfItsBits) {
   for (const double share : {0.05, 0.3}) {
     const auto bits = random_bits(100'000, share, 11);
