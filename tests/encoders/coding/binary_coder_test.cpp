@@ -80,6 +80,26 @@ TEST(BinaryCoder, WritesTheSameBytesOnEveryMachine) {
   EXPECT_EQ(text, "00000d513ef4e3389cfdb3ce");
 }
 
+TEST(BinaryCoder, CodesEvenNumbersAtTheirWidth) {
+  std::mt19937 random(3);
+  std::vector<std::pair<uint32_t, int>> numbers;
+  size_t bits = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const int count = 1 + i % 16;
+    numbers.emplace_back(random() & ((1u << count) - 1), count);
+    bits += static_cast<size_t>(count);
+  }
+  BinaryEncoder encoder;
+  for (const auto& [value, count] : numbers) EXPECT_EQ(encoder.code_even(value, count), value);
+  const auto bytes = encoder.finish();
+  EXPECT_LT(bytes.size(), bits / 8 + bits / 800 + 4);
+  BinaryDecoder decoder(bytes);
+  for (const auto& [value, count] : numbers) ASSERT_EQ(decoder.code_even(0, count), value);
+  const std::vector<std::byte> ones(40, std::byte{0xff});
+  BinaryDecoder hostile(ones);
+  for (int i = 0; i < 400; ++i) EXPECT_LT(hostile.code_even(0, 5), 32u);
+}
+
 TEST(AdaptiveBit, MovesAsDivisionWould) {
   for (const BitProbability start : {1u, 77u, 20000u, 32768u, 65535u}) {
     for (const int seen : {0, 1, 5, 30, 61, 62, 125, 126, 254, 255}) {
