@@ -5,6 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/text.h"
+#include "cli/training_options.h"
 #include "training/crossval.h"
 
 namespace engram::cli {
@@ -23,8 +24,7 @@ through the last two.)";
 struct CrossvalArguments {
   std::string store;
   training::CrossvalOptions options;
-  std::string budget = "2min";
-  int steps = 0;
+  TrainingArguments training;
   size_t folds = 0;
   bool is_json = false;
 };
@@ -66,10 +66,9 @@ void print_report(const training::CrossvalReport& report) {
 }
 
 ExitCode run(CrossvalArguments& arguments) {
-  const auto budget = parse_duration(arguments.budget);
-  if (!budget.ok()) return wrong_usage(budget.status());
-  arguments.options.train.budget = *budget;
-  if (arguments.steps > 0) arguments.options.train.steps = arguments.steps;
+  if (const Status status = finish_training_options(arguments.training, arguments.options.train);
+      !status.ok())
+    return wrong_usage(status);
   if (arguments.folds > 0) arguments.options.most_folds = arguments.folds;
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
@@ -94,25 +93,14 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
-  command->add_option("--budget", arguments->budget, "Training time of each fold")
-      ->check(duration_text())
-      ->capture_default_str();
-  command->add_option("--steps", arguments->steps,
-                      "Optimiser steps instead of a time: same seed, same figures");
+  add_training_options(*command, arguments->training, train, "each fold",
+                       "Mean PSNR of images to aim at, dB");
   command->add_option("--folds", arguments->folds, "Only so many of the first recordings; 0: all")
-      ->capture_default_str();
-  command->add_option("--psnr", train.psnr_db, "Mean PSNR of images to aim at, dB")
-      ->capture_default_str();
-  command
-      ->add_option("--width", train.width,
-                   "Features of the networks, a multiple of 16; 0: by the number of snapshots")
       ->capture_default_str();
   command
       ->add_option("--refine", arguments->options.refine_steps,
                    "Steps that search better latents for each block that is measured")
       ->capture_default_str();
-  command->add_option("--seed", train.seed, "Seed of all chance")->capture_default_str();
-  command->add_option("--threads", train.threads, "Threads of the networks")->capture_default_str();
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
