@@ -36,7 +36,7 @@ struct ConsolidateArguments {
   std::string store;
   training::ConsolidateOptions options;
   training::DropOptions drop;
-  TrainingArguments training;
+  TrainingArguments learning;
   JobArguments job;
   std::string representation = "auto";
   std::string grace;
@@ -104,7 +104,7 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
 
 ExitCode run(ConsolidateArguments& arguments) {
   training::ConsolidateOptions& options = arguments.options;
-  for (const Status& status : {finish_training_options(arguments.training, options.train),
+  for (const Status& status : {finish_training_options(arguments.learning, options.train),
                                finish_job_options(arguments.job, options.job),
                                finish_grace(arguments.grace, arguments.drop)})
     if (!status.ok()) return wrong_usage(status);
@@ -126,7 +126,7 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
-  add_training_options(*command, arguments->training, options.train, "all entities together",
+  add_training_options(*command, arguments->learning, options.train, "all entities together",
                        "Least PSNR of every image, dB; with latents alone the mean to aim at");
   add_job_options(*command, arguments->job, options.job);
   command

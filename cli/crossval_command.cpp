@@ -24,7 +24,7 @@ through the last two.)";
 struct CrossvalArguments {
   std::string store;
   training::CrossvalOptions options;
-  TrainingArguments training;
+  TrainingArguments learning;
   size_t folds = 0;
   bool is_json = false;
 };
@@ -66,7 +66,7 @@ void print_report(const training::CrossvalReport& report) {
 }
 
 ExitCode run(CrossvalArguments& arguments) {
-  if (const Status status = finish_training_options(arguments.training, arguments.options.train);
+  if (const Status status = finish_training_options(arguments.learning, arguments.options.train);
       !status.ok())
     return wrong_usage(status);
   if (arguments.folds > 0) arguments.options.most_folds = arguments.folds;
@@ -93,7 +93,7 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
-  add_training_options(*command, arguments->training, train, "each fold",
+  add_training_options(*command, arguments->learning, train, "each fold",
                        "Mean PSNR of images to aim at, dB");
   command->add_option("--folds", arguments->folds, "Only so many of the first recordings; 0: all")
       ->capture_default_str();

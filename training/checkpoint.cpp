@@ -133,9 +133,10 @@ Checkpoints::Checkpoints(std::filesystem::path file, uint64_t key, Duration inte
     log::warning("{}: training starts anew", found.status().message());
 }
 
-void Checkpoints::drop_found(const Status& why) {
+void Checkpoints::refuse_found(const Status& why) {
   log::warning("checkpoint '{}': {}: training starts anew", file_.string(), why.message());
   found_.reset();
+  has_refused_ = true;
 }
 
 bool Checkpoints::is_due() const {

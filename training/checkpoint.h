@@ -46,8 +46,9 @@ class Checkpoints {
 
   /// What an earlier process left; null where there is none.
   [[nodiscard]] const Checkpoint* found() const { return found_ ? &*found_ : nullptr; }
-  /// For one that turns out not to fit.
-  void drop_found(const Status& why);
+  /// For one that turns out not to fit: from now on none was found.
+  void refuse_found(const Status& why);
+  [[nodiscard]] bool has_refused() const { return has_refused_; }
 
   [[nodiscard]] bool is_on() const { return !file_.empty(); }
   [[nodiscard]] bool is_due() const;
@@ -64,6 +65,7 @@ class Checkpoints {
   uint64_t key_;
   Duration interval_;
   std::optional<Checkpoint> found_;
+  bool has_refused_ = false;
   bool has_warned_ = false;
   double idle_seconds_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

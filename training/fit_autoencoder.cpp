@@ -196,7 +196,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   FitState state{model, optimiser, now, price.state()};
   for (const auto& more : {sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
     state.numbers.insert(state.numbers.end(), more.begin(), more.end());
-  loop.begin(state);
+  ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++now.step) {
     ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
     if (share >= 1.0) break;

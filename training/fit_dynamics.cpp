@@ -138,7 +138,7 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
   torch::optim::Adam optimiser(model.dynamics->parameters(), torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
   FitState state{model, optimiser, result, loss_mean.state()};
-  loop.begin(state);
+  ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++result.step) {
     ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
     if (share >= 1.0) break;

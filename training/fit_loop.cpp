@@ -15,23 +15,24 @@ FitLoop::FitLoop(FitPhase phase, Schedule& schedule, JobPace& pace, Checkpoints&
       checkpoints_(checkpoints),
       sink_(std::move(sink)) {}
 
-void FitLoop::begin(FitState& state) {
+Status FitLoop::begin(FitState& state) {
   const Checkpoint* found = checkpoints_.found();
-  if (found == nullptr || found->phase < phase_) return;
+  if (found == nullptr || found->phase < phase_) return {};
   is_over_ = found->phase > phase_;
   const Status restored =
       is_over_ ? restore_weights(found->state, state.model) : restore_state(found->state, state);
   if (!restored.ok()) {
-    is_over_ = false;
-    return checkpoints_.drop_found(restored);
+    checkpoints_.refuse_found(restored);
+    return restored;
   }
   if (is_over_) {
     state.now = found->coded;
-    return;
+    return {};
   }
   schedule_.go_on_from(found->share);
   log::info("training goes on from a checkpoint: {} steps, {:.0f} % of the {}'s time",
             state.now.step, 100 * found->share, name_of(phase_));
+  return {};
 }
 
 Result<double> FitLoop::next(const FitState& state) {

@@ -14,7 +14,7 @@ namespace engram::training {
 /// robot is busy, is kept now and then, and goes on where an earlier process was.
 ///
 ///     FitState state{model, optimiser, now, numbers};
-///     loop.begin(state);
+///     ENGRAM_RETURN_IF_ERROR(loop.begin(state));
 ///     for (;; ++now.step) {
 ///       ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
 ///       if (share >= 1.0) break;
@@ -31,7 +31,9 @@ class FitLoop {
 
   /// Puts back what an earlier process kept of this phase; or, where it was in a later one, its
   /// weights: then this phase is over at once.
-  void begin(FitState& state);
+  /// Errors: kDataLoss where what was kept does not fit; it is refused, and training has to begin
+  /// anew, from the first phase on.
+  Status begin(FitState& state);
 
   /// The share of the time that is over, before the next step: 1 and more at the end.
   /// Errors: those of JobPace::pause; the state is kept first.

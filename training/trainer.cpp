@@ -98,11 +98,9 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
 
 Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptions& options,
                                   const std::filesystem::path& file, JobPace& pace,
-                                  const TrainControl& control) {
+                                  const TrainControl& control, Checkpoints& checkpoints) {
   encoders::set_threads(options.threads);
   torch::manual_seed(options.seed);
-  Checkpoints checkpoints(control.checkpoint, checkpoint_key(source, options),
-                          control.checkpoint_interval);
 
   // Data.
   ENGRAM_ASSIGN_OR_RETURN(const Dataset data, load_dataset(source, options, pace.stop()));
@@ -220,8 +218,13 @@ Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions
                             source.times.size(), kFewestSnapshots);
   JobPace alone(nullptr, progress, stop);
   JobPace& pace = control.pace != nullptr ? *control.pace : alone;
-  return encoders::guarded("train " + source.entity,
-                           [&] { return train_checked(source, options, file, pace, control); });
+  Checkpoints checkpoints(control.checkpoint, checkpoint_key(source, options),
+                          control.checkpoint_interval);
+  return encoders::guarded("train " + source.entity, [&] {
+    auto report = train_checked(source, options, file, pace, control, checkpoints);
+    if (report.ok() || !checkpoints.has_refused()) return report;
+    return train_checked(source, options, file, pace, control, checkpoints);
+  });
 }
 
 }  // namespace engram::training

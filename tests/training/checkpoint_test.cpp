@@ -69,8 +69,8 @@ class Training {
 TEST(Checkpoint, AnInterruptedTrainingMakesTheSameModelAsOneThatWasNot) {
   const std::string whole = Training("whole").run();
   ASSERT_GT(whole.size(), 10000u);
-  for (const std::vector<int>& stops :
-       {std::vector<int>{7}, {20}, {30}, {37}, {3, 12, 25, 33, 36, 39}}) {
+  const std::vector<std::vector<int>> interruptions{{7}, {20}, {30}, {37}, {3, 12, 25, 33, 36, 39}};
+  for (const std::vector<int>& stops : interruptions) {
     Training training("interrupted");
     for (const int stop : stops) {
       EXPECT_EQ(training.run(stop), "") << stop;

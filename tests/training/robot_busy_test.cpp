@@ -46,8 +46,9 @@ TEST(RobotBusy, WhileACommandEndsWithZero) {
 }
 
 TEST(RobotBusy, ReadsCommandsWithoutAShell) {
-  // A shell would end with 1 here.
-  EXPECT_TRUE(busy_by({.command = "test $HOME = $HOME"})->reason().has_value());
+  EXPECT_TRUE(busy_by({.command = "test a = a"})->reason().has_value());
+  // A shell would end both with 0.
+  EXPECT_FALSE(busy_by({.command = "test -z $NO_SUCH_VARIABLE"})->reason().has_value());
   EXPECT_FALSE(busy_by({.command = "test a = b;true"})->reason().has_value());
   for (const char* command : {"/nowhere/at/all", "  "}) {
     const auto busy = RobotBusy::create({.command = command});
