@@ -11,12 +11,12 @@ DEMO_SECONDS ?= 60
 BARS ?=
 # How long each fuzzer searches.
 SECONDS ?= 600
-# How many recording processes `make crash` kills.
-KILLS ?= 300
+# How many processes `make crash` and `make crash-night` kill.
+KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,300)
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo bench crash faults fuzz check-headers clean \
+.PHONY: help packages build test demo bench crash crash-night faults fuzz check-headers clean \
         experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars \
         latent-trial
 
@@ -27,6 +27,7 @@ help:
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
+	@echo "make crash-night     kill nightly jobs at random moments, look for what they lost (KILLS=100)"
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
 	@echo "make recorder-bars   does the recorder keep up with a robot? (RECORDINGS, BARS=options)"
 	@echo "make store-scale     does a store of ten million snapshots stay quick?"
@@ -63,6 +64,10 @@ bench: build
 crash: build/dev/build.ninja packages
 	cmake --build --preset dev --target crash
 	experiments/crash.sh $(KILLS)
+
+crash-night: build/dev/build.ninja packages
+	cmake --build --preset dev --target crash_night
+	build/dev/bin/crash_night $(KILLS)
 
 faults: build/dev/build.ninja packages
 	cmake --build --preset dev --target faults_test

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
+#include <cstdio>
 
 #include "cli/command.h"
-#include "cli/forms_text.h"
+#include "cli/consolidate_text.h"
 #include "cli/interrupt.h"
+#include "cli/job_options.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
+#include "cli/training_options.h"
+#include "ltm/core/time.h"
 #include "training/consolidate.h"
 #include "training/drop_raw.h"
 
@@ -18,105 +20,34 @@ constexpr const char* kFooter = R"(Examples:
   engram consolidate robot.engram --budget 30m --entity 'Vision/.*'
   engram consolidate robot.engram --psnr 40
   engram consolidate robot.engram --representation latents --psnr 35 --width 128
-  engram consolidate robot.engram --drop-raw --min-psnr 30
+  engram consolidate robot.engram --drop-raw --min-psnr 30 --grace 7d
+  engram consolidate robot.engram --until 06:00 --yield-file /run/robot/busy
+  engram consolidate robot.engram --dry-run
 
-Trains one autoencoder per entity with new recorded snapshots, encodes them, decodes what is
+Tells what it is going to do, then trains one autoencoder per entity with new recorded snapshots, encodes them, decodes what is
 stored and measures its error. Each block of images is kept as latents or as video, whichever takes
 fewer bytes with every image at --psnr or better; where networks cannot save five times what they
 take themselves in --nights nights, video alone is used and no network is trained for images.
 Numbers are kept within --number-bound. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
-moment leaves the store as it was, or with whole entities done.)";
+moment leaves the store as it was, or with whole entities done; run again with the same options,
+training goes on from its last checkpoint (only the time that it is given may differ).)";
 
 struct ConsolidateArguments {
   std::string store;
   training::ConsolidateOptions options;
   training::DropOptions drop;
-  std::string budget = "2min";
+  TrainingArguments learning;
+  JobArguments job;
   std::string representation = "auto";
   std::string variant = "rate";
-  double psnr_db = 36;
-  int steps = 0;
+  std::string grace;
   bool drops_raw = false;
+  bool is_dry_run = false;
   bool is_json = false;
 };
 
-/// What was dropped of an entity, beside its report.
-struct Dropped {
-  ltm::MemoryId entity;
-  ltm::DropReport report;
-};
-
-Json number_or_null(double number) {
-  return std::isfinite(number) ? Json(number) : Json(nullptr);
-}
-
-std::vector<std::string> all_notes(const training::EntityReport& entity) {
-  std::vector<std::string> notes = entity.notes;
-  notes.insert(notes.end(), entity.training.notes.begin(), entity.training.notes.end());
-  return notes;
-}
-
-Json report_json(const training::ConsolidateReport& report, const std::vector<Dropped>& dropped) {
-  Json entities = Json::array();
-  for (const training::EntityReport& entity : report.entities) {
-    Json json{{"entity", entity.entity.to_string()}};
-    if (!entity.skipped_reason.empty()) {
-      json["skipped"] = entity.skipped_reason;
-    } else {
-      json.update({{"model_version", entity.model_version},
-                   {"snapshots", entity.snapshots},
-                   {"left_behind", entity.left_behind},
-                   {"raw_bytes", entity.raw_bytes},
-                   {"stored_bytes", entity.stored_bytes},
-                   {"latent_bytes", entity.latent_bytes},
-                   {"model_bytes", entity.model_bytes},
-                   {"psnr_mean_over_images_db", number_or_null(entity.mean_psnr_db)},
-                   {"psnr_pooled_error_db", number_or_null(entity.pooled_psnr_db)},
-                   {"psnr_minimum_db", number_or_null(entity.minimum_psnr_db)},
-                   {"rmse", number_or_null(entity.rmse)},
-                   {"seconds", entity.seconds},
-                   {"images", forms_json(entity.forms)},
-                   {"notes", all_notes(entity)}});
-    }
-    entities.push_back(std::move(json));
-  }
-  Json drops = Json::array();
-  for (const Dropped& drop : dropped)
-    drops.push_back({{"entity", drop.entity.to_string()},
-                     {"snapshots", drop.report.snapshots},
-                     {"kept", drop.report.kept},
-                     {"freed_bytes", drop.report.freed_bytes}});
-  return {{"entities", std::move(entities)}, {"dropped", std::move(drops)}};
-}
-
-void print_report(const training::ConsolidateReport& report) {
-  for (const training::EntityReport& entity : report.entities) {
-    if (!entity.skipped_reason.empty()) {
-      print(fmt::format("{}: skipped: {}", entity.entity.to_string(), entity.skipped_reason));
-      continue;
-    }
-    print(fmt::format("{} v{}: {} snapshots in {}", entity.entity.to_string(), entity.model_version,
-                      count_text(entity.snapshots), seconds_text(entity.seconds)));
-    print(fmt::format("  raw {}, stored {}, latents {} + model {}",
-                      bytes_text(static_cast<double>(entity.raw_bytes)),
-                      bytes_text(static_cast<double>(entity.stored_bytes)),
-                      bytes_text(static_cast<double>(entity.latent_bytes)),
-                      bytes_text(static_cast<double>(entity.model_bytes))));
-    if (!std::isnan(entity.mean_psnr_db))
-      print(fmt::format("  PSNR {} mean over images, {} pooled, {} lowest",
-                        db_text(entity.mean_psnr_db), db_text(entity.pooled_psnr_db),
-                        db_text(entity.minimum_psnr_db)));
-    if (!std::isnan(entity.rmse)) print("  RMSE " + number_text(entity.rmse) + " over numbers");
-    if (entity.left_behind > 0)
-      print(fmt::format("  {} snapshots of another layout stay as they are",
-                        count_text(entity.left_behind)));
-    if (entity.forms.rows > 0) print("  images: " + forms_text(entity.forms));
-    for (const std::string& note : all_notes(entity)) print("  " + note);
-  }
-}
-
 Status drop_all(const ConsolidateArguments& arguments, const training::ConsolidateReport& report,
-                const ProgressSink& progress, std::vector<Dropped>& dropped) {
+                const ProgressSink& progress, std::vector<DroppedRaw>& dropped) {
   for (const training::EntityReport& entity : report.entities) {
     ENGRAM_ASSIGN_OR_RETURN(const auto done,
                             training::drop_raw(arguments.store, entity.entity, arguments.drop,
@@ -126,41 +57,64 @@ Status drop_all(const ConsolidateArguments& arguments, const training::Consolida
   return {};
 }
 
-ExitCode run(ConsolidateArguments& arguments) {
-  const auto budget = parse_duration(arguments.budget);
-  if (!budget.ok()) return wrong_usage(budget.status());
-  arguments.options.train.budget = *budget;
-  if (arguments.steps > 0) arguments.options.train.steps = arguments.steps;
-  const auto variant = encoders::training_variant_of(arguments.variant);
-  if (!variant.ok()) return wrong_usage(variant.status());
-  arguments.options.train.variant = *variant;
-  const auto representation = training::representation_of(arguments.representation);
-  if (!representation.ok()) return wrong_usage(representation.status());
-  arguments.options.representation.kind = *representation;
-  arguments.options.representation.bound_db = arguments.options.train.psnr_db = arguments.psnr_db;
-  if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
-  ProgressLine progress;
-  const auto report =
-      training::consolidate(arguments.store, arguments.options, progress.sink(), interrupt_token());
+Status finish_grace(const std::string& text, training::DropOptions& drop) {
+  if (text.empty()) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const Duration grace, parse_duration(text));
+  if (grace < Duration::zero()) return invalid_argument("--grace: found {}, needs 0 or more", text);
+  drop.stays_from = system_now() - grace;
+  return {};
+}
+
+ExitCode show_plan(const ConsolidateArguments& arguments) {
+  const auto plan =
+      training::plan_consolidation(arguments.store, arguments.options, interrupt_token());
+  if (!plan.ok()) return fail(plan.status());
+  if (arguments.is_json)
+    print_json(plan_json(*plan));
+  else
+    print_plan(*plan);
+  return ExitCode::kDone;
+}
+
+ExitCode consolidate(const ConsolidateArguments& arguments) {
+  ProgressLine progress(progress_form(arguments.job));
+  training::ConsolidatePlan plan;
+  const auto on_plan = [&](const training::ConsolidatePlan& made) {
+    plan = made;
+    if (arguments.is_json) return;
+    print_plan(made);
+    std::fflush(stdout);
+  };
+  const auto report = training::consolidate(arguments.store, arguments.options, progress.sink(),
+                                            interrupt_token(), on_plan);
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (!arguments.is_json) print_report(*report);
-  std::vector<Dropped> dropped;
+  std::vector<DroppedRaw> dropped;
   if (arguments.drops_raw) {
     const Status status = drop_all(arguments, *report, progress.sink(), dropped);
     progress.finish();
     if (!status.ok()) return fail(status);
   }
-  if (arguments.is_json) {
-    print_json(report_json(*report, dropped));
-    return ExitCode::kDone;
-  }
-  for (const Dropped& drop : dropped)
-    print(fmt::format("{}: {} recorded snapshots dropped, {} freed, {} kept",
-                      drop.entity.to_string(), count_text(drop.report.snapshots),
-                      bytes_text(static_cast<double>(drop.report.freed_bytes)),
-                      count_text(drop.report.kept)));
+  if (arguments.is_json)
+    print_json(report_json(plan, *report, dropped));
+  else
+    print_dropped(dropped);
   return ExitCode::kDone;
+}
+
+ExitCode run(ConsolidateArguments& arguments) {
+  training::ConsolidateOptions& options = arguments.options;
+  for (const Status& status : {finish_training_options(arguments.learning, options.train),
+                               finish_job_options(arguments.job, options.job),
+                               finish_grace(arguments.grace, arguments.drop)})
+    if (!status.ok()) return wrong_usage(status);
+  const auto representation = training::representation_of(arguments.representation);
+  if (!representation.ok()) return wrong_usage(representation.status());
+  options.representation.kind = *representation;
+  options.representation.bound_db = options.train.psnr_db;
+  if (const Status status = options.validate(); !status.ok()) return wrong_usage(status);
+  return arguments.is_dry_run ? show_plan(arguments) : consolidate(arguments);
 }
 
 }  // namespace
@@ -173,20 +127,13 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
-  command->add_option("--budget", arguments->budget, "Training time of all entities together")
-      ->check(duration_text())
-      ->capture_default_str();
-  command->add_option("--steps", arguments->steps,
-                      "Optimiser steps instead of a time: same seed, same model");
-  command->add_option("--seed", options.train.seed, "Seed of all chance")->capture_default_str();
+  add_training_options(*command, arguments->learning, options.train, "all entities together",
+                       "Least PSNR of every image, dB; with latents alone the mean to aim at");
+  add_job_options(*command, arguments->job, options.job);
   command
       ->add_option("--representation", arguments->representation,
                    "How images are kept: auto, latents or video")
       ->check(CLI::IsMember({"auto", "latents", "video"}))
-      ->capture_default_str();
-  command
-      ->add_option("--psnr", arguments->psnr_db,
-                   "Least PSNR of every image, dB; with latents alone the mean to aim at")
       ->capture_default_str();
   command
       ->add_option("--variant", arguments->variant,
@@ -211,14 +158,8 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
                    "Largest error of numbers; 0: 0.005 standard deviations of each")
       ->capture_default_str();
   command
-      ->add_option("--width", options.train.width,
-                   "Features of the networks, a multiple of 16; 0: by the number of snapshots")
-      ->capture_default_str();
-  command
       ->add_option("--block", options.train.block_rows,
                    "Snapshots coded together: more take fewer bytes, one is reached later")
-      ->capture_default_str();
-  command->add_option("--threads", options.train.threads, "Threads of the networks")
       ->capture_default_str();
   command
       ->add_option("--hold-out", options.train.hold_out_recordings,
@@ -236,6 +177,11 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
       ->needs(drop);
   command->add_option("--max-rmse", arguments->drop.max_rmse, "Worse numbers stay recorded")
       ->needs(drop);
+  command->add_option("--grace", arguments->grace, "Younger data stays recorded, like 7d")
+      ->check(duration_text())
+      ->needs(drop);
+  command->add_flag("--dry-run", arguments->is_dry_run,
+                    "Only tell what would be done, and what it would gain");
   command->add_flag("--json", arguments->is_json, "Report as JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -3,6 +3,8 @@
 #include "cli/crossval_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
+#include "cli/text.h"
+#include "cli/training_options.h"
 #include "training/crossval.h"
 
 namespace engram::cli {
@@ -24,8 +26,7 @@ struct CrossvalArguments {
   std::string store;
   training::CrossvalOptions options;
   std::vector<std::string> variants{"rate"};
-  std::string budget = "2min";
-  int steps = 0;
+  TrainingArguments learning;
   size_t folds = 0;
   bool is_json = false;
 };
@@ -44,13 +45,12 @@ Result<std::vector<encoders::TrainingVariant>> variants_of(const std::vector<std
 }
 
 ExitCode run(CrossvalArguments& arguments) {
-  const auto budget = parse_duration(arguments.budget);
-  if (!budget.ok()) return wrong_usage(budget.status());
-  arguments.options.train.budget = *budget;
+  if (const Status status = finish_training_options(arguments.learning, arguments.options.train);
+      !status.ok())
+    return wrong_usage(status);
   auto variants = variants_of(arguments.variants);
   if (!variants.ok()) return wrong_usage(variants.status());
   arguments.options.variants = *std::move(variants);
-  if (arguments.steps > 0) arguments.options.train.steps = arguments.steps;
   if (arguments.folds > 0) arguments.options.most_folds = arguments.folds;
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
@@ -75,11 +75,8 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
-  command->add_option("--budget", arguments->budget, "Training time of each fold and variant")
-      ->check(duration_text())
-      ->capture_default_str();
-  command->add_option("--steps", arguments->steps,
-                      "Optimiser steps instead of a time: same seed, same figures");
+  add_training_options(*command, arguments->learning, train, "each fold and variant",
+                       "Mean PSNR of images to aim at, dB");
   command->add_option("--folds", arguments->folds, "Only so many of the first recordings; 0: all")
       ->capture_default_str();
   command
@@ -87,18 +84,10 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
                    "What latents are trained for: some of rate, ae, vae and wae; or all")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--psnr", train.psnr_db, "Mean PSNR of images to aim at, dB")
-      ->capture_default_str();
-  command
-      ->add_option("--width", train.width,
-                   "Features of the networks, a multiple of 16; 0: by the number of snapshots")
-      ->capture_default_str();
   command
       ->add_option("--refine", arguments->options.refine_steps,
                    "Steps that search better latents for each block that is measured")
       ->capture_default_str();
-  command->add_option("--seed", train.seed, "Seed of all chance")->capture_default_str();
-  command->add_option("--threads", train.threads, "Threads of the networks")->capture_default_str();
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

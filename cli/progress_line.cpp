@@ -5,11 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 
+#include "cli/command.h"
 #include "cli/text.h"
 #include "ltm/core/log.h"
+#include "ltm/core/time.h"
 
 namespace engram::cli {
 
@@ -19,6 +22,8 @@ constexpr auto kRedraw = std::chrono::milliseconds(100);
 constexpr auto kPlainLine = std::chrono::seconds(5);
 constexpr int kBarCells = 24;
 constexpr std::string_view kEllipsis = "...";
+/// What the detail of a job begins with that waits for the robot.
+constexpr std::string_view kWaiting = "waiting: ";
 
 size_t terminal_width() {
   winsize size{};
@@ -52,10 +57,23 @@ std::string fitting_line(Progress progress, size_t width) {
   return line_of(progress, false).substr(0, width);
 }
 
+std::string json_line_of(const Progress& progress) {
+  Json json{{"time", to_string(system_now()) + "Z"}, {"what", progress.what}};
+  json["done"] = progress.done;
+  json["total"] = progress.total > 0 ? Json(progress.total) : Json(nullptr);
+  json["detail"] = progress.detail;
+  json["seconds_left"] = progress.seconds_left >= 0
+                             ? Json(std::round(progress.seconds_left * 10) / 10)
+                             : Json(nullptr);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace
 
-ProgressLine::ProgressLine()
-    : is_quiet_(log::level() > log::Level::kInfo), is_terminal_(::isatty(STDERR_FILENO) != 0) {}
+ProgressLine::ProgressLine(ProgressForm form)
+    : is_quiet_(form == ProgressForm::kNone || log::level() > log::Level::kInfo),
+      is_json_(form == ProgressForm::kJson),
+      is_redrawn_(!is_json_ && ::isatty(STDERR_FILENO) != 0) {}
 
 ProgressLine::~ProgressLine() { finish(); }
 
@@ -71,14 +89,20 @@ void ProgressLine::finish() {
 
 void ProgressLine::show(const Progress& progress) {
   const bool is_end = progress.total > 0 && progress.done >= progress.total;
-  const bool is_new = progress.what != what_;
+  const bool is_waiting = progress.detail.starts_with(kWaiting);
+  const bool is_new = progress.what != what_ || is_waiting != is_waiting_;
   const auto now = WallClock::now();
-  if (!is_new && !is_end && now - last_ < (is_terminal_ ? WallClock::duration(kRedraw) : kPlainLine))
+  if (!is_new && !is_end && now - last_ < (is_redrawn_ ? WallClock::duration(kRedraw) : kPlainLine))
     return;
   if (is_new) finish();
   what_ = progress.what;
+  is_waiting_ = is_waiting;
   last_ = now;
-  if (!is_terminal_) {
+  if (is_json_) {
+    fmt::print(stderr, "{}\n", json_line_of(progress));
+    return;
+  }
+  if (!is_redrawn_) {
     fmt::print(stderr, "{}\n", line_of(progress, false));
     return;
   }

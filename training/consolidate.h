@@ -2,11 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "encoders/provenance.h"
 #include "ltm/memory/memory_id.h"
+#include "training/consolidate_plan.h"
+#include "training/job_control.h"
 #include "training/representation.h"
 #include "training/trainer.h"
 
@@ -27,6 +30,7 @@ struct ConsolidateOptions {
   bool force = false;
   /// Encodes with the newest model of each entity instead of training one.
   bool reuses_models = false;
+  JobControl job;
 
   [[nodiscard]] Status validate() const;
 };
@@ -49,6 +53,8 @@ struct EntityReport {
   encoders::StoredForms forms;     ///< How the images were kept.
   std::vector<std::string> notes;  ///< Why, in sentences.
   double seconds = 0;
+  double encoding_seconds = 0;           ///< Of `seconds`: encoding, decoding and comparing.
+  double expected_encoding_seconds = 0;  ///< As measured on a sample; 0 where it was not.
   TrainReport training;
 };
 
@@ -56,16 +62,27 @@ struct ConsolidateReport {
   std::vector<EntityReport> entities;  ///< In the order of their names.
 };
 
+/// Told what will be done, before anything is trained.
+using PlanSink = std::function<void(const ConsolidatePlan&)>;
+
+/// What consolidate() would do, without doing it. Reads what was recorded, writes nothing.
+/// Errors: those of consolidate before it trains.
+Result<ConsolidatePlan> plan_consolidation(const std::filesystem::path& store,
+                                           const ConsolidateOptions& options,
+                                           const std::stop_token& stop);
+
 /// The offline phase: trains a model per entity, encodes the entity's recorded snapshots with it,
 /// measures what comes back from the stored bytes, and publishes model and latents together.
 ///
 /// An entity that cannot be a tensor is skipped with its reason. Entities are published one by
-/// one; a kill at any moment leaves the store with whole ones. Runs beside a live writer.
+/// one; a kill at any moment leaves the store with whole ones, and training goes on from its last
+/// checkpoint when the job is run again. Runs beside a live writer.
 /// Errors: kInvalidArgument; kNotFound where no entity matches; kCancelled on `stop`; those of the
 /// store.
 /// Threading: one at a time per process (train_model).
 Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
                                       const ConsolidateOptions& options,
-                                      const ProgressSink& progress, const std::stop_token& stop);
+                                      const ProgressSink& progress, const std::stop_token& stop,
+                                      const PlanSink& plan = {});
 
 }  // namespace engram::training

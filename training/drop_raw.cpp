@@ -53,6 +53,10 @@ Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::
     const ltm::SnapshotEntry& entry = (*entries)[i];
     if (stop.stop_requested()) return cancelled("dropping raw data of '{}'", entity.to_string());
     if (!entry.recorded || !entry.latent) continue;
+    if (options.stays_from && entry.time >= *options.stays_from) {
+      keep.insert(entry.time);
+      continue;
+    }
     ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot recorded,
                             recall.store().read_recorded(entity, entry));
     const auto query = ltm::Query::of_entity(entity, ltm::select::At{entry.time});

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stop_token>
 
 #include "ltm/core/progress.h"
@@ -15,6 +16,9 @@ struct DropOptions {
   double min_psnr_db = 0;
   /// Snapshots whose reconstructed numbers are worse than this stay recorded. Unit: theirs.
   double max_rmse = std::numeric_limits<double>::infinity();
+  /// Snapshots of this moment and later stay recorded, whatever their latents: a period of grace
+  /// in which a mistake can be noticed.
+  std::optional<Time> stays_from;
 };
 
 /// Drops the recorded form of an entity's sealed snapshots, each only after its latent was decoded

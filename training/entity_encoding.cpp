@@ -8,17 +8,15 @@
 
 namespace engram::training {
 
-Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries,
-                           const ProgressSink& progress, const std::stop_token& stop) {
+Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace) {
   std::vector<Time> times;
   for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
   for (const Sequence& sequence : cut_sequences(times))
     for (size_t first = sequence.first; first < sequence.end; first += most_rows_) {
-      if (stop.stop_requested()) return cancelled("consolidation was stopped");
+      ENGRAM_RETURN_IF_ERROR(pace.pause());
       const size_t count = std::min(most_rows_, sequence.end - first);
-      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), stop));
-      if (progress)
-        progress({"encode " + entity_.to_string(), first + count, entries.size(), {}, -1});
+      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace.stop()));
+      pace.progress()({"encode " + entity_.to_string(), first + count, entries.size(), {}, -1});
     }
   return {};
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stop_token>
 #include <vector>
 
 #include "ltm/core/progress.h"
@@ -9,6 +8,7 @@
 #include "ltm/store/store_reader.h"
 #include "training/block_choice.h"
 #include "training/consolidate.h"
+#include "training/job_pace.h"
 #include "training/metrics.h"
 
 // Internal to the room: includes LibTorch.
@@ -32,10 +32,9 @@ class EntityEncoding {
         choice_(model, options),
         decoder_(decoder) {}
 
-  /// Blocks never cross a gap between recordings.
-  /// Errors: kCancelled; those of the store and of the model.
-  Status run(std::span<const ltm::SnapshotEntry> entries, const ProgressSink& progress,
-             const std::stop_token& stop);
+  /// Blocks never cross a gap between recordings. Waits between them while the robot is busy.
+  /// Errors: those of JobPace::pause, of the store and of the model.
+  Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
 
   [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }
   [[nodiscard]] const encoders::StoredForms& forms() const { return choice_.counts(); }

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "encoders/deep_model_file.h"
+#include "ltm/core/log.h"
+#include "ltm/store/checkpoint_file.h"
 #include "ltm/store/publish.h"
 #include "training/entity_encoding.h"
 #include "training/condition_source.h"
@@ -15,36 +18,41 @@ namespace engram::training {
 
 namespace {
 
-/// What the mean PSNR of latents has to exceed the bound by. Unit: dB.
-constexpr double kMargin = 1.0;
-/// Networks may take a fifth of what they save.
-constexpr double kWorthwhile = 5;
 /// A second model, without networks for images, gets this part of the time again.
 constexpr int kSecondShare = 10;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return to_seconds(std::chrono::steady_clock::now() - start);
+}
 
 }  // namespace
 
 EntityJob::EntityJob(ltm::StoreReader& reader, ltm::MemoryId entity,
-                     const ConsolidateOptions& options, const ProgressSink& progress,
-                     const std::stop_token& stop)
+                     const ConsolidateOptions& options, JobPace& pace)
     : reader_(reader),
       entity_(std::move(entity)),
       options_(options),
-      progress_(progress),
-      stop_(stop) {
-  report_.entity = entity_;
+      pace_(pace),
+      train_(options.train),
+      representation_(options.representation) {
+  report_.entity = plan_.entity = entity_;
 }
 
 Status EntityJob::plan() {
   ENGRAM_ASSIGN_OR_RETURN(const auto summary, reader_.summary(entity_));
-  report_.stored_bytes = summary.stored_bytes;
+  report_.stored_bytes = plan_.stored_bytes = summary.stored_bytes;
+  describe_newest_model(reader_.manifest(), plan_);
   plain_bytes_ = static_cast<double>(summary.raw_bytes);
   ENGRAM_ASSIGN_OR_RETURN(
       EntitySource found,
-      EntitySource::find(reader_, entity_, options_.min_snapshots, !options_.force, stop_));
+      EntitySource::find(reader_, entity_, options_.min_snapshots, !options_.force, pace_.stop()));
   report_.left_behind = found.left_behind;
+  plan_.snapshots = found.entries.size();
+  plan_.new_snapshots = found.new_snapshots;
+  plan_.plain_bytes = found.plain_bytes;
   entries_ = std::move(found.entries);
   layout_ = std::move(found.layout);
+  plan_.skipped_reason = found.missing;
   if (!found.missing.empty()) return skip(std::move(found.missing));
   return {};
 }
@@ -53,10 +61,12 @@ double EntityJob::weight() const {
   return report_.skipped_reason.empty() ? std::sqrt(plain_bytes_) : 0;
 }
 
-Result<EntityReport> EntityJob::run(Duration budget) {
+Result<EntityReport> EntityJob::run(const Allotment& time) {
   const auto start = std::chrono::steady_clock::now();
-  if (report_.skipped_reason.empty()) ENGRAM_RETURN_IF_ERROR(train_and_publish(budget));
-  report_.seconds = to_seconds(std::chrono::steady_clock::now() - start);
+  if (report_.skipped_reason.empty()) ENGRAM_RETURN_IF_ERROR(train_and_publish(time));
+  // What could not go on for want of time goes on next time.
+  if (!is_late_) remove_stale_checkpoints(true);
+  report_.seconds = seconds_since(start);
   return std::move(report_);
 }
 
@@ -65,36 +75,80 @@ Status EntityJob::skip(std::string reason) {
   return {};
 }
 
-Status EntityJob::train_and_publish(Duration budget) {
-  TrainOptions train = options_.train;
-  train.budget = budget;
-  RepresentationOptions representation = options_.representation;
-  ENGRAM_ASSIGN_OR_RETURN(train.has_networks, wants_networks(train));
-  if (!train.has_networks) representation.kind = Representation::kVideo;
-  // The mean has to lie above the bound for every image to reach it.
-  if (representation.kind == Representation::kAuto)
-    train.psnr_db = representation.bound_db + kMargin;
-  ENGRAM_ASSIGN_OR_RETURN(bool is_made, make(train, representation));
-  if (is_made && representation.kind == Representation::kAuto && !options_.reuses_models &&
-      video_is_cheaper()) {
-    train.has_networks = false;
-    train.budget = budget / kSecondShare;  // Numbers alone.
-    representation.kind = Representation::kVideo;
-    ENGRAM_ASSIGN_OR_RETURN(is_made, make(train, representation));
-  }
-  if (!is_made) return {};
-  ENGRAM_RETURN_IF_ERROR(ltm::publish_model(reader_.path(), entity_, report_.model_version,
-                                            file_->path(), latents_,
-                                            reader_.manifest().first_journal));
-  return {};
+Status EntityJob::skip_for_want_of_time(std::string reason) {
+  is_late_ = true;
+  return skip(std::move(reason));
 }
 
-Status EntityJob::train(const TrainOptions& train, const std::filesystem::path& file) {
+Status EntityJob::train_and_publish(const Allotment& time) {
+  ENGRAM_RETURN_IF_ERROR(choose_form());
+  remove_stale_checkpoints(options_.job.is_fresh);
+  ENGRAM_ASSIGN_OR_RETURN(bool is_made, make(train_, time));
+  if (is_made && representation_.kind == Representation::kAuto && !options_.reuses_models &&
+      video_is_cheaper()) {
+    if (const auto second = second_allotment(time)) {
+      TrainOptions numbers_alone = train_;
+      numbers_alone.has_networks = false;
+      representation_.kind = Representation::kVideo;
+      ENGRAM_ASSIGN_OR_RETURN(is_made, make(numbers_alone, *second));
+      if (is_late_) {  // What was made first is good as well, only larger.
+        is_made = true;
+        is_late_ = false;
+        report_.skipped_reason.clear();
+      }
+    }
+  }
+  if (!is_made) return {};
+  return ltm::publish_model(reader_.path(), entity_, report_.model_version, file_->path(), latents_,
+                            reader_.manifest().first_journal);
+}
+
+std::optional<Allotment> EntityJob::second_allotment(const Allotment& first) const {
+  Allotment second{first.budget / kSecondShare, std::nullopt, first.encoded_end};
+  if (!first.end) return second;
+  const double left = to_seconds(*first.encoded_end - system_now()) -
+                      with_encoding_margin(report_.encoding_seconds);
+  second.budget = std::min(
+      second.budget, std::chrono::duration_cast<Duration>(std::chrono::duration<double>(left)));
+  if (second.budget <= Duration::zero()) return std::nullopt;
+  second.end = system_now() + second.budget;
+  return second;
+}
+
+Status EntityJob::train(const TrainOptions& options, const Allotment& time,
+                        const std::filesystem::path& file) {
+  TrainOptions train = options;
+  train.budget = time.budget;
+  TrainControl control{.end = time.end,
+                       .checkpoint = checkpoint_of(options),
+                       .checkpoint_interval = options_.job.checkpoint_interval,
+                       .pace = &pace_};
   TrainingSource source = EntitySource::values(reader_, entity_, entries_);
   // The newest one: links of the first may lead to what was forgotten.
   ENGRAM_RETURN_IF_ERROR(ConditionSource::add(reader_, entity_, entries_.back(), source));
-  ENGRAM_ASSIGN_OR_RETURN(report_.training, train_model(source, train, file, progress_, stop_));
+  ENGRAM_ASSIGN_OR_RETURN(
+      report_.training,
+      train_model(source, train, file, pace_.progress(), pace_.stop(), control));
   return {};
+}
+
+std::filesystem::path EntityJob::checkpoint_of(const TrainOptions& train) {
+  if (options_.job.checkpoint_interval == Duration::zero()) return {};
+  // What the other variants keep beside the model is not in a checkpoint.
+  if (train.variant != encoders::TrainingVariant::kRateAware) return {};
+  const auto source = EntitySource::values(reader_, entity_, entries_);
+  return ltm::checkpoint_file(reader_.path(), entity_, checkpoint_key(source, train));
+}
+
+void EntityJob::remove_stale_checkpoints(bool are_all_stale) {
+  std::vector<std::filesystem::path> kept;
+  if (!are_all_stale) {
+    TrainOptions numbers_alone = train_;
+    numbers_alone.has_networks = false;
+    kept = {checkpoint_of(train_), checkpoint_of(numbers_alone)};
+  }
+  if (const Status removed = ltm::remove_checkpoints(reader_.path(), entity_, kept); !removed.ok())
+    log::warning("a stale checkpoint stays: {}", removed.message());
 }
 
 Result<std::shared_ptr<encoders::DeepModel>> EntityJob::newest_model() {
@@ -106,19 +160,23 @@ Result<std::shared_ptr<encoders::DeepModel>> EntityJob::newest_model() {
   return encoders::read_model(reader_.path() / newest->file);
 }
 
-Result<std::shared_ptr<encoders::DeepModel>> EntityJob::model_for(const TrainOptions& options) {
+Result<std::shared_ptr<encoders::DeepModel>> EntityJob::model_for(const TrainOptions& options,
+                                                                  const Allotment& time) {
   if (options_.reuses_models) return newest_model();
   ENGRAM_ASSIGN_OR_RETURN(const auto file, ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
-  ENGRAM_RETURN_IF_ERROR(train(options, file.path()));
+  ENGRAM_RETURN_IF_ERROR(train(options, time, file.path()));
   return encoders::read_model(file.path());
 }
 
-Result<bool> EntityJob::make(const TrainOptions& train,
-                             const RepresentationOptions& representation) {
-  auto made = model_for(train);
+Result<bool> EntityJob::make(const TrainOptions& train, const Allotment& time) {
+  auto made = model_for(train, time);
   // What cannot be a tensor stays recorded; everything else can go on.
   const bool is_unfit = made.status().code() == StatusCode::kInvalidArgument ||
                         (options_.reuses_models && made.status().code() == StatusCode::kNotFound);
+  if (!made.ok() && pace_.is_time_over()) {
+    ENGRAM_RETURN_IF_ERROR(skip_for_want_of_time(made.status().message()));
+    return false;
+  }
   if (!made.ok() && is_unfit) {
     ENGRAM_RETURN_IF_ERROR(skip(made.status().message()));
     return false;
@@ -128,8 +186,14 @@ Result<bool> EntityJob::make(const TrainOptions& train,
   report_.model_version = ltm::next_model_version(reader_.manifest(), entity_);
   const auto decoder = encoders::make_encoder(model);
   EntityEncoding encoding(reader_, entity_, report_.model_version, *model, *decoder,
-                          representation);
-  const Status encoded = encoding.run(entries_, progress_, stop_);
+                          representation_);
+  const auto start = std::chrono::steady_clock::now();
+  const Status encoded = encoding.run(entries_, pace_);
+  report_.encoding_seconds += seconds_since(start);
+  if (!encoded.ok() && pace_.is_time_over()) {
+    ENGRAM_RETURN_IF_ERROR(skip_for_want_of_time(encoded.message()));
+    return false;
+  }
   if (encoded.code() == StatusCode::kInvalidArgument) {  // No codec takes its images.
     ENGRAM_RETURN_IF_ERROR(skip(encoded.message()));
     return false;
@@ -149,24 +213,6 @@ Result<bool> EntityJob::make(const TrainOptions& train,
   return true;
 }
 
-Result<bool> EntityJob::wants_networks(const TrainOptions& train) {
-  const RepresentationOptions& representation = options_.representation;
-  if (options_.reuses_models) return true;
-  if (representation.kind != Representation::kAuto)
-    return representation.kind == Representation::kLatents;
-  const uint64_t networks = network_bytes(layout_, train, entries_.size());
-  if (networks == 0) return true;
-  ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes());
-  if (video == 0) return true;  // No codec takes its images.
-  const double saved = video * static_cast<double>(entries_.size()) * representation.nights;
-  if (saved >= kWorthwhile * static_cast<double>(networks)) return true;
-  report_.notes.push_back(
-      fmt::format("video at {} dB takes {:.0f} bytes a snapshot: {} nights of it are less than {} "
-                  "times what networks take ({} bytes)",
-                  representation.bound_db, video, representation.nights, kWorthwhile, networks));
-  return false;
-}
-
 bool EntityJob::video_is_cheaper() {
   const auto& forms = report_.forms;
   const double nights = options_.representation.nights;
@@ -179,41 +225,6 @@ bool EntityJob::video_is_cheaper() {
       "{:.0f}",
       with_networks, options_.representation.nights, video));
   return true;
-}
-
-Result<double> EntityJob::sampled_video_bytes() {
-  constexpr size_t kRuns = 4;
-  const auto most = static_cast<size_t>(options_.train.block_rows);
-  const size_t step = std::max<size_t>(1, entries_.size() / kRuns);
-  const auto& representation = options_.representation;
-  double bytes = 0;
-  size_t count = 0;
-  for (size_t first = 0; first < entries_.size(); first += step) {
-    const size_t end = std::min(first + std::min(most, step), entries_.size());
-    std::vector<std::vector<idf::NdArray>> images;
-    for (size_t i = first; i < end; ++i) ENGRAM_RETURN_IF_ERROR(append_images(entries_[i], images));
-    for (const auto& run : images) {
-      VideoSearch search(representation.video, representation.video_effort,
-                         representation.bound_db);
-      ENGRAM_ASSIGN_OR_RETURN(const auto found, search.find(run));
-      if (found) bytes += static_cast<double>(found->bytes.size());
-    }
-    count += end - first;
-  }
-  return bytes / static_cast<double>(count);
-}
-
-Status EntityJob::append_images(const ltm::SnapshotEntry& entry,
-                                std::vector<std::vector<idf::NdArray>>& images) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader_.read_recorded(entity_, entry));
-  ENGRAM_ASSIGN_OR_RETURN(auto split, layout_.split(snapshot.instances.front().data));
-  size_t at = 0;
-  for (size_t member = 0; member < split.tensors.size(); ++member) {
-    if (layout_.members()[member].kind != idf::MemberKind::kImage) continue;
-    if (images.size() == at) images.emplace_back();
-    images[at++].push_back(std::move(split.tensors[member]));
-  }
-  return {};
 }
 
 }  // namespace engram::training

@@ -3,13 +3,13 @@
 
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <vector>
 
 #include "ltm/idf/layout.h"
 #include "ltm/store/store_reader.h"
 #include "ltm/store/temporary_file.h"
 #include "training/consolidate.h"
+#include "training/job_pace.h"
 
 // Private to this room.
 
@@ -19,31 +19,59 @@ struct DeepModel;
 
 namespace engram::training {
 
+/// The time that an entity gets.
+struct Allotment {
+  Duration budget{};                ///< For training.
+  std::optional<Time> end;          ///< Training ends then instead.
+  std::optional<Time> encoded_end;  ///< With it: when encoding should have ended.
+};
+
+/// What to leave free for encoding that was measured to take so long. Unit: s.
+[[nodiscard]] double with_encoding_margin(double seconds);
+
 /// Offline work on one entity of one generation of a store.
 class EntityJob {
  public:
   /// All but the entity outlive it.
   EntityJob(ltm::StoreReader& reader, ltm::MemoryId entity, const ConsolidateOptions& options,
-            const ProgressSink& progress, const std::stop_token& stop);
+            JobPace& pace);
 
   /// Finds the recorded snapshots, or the reason to skip the entity.
   Status plan();
+
+  /// What will be done, as far as this entity alone can tell. After plan().
+  [[nodiscard]] const EntityPlan& planned() const { return plan_; }
 
   /// How much of the training time this entity should get, beside others. Larger values need more
   /// of it, but not in proportion.
   [[nodiscard]] double weight() const;
 
-  /// Trains for `budget` where the entity is not skipped.
-  Result<EntityReport> run(Duration budget);
+  /// Measures on a sample how long everything after training will take. Unit: s; 0 where the
+  /// entity is skipped.
+  Result<double> measure_encoding();
+
+  /// Trains, encodes and publishes where the entity is not skipped.
+  Result<EntityReport> run(const Allotment& time);
+
+  /// From now on the entity is skipped; what was kept of its training stays.
+  Status skip_for_want_of_time(std::string reason);
 
  private:
   Status skip(std::string reason);
-  Status train_and_publish(Duration budget);
-  Status train(const TrainOptions& train, const std::filesystem::path& file);
+  /// Chooses between networks and video alone, once.
+  Status choose_form();
+  Status train_and_publish(const Allotment& time);
+  /// Time to code everything as video alone; nothing where it is over.
+  [[nodiscard]] std::optional<Allotment> second_allotment(const Allotment& first) const;
+  Status train(const TrainOptions& train, const Allotment& time, const std::filesystem::path& file);
+  [[nodiscard]] std::filesystem::path checkpoint_of(const TrainOptions& train);
+  /// Removes checkpoints that nothing goes on from.
+  void remove_stale_checkpoints(bool are_all_stale);
   Result<std::shared_ptr<encoders::DeepModel>> newest_model();
-  Result<std::shared_ptr<encoders::DeepModel>> model_for(const TrainOptions& options);
+  Result<std::shared_ptr<encoders::DeepModel>> model_for(const TrainOptions& options,
+                                                         const Allotment& time);
   /// Trains a model and codes all snapshots with it. False where it has to be skipped.
-  Result<bool> make(const TrainOptions& train, const RepresentationOptions& representation);
+  Result<bool> make(const TrainOptions& train, const Allotment& time);
   /// Whether networks for images could save five times their bytes, if they took none at all.
   Result<bool> wants_networks(const TrainOptions& train);
   [[nodiscard]] bool video_is_cheaper();
@@ -56,13 +84,17 @@ class EntityJob {
   ltm::StoreReader& reader_;
   ltm::MemoryId entity_;
   const ConsolidateOptions& options_;
-  const ProgressSink& progress_;
-  const std::stop_token& stop_;
+  JobPace& pace_;
+  TrainOptions train_;  ///< As chosen.
+  RepresentationOptions representation_;
+  bool is_form_chosen_ = false;
+  bool is_late_ = false;  ///< Nothing could be done for want of time.
   idf::Layout layout_;
   double plain_bytes_ = 0;
   std::vector<ltm::SnapshotEntry> entries_;
   std::vector<ltm::LatentSnapshot> latents_;
   std::optional<ltm::TemporaryFile> file_;  ///< The model that will be published.
+  EntityPlan plan_;
   EntityReport report_;
 };
 

@@ -48,10 +48,13 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
   for (const ltm::SnapshotEntry& entry : recorded) {
     if (stop.stop_requested()) return cancelled("reading {} was stopped", entity.to_string());
     ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader.read_recorded(entity, entry));
-    if (fits(snapshot, source.layout))
-      source.entries.push_back(entry);
-    else
+    if (!fits(snapshot, source.layout)) {
       ++source.left_behind;
+      continue;
+    }
+    source.entries.push_back(entry);
+    source.new_snapshots += entry.latent ? 0 : 1;
+    source.plain_bytes += snapshot.raw_bytes();
   }
   if (source.entries.size() < least)
     source.missing = fmt::format("{} recorded snapshots of the newest layout, needs {}",

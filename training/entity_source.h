@@ -17,8 +17,10 @@ namespace engram::training {
 struct EntitySource {
   std::vector<ltm::SnapshotEntry> entries;
   idf::Layout layout;
-  uint64_t left_behind = 0;  ///< Recorded snapshots of another layout.
-  std::string missing;       ///< Why there are not enough; else empty.
+  uint64_t left_behind = 0;    ///< Recorded snapshots of another layout.
+  uint64_t new_snapshots = 0;  ///< Of `entries`, those without latents.
+  uint64_t plain_bytes = 0;    ///< Of `entries`.
+  std::string missing;         ///< Why there are not enough; else empty.
 
   /// What is sealed: the rest is the next night's. Fewer than `least` are told in `missing`; and,
   /// where `needs_news`, that all have latents already.

@@ -1,27 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "training/dataset.h"
-#include "training/schedule.h"
+#include "training/fit_loop.h"
 
 // Internal to the room: includes LibTorch.
 
 namespace engram::training {
-
-/// How a fit is going.
-struct FitStep {
-  int64_t step = 0;
-  double loss = 0;     ///< Smoothed.
-  double psnr_db = 0;  ///< Mean over images, smoothed; 0 where there are none.
-  double bytes = 0;    ///< Of the latents of a value, as the prior tells, smoothed.
-  double price = 0;    ///< Of a squared grey level, in kilobytes.
-};
-
-/// Told after every step.
-using StepSink = std::function<void(const FitStep&)>;
 
 /// Freezes the parameters of a module as long as it lives.
 class Frozen {
@@ -41,10 +26,9 @@ class Frozen {
 /// Trains the autoencoder and the prior of its latents together: fewest bits at the PSNR that was
 /// asked for. Does nothing without images.
 /// The prior learns nothing from the held-out parts of sequences (held_out_from).
-/// Errors: kCancelled.
+/// Errors: those of the loop.
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                const TrainOptions& options, const Schedule& schedule,
-                                const std::stop_token& stop, const StepSink& sink);
+                                const TrainOptions& options, FitLoop& loop);
 
 /// The rounded latents of all rows, kept as 16-bit integers.
 struct LatentTable {
@@ -79,21 +63,19 @@ struct Windows {
 [[nodiscard]] size_t held_out_from(const Sequence& sequence);
 
 /// Trains the dynamics to predict values; the autoencoder stays as it is.
-/// Errors: kCancelled.
+/// Errors: those of the loop.
 Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
                              const LatentTable& latents, const TrainOptions& options,
-                             const Schedule& schedule, const std::stop_token& stop,
-                             const StepSink& sink);
+                             FitLoop& loop);
 
 /// Trains what continues the motion of images; everything else stays as it is. Does nothing without
 /// networks.
 /// Errors: kCancelled.
 Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
-                           const TrainOptions& options, const Schedule& schedule,
-                           const std::stop_token& stop, const StepSink& sink);
+                           const TrainOptions& options, FitLoop& loop);
 
-/// Measures the shares of every way to predict on the held-out windows and keeps those that win over copying the
-/// last value, in mean squared error and (images) in mean PSNR.
+/// Measures the shares of every way to predict on the held-out windows and keeps those that win
+/// over copying the last value, in mean squared error and (images) in mean PSNR.
 void measure_prediction(encoders::DeepModel& model, const Dataset& data);
 
 }  // namespace engram::training

@@ -154,6 +154,13 @@ class WeightedMean {
   }
   [[nodiscard]] double value() const { return sum_.value() / weight_.value(); }
 
+  /// Everything that changes, for checkpoints.
+  [[nodiscard]] std::vector<double*> state() {
+    std::vector<double*> all = sum_.state();
+    std::ranges::copy(weight_.state(), std::back_inserter(all));
+    return all;
+  }
+
  private:
   Smoothed sum_{kRecent}, weight_{kRecent};
 };
@@ -175,8 +182,7 @@ void start_from_backgrounds(encoders::DeepModel& model, const Dataset& data) {
 }  // namespace
 
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                const TrainOptions& options, const Schedule& schedule,
-                                const std::stop_token& stop, const StepSink& sink) {
+                                const TrainOptions& options, FitLoop& loop) {
   FitStep now;
   if (model.autoencoder->images.empty()) return now;
   start_from_backgrounds(model, data);
@@ -188,8 +194,13 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   ErrorPrice price(options.psnr_db);
   RowSampler sampler = make_sampler(data);
   WeightedMean loss_mean, psnr, bytes;
-  for (double share = 0; (share = schedule.share(now.step)) < 1.0; ++now.step) {
-    if (stop.stop_requested()) return cancelled("training was stopped");
+  FitState state{model, optimiser, now, price.state()};
+  for (const auto& more : {sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
+    state.numbers.insert(state.numbers.end(), more.begin(), more.end());
+  ENGRAM_RETURN_IF_ERROR(loop.begin(state));
+  for (;; ++now.step) {
+    ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
+    if (share >= 1.0) break;
     set_rate(optimiser, share);
     const Batch batch = draw(sampler, chunks);
     const auto values =
@@ -216,7 +227,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     now.psnr_db = psnr.value();
     now.bytes = bytes.value();
     now.price = price.value();
-    sink(now);
+    loop.tell(now);
   }
   return now;
 }

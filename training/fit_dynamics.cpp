@@ -140,8 +140,7 @@ Windows make_windows(std::span<const Sequence> sequences, int horizon) {
 
 Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
                              const LatentTable& latents, const TrainOptions& options,
-                             const Schedule& schedule, const std::stop_token& stop,
-                             const StepSink& sink) {
+                             FitLoop& loop) {
   FitStep result;
   Smoothed loss_mean(0.05);
   const auto rows = make_windows(data.sequences, kTrainedHorizons).training;
@@ -149,8 +148,11 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
   const Frozen frozen(*model.autoencoder);
   torch::optim::Adam optimiser(model.dynamics->parameters(), torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
-  for (double share = 0; (share = schedule.share(result.step)) < 1.0; ++result.step) {
-    if (stop.stop_requested()) return cancelled("training was stopped");
+  FitState state{model, optimiser, result, loss_mean.state()};
+  ENGRAM_RETURN_IF_ERROR(loop.begin(state));
+  for (;; ++result.step) {
+    ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
+    if (share >= 1.0) break;
     const Tensor now = windows.index_select(
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
     auto& group = optimiser.param_groups()[0].options();
@@ -168,7 +170,7 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
     optimiser.step();
     loss_mean.add(loss.item<double>());
     result.loss = loss_mean.value();
-    sink(result);
+    loop.tell(result);
   }
   return result;
 }

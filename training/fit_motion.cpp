@@ -94,11 +94,16 @@ Tensor features_of(encoders::DeepModel& model, const Dataset& data, const Tensor
   return model.dynamics->motion_features(last, before);
 }
 
+/// Pulls weights towards zero, apart from their gradients.
+void decay(const std::vector<Tensor>& parameters, double rate) {
+  torch::NoGradGuard no_grad;
+  for (Tensor parameter : parameters) parameter.mul_(1 - rate * kWeightDecay);
+}
+
 }  // namespace
 
 Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
-                           const TrainOptions& options, const Schedule& schedule,
-                           const std::stop_token& stop, const StepSink& sink) {
+                           const TrainOptions& options, FitLoop& loop) {
   FitStep result;
   Smoothed loss_mean(kRecent);
   const auto rows = make_windows(data.sequences, ImageMotionImpl::kSteps).training;
@@ -108,13 +113,16 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
   for (const auto& item : model.dynamics->named_parameters())
     if (item.key().find("motion") != std::string::npos || item.key().starts_with("condition"))
       parameters.push_back(item.value());
-  torch::optim::AdamW optimiser(parameters,
-                                torch::optim::AdamWOptions(kPeakRate).weight_decay(kWeightDecay));
+  torch::optim::Adam optimiser(parameters, torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
-  for (double share = 0; (share = schedule.share(result.step)) < 1.0; ++result.step) {
-    if (stop.stop_requested()) return cancelled("training was stopped");
+  FitState state{model, optimiser, result, loss_mean.state()};
+  ENGRAM_RETURN_IF_ERROR(loop.begin(state));
+  for (;; ++result.step) {
+    ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
+    if (share >= 1.0) break;
+    const double rate = kPeakRate * learning_rate_share(share);
     auto& group = optimiser.param_groups()[0].options();
-    static_cast<torch::optim::AdamWOptions&>(group).lr(kPeakRate * learning_rate_share(share));
+    static_cast<torch::optim::AdamOptions&>(group).lr(rate);
     const Tensor now = windows.index_select(
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
     const Tensor features = features_of(model, data, now);
@@ -126,9 +134,10 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
     loss.backward();
     torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
     optimiser.step();
+    decay(parameters, rate);
     loss_mean.add(loss.item<double>());
     result.loss = loss_mean.value();
-    sink(result);
+    loop.tell(result);
   }
   return result;
 }

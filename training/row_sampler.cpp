@@ -77,6 +77,12 @@ void RowSampler::told(int64_t row, double cost) {
   known = known > 0 ? known + kRecent * (cost - known) : cost;
 }
 
+std::vector<double*> RowSampler::state() {
+  std::vector<double*> all;
+  for (double& cost : costs_) all.push_back(&cost);
+  return all;
+}
+
 bool RowSampler::is_held_out(int64_t row) const {
   return is_held_out_[static_cast<size_t>(row)];
 }

@@ -34,6 +34,9 @@ class RowSampler {
   /// The first row of the sequence of a row.
   [[nodiscard]] int64_t first_of(int64_t row) const;
 
+  /// Everything that changes, for checkpoints; valid as long as this.
+  [[nodiscard]] std::vector<double*> state();
+
  private:
   [[nodiscard]] std::vector<double> probabilities() const;
 

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include "ltm/core/time.h"
-
 namespace engram::training {
 
 namespace {
@@ -23,18 +21,38 @@ constexpr double kSteering = 25.0;
 
 }  // namespace
 
-Schedule::Schedule(std::optional<int> steps, double seconds)
-    : steps_(steps), seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+Schedule::Schedule(std::optional<int> steps, double seconds) : steps_(steps), seconds_(seconds) {
+  go_on_from(0);
+}
+
+Schedule::Schedule(Time end, double weight, double weight_after, Clock clock)
+    : end_(end), weight_(weight), weight_after_(weight_after), clock_(std::move(clock)) {
+  go_on_from(0);
+}
+
+void Schedule::go_on_from(double share) {
+  start_ = std::chrono::steady_clock::now();
+  first_share_ = std::min(share, 1.0);
+  first_seconds_ = seconds_ * (1 - first_share_);
+  if (!end_) return;
+  const double weight = weight_ * (1 - first_share_);
+  first_seconds_ = to_seconds(*end_ - clock_()) * weight / std::max(weight + weight_after_, 1e-9);
+}
+
+double Schedule::elapsed() const {
+  return to_seconds(std::chrono::steady_clock::now() - start_);
+}
 
 double Schedule::share(int64_t step) const {
   if (steps_) return static_cast<double>(step) / std::max(*steps_, 1);
-  return to_seconds(std::chrono::steady_clock::now() - start_) / seconds_;
+  if (first_seconds_ <= 0) return 1;
+  return first_share_ + (1 - first_share_) * elapsed() / first_seconds_;
 }
 
 double Schedule::seconds_left(int64_t step) const {
-  const double elapsed = to_seconds(std::chrono::steady_clock::now() - start_);
-  if (!steps_) return std::max(seconds_ - elapsed, 0.0);
-  return step == 0 ? -1 : elapsed / static_cast<double>(step) * static_cast<double>(*steps_ - step);
+  if (!steps_) return std::max(first_seconds_ - elapsed(), 0.0);
+  const double now = share(step);
+  return now > first_share_ ? elapsed() / (now - first_share_) * (1 - now) : -1;
 }
 
 double learning_rate_share(double share) {
@@ -46,8 +64,8 @@ double learning_rate_share(double share) {
 }
 
 void Smoothed::add(double value) {
-  value_ = is_empty_ ? value : value_ + share_of_new_ * (value - value_);
-  is_empty_ = false;
+  value_ = count_ == 0 ? value : value_ + share_of_new_ * (value - value_);
+  ++count_;
 }
 
 ErrorPrice::ErrorPrice(double wanted_db)

@@ -4,10 +4,14 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <vector>
+
+#include "ltm/core/time.h"
 
 namespace engram::training {
 
-/// How far a fit is, asked once per step: it ends by time or by number of steps.
+/// How far a fit is, asked once per step: it ends by number of steps, by time that it works, or at
+/// a moment.
 ///
 /// Threading: one thread.
 class Schedule {
@@ -15,13 +19,30 @@ class Schedule {
   /// Ends after `steps` where given, else after `seconds`.
   Schedule(std::optional<int> steps, double seconds);
 
-  /// The share that is done, 0 to 1.
+  /// Ends at a moment that leaves what follows its part of the time until `end`: a whole fit like
+  /// this one counts as `weight`, what follows as `weight_after`.
+  Schedule(Time end, double weight, double weight_after, Clock clock = system_now);
+
+  /// From now on it goes from `share` on: after a break, or where an earlier process was. Time that
+  /// passed since the last share counts only where the end is a moment.
+  void go_on_from(double share);
+
+  /// The share that is done, 0 to 1 and more.
   [[nodiscard]] double share(int64_t step) const;
+  /// Negative where nobody knows.
   [[nodiscard]] double seconds_left(int64_t step) const;
 
  private:
+  [[nodiscard]] double elapsed() const;
+
   std::optional<int> steps_;
-  double seconds_;
+  double seconds_ = 0;  ///< Of a whole fit.
+  std::optional<Time> end_;
+  double weight_ = 1;
+  double weight_after_ = 0;
+  Clock clock_;
+  double first_share_ = 0;
+  double first_seconds_ = 0;  ///< From first_share_ to the end.
   std::chrono::steady_clock::time_point start_;
 };
 
@@ -35,10 +56,13 @@ class Smoothed {
   void add(double value);
   [[nodiscard]] double value() const { return value_; }
 
+  /// Everything that changes, for checkpoints.
+  [[nodiscard]] std::vector<double*> state() { return {&value_, &count_}; }
+
  private:
   double share_of_new_;
   double value_ = 0;
-  bool is_empty_ = true;
+  double count_ = 0;
 };
 
 /// The price of squared error against bytes: rises where quality is below what was asked for.
@@ -51,6 +75,9 @@ class ErrorPrice {
 
   /// Told the smoothed quality of every step, and how much of the time is over.
   void follow(double psnr_db, double share);
+
+  /// Everything that changes, for checkpoints.
+  [[nodiscard]] std::vector<double*> state() { return {&log_price_, &share_}; }
 
  private:
   double wanted_db_;

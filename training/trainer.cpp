@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/trainer.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "encoders/deep_model_file.h"
 #include "encoders/threads.h"
 #include "encoders/weight_rounding.h"
+#include "training/checkpoint.h"
 #include "training/fit.h"
 
 namespace engram::training {
@@ -16,24 +20,10 @@ constexpr double kAutoencoderShare = 0.78;
 constexpr double kMotionShare = 0.14;
 constexpr size_t kFewestSnapshots = 2;
 
-/// Features that pay for their bytes in the model file. Source: docs/learning.md.
-int chosen_width(const TrainOptions& options, size_t snapshots) {
-  if (!options.has_networks) return 0;
-  if (options.width > 0) return options.width;
-  if (snapshots < 2000) return 64;
-  return snapshots < 20000 ? 96 : 128;
-}
-
 encoders::NetworkSizes sizes_of(const TrainOptions& options, const Dataset& data) {
-  return {chosen_width(options, data.size()), options.coarse_channels, options.fine_channels,
+  return {network_width(options, data.size()), options.coarse_channels, options.fine_channels,
           options.has_networks ? data.scenes() : 1,
           data.condition ? static_cast<int>(data.conditions.size(1)) : 0};
-}
-
-Schedule schedule_of(const TrainOptions& options, double share) {
-  std::optional<int> steps;
-  if (options.steps) steps = static_cast<int>(*options.steps * share);
-  return Schedule(steps, to_seconds(options.budget) * share);
 }
 
 std::string text_of(const FitStep& step, std::string_view phase, size_t epoch) {
@@ -42,25 +32,41 @@ std::string text_of(const FitStep& step, std::string_view phase, size_t epoch) {
   return text + fmt::format("loss {:.4f}", step.loss);
 }
 
-/// Tells progress as a share of the budget, or of the steps where their number is fixed.
+/// A part of training, in shares of the whole.
+struct Part {
+  std::string_view name;
+  double before = 0;
+  double share = 0;
+
+  [[nodiscard]] double after() const { return 1 - before - share; }
+};
+
+/// Of a part, with the time that it leaves for the next one.
+Schedule schedule_of(const TrainOptions& options, const TrainControl& control, const Part& part) {
+  if (control.end && !options.steps) return Schedule(*control.end, part.share, part.after());
+  std::optional<int> steps;
+  if (options.steps) steps = static_cast<int>(*options.steps * part.share);
+  return Schedule(steps, to_seconds(options.budget) * part.share);
+}
+
+/// Tells progress in steps where their number is fixed, else in thousandths of the time.
 StepSink step_sink(const ProgressSink& progress, const std::string& entity,
-                   const TrainOptions& options, std::string_view phase, size_t steps_per_epoch,
-                   const Schedule& schedule, double share_before, double share) {
-  if (!progress) return [](const FitStep&) {};
-  return [=, &schedule, phase = std::string(phase)](const FitStep& step) {
-    Progress now{"train " + entity, 0, 0, {}, -1};
+                   const TrainOptions& options, const TrainControl& control, const Part& part,
+                   size_t steps_per_epoch, const Schedule& schedule) {
+  return [=, &progress, &schedule](const FitStep& step) {
+    constexpr double kParts = 1000;
+    const double total = options.steps ? *options.steps : kParts;
+    const double done =
+        total * (part.before + part.share * std::min(schedule.share(step.step), 1.0));
     const auto epoch = static_cast<size_t>(step.step) / std::max<size_t>(steps_per_epoch, 1) + 1;
-    now.detail = text_of(step, phase, epoch);
-    if (options.steps) {
-      now.total = static_cast<uint64_t>(*options.steps);
-      now.done =
-          static_cast<uint64_t>(step.step + static_cast<int64_t>(*options.steps * share_before));
-    } else {
-      const double budget = to_seconds(options.budget);
-      now.seconds_left = schedule.seconds_left(step.step) + budget * (1 - share_before - share);
-      now.total = static_cast<uint64_t>(budget * 1000);
-      now.done = static_cast<uint64_t>(std::max(0.0, budget - now.seconds_left) * 1000);
-    }
+    Progress now{"train " + entity,
+                 static_cast<uint64_t>(options.steps ? std::round(done) : std::floor(done)),
+                 static_cast<uint64_t>(total), text_of(step, part.name, epoch), -1};
+    if (control.end)
+      now.seconds_left = std::max(0.0, to_seconds(*control.end - system_now()));
+    else if (!options.steps)
+      now.seconds_left =
+          schedule.seconds_left(step.step) + to_seconds(options.budget) * part.after();
     progress(now);
   };
 }
@@ -77,7 +83,11 @@ void describe(const Dataset& data, encoders::Provenance& provenance) {
   }
 }
 
-void add_notes(const TrainingSource& source, const Dataset& data, TrainReport& report) {
+void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoints& checkpoints,
+               TrainReport& report) {
+  if (const Checkpoint* found = checkpoints.found())
+    report.notes.push_back(fmt::format("training went on where it was interrupted: {:.0f} % of {}",
+                                       100 * found->share, name_of(found->phase)));
   if (data.left_out_sequences > 0)
     report.notes.push_back(
         fmt::format("{} recordings were left out of training", data.left_out_sequences));
@@ -89,14 +99,13 @@ void add_notes(const TrainingSource& source, const Dataset& data, TrainReport& r
 }
 
 Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptions& options,
-                                  const std::filesystem::path& file, const ProgressSink& progress,
-                                  const std::stop_token& stop) {
-  const auto start = std::chrono::steady_clock::now();
+                                  const std::filesystem::path& file, JobPace& pace,
+                                  const TrainControl& control, Checkpoints& checkpoints) {
   encoders::set_threads(options.threads);
   torch::manual_seed(options.seed);
 
   // Data.
-  ENGRAM_ASSIGN_OR_RETURN(const Dataset data, load_dataset(source, options, stop));
+  ENGRAM_ASSIGN_OR_RETURN(const Dataset data, load_dataset(source, options, pace.stop()));
 
   // Model.
   encoders::DeepModel model(data.plan, sizes_of(options, data));
@@ -107,43 +116,47 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   // The autoencoder and its codec, then what predicts: each on the weights that will be stored.
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
   const bool has_networks = !model.autoencoder->images.empty();
-  const double coding = has_networks ? kAutoencoderShare : 0;
-  const double moving = has_networks ? kMotionShare : 0;
-  const Schedule coding_time = schedule_of(options, coding);
-  ENGRAM_ASSIGN_OR_RETURN(const FitStep coded,
-                          fit_autoencoder(model, data, options, coding_time, stop,
-                                          step_sink(progress, source.entity, options, "autoencoder",
-                                                    epoch, coding_time, 0, coding)));
+  const Part coding{name_of(FitPhase::kAutoencoder), 0, has_networks ? kAutoencoderShare : 0};
+  Schedule coding_time = schedule_of(options, control, coding);
+  FitLoop coding_loop(
+      FitPhase::kAutoencoder, coding_time, pace, checkpoints,
+      step_sink(pace.progress(), source.entity, options, control, coding, epoch, coding_time));
+  ENGRAM_ASSIGN_OR_RETURN(checkpoints.coded, fit_autoencoder(model, data, options, coding_loop));
   encoders::round_weights(*model.autoencoder);
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
   fit_global_code(model, data, latents);
-  const double predicting = 1 - coding - moving;
-  const Schedule dynamics_time = schedule_of(options, predicting);
-  ENGRAM_ASSIGN_OR_RETURN(const FitStep dynamics,
-                          fit_dynamics(model, data, latents, options, dynamics_time, stop,
-                                       step_sink(progress, source.entity, options, "dynamics",
-                                                 epoch, dynamics_time, coding, predicting)));
-  const Schedule motion_time = schedule_of(options, moving);
-  ENGRAM_ASSIGN_OR_RETURN(const FitStep motion,
-                          fit_motion(model, data, options, motion_time, stop,
-                                     step_sink(progress, source.entity, options, "motion", epoch,
-                                               motion_time, coding + predicting, moving)));
+  const double moving_share = has_networks ? kMotionShare : 0;
+  const Part predicting{name_of(FitPhase::kDynamics), coding.share,
+                        1 - coding.share - moving_share};
+  Schedule predicting_time = schedule_of(options, control, predicting);
+  FitLoop predicting_loop(FitPhase::kDynamics, predicting_time, pace, checkpoints,
+                          step_sink(pace.progress(), source.entity, options, control, predicting,
+                                    epoch, predicting_time));
+  ENGRAM_ASSIGN_OR_RETURN(checkpoints.predicted,
+                          fit_dynamics(model, data, latents, options, predicting_loop));
+  const Part moving{name_of(FitPhase::kMotion), 1 - moving_share, moving_share};
+  Schedule moving_time = schedule_of(options, control, moving);
+  FitLoop moving_loop(
+      FitPhase::kMotion, moving_time, pace, checkpoints,
+      step_sink(pace.progress(), source.entity, options, control, moving, epoch, moving_time));
+  ENGRAM_ASSIGN_OR_RETURN(const FitStep motion, fit_motion(model, data, options, moving_loop));
   encoders::round_weights(*model.dynamics);
   model.prediction.step = model.unconditioned.step = median_step(data.times);
   measure_prediction(model, data);
 
   // Report.
+  const FitStep& coded = checkpoints.coded;
   TrainReport report;
   report.snapshots = source.times.size();
   report.used_snapshots = data.size();
   report.sequences = data.sequences.size() + data.left_out_sequences;
   report.autoencoder_steps = coded.step;
-  report.dynamics_steps = dynamics.step + motion.step;
+  report.dynamics_steps = checkpoints.predicted.step + motion.step;
   report.final_loss = coded.loss;
   report.training_psnr_db = coded.psnr_db;
-  add_notes(source, data, report);
-  report.seconds = to_seconds(std::chrono::steady_clock::now() - start);
+  add_notes(source, data, checkpoints, report);
+  report.seconds = checkpoints.seconds();
   auto& provenance = model.provenance;
   provenance.entity = source.entity;
   provenance.code_version = kCodeVersion;
@@ -164,12 +177,20 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
 
 }  // namespace
 
+// Features that pay for their bytes in the model file. Source: docs/learning.md.
+int network_width(const TrainOptions& options, size_t snapshots) {
+  if (!options.has_networks) return 0;
+  if (options.width > 0) return options.width;
+  if (snapshots < 2000) return 64;
+  return snapshots < 20000 ? 96 : 128;
+}
+
 uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options, size_t snapshots) {
   auto plan = encoders::TensorPlan::create(layout);
   if (!plan.ok() || plan->images().empty()) return 0;
   const encoders::DeepModel model(
       std::move(*plan),
-      {chosen_width(options, snapshots), options.coarse_channels, options.fine_channels, 1, 0});
+      {network_width(options, snapshots), options.coarse_channels, options.fine_channels, 1, 0});
   int64_t weights = 0;
   for (const auto& tensor : model.autoencoder->parameters()) weights += tensor.numel();
   for (const auto& tensor : model.dynamics->parameters()) weights += tensor.numel();
@@ -203,13 +224,20 @@ Status TrainOptions::validate() const {
 
 Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
                                 const std::filesystem::path& file, const ProgressSink& progress,
-                                const std::stop_token& stop) {
+                                const std::stop_token& stop, const TrainControl& control) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   if (source.times.size() < kFewestSnapshots)
     return invalid_argument("{}: found {} snapshots to train on, needs {}", source.entity,
                             source.times.size(), kFewestSnapshots);
-  return encoders::guarded("train " + source.entity,
-                           [&] { return train_checked(source, options, file, progress, stop); });
+  JobPace alone(nullptr, progress, stop);
+  JobPace& pace = control.pace != nullptr ? *control.pace : alone;
+  Checkpoints checkpoints(control.checkpoint, checkpoint_key(source, options),
+                          control.checkpoint_interval);
+  return encoders::guarded("train " + source.entity, [&] {
+    auto report = train_checked(source, options, file, pace, control, checkpoints);
+    if (report.ok() || !checkpoints.has_refused()) return report;
+    return train_checked(source, options, file, pace, control, checkpoints);
+  });
 }
 
 }  // namespace engram::training

@@ -67,6 +67,21 @@ struct TrainOptions {
   [[nodiscard]] Status validate() const;
 };
 
+class JobPace;
+
+/// How training runs beside other work, and outlives its process: nothing of it changes what so
+/// many steps learn.
+struct TrainControl {
+  /// Training ends at this moment instead of after the budget.
+  std::optional<Time> end;
+  /// Kept here now and then, and gone on from where it fits; a training that is done leaves it.
+  /// Empty: nowhere. See checkpoint_key.
+  std::filesystem::path checkpoint;
+  Duration checkpoint_interval = std::chrono::minutes(1);
+  /// Where training waits while the robot is busy; null: it never does.
+  JobPace* pace = nullptr;
+};
+
 /// What training did.
 struct TrainReport {
   size_t snapshots = 0;       ///< That were offered.
@@ -74,7 +89,7 @@ struct TrainReport {
   size_t sequences = 0;       ///< Recordings, left-out ones included.
   int64_t autoencoder_steps = 0;
   int64_t dynamics_steps = 0;
-  double seconds = 0;
+  double seconds = 0;  ///< Of work, that of interrupted processes included.
   double final_loss = 0;
   double training_psnr_db = 0;     ///< Mean over images, smoothed, at the end; 0 without images.
   std::vector<std::string> notes;  ///< What a reader should know, in sentences.
@@ -85,13 +100,21 @@ struct TrainReport {
 [[nodiscard]] uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options,
                                      size_t snapshots);
 
+/// Features of the networks that are made for so many snapshots.
+[[nodiscard]] int network_width(const TrainOptions& options, size_t snapshots);
+
+/// What a checkpoint belongs to: options (but for the time they allow), code and the times of the
+/// data. Another key, another training.
+[[nodiscard]] uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& options);
+
 /// Trains a model on `source` and writes it to `file`, which must not exist.
 ///
 /// Errors: kInvalidArgument where the values cannot be tensors; kCancelled on `stop`;
-/// kResourceExhausted where memory ends; those of source.read.
+/// kResourceExhausted where memory ends, or the time of control.pace while the robot is busy;
+/// those of source.read.
 /// Threading: one at a time per process; uses LibTorch's global random generator and threads.
 Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
                                 const std::filesystem::path& file, const ProgressSink& progress,
-                                const std::stop_token& stop);
+                                const std::stop_token& stop, const TrainControl& control = {});
 
 }  // namespace engram::training

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "ltm/store/checkpoint_file.h"
 #include "ltm/store/journal.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/publish.h"
@@ -43,9 +44,14 @@ Result<std::vector<Finding>> find_orphans(const std::filesystem::path& store) {
     if (!named.contains(file))
       notes.push_back(note(
           file, "is not named by the manifest: left over, or just being published or replaced"));
-  for (const std::string& file : files_in(store, "tmp"))
-    if (belongs_to_dead_process(std::filesystem::path(file).filename().string()))
+  for (const std::string& file : files_in(store, "tmp")) {
+    const std::string name = std::filesystem::path(file).filename().string();
+    if (is_checkpoint(name))
+      notes.push_back(note(file, "is what training goes on from that is under way or was killed",
+                           "nothing: the next consolidation uses or removes it"));
+    else if (belongs_to_dead_process(name))
       notes.push_back(note(file, "belongs to a process that is gone"));
+  }
   for (const std::string& file : files_in(store, "journal"))
     if (file.ends_with(".damaged"))
       notes.push_back(note(file, "is kept since acknowledged data in it was damaged",

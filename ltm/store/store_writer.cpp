@@ -7,6 +7,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
+#include "ltm/store/checkpoint_file.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/journal.h"
 #include "ltm/store/journal_syncer.h"
@@ -25,7 +26,8 @@ Status remove_leftovers(const std::filesystem::path& store) {
   for (const char* folder : {"journal", "segments", "models", "tmp"})
     ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
   for (const auto& entry : std::filesystem::directory_iterator(store / "tmp"))
-    if (belongs_to_dead_process(entry.path().filename().string()))
+    if (const std::string name = entry.path().filename().string();
+        !is_checkpoint(name) && belongs_to_dead_process(name))
       ENGRAM_RETURN_IF_ERROR(remove_file(entry.path()));
   return edit_manifest(store, [&store](Manifest& manifest) -> Status {
     std::set<std::string> named;

@@ -7,31 +7,16 @@
 #include "encoders/model_file.h"
 #include "ltm/recall/recall.h"
 #include "ltm/recording/recorder.h"
-#include "tests/training/moving_scene.h"
+#include "tests/training/recorded_scene.h"
 #include "training/metrics.h"
 
 namespace engram::training {
 namespace {
 
+using engram::testing::id;
 using engram::testing::quick_options;
-using engram::testing::scene_source;
+using engram::testing::record;
 using engram::testing::ScratchPath;
-
-ltm::MemoryId id(const std::string& text) {
-  return *ltm::MemoryId::parse(text);
-}
-
-void record(const std::filesystem::path& store, const std::string& entity, int first, int count) {
-  auto recorder = ltm::Recorder::open(store, {});
-  ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
-  const auto source = scene_source(first + count);
-  for (int i = first; i < first + count; ++i) {
-    const Time time = source.times[static_cast<size_t>(i)];
-    const ltm::Snapshot snapshot{id(entity), time, {{engram::testing::scene_at(i), {}}}};
-    ASSERT_TRUE(recorder->commit({{snapshot}}).ok());
-  }
-  ASSERT_TRUE(recorder->close().ok());
-}
 
 ConsolidateOptions options() {
   ConsolidateOptions options;
@@ -171,6 +156,50 @@ TEST(Consolidate, EncodesWithTheNewestModelWhereAskedTo) {
   EXPECT_EQ(reused->entities[0].model_version, 2);
   EXPECT_EQ(reused->entities[0].training.autoencoder_steps, 0);
   EXPECT_NEAR(reused->entities[0].mean_psnr_db, trained->entities[0].mean_psnr_db, 1.0);
+}
+
+TEST(Consolidate, PlansBeforeItTrains) {
+  const ScratchPath store("plan");
+  record(store.path(), "Test/Scene/sim/large", 0, 20);
+  record(store.path(), "Test/Scene/sim/small", 0, 3);
+  auto chosen = options();
+  const auto before = ltm::read_manifest(store.path())->generation;
+  auto plan = plan_consolidation(store.path(), chosen, {});
+  ASSERT_TRUE(plan.ok()) << plan.status().to_string();
+  EXPECT_EQ(ltm::read_manifest(store.path())->generation, before);
+  ASSERT_EQ(plan->entities.size(), 2u);
+  EXPECT_EQ(plan->entities[1].skipped_reason, "3 recorded snapshots, needs 16");
+  EXPECT_EQ(plan->entities[1].budget_share, 0.0);
+  const EntityPlan first = plan->entities[0];
+  EXPECT_EQ(first.snapshots, 20u);
+  EXPECT_EQ(first.new_snapshots, 20u);
+  EXPECT_GE(first.plain_bytes, 20u * 40 * 48 * 3);
+  EXPECT_GT(first.stored_bytes, 0u);
+  EXPECT_EQ(first.budget_share, 1.0);
+  EXPECT_EQ(first.expected_gain_bytes(), std::nullopt);
+
+  std::vector<EntityPlan> told;
+  const auto report = consolidate(store.path(), chosen, {}, {}, [&](const ConsolidatePlan& made) {
+    EXPECT_EQ(ltm::read_manifest(store.path())->generation, before);
+    told = made.entities;
+  });
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0].snapshots, report->entities[0].snapshots);
+  EXPECT_EQ(told[0].plain_bytes, report->entities[0].raw_bytes);
+
+  record(store.path(), "Test/Scene/sim/large", 20, 4);
+  plan = plan_consolidation(store.path(), chosen, {});
+  ASSERT_TRUE(plan.ok()) << plan.status().to_string();
+  const EntityPlan& again = plan->entities[0];
+  EXPECT_EQ(again.snapshots, 24u);
+  EXPECT_EQ(again.new_snapshots, 4u);
+  EXPECT_EQ(again.newest_version, 1);
+  ASSERT_TRUE(again.latent_bytes_per_snapshot.has_value());
+  EXPECT_GE(*again.latent_bytes_per_snapshot * 20,
+            static_cast<double>(report->entities[0].latent_bytes));
+  EXPECT_DOUBLE_EQ(*again.expected_gain_bytes(),
+                   static_cast<double>(again.stored_bytes) - *again.expected_bytes());
 }
 
 TEST(Consolidate, KeepsTinyImagesWithinTheBoundOrLeavesThemRecorded) {

@@ -21,6 +21,30 @@ TEST(Schedule, CountsStepsWhereTheyAreGiven) {
   EXPECT_EQ(schedule.share(10), 1.0);
 }
 
+TEST(Schedule, GoesOnFromAShare) {
+  Schedule schedule(std::nullopt, 1e6);
+  schedule.go_on_from(0.75);
+  EXPECT_NEAR(schedule.share(0), 0.75, 1e-3);
+  EXPECT_NEAR(schedule.seconds_left(0), 0.25e6, 1);
+  schedule.go_on_from(1.0);
+  EXPECT_GE(schedule.share(0), 1.0);
+}
+
+TEST(Schedule, EndsAtAMomentThatLeavesTimeForWhatFollows) {
+  Time now = time_from_ns(0);
+  const auto clock = [&now] { return now; };
+  Schedule schedule(now + std::chrono::hours(1), 0.75, 0.25, clock);
+  EXPECT_NEAR(schedule.seconds_left(0), 0.75 * 3600, 1);
+  // A break of half an hour: what is left is shared anew.
+  now += std::chrono::minutes(30);
+  schedule.go_on_from(0.5);
+  EXPECT_NEAR(schedule.share(0), 0.5, 1e-3);
+  EXPECT_NEAR(schedule.seconds_left(0), 1800 * 0.375 / (0.375 + 0.25), 1);
+  now += std::chrono::minutes(31);
+  schedule.go_on_from(0.5);
+  EXPECT_GE(schedule.share(0), 1.0);
+}
+
 TEST(ErrorPrice, FollowsTheQualityInBothDirections) {
   ErrorPrice price(36);
   const double first = price.value();

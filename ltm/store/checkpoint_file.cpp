@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/store/checkpoint_file.h"
+
+#include <algorithm>
+
+#include "ltm/core/file.h"
+#include "ltm/store/publish.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr std::string_view kSuffix = ".checkpoint";
+/// Of one that was being written.
+constexpr std::string_view kUnfinished = ".checkpoint.new";
+
+/// What the names of all checkpoints of an entity begin with.
+std::string prefix_of(const MemoryId& entity) {
+  constexpr std::string_view kModelEnd = ".v1.h5";
+  std::string name = std::filesystem::path(model_file_name(entity, 1)).filename().string();
+  name.resize(name.size() - kModelEnd.size());
+  return name + ".";
+}
+
+std::vector<std::filesystem::path> checkpoints_of(const std::filesystem::path& store) {
+  std::vector<std::filesystem::path> files;
+  std::error_code missing;
+  for (const auto& entry : std::filesystem::directory_iterator(store / "tmp", missing))
+    if (const std::string name = entry.path().filename().string();
+        is_checkpoint(name) || name.ends_with(kUnfinished))
+      files.push_back(entry.path());
+  return files;
+}
+
+}  // namespace
+
+std::filesystem::path checkpoint_file(const std::filesystem::path& store, const MemoryId& entity,
+                                      uint64_t key) {
+  return store / "tmp" / fmt::format("{}{:016x}{}", prefix_of(entity), key, kSuffix);
+}
+
+bool is_checkpoint(const std::string& name) {
+  return name.ends_with(kSuffix);
+}
+
+Status remove_checkpoints(const std::filesystem::path& store, const MemoryId& entity,
+                          std::span<const std::filesystem::path> kept) {
+  for (const auto& file : checkpoints_of(store))
+    if (file.filename().string().starts_with(prefix_of(entity)) &&
+        std::ranges::find(kept, file) == kept.end())
+      ENGRAM_RETURN_IF_ERROR(remove_file(file));
+  return {};
+}
+
+Status remove_checkpoints_of_others(const std::filesystem::path& store,
+                                    const std::vector<MemoryId>& entities) {
+  for (const auto& file : checkpoints_of(store)) {
+    const std::string name = file.filename().string();
+    const bool is_known = std::ranges::any_of(
+        entities, [&](const MemoryId& entity) { return name.starts_with(prefix_of(entity)); });
+    if (!is_known) ENGRAM_RETURN_IF_ERROR(remove_file(file));
+  }
+  return {};
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// The offline phase as a nightly job: interrupted, hurried, and beside a robot that is busy.
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "ltm/core/file.h"
+#include "ltm/store/store_reader.h"
+#include "tests/training/recorded_scene.h"
+#include "training/consolidate.h"
+#include "training/drop_raw.h"
+
+namespace engram::training {
+namespace {
+
+using engram::testing::id;
+using engram::testing::quick_options;
+using engram::testing::record;
+using engram::testing::scene_source;
+using engram::testing::ScratchPath;
+
+ConsolidateOptions options() {
+  ConsolidateOptions options;
+  options.train = quick_options(20);
+  options.representation.kind = Representation::kLatents;
+  return options;
+}
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& directory) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory))
+    files.push_back(entry.path());
+  return files;
+}
+
+std::string content_of(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  return bytes.ok() ? std::string(as_text(bytes->bytes())) : std::string();
+}
+
+std::string model_of(const std::filesystem::path& store) {
+  return content_of(store / ltm::read_manifest(store)->models.front().file);
+}
+
+/// Runs until progress on `what` is told, then stops.
+void interrupt(const std::filesystem::path& store, const ConsolidateOptions& options,
+               const std::string& what) {
+  std::stop_source stop;
+  const ProgressSink sink = [&](const Progress& progress) {
+    if (progress.what.starts_with(what) && progress.done >= 10) stop.request_stop();
+  };
+  EXPECT_EQ(consolidate(store, options, sink, stop.get_token()).status().code(),
+            StatusCode::kCancelled);
+}
+
+TEST(NightlyJob, GoesOnWhereItWasInterrupted) {
+  const ScratchPath whole("whole_night"), broken("broken_night");
+  for (const auto* store : {&whole, &broken}) record(store->path(), "Test/Scene/sim/square", 0, 20);
+  ASSERT_TRUE(consolidate(whole.path(), options(), {}, {}).ok());
+  EXPECT_TRUE(files_in(whole.path() / "tmp").empty());
+  for (const char* what : {"train", "encode"}) {
+    interrupt(broken.path(), options(), what);
+    EXPECT_EQ(files_in(broken.path() / "tmp").size(), 1u) << what;
+  }
+  int trained = 0;
+  const ProgressSink sink = [&](const Progress& progress) {
+    trained += progress.what.starts_with("train") ? 1 : 0;
+  };
+  const auto report = consolidate(broken.path(), options(), sink, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_EQ(trained, 0) << "was done already";
+  EXPECT_EQ(report->entities[0].training.autoencoder_steps, 17);
+  EXPECT_TRUE(model_of(broken.path()) == model_of(whole.path()));
+  EXPECT_TRUE(files_in(broken.path() / "tmp").empty());
+}
+
+TEST(NightlyJob, RemovesWhatNothingGoesOnFrom) {
+  const ScratchPath store("stale_night");
+  record(store.path(), "Test/Scene/sim/square", 0, 20);
+  const auto kept = [&] { return files_in(store.path() / "tmp"); };
+  interrupt(store.path(), options(), "train");
+  const auto first = kept();
+  ASSERT_EQ(first.size(), 1u);
+  auto other = options();
+  other.train.seed = 5;
+  interrupt(store.path(), other, "train");
+  ASSERT_EQ(kept().size(), 1u);
+  EXPECT_NE(kept(), first);
+  record(store.path(), "Test/Scene/sim/square", 20, 2);
+  interrupt(store.path(), other, "train");
+  EXPECT_EQ(kept().size(), 1u) << "of the data that is there now";
+  other.job.is_fresh = true;
+  const auto report = consolidate(store.path(), other, {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  for (const std::string& note : report->entities[0].training.notes)
+    EXPECT_EQ(note.find("went on"), std::string::npos) << note;
+  EXPECT_TRUE(kept().empty());
+}
+
+TEST(NightlyJob, IsDoneAtTheMomentThatWasAskedFor) {
+  const ScratchPath store("until");
+  record(store.path(), "Test/Scene/sim/square", 0, 40);
+  auto chosen = options();
+  chosen.train.steps.reset();
+  chosen.job.until = system_now() + std::chrono::seconds(15);
+  const auto report = consolidate(store.path(), chosen, {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const EntityReport& entity = report->entities[0];
+  EXPECT_EQ(entity.skipped_reason, "");
+  EXPECT_GT(entity.expected_encoding_seconds, 0);
+  EXPECT_GT(entity.training.autoencoder_steps, 0);
+  EXPECT_GT(entity.training.dynamics_steps, 0);
+  EXPECT_LT(system_now(), *chosen.job.until + std::chrono::seconds(30));
+  EXPECT_GT(system_now(), *chosen.job.until - std::chrono::seconds(12));
+
+  chosen.force = true;
+  chosen.job.until = system_now() - std::chrono::seconds(1);
+  const auto late = consolidate(store.path(), chosen, {}, {});
+  ASSERT_TRUE(late.ok()) << late.status().to_string();
+  EXPECT_TRUE(late->entities[0].skipped_reason.starts_with("no time to train until"));
+  chosen.train.steps = 3;
+  EXPECT_EQ(consolidate(store.path(), chosen, {}, {}).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST(NightlyJob, WaitsWhileTheRobotIsBusy) {
+  const ScratchPath store("busy_night"), idle("idle_night"), file("busy_night_file");
+  for (const auto* each : {&store, &idle}) record(each->path(), "Test/Scene/sim/square", 0, 20);
+  auto chosen = options();
+  chosen.job.yield.file = file.path();
+  chosen.job.yield.file_interval = Duration(0);
+  int waits = 0;
+  bool was_busy = false;
+  const ProgressSink sink = [&](const Progress& progress) {
+    if (progress.detail.starts_with("waiting: ")) {
+      EXPECT_FALSE(files_in(store.path() / "tmp").empty());
+      if (++waits == 3) std::filesystem::remove(file.path());
+    } else if (progress.done >= 5 && !std::exchange(was_busy, true)) {
+      EXPECT_TRUE(replace_file(file.path(), {}).ok());
+    }
+  };
+  const auto report = consolidate(store.path(), chosen, sink, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_EQ(waits, 3);
+  ASSERT_TRUE(consolidate(idle.path(), options(), {}, {}).ok());
+  EXPECT_TRUE(model_of(store.path()) == model_of(idle.path()));
+}
+
+TEST(NightlyJob, GivesUpWhereTheRobotIsBusyAllNight) {
+  const ScratchPath store("all_night"), file("all_night_file");
+  record(store.path(), "Test/Scene/sim/square", 0, 20);
+  auto chosen = options();
+  chosen.train.steps.reset();
+  chosen.job.until = system_now() + std::chrono::seconds(8);
+  chosen.job.yield.file = file.path();
+  ASSERT_TRUE(replace_file(file.path(), {}).ok());
+  const auto report = consolidate(store.path(), chosen, {}, {});
+  std::filesystem::remove(file.path());
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_TRUE(report->entities[0].skipped_reason.starts_with("the robot was busy until"))
+      << report->entities[0].skipped_reason;
+  EXPECT_EQ(files_in(store.path() / "tmp").size(), 1u) << "what was kept stays";
+}
+
+TEST(DropRaw, LeavesYoungDataRecorded) {
+  const ScratchPath store("grace");
+  record(store.path(), "Test/Scene/sim/square", 0, 20);
+  ASSERT_TRUE(consolidate(store.path(), options(), {}, {}).ok());
+  const auto entity = id("Test/Scene/sim/square");
+  const DropOptions young{.stays_from = scene_source(20).times[12]};
+  const auto dropped = drop_raw(store.path(), entity, young, {}, {});
+  ASSERT_TRUE(dropped.ok()) << dropped.status().to_string();
+  EXPECT_EQ(dropped->snapshots, 12u);
+  EXPECT_EQ(dropped->kept, 8u);
+  const auto reader = *ltm::StoreReader::open(store.path());
+  const auto& entries = **reader->index(entity);
+  for (size_t i = 0; i < entries.size(); ++i) {
+    EXPECT_EQ(entries[i].recorded.has_value(), i >= 12) << i;
+    EXPECT_TRUE(entries[i].latent.has_value()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace engram::training

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "ltm/recording/recorder.h"
+#include "tests/training/moving_scene.h"
+
+namespace engram::testing {
+
+inline ltm::MemoryId id(const std::string& text) {
+  return *ltm::MemoryId::parse(text);
+}
+
+/// Appends `count` snapshots of the scene, from `first` on, to an entity of a store.
+inline void record(const std::filesystem::path& store, const std::string& entity, int first,
+                   int count) {
+  auto recorder = ltm::Recorder::open(store, {});
+  ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+  const auto source = scene_source(first + count);
+  for (int i = first; i < first + count; ++i) {
+    const Time time = source.times[static_cast<size_t>(i)];
+    const ltm::Snapshot snapshot{id(entity), time, {{scene_at(i), {}}}};
+    ASSERT_TRUE(recorder->commit({{snapshot}}).ok());
+  }
+  ASSERT_TRUE(recorder->close().ok());
+}
+
+}  // namespace engram::testing
