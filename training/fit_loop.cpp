@@ -58,7 +58,7 @@ Status FitLoop::pause(const FitState& state, double share) {
 
 void FitLoop::keep(const FitState& state, double share) {
   if (!checkpoints_.is_on()) return;
-  checkpoints_.save({phase_, std::min(share, 1.0), 0, {}, kept_state(state)});
+  checkpoints_.save({phase_, std::min(share, 1.0), 0, {}, {}, kept_state(state)});
 }
 
 }  // namespace engram::training
