@@ -21,8 +21,11 @@ constexpr size_t kHeadBytes = kMagic.size() + sizeof(uint64_t);
 constexpr uint64_t kMostBytes = uint64_t{4} << 30;
 
 idf::Data data_of(const FitStep& step) {
-  return idf::Dict{
-      {"step", step.step}, {"loss", step.loss}, {"psnr_db", step.psnr_db}, {"bytes", step.bytes}};
+  return idf::Dict{{"step", step.step},
+                   {"loss", step.loss},
+                   {"psnr_db", step.psnr_db},
+                   {"bytes", step.bytes},
+                   {"price", step.price}};
 }
 
 template <typename T>

@@ -30,7 +30,7 @@ Status FitLoop::begin(FitState& state) {
     return {};
   }
   schedule_.go_on_from(found->share);
-  log::info("training goes on from a checkpoint: {} steps, {:.0f} % of the {}'s time",
+  log::info("training goes on from a checkpoint: {} steps, {:.0f} % of the {} phase",
             state.now.step, 100 * found->share, name_of(phase_));
   return {};
 }

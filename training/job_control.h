@@ -23,7 +23,7 @@ struct JobControl {
   [[nodiscard]] Status validate() const {
     if (checkpoint_interval < Duration::zero())
       return invalid_argument("time between checkpoints: found {}, needs 0 or more",
-                              to_string(checkpoint_interval));
+                              engram::to_string(checkpoint_interval));
     return {};
   }
 };

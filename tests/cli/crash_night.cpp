@@ -78,7 +78,8 @@ class Night {
 
   [[nodiscard]] Content models() const {
     Content found;
-    for (const ltm::ModelInfo& model : ltm::read_manifest(store_)->models)
+    const ltm::Manifest manifest = *ltm::read_manifest(store_);
+    for (const ltm::ModelInfo& model : manifest.models)
       found[model.entity.to_string()] =
           *ltm::checksum_of_file(std::filesystem::path(store_) / model.file);
     return found;

@@ -16,7 +16,7 @@ using engram::testing::quick_options;
 using engram::testing::scene_source;
 using engram::testing::ScratchPath;
 
-constexpr int kSteps = 40;  // 34 of the autoencoder, 6 of the dynamics.
+constexpr int kSteps = 20;  // 17 of the autoencoder, 3 of the dynamics.
 
 std::string content_of(const std::filesystem::path& path) {
   const auto bytes = read_file(path);
@@ -69,14 +69,14 @@ class Training {
 TEST(Checkpoint, AnInterruptedTrainingMakesTheSameModelAsOneThatWasNot) {
   const std::string whole = Training("whole").run();
   ASSERT_GT(whole.size(), 10000u);
-  const std::vector<std::vector<int>> interruptions{{7}, {20}, {30}, {37}, {3, 12, 25, 33, 36, 39}};
+  const std::vector<std::vector<int>> interruptions{{4}, {15}, {2, 10, 18}};
   for (const std::vector<int>& stops : interruptions) {
     Training training("interrupted");
     for (const int stop : stops) {
       EXPECT_EQ(training.run(stop), "") << stop;
       const auto kept = read_checkpoint(training.kept(), training.key());
       ASSERT_TRUE(kept.ok()) << kept.status().to_string();
-      EXPECT_EQ(kept->phase, stop <= 34 ? FitPhase::kAutoencoder : FitPhase::kDynamics);
+      EXPECT_EQ(kept->phase, stop <= 17 ? FitPhase::kAutoencoder : FitPhase::kDynamics);
     }
     EXPECT_TRUE(training.run() == whole) << "stopped first before step " << stops.front();
     EXPECT_NE(training.notes.front().find("went on"), std::string::npos);
@@ -90,7 +90,7 @@ TEST(Checkpoint, AnInterruptedTrainingMakesTheSameModelAsOneThatWasNot) {
 
 TEST(Checkpoint, OfOtherOptionsIsNotGoneOnFrom) {
   Training training("other");
-  training.run(20);
+  training.run(10);
   const uint64_t key = training.key();
   training.options.seed = 2;
   EXPECT_NE(training.key(), key);
@@ -134,7 +134,7 @@ TEST(Checkpoint, DamageIsNoticed) {
 
 TEST(Checkpoint, WhatIsNotOfSuchAFitIsIgnored) {
   Training training("hostile");
-  training.run(37);
+  training.run(18);
   const auto good = read_checkpoint(training.kept(), training.key());
   ASSERT_TRUE(good.ok()) << good.status().to_string();
   const auto changed = [&](auto change) {

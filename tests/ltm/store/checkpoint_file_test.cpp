@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ltm/core/file.h"
+#include "ltm/store/manifest.h"
 #include "ltm/store/orphans.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
@@ -19,7 +20,7 @@ MemoryId id(const std::string& text) {
 TEST(CheckpointFile, OutlivesTheNextWriter) {
   const ScratchDirectory scratch;
   const std::filesystem::path store = scratch / "store";
-  ASSERT_OK(StoreWriter::open(store, {}));
+  ASSERT_OK(create_store(store));
   const auto file = checkpoint_file(store, id("Vision/RGB/head/cam"), 0x12ab);
   EXPECT_EQ(file.filename(), "Vision.RGB.head.cam.00000000000012ab.checkpoint");
   ASSERT_OK(replace_file(file, as_bytes("state")));
