@@ -180,7 +180,7 @@ class Crossval {
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const size_t steps = std::min(kAhead, values.size() - 1 - row);
-      ltm::Past past(std::span(values).subspan(row - 1, 2));
+      ltm::Past past{std::span<const idf::Data>(values).subspan(row - 1, 2)};
       if (!conditions.empty()) past.conditions = std::span(conditions).subspan(row - 1, 2);
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
