@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::string_view kCodeVersion = "0.1.0";
 /// Shares of the budget, or of the steps, that the autoencoder and what continues motion get.
-constexpr double kAutoencoderShare = 0.78;
-constexpr double kMotionShare = 0.14;
+constexpr double kAutoencoderShare = 0.72;
+constexpr double kMotionShare = 0.2;
 constexpr size_t kFewestSnapshots = 2;
 
 encoders::NetworkSizes sizes_of(const TrainOptions& options, const Dataset& data) {
