@@ -69,7 +69,7 @@ TEST(NightlyJob, GoesOnWhereItWasInterrupted) {
   const auto report = consolidate(broken.path(), options(), sink, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_EQ(trained, 0) << "was done already";
-  EXPECT_EQ(report->entities[0].training.autoencoder_steps, 17);
+  EXPECT_EQ(report->entities[0].training.autoencoder_steps, 14);
   EXPECT_TRUE(model_of(broken.path()) == model_of(whole.path()));
   EXPECT_TRUE(files_in(broken.path() / "tmp").empty());
 }

@@ -34,7 +34,7 @@ TEST(Trainer, OverfitsOneBatch) {
   const auto source = scene_source(8, 1, true, false);
   auto options = quick_options(2);
   const auto first = train_model(source, options, before.path(), {}, {});
-  options.steps = 400;
+  options.steps = 470;
   const auto last = train_model(source, options, after.path(), {}, {});
   ASSERT_TRUE(first.ok()) << first.status().to_string();
   ASSERT_TRUE(last.ok()) << last.status().to_string();
