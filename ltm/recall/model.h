@@ -35,11 +35,16 @@ class Encoder {
   /// One code per latent, in order: some numbers, as many for each, whose Euclidean distance is
   /// small where images look alike. Images that are kept as latents are not decoded.
   /// Errors: as decode; kFailedPrecondition where the model has no codes.
-  virtual Result<std::vector<std::vector<float>>> global_codes(std::span<const Latent> latents) = 0;
+  virtual Result<std::vector<std::vector<float>>> global_codes(
+      std::span<const Latent> /*latents*/) {
+    return failed_precondition("this encoder has no global codes");
+  }
 
   /// The code of a value, to look for what resembles it.
   /// Errors: kInvalidArgument where it has another layout; kFailedPrecondition as above.
-  virtual Result<std::vector<float>> global_code(const idf::Data& value) = 0;
+  virtual Result<std::vector<float>> global_code(const idf::Data& /*value*/) {
+    return failed_precondition("this encoder has no global codes");
+  }
 };
 
 /// What a prediction starts from.
