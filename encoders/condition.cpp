@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/condition.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace engram::encoders {
+
+namespace {
+
+/// Deviations that a number counts as at most.
+constexpr double kMost = 1e4;
+
+}  // namespace
 
 Result<torch::Tensor> Condition::read(const idf::Data& value) const {
   ENGRAM_ASSIGN_OR_RETURN(const auto split, plan.layout().split(value));
@@ -15,7 +23,7 @@ std::vector<float> normalised(std::span<const double> numbers, std::span<const d
   std::vector<float> result;
   for (size_t i = 0; i < numbers.size(); ++i) {
     const double x = deviation[i] > 0 ? (numbers[i] - mean[i]) / deviation[i] : 0.0;
-    result.push_back(std::isfinite(x) ? static_cast<float>(x) : 0.0F);
+    result.push_back(std::isfinite(x) ? static_cast<float>(std::clamp(x, -kMost, kMost)) : 0.0F);
   }
   return result;
 }

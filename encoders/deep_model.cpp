@@ -76,12 +76,7 @@ DeepModel::DeepModel(TensorPlan tensor_plan, const NetworkSizes& sizes)
 }
 
 std::vector<float> DeepModel::normalise(std::span<const double> numbers) const {
-  std::vector<float> normalised(numbers.size(), 0.0f);
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    const double number = deviation[i] > 0 ? (numbers[i] - mean[i]) / deviation[i] : 0.0;
-    if (std::isfinite(number)) normalised[i] = static_cast<float>(std::clamp(number, -1e4, 1e4));
-  }
-  return normalised;
+  return normalised(numbers, mean, deviation);
 }
 
 Result<Parts> DeepModel::to_parts(const idf::SplitValue& value) const {

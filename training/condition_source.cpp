@@ -6,8 +6,11 @@
 
 namespace engram::training {
 
-Result<std::optional<idf::Data>> ConditionSource::at(ltm::StoreReader& reader,
-                                                     const ltm::MemoryId& condition, Time time) {
+namespace {
+
+/// The last recorded value at or before a time; nothing where there is none.
+Result<std::optional<idf::Data>> condition_at(ltm::StoreReader& reader,
+                                              const ltm::MemoryId& condition, Time time) {
   auto timeline = reader.timeline(condition);
   if (timeline.status().code() == StatusCode::kNotFound) return std::optional<idf::Data>();
   ENGRAM_RETURN_IF_ERROR(timeline.status());
@@ -18,29 +21,16 @@ Result<std::optional<idf::Data>> ConditionSource::at(ltm::StoreReader& reader,
   return std::optional(std::move(snapshot.instances.front().data));
 }
 
-Result<std::vector<idf::Data>> ConditionSource::at_all(
-    ltm::StoreReader& reader, const std::optional<ltm::MemoryId>& condition,
-    std::span<const Time> times) {
-  std::vector<idf::Data> values;
-  if (!condition) return values;
-  for (const Time time : times) {
-    ENGRAM_ASSIGN_OR_RETURN(auto value, at(reader, *condition, time));
-    if (!value) return std::vector<idf::Data>{};
-    values.push_back(std::move(*value));
-  }
-  return values;
-}
-
-Result<std::optional<ltm::MemoryId>> ConditionSource::find(ltm::StoreReader& reader,
-                                                           const ltm::MemoryId& entity,
-                                                           const ltm::SnapshotEntry& snapshot) {
+Result<std::optional<ltm::MemoryId>> find_condition(ltm::StoreReader& reader,
+                                                    const ltm::MemoryId& entity,
+                                                    const ltm::SnapshotEntry& snapshot) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot example, reader.read_recorded(entity, snapshot));
   for (const ltm::Instance& instance : example.instances)
     for (const ltm::Link& link : ltm::find_links(instance.data)) {
       if (!link.id.has_entity()) continue;
       const ltm::MemoryId linked = link.id.entity();
       if (linked == entity) continue;
-      ENGRAM_ASSIGN_OR_RETURN(const auto value, at(reader, linked, snapshot.time));
+      ENGRAM_ASSIGN_OR_RETURN(const auto value, condition_at(reader, linked, snapshot.time));
       if (!value) continue;
       const auto plan = encoders::TensorPlan::create(idf::Layout::of(*value));
       if (plan.ok() && plan->number_count() > 0 && plan->images().empty())
@@ -49,15 +39,30 @@ Result<std::optional<ltm::MemoryId>> ConditionSource::find(ltm::StoreReader& rea
   return std::optional<ltm::MemoryId>();
 }
 
-Status ConditionSource::add(ltm::StoreReader& reader, const ltm::MemoryId& entity,
-                            const ltm::SnapshotEntry& snapshot, TrainingSource& source) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto condition, find(reader, entity, snapshot));
+}  // namespace
+
+Status add_condition(ltm::StoreReader& reader, const ltm::MemoryId& entity,
+                     const ltm::SnapshotEntry& snapshot, TrainingSource& source) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto condition, find_condition(reader, entity, snapshot));
   if (!condition) return {};
   source.condition_entity = condition->to_string();
   source.read_condition = [&reader, id = *condition, times = source.times](size_t index) {
-    return at(reader, id, times[index]);
+    return condition_at(reader, id, times[index]);
   };
   return {};
+}
+
+Result<std::vector<idf::Data>> conditions_at(ltm::StoreReader& reader,
+                                             const std::optional<ltm::MemoryId>& condition,
+                                             std::span<const Time> times) {
+  std::vector<idf::Data> values;
+  if (!condition) return values;
+  for (const Time time : times) {
+    ENGRAM_ASSIGN_OR_RETURN(auto value, condition_at(reader, *condition, time));
+    if (!value) return std::vector<idf::Data>{};
+    values.push_back(std::move(*value));
+  }
+  return values;
 }
 
 }  // namespace engram::training

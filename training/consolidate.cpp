@@ -7,32 +7,14 @@
 
 #include "ltm/core/local_time.h"
 #include "ltm/core/log.h"
-#include "ltm/memory/query.h"
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/store_reader.h"
 #include "training/entity_job.h"
+#include "training/matching.h"
 
 namespace engram::training {
 
 namespace {
-
-Result<std::vector<ltm::MemoryId>> matching(const ltm::StoreReader& reader,
-                                            const std::vector<std::string>& texts) {
-  std::vector<ltm::Query> queries;
-  for (const std::string& text : texts) {
-    ENGRAM_ASSIGN_OR_RETURN(ltm::Query query, ltm::Query::parse(text));
-    queries.push_back(std::move(query));
-  }
-  std::vector<ltm::MemoryId> entities;
-  for (const ltm::MemoryId& entity : reader.entities())
-    if (queries.empty() || std::any_of(queries.begin(), queries.end(),
-                                       [&](const auto& query) { return query.matches(entity); }))
-      entities.push_back(entity);
-  if (entities.empty())
-    return not_found("store '{}': none of its {} entities matches", reader.path().string(),
-                     reader.entities().size());
-  return entities;
-}
 
 /// The work on a store, entity by entity.
 struct Jobs {
@@ -46,7 +28,10 @@ struct Jobs {
     ENGRAM_RETURN_IF_ERROR(options.validate());
     Jobs jobs;
     ENGRAM_ASSIGN_OR_RETURN(jobs.reader, ltm::StoreReader::open(store));
-    ENGRAM_ASSIGN_OR_RETURN(const auto entities, matching(*jobs.reader, options.entities));
+    ENGRAM_ASSIGN_OR_RETURN(const auto entities, matching_entities(*jobs.reader, options.entities));
+    if (entities.empty())
+      return not_found("store '{}': none of its {} entities matches", store.string(),
+                       jobs.reader->entities().size());
     double total_weight = 0;
     for (const ltm::MemoryId& entity : entities) {
       EntityJob& job = jobs.entities.emplace_back(*jobs.reader, entity, options, pace);

@@ -16,10 +16,9 @@ std::optional<double> EntityPlan::expected_gain_bytes() const {
 }
 
 void describe_newest_model(const ltm::Manifest& manifest, EntityPlan& plan) {
-  for (const ltm::ModelInfo& model : manifest.models) {
-    if (model.entity != plan.entity || model.version <= plan.newest_version) continue;
-    plan.newest_version = model.version;
-    plan.model_bytes = model.bytes;
+  if (const ltm::ModelInfo* newest = manifest.newest_model(plan.entity)) {
+    plan.newest_version = newest->version;
+    plan.model_bytes = newest->bytes;
   }
   uint64_t snapshots = 0;
   uint64_t bytes = 0;

@@ -5,12 +5,12 @@
 #include <set>
 
 #include "encoders/deep_model_file.h"
-#include "ltm/memory/query.h"
 #include "ltm/store/temporary_file.h"
 #include "training/block_choice.h"
 #include "training/condition_source.h"
 #include "training/crossval_sums.h"
 #include "training/entity_source.h"
+#include "training/matching.h"
 
 namespace engram::training {
 
@@ -118,7 +118,7 @@ class Crossval {
     TrainOptions options = options_.train;
     options.variant = variant;
     TrainingSource source = EntitySource::values(reader_, entity_, trained);
-    ENGRAM_RETURN_IF_ERROR(ConditionSource::add(reader_, entity_, trained.back(), source));
+    ENGRAM_RETURN_IF_ERROR(add_condition(reader_, entity_, trained.back(), source));
     return train_model(source, options, file, progress, stop_).status();
   }
 
@@ -176,7 +176,7 @@ class Crossval {
     std::vector<Time> times;
     for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
     ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
-                            ConditionSource::at_all(reader_, condition, times));
+                            conditions_at(reader_, condition, times));
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const size_t steps = std::min(kAhead, values.size() - 1 - row);
@@ -202,10 +202,7 @@ class Crossval {
 
 /// The one entity that a query matches.
 Result<ltm::MemoryId> only_match(const ltm::StoreReader& reader, const std::string& text) {
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse(text));
-  std::vector<ltm::MemoryId> matching;
-  for (const ltm::MemoryId& entity : reader.entities())
-    if (query.matches(entity)) matching.push_back(entity);
+  ENGRAM_ASSIGN_OR_RETURN(const auto matching, matching_entities(reader, {&text, 1}));
   if (matching.empty())
     return not_found("store '{}': none of its {} entities matches '{}'", reader.path().string(),
                      reader.entities().size(), text);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "training/scenes.h"
 
@@ -39,6 +40,33 @@ size_t total_size(std::span<const Sequence> sequences) {
   size_t total = 0;
   for (const Sequence& sequence : sequences) total += sequence.size();
   return total;
+}
+
+/// Mean, deviation and normalised values of one column; 0 for values that are not finite. A number
+/// that never changes keeps deviation 0 and its exact value as mean.
+Tensor scaled_column(const Tensor& column, double& mean, double& deviation) {
+  const Tensor known = column.masked_select(torch::isfinite(column));
+  if (known.numel() == 0) return torch::zeros_like(column);
+  mean = known[0].item<double>();
+  if (known.min().equal(known.max())) return torch::zeros_like(column);
+  mean = known.mean().item<double>();
+  const double spread = (known - mean).square().mean().sqrt().item<double>();
+  if (!(spread > 0) || !std::isfinite(spread)) return torch::zeros_like(column);
+  deviation = spread;
+  return torch::nan_to_num((column - mean) / deviation, 0, 0, 0);
+}
+
+/// Shape: plain [n, N] of float64 -> [n, N] of float32.
+Tensor scaled(const Tensor& plain, std::vector<double>& mean, std::vector<double>& deviation) {
+  const auto count = static_cast<size_t>(plain.size(1));
+  mean.assign(count, 0.0);
+  deviation.assign(count, 0.0);
+  Tensor values = torch::zeros(plain.sizes());
+  for (size_t i = 0; i < count; ++i) {
+    const auto column = static_cast<int64_t>(i);
+    values.select(1, column).copy_(scaled_column(plain.select(1, column), mean[i], deviation[i]));
+  }
+  return values;
 }
 
 class Loader {
@@ -116,40 +144,14 @@ class Loader {
       }
     const size_t count = condition.plan.number_count();
     if (count == 0) return {};
-    set_scales(rows, condition);
-    std::vector<float> numbers;
-    for (const auto& row : rows) {
-      const std::vector<float> one =
-          row.empty() ? std::vector<float>(count)
-                      : encoders::normalised(row, condition.mean, condition.deviation);
-      numbers.insert(numbers.end(), one.begin(), one.end());
-    }
-    data_.conditions =
-        torch::tensor(numbers).reshape({static_cast<int64_t>(rows.size()), -1}).contiguous();
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    const auto rows_count = static_cast<int64_t>(rows.size());
+    Tensor plain = torch::full({rows_count, static_cast<int64_t>(count)}, unknown, torch::kFloat64);
+    for (int64_t row = 0; row < rows_count; ++row)
+      std::ranges::copy(rows[static_cast<size_t>(row)], plain.select(0, row).data_ptr<double>());
+    data_.conditions = scaled(plain, condition.mean, condition.deviation);
     data_.condition = std::move(condition);
     return {};
-  }
-
-  /// Mean and deviation of every number over the rows that are known.
-  static void set_scales(std::span<const std::vector<double>> rows,
-                         encoders::Condition& condition) {
-    for (size_t i = 0; i < condition.plan.number_count(); ++i) {
-      double sum = 0;
-      double squares = 0;
-      double count = 0;
-      for (const auto& row : rows) {
-        if (row.empty() || !std::isfinite(row[i])) continue;
-        sum += row[i];
-        squares += row[i] * row[i];
-        count += 1;
-      }
-      const double mean = count > 0 ? sum / count : 0;
-      const double variance = count > 0 ? squares / count - mean * mean : 0;
-      // What is left of a number that never changes is rounding.
-      const bool moves = variance > 1e-12 * (1 + mean * mean) && std::isfinite(variance);
-      condition.mean.push_back(std::isfinite(mean) ? mean : 0);
-      condition.deviation.push_back(moves ? std::sqrt(variance) : 0);
-    }
   }
 
   void choose_scales() {
@@ -164,27 +166,8 @@ class Loader {
   }
 
   void normalise() {
-    const size_t count = data_.plan.number_count();
-    data_.mean.assign(count, 0.0);
-    data_.deviation.assign(count, 0.0);
-    if (count == 0) return;
-    data_.numbers = torch::zeros({data_.plain_numbers.size(0), static_cast<int64_t>(count)});
-    for (size_t i = 0; i < count; ++i) normalise(i);
-  }
-
-  // A number that never changes keeps deviation 0 and its exact value as mean.
-  void normalise(size_t i) {
-    const Tensor column = data_.plain_numbers.select(1, static_cast<int64_t>(i));
-    const Tensor known = column.masked_select(torch::isfinite(column));
-    if (known.numel() == 0) return;
-    data_.mean[i] = known[0].item<double>();
-    if (known.min().equal(known.max())) return;
-    data_.mean[i] = known.mean().item<double>();
-    const double deviation = (known - data_.mean[i]).square().mean().sqrt().item<double>();
-    if (!(deviation > 0) || !std::isfinite(deviation)) return;
-    data_.deviation[i] = deviation;
-    const Tensor x = (column - data_.mean[i]) / deviation;
-    data_.numbers.select(1, static_cast<int64_t>(i)).copy_(torch::nan_to_num(x, 0, 0, 0));
+    const Tensor numbers = scaled(data_.plain_numbers, data_.mean, data_.deviation);
+    if (numbers.size(1) > 0) data_.numbers = numbers;
   }
 
   const TrainingSource& source_;

@@ -125,7 +125,7 @@ Status EntityJob::train(const TrainOptions& options, const Allotment& time,
                        .pace = &pace_};
   TrainingSource source = EntitySource::values(reader_, entity_, entries_);
   // The newest one: links of the first may lead to what was forgotten.
-  ENGRAM_RETURN_IF_ERROR(ConditionSource::add(reader_, entity_, entries_.back(), source));
+  ENGRAM_RETURN_IF_ERROR(add_condition(reader_, entity_, entries_.back(), source));
   ENGRAM_ASSIGN_OR_RETURN(
       report_.training,
       train_model(source, train, file, pace_.progress(), pace_.stop(), control));
@@ -152,10 +152,7 @@ void EntityJob::remove_stale_checkpoints(bool are_all_stale) {
 }
 
 Result<std::shared_ptr<encoders::DeepModel>> EntityJob::newest_model() {
-  const ltm::ModelInfo* newest = nullptr;
-  for (const ltm::ModelInfo& model : reader_.manifest().models)
-    if (model.entity == entity_ && (newest == nullptr || model.version > newest->version))
-      newest = &model;
+  const ltm::ModelInfo* newest = reader_.manifest().newest_model(entity_);
   if (newest == nullptr) return not_found("{}: has no model yet", entity_.to_string());
   return encoders::read_model(reader_.path() / newest->file);
 }

@@ -11,6 +11,7 @@
 #include "ltm/store/store_reader.h"
 #include "training/access_time.h"
 #include "training/condition_source.h"
+#include "training/matching.h"
 #include "training/metrics.h"
 #include "training/quality_json.h"
 #include "training/quality_sums.h"
@@ -143,7 +144,7 @@ class EntityMeasurement {
     const std::array<Time, 2> times{recorded[row - 1]->time, recorded[row]->time};
     ENGRAM_ASSIGN_OR_RETURN(
         const auto conditions,
-        ConditionSource::at_all(reader_, model_.predictor->condition(), times));
+        conditions_at(reader_, model_.predictor->condition(), times));
     auto futures =
         model_.predictor->predict({history, conditions}, static_cast<int>(truth.size()));
     // Snapshots of another layout are not this model's to predict.
@@ -186,22 +187,10 @@ class EntityMeasurement {
 /// The newest model of every entity that the queries match.
 Result<std::vector<const ltm::ModelInfo*>> newest_models(const ltm::StoreReader& reader,
                                                          const std::vector<std::string>& texts) {
-  std::vector<ltm::Query> queries;
-  for (const std::string& text : texts) {
-    ENGRAM_ASSIGN_OR_RETURN(ltm::Query query, ltm::Query::parse(text));
-    queries.push_back(std::move(query));
-  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto entities, matching_entities(reader, texts));
   std::vector<const ltm::ModelInfo*> models;
-  for (const ltm::MemoryId& entity : reader.entities()) {
-    const bool is_meant =
-        queries.empty() || std::any_of(queries.begin(), queries.end(),
-                                       [&](auto& query) { return query.matches(entity); });
-    const ltm::ModelInfo* newest = nullptr;
-    for (const ltm::ModelInfo& model : reader.manifest().models)
-      if (model.entity == entity && (newest == nullptr || model.version > newest->version))
-        newest = &model;
-    if (is_meant && newest != nullptr) models.push_back(newest);
-  }
+  for (const ltm::MemoryId& entity : entities)
+    if (const auto* newest = reader.manifest().newest_model(entity)) models.push_back(newest);
   return models;
 }
 

@@ -23,6 +23,12 @@ class Frozen {
   std::vector<torch::Tensor> parameters_;
 };
 
+inline constexpr double kBitsOfKilobyte = 8000;
+
+/// Elements of all images of a value, in images of 128 x 128 pixels of three channels: bits count
+/// by it, as errors are means.
+[[nodiscard]] double size_in_usual_images(const encoders::NetworkShape& shape);
+
 /// Trains the autoencoder and the prior of its latents together: fewest bits at the PSNR that was
 /// asked for. Does nothing without images.
 /// The prior learns nothing from the held-out parts of sequences (held_out_from).

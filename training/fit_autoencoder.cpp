@@ -27,8 +27,6 @@ constexpr double kLargestGradient = 1.0;
 /// Consecutive rows of a batch, after one that is only their past.
 constexpr int64_t kChunk = 4;
 constexpr double kRecent = 0.02;
-/// Elements of an image whose bits count as they are: a larger one's count less, as its error does.
-constexpr double kUsualElements = 128 * 128 * 3;
 
 /// A sampler that keeps apart what the dynamics must not learn from.
 RowSampler make_sampler(const Dataset& data) {
@@ -165,14 +163,6 @@ class WeightedMean {
   Smoothed sum_{kRecent}, weight_{kRecent};
 };
 
-/// Elements of all images of a value, in usual images.
-double size_of(const encoders::NetworkShape& shape) {
-  double elements = 0;
-  for (const auto& image : shape.images)
-    elements += static_cast<double>(image.channels) * image.height * image.width;
-  return elements / kUsualElements;
-}
-
 void start_from_backgrounds(encoders::DeepModel& model, const Dataset& data) {
   torch::NoGradGuard no_grad;
   for (size_t i = 0; i < data.backgrounds.size(); ++i)
@@ -180,6 +170,14 @@ void start_from_backgrounds(encoders::DeepModel& model, const Dataset& data) {
 }
 
 }  // namespace
+
+double size_in_usual_images(const encoders::NetworkShape& shape) {
+  constexpr double kUsualElements = 128 * 128 * 3;
+  double elements = 0;
+  for (const auto& image : shape.images)
+    elements += static_cast<double>(image.channels) * image.height * image.width;
+  return elements / kUsualElements;
+}
 
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
                                 const TrainOptions& options, FitLoop& loop) {
@@ -190,7 +188,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   auto optimiser = make_optimiser(model, *regulariser);
   std::vector<Tensor> parameters = optimiser.param_groups()[0].params();
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
-  const double size = size_of(model.autoencoder->shape);
+  const double size = size_in_usual_images(model.autoencoder->shape);
   ErrorPrice price(options.psnr_db);
   RowSampler sampler = make_sampler(data);
   WeightedMean loss_mean, psnr, bytes;
@@ -212,7 +210,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     if (share >= kExactShare) rounded.emplace(*model.autoencoder);
     const Cost cost = cost_of(model, *regulariser, values, share < kNoiseShare);
     const Tensor costs =
-        cost.error.mean(1) * price.value() + (cost.bits / 8000.0 + cost.latents) / size;
+        cost.error.mean(1) * price.value() + (cost.bits / kBitsOfKilobyte + cost.latents) / size;
     optimiser.zero_grad();
     (costs * batch.weights).mean().backward();
     if (rounded) rounded->restore();

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "training/fit.h"
-#include "training/quality/psnr.h"
+#include "training/metrics.h"
 
 namespace engram::training {
 
@@ -27,7 +27,6 @@ constexpr double kSteering = 0.03;
 constexpr double kAbove = 0.05;
 /// Where a model does not say what it was trained with. Unit: kilobytes per squared grey level.
 constexpr double kUsualPrice = 0.03;
-constexpr double kUsualElements = 128 * 128 * 3;
 
 Tensor rounded_through(const Tensor& z) {
   return z + (z.round() - z).detach();
@@ -87,12 +86,10 @@ class Refinement {
     }
     const auto count = static_cast<int64_t>(all.size());
     scene_ = torch::full({count}, static_cast<int64_t>(best_.scene), torch::kLong);
-    double elements = 0;
     for (size_t i = 0; i < all.front().images.size(); ++i) {
       std::vector<Tensor> images;
       for (const Parts& one : all) images.push_back(one.images[i]);
       truth_.images.push_back(torch::cat(images));
-      elements += static_cast<double>(truth_.images.back()[0].numel());
     }
     if (all.front().numbers.defined()) {
       std::vector<Tensor> numbers;
@@ -100,9 +97,8 @@ class Refinement {
       truth_.numbers = torch::cat(numbers);
     }
     truth_.scene = scene_;
-    size_ = elements / kUsualElements;
-    const double known = model_.provenance.error_price;
-    prices_ = torch::full({count}, known > 0 ? known : kUsualPrice);
+    size_ = size_in_usual_images(model_.autoencoder->shape);
+    prices_ = torch::full({count}, price());
     start();
     return {};
   }
@@ -130,21 +126,28 @@ class Refinement {
     for (const ImageLatents& image : now.images)
       first =
           first + bits_alone(image.coarse.slice(0, 0, 1)) + bits_alone(image.fine.slice(0, 0, 1));
-    const Tensor error = row_errors(now);
-    const Tensor paid = (error * prices_).sum();
-    if (options_.bound_db > 0) steer(error.detach());
-    return paid + (first + after_first) / (8000.0 * size_);
+    const Tensor error = errors(now);
+    const Tensor paid = (error.mean(1) * prices_).sum();
+    if (options_.bound_db > 0) steer(std::get<0>(error.detach().max(1)));
+    return paid + (first + after_first) / (kBitsOfKilobyte * size_);
   }
 
-  /// Mean squared error per row, over images.
-  Tensor row_errors(const Latents& z) {
+  /// Mean squared error per row and image. [B, images]
+  Tensor errors(const Latents& z) {
     const Parts decoded = model_.autoencoder->decode(z);
-    Tensor sum = torch::zeros({scene_.size(0)});
+    std::vector<Tensor> errors;
     for (size_t i = 0; i < decoded.images.size(); ++i)
-      sum = sum + (decoded.images[i] - truth_.images[i]).square().mean({1, 2, 3});
-    return sum / static_cast<double>(decoded.images.size());
+      errors.push_back((decoded.images[i] - truth_.images[i]).square().mean({1, 2, 3}));
+    return torch::stack(errors, 1);
   }
 
+  /// What the model was trained with. Unit: kilobytes per squared grey level.
+  [[nodiscard]] double price() const {
+    const double known = model_.provenance.error_price;
+    return known > 0 ? known : kUsualPrice;
+  }
+
+  /// `error`: of the worst image of each row.
   void steer(const Tensor& error) {
     const Tensor psnr = 10.0 * torch::log10(255.0 * 255.0 / error.clamp_min(1e-3));
     const Tensor below = (options_.bound_db + kAbove - psnr).clamp(-3.0, 3.0);
@@ -167,21 +170,22 @@ class Refinement {
       cost.value +=
           static_cast<double>(model_.codec.images[i].encode(rows.images[i].latents).size()) /
           (1000.0 * size_);
-    const double known = model_.provenance.error_price;
-    const double price = options_.bound_db > 0 ? 0 : (known > 0 ? known : kUsualPrice);
+    // With a bound, error beyond it is worth nothing.
+    const double paid = options_.bound_db > 0 ? 0 : price();
     for (size_t row = 0; row < values_.size(); ++row) {
       ENGRAM_ASSIGN_OR_RETURN(const auto images, model_.decode_images(rows, row));
       double error = 0;
       bool is_below = false;
       for (size_t i = 0; i < images.size(); ++i) {
-        const auto member = model_.plan.images()[i].member;
+        const auto& member = model_.plan.images()[i];
         ENGRAM_ASSIGN_OR_RETURN(const double mse,
-                                image_mse(values_[row].tensors[member], images[i]));
+                                grey_mse(values_[row].tensors[member.member], images[i]));
         error += mse / static_cast<double>(images.size());
-        is_below = is_below || psnr_db(mse) < options_.bound_db;
+        // Depth is kept within a bound by what has no loss alone.
+        is_below = is_below || (!member.is_depth && psnr_db(mse) < options_.bound_db);
       }
       cost.below_bound += is_below ? 1 : 0;
-      cost.value += price * error;
+      cost.value += paid * error;
     }
     return cost;
   }

@@ -68,6 +68,18 @@ Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& o
   return ltm::MeasuredError{images.mean(), numbers.mean()};
 }
 
+Result<double> grey_mse(const idf::NdArray& recorded, const idf::NdArray& other) {
+  if (recorded.type() == idf::ElementType::kUInt8) return image_mse(recorded, other);
+  if (recorded.type() != idf::ElementType::kUInt16 || other.type() != recorded.type() ||
+      other.shape() != recorded.shape())
+    return invalid_argument("images: found {} {} and {} {}, needs two alike of uint8 or uint16",
+                            idf::to_string(recorded.type()), idf::to_string(recorded.shape()),
+                            idf::to_string(other.type()), idf::to_string(other.shape()));
+  ErrorSum error;
+  add_depth(recorded.values<uint16_t>(), other.values<uint16_t>(), error);
+  return error.mean();
+}
+
 void RmseStatistics::add(double mse) {
   if (std::isnan(mse)) return;
   mse_sum_ += mse;

@@ -17,6 +17,10 @@ namespace engram::training {
 /// Errors: kInvalidArgument where the two have different layouts.
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other);
 
+/// Mean squared error of two images alike, of 8 or 16 bits, in grey levels as compare() counts them.
+/// Errors: kInvalidArgument where they are not alike.
+Result<double> grey_mse(const idf::NdArray& recorded, const idf::NdArray& other);
+
 /// Root mean squared error of many values of equal size.
 ///
 /// Threading: one thread.

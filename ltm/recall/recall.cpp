@@ -150,10 +150,7 @@ struct Recall::State {
 
   /// The predictor of the entity's newest model, or copy-last where there is none.
   Result<Predictor*> predictor_of(const MemoryId& entity, std::string& model_name) {
-    const ModelInfo* newest = nullptr;
-    for (const ModelInfo& model : store->manifest().models)
-      if (model.entity == entity && (newest == nullptr || model.version > newest->version))
-        newest = &model;
+    const ModelInfo* newest = store->manifest().newest_model(entity);
     if (newest == nullptr || !loader) return copy_last.get();
     ENGRAM_ASSIGN_OR_RETURN(const LoadedModel* model, load(*newest));
     if (model->predictor == nullptr) return copy_last.get();

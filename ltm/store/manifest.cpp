@@ -266,6 +266,14 @@ const SegmentEntity* SegmentInfo::find(const MemoryId& entity) const {
   return found == entities.end() ? nullptr : &*found;
 }
 
+const ModelInfo* Manifest::newest_model(const MemoryId& entity) const {
+  const ModelInfo* newest = nullptr;
+  for (const ModelInfo& model : models)
+    if (model.entity == entity && (newest == nullptr || model.version > newest->version))
+      newest = &model;
+  return newest;
+}
+
 std::string ModelInfo::name() const {
   return fmt::format("{} v{}", entity.to_string(), version);
 }

@@ -90,6 +90,9 @@ struct Manifest {
   std::map<MemoryId, DropReasons> dropped_by;
   std::vector<SegmentInfo> segments;
   std::vector<ModelInfo> models;
+
+  /// The model of the highest version; null where the entity has none.
+  [[nodiscard]] const ModelInfo* newest_model(const MemoryId& entity) const;
 };
 
 /// Errors: kNotFound where `store` is no directory or holds no manifest; kFailedPrecondition where

@@ -151,10 +151,8 @@ Result<bool> publish_latents(const std::filesystem::path& store, uint64_t genera
 }  // namespace
 
 int next_model_version(const Manifest& manifest, const MemoryId& entity) {
-  int version = 0;
-  for (const ModelInfo& model : manifest.models)
-    if (model.entity == entity) version = std::max(version, model.version);
-  return version + 1;
+  const ModelInfo* newest = manifest.newest_model(entity);
+  return newest == nullptr ? 1 : newest->version + 1;
 }
 
 std::vector<std::string> remove_unused_models(Manifest& manifest,
