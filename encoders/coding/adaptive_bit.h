@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "encoders/coding/binary_coder.h"
@@ -17,6 +19,7 @@ class AdaptiveBit {
  public:
   static constexpr int kFastRate = 6;  ///< A bit moves the estimate by 2^-rate of the way.
   static constexpr int kSlowRate = 7;
+  static constexpr BitProbability kLeast = 32;  ///< No estimate is nearer to certain.
 
   AdaptiveBit() = default;
   /// Starts as if `seen` bits (at most 255) had taught it `one` (1 to 65535).
@@ -24,17 +27,20 @@ class AdaptiveBit {
       : fast_(static_cast<uint16_t>(one)), slow_(fast_), seen_(static_cast<uint8_t>(seen)) {}
 
   [[nodiscard]] BitProbability one() const {
-    return std::clamp<uint32_t>((uint32_t{fast_} + slow_) / 2, 32, 65536 - 32);
+    return std::clamp<uint32_t>(mean(), kLeast, 65536 - kLeast);
   }
+
+  /// one() before it is clamped: 0 to 65535.
+  [[nodiscard]] uint32_t mean() const { return (uint32_t{fast_} + slow_) / 2; }
 
   /// Bits that taught it, at most 255.
   [[nodiscard]] int seen() const { return seen_; }
 
   void update(bool bit) {
-    const int32_t target = bit ? 65535 : 0;
-    move(fast_, target, kFastRate);
-    move(slow_, target, kSlowRate);
-    if (seen_ < 255) ++seen_;
+    const Inverses& shares = kShares[seen_];
+    move(fast_, bit, shares.fast);
+    move(slow_, bit, shares.slow);
+    seen_ = static_cast<uint8_t>(seen_ + (seen_ < 255 ? 1 : 0));
   }
 
   /// Codes a bit and learns from it.
@@ -46,9 +52,29 @@ class AdaptiveBit {
   }
 
  private:
-  void move(uint16_t& estimate, int32_t target, int rate) const {
-    const int32_t share = std::min(int32_t{seen_} + 2, int32_t{1} << rate);
-    estimate = static_cast<uint16_t>(estimate + (target - estimate) / share);
+  /// Numbers below 2^16 are divided by up to 2^7 as products, exactly: this many bits of an
+  /// inverse, rounded up, are enough.
+  static constexpr int kInverseBits = 23;
+  struct Inverses {
+    uint32_t fast, slow;
+  };
+  /// The inverse of the share of the way that a bit moves an estimate, by the bits seen before.
+  static constexpr auto kShares = [] {
+    const auto inverse = [](size_t seen, int rate) {
+      const auto share = std::min(static_cast<uint32_t>(seen) + 2, 1u << rate);
+      return ((1u << kInverseBits) + share - 1) / share;
+    };
+    std::array<Inverses, 256> shares{};
+    for (size_t seen = 0; seen < shares.size(); ++seen)
+      shares[seen] = {inverse(seen, kFastRate), inverse(seen, kSlowRate)};
+    return shares;
+  }();
+
+  static void move(uint16_t& estimate, bool bit, uint32_t inverse) {
+    const uint32_t flip = bit ? 0xffff : 0;  // The way to a one is that to a zero, mirrored.
+    const uint32_t way = estimate ^ flip;
+    const auto step = static_cast<uint32_t>((uint64_t{way} * inverse) >> kInverseBits);
+    estimate = static_cast<uint16_t>((way - step) ^ flip);
   }
 
   uint16_t fast_ = 32768;

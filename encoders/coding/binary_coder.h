@@ -26,6 +26,9 @@ class BinaryEncoder {
   /// Returns `bit`, as a decoder returns what it reads: one walk serves both.
   bool code(bool bit, BitProbability one);
 
+  /// `count` bits (1 to 16) whose values are all alike, at once. Returns `value`.
+  uint32_t code_even(uint32_t value, int count);
+
   /// Ends the stream; zero bytes at its end are left out. The encoder must not be used afterwards.
   [[nodiscard]] std::vector<std::byte> finish();
 
@@ -53,6 +56,7 @@ class BinaryDecoder {
 
   /// The next bit; the first argument is not looked at.
   bool code(bool, BitProbability one);
+  uint32_t code_even(uint32_t, int count);
 
  private:
   RangeInput input_;

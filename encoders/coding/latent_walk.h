@@ -8,10 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "encoders/coding/adaptive_bit.h"
 #include "encoders/coding/integer_coder.h"
 #include "encoders/coding/latent_sequence.h"
+#include "encoders/coding/latent_surroundings.h"
 #include "encoders/coding/mixer.h"
+#include "encoders/coding/odds_bit.h"
 
 namespace engram::encoders {
 
@@ -58,42 +59,46 @@ class LatentWalk {
   void code_row(Port& port, std::span<int32_t> row);
 
   /// Puts what was learned where the next block starts from.
-  void store(LatentModel& model) const;
+  void store(LatentModel& model);
 
   /// Forgets the rows, keeps what was learned.
   void begin_block();
 
  private:
+  /// Where the contexts of a grid lie among all.
+  struct Contexts {
+    std::array<size_t, kLatentContexts> offset{};  ///< Of each kind of context.
+    size_t end = 0;
+  };
   struct Grid {
     LatentGrid shape;
-    size_t first = 0;                              ///< Of its latents in a row.
-    size_t base = 0;                               ///< Of its contexts.
-    std::array<size_t, kLatentContexts> offset{};  ///< Of each kind of context behind the base.
+    Contexts contexts;
+    LatentSurroundings around;
     std::vector<uint8_t> change;  ///< Per place: how much the grid before changed below it.
+    IntegerModel large;
   };
-  /// The indices of a latent's contexts, each the first of kLatentNodes bits.
-  struct Place {
-    std::array<size_t, kLatentContexts> context{};
-    size_t row_kind = 0;
-    size_t relation = 0;  ///< Where the contexts by distance from the last value begin.
-    int32_t last = 0;
-    size_t grid = 0;
-  };
+  /// The contexts of one latent.
+  using Place = std::array<size_t, kLatentContexts>;
 
-  static std::vector<Grid> lay_out(const std::vector<LatentGrid>& grids, size_t& contexts);
-  [[nodiscard]] Place place_of(const Grid& grid, size_t number, std::span<const int32_t> row, int c,
-                               int y, int x) const;
-  void note_changes(Grid& grid, const Grid& coarser, std::span<const int32_t> row) const;
+  static std::vector<Contexts> lay_out(const std::vector<LatentGrid>& grids);
+  std::vector<OddsBit>& bits_of(size_t node);
+  [[nodiscard]] Place place_of(const Grid& grid, size_t at, size_t channel, size_t place) const;
   template <typename Port>
-  int32_t code_latent(Port& port, const Place& place, int32_t value);
+  bool code_bit(Port& port, const Place& place, LatentMixer& mixer, std::vector<OddsBit>& bits,
+                bool bit);
+  /// A latent that is not zero. `mixers` [node]; `last`: the same in the last row.
   template <typename Port>
-  bool code_bit(Port& port, const Place& place, size_t node, size_t relation, bool bit);
+  int32_t code_other(Port& port, Grid& grid, Place place, LatentMixer* mixers, int32_t last,
+                     int32_t value);
 
+  const LatentModel& model_;
+  const OddsTable& odds_;
   std::vector<Grid> grids_;
-  std::vector<AdaptiveBit> bits_;
+  /// [node, context]: what is asked together lies together. Made where it is asked for: most blocks
+  /// have no large latents.
+  std::array<std::vector<OddsBit>, kLatentNodes> bits_;
   std::vector<LatentMixer> mixers_;  ///< [grid, row kind, node].
-  std::vector<IntegerModel> large_;  ///< Per grid.
-  std::vector<int32_t> last_, before_;
+  std::vector<int32_t> last_;        ///< Zeros before the first row.
   size_t rows_ = 0;
 };
 

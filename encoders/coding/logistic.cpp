@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 
+#include "encoders/coding/adaptive_bit.h"
 #include "ltm/core/check.h"
 
 namespace engram::encoders {
@@ -25,18 +26,6 @@ constexpr double exp_of(double x) {
   for (int i = 0; i < kHalvings; ++i) sum *= sum;
   return sum;
 }
-
-constexpr int kOddsStep = 8;  // Entries of the table are so many units apart.
-constexpr size_t kOddsEntries = 2 * (kMostLogOdds + 1) / kOddsStep + 1;
-
-constexpr auto kSquash = [] {
-  std::array<uint16_t, kOddsEntries> table{};
-  for (size_t i = 0; i < kOddsEntries; ++i) {
-    const double odds = (static_cast<double>(i) * kOddsStep - (kMostLogOdds + 1)) / 256.0;
-    table[i] = static_cast<uint16_t>(65536.0 / (1.0 + exp_of(-odds)));
-  }
-  return table;
-}();
 
 constexpr size_t kTailEntries = 2049;
 
@@ -91,16 +80,28 @@ constexpr auto kInverse = [] {  // 2^20 * 2^(-i / 16) for i in [0, 16)
   return table;
 }();
 
+constexpr int kOddsStep = 8;  // Computed so many units apart, straight lines between.
+
 }  // namespace
 
-BitProbability squash(LogOdds odds) {
-  const int32_t shifted = std::clamp(odds, -kMostLogOdds, kMostLogOdds) + kMostLogOdds + 1;
-  const auto index = static_cast<size_t>(shifted / kOddsStep);
-  const int32_t fraction = shifted % kOddsStep;
-  const int32_t low = kSquash[index], high = kSquash[index + 1];
-  const int32_t value = low + (high - low) * fraction / kOddsStep;
-  return static_cast<BitProbability>(std::clamp(value, 16, 65536 - 16));
-}
+constexpr std::array<uint16_t, 2 * kMostLogOdds + 1> kProbabilityOf = [] {
+  const auto at = [](int32_t steps) {
+    const double odds = (static_cast<double>(steps) * kOddsStep - (kMostLogOdds + 1)) / 256.0;
+    return static_cast<int32_t>(65536.0 / (1.0 + exp_of(-odds)));
+  };
+  std::array<uint16_t, 2 * kMostLogOdds + 1> table{};
+  int32_t step = 0, low = at(0), high = at(1);
+  for (int32_t i = 1; i <= 2 * kMostLogOdds + 1; ++i) {
+    if (i / kOddsStep != step) {
+      step = i / kOddsStep;
+      low = high;
+      high = at(step + 1);
+    }
+    const int32_t value = low + (high - low) * (i % kOddsStep) / kOddsStep;
+    table[static_cast<size_t>(i) - 1] = static_cast<uint16_t>(std::clamp(value, 16, 65536 - 16));
+  }
+  return table;
+}();
 
 LogOdds log_odds(uint64_t part, uint64_t rest) {
   const int64_t odds = (ln_65536(part + 1) - ln_65536(rest + 1)) / 256;
@@ -109,6 +110,17 @@ LogOdds log_odds(uint64_t part, uint64_t rest) {
 
 LogOdds log_odds(BitProbability one) {
   return log_odds(uint64_t{one}, uint64_t{65536 - one});
+}
+
+const OddsTable& odds_table() {
+  static const OddsTable table = [] {
+    OddsTable made{};
+    for (BitProbability mean = 0; mean < made.size(); ++mean)
+      made[mean] = static_cast<int16_t>(
+          log_odds(std::clamp(mean, AdaptiveBit::kLeast, 65536 - AdaptiveBit::kLeast)));
+    return made;
+  }();
+  return table;
 }
 
 uint32_t share_above(int64_t z) {

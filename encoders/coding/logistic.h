@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "encoders/coding/binary_coder.h"
@@ -12,14 +15,23 @@ namespace engram::encoders {
 using LogOdds = int32_t;
 inline constexpr LogOdds kMostLogOdds = 3071;
 
-/// The probability of these odds, 16 to 65520 of 65536. Tables made at compile time: the same on
-/// every machine.
-[[nodiscard]] BitProbability squash(LogOdds odds);
+/// What squash looks up. Made at compile time: the same on every machine.
+extern const std::array<uint16_t, 2 * kMostLogOdds + 1> kProbabilityOf;
+
+/// The probability of these odds, 16 to 65520 of 65536.
+[[nodiscard]] inline BitProbability squash(LogOdds odds) {
+  const LogOdds known = std::clamp(odds, -kMostLogOdds, kMostLogOdds);
+  return kProbabilityOf[static_cast<size_t>(known + kMostLogOdds)];
+}
 
 /// ln(p / (1 - p)) where p = part / (part + rest), each counted as one more than it is; needs each
 /// below 2^40.
 [[nodiscard]] LogOdds log_odds(uint64_t part, uint64_t rest);
 [[nodiscard]] LogOdds log_odds(BitProbability one);
+
+/// log_odds of AdaptiveBit::one() by its mean(). Made at the first call, in about a millisecond.
+using OddsTable = std::array<int16_t, 1 << kProbabilityBits>;
+[[nodiscard]] const OddsTable& odds_table();
 
 /// Share above `z` of a distribution around zero that has a logistic core (7 of 8 parts) and wide
 /// shoulders (four times as wide). `z` in 1/32 of the scale of the core.

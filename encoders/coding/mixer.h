@@ -34,6 +34,7 @@ class Mixer {
     return result;
   }
 
+  /// Needs odds of at most kMostLogOdds either way.
   [[nodiscard]] BitProbability mix(std::span<const LogOdds, N> odds) const {
     int64_t sum = 0;
     for (size_t i = 0; i < N; ++i) sum += int64_t{odds[i]} * weights_[i];
@@ -43,11 +44,11 @@ class Mixer {
 
   /// `one` is what mix returned for `odds`; a smaller `rate` learns faster (2^-rate).
   void update(std::span<const LogOdds, N> odds, BitProbability one, bool bit, int rate) {
-    const int64_t error = (bit ? 65535 : 0) - static_cast<int64_t>(one);
+    // Below 2^16 times odds below 2^12: 32 bits hold the product.
+    const int32_t error = (bit ? 65535 : 0) - static_cast<int32_t>(one);
     for (size_t i = 0; i < N; ++i) {
-      const int64_t change = (int64_t{odds[i]} * error) >> rate;
-      weights_[i] = static_cast<int32_t>(
-          std::clamp<int64_t>(weights_[i] + change, -(1 << 19), (1 << 19) - 1));
+      const int32_t change = (odds[i] * error) >> rate;
+      weights_[i] = std::clamp(weights_[i] + change, -(1 << 19), (1 << 19) - 1);
     }
   }
 

@@ -80,6 +80,43 @@ TEST(BinaryCoder, WritesTheSameBytesOnEveryMachine) {
   EXPECT_EQ(text, "00000d513ef4e3389cfdb3ce");
 }
 
+TEST(BinaryCoder, CodesEvenNumbersAtTheirWidth) {
+  std::mt19937 random(3);
+  std::vector<std::pair<uint32_t, int>> numbers;
+  size_t bits = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const int count = 1 + i % 16;
+    numbers.emplace_back(random() & ((1u << count) - 1), count);
+    bits += static_cast<size_t>(count);
+  }
+  BinaryEncoder encoder;
+  for (const auto& [value, count] : numbers) EXPECT_EQ(encoder.code_even(value, count), value);
+  const auto bytes = encoder.finish();
+  EXPECT_LT(bytes.size(), bits / 8 + bits / 800 + 4);
+  BinaryDecoder decoder(bytes);
+  for (const auto& [value, count] : numbers) ASSERT_EQ(decoder.code_even(0, count), value);
+  const std::vector<std::byte> ones(40, std::byte{0xff});
+  BinaryDecoder hostile(ones);
+  for (int i = 0; i < 400; ++i) EXPECT_LT(hostile.code_even(0, 5), 32u);
+}
+
+TEST(AdaptiveBit, MovesAsDivisionWould) {
+  for (const BitProbability start : {1u, 77u, 20000u, 32768u, 65535u}) {
+    for (const int seen : {0, 1, 5, 30, 61, 62, 125, 126, 254, 255}) {
+      AdaptiveBit bit(start, seen);
+      auto fast = static_cast<int>(start), slow = fast;
+      for (int i = 0; i < 400; ++i) {
+        const bool is_one = i % 7 < 3 || i > 250;
+        const int target = is_one ? 65535 : 0, known = std::min(seen + i, 255);
+        bit.update(is_one);
+        fast += (target - fast) / std::min(known + 2, 64);
+        slow += (target - slow) / std::min(known + 2, 128);
+        ASSERT_EQ(bit.mean(), static_cast<uint32_t>(fast + slow) / 2) << start << ' ' << seen;
+      }
+    }
+  }
+}
+
 TEST(AdaptiveBit, ApproachesTheEntropyOfItsBits) {
   for (const double share : {0.05, 0.3}) {
     const auto bits = random_bits(100'000, share, 11);
