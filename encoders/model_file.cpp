@@ -75,9 +75,9 @@ Status check_format(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string format, file.string_attribute("/", "format"));
   if (format != kFormat) return data_loss("found format '{}', needs '{}'", format, kFormat);
   ENGRAM_ASSIGN_OR_RETURN(const int64_t version, file.int_attribute("/", "version"));
-  if (version != kModelFormatVersion)
-    return failed_precondition("found version {}, this program reads version {}", version,
-                               kModelFormatVersion);
+  if (version < kOldestModelFormatVersion || version > kModelFormatVersion)
+    return failed_precondition("found version {}, this program reads versions {} to {}", version,
+                               kOldestModelFormatVersion, kModelFormatVersion);
   return {};
 }
 

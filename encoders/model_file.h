@@ -8,8 +8,10 @@
 
 namespace engram::encoders {
 
-/// The format of model files that this program reads and writes.
-inline constexpr int kModelFormatVersion = 3;
+/// The format of model files that this program writes, and the oldest that it reads: there, weights
+/// and backgrounds are not coded.
+inline constexpr int kModelFormatVersion = 4;
+inline constexpr int kOldestModelFormatVersion = 3;
 
 /// Reads where a model comes from, without its networks.
 /// Errors: kNotFound; kDataLoss where the file is damaged; kFailedPrecondition where its format is

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encoders/coding/background_coder.h"
+#include "encoders/coding/byte_stream.h"
+#include "encoders/coding/weight_coder.h"
 #include "encoders/layers.h"
 #include "encoders/model_vectors.h"
 #include "encoders/weight_rounding.h"
@@ -13,6 +16,9 @@ namespace engram::encoders {
 using torch::Tensor;
 
 namespace {
+
+constexpr const char* kMatricesPath = "/weights/matrices";
+constexpr const char* kBackgroundsPath = "/weights/backgrounds";
 
 /// Weights of a module in the order of their names, by the way they are stored.
 struct Weights {
@@ -122,21 +128,135 @@ class WeightReader {
   size_t bytes_ = 0, scales_ = 0, pixels_ = 0, floats_ = 0;
 };
 
+LatentGrid scene_shape(const Tensor& backgrounds) {
+  return {static_cast<int>(backgrounds.size(1)), static_cast<int>(backgrounds.size(2)),
+          static_cast<int>(backgrounds.size(3))};
+}
+
+/// Calls visit(name, tensor) for the tensors that are kept in one way.
+template <typename Visit>
+Status for_each_kept(DeepModel& model, Kept kept, Visit visit) {
+  return for_each_tensor(model, [&](const auto& name, Tensor& tensor, bool is_buffer) -> Status {
+    if (tensor.numel() == 0 || kept_as(name, tensor, is_buffer) != kept) return {};
+    return visit(name, tensor);
+  });
+}
+
+/// Codes tensors one after the other, a varint of its bytes before each.
+class PartWriter {
+ public:
+  void put(const std::vector<std::byte>& bytes) {
+    writer_.put_varint(static_cast<int64_t>(bytes.size()));
+    for (const std::byte each : bytes) writer_.put(std::to_integer<uint8_t>(each));
+  }
+  Status write(h5::File& file, const std::string& path) {
+    const std::vector<std::byte> bytes = writer_.take();
+    const auto* first = reinterpret_cast<const uint8_t*>(bytes.data());
+    return write_vector(file, path, std::vector<uint8_t>(first, first + bytes.size()));
+  }
+
+ private:
+  ByteWriter writer_;
+};
+
+/// The next part of what PartWriter wrote.
+Result<std::span<const std::byte>> next_part(std::span<const std::byte>& bytes,
+                                             const std::string& name) {
+  ByteReader reader(bytes);
+  const int64_t size = reader.get_varint();
+  const auto rest = reader.rest();
+  if (reader.failed() || size < 0 || static_cast<uint64_t>(size) > rest.size())
+    return data_loss("weights of '{}': found {} bytes of them, needs at most {}", name, size,
+                     rest.size());
+  bytes = rest.subspan(static_cast<size_t>(size));
+  return rest.first(static_cast<size_t>(size));
+}
+
+Status check_end(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return {};
+  return data_loss("found {} bytes of weights more than the layout needs", bytes.size());
+}
+
+Status write_matrices(h5::File& file, DeepModel& model, std::span<const int8_t> weights) {
+  PartWriter parts;
+  WeightCoder coder;
+  ENGRAM_RETURN_IF_ERROR(for_each_kept(model, Kept::kBytes, [&](const auto&, Tensor& tensor) {
+    const auto count = static_cast<size_t>(tensor.numel());
+    parts.put(coder.encode(weights.first(count), count / static_cast<size_t>(tensor.size(0))));
+    weights = weights.subspan(count);
+    return Status();
+  }));
+  return parts.write(file, kMatricesPath);
+}
+
+Result<std::vector<int8_t>> read_matrices(const h5::File& file, DeepModel& model) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto stored, read_vector<uint8_t>(file, kMatricesPath));
+  auto bytes = std::as_bytes(std::span(stored));
+  std::vector<int8_t> weights;
+  WeightCoder coder;
+  ENGRAM_RETURN_IF_ERROR(
+      for_each_kept(model, Kept::kBytes, [&](const auto& name, Tensor& tensor) -> Status {
+        ENGRAM_ASSIGN_OR_RETURN(const auto part, next_part(bytes, name));
+        const auto rows = static_cast<size_t>(tensor.size(0));
+        ENGRAM_ASSIGN_OR_RETURN(
+            const auto matrix,
+            coder.decode(part, rows, static_cast<size_t>(tensor.numel()) / rows, name));
+        weights.insert(weights.end(), matrix.begin(), matrix.end());
+        return {};
+      }));
+  ENGRAM_RETURN_IF_ERROR(check_end(bytes));
+  return weights;
+}
+
+Status write_backgrounds(h5::File& file, DeepModel& model, std::span<const uint8_t> pixels) {
+  PartWriter parts;
+  ENGRAM_RETURN_IF_ERROR(for_each_kept(model, Kept::kPixels, [&](const auto&, Tensor& tensor) {
+    const auto count = static_cast<size_t>(tensor.numel());
+    parts.put(encode_backgrounds(pixels.first(count), scene_shape(tensor)));
+    pixels = pixels.subspan(count);
+    return Status();
+  }));
+  return parts.write(file, kBackgroundsPath);
+}
+
+Result<std::vector<uint8_t>> read_backgrounds(const h5::File& file, DeepModel& model) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto stored, read_vector<uint8_t>(file, kBackgroundsPath));
+  auto bytes = std::as_bytes(std::span(stored));
+  std::vector<uint8_t> pixels;
+  ENGRAM_RETURN_IF_ERROR(
+      for_each_kept(model, Kept::kPixels, [&](const auto& name, Tensor& tensor) -> Status {
+        ENGRAM_ASSIGN_OR_RETURN(const auto part, next_part(bytes, name));
+        ENGRAM_ASSIGN_OR_RETURN(const auto scenes,
+                                decode_backgrounds(part, static_cast<size_t>(tensor.size(0)),
+                                                   scene_shape(tensor), name));
+        pixels.insert(pixels.end(), scenes.begin(), scenes.end());
+        return {};
+      }));
+  ENGRAM_RETURN_IF_ERROR(check_end(bytes));
+  return pixels;
+}
+
 }  // namespace
 
 Status write_weights(h5::File& file, DeepModel& model) {
   const Weights weights = collect(model);
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/bytes", weights.bytes));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/scales", weights.scales));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/pixels", weights.pixels));
-  return write_vector(file, "/weights/floats", weights.floats);
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/floats", weights.floats));
+  ENGRAM_RETURN_IF_ERROR(write_matrices(file, model, weights.bytes));
+  return write_backgrounds(file, model, weights.pixels);
 }
 
 Status read_weights(const h5::File& file, DeepModel& model) {
   Weights weights;
-  ENGRAM_ASSIGN_OR_RETURN(weights.bytes, read_vector<int8_t>(file, "/weights/bytes"));
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_coded, file.exists(kMatricesPath));
+  if (is_coded) {
+    ENGRAM_ASSIGN_OR_RETURN(weights.bytes, read_matrices(file, model));
+    ENGRAM_ASSIGN_OR_RETURN(weights.pixels, read_backgrounds(file, model));
+  } else {  // Version 3.
+    ENGRAM_ASSIGN_OR_RETURN(weights.bytes, read_vector<int8_t>(file, "/weights/bytes"));
+    ENGRAM_ASSIGN_OR_RETURN(weights.pixels, read_vector<uint8_t>(file, "/weights/pixels"));
+  }
   ENGRAM_ASSIGN_OR_RETURN(weights.scales, read_vector<float>(file, "/weights/scales"));
-  ENGRAM_ASSIGN_OR_RETURN(weights.pixels, read_vector<uint8_t>(file, "/weights/pixels"));
   ENGRAM_ASSIGN_OR_RETURN(weights.floats, read_vector<float>(file, "/weights/floats"));
   torch::NoGradGuard no_grad;
   WeightReader reader(weights);
