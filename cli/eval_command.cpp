@@ -57,6 +57,17 @@ void for_each_quality(const training::EntityEvaluation& entity, F add) {
   }
 }
 
+/// What latents take beside what they should, per image.
+std::string code_text(const training::CodeLength& code) {
+  const auto rows = static_cast<double>(code.rows);
+  std::string text = fmt::format("  code of latents: {:.1f} bytes a snapshot, ideal {:.1f}",
+                                 code.coded_bytes / rows, code.ideal_bytes / rows);
+  if (code.later_rows == 0) return text;
+  const auto later = static_cast<double>(code.later_rows);
+  return text + fmt::format("; with one before it {:.1f}, as the prior tells {:.1f}",
+                            code.later_bytes / later, code.prior_bytes / later);
+}
+
 void print_entity(const training::EntityEvaluation& entity) {
   print(fmt::format("\n{} v{}: {} snapshots as latents{}", entity.entity.to_string(),
                     entity.model_version, count_text(entity.snapshots),
@@ -80,6 +91,7 @@ void print_entity(const training::EntityEvaluation& entity) {
   if (!std::isnan(entity.access.in_order_ms))
     print(fmt::format("  decoded in {:.1f} ms each in order, {:.1f} ms scattered (median)",
                       entity.access.in_order_ms, entity.access.scattered_ms));
+  if (entity.code.rows > 0) print(code_text(entity.code));
   TextTable images(
       {"PSNR", "images", "mean over images", "pooled error", "5 % quantile", "minimum"});
   TextTable numbers({"RMSE", "values", "over numbers"});
@@ -96,8 +108,8 @@ void print_entity(const training::EntityEvaluation& entity) {
 
 ExitCode run(const EvalArguments& arguments) {
   ProgressLine progress;
-  const auto report = training::evaluate(arguments.store, arguments.options, progress.sink(),
-                                         interrupt_token());
+  const auto report =
+      training::evaluate(arguments.store, arguments.options, progress.sink(), interrupt_token());
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json) {
@@ -122,8 +134,9 @@ void add_eval_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entities,
                       "Names or patterns of entities; else all with a model");
-  command->add_option("--max-predictions", arguments->options.max_predictions,
-                      "Most predictions to measure per entity and horizon")
+  command
+      ->add_option("--max-predictions", arguments->options.max_predictions,
+                   "Most predictions to measure per entity and horizon")
       ->capture_default_str();
   command->add_option("--picture", arguments->picture,
                       "Draw recorded, reconstructed and predicted images side by side (PNG)");

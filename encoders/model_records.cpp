@@ -169,13 +169,11 @@ Status write_forms(h5::File& file, const StoredForms& forms) {
   });
 }
 
-/// Files from before there were variants do not tell.
 Result<TrainingVariant> read_variant(const h5::File& file, const std::string& group) {
-  const auto name = file.string_attribute(group, "variant");
-  if (!name.ok() && name.status().code() == StatusCode::kNotFound)
-    return TrainingVariant::kRateAware;
-  if (!name.ok()) return name.status();
-  return training_variant_of(*name);
+  ENGRAM_ASSIGN_OR_RETURN(const std::string name, file.string_attribute(group, "variant"));
+  const auto variant = training_variant_of(name);
+  if (!variant.ok()) return data_loss("{}", variant.status().message());
+  return *variant;
 }
 
 Result<StoredForms> read_forms(const h5::File& file) {
@@ -224,8 +222,7 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.final_loss, file.double_attribute(group, "final_loss"));
   ENGRAM_ASSIGN_OR_RETURN(from.psnr_db, file.double_attribute(group, "psnr_db"));
   ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
-  // Files of before it was kept do without.
-  from.error_price = file.double_attribute(group, "error_price").value_or(0.0);
+  ENGRAM_ASSIGN_OR_RETURN(from.error_price, file.double_attribute(group, "error_price"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
   ENGRAM_ASSIGN_OR_RETURN(from.forms, read_forms(file));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));

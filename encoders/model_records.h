@@ -18,7 +18,7 @@ Status write_codec(h5::File& file, const LatentBlockCodec& codec);
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec);
 
 /// "/global_code": 8 bits per weight, a scale per number, the offset of each background. Absent
-/// where the model has none, as in files from before there were any.
+/// where the model has none.
 Status write_global_code(h5::File& file, const GlobalCode& code);
 Result<GlobalCode> read_global_code(const h5::File& file, const NetworkShape& shape);
 

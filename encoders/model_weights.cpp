@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "encoders/coded_weights.h"
 #include "encoders/layers.h"
 #include "encoders/model_vectors.h"
 #include "encoders/weight_rounding.h"
@@ -122,21 +124,53 @@ class WeightReader {
   size_t bytes_ = 0, scales_ = 0, pixels_ = 0, floats_ = 0;
 };
 
+/// The tensors that are kept in one way, in the order of their names.
+std::vector<std::pair<std::string, Tensor>> tensors_kept(DeepModel& model, Kept kept) {
+  std::vector<std::pair<std::string, Tensor>> tensors;
+  const Status status =
+      for_each_tensor(model, [&](const auto& name, Tensor& tensor, bool is_buffer) {
+        if (tensor.numel() > 0 && kept_as(name, tensor, is_buffer) == kept)
+          tensors.emplace_back(name, tensor);
+        return Status();
+      });
+  ENGRAM_CHECK(status.ok(), "{}", status.message());
+  return tensors;
+}
+
+std::vector<MatrixShape> matrices_of(DeepModel& model) {
+  std::vector<MatrixShape> shapes;
+  for (const auto& [name, tensor] : tensors_kept(model, Kept::kBytes)) {
+    const auto rows = static_cast<size_t>(tensor.size(0));
+    shapes.push_back({name, rows, static_cast<size_t>(tensor.numel()) / rows});
+  }
+  return shapes;
+}
+
+std::vector<ScenesShape> backgrounds_of(DeepModel& model) {
+  std::vector<ScenesShape> shapes;
+  for (const auto& [name, tensor] : tensors_kept(model, Kept::kPixels))
+    shapes.push_back({name,
+                      static_cast<size_t>(tensor.size(0)),
+                      {static_cast<int>(tensor.size(1)), static_cast<int>(tensor.size(2)),
+                       static_cast<int>(tensor.size(3))}});
+  return shapes;
+}
+
 }  // namespace
 
 Status write_weights(h5::File& file, DeepModel& model) {
   const Weights weights = collect(model);
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/bytes", weights.bytes));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/scales", weights.scales));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/pixels", weights.pixels));
-  return write_vector(file, "/weights/floats", weights.floats);
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/weights/floats", weights.floats));
+  ENGRAM_RETURN_IF_ERROR(write_matrices(file, matrices_of(model), weights.bytes));
+  return write_backgrounds(file, backgrounds_of(model), weights.pixels);
 }
 
 Status read_weights(const h5::File& file, DeepModel& model) {
   Weights weights;
-  ENGRAM_ASSIGN_OR_RETURN(weights.bytes, read_vector<int8_t>(file, "/weights/bytes"));
+  ENGRAM_ASSIGN_OR_RETURN(weights.bytes, read_matrices(file, matrices_of(model)));
+  ENGRAM_ASSIGN_OR_RETURN(weights.pixels, read_backgrounds(file, backgrounds_of(model)));
   ENGRAM_ASSIGN_OR_RETURN(weights.scales, read_vector<float>(file, "/weights/scales"));
-  ENGRAM_ASSIGN_OR_RETURN(weights.pixels, read_vector<uint8_t>(file, "/weights/pixels"));
   ENGRAM_ASSIGN_OR_RETURN(weights.floats, read_vector<float>(file, "/weights/floats"));
   torch::NoGradGuard no_grad;
   WeightReader reader(weights);

@@ -10,6 +10,7 @@
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
 #include "training/access_time.h"
+#include "training/code_length.h"
 #include "training/condition_source.h"
 #include "training/matching.h"
 #include "training/metrics.h"
@@ -52,6 +53,7 @@ class EntityMeasurement {
     ENGRAM_RETURN_IF_ERROR(measure_reconstruction());
     ENGRAM_ASSIGN_OR_RETURN(result_.access,
                             measure_access(reader_, info_, *index_, *model_.encoder));
+    ENGRAM_ASSIGN_OR_RETURN(result_.code, measure_code_length(reader_, info_, *index_));
     ENGRAM_RETURN_IF_ERROR(measure_predictions());
     ENGRAM_RETURN_IF_ERROR(add_bytes());
     return std::move(result_);
@@ -207,6 +209,15 @@ nlohmann::ordered_json prediction_json(const EntityEvaluation& entity) {
   return json;
 }
 
+nlohmann::ordered_json code_json(const CodeLength& code) {
+  return {{"rows", code.rows},
+          {"later_rows", code.later_rows},
+          {"coded_bytes", code.coded_bytes},
+          {"ideal_bytes", number_json(code.ideal_bytes)},
+          {"later_bytes", number_json(code.later_bytes)},
+          {"prior_bytes", number_json(code.prior_bytes)}};
+}
+
 }  // namespace
 
 std::string_view to_string(Known known) {
@@ -246,6 +257,7 @@ nlohmann::ordered_json to_json(const EvalReport& report) {
                         {"prediction", prediction_json(entity)},
                         {"in_order_ms", number_json(entity.access.in_order_ms)},
                         {"scattered_ms", number_json(entity.access.scattered_ms)},
+                        {"code", code_json(entity.code)},
                         {"raw_bytes", entity.raw_bytes},
                         {"stored_bytes", entity.stored_bytes},
                         {"latent_bytes", entity.latent_bytes},

@@ -57,6 +57,17 @@ struct AccessTimes {
   double scattered_ms = 0;  ///< Never two of one block one after the other.
 };
 
+/// What the latents of images take in blocks beside what probabilities say that they should. Sums
+/// over blocks that hold nothing but latents.
+struct CodeLength {
+  uint64_t rows = 0;
+  uint64_t later_rows = 0;  ///< Those with a row before them in their block.
+  double coded_bytes = 0;   ///< Of real code, checksums included.
+  double ideal_bytes = 0;   ///< -log2 of the probabilities that the coder gave.
+  double later_bytes = 0;   ///< The same of later rows.
+  double prior_bytes = 0;  ///< Of later rows, as the prior tells that the networks were trained by.
+};
+
 /// How well the newest model of one entity remembers and predicts.
 struct EntityEvaluation {
   ltm::MemoryId entity;
@@ -67,6 +78,7 @@ struct EntityEvaluation {
   Quality left_out_reconstruction;  ///< Of left-out recordings.
   std::array<std::vector<PredictionQuality>, kKnownKinds> prediction;  ///< By Known.
   AccessTimes access;
+  CodeLength code;
   uint64_t raw_bytes = 0;     ///< Plain bytes of the entity.
   uint64_t stored_bytes = 0;  ///< Online form.
   uint64_t latent_bytes = 0;

@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "encoders/threads.h"
 #include "ltm/core/file.h"
 #include "tests/training/moving_scene.h"
 
@@ -51,6 +52,28 @@ TEST_F(LoadModel, DecodesIdenticallyEveryTime) {
   }
 }
 
+TEST_F(LoadModel, DecodesAlikeOnOneAndOnTwoThreads) {
+  auto model = load();
+  std::vector<idf::Data> values;
+  for (int i = 0; i < 6; ++i) values.push_back(scene_at(i));
+  const auto latents = *model.encoder->encode(values);
+  set_threads(1);
+  const auto one = *model.encoder->decode(latents);
+  set_threads(2);
+  const auto two = *load().encoder->decode(latents);
+  set_threads(1);
+  for (size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(*one[i].at("joints"), *two[i].at("joints")) << "integers do not depend on threads";
+    const auto a = one[i].at("image")->get<idf::NdArray>().bytes();
+    const auto b = two[i].at("image")->get<idf::NdArray>().bytes();
+    ASSERT_EQ(a.size(), b.size());
+    int most = 0;
+    for (size_t k = 0; k < a.size(); ++k)
+      most = std::max(most, std::abs(std::to_integer<int>(a[k]) - std::to_integer<int>(b[k])));
+    EXPECT_LE(most, 1);
+  }
+}
+
 TEST_F(LoadModel, CodesConsecutiveValuesAsBlocks) {
   auto model = load();
   std::vector<idf::Data> values;
@@ -89,11 +112,13 @@ TEST_F(LoadModel, DetectsADamagedLatent) {
   auto model = load();
   const idf::Data value = scene_at(7);
   auto latents = *model.encoder->encode({&value, 1});
-  const auto bytes = latents[0].code.bytes();
-  std::vector<std::byte> damaged(bytes.begin(), bytes.end());
-  damaged[damaged.size() / 2] ^= std::byte{1};
-  latents[0].code = Buffer::take(std::move(damaged));
-  EXPECT_EQ(model.encoder->decode(latents).status().code(), StatusCode::kDataLoss);
+  const Buffer code = latents[0].code;
+  for (size_t byte = 0; byte < code.size(); ++byte) {
+    std::vector<std::byte> damaged(code.bytes().begin(), code.bytes().end());
+    damaged[byte] ^= std::byte{0xff};
+    latents[0].code = Buffer::take(std::move(damaged));
+    EXPECT_EQ(model.encoder->decode(latents).status().code(), StatusCode::kDataLoss) << byte;
+  }
   latents[0].code = Buffer();
   EXPECT_EQ(model.encoder->decode(latents).status().code(), StatusCode::kDataLoss);
 }

@@ -14,16 +14,10 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::quick_consolidation;
 using engram::testing::quick_options;
 using engram::testing::record;
 using engram::testing::ScratchPath;
-
-ConsolidateOptions options() {
-  ConsolidateOptions options;
-  options.train = quick_options(20);
-  options.representation.kind = Representation::kLatents;
-  return options;
-}
 
 /// Least PSNR over all snapshots, from what a query answers. Unit: dB.
 double lowest_psnr_db(const std::filesystem::path& store) {
@@ -43,7 +37,7 @@ double lowest_psnr_db(const std::filesystem::path& store) {
 TEST(Consolidate, PublishesLatentsThatAQueryDecodes) {
   const ScratchPath store("consolidate");
   record(store.path(), "Test/Scene/sim/square", 0, 20);
-  const auto report = consolidate(store.path(), options(), {}, {});
+  const auto report = consolidate(store.path(), quick_consolidation(), {}, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   ASSERT_EQ(report->entities.size(), 1u);
   const EntityReport& entity = report->entities[0];
@@ -70,7 +64,7 @@ TEST(Consolidate, KeepsEveryImageWithinTheBound) {
     for (const Representation kind : {Representation::kAuto, Representation::kVideo}) {
       const ScratchPath store("bound");
       record(store.path(), "Test/Scene/sim/square", 0, 40);
-      auto chosen = options();
+      auto chosen = quick_consolidation();
       chosen.representation.kind = kind;
       chosen.representation.bound_db = bound_db;
       chosen.representation.video_effort = 1;
@@ -90,7 +84,7 @@ TEST(Consolidate, KeepsEveryImageWithinTheBound) {
 TEST(Consolidate, MixesLatentsAndVideoWhereEachIsBetter) {
   const ScratchPath store("mixed");
   record(store.path(), "Test/Scene/sim/square", 0, 40);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   chosen.train = quick_options(600);
   chosen.representation.kind = Representation::kAuto;
   chosen.representation.bound_db = 24;
@@ -111,7 +105,7 @@ TEST(Consolidate, MixesLatentsAndVideoWhereEachIsBetter) {
 TEST(Consolidate, TrainsNoNetworksThatCannotPay) {
   const ScratchPath store("video_only");
   record(store.path(), "Test/Scene/sim/square", 0, 40);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   chosen.representation.kind = Representation::kAuto;
   chosen.representation.nights = 1;
   const auto report = consolidate(store.path(), chosen, {}, {});
@@ -128,15 +122,50 @@ TEST(Consolidate, TrainsNoNetworksThatCannotPay) {
   EXPECT_EQ(compare(predicted->back(), history.back())->image_mse, 0.0);
 }
 
+TEST(Consolidate, LearnsToPredictFromTheNumbersThatImagesLinkTo) {
+  const ScratchPath store("condition");
+  const ltm::MemoryId camera = id("Test/Scene/sim/camera"), joints = id("Test/Robot/sim/joints");
+  {
+    auto recorder = ltm::Recorder::open(store.path(), {});
+    ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+    const auto source = engram::testing::scene_source(30);
+    for (int i = 0; i < 30; ++i) {
+      const Time time = source.times[static_cast<size_t>(i)];
+      idf::Data image = engram::testing::scene_at(i, true, false);
+      image.get_if<idf::Dict>()->set("state", joints.at(time).to_string());
+      const idf::Data state = engram::testing::scene_at(i, false, true);
+      ASSERT_TRUE(
+          recorder->commit({{{camera, time, {{image, {}}}}, {joints, time, {{state, {}}}}}}).ok());
+    }
+    ASSERT_TRUE(recorder->close().ok());
+  }
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  const ltm::Manifest manifest = *ltm::read_manifest(store.path());
+  for (const ltm::MemoryId& entity : {camera, joints}) {
+    auto model = encoders::load_model(store.path() / manifest.newest_model(entity)->file);
+    ASSERT_TRUE(model.ok()) << model.status().to_string();
+    const auto condition = model->predictor->condition();
+    // Numbers have no motion that could be told of others.
+    EXPECT_EQ(condition.has_value(), entity == camera);
+    if (condition) {
+      EXPECT_EQ(*condition, joints);
+    }
+  }
+  ltm::Recall recall(*ltm::StoreReader::open(store.path()), encoders::load_model);
+  const auto answer = recall.query(*ltm::Query::parse("Test/Scene @ +200ms"));
+  ASSERT_TRUE(answer.ok()) << answer.status().to_string();
+  EXPECT_EQ(answer->entities()[0]->snapshots[0].predictor, "deep");
+}
+
 TEST(Consolidate, SkipsWhatHasNothingNewUnlessForced) {
   const ScratchPath store("nothing_new");
   record(store.path(), "Test/Scene/sim/square", 0, 20);
-  ASSERT_TRUE(consolidate(store.path(), options(), {}, {}).ok());
-  EXPECT_EQ(consolidate(store.path(), options(), {}, {})->entities[0].skipped_reason,
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  EXPECT_EQ(consolidate(store.path(), quick_consolidation(), {}, {})->entities[0].skipped_reason,
             "nothing new");
   record(store.path(), "Test/Scene/sim/square", 20, 4);
-  EXPECT_EQ(consolidate(store.path(), options(), {}, {})->entities[0].model_version, 2);
-  auto forced = options();
+  EXPECT_EQ(consolidate(store.path(), quick_consolidation(), {}, {})->entities[0].model_version, 2);
+  auto forced = quick_consolidation();
   forced.force = true;
   EXPECT_EQ(consolidate(store.path(), forced, {}, {})->entities[0].model_version, 3);
 }
@@ -144,11 +173,11 @@ TEST(Consolidate, SkipsWhatHasNothingNewUnlessForced) {
 TEST(Consolidate, EncodesWithTheNewestModelWhereAskedTo) {
   const ScratchPath store("reuse");
   record(store.path(), "Test/Scene/sim/square", 0, 20);
-  auto reusing = options();
+  auto reusing = quick_consolidation();
   reusing.reuses_models = true;
   EXPECT_EQ(consolidate(store.path(), reusing, {}, {})->entities[0].skipped_reason,
             "Test/Scene/sim/square: has no model yet");
-  const auto trained = consolidate(store.path(), options(), {}, {});
+  const auto trained = consolidate(store.path(), quick_consolidation(), {}, {});
   record(store.path(), "Test/Scene/sim/square", 20, 4);
   const auto reused = consolidate(store.path(), reusing, {}, {});
   ASSERT_TRUE(reused.ok()) << reused.status().to_string();
@@ -162,7 +191,7 @@ TEST(Consolidate, PlansBeforeItTrains) {
   const ScratchPath store("plan");
   record(store.path(), "Test/Scene/sim/large", 0, 20);
   record(store.path(), "Test/Scene/sim/small", 0, 3);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   const auto before = ltm::read_manifest(store.path())->generation;
   auto plan = plan_consolidation(store.path(), chosen, {});
   ASSERT_TRUE(plan.ok()) << plan.status().to_string();
@@ -217,7 +246,7 @@ TEST(Consolidate, KeepsTinyImagesWithinTheBoundOrLeavesThemRecorded) {
     ASSERT_TRUE(recorder->close().ok());
   }
   for (const Representation kind : {Representation::kAuto, Representation::kVideo}) {
-    auto chosen = options();
+    auto chosen = quick_consolidation();
     chosen.representation.kind = kind;
     chosen.force = true;
     const auto report = consolidate(store.path(), chosen, {}, {});
@@ -231,7 +260,7 @@ TEST(Consolidate, SkipsSmallEntitiesAndTakesOnlyThoseAskedFor) {
   const ScratchPath store("filter");
   record(store.path(), "Test/Scene/sim/large", 0, 17);
   record(store.path(), "Test/Scene/sim/small", 0, 3);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   chosen.entities = {"Test/Scene/sim/small"};
   const auto report = consolidate(store.path(), chosen, {}, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
@@ -249,8 +278,9 @@ TEST(Consolidate, LeavesTheStoreAsItWasWhenStopped) {
     if (progress.what.starts_with("encode")) stop.request_stop();
   };
   const auto before = ltm::read_manifest(store.path())->generation;
-  EXPECT_EQ(consolidate(store.path(), options(), sink, stop.get_token()).status().code(),
-            StatusCode::kCancelled);
+  EXPECT_EQ(
+      consolidate(store.path(), quick_consolidation(), sink, stop.get_token()).status().code(),
+      StatusCode::kCancelled);
   EXPECT_EQ(ltm::read_manifest(store.path())->generation, before);
 }
 

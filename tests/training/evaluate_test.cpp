@@ -18,8 +18,7 @@ using engram::testing::ScratchPath;
 
 const char* const kEntity = "Test/Scene/sim/square";
 
-void record_and_consolidate(const std::filesystem::path& store) {
-  const auto source = engram::testing::scene_source(60, 3);
+void record(const TrainingSource& source, const std::filesystem::path& store) {
   auto recorder = ltm::Recorder::open(store, {});
   ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
   for (size_t i = 0; i < source.times.size(); ++i)
@@ -28,6 +27,10 @@ void record_and_consolidate(const std::filesystem::path& store) {
             ->commit({{{*ltm::MemoryId::parse(kEntity), source.times[i], {{*source.read(i), {}}}}}})
             .ok());
   ASSERT_TRUE(recorder->close().ok());
+}
+
+void record_and_consolidate(const std::filesystem::path& store) {
+  record(engram::testing::scene_source(60, 3), store);
   ConsolidateOptions options;
   options.train = engram::testing::quick_options(20);
   options.train.hold_out_recordings = 1;
@@ -53,6 +56,26 @@ TEST(Evaluate, KeepsWhatTheModelWasTrainedOnApart) {
   EXPECT_EQ(counted(Known::kHeldOut, 0), 2 * 3u);
   EXPECT_EQ(counted(Known::kLeftOutRecording, 0), 18u);
   EXPECT_EQ(counted(Known::kLeftOutRecording, 1), 17u);
+}
+
+TEST(Evaluate, BytesOfLatentsAreWhatProbabilitiesSay) {
+  const ScratchPath store("code_length");
+  record(engram::testing::scene_source(64, 2, true, false), store.path());
+  ConsolidateOptions options;
+  options.train = engram::testing::quick_options(100);
+  options.representation.kind = Representation::kLatents;
+  ASSERT_TRUE(consolidate(store.path(), options, {}, {}).ok());
+  const auto report = evaluate(store.path(), {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const CodeLength& code = report->entities.at(0).code;
+  EXPECT_EQ(code.rows, 64u);
+  EXPECT_EQ(code.later_rows, 60u) << "four blocks of 16";
+  // Each block ends in four bytes of checksum and at most two that end the stream.
+  EXPECT_GT(code.coded_bytes, 4 * 4 + 0.99 * code.ideal_bytes - 4);
+  EXPECT_LT(code.coded_bytes, 4 * 6 + 1.01 * code.ideal_bytes);
+  EXPECT_GT(code.later_bytes, 0);
+  EXPECT_LT(code.later_bytes, code.ideal_bytes);
+  EXPECT_GT(code.prior_bytes, 0);
 }
 
 TEST(Evaluate, CountsSnapshotsWithoutTruth) {

@@ -14,17 +14,11 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::quick_consolidation;
 using engram::testing::quick_options;
 using engram::testing::record;
 using engram::testing::scene_source;
 using engram::testing::ScratchPath;
-
-ConsolidateOptions options() {
-  ConsolidateOptions options;
-  options.train = quick_options(20);
-  options.representation.kind = Representation::kLatents;
-  return options;
-}
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& directory) {
   std::vector<std::filesystem::path> files;
@@ -56,17 +50,17 @@ void interrupt(const std::filesystem::path& store, const ConsolidateOptions& opt
 TEST(NightlyJob, GoesOnWhereItWasInterrupted) {
   const ScratchPath whole("whole_night"), broken("broken_night");
   for (const auto* store : {&whole, &broken}) record(store->path(), "Test/Scene/sim/square", 0, 20);
-  ASSERT_TRUE(consolidate(whole.path(), options(), {}, {}).ok());
+  ASSERT_TRUE(consolidate(whole.path(), quick_consolidation(), {}, {}).ok());
   EXPECT_TRUE(files_in(whole.path() / "tmp").empty());
   for (const char* what : {"train", "encode"}) {
-    interrupt(broken.path(), options(), what);
+    interrupt(broken.path(), quick_consolidation(), what);
     EXPECT_EQ(files_in(broken.path() / "tmp").size(), 1u) << what;
   }
   int trained = 0;
   const ProgressSink sink = [&](const Progress& progress) {
     trained += progress.what.starts_with("train") ? 1 : 0;
   };
-  const auto report = consolidate(broken.path(), options(), sink, {});
+  const auto report = consolidate(broken.path(), quick_consolidation(), sink, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_EQ(trained, 0) << "was done already";
   EXPECT_EQ(report->entities[0].training.autoencoder_steps, 14);
@@ -78,10 +72,10 @@ TEST(NightlyJob, RemovesWhatNothingGoesOnFrom) {
   const ScratchPath store("stale_night");
   record(store.path(), "Test/Scene/sim/square", 0, 20);
   const auto kept = [&] { return files_in(store.path() / "tmp"); };
-  interrupt(store.path(), options(), "train");
+  interrupt(store.path(), quick_consolidation(), "train");
   const auto first = kept();
   ASSERT_EQ(first.size(), 1u);
-  auto other = options();
+  auto other = quick_consolidation();
   other.train.seed = 5;
   interrupt(store.path(), other, "train");
   ASSERT_EQ(kept().size(), 1u);
@@ -112,7 +106,7 @@ EntityReport in_time(const std::filesystem::path& store, ConsolidateOptions& opt
 TEST(NightlyJob, IsDoneAtTheMomentThatWasAskedFor) {
   const ScratchPath store("until");
   record(store.path(), "Test/Scene/sim/square", 0, 40);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   chosen.train.steps.reset();
   const EntityReport entity = in_time(store.path(), chosen);
   EXPECT_EQ(entity.skipped_reason, "");
@@ -134,7 +128,7 @@ TEST(NightlyJob, IsDoneAtTheMomentThatWasAskedFor) {
 TEST(NightlyJob, WaitsWhileTheRobotIsBusy) {
   const ScratchPath store("busy_night"), idle("idle_night"), file("busy_night_file");
   for (const auto* each : {&store, &idle}) record(each->path(), "Test/Scene/sim/square", 0, 20);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   chosen.job.yield.file = file.path();
   chosen.job.yield.file_interval = Duration(0);
   int waits = 0;
@@ -150,14 +144,14 @@ TEST(NightlyJob, WaitsWhileTheRobotIsBusy) {
   const auto report = consolidate(store.path(), chosen, sink, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_EQ(waits, 3);
-  ASSERT_TRUE(consolidate(idle.path(), options(), {}, {}).ok());
+  ASSERT_TRUE(consolidate(idle.path(), quick_consolidation(), {}, {}).ok());
   EXPECT_TRUE(model_of(store.path()) == model_of(idle.path()));
 }
 
 TEST(NightlyJob, GivesUpWhereTheRobotIsBusyAllNight) {
   const ScratchPath store("all_night"), file("all_night_file");
   record(store.path(), "Test/Scene/sim/square", 0, 20);
-  auto chosen = options();
+  auto chosen = quick_consolidation();
   chosen.train.steps.reset();
   chosen.job.yield.file = file.path();
   ASSERT_TRUE(replace_file(file.path(), {}).ok());
@@ -171,7 +165,7 @@ TEST(NightlyJob, GivesUpWhereTheRobotIsBusyAllNight) {
 TEST(DropRaw, LeavesYoungDataRecorded) {
   const ScratchPath store("grace");
   record(store.path(), "Test/Scene/sim/square", 0, 20);
-  ASSERT_TRUE(consolidate(store.path(), options(), {}, {}).ok());
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
   const auto entity = id("Test/Scene/sim/square");
   const DropOptions young{.stays_from = scene_source(20).times[12]};
   const auto dropped = drop_raw(store.path(), entity, young, {}, {});

@@ -5,11 +5,20 @@
 
 #include "ltm/recording/recorder.h"
 #include "tests/training/moving_scene.h"
+#include "training/consolidate.h"
 
 namespace engram::testing {
 
 inline ltm::MemoryId id(const std::string& text) {
   return *ltm::MemoryId::parse(text);
+}
+
+/// Latents alone, of a model that was trained for some steps.
+inline training::ConsolidateOptions quick_consolidation() {
+  training::ConsolidateOptions options;
+  options.train = quick_options(20);
+  options.representation.kind = training::Representation::kLatents;
+  return options;
 }
 
 /// Appends `count` snapshots of the scene, from `first` on, to an entity of a store.

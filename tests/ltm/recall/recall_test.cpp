@@ -79,6 +79,9 @@ class BlockEncoder final : public Encoder {
 /// Adds the number of steps and the length of the history to the last value.
 class CountingPredictor final : public Predictor {
  public:
+  explicit CountingPredictor(std::optional<MemoryId> condition = {})
+      : condition_(std::move(condition)) {}
+
   [[nodiscard]] std::string_view name() const override { return "counting"; }
   [[nodiscard]] Duration step() const override { return std::chrono::milliseconds(200); }
   [[nodiscard]] size_t context() const override { return 3; }
@@ -90,14 +93,22 @@ class CountingPredictor final : public Predictor {
       idf::Data value = history.back();
       value.get_if<idf::Dict>()->set("step", step);
       value.get_if<idf::Dict>()->set("history", static_cast<int32_t>(history.size()));
+      if (!past.conditions.empty())
+        value.get_if<idf::Dict>()->set("conditions",
+                                       idf::List(past.conditions.begin(), past.conditions.end()));
       values.push_back(std::move(value));
     }
     return values;
   }
 
-  [[nodiscard]] MeasuredError expected_error(int steps, bool) const override {
-    return {static_cast<double>(steps), 0.5};
+  [[nodiscard]] std::optional<MemoryId> condition() const override { return condition_; }
+
+  [[nodiscard]] MeasuredError expected_error(int steps, bool has_conditions) const override {
+    return {static_cast<double>(steps), has_conditions ? 0.25 : 0.5};
   }
+
+ private:
+  std::optional<MemoryId> condition_;
 };
 
 Snapshot snapshot_of(const SnapshotResult& result) {
@@ -139,7 +150,8 @@ class RecallTest : public ::testing::Test {
     return [this](const std::filesystem::path& file) -> Result<LoadedModel> {
       ++loaded_;
       EXPECT_TRUE(std::filesystem::exists(file));
-      return LoadedModel{std::make_unique<BytesEncoder>(), std::make_unique<CountingPredictor>()};
+      return LoadedModel{std::make_unique<BytesEncoder>(),
+                         std::make_unique<CountingPredictor>(condition_)};
     };
   }
 
@@ -152,6 +164,7 @@ class RecallTest : public ::testing::Test {
   ScratchDirectory scratch_;
   std::filesystem::path store_;
   int loaded_ = 0;
+  std::optional<MemoryId> condition_;  ///< Of the predictor.
 };
 
 TEST_F(RecallTest, AnswersWithWhatWasRecorded) {
@@ -167,6 +180,34 @@ TEST_F(RecallTest, AnswersWithWhatWasRecorded) {
     EXPECT_EQ(snapshot_of(recalled), example_snapshot(example_entity(), i + 3));
     EXPECT_EQ(recalled.model, "");
     EXPECT_FALSE(recalled.instances[0].error.has_value());
+  }
+}
+
+TEST_F(RecallTest, TellsAPredictorWhatItsConditionWas) {
+  make_store(6, false);
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    ASSERT_OK(writer->append({packed_example(9, example_entity("late"))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  // Told of each moment is the last value at or before it.
+  condition_ = example_entity("other");
+  const auto told = open(loader()).query(ask("+200ms"));
+  ASSERT_OK(told);
+  const InstanceResult& predicted = told->entities()[0]->snapshots[0].instances[0];
+  const idf::Data known = example_snapshot(example_entity("other"), 0).instances[0].data;
+  const idf::Data* conditions = predicted.data.at("conditions");
+  ASSERT_NE(conditions, nullptr);
+  EXPECT_EQ(*conditions, idf::Data(idf::List{known, known, known}));
+  EXPECT_EQ(predicted.error->number_mse, 0.25);
+  // One that begins later than what is predicted from, and one that is not there, are not known.
+  for (const char* name : {"late", "nowhere"}) {
+    condition_ = example_entity(name);
+    const auto untold = open(loader()).query(ask("+200ms"));
+    ASSERT_OK(untold);
+    const InstanceResult& alone = untold->entities()[0]->snapshots[0].instances[0];
+    EXPECT_EQ(alone.data.at("conditions"), nullptr) << name;
+    EXPECT_EQ(alone.error->number_mse, 0.5) << name;
   }
 }
 
@@ -288,9 +329,8 @@ TEST_F(RecallTest, PredictsWithTheModel) {
   EXPECT_EQ(at->entities()[0]->snapshots[0], predicted);
   // Times between two steps take the closest, at least one.
   for (const auto& [ahead, step] : {std::pair{"+1ms", 1}, {"+290ms", 1}, {"+310ms", 2}})
-    EXPECT_EQ(
-        *recall.query(ask(ahead))->entities()[0]->snapshots[0].instances[0].data.at("step"),
-        idf::Data(step));
+    EXPECT_EQ(*recall.query(ask(ahead))->entities()[0]->snapshots[0].instances[0].data.at("step"),
+              idf::Data(step));
 }
 
 TEST_F(RecallTest, RefusesToPredictTooFarAhead) {
@@ -312,8 +352,7 @@ TEST_F(RecallTest, PredictsByCopyWithoutModels) {
   EXPECT_EQ(predicted.source, Source::kPredicted);
   EXPECT_EQ(predicted.predictor, "copy-last");
   EXPECT_EQ(predicted.model, "");
-  EXPECT_EQ(predicted.instances[0].data,
-            example_snapshot(example_entity(), 9).instances[0].data);
+  EXPECT_EQ(predicted.instances[0].data, example_snapshot(example_entity(), 9).instances[0].data);
   EXPECT_EQ(predicted.time, example_time(19));
   EXPECT_EQ(loaded_, 0);
 }

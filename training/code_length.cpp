@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/code_length.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "encoders/deep_model_file.h"
+
+namespace engram::training {
+
+using encoders::ImageForm;
+using encoders::Latents;
+
+namespace {
+
+constexpr uint64_t kMostRows = 320;
+
+/// Bits of every row of an image member but the first, as the prior tells from those before.
+double prior_bits(encoders::DeepModel& model, const encoders::LatentRows& rows, size_t count) {
+  torch::NoGradGuard no_grad;
+  std::vector<Latents> all;
+  for (size_t row = 0; row < count; ++row) all.push_back(model.to_latents(rows, row));
+  double bits = 0;
+  for (size_t row = 1; row < count; ++row) {
+    const Latents& before = all[row < 2 ? 0 : row - 2];  // As in training.
+    bits += model.dynamics->bits(all[row], all[row - 1], before).item<double>();
+  }
+  return bits;
+}
+
+/// Adds one block that holds all images of all rows as latents.
+void add_block(encoders::DeepModel& model, const encoders::LatentRows& rows, size_t count,
+               CodeLength& sum) {
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    const encoders::LatentSequenceCodec& codec = model.codec.images[i];
+    const std::vector<double> bits = codec.cost_bits(rows.images[i].latents);
+    const double all = std::accumulate(bits.begin(), bits.end(), 0.0);
+    sum.coded_bytes += static_cast<double>(codec.encode(rows.images[i].latents).size());
+    sum.ideal_bytes += all / 8;
+    sum.later_bytes += (all - bits.front()) / 8;
+  }
+  sum.prior_bytes += prior_bits(model, rows, count) / 8;
+  sum.rows += count;
+  sum.later_rows += count - 1;
+}
+
+}  // namespace
+
+Result<CodeLength> measure_code_length(ltm::StoreReader& reader, const ltm::ModelInfo& info,
+                                       const std::vector<ltm::SnapshotEntry>& index) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(reader.path() / info.file));
+  CodeLength sum;
+  for (const ltm::SnapshotEntry& entry : index) {
+    if (!entry.latent || sum.rows >= kMostRows) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader.read_latent(info.entity, entry));
+    if (snapshot.model_version != info.version) continue;
+    for (const ltm::LatentInstance& instance : snapshot.instances) {
+      const auto [row, count] = instance.latent.place;
+      if (row != 0) continue;
+      ENGRAM_ASSIGN_OR_RETURN(const auto rows,
+                              model->codec.decode(instance.latent.code.bytes(), count, count));
+      const bool has_latents =
+          !rows.images.empty() && std::ranges::all_of(rows.images, [](const auto& image) {
+            return image.form == ImageForm::kLatents;
+          });
+      if (has_latents) add_block(*model, rows, count, sum);
+    }
+  }
+  return sum;
+}
+
+}  // namespace engram::training
