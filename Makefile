@@ -4,9 +4,10 @@
 # Where the demo looks for recordings: pairs NAME.mp4 and NAME.csv in any folder below.
 # Empty, or a folder that is missing: a rendered scene.
 RECORDINGS ?= ../shared/data
-# Time that the demo trains, and the length of a rendered scene.
+# Time that the demo trains, the length of a rendered scene, and the build that it shows.
 DEMO_BUDGET ?= 150s
 DEMO_SECONDS ?= 60
+DEMO_PRESET ?= release
 # Options of the measurements of the store, such as BARS="--seconds 5".
 BARS ?=
 # How long each fuzzer searches.
@@ -22,7 +23,7 @@ BUDGET ?= 1200
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
-	@echo "             (RECORDINGS=dir, DEMO_BUDGET=150s, DEMO_SECONDS=60)"
+	@echo "             (RECORDINGS=dir, DEMO_BUDGET=150s, DEMO_SECONDS=60, DEMO_PRESET=release)"
 	@echo "make test    build with debug information and run all tests"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
@@ -52,8 +53,9 @@ test: build/dev/build.ninja packages
 	cmake --build --preset dev
 	ctest --preset dev
 
-demo: build
-	experiments/demo.sh build/release/bin/engram demo "$(RECORDINGS)" $(DEMO_BUDGET) $(DEMO_SECONDS)
+demo: build/$(DEMO_PRESET)/build.ninja packages
+	cmake --build --preset $(DEMO_PRESET) --target engram
+	experiments/demo.sh build/$(DEMO_PRESET)/bin/engram demo "$(RECORDINGS)" $(DEMO_BUDGET) $(DEMO_SECONDS)
 
 bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON
