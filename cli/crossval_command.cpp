@@ -15,9 +15,11 @@ constexpr const char* kFooter = R"(Examples:
   engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
   engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --budget 2m
   engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --folds 1 --json
+  engram crossval robot.engram --entity Vision/RGB/head/cam --every 200ms --budget 20m
 
 A recording ends where there is a gap. For each, a model of each variant is trained on all others
-for --budget, and reconstructs and predicts the one that was left out; nothing is published. PSNR is
+for --budget, and reconstructs and predicts the one that was left out; nothing is published. With
+--every, snapshots so far apart are measured, and those between them are trained on too. PSNR is
 the mean over images / of the pooled error. Variants: "rate" trains for few bytes, "ae" for small
 errors alone, "vae" and "wae" for latents like a Gaussian. "copy-last" repeats the last snapshot,
 "linear" draws a straight line through the last two, "flow" moves pixels on as they moved.)";
@@ -28,6 +30,7 @@ struct CrossvalArguments {
   std::vector<std::string> variants{"rate"};
   TrainingArguments learning;
   size_t folds = 0;
+  std::string every = "0s";
   bool is_json = false;
 };
 
@@ -48,6 +51,9 @@ ExitCode run(CrossvalArguments& arguments) {
   if (const Status status = finish_training_options(arguments.learning, arguments.options.train);
       !status.ok())
     return wrong_usage(status);
+  const auto every = parse_duration(arguments.every);
+  if (!every.ok()) return wrong_usage(every.status());
+  arguments.options.every = *every;
   auto variants = variants_of(arguments.variants);
   if (!variants.ok()) return wrong_usage(variants.status());
   arguments.options.variants = *std::move(variants);
@@ -78,6 +84,11 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   add_training_options(*command, arguments->learning, train, "each fold and variant",
                        "Mean PSNR of images to aim at, dB");
   command->add_option("--folds", arguments->folds, "Only so many of the first recordings; 0: all")
+      ->capture_default_str();
+  command
+      ->add_option("--every", arguments->every,
+                   "Time between snapshots that are measured; 0s: all are")
+      ->check(duration_text())
       ->capture_default_str();
   command
       ->add_option("--variants,--variant", arguments->variants,

@@ -28,10 +28,7 @@ class Crossval {
                             EntitySource::find(reader_, entity_, 2, false, stop_));
     if (!found.missing.empty())
       return invalid_argument("{}: {}", entity_.to_string(), found.missing);
-    entries_ = std::move(found.entries);
-    std::vector<Time> times;
-    for (const ltm::SnapshotEntry& entry : entries_) times.push_back(entry.time);
-    const std::vector<Sequence> recordings = cut_sequences(times);
+    const std::vector<Sequence> recordings = take(std::move(found.entries));
     if (recordings.size() < 2)
       return invalid_argument("{}: found {} recording, needs two to leave one out",
                               entity_.to_string(), recordings.size());
@@ -52,6 +49,28 @@ class Crossval {
   }
 
  private:
+  /// Divides what was recorded into what is measured and what is between, and returns the
+  /// recordings of what is measured.
+  std::vector<Sequence> take(std::vector<ltm::SnapshotEntry> entries) {
+    std::vector<Time> times;
+    for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
+    std::vector<Sequence> recordings = cut_sequences(times);
+    between_.resize(recordings.size());
+    if (options_.every == Duration::zero()) {
+      entries_ = std::move(entries);
+      return recordings;
+    }
+    for (size_t i = 0; i < recordings.size(); ++i) {
+      const auto runs = interleaved(times, recordings[i], options_.every);
+      recordings[i].first = entries_.size();
+      for (const size_t index : runs.front()) entries_.push_back(entries[index]);
+      recordings[i].end = entries_.size();
+      for (const auto& run : std::span(runs).subspan(1))
+        for (const size_t index : run) between_[i].push_back(entries[index]);
+    }
+    return recordings;
+  }
+
   Result<FoldSums> run_fold(const std::vector<Sequence>& recordings, size_t fold) {
     FoldSums sums(options_.variants.size());
     sums.snapshots = recordings[fold].size();
@@ -105,9 +124,13 @@ class Crossval {
 
   Status train(const std::vector<Sequence>& recordings, size_t fold,
                encoders::TrainingVariant variant, const std::filesystem::path& file) {
-    std::vector<ltm::SnapshotEntry> trained(entries_);
-    trained.erase(trained.begin() + static_cast<ptrdiff_t>(recordings[fold].first),
-                  trained.begin() + static_cast<ptrdiff_t>(recordings[fold].end));
+    std::vector<ltm::SnapshotEntry> trained;
+    for (size_t i = 0; i < recordings.size(); ++i) {
+      if (i == fold) continue;
+      const auto measured = std::span(entries_).subspan(recordings[i].first, recordings[i].size());
+      trained.insert(trained.end(), measured.begin(), measured.end());
+      trained.insert(trained.end(), between_[i].begin(), between_[i].end());
+    }
     ProgressSink progress;
     if (progress_)
       progress = [&](Progress now) {
@@ -175,8 +198,7 @@ class Crossval {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
     std::vector<Time> times;
     for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
-    ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
-                            conditions_at(reader_, condition, times));
+    ENGRAM_ASSIGN_OR_RETURN(const auto conditions, conditions_at(reader_, condition, times));
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const size_t steps = std::min(kAhead, values.size() - 1 - row);
@@ -196,7 +218,10 @@ class Crossval {
   const CrossvalOptions& options_;
   const ProgressSink& progress_;
   const std::stop_token& stop_;
-  std::vector<ltm::SnapshotEntry> entries_;
+  std::vector<ltm::SnapshotEntry> entries_;  ///< That are measured.
+  /// Per recording, those between them that are only trained on, one slower recording after
+  /// another.
+  std::vector<std::vector<ltm::SnapshotEntry>> between_;
   encoders::TensorPlan plan_;
 };
 
@@ -215,6 +240,9 @@ Result<ltm::MemoryId> only_match(const ltm::StoreReader& reader, const std::stri
 }  // namespace
 
 Status CrossvalOptions::validate() const {
+  if (every < Duration::zero())
+    return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
+                            engram::to_string(every));
   if (most_folds && *most_folds < 1) return invalid_argument("folds: found 0, needs at least 1");
   if (variants.empty()) return invalid_argument("training variants: found none, needs at least 1");
   if (std::set(variants.begin(), variants.end()).size() < variants.size())

@@ -26,6 +26,9 @@ struct CrossvalOptions {
   std::string entity;
   /// Steps of refining the latents that are measured (latent_refinement.h).
   int refine_steps = 0;
+  /// Snapshots that are measured lie so far apart; those between them, as recordings of the same
+  /// rate, are trained on as well. Zero: every one is measured.
+  Duration every{};
   /// Folds that are made, from the first on; nothing: one per recording.
   std::optional<size_t> most_folds;
 

@@ -74,6 +74,33 @@ TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
   EXPECT_EQ(to_json(*report).at("folds").size(), 3u);
 }
 
+TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
+  const ScratchPath store("crossval_every");
+  record(store.path(), 2);
+  auto chosen = options(20);
+  chosen.every = std::chrono::milliseconds(400);
+  chosen.most_folds = 1;
+  const auto report = crossval(store.path(), chosen);
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const CrossvalFold& fold = report->folds.front();
+  EXPECT_EQ(fold.snapshots, 10u);
+  EXPECT_EQ(fold.variants[0].left_out.images, 10u);
+  EXPECT_EQ(fold.variants[0].trained.images, 10u);
+  EXPECT_EQ(fold.variants[0].prediction[0].images, 8u);
+  // Predicting twice as far is harder for who copies.
+  const auto near = crossval(store.path(), [] {
+    auto every_one = options(20);
+    every_one.most_folds = 1;
+    return every_one;
+  }());
+  ASSERT_TRUE(near.ok()) << near.status().to_string();
+  const auto copied = static_cast<size_t>(Baseline::kCopyLast);
+  EXPECT_LT(fold.baselines[copied][0].mean_psnr_db,
+            near->folds.front().baselines[copied][0].mean_psnr_db);
+  chosen.every = -std::chrono::milliseconds(1);
+  EXPECT_EQ(crossval(store.path(), chosen).status().code(), StatusCode::kInvalidArgument);
+}
+
 TEST(Crossval, PutsVariantsBesideEachOther) {
   const ScratchPath store("crossval_variants");
   record(store.path(), 2);
