@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/autoencoder.h"
 
+#include <algorithm>
+
 namespace engram::encoders {
 
 using torch::Tensor;
@@ -32,9 +34,10 @@ ImageEncoderImpl::ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& 
   coarse = register_module("coarse", make_conv(c, sizes.coarse_channels, 1));
 }
 
-ImageLatents ImageEncoderImpl::forward(const Tensor& image) {
-  Tensor x = quarter(activate(stem(unshuffled(image, 4 * unit))));  // [B, 3F/8, H/4, W/4]
-  x = eighth(to_eighth(unshuffled(x, 2)));                          // [B, F/2, H/8, W/8]
+ImageLatents ImageEncoderImpl::forward(const Tensor& image, const View& view) {
+  Tensor x = stem(unshuffled(image, 4 * unit)) + view.quarter;
+  x = quarter(activate(x));                 // [B, 3F/8, H/4, W/4]
+  x = eighth(to_eighth(unshuffled(x, 2)));  // [B, F/2, H/8, W/8]
   const Tensor z = fine(x) * kLatentGain;
   x = to_sixteenth(unshuffled(x, 2));  // [B, 3F/4, H/16, W/16]
   return {coarse(sixteenth_2(sixteenth_1(x))) * kLatentGain, z};
@@ -46,14 +49,6 @@ ImageDecoderImpl::ImageDecoderImpl(const ImageShape& shape, const NetworkSizes& 
   const int b = a * 3 / 4;
   const int c = a * 3 / 8;
   const int d = a * 3 / 16;
-  const int height = shape.height / unit;
-  const int width = shape.width / unit;
-  const auto place = [&](int64_t scenes, int features, int stride) {
-    return torch::zeros({scenes, features, height / stride, width / stride});
-  };
-  place_16 = register_parameter("place_16", place(sizes.scenes, a, 16));
-  place_8 = register_parameter("place_8", place(1, b, 8));
-  place_4 = register_parameter("place_4", place(1, c, 4));
   from_coarse = register_module("from_coarse", make_conv(sizes.coarse_channels, a, 3));
   from_fine = register_module("from_fine", make_conv(sizes.fine_channels, b, 3));
   if (numbers > 0) from_numbers = register_module("from_numbers", make_zero_linear(numbers, a));
@@ -73,31 +68,34 @@ ImageDecoderImpl::ImageDecoderImpl(const ImageShape& shape, const NetworkSizes& 
 }
 
 Tensor ImageDecoderImpl::forward(const ImageLatents& latents, const Tensor& numbers,
-                                 const Tensor& scene) {
-  Tensor x = from_coarse(latents.coarse) + place_16.index_select(0, scene);
+                                 const View& view) {
+  Tensor x = from_coarse(latents.coarse) + view.sixteenth;
   if (from_numbers) x = with_features(x, from_numbers(numbers));
-  x = sixteenth_2(sixteenth_1(x));                                      // [B, F, H/16, W/16]
-  x = shuffled(to_eighth(x)) + from_fine(latents.fine);                 // [B, 3F/4, H/8, W/8]
-  x = shuffled(to_quarter(eighth_2(eighth_1(activate(x) + place_8))));  // [B, 3F/8, H/4, W/4]
-  x = shuffled(to_half(quarter_2(quarter_1(activate(x) + place_4))));   // [B, 3F/16, H/2, W/2]
-  return shuffled(out(half(activate(x))), 2 * unit);                    // [B, C, H, W]
+  x = sixteenth_2(sixteenth_1(x));                       // [B, F, H/16, W/16]
+  x = shuffled(to_eighth(x)) + from_fine(latents.fine);  // [B, 3F/4, H/8, W/8]
+  x = eighth_2(eighth_1(activate(x) + view.eighth));
+  x = shuffled(to_quarter(x));  // [B, 3F/8, H/4, W/4]
+  x = quarter_2(quarter_1(activate(x) + view.quarter));
+  x = shuffled(to_half(x));                           // [B, 3F/16, H/2, W/2]
+  return shuffled(out(half(activate(x))), 2 * unit);  // [B, C, H, W]
 }
 
 ImageAutoencoderImpl::ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes,
                                            int numbers)
     : background(register_parameter(
           "background", torch::zeros({sizes.scenes, shape.channels, shape.height, shape.width}))),
+      places(register_module("places", PlaceFeatures(shape, sizes))),
       encoder(register_module("encoder", ImageEncoder(shape, sizes))),
       decoder(register_module("decoder", ImageDecoder(shape, sizes, numbers))) {}
 
-ImageLatents ImageAutoencoderImpl::encode(const Tensor& x, const Tensor& scene) {
-  return encoder((x / kGreyLevels - background.index_select(0, scene))
-                     .contiguous(at::MemoryFormat::ChannelsLast));
+ImageLatents ImageAutoencoderImpl::encode(const Tensor& x, const View& view) {
+  return encoder((x / kGreyLevels - view.background).contiguous(at::MemoryFormat::ChannelsLast),
+                 view);
 }
 
 Tensor ImageAutoencoderImpl::decode(const ImageLatents& latents, const Tensor& numbers,
-                                    const Tensor& scene) {
-  return (decoder(latents, numbers, scene) + background.index_select(0, scene)) * kGreyLevels;
+                                    const View& view) {
+  return (decoder(latents, numbers, view) + view.background) * kGreyLevels;
 }
 
 AutoencoderImpl::AutoencoderImpl(const NetworkShape& network) : shape(network) {
@@ -108,20 +106,54 @@ AutoencoderImpl::AutoencoderImpl(const NetworkShape& network) : shape(network) {
                         ImageAutoencoder(shape.images[i], shape.sizes, shape.numbers)));
 }
 
-Latents AutoencoderImpl::encode(const Parts& values) {
-  Latents latents{{}, values.numbers, values.scene};
+Views AutoencoderImpl::look(const Tensor& scene, const std::vector<Tensor>& backgrounds) {
+  Views views;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const Tensor background = backgrounds.empty() ? images[i]->background.index_select(0, scene)
+                                                  : backgrounds[i] / kGreyLevels;
+    views.push_back(
+        images[i]->places(background.contiguous(at::MemoryFormat::ChannelsLast), scene));
+  }
+  return views;
+}
+
+int64_t AutoencoderImpl::weights_version() const {
+  int64_t version = 0;
+  for (const ImageAutoencoder& image : images) {
+    version += image->background._version();
+    for (const Tensor& weights : image->places->parameters()) version += weights._version();
+  }
+  return version;
+}
+
+Views AutoencoderImpl::views_of(const Tensor& scene, const std::vector<Tensor>& backgrounds) {
+  const bool is_known = backgrounds.empty();
+  const bool is_one = !is_known || (scene.size(0) > 0 && scene.min().equal(scene.max()));
+  const Tensor row = !is_known ? torch::full({1}, -1, torch::kLong)
+                     : is_one  ? scene.slice(0, 0, 1)
+                               : scene;
+  if (!is_one || torch::GradMode::is_enabled()) return look(row, backgrounds);
+  const auto is_same = [](const Tensor& a, const Tensor& b) { return a.equal(b); };
+  const int64_t version = weights_version();
+  const bool is_last = last_views_.weights_version == version && last_views_.scene.equal(row) &&
+                       std::ranges::equal(last_views_.backgrounds, backgrounds, is_same);
+  if (!is_last) last_views_ = {row, backgrounds, version, look(row, backgrounds)};
+  return last_views_.views;
+}
+
+Latents AutoencoderImpl::encode(const Parts& values, const Views& views) {
+  Latents latents{{}, values.numbers, values.scene, values.backgrounds};
   for (size_t i = 0; i < images.size(); ++i)
-    latents.images.push_back(images[i]->encode(values.images[i], values.scene));
+    latents.images.push_back(images[i]->encode(values.images[i], views[i]));
   return latents;
 }
 
-Parts AutoencoderImpl::decode(const Latents& latents) {
-  Parts values{{}, latents.numbers, latents.scene};
+Parts AutoencoderImpl::decode(const Latents& latents, const Views& views) {
+  Parts values{{}, latents.numbers, latents.scene, latents.backgrounds};
   for (size_t i = 0; i < images.size(); ++i)
-    values.images.push_back(
-        latents.images[i].coarse.defined()
-            ? images[i]->decode(latents.images[i], latents.numbers, latents.scene)
-            : Tensor());
+    values.images.push_back(latents.images[i].coarse.defined()
+                                ? images[i]->decode(latents.images[i], latents.numbers, views[i])
+                                : Tensor());
   return values;
 }
 
@@ -139,7 +171,7 @@ Tensor AutoencoderImpl::distances(const Parts& values) {
 }
 
 Latents round(const Latents& latents) {
-  Latents rounded{{}, latents.numbers, latents.scene};
+  Latents rounded{{}, latents.numbers, latents.scene, latents.backgrounds};
   for (const ImageLatents& image : latents.images)
     rounded.images.push_back({image.coarse.round(), image.fine.round()});
   return rounded;

@@ -5,6 +5,7 @@
 
 #include "encoders/layers.h"
 #include "encoders/network_shape.h"
+#include "encoders/view.h"
 
 // Internal to the learning rooms: includes LibTorch.
 //
@@ -18,6 +19,9 @@ struct Parts {
   std::vector<torch::Tensor> images;  ///< Grey levels [B, C, H, W].
   torch::Tensor numbers;              ///< Normalised [B, N]; undefined without numbers.
   torch::Tensor scene;                ///< Which background, of int64 [B].
+  /// Backgrounds of a view that is none of the scenes, per image member [1, C, H, W], in grey
+  /// levels; empty: the scene's. `scene` then is the one most like it.
+  std::vector<torch::Tensor> backgrounds{};
   /// Numbers of the entity that predictions start from too, normalised [B, K]; undefined where they
   /// are not known.
   torch::Tensor conditions{};
@@ -35,12 +39,13 @@ struct Latents {
   std::vector<ImageLatents> images;
   torch::Tensor numbers;
   torch::Tensor scene;
+  std::vector<torch::Tensor> backgrounds{};  ///< As of Parts.
 };
 
 /// Image minus background to latents, not rounded.
 struct ImageEncoderImpl : torch::nn::Module {
   ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& sizes);
-  ImageLatents forward(const torch::Tensor& x);
+  ImageLatents forward(const torch::Tensor& x, const View& view);
 
   int unit;
   torch::nn::Conv2d stem{nullptr}, to_eighth{nullptr}, to_sixteenth{nullptr};
@@ -54,10 +59,9 @@ TORCH_MODULE(ImageEncoder);
 struct ImageDecoderImpl : torch::nn::Module {
   ImageDecoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers);
   torch::Tensor forward(const ImageLatents& latents, const torch::Tensor& numbers,
-                        const torch::Tensor& scene);
+                        const View& view);
 
   int unit;
-  torch::Tensor place_16, place_8, place_4;  ///< What is where: of each scene, of all of them.
   torch::nn::Conv2d from_coarse{nullptr}, from_fine{nullptr};
   torch::nn::Conv2d to_eighth{nullptr}, to_quarter{nullptr}, to_half{nullptr}, out{nullptr};
   torch::nn::Linear from_numbers{nullptr};
@@ -70,11 +74,11 @@ TORCH_MODULE(ImageDecoder);
 struct ImageAutoencoderImpl : torch::nn::Module {
   ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers);
 
-  ImageLatents encode(const torch::Tensor& x, const torch::Tensor& scene);
-  torch::Tensor decode(const ImageLatents& latents, const torch::Tensor& numbers,
-                       const torch::Tensor& scene);
+  ImageLatents encode(const torch::Tensor& x, const View& view);
+  torch::Tensor decode(const ImageLatents& latents, const torch::Tensor& numbers, const View& view);
 
   torch::Tensor background;  ///< [scenes, C, H, W], in units of kGreyLevels.
+  PlaceFeatures places{nullptr};
   ImageEncoder encoder{nullptr};
   ImageDecoder decoder{nullptr};
 };
@@ -86,16 +90,43 @@ TORCH_MODULE(ImageAutoencoder);
 struct AutoencoderImpl : torch::nn::Module {
   explicit AutoencoderImpl(const NetworkShape& shape);
 
+  /// What is known of each row of a batch. Shape: `scene` of int64 [B], negative: none;
+  /// `backgrounds` per image member [B, C, H, W], in grey levels, or none: those of the scenes.
+  Views look(const torch::Tensor& scene, const std::vector<torch::Tensor>& backgrounds);
+  /// Of all rows together where they are alike. `backgrounds` as of Parts.
+  Views views_of(const torch::Tensor& scene, const std::vector<torch::Tensor>& backgrounds);
+
   /// Not rounded.
-  Latents encode(const Parts& values);
+  Latents encode(const Parts& values, const Views& views);
+  Latents encode(const Parts& values) {
+    return encode(values, views_of(values.scene, values.backgrounds));
+  }
   /// Images whose latents are undefined stay so.
-  Parts decode(const Latents& latents);
+  Parts decode(const Latents& latents, const Views& views);
+  Parts decode(const Latents& latents) {
+    return decode(latents, views_of(latents.scene, latents.backgrounds));
+  }
 
   /// Sum over all pixels of how far an image is from the background of each scene. [B, scenes]
   torch::Tensor distances(const Parts& values);
 
   NetworkShape shape;
   std::vector<ImageAutoencoder> images;  ///< None where the sizes say so.
+
+ private:
+  /// The last views that views_of() made of one row without gradients: decoding asks for the same
+  /// again and again.
+  struct LastViews {
+    torch::Tensor scene;
+    std::vector<torch::Tensor> backgrounds;
+    int64_t weights_version = -1;
+    Views views;
+  };
+
+  /// Grows with every change of the weights that views are made with.
+  [[nodiscard]] int64_t weights_version() const;
+
+  LastViews last_views_;
 };
 TORCH_MODULE(Autoencoder);
 

@@ -33,15 +33,6 @@ idf::NdArray image_array(const ImageMember& image, const Tensor& pixels) {
   return idf::NdArray::take<T>({image.height, image.width, image.channels}, std::move(result));
 }
 
-idf::NdArray to_array(const ImageMember& image, const Tensor& batch) {
-  // A network that met values it never saw may answer with no number at all.
-  const Tensor pixels = torch::nan_to_num(
-      batch.select(0, 0).slice(1, 0, image.height).slice(2, 0, image.width).permute({1, 2, 0}), 0,
-      0, 0);
-  if (image.is_depth) return image_array<uint16_t>(image, pixels / image.scale);
-  return image_array<uint8_t>(image, pixels);
-}
-
 /// [1, z, h, w]
 Tensor grid_tensor(const LatentGrid& grid, std::span<const int32_t> integers) {
   std::vector<float> values(integers.begin(), integers.end());
@@ -52,6 +43,15 @@ Tensor grid_tensor(const LatentGrid& grid, std::span<const int32_t> integers) {
 }
 
 }  // namespace
+
+idf::NdArray to_image_array(const ImageMember& image, const Tensor& batch) {
+  // A network that met values it never saw may answer with no number at all.
+  const Tensor pixels = torch::nan_to_num(
+      batch.select(0, 0).slice(1, 0, image.height).slice(2, 0, image.width).permute({1, 2, 0}), 0,
+      0, 0);
+  if (image.is_depth) return image_array<uint16_t>(image, pixels / image.scale);
+  return image_array<uint8_t>(image, pixels);
+}
 
 Tensor to_grey_levels(const ImageMember& image, const ImageShape& shape, const Tensor& pixels) {
   Tensor grey = pixels.permute({0, 3, 1, 2}).to(torch::kFloat32);  // [B, C, H, W]
@@ -96,7 +96,7 @@ Result<Parts> DeepModel::to_parts(const idf::SplitValue& value) const {
 std::vector<idf::NdArray> DeepModel::to_arrays(const Parts& parts) const {
   std::vector<idf::NdArray> arrays(parts.images.size());
   for (size_t i = 0; i < arrays.size(); ++i)
-    if (parts.images[i].defined()) arrays[i] = to_array(plan.images()[i], parts.images[i]);
+    if (parts.images[i].defined()) arrays[i] = to_image_array(plan.images()[i], parts.images[i]);
   return arrays;
 }
 
@@ -133,7 +133,10 @@ std::vector<int32_t> DeepModel::to_integers(const ImageLatents& latents) {
 }
 
 Latents DeepModel::to_latents(const LatentRows& rows, size_t row) const {
-  Latents latents{{}, {}, torch::tensor({static_cast<int64_t>(rows.scene)}, torch::kLong)};
+  Latents latents{{},
+                  {},
+                  torch::tensor({static_cast<int64_t>(rows.scene)}, torch::kLong),
+                  backgrounds_of(rows)};
   for (size_t i = 0; i < rows.images.size(); ++i) {
     if (rows.images[i].form != ImageForm::kLatents) {
       latents.images.emplace_back();
@@ -151,9 +154,19 @@ Latents DeepModel::to_latents(const LatentRows& rows, size_t row) const {
   return latents;
 }
 
-Result<LatentRows> DeepModel::to_rows(std::span<const idf::SplitValue> values) {
+std::vector<Tensor> DeepModel::backgrounds_of(const LatentRows& rows) const {
+  std::vector<Tensor> backgrounds;
+  for (size_t i = 0; i < rows.own.size(); ++i)
+    backgrounds.push_back(to_grey_levels(plan.images()[i], autoencoder->shape.images[i],
+                                         pixels_of(plan.images()[i], rows.own[i].pixels)));
+  return backgrounds;
+}
+
+Result<LatentRows> DeepModel::to_rows(std::span<const idf::SplitValue> values,
+                                      std::vector<CodedBackground> own) {
   torch::NoGradGuard no_grad;
   LatentRows rows;
+  rows.own = std::move(own);
   rows.images.resize(plan.images().size());
   for (const idf::SplitValue& value : values) {
     const std::vector<double> numbers = plan.read_numbers(value);
@@ -171,9 +184,11 @@ Result<LatentRows> DeepModel::to_rows(std::span<const idf::SplitValue> values) {
 void DeepModel::add_latents(std::vector<Parts> parts, LatentRows& rows) {
   const Tensor scene = best_scene(parts);
   rows.scene = static_cast<uint32_t>(scene.item<int64_t>());
+  const std::vector<Tensor> backgrounds = backgrounds_of(rows);
   // One at a time: what comes out must not depend on what is encoded beside it.
   for (Parts& one : parts) {
     one.scene = scene;
+    one.backgrounds = backgrounds;
     const Latents rounded = round(autoencoder->encode(one));
     for (size_t i = 0; i < rounded.images.size(); ++i) {
       const std::vector<int32_t> integers = to_integers(rounded.images[i]);
@@ -282,8 +297,7 @@ std::vector<Future> futures_of(DeepModel& model, const Parts& last, const Parts&
                round(model.autoencoder->encode(before)), steps);
   auto motion = model.dynamics->move(last, before, steps);
   std::vector<Future> futures;
-  for (size_t i = 0; i < latents.size(); ++i)
-    futures.push_back({latents[i], std::move(motion[i])});
+  for (size_t i = 0; i < latents.size(); ++i) futures.push_back({latents[i], std::move(motion[i])});
   return futures;
 }
 

@@ -51,8 +51,8 @@ struct DeepModel {
   LatentBlockCodec codec;
   size_t block_rows = 16;  ///< Most rows that encode() puts into one block.
   std::optional<Condition> condition;
-  PredictionRecord prediction;      ///< With conditions, where there are any.
-  PredictionRecord unconditioned;   ///< Where they are not known.
+  PredictionRecord prediction;     ///< With conditions, where there are any.
+  PredictionRecord unconditioned;  ///< Where they are not known.
   Provenance provenance;
 
   /// Numbers in units of their deviation from the mean; 0 for those that are not finite.
@@ -79,9 +79,15 @@ struct DeepModel {
   /// One row as a batch of one.
   [[nodiscard]] Latents to_latents(const LatentRows& rows, size_t row) const;
 
-  /// Consecutive values of one recording as rows: images as latents. Without networks they have
-  /// none, and need another form before they can be coded.
-  Result<LatentRows> to_rows(std::span<const idf::SplitValue> values);
+  /// Consecutive values of one recording as rows: images as latents, on backgrounds of their `own`
+  /// where there are any. Without networks they have none, and need another form before they can
+  /// be coded.
+  Result<LatentRows> to_rows(std::span<const idf::SplitValue> values,
+                             std::vector<CodedBackground> own = {});
+
+  /// Backgrounds of a block as the networks see them, per image member [1, C, H, W]; none where it
+  /// has none of its own. Unit: grey levels.
+  [[nodiscard]] std::vector<torch::Tensor> backgrounds_of(const LatentRows& rows) const;
 
   /// The scene that rows of one recording are reconstructed best with: [1] of int64.
   [[nodiscard]] torch::Tensor best_scene(std::span<const Parts> parts);
@@ -114,6 +120,10 @@ struct DeepModel {
 /// the edge.
 [[nodiscard]] torch::Tensor to_grey_levels(const ImageMember& image, const ImageShape& shape,
                                            const torch::Tensor& pixels);
+
+/// The image of a batch of one [1, C, H, W], in grey levels, as an array of the member's type,
+/// without what it was padded with.
+[[nodiscard]] idf::NdArray to_image_array(const ImageMember& image, const torch::Tensor& batch);
 
 /// The latents of a block: one per split value, whose remainders they take.
 [[nodiscard]] std::vector<ltm::Latent> latents_of(std::vector<std::byte> block,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/dynamics.h"
 
+#include "encoders/moved_images.h"
+
 #include <array>
 #include <numbers>
 
@@ -147,7 +149,7 @@ Tensor DynamicsImpl::bits(const Latents& then, const Latents& last, const Latent
 }
 
 DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
-  DynamicsStep step{{{}, last.numbers, last.scene}, {}, {}};
+  DynamicsStep step{{{}, last.numbers, last.scene, last.backgrounds}, {}, {}};
   const Tensor features = number_features(last.numbers, before.numbers);
   if (features.defined()) {
     step.then.numbers = last.numbers + number_change(features);
@@ -170,7 +172,8 @@ std::vector<std::vector<Tensor>> DynamicsImpl::move(const Parts& last, const Par
     std::array<Tensor, 2> seen{before.images[i], last.images[i]};
     for (size_t step = 0; step < moved.size();) {
       // What comes later goes on from what was predicted.
-      for (Tensor& image : images[i]->motion(seen[1], seen[0], features)) {
+      const Tensor moved_images = moved_on(seen[0], seen[1], ImageMotionImpl::kSteps);
+      for (Tensor& image : images[i]->motion(seen[1], seen[0], moved_images, features)) {
         seen = {seen[1], image.clamp(0, 255)};
         if (step < moved.size()) moved[step++].push_back(seen[1]);
       }
@@ -196,7 +199,8 @@ Parts gated(const Parts& last, const DynamicsStep& step, const Parts& then, cons
 
 std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics, const Parts& last,
                             const Latents& now, const Latents& before, int steps) {
-  const Parts decoded = autoencoder->decode(now);
+  const Views views = autoencoder->views_of(now.scene, now.backgrounds);
+  const Parts decoded = autoencoder->decode(now, views);
   std::vector<Parts> values;
   Latents previous = before;
   Latents current = now;
@@ -204,7 +208,7 @@ std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics, const 
     DynamicsStep step = dynamics->step(current, previous);
     previous = current;
     current = step.then;
-    values.push_back(gated(last, step, autoencoder->decode(current), decoded));
+    values.push_back(gated(last, step, autoencoder->decode(current, views), decoded));
   }
   return values;
 }

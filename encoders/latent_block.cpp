@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/latent_block.h"
 
-#include <algorithm>
-#include <array>
-
 #include "encoders/coding/byte_stream.h"
 #include "encoders/coding/checked_block.h"
 #include "ltm/codec/group_codec.h"
@@ -22,51 +19,60 @@ Result<std::span<const std::byte>> take(std::span<const std::byte>& bytes, int64
   return part;
 }
 
-constexpr std::array<std::string_view, 5> kCodecNames{"", "h264", "h265", "av1", "ffv1"};
+/// A part that follows, as the head announces it.
+struct BlockPart {
+  ImageForm form = ImageForm::kLatents;
+  int64_t size = 0;
+};
 
 /// What stands before the codes.
 struct BlockHead {
   uint32_t scene = 0;
-  std::vector<ImageForm> forms;
-  std::vector<int64_t> sizes;
+  std::vector<BlockPart> own;     ///< Backgrounds, per image member; or none.
+  std::vector<BlockPart> images;  ///< Per image member.
 };
+
+Result<std::vector<BlockPart>> read_parts(ByteReader& reader, size_t count) {
+  std::vector<BlockPart> parts;
+  for (size_t i = 0; i < count; ++i) {
+    const int64_t form = reader.get_varint();
+    if (form < 0 || form > static_cast<int64_t>(ImageForm::kFfv1))
+      return data_loss("block of latents: found form {}, needs 0 to {}", form,
+                       static_cast<int>(ImageForm::kFfv1));
+    parts.push_back({static_cast<ImageForm>(form), reader.get_varint()});
+  }
+  return parts;
+}
 
 Result<BlockHead> read_head(ByteReader& reader, size_t images, uint32_t scenes) {
   BlockHead head;
-  const int64_t scene = reader.get_varint();
-  if (scene < 0 || scene >= static_cast<int64_t>(scenes))
-    return data_loss("block of latents: found scene {}, needs 0 to {}", scene, scenes - 1);
-  head.scene = static_cast<uint32_t>(scene);
-  for (size_t i = 0; i < images; ++i) {
-    const int64_t form = reader.get_varint();
-    if (form < 0 || form >= static_cast<int64_t>(kCodecNames.size()))
-      return data_loss("block of latents: found form {}, needs 0 to {}", form,
-                       kCodecNames.size() - 1);
-    head.forms.push_back(static_cast<ImageForm>(form));
-    head.sizes.push_back(reader.get_varint());
+  const int64_t first = reader.get_varint();
+  if (first < 0 || first >= int64_t{2} * scenes)
+    return data_loss("block of latents: found scene {}, needs 0 to {}", first / 2, scenes - 1);
+  head.scene = static_cast<uint32_t>(first / 2);
+  if (first % 2 == 1) {
+    ENGRAM_ASSIGN_OR_RETURN(head.own, read_parts(reader, images));
   }
+  ENGRAM_ASSIGN_OR_RETURN(head.images, read_parts(reader, images));
   if (reader.failed()) return data_loss("block of latents: ends within its head");
   return head;
 }
 
 }  // namespace
 
-std::string_view codec_name(ImageForm form) {
-  return kCodecNames[static_cast<size_t>(form)];
-}
-
-std::optional<ImageForm> form_of_codec(std::string_view name) {
-  const auto found = std::ranges::find(kCodecNames, name);
-  if (name.empty() || found == kCodecNames.end()) return std::nullopt;
-  return static_cast<ImageForm>(found - kCodecNames.begin());
-}
-
 std::vector<std::byte> LatentBlockCodec::encode(const LatentRows& rows, size_t count) const {
   ENGRAM_CHECK(rows.images.size() == frames.size(), "{} images of {}", rows.images.size(),
                frames.size());
+  ENGRAM_CHECK(rows.own.empty() || rows.own.size() == frames.size(), "{} backgrounds of {}",
+               rows.own.size(), frames.size());
   std::vector<std::vector<std::byte>> parts;
   ByteWriter writer;
-  writer.put_varint(rows.scene);
+  writer.put_varint(int64_t{2} * rows.scene + (rows.own.empty() ? 0 : 1));
+  for (const CodedBackground& background : rows.own) {
+    parts.push_back(background.bytes);
+    writer.put_varint(static_cast<int64_t>(background.form));
+    writer.put_varint(static_cast<int64_t>(background.bytes.size()));
+  }
   for (size_t i = 0; i < frames.size(); ++i) {
     const ImageRows& image = rows.images[i];
     const bool is_video = image.form != ImageForm::kLatents;
@@ -105,9 +111,15 @@ Result<LatentRows> LatentBlockCodec::decode(std::span<const std::byte> block, si
   bytes = reader.rest();
   LatentRows rows;
   rows.scene = head.scene;
+  for (size_t i = 0; i < head.own.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, head.own[i].size));
+    ENGRAM_ASSIGN_OR_RETURN(
+        rows.own.emplace_back(),
+        decode_background(head.own[i].form, {part.begin(), part.end()}, frames[i]));
+  }
   for (size_t i = 0; i < frames.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, head.sizes[i]));
-    rows.images.emplace_back().form = head.forms[i];
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, head.images[i].size));
+    rows.images.emplace_back().form = head.images[i].form;
     ENGRAM_RETURN_IF_ERROR(decode_image(i, part, count, wanted, rows.images.back()));
   }
   if (!numbers) return rows;

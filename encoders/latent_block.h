@@ -7,20 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "encoders/coded_background.h"
 #include "encoders/coding/latent_sequence.h"
 #include "encoders/coding/number_codec.h"
 #include "ltm/idf/ndarray.h"
 
 namespace engram::encoders {
-
-/// How the images of one member are kept in a block. The values are part of the format.
-enum class ImageForm : uint8_t { kLatents = 0, kH264 = 1, kH265 = 2, kAv1 = 3, kFfv1 = 4 };
-
-/// The group codec of a form (ltm/codec/group_codec.h); empty for latents.
-[[nodiscard]] std::string_view codec_name(ImageForm form);
-
-/// The form of a group codec's data; nothing where blocks do not take it.
-[[nodiscard]] std::optional<ImageForm> form_of_codec(std::string_view name);
 
 /// One image member over the rows of a block.
 struct ImageRows {
@@ -34,21 +26,18 @@ struct ImageRows {
 
 /// What the images and numbers of consecutive snapshots are decoded from.
 struct LatentRows {
-  uint32_t scene = 0;             ///< Which background.
+  uint32_t scene = 0;  ///< Which background, or the one most like that of the block.
+  std::vector<CodedBackground>
+      own;                        ///< Backgrounds of the block itself, per image member; or none.
   std::vector<ImageRows> images;  ///< Per image member.
   std::vector<double> numbers;    ///< [rows, N].
 };
 
-/// Type and shape of an image member.
-struct FrameShape {
-  idf::ElementType type = idf::ElementType::kUInt8;
-  idf::Shape shape;
-};
-
 /// Codes rows as one block, which decodes alone.
 ///
-/// Format: the scene, then form and size of each image member's code as varints, those codes, the
-/// code of the numbers, and a checksum of 32 bits over all, which also covers the number of rows.
+/// Format: twice the scene, plus one where the block has backgrounds of its own; form and size of
+/// those, then of each image member's code, all as varints; what was so announced; the code of the
+/// numbers; and a checksum of 32 bits over all, which also covers the number of rows.
 /// Threading: const-parallel.
 struct LatentBlockCodec {
   std::vector<FrameShape> frames;           ///< Per image member.

@@ -9,7 +9,7 @@ namespace {
 
 /// Pixels of an image of one unit that a flow of one moves by.
 constexpr double kFlowPixels = 8.0;
-/// Logit that masks start with: 27 % open.
+/// Logit that masks and shares start with: 27 % open.
 constexpr double kFirstMask = -1.0;
 
 Tensor enlarged(const Tensor& x, int factor) {
@@ -47,7 +47,7 @@ ImageMotionImpl::ImageMotionImpl(const ImageShape& shape, int features, int adde
   const int b = 2 * features;
   const int c = 4 * features;
   const int pixels = 16 * unit * unit;
-  stem = register_module("stem", make_conv(3 * channels * pixels, a, 3));
+  stem = register_module("stem", make_conv((3 + kSteps) * channels * pixels, a, 3));
   quarter_1 = register_module("quarter_1", ResidualBlock(a));
   to_eighth = register_module("to_eighth", make_conv(4 * a, b, 1));
   eighth_1 = register_module("eighth_1", ResidualBlock(b));
@@ -60,14 +60,15 @@ ImageMotionImpl::ImageMotionImpl(const ImageShape& shape, int features, int adde
   eighth_2 = register_module("eighth_2", ResidualBlock(b));
   from_eighth = register_module("from_eighth", make_conv(b, 4 * a, 1));
   quarter_2 = register_module("quarter_2", ResidualBlock(a));
-  out = register_module("out", make_conv(a, kSteps * (2 + pixels * (channels + 1)), 3, true));
+  out = register_module("out", make_conv(a, kSteps * (2 + pixels * (channels + 2)), 3, true));
 }
 
 std::vector<Tensor> ImageMotionImpl::forward(const Tensor& last, const Tensor& before,
-                                             const Tensor& added) {
+                                             const Tensor& moved, const Tensor& added) {
   const Tensor now = last / kGreyLevels;
   const Tensor change = now - before / kGreyLevels;
-  const Tensor seen = torch::cat({now, change, change.abs()}, 1);
+  const Tensor expected = (moved - last.unsqueeze(1)).flatten(1, 2) / kGreyLevels;
+  const Tensor seen = torch::cat({now, change, change.abs(), expected}, 1);
   const Tensor q = quarter_1(stem(unshuffled(seen, 4 * unit)));  // [B, F, H/4, W/4]
   const Tensor e = eighth_1(to_eighth(unshuffled(q, 2)));        // [B, 2F, H/8, W/8]
   Tensor x = to_sixteenth(unshuffled(e, 2));                     // [B, 4F, H/16, W/16]
@@ -79,8 +80,12 @@ std::vector<Tensor> ImageMotionImpl::forward(const Tensor& last, const Tensor& b
   for (const Tensor& step : out(activate(x)).chunk(kSteps, 1)) {
     const Tensor flow = enlarged(step.slice(1, 0, 2), 4 * unit) * (kFlowPixels * unit);
     const Tensor mended = torch::pixel_shuffle(step.slice(1, 2), 4 * unit);
-    const Tensor mask = torch::sigmoid(mended.slice(1, channels) + kFirstMask);
-    images.push_back(warp(last, flow) + mask * mended.slice(1, 0, channels) * kGreyLevels);
+    const Tensor open = torch::sigmoid(mended.slice(1, channels) + kFirstMask);  // [B, 2, H, W]
+    const Tensor warped = warp(last, flow);
+    const Tensor share = open.slice(1, 1, 2);
+    const auto k = static_cast<int64_t>(images.size());
+    images.push_back(warped + share * (moved.select(1, k) - warped) +
+                     open.slice(1, 0, 1) * mended.slice(1, 0, channels) * kGreyLevels);
   }
   return images;
 }

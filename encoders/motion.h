@@ -10,13 +10,14 @@
 
 namespace engram::encoders {
 
-/// Continues the motion of the last two images, without latents: the last one is moved by a flow,
-/// and what that leaves wrong is mended under a mask.
+/// Continues the motion of the last two images, without latents: between the last one, moved by a
+/// learned flow, and what optical flow makes of it, and what both leave wrong is mended under a
+/// mask.
 ///
-///     image(k) = warp(last, flow(k)) + mask(k) * mend(k)
+///     image(k) = (1 - share(k)) * warp(last, flow(k)) + share(k) * moved(k) + mask(k) * mend(k)
 ///
-/// It starts as a copy of the last image. It knows no places and no scene, and so carries over to
-/// recordings that it was not trained on.
+/// It starts between a copy of the last image and the moved one. It knows no places and no scene,
+/// and so carries over to recordings that it was not trained on.
 /// Source: docs/learning.md, section "Prediction".
 struct ImageMotionImpl : torch::nn::Module {
   /// `added` features come with every call; 0: none.
@@ -26,9 +27,10 @@ struct ImageMotionImpl : torch::nn::Module {
   static constexpr int kSteps = 2;
 
   /// The next images after `last`, `before` the one before it, all in grey levels [B, C, H, W], not
-  /// clamped. `added` [B, added] or undefined.
+  /// clamped. `moved` [B, kSteps, C, H, W] are those of moved_on(). `added` [B, added] or
+  /// undefined.
   std::vector<torch::Tensor> forward(const torch::Tensor& last, const torch::Tensor& before,
-                                     const torch::Tensor& added);
+                                     const torch::Tensor& moved, const torch::Tensor& added);
 
   int unit, channels;
   torch::nn::Conv2d stem{nullptr}, to_eighth{nullptr}, to_sixteenth{nullptr};

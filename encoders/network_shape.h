@@ -23,7 +23,7 @@ struct ImageShape {
 struct NetworkSizes {
   int width = 64;            ///< Features where places are few, a multiple of 16; 0: no networks.
   int coarse_channels = 24;  ///< Latents per place of 16 x 16 units.
-  int fine_channels = 4;     ///< Latents per place of 8 x 8 units.
+  int fine_channels = 8;     ///< Latents per place of 8 x 8 units.
   int scenes = 1;            ///< Backgrounds of each image member.
   int conditions = 0;        ///< Numbers of another entity that predictions start from.
 

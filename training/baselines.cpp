@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "training/flow_extrapolation.h"
+#include "encoders/flow_extrapolation.h"
 
 namespace engram::training {
 
@@ -24,7 +24,7 @@ idf::NdArray on_a_line(const idf::NdArray& before, const idf::NdArray& last, int
 
 Result<std::vector<idf::NdArray>> next_images(Baseline baseline, const idf::NdArray& before,
                                               const idf::NdArray& last, int steps) {
-  if (baseline == Baseline::kFlow) return flow_extrapolated(before, last, steps);
+  if (baseline == Baseline::kFlow) return encoders::flow_extrapolated(before, last, steps);
   std::vector<idf::NdArray> images;
   for (int step = 1; step <= steps; ++step)
     images.push_back(last.type() == idf::ElementType::kUInt8

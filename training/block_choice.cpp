@@ -3,6 +3,7 @@
 
 #include "training/latent_refinement.h"
 #include "training/quality/psnr.h"
+#include "training/view_choice.h"
 
 namespace engram::training {
 
@@ -72,10 +73,10 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.layout().split(value));
   }
-  ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, model_.to_rows(split));
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, rows_on_best_view(model_, split));
   const double bound_db = options_.kind == Representation::kAuto ? options_.bound_db : 0;
-  ENGRAM_ASSIGN_OR_RETURN(
-      rows, refine_latents(model_, split, std::move(rows), {options_.refine_steps, bound_db}, stop));
+  ENGRAM_ASSIGN_OR_RETURN(rows, refine_latents(model_, split, std::move(rows),
+                                               {options_.refine_steps, bound_db}, stop));
   const auto image_rows = static_cast<int64_t>(split.size() * rows.images.size());
   counts_.rows += image_rows;
   const bool needs_video = model_.autoencoder->images.empty();

@@ -30,6 +30,9 @@ struct Dataset {
   torch::Tensor conditions;                ///< Normalised [n, K]; undefined without a condition.
   torch::Tensor scene;                     ///< Which background a row belongs to, of int64 [n].
   std::vector<torch::Tensor> backgrounds;  ///< Per image member [scenes, C, H, W], grey levels.
+  /// The same as blocks would carry them, in each quality (code_background): [qualities * scenes, C,
+  /// H, W]; empty where there is one scene alone, or where no codec takes them.
+  std::vector<torch::Tensor> coded_backgrounds;
 
   [[nodiscard]] size_t size() const { return times.size(); }
   [[nodiscard]] int scenes() const;

@@ -7,6 +7,7 @@
 #include "training/fit.h"
 #include "training/latent_regulariser.h"
 #include "training/row_sampler.h"
+#include "training/view_change.h"
 
 namespace engram::training {
 
@@ -26,6 +27,9 @@ constexpr double kExactShare = 0.75;
 constexpr double kLargestGradient = 1.0;
 /// Consecutive rows of a batch, after one that is only their past.
 constexpr int64_t kChunk = 4;
+/// Share of the chunks that are seen as another view, where there is more than one scene: the
+/// networks must not know by heart what only the background tells of the next recording.
+constexpr double kVariedShare = 0.5;
 constexpr double kRecent = 0.02;
 
 /// A sampler that keeps apart what the dynamics must not learn from.
@@ -112,6 +116,50 @@ void set_rate(torch::optim::Adam& optimiser, double share) {
   static_cast<torch::optim::AdamOptions&>(groups[1].options()).lr(rate * kBackgroundRate);
 }
 
+/// Rows of one chunk. [kChunk + 1, ...]
+Tensor chunk_of(const Tensor& x, int64_t chunk) {
+  return x.slice(0, chunk * (kChunk + 1), (chunk + 1) * (kChunk + 1));
+}
+
+/// What is known of the chunks of a batch before they are encoded. `values` of some of them become
+/// those of another view, which no scene stands for.
+class ChunkViews {
+ public:
+  ChunkViews(encoders::DeepModel& model, const Dataset& data, encoders::Parts& values)
+      : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()) {
+    if (data.coded_backgrounds.empty()) return;
+    const Tensor scenes = scene_.clone();
+    std::vector<std::vector<Tensor>> backgrounds(values.images.size());
+    for (int64_t chunk = 0; chunk < scenes.size(0); ++chunk) {
+      const bool is_varied = torch::rand({1}).item<double>() < kVariedShare;
+      // Numbers beside the images would not fit mirrored ones.
+      const ViewChange change = ViewChange::draw(!values.numbers.defined());
+      const Tensor scene = scenes.slice(0, chunk, chunk + 1);
+      const Tensor coded =
+          scene + torch::randint(encoders::kBackgroundQualities, {1}, torch::kLong) * data.scenes();
+      if (is_varied) scene_.slice(0, chunk, chunk + 1).fill_(-1);
+      for (size_t i = 0; i < values.images.size(); ++i) {
+        Tensor rows = chunk_of(values.images[i], chunk);
+        const Tensor learned = model.autoencoder->images[i]->background;
+        backgrounds[i].push_back(is_varied
+                                     ? change.of(data.coded_backgrounds[i].index_select(0, coded))
+                                     : learned.index_select(0, scene) * encoders::kGreyLevels);
+        if (is_varied) rows.copy_(change.of(rows));
+      }
+    }
+    for (const auto& of_chunks : backgrounds) backgrounds_.push_back(torch::cat(of_chunks));
+  }
+
+  /// With the weights as they are now: one row per chunk.
+  [[nodiscard]] encoders::Views look(encoders::DeepModel& model) const {
+    return model.autoencoder->look(scene_, backgrounds_);
+  }
+
+ private:
+  Tensor scene_;                     ///< [chunks]; negative where seen as another view.
+  std::vector<Tensor> backgrounds_;  ///< Per image member [chunks, C, H, W], or none.
+};
+
 /// What a batch costs.
 struct Cost {
   Tensor error;    ///< Mean squared error per row and image, in grey levels. [B, images]
@@ -120,9 +168,10 @@ struct Cost {
 };
 
 Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
-             const encoders::Parts& values, bool is_noisy) {
-  const RegularisedLatents all =
-      regulariser.regularise(model.autoencoder->encode(values), is_noisy);
+             const encoders::Parts& values, const ChunkViews& chunk_views, bool is_noisy) {
+  const encoders::Views views = chunk_views.look(model);
+  const RegularisedLatents all = regulariser.regularise(
+      model.autoencoder->encode(values, encoders::repeated(views, kChunk + 1)), is_noisy);
   const auto now_part = [](const Tensor& x) { return of_chunks(x, 1, kChunk + 1); };
   const Latents now = part_of(all.coded, now_part);
   const Latents last = part_of(all.coded, [](const Tensor& x) { return of_chunks(x, 0, kChunk); });
@@ -130,7 +179,8 @@ Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
   Cost cost;
   cost.bits = model.dynamics->bits(now, last, before);
   cost.latents = all.cost.dim() > 0 ? now_part(all.cost) : all.cost;
-  const encoders::Parts decoded = model.autoencoder->decode(part_of(all.decoded, now_part));
+  const encoders::Parts decoded =
+      model.autoencoder->decode(part_of(all.decoded, now_part), encoders::repeated(views, kChunk));
   std::vector<Tensor> errors;
   for (size_t i = 0; i < values.images.size(); ++i)
     errors.push_back((decoded.images[i] - now_part(values.images[i])).square().mean({1, 2, 3}));
@@ -201,14 +251,14 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     if (share >= 1.0) break;
     set_rate(optimiser, share);
     const Batch batch = draw(sampler, chunks);
-    const auto values =
-        data.batch(model.autoencoder->shape, torch::tensor(batch.rows, torch::kLong));
+    auto values = data.batch(model.autoencoder->shape, torch::tensor(batch.rows, torch::kLong));
+    const ChunkViews views(model, data, values);
     // What predictions are measured on must not teach the prior: it only tells what latents cost.
     std::optional<Frozen> frozen;
     if (batch.is_held_out) frozen.emplace(*model.dynamics);
     std::optional<encoders::RoundedWeights> rounded;
     if (share >= kExactShare) rounded.emplace(*model.autoencoder);
-    const Cost cost = cost_of(model, *regulariser, values, share < kNoiseShare);
+    const Cost cost = cost_of(model, *regulariser, values, views, share < kNoiseShare);
     const Tensor costs =
         cost.error.mean(1) * price.value() + (cost.bits / kBitsOfKilobyte + cost.latents) / size;
     optimiser.zero_grad();

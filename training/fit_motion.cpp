@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "encoders/moved_images.h"
 #include "training/fit.h"
+#include "training/view_change.h"
 
 namespace engram::training {
 
@@ -11,11 +13,6 @@ namespace {
 constexpr double kPeakRate = 1e-3;
 constexpr double kWeightDecay = 1e-2;
 constexpr double kLargestGradient = 1.0;
-/// Most that images are shifted by, relative to their side.
-constexpr double kMostShift = 0.08;
-/// Most that contrast and brightness are changed by: a factor, and grey levels.
-constexpr double kMostContrast = 0.15;
-constexpr double kMostBrightness = 12.0;
 /// Errors below are all alike. Unit: squared grey levels.
 constexpr double kLeastError = 4.0;
 constexpr double kRecent = 0.05;
@@ -25,44 +22,64 @@ constexpr double kUnknownShare = 0.2;
 constexpr double kConditionBlur = 0.1;
 constexpr double kChangeBlur = 0.3;
 
-double uniform(double most) {
-  return (torch::rand({1}, torch::kFloat64).item<double>() * 2 - 1) * most;
-}
+/// What optical flow makes of the rows of one image member, found when it is asked for first.
+class MovedImages {
+ public:
+  MovedImages(const Dataset& data, const encoders::NetworkShape& shape, size_t image)
+      : data_(data), shape_(shape), image_(image), known_(data.size()) {}
 
-/// Another view of the same movement: shifted, repeating the edge, in other light. Shape: the
-/// images of one window [kSteps + 2, C, H, W].
-Tensor varied(const Tensor& images) {
-  namespace F = torch::nn::functional;
-  const auto most = [&](int dim) {
-    return static_cast<int64_t>(kMostShift * static_cast<double>(images.size(dim)));
-  };
-  const auto pad = std::max<int64_t>(1, std::max(most(2), most(3)));
-  const Tensor wide =
-      F::pad(images, F::PadFuncOptions({pad, pad, pad, pad}).mode(torch::kReplicate));
-  const auto down = pad + static_cast<int64_t>(uniform(static_cast<double>(most(2))));
-  const auto right = pad + static_cast<int64_t>(uniform(static_cast<double>(most(3))));
-  const Tensor shifted =
-      wide.slice(2, down, down + images.size(2)).slice(3, right, right + images.size(3));
-  return shifted * (1 + uniform(kMostContrast)) + uniform(kMostBrightness);
-}
+  /// Shape: rows [B] -> [B, kSteps, C, H, W].
+  Tensor of(const Tensor& rows) {
+    std::vector<Tensor> all;
+    for (int64_t i = 0; i < rows.size(0); ++i) {
+      const Tensor row = rows.slice(0, i, i + 1);
+      Tensor& known = known_[static_cast<size_t>(row.item<int64_t>())];
+      all.push_back(known.defined() ? known : found(row));
+      if (known.defined() || bytes_ + all.back().numel() > kMostKnownBytes) continue;
+      known = all.back();
+      bytes_ += known.numel();
+    }
+    return torch::cat(all).to(torch::kFloat32);
+  }
 
-/// Windows of one image member, each seen differently: per step [B, C, H, W].
+ private:
+  static constexpr int64_t kMostKnownBytes = int64_t{1} << 30;
+
+  [[nodiscard]] Tensor found(const Tensor& row) const {
+    return encoders::moved_on(data_.batch(shape_, row - 1).images[image_],
+                              data_.batch(shape_, row).images[image_], ImageMotionImpl::kSteps)
+        .to(torch::kUInt8);
+  }
+
+  const Dataset& data_;
+  const encoders::NetworkShape& shape_;
+  size_t image_;
+  std::vector<Tensor> known_;  ///< Per row, as far as memory allows.
+  int64_t bytes_ = 0;          ///< Of them.
+};
+
+/// Windows of one image member, each seen differently: the image before, the last, those to
+/// predict, and what flow makes of them [B, C, H, W].
 std::vector<Tensor> draw(const Dataset& data, const encoders::NetworkShape& shape, size_t image,
-                         const Tensor& rows) {
+                         MovedImages& moved, const Tensor& rows) {
   std::vector<Tensor> steps;
   for (int64_t step = -1; step <= ImageMotionImpl::kSteps; ++step)
     steps.push_back(data.batch(shape, rows + step).images[image]);
-  const Tensor windows = torch::stack(steps, 1);
+  const Tensor windows = torch::cat({torch::stack(steps, 1), moved.of(rows)}, 1);
   std::vector<Tensor> seen;
-  for (int64_t i = 0; i < windows.size(0); ++i) seen.push_back(varied(windows[i]));
+  for (int64_t i = 0; i < windows.size(0); ++i)
+    seen.push_back(ViewChange::draw(false).of(windows[i]));
   return torch::stack(seen).unbind(1);
 }
 
 /// Mean logarithm of the squared error, so that a decibel counts the same in every image.
 Tensor loss_of(encoders::ImageMotion& motion, const std::vector<Tensor>& window,
                const Tensor& features) {
-  const auto predicted = motion(window[1].contiguous(at::MemoryFormat::ChannelsLast),
-                                window[0].contiguous(at::MemoryFormat::ChannelsLast), features);
+  const Tensor moved = torch::stack(
+      std::vector<Tensor>(window.begin() + 2 + ImageMotionImpl::kSteps, window.end()), 1);
+  const auto predicted =
+      motion(window[1].contiguous(at::MemoryFormat::ChannelsLast),
+             window[0].contiguous(at::MemoryFormat::ChannelsLast), moved, features);
   Tensor loss = torch::zeros({});
   for (size_t step = 0; step < predicted.size(); ++step)
     loss =
@@ -115,6 +132,9 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
       parameters.push_back(item.value());
   torch::optim::Adam optimiser(parameters, torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
+  const auto& shape = model.autoencoder->shape;
+  std::vector<MovedImages> moved;
+  for (size_t i = 0; i < images.size(); ++i) moved.emplace_back(data, shape, i);
   FitState state{model, optimiser, result, loss_mean.state()};
   ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++result.step) {
@@ -129,8 +149,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
     optimiser.zero_grad();
     Tensor loss = torch::zeros({});
     for (size_t i = 0; i < images.size(); ++i)
-      loss =
-          loss + loss_of(images[i]->motion, draw(data, model.autoencoder->shape, i, now), features);
+      loss = loss + loss_of(images[i]->motion, draw(data, shape, i, moved[i], now), features);
     loss.backward();
     torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
     optimiser.step();

@@ -97,6 +97,9 @@ class Refinement {
       truth_.numbers = torch::cat(numbers);
     }
     truth_.scene = scene_;
+    truth_.backgrounds = model_.backgrounds_of(best_);
+    torch::NoGradGuard no_grad;
+    views_ = model_.autoencoder->views_of(scene_, truth_.backgrounds);
     size_ = size_in_usual_images(model_.autoencoder->shape);
     prices_ = torch::full({count}, price());
     start();
@@ -105,7 +108,7 @@ class Refinement {
 
   void start() {
     torch::NoGradGuard no_grad;
-    for (const ImageLatents& image : model_.autoencoder->encode(truth_).images)
+    for (const ImageLatents& image : model_.autoencoder->encode(truth_, views_).images)
       for (const Tensor& z : {image.coarse, image.fine})
         leaves_.push_back(z.detach().clone().set_requires_grad(true));
   }
@@ -134,7 +137,7 @@ class Refinement {
 
   /// Mean squared error per row and image. [B, images]
   Tensor errors(const Latents& z) {
-    const Parts decoded = model_.autoencoder->decode(z);
+    const Parts decoded = model_.autoencoder->decode(z, views_);
     std::vector<Tensor> errors;
     for (size_t i = 0; i < decoded.images.size(); ++i)
       errors.push_back((decoded.images[i] - truth_.images[i]).square().mean({1, 2, 3}));
@@ -214,6 +217,7 @@ class Refinement {
   Cost best_cost_;
   Parts truth_;
   Tensor scene_, prices_;
+  encoders::Views views_;
   double size_ = 1;
   std::vector<Tensor> leaves_;  ///< Coarse and fine latents of each image in turn.
 };

@@ -39,6 +39,36 @@ double difference(const std::vector<Tensor>& a, const std::vector<Tensor>& b) {
   return sum / count;
 }
 
+/// All scenes of a member in each quality, as they come back from the codec; undefined where none
+/// takes them.
+Tensor coded(const encoders::ImageMember& member, const encoders::ImageShape& shape,
+             const Tensor& backgrounds) {
+  if (member.is_depth) return {};
+  std::vector<Tensor> all;
+  for (size_t quality = 0; quality < encoders::kBackgroundQualities; ++quality)
+    for (int64_t scene = 0; scene < backgrounds.size(0); ++scene) {
+      const auto image = encoders::to_image_array(member, backgrounds.slice(0, scene, scene + 1));
+      const auto one = encoders::code_background(image, quality);
+      if (!one.ok() || !*one) return {};
+      const Tensor pixels =
+          torch::from_blob(const_cast<std::byte*>((*one)->pixels.bytes().data()),
+                           {1, member.height, member.width, member.channels}, torch::kUInt8);
+      all.push_back(encoders::to_grey_levels(member, shape, pixels));
+    }
+  return torch::cat(all);
+}
+
+void code_backgrounds(Dataset& data, const encoders::NetworkShape& shape) {
+  if (data.scenes() < 2) return;
+  for (size_t i = 0; i < data.backgrounds.size(); ++i) {
+    data.coded_backgrounds.push_back(
+        coded(data.plan.images()[i], shape.images[i], data.backgrounds[i]));
+    if (data.coded_backgrounds.back().defined()) continue;
+    data.coded_backgrounds.clear();
+    return;
+  }
+}
+
 }  // namespace
 
 void find_scenes(Dataset& data) {
@@ -66,6 +96,7 @@ void find_scenes(Dataset& data) {
     for (const auto& scene : scenes) of_member.push_back(scene[i]);
     data.backgrounds.push_back(torch::cat(of_member));
   }
+  code_backgrounds(data, shape);
 }
 
 }  // namespace engram::training

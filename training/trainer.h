@@ -54,7 +54,7 @@ struct TrainOptions {
   int width = 0;
   /// Channels of an image's latents at 16 x 16 and at 8 x 8 pixels.
   int coarse_channels = 24;
-  int fine_channels = 4;
+  int fine_channels = 8;
   /// Snapshots that are coded as one block: more take fewer bytes, one is reached later.
   int block_rows = 16;
   /// Threads of the networks. Two entities in two processes of one thread beat one on two.

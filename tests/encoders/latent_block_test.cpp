@@ -76,6 +76,35 @@ TEST(LatentBlock, HoldsVideosInsteadOfLatents) {
   EXPECT_FALSE(form_of_codec("png").has_value());
 }
 
+/// Rows on backgrounds of their own: a shaded one and an even one.
+LatentRows rows_with_backgrounds() {
+  std::vector<uint8_t> shades(64 * 64 * 3);
+  for (size_t i = 0; i < shades.size(); ++i) shades[i] = static_cast<uint8_t>(i / 64 + i % 3 * 10);
+  LatentRows rows = some_rows();
+  for (auto& pixels : {shades, std::vector<uint8_t>(64 * 64 * 3, 90)})
+    rows.own.push_back(**code_background(idf::NdArray::take<uint8_t>({64, 64, 3}, pixels), 0));
+  return rows;
+}
+
+TEST(LatentBlock, HoldsBackgroundsOfItsOwn) {
+  const LatentRows rows = rows_with_backgrounds();
+  const auto decoded = codec().decode(codec().encode(rows, kRows), kRows, kRows);
+  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
+  EXPECT_EQ(decoded->own, rows.own);
+  EXPECT_EQ(decoded->scene, rows.scene);
+  EXPECT_EQ(decoded->images, rows.images);
+}
+
+TEST(LatentBlock, RefusesABackgroundThatIsNone) {
+  LatentRows rows = rows_with_backgrounds();
+  rows.own[1].bytes.assign(40, std::byte{0x5a});
+  EXPECT_EQ(codec().decode(codec().encode(rows, kRows), kRows, kRows).status().code(),
+            StatusCode::kDataLoss);
+  rows.own[1].form = ImageForm::kLatents;
+  EXPECT_EQ(codec().decode(codec().encode(rows, kRows), kRows, kRows).status().code(),
+            StatusCode::kDataLoss);
+}
+
 TEST(LatentBlock, FindsEveryFlippedBitAndEveryMissingByte) {
   const auto block = codec().encode(some_rows(), kRows);
   for (size_t bit = 0; bit < block.size() * 8; ++bit) {

@@ -8,11 +8,12 @@
 
 // Private to this room.
 
-namespace engram::training {
+namespace engram::encoders {
 
 /// The images 1..`steps` steps after `last`, each pixel moving on as it did since `before`: dense
 /// optical flow, pixels of `last` carried forward. Where several arrive the quicker ones count
-/// more; where none does, `last` stays. What predictions are compared with.
+/// more; where none does, `last` stays. Learns nothing: where learned motion starts from, and what
+/// predictions are compared with.
 ///
 /// Shape: uint8 or uint16, [H, W] or [H, W, 1 to 4], both alike, as are those returned.
 /// Errors: kInvalidArgument where they are not; kUnavailable where OpenCV fails.
@@ -20,4 +21,4 @@ namespace engram::training {
 Result<std::vector<idf::NdArray>> flow_extrapolated(const idf::NdArray& before,
                                                     const idf::NdArray& last, int steps);
 
-}  // namespace engram::training
+}  // namespace engram::encoders

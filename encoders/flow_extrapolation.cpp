@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "training/flow_extrapolation.h"
+#include "encoders/flow_extrapolation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-namespace engram::training {
+namespace engram::encoders {
 
 namespace {
 
@@ -160,4 +160,4 @@ Result<std::vector<idf::NdArray>> flow_extrapolated(const idf::NdArray& before,
   }
 }
 
-}  // namespace engram::training
+}  // namespace engram::encoders

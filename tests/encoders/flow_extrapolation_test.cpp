@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "training/flow_extrapolation.h"
+#include "encoders/flow_extrapolation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace engram::training {
+namespace engram::encoders {
 namespace {
 
 constexpr int kHeight = 96, kWidth = 112;
@@ -97,4 +97,4 @@ TEST(FlowExtrapolation, NeedsTwoImagesAlike) {
 }
 
 }  // namespace
-}  // namespace engram::training
+}  // namespace engram::encoders

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoders/coded_background.h"
+
+#include <algorithm>
+#include <array>
+
+#include "ltm/codec/group_codec.h"
+
+namespace engram::encoders {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> kCodecNames{"", "h264", "h265", "av1", "ffv1"};
+
+/// Per quality, in the order of preference: some 34 and 30 dB. What is still wrong, latents mend
+/// where it pays.
+constexpr std::array<std::array<std::string_view, 3>, kBackgroundQualities> kCodecs{
+    {{"av1:crf=34,effort=7", "h265:crf=28", "h264:crf=26"},
+     {"av1:crf=50,effort=7", "h265:crf=38", "h264:crf=36"}}};
+
+}  // namespace
+
+std::string_view codec_name(ImageForm form) {
+  return kCodecNames[static_cast<size_t>(form)];
+}
+
+std::optional<ImageForm> form_of_codec(std::string_view name) {
+  const auto found = std::ranges::find(kCodecNames, name);
+  if (name.empty() || found == kCodecNames.end()) return std::nullopt;
+  return static_cast<ImageForm>(found - kCodecNames.begin());
+}
+
+Result<std::optional<CodedBackground>> code_background(const idf::NdArray& image, size_t quality) {
+  for (const std::string_view text : kCodecs[quality]) {
+    const auto codec = ltm::make_group_codec(text);
+    if (!codec.ok() || !(*codec)->accepts(image.type(), image.shape())) continue;
+    CodedBackground background;
+    background.form = *form_of_codec((*codec)->name());
+    ENGRAM_ASSIGN_OR_RETURN(background.bytes, (*codec)->encode({&image, 1}));
+    ENGRAM_ASSIGN_OR_RETURN(const auto decoded,
+                            (*codec)->decode(background.bytes, image.type(), image.shape(), 1));
+    background.pixels = decoded.front();
+    return std::optional(std::move(background));
+  }
+  return std::optional<CodedBackground>();
+}
+
+Result<CodedBackground> decode_background(ImageForm form, std::vector<std::byte> bytes,
+                                          const FrameShape& frame) {
+  const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(form));
+  if (codec == nullptr)
+    return data_loss("background of a block: found form {}, needs a video codec",
+                     static_cast<int>(form));
+  ENGRAM_ASSIGN_OR_RETURN(auto decoded, codec->decode(bytes, frame.type, frame.shape, 1));
+  return CodedBackground{form, std::move(bytes), std::move(decoded.front())};
+}
+
+}  // namespace engram::encoders

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/view_choice.h"
+
+#include <gtest/gtest.h>
+
+#include "encoders/deep_model_file.h"
+#include "tests/training/moving_scene.h"
+
+namespace engram::training {
+namespace {
+
+using engram::testing::quick_options;
+using engram::testing::scene_at;
+using engram::testing::scene_source;
+using engram::testing::ScratchPath;
+
+/// The moving square, over another ground: stripes where there were shades.
+idf::Data elsewhere(int i) {
+  idf::Data value = scene_at(i, true, false);
+  const auto* image = value.at("image")->get_if<idf::NdArray>();
+  const auto pixels = image->values<uint8_t>();
+  std::vector<uint8_t> changed(pixels.begin(), pixels.end());
+  for (size_t at = 0; at < changed.size(); at += 3) {
+    if (changed[at] == 230) continue;
+    const bool is_stripe = at / 3 % 48 / 8 % 2 == 0;
+    for (size_t c = 0; c < 3; ++c) changed[at + c] = is_stripe ? 200 : 20;
+  }
+  idf::Dict dict;
+  dict.set("image", idf::NdArray::take<uint8_t>(image->shape(), std::move(changed)));
+  dict.set("label", "elsewhere");
+  return dict;
+}
+
+TEST(ViewChoice, TakesABackgroundOfItsOwnWhereTheModelKnowsNone) {
+  const ScratchPath file("view_choice");
+  const auto source = scene_source(24, 1, true, false);
+  ASSERT_TRUE(train_model(source, quick_options(150), file.path(), {}, {}).ok());
+  const auto model = *encoders::read_model(file.path());
+  std::vector<idf::SplitValue> known, unknown;
+  for (int i = 4; i < 16; ++i) {
+    known.push_back(*model->plan.layout().split(scene_at(i, true, false)));
+    unknown.push_back(*model->plan.layout().split(elsewhere(i)));
+  }
+  const auto at_home = rows_on_best_view(*model, known);
+  ASSERT_TRUE(at_home.ok()) << at_home.status().to_string();
+  EXPECT_TRUE(at_home->own.empty());
+
+  const auto away = rows_on_best_view(*model, unknown);
+  ASSERT_TRUE(away.ok()) << away.status().to_string();
+  ASSERT_EQ(away->own.size(), 1u);
+  const auto error_of = [&](const encoders::LatentRows& rows) {
+    return *image_mse(unknown[3].tensors[model->plan.images()[0].member],
+                      model->decode_images(rows, 3)->front());
+  };
+  EXPECT_LT(error_of(*away), error_of(*model->to_rows(unknown)) / 2);
+
+  // What a query decodes is the same, from bytes alone.
+  const auto block = model->codec.encode(*away, unknown.size());
+  const auto decoded = model->codec.decode(block, unknown.size(), unknown.size());
+  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
+  EXPECT_EQ(model->decode_images(*decoded, 3), model->decode_images(*away, 3));
+}
+
+}  // namespace
+}  // namespace engram::training
