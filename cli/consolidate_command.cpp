@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <memory>
 
 #include "cli/command.h"
 #include "cli/consolidate_text.h"
@@ -7,9 +8,11 @@
 #include "cli/job_options.h"
 #include "cli/progress_line.h"
 #include "cli/training_options.h"
+#include "ltm/core/log.h"
 #include "ltm/core/time.h"
 #include "training/consolidate.h"
 #include "training/drop_raw.h"
+#include "training/job_pace.h"
 
 namespace engram::cli {
 
@@ -25,9 +28,12 @@ constexpr const char* kFooter = R"(Examples:
   engram consolidate robot.engram --dry-run
 
 Tells what it is going to do, then trains one autoencoder per entity with new recorded snapshots, encodes them, decodes what is
-stored and measures its error. Each block of images is kept as latents or as video, whichever takes
+stored and measures its error. Training starts from the entity's newest model (--anew: not), on new
+and on old recorded snapshots. Each block of images is kept as latents or as video, whichever takes
 fewer bytes with every image at --psnr or better; where networks cannot save five times what they
 take themselves in --nights nights, video alone is used and no network is trained for images.
+Where going on with the newest model takes no more bytes in --nights nights than a new one, what is
+new gets latents of that and the store no new model.
 Numbers are kept within --number-bound. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
 moment leaves the store as it was, or with whole entities done; run again with the same options,
 training goes on from its last checkpoint (only the time that it is given may differ).)";
@@ -48,11 +54,23 @@ struct ConsolidateArguments {
 
 Status drop_all(const ConsolidateArguments& arguments, const training::ConsolidateReport& report,
                 const ProgressSink& progress, std::vector<DroppedRaw>& dropped) {
+  const training::JobControl& job = arguments.options.job;
+  std::unique_ptr<training::RobotBusy> busy;
+  if (!job.yield.file.empty() || !job.yield.command.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(busy, training::RobotBusy::create(job.yield));
+  }
+  const std::stop_token stop = interrupt_token();
+  training::JobPace pace(busy.get(), progress, stop, job.until);
   for (const training::EntityReport& entity : report.entities) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto done,
-                            training::drop_raw(arguments.store, entity.entity, arguments.drop,
-                                               progress, interrupt_token()));
-    dropped.push_back({entity.entity, done});
+    const auto done =
+        training::drop_raw(arguments.store, entity.entity, arguments.drop, progress, stop, &pace);
+    if (!done.ok() && pace.is_time_over()) {
+      log::warning("recorded data of {} stays: {}", entity.entity.to_string(),
+                   done.status().message());
+      return {};
+    }
+    ENGRAM_RETURN_IF_ERROR(done.status());
+    dropped.push_back({entity.entity, *done});
   }
   return {};
 }
@@ -168,8 +186,10 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--min-snapshots", options.min_snapshots, "Smaller entities are skipped")
       ->capture_default_str();
   command->add_flag("--force", options.force, "Train even where nothing is new");
+  command->add_flag("--anew", options.starts_anew,
+                    "Train from nothing instead of from the newest model of each entity");
   command->add_flag("--reuse-models", options.reuses_models,
-                    "Encode with the newest model of each entity instead of training one");
+                    "Encode what is new with the newest model of each entity instead of training");
   CLI::Option* drop =
       command->add_flag("--drop-raw", arguments->drops_raw,
                         "Drop recorded data whose latents were decoded and compared");

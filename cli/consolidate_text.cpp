@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "cli/choice_text.h"
 #include "cli/forms_text.h"
 #include "cli/text.h"
 
@@ -36,6 +37,9 @@ Json entity_json(const training::EntityReport& entity) {
     return json;
   }
   json.update({{"model_version", entity.model_version},
+               {"is_model_new", entity.is_model_new},
+               {"started_from_version",
+                entity.training.started_from > 0 ? Json(entity.training.started_from) : Json()},
                {"snapshots", entity.snapshots},
                {"left_behind", entity.left_behind},
                {"raw_bytes", entity.raw_bytes},
@@ -52,6 +56,7 @@ Json entity_json(const training::EntityReport& entity) {
                                                  ? Json(entity.expected_encoding_seconds)
                                                  : Json(nullptr)},
                {"images", forms_json(entity.forms)},
+               {"choice", choice_json(entity.choice)},
                {"notes", all_notes(entity)}});
   return json;
 }
@@ -123,6 +128,7 @@ void print_report(const training::ConsolidateReport& report) {
       print(fmt::format("  {} snapshots of another layout stay as they are",
                         count_text(entity.left_behind)));
     if (entity.forms.rows > 0) print("  images: " + forms_text(entity.forms));
+    if (entity.choice.previous_version > 0) print(choice_text(entity.choice));
     for (const std::string& note : all_notes(entity)) print("  " + note);
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "cli/choice_text.h"
 #include "cli/command.h"
 #include "cli/forms_text.h"
 #include "cli/text.h"
@@ -17,7 +18,9 @@ constexpr const char* kFooter = R"(Examples:
   engram models robot.engram --entity 'Vision/.*' --json
 
 Of each model: what it was trained on, and the bytes that an image takes in each form that was
-tried, alone and with the model's share for 3,000 and 30,000 images. "kept" is what was published.)";
+tried, alone and with the model's share for 3,000 and 30,000 images. "kept" is what was published.
+"chosen from" is what the store would have taken in so many nights with the previous model and with
+this one.)";
 
 struct ModelsArguments {
   std::string store;
@@ -59,6 +62,9 @@ Json to_json(const Model& model) {
           {"psnr_aimed_at_db", model.from.psnr_db},
           {"number_bound", model.from.number_bound},
           {"variant", to_string(model.from.variant)},
+          {"started_from_version",
+           model.from.started_from > 0 ? Json(model.from.started_from) : Json(nullptr)},
+          {"choice", choice_json(model.from.choice)},
           {"images", forms_json(model.from.forms)}};
 }
 
@@ -80,9 +86,11 @@ void print_model(const Model& model) {
                   count_text(static_cast<uint64_t>(from.snapshots)), from.autoencoder_spans.size(),
                   count_text(static_cast<uint64_t>(from.steps)));
   if (from.training_seconds > 0) text += " in " + seconds_text(from.training_seconds);
+  if (from.started_from > 0) text += fmt::format(", started from v{}", from.started_from);
   if (from.variant != encoders::TrainingVariant::kRateAware)
     text += fmt::format(", variant {}", to_string(from.variant));
   print(text);
+  if (from.choice.previous_version > 0) print(choice_text(from.choice));
   const encoders::StoredForms& forms = from.forms;
   if (forms.rows == 0) return;
   print(fmt::format("    {:<8} {:>10} {:>12} {:>14}", "form", "an image", "with 3,000",

@@ -17,7 +17,7 @@ void add_training_options(CLI::App& command, TrainingArguments& arguments,
   command.add_option("--psnr", options.psnr_db, psnr_of)->capture_default_str();
   command
       .add_option("--width", options.width,
-                  "Features of the networks, a multiple of 16; 0: by the number of snapshots")
+                  "Features of the networks, a multiple of 16; 0: by how much there is")
       ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads of the networks")
       ->capture_default_str();

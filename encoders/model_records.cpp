@@ -169,6 +169,43 @@ Status write_forms(h5::File& file, const StoredForms& forms) {
   });
 }
 
+constexpr const char* kChoice = "/provenance/choice";
+
+/// The integers of ModelChoice by name.
+template <typename Choice, typename Visit>
+Status for_each_choice(Choice& choice, Visit visit) {
+  ENGRAM_RETURN_IF_ERROR(visit("previous_version", choice.previous_version));
+  ENGRAM_RETURN_IF_ERROR(visit("snapshots", choice.snapshots));
+  ENGRAM_RETURN_IF_ERROR(visit("new_snapshots", choice.new_snapshots));
+  ENGRAM_RETURN_IF_ERROR(visit("nights", choice.nights));
+  ENGRAM_RETURN_IF_ERROR(visit("previous_known_bytes", choice.previous.known));
+  ENGRAM_RETURN_IF_ERROR(visit("previous_new_bytes", choice.previous.news));
+  ENGRAM_RETURN_IF_ERROR(visit("previous_model_bytes", choice.previous.model));
+  ENGRAM_RETURN_IF_ERROR(visit("made_known_bytes", choice.made.known));
+  ENGRAM_RETURN_IF_ERROR(visit("made_new_bytes", choice.made.news));
+  return visit("made_model_bytes", choice.made.model);
+}
+
+Status write_choice(h5::File& file, const ModelChoice& choice) {
+  ENGRAM_RETURN_IF_ERROR(file.make_group(kChoice));
+  return for_each_choice(choice, [&](const char* name, int64_t count) {
+    return file.write_attribute(kChoice, name, count);
+  });
+}
+
+Result<ModelChoice> read_choice(const h5::File& file) {
+  ModelChoice choice;
+  ENGRAM_RETURN_IF_ERROR(for_each_choice(choice, [&](const char* name, int64_t& count) -> Status {
+    ENGRAM_ASSIGN_OR_RETURN(count, file.int_attribute(kChoice, name));
+    if (count < 0) return data_loss("choice: found {} of {}, needs 0 or more", count, name);
+    return {};
+  }));
+  if (choice.new_snapshots > choice.snapshots)
+    return data_loss("choice: found {} new ones among {} snapshots", choice.new_snapshots,
+                     choice.snapshots);
+  return choice;
+}
+
 Result<TrainingVariant> read_variant(const h5::File& file, const std::string& group) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string name, file.string_attribute(group, "variant"));
   const auto variant = training_variant_of(name);
@@ -204,7 +241,9 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_bound", from.number_bound));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "error_price", from.error_price));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "started_from", from.started_from));
   ENGRAM_RETURN_IF_ERROR(write_forms(file, from.forms));
+  ENGRAM_RETURN_IF_ERROR(write_choice(file, from.choice));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
   return write_spans(file, group + "/dynamics_spans", from.dynamics_spans);
 }
@@ -224,7 +263,9 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
   ENGRAM_ASSIGN_OR_RETURN(from.error_price, file.double_attribute(group, "error_price"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
+  ENGRAM_ASSIGN_OR_RETURN(from.started_from, file.int_attribute(group, "started_from"));
   ENGRAM_ASSIGN_OR_RETURN(from.forms, read_forms(file));
+  ENGRAM_ASSIGN_OR_RETURN(from.choice, read_choice(file));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));
   ENGRAM_ASSIGN_OR_RETURN(from.dynamics_spans, read_spans(file, group + "/dynamics_spans"));
   return from;

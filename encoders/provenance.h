@@ -35,6 +35,36 @@ struct StoredForms {
   friend bool operator==(const StoredForms&, const StoredForms&) = default;
 };
 
+/// Bytes that a store takes for an entity if it goes on with one model.
+struct ModelBytes {
+  int64_t known = 0;  ///< Latents of snapshots that had some before.
+  int64_t news = 0;   ///< Of those that had none, numbers and remainders included.
+  int64_t model = 0;  ///< Of the model's file, where the store would not have it otherwise.
+
+  /// In so many nights that bring as much as this one.
+  [[nodiscard]] double total(int64_t nights) const {
+    return static_cast<double>(known) + static_cast<double>(news) * static_cast<double>(nights) +
+           static_cast<double>(model);
+  }
+  friend bool operator==(const ModelBytes&, const ModelBytes&) = default;
+};
+
+/// A new model beside the one before it, on the same snapshots and at the same bound.
+struct ModelChoice {
+  int64_t previous_version = 0;  ///< 0: there was none to compare with.
+  int64_t snapshots = 0;
+  int64_t new_snapshots = 0;  ///< Of these, the ones that had no latents.
+  int64_t nights = 1;
+  ModelBytes previous;
+  ModelBytes made;
+
+  /// Whether the new model is not worth its bytes.
+  [[nodiscard]] bool keeps_previous() const {
+    return previous_version > 0 && previous.total(nights) <= made.total(nights);
+  }
+  friend bool operator==(const ModelChoice&, const ModelChoice&) = default;
+};
+
 /// Where a model comes from.
 struct Provenance {
   std::string entity;
@@ -44,16 +74,18 @@ struct Provenance {
   int64_t steps = 0;  ///< Of the optimiser, autoencoder and dynamics together.
   double training_seconds = 0;
   double final_loss = 0;
-  double psnr_db = 0;       ///< That was aimed at.
-  double error_price = 0;   ///< Kilobytes that a squared grey level was worth at the end; 0: unknown.
-  double number_bound = 0;  ///< Of numbers; 0: one of each, relative to how far it moves.
-  int64_t snapshots = 0;    ///< That the autoencoder was trained on.
-  /// Recordings that the autoencoder was trained on.
+  double psnr_db = 0;        ///< That was aimed at.
+  double error_price = 0;    ///< Kilobytes of a squared grey level at the end; 0: unknown.
+  double number_bound = 0;   ///< Of numbers; 0: one of each, relative to how far it moves.
+  int64_t snapshots = 0;     ///< That the autoencoder was trained on.
+  int64_t started_from = 0;  ///< Version of the model whose weights were the first; 0: of none.
+  /// Recordings that the autoencoder was trained on; those of the model that it started from, too.
   std::vector<TimeSpan> autoencoder_spans;
   /// The parts of them that the dynamics were trained on.
   std::vector<TimeSpan> dynamics_spans;
 
   StoredForms forms;
+  ModelChoice choice;
 
   friend bool operator==(const Provenance&, const Provenance&) = default;
 };

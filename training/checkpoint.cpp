@@ -90,6 +90,9 @@ uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& o) {
                   o.has_networks, o.width, o.coarse_channels, o.fine_channels, o.block_rows,
                   o.threads, o.memory_bytes, o.hold_out_recordings, source.times.size());
   for (const Time time : source.times) text += fmt::format(" {}", to_ns(time));
+  if (source.previous)
+    text += fmt::format(" v{} {}", source.previous->version, source.previous->checksum);
+  for (const bool is_known : source.is_known) text += is_known ? " 1" : " 0";
   return ltm::checksum(as_bytes(text));
 }
 

@@ -28,8 +28,11 @@ struct ConsolidateOptions {
   size_t min_snapshots = 16;
   /// Also trains where every recorded snapshot has latents already.
   bool force = false;
-  /// Encodes with the newest model of each entity instead of training one.
+  /// Encodes with the newest model of each entity instead of training one: what has no latents yet,
+  /// or all with `force`.
   bool reuses_models = false;
+  /// Training does not start from the newest model of each entity.
+  bool starts_anew = false;
   JobControl job;
 
   [[nodiscard]] Status validate() const;
@@ -38,19 +41,21 @@ struct ConsolidateOptions {
 /// What became of one entity.
 struct EntityReport {
   ltm::MemoryId entity;
-  std::string skipped_reason;  ///< Empty where a model was published.
-  int model_version = 0;
-  uint64_t snapshots = 0;     ///< Recorded ones that have latents of the new model now.
-  uint64_t left_behind = 0;   ///< Recorded ones of another layout: they stay as they are.
-  uint64_t raw_bytes = 0;     ///< Of the encoded snapshots, plain.
-  uint64_t stored_bytes = 0;  ///< Of the recorded form of the entity.
-  uint64_t latent_bytes = 0;  ///< Codes and remainders, without the segment around them.
+  std::string skipped_reason;  ///< Empty where latents were published, or could stay as they are.
+  int model_version = 0;       ///< Whose latents were published.
+  bool is_model_new = false;   ///< Else it is the one that was there, and `training` is discarded.
+  uint64_t snapshots = 0;      ///< Recorded ones that got latents of that model.
+  uint64_t left_behind = 0;    ///< Recorded ones of another layout: they stay as they are.
+  uint64_t raw_bytes = 0;      ///< Of the encoded snapshots, plain.
+  uint64_t stored_bytes = 0;   ///< Of the recorded form of the entity.
+  uint64_t latent_bytes = 0;   ///< Codes and remainders, without the segment around them.
   uint64_t model_bytes = 0;
   double mean_psnr_db = 0;  ///< NaN without images, like the next three.
   double pooled_psnr_db = 0;
   double minimum_psnr_db = 0;
   double rmse = 0;                 ///< NaN without numbers.
   encoders::StoredForms forms;     ///< How the images were kept.
+  encoders::ModelChoice choice;    ///< Between the new model and the one before it.
   std::vector<std::string> notes;  ///< Why, in sentences.
   double seconds = 0;
   double encoding_seconds = 0;           ///< Of `seconds`: encoding, decoding and comparing.

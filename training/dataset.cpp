@@ -42,37 +42,58 @@ size_t total_size(std::span<const Sequence> sequences) {
   return total;
 }
 
-/// Mean, deviation and normalised values of one column; 0 for values that are not finite. A number
-/// that never changes keeps deviation 0 and its exact value as mean.
-Tensor scaled_column(const Tensor& column, double& mean, double& deviation) {
+/// What numbers are normalised with.
+struct Scale {
+  double mean = 0;
+  double deviation = 0;
+
+  /// Whether numbers of another scale are of a usual size in this one.
+  [[nodiscard]] bool holds(const Scale& other) const {
+    constexpr double kMost = 4;
+    return deviation > 0 && other.deviation <= kMost * deviation &&
+           std::abs(other.mean - mean) <= kMost * deviation;
+  }
+};
+
+/// Of one column. A number that never changes keeps deviation 0 and its exact value as mean.
+Scale scale_of(const Tensor& column) {
   const Tensor known = column.masked_select(torch::isfinite(column));
-  if (known.numel() == 0) return torch::zeros_like(column);
-  mean = known[0].item<double>();
-  if (known.min().equal(known.max())) return torch::zeros_like(column);
-  mean = known.mean().item<double>();
+  if (known.numel() == 0) return {};
+  const double first = known[0].item<double>();
+  if (known.min().equal(known.max())) return {first, 0};
+  const double mean = known.mean().item<double>();
   const double spread = (known - mean).square().mean().sqrt().item<double>();
-  if (!(spread > 0) || !std::isfinite(spread)) return torch::zeros_like(column);
-  deviation = spread;
-  return torch::nan_to_num((column - mean) / deviation, 0, 0, 0);
+  if (!(spread > 0) || !std::isfinite(spread)) return {mean, 0};
+  return {mean, spread};
 }
 
+/// Normalised by means and deviations, which are those of the columns or, where these are of a
+/// usual size in them, those that are there. Values that are not finite become 0.
 /// Shape: plain [n, N] of float64 -> [n, N] of float32.
 Tensor scaled(const Tensor& plain, std::vector<double>& mean, std::vector<double>& deviation) {
   const auto count = static_cast<size_t>(plain.size(1));
-  mean.assign(count, 0.0);
-  deviation.assign(count, 0.0);
+  mean.resize(count);
+  deviation.resize(count);
   Tensor values = torch::zeros(plain.sizes());
   for (size_t i = 0; i < count; ++i) {
-    const auto column = static_cast<int64_t>(i);
-    values.select(1, column).copy_(scaled_column(plain.select(1, column), mean[i], deviation[i]));
+    const Tensor column = plain.select(1, static_cast<int64_t>(i));
+    const Scale found = scale_of(column);
+    const Scale known{mean[i], deviation[i]};
+    const Scale scale = known.holds(found) ? known : found;
+    mean[i] = scale.mean;
+    deviation[i] = scale.deviation;
+    if (scale.deviation > 0)
+      values.select(1, static_cast<int64_t>(i))
+          .copy_(torch::nan_to_num((column - scale.mean) / scale.deviation, 0, 0, 0));
   }
   return values;
 }
 
 class Loader {
  public:
-  Loader(const TrainingSource& source, const std::stop_token& stop)
-      : source_(source), stop_(stop) {}
+  Loader(const TrainingSource& source, const encoders::DeepModel* start,
+         const std::stop_token& stop)
+      : source_(source), start_(start), stop_(stop) {}
 
   Result<Dataset> load(std::vector<Sequence> sequences, uint64_t memory_bytes) {
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
@@ -85,7 +106,8 @@ class Loader {
     ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
     choose_scales();
     normalise();
-    find_scenes(data_);
+    find_scenes(data_, start_);
+    if (start_ != nullptr) data_.error_price = start_->provenance.error_price;
     return std::move(data_);
   }
 
@@ -110,6 +132,8 @@ class Loader {
     std::copy(numbers.begin(), numbers.end(),
               data_.plain_numbers.select(0, row).data_ptr<double>());
     data_.times.push_back(source_.times[index]);
+    data_.is_known.push_back(start_ != nullptr && !source_.is_known.empty() &&
+                             source_.is_known[index]);
     return {};
   }
 
@@ -149,6 +173,11 @@ class Loader {
     Tensor plain = torch::full({rows_count, static_cast<int64_t>(count)}, unknown, torch::kFloat64);
     for (int64_t row = 0; row < rows_count; ++row)
       std::ranges::copy(rows[static_cast<size_t>(row)], plain.select(0, row).data_ptr<double>());
+    if (start_ != nullptr && start_->condition &&
+        start_->condition->plan.layout() == condition.plan.layout()) {
+      condition.mean = start_->condition->mean;
+      condition.deviation = start_->condition->deviation;
+    }
     data_.conditions = scaled(plain, condition.mean, condition.deviation);
     data_.condition = std::move(condition);
     return {};
@@ -162,15 +191,22 @@ class Loader {
       const auto* values = static_cast<const uint16_t*>(pixels.data_ptr());
       const uint16_t largest = *std::max_element(values, values + pixels.numel());
       image.scale = 255.0 / std::max<uint16_t>(largest, 1);
+      // A model's own reaches further, or as far.
+      if (start_ != nullptr) image.scale = std::min(image.scale, start_->plan.images()[i].scale);
     }
   }
 
   void normalise() {
+    if (start_ != nullptr) {
+      data_.mean = start_->mean;
+      data_.deviation = start_->deviation;
+    }
     const Tensor numbers = scaled(data_.plain_numbers, data_.mean, data_.deviation);
     if (numbers.size(1) > 0) data_.numbers = numbers;
   }
 
   const TrainingSource& source_;
+  const encoders::DeepModel* start_;
   const std::stop_token& stop_;
   Dataset data_;
 };
@@ -193,15 +229,15 @@ encoders::Parts Dataset::batch(const encoders::NetworkShape& shape, const Tensor
 }
 
 Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
-                             const std::stop_token& stop) {
+                             const encoders::DeepModel* start, const std::stop_token& stop) {
   std::vector<Sequence> sequences = cut_sequences(source.times);
   const auto left_out = static_cast<size_t>(options.hold_out_recordings);
   if (left_out >= sequences.size())
     return invalid_argument("{}: found {} recordings, needs more than the {} to leave out",
                             source.entity, sequences.size(), left_out);
   sequences.resize(sequences.size() - left_out);
-  ENGRAM_ASSIGN_OR_RETURN(Dataset data,
-                          Loader(source, stop).load(std::move(sequences), options.memory_bytes));
+  ENGRAM_ASSIGN_OR_RETURN(
+      Dataset data, Loader(source, start, stop).load(std::move(sequences), options.memory_bytes));
   data.left_out_sequences = left_out;
   return data;
 }

@@ -23,9 +23,9 @@ struct Dataset {
   std::vector<Time> times;
   std::vector<Sequence> sequences;  ///< Those to train on.
   size_t left_out_sequences = 0;
-  std::vector<torch::Tensor> images;       ///< Per image member: pixels [n, H, W, C].
-  torch::Tensor numbers;                   ///< Normalised [n, N]; undefined without numbers.
-  torch::Tensor plain_numbers;             ///< As they were, of float64 [n, N].
+  std::vector<torch::Tensor> images;  ///< Per image member: pixels [n, H, W, C].
+  torch::Tensor numbers;              ///< Normalised [n, N]; undefined without numbers.
+  torch::Tensor plain_numbers;        ///< As they were, of float64 [n, N].
   std::optional<encoders::Condition> condition;
   torch::Tensor conditions;                ///< Normalised [n, K]; undefined without a condition.
   torch::Tensor scene;                     ///< Which background a row belongs to, of int64 [n].
@@ -33,6 +33,9 @@ struct Dataset {
   /// The same as blocks would carry them, in each quality (code_background): [qualities * scenes, C,
   /// H, W]; empty where there is one scene alone, or where no codec takes them.
   std::vector<torch::Tensor> coded_backgrounds;
+  int64_t known_scenes = 0;    ///< The first ones are of the model that is gone on from.
+  std::vector<bool> is_known;  ///< Per row: whether that model has latents of it.
+  double error_price = 0;      ///< What that model's training ended with; 0: unknown.
 
   [[nodiscard]] size_t size() const { return times.size(); }
   [[nodiscard]] int scenes() const;
@@ -42,9 +45,10 @@ struct Dataset {
                                       const torch::Tensor& indices) const;
 };
 
-/// Reads what fits into options.memory_bytes.
+/// Reads what fits into options.memory_bytes. With a model of this layout to go on from, its
+/// backgrounds come first, and numbers are normalised as it does where they still fit.
 /// Errors: as train_model.
 Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
-                             const std::stop_token& stop);
+                             const encoders::DeepModel* start, const std::stop_token& stop);
 
 }  // namespace engram::training

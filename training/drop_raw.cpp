@@ -5,6 +5,7 @@
 
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
+#include "training/job_pace.h"
 #include "training/metrics.h"
 
 namespace engram::training {
@@ -44,7 +45,9 @@ Result<bool> may_go(const ltm::Snapshot& recorded, const ltm::SnapshotResult& re
 
 Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::MemoryId& entity,
                                  const DropOptions& options, const ProgressSink& progress,
-                                 const std::stop_token& stop) {
+                                 const std::stop_token& stop, JobPace* pace) {
+  JobPace alone(nullptr, progress, stop);
+  if (pace == nullptr) pace = &alone;
   ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(store));
   ltm::Recall recall(std::move(reader), encoders::load_model);
   ENGRAM_ASSIGN_OR_RETURN(const auto* entries, recall.store().index(entity));
@@ -53,6 +56,7 @@ Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::
     const ltm::SnapshotEntry& entry = (*entries)[i];
     if (stop.stop_requested()) return cancelled("dropping raw data of '{}'", entity.to_string());
     if (!entry.recorded || !entry.latent) continue;
+    ENGRAM_RETURN_IF_ERROR(pace->pause());
     if (options.stays_from && entry.time >= *options.stays_from) {
       keep.insert(entry.time);
       continue;
@@ -65,7 +69,7 @@ Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::
     ENGRAM_ASSIGN_OR_RETURN(
         const bool may, may_go(recorded, result.entities().front()->snapshots.front(), options));
     if (!may) keep.insert(entry.time);
-    if (progress) progress({"verify " + entity.to_string(), i + 1, entries->size(), "", -1});
+    pace->progress()({"verify " + entity.to_string(), i + 1, entries->size(), "", -1});
   }
   return ltm::drop_recorded(store, entity, keep);
 }

@@ -11,6 +11,8 @@
 
 namespace engram::training {
 
+class JobPace;
+
 struct DropOptions {
   /// Snapshots whose reconstructed images are worse than this stay recorded. Unit: dB.
   double min_psnr_db = 0;
@@ -23,10 +25,11 @@ struct DropOptions {
 
 /// Drops the recorded form of an entity's sealed snapshots, each only after its latent was decoded
 /// as a query would, compared, and found within the bounds and as good as when it was published.
+/// With `pace`, which tells progress then, it waits before each of them while the robot is busy.
 /// Errors: kNotFound; kDataLoss where a latent does not decode: then nothing is dropped;
-/// kCancelled; those of drop_recorded.
+/// kCancelled; those of JobPace::pause and of drop_recorded.
 Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::MemoryId& entity,
                                  const DropOptions& options, const ProgressSink& progress,
-                                 const std::stop_token& stop);
+                                 const std::stop_token& stop, JobPace* pace = nullptr);
 
 }  // namespace engram::training

@@ -10,8 +10,8 @@
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/publish.h"
-#include "training/entity_encoding.h"
 #include "training/condition_source.h"
+#include "training/entity_encoding.h"
 #include "training/entity_source.h"
 
 namespace engram::training {
@@ -81,11 +81,11 @@ Status EntityJob::skip_for_want_of_time(std::string reason) {
 }
 
 Status EntityJob::train_and_publish(const Allotment& time) {
+  if (options_.reuses_models) return encode_with_newest();
   ENGRAM_RETURN_IF_ERROR(choose_form());
   remove_stale_checkpoints(options_.job.is_fresh);
   ENGRAM_ASSIGN_OR_RETURN(bool is_made, make(train_, time));
-  if (is_made && representation_.kind == Representation::kAuto && !options_.reuses_models &&
-      video_is_cheaper()) {
+  if (is_made && representation_.kind == Representation::kAuto && video_is_cheaper()) {
     if (const auto second = second_allotment(time)) {
       TrainOptions numbers_alone = train_;
       numbers_alone.has_networks = false;
@@ -99,8 +99,15 @@ Status EntityJob::train_and_publish(const Allotment& time) {
     }
   }
   if (!is_made) return {};
-  return ltm::publish_model(reader_.path(), entity_, report_.model_version, file_->path(), latents_,
-                            reader_.manifest().first_journal);
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_previous_better, goes_on_with_previous());
+  if (!report_.skipped_reason.empty()) return {};
+  const uint64_t first_unseen = reader_.manifest().first_journal;
+  if (!is_previous_better)
+    return ltm::publish_model(reader_.path(), entity_, report_.model_version, file_->path(),
+                              latents_, first_unseen);
+  if (latents_.empty()) return {};
+  return ltm::publish_latents(reader_.path(), entity_, report_.model_version, latents_,
+                              first_unseen);
 }
 
 std::optional<Allotment> EntityJob::second_allotment(const Allotment& first) const {
@@ -115,6 +122,16 @@ std::optional<Allotment> EntityJob::second_allotment(const Allotment& first) con
   return second;
 }
 
+TrainingSource EntityJob::source() {
+  TrainingSource source = EntitySource::values(reader_, entity_, entries_);
+  const ltm::ModelInfo* newest = reader_.manifest().newest_model(entity_);
+  if (newest == nullptr || options_.starts_anew) return source;
+  source.previous = {reader_.path() / newest->file, newest->version, newest->checksum};
+  for (const ltm::SnapshotEntry& entry : entries_)
+    source.is_known.push_back(version_of(entry) == newest->version);
+  return source;
+}
+
 Status EntityJob::train(const TrainOptions& options, const Allotment& time,
                         const std::filesystem::path& file) {
   TrainOptions train = options;
@@ -123,12 +140,11 @@ Status EntityJob::train(const TrainOptions& options, const Allotment& time,
                        .checkpoint = checkpoint_of(options),
                        .checkpoint_interval = options_.job.checkpoint_interval,
                        .pace = &pace_};
-  TrainingSource source = EntitySource::values(reader_, entity_, entries_);
+  TrainingSource values = source();
   // The newest one: links of the first may lead to what was forgotten.
-  ENGRAM_RETURN_IF_ERROR(add_condition(reader_, entity_, entries_.back(), source));
+  ENGRAM_RETURN_IF_ERROR(add_condition(reader_, entity_, entries_.back(), values));
   ENGRAM_ASSIGN_OR_RETURN(
-      report_.training,
-      train_model(source, train, file, pace_.progress(), pace_.stop(), control));
+      report_.training, train_model(values, train, file, pace_.progress(), pace_.stop(), control));
   return {};
 }
 
@@ -136,8 +152,7 @@ std::filesystem::path EntityJob::checkpoint_of(const TrainOptions& train) {
   if (options_.job.checkpoint_interval == Duration::zero()) return {};
   // What the other variants keep beside the model is not in a checkpoint.
   if (train.variant != encoders::TrainingVariant::kRateAware) return {};
-  const auto source = EntitySource::values(reader_, entity_, entries_);
-  return ltm::checkpoint_file(reader_.path(), entity_, checkpoint_key(source, train));
+  return ltm::checkpoint_file(reader_.path(), entity_, checkpoint_key(source(), train));
 }
 
 void EntityJob::remove_stale_checkpoints(bool are_all_stale) {
@@ -151,63 +166,69 @@ void EntityJob::remove_stale_checkpoints(bool are_all_stale) {
     log::warning("a stale checkpoint stays: {}", removed.message());
 }
 
-Result<std::shared_ptr<encoders::DeepModel>> EntityJob::newest_model() {
-  const ltm::ModelInfo* newest = reader_.manifest().newest_model(entity_);
-  if (newest == nullptr) return not_found("{}: has no model yet", entity_.to_string());
-  return encoders::read_model(reader_.path() / newest->file);
-}
-
-Result<std::shared_ptr<encoders::DeepModel>> EntityJob::model_for(const TrainOptions& options,
+Result<std::shared_ptr<encoders::DeepModel>> EntityJob::train_new(const TrainOptions& options,
                                                                   const Allotment& time) {
-  if (options_.reuses_models) return newest_model();
   ENGRAM_ASSIGN_OR_RETURN(const auto file, ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
   ENGRAM_RETURN_IF_ERROR(train(options, time, file.path()));
   return encoders::read_model(file.path());
 }
 
-Result<bool> EntityJob::make(const TrainOptions& train, const Allotment& time) {
-  auto made = model_for(train, time);
-  // What cannot be a tensor stays recorded; everything else can go on.
-  const bool is_unfit = made.status().code() == StatusCode::kInvalidArgument ||
-                        (options_.reuses_models && made.status().code() == StatusCode::kNotFound);
-  if (!made.ok() && pace_.is_time_over()) {
-    ENGRAM_RETURN_IF_ERROR(skip_for_want_of_time(made.status().message()));
+Result<bool> EntityJob::goes_on_after(const Status& status) {
+  if (status.ok()) return true;
+  if (pace_.is_time_over()) {
+    ENGRAM_RETURN_IF_ERROR(skip_for_want_of_time(status.message()));
     return false;
   }
-  if (!made.ok() && is_unfit) {
-    ENGRAM_RETURN_IF_ERROR(skip(made.status().message()));
-    return false;
-  }
-  if (!made.ok()) return made.status();
-  const std::shared_ptr<encoders::DeepModel> model = *std::move(made);
-  report_.model_version = ltm::next_model_version(reader_.manifest(), entity_);
+  // What cannot be a tensor, or has images that no codec takes, stays recorded; everything else can
+  // go on.
+  if (status.code() != StatusCode::kInvalidArgument) return status;
+  ENGRAM_RETURN_IF_ERROR(skip(status.message()));
+  return false;
+}
+
+Result<std::vector<ltm::LatentSnapshot>> EntityJob::encode(
+    const std::shared_ptr<encoders::DeepModel>& model, int version,
+    std::span<const ltm::SnapshotEntry> entries, const RepresentationOptions& representation,
+    EntityReport& report) {
   const auto decoder = encoders::make_encoder(model);
-  EntityEncoding encoding(reader_, entity_, report_.model_version, *model, *decoder,
-                          representation_);
+  EntityEncoding encoding(reader_, entity_, version, *model, *decoder, representation);
   const auto start = std::chrono::steady_clock::now();
-  const Status encoded = encoding.run(entries_, pace_);
+  const Status encoded = encoding.run(entries, pace_);
   report_.encoding_seconds += seconds_since(start);
-  if (!encoded.ok() && pace_.is_time_over()) {
-    ENGRAM_RETURN_IF_ERROR(skip_for_want_of_time(encoded.message()));
-    return false;
-  }
-  if (encoded.code() == StatusCode::kInvalidArgument) {  // No codec takes its images.
-    ENGRAM_RETURN_IF_ERROR(skip(encoded.message()));
-    return false;
-  }
   ENGRAM_RETURN_IF_ERROR(encoded);
-  encoding.report(report_);
-  latents_ = std::move(encoding.latents());
-  model->provenance.forms = report_.forms;
+  encoding.report(report);
+  return std::move(encoding.latents());
+}
+
+Result<bool> EntityJob::make(const TrainOptions& train, const Allotment& time) {
+  auto trained = train_new(train, time);
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_trained, goes_on_after(trained.status()));
+  if (!is_trained) return false;
+  const int version = ltm::next_model_version(reader_.manifest(), entity_);
+  auto latents = encode(*trained, version, entries_, representation_, report_);
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_encoded, goes_on_after(latents.status()));
+  if (!is_encoded) return false;
+  report_.model_version = version;
+  report_.is_model_new = true;
+  latents_ = *std::move(latents);
+  model_ = *std::move(trained);
+  ENGRAM_RETURN_IF_ERROR(save());
+  return true;
+}
+
+Status EntityJob::save() {
+  model_->provenance.forms = report_.forms;
+  model_->provenance.choice = report_.choice;
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot example,
                           reader_.read_recorded(entity_, entries_.front()));
   ENGRAM_ASSIGN_OR_RETURN(auto file, ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
-  ENGRAM_RETURN_IF_ERROR(encoders::save_model(*model, example.instances.front().data, file.path()));
+  ENGRAM_RETURN_IF_ERROR(
+      encoders::save_model(*model_, example.instances.front().data, file.path()));
   file_.emplace(std::move(file));
   std::error_code failed;
   report_.model_bytes = std::filesystem::file_size(file_->path(), failed);
   if (failed) return unavailable("model '{}': {}", file_->path().string(), failed.message());
-  return true;
+  return {};
 }
 
 bool EntityJob::video_is_cheaper() {

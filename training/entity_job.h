@@ -61,19 +61,47 @@ class EntityJob {
   /// Chooses between networks and video alone, once.
   Status choose_form();
   Status train_and_publish(const Allotment& time);
+  /// Codes what has no latents yet with the newest model, and publishes that.
+  Status encode_with_newest();
   /// Time to code everything as video alone; nothing where it is over.
   [[nodiscard]] std::optional<Allotment> second_allotment(const Allotment& first) const;
   Status train(const TrainOptions& train, const Allotment& time, const std::filesystem::path& file);
   [[nodiscard]] std::filesystem::path checkpoint_of(const TrainOptions& train);
   /// Removes checkpoints that nothing goes on from.
   void remove_stale_checkpoints(bool are_all_stale);
-  Result<std::shared_ptr<encoders::DeepModel>> newest_model();
-  Result<std::shared_ptr<encoders::DeepModel>> model_for(const TrainOptions& options,
+  [[nodiscard]] TrainingSource source();
+  Result<std::shared_ptr<encoders::DeepModel>> train_new(const TrainOptions& options,
                                                          const Allotment& time);
   /// Trains a model and codes all snapshots with it. False where it has to be skipped.
   Result<bool> make(const TrainOptions& train, const Allotment& time);
-  /// Whether networks for images could save five times their bytes, if they took none at all.
-  Result<bool> wants_networks(const TrainOptions& train);
+  /// Codes some snapshots with a model; what comes back is measured into `report`.
+  Result<std::vector<ltm::LatentSnapshot>> encode(const std::shared_ptr<encoders::DeepModel>& model,
+                                                  int version,
+                                                  std::span<const ltm::SnapshotEntry> entries,
+                                                  const RepresentationOptions& representation,
+                                                  EntityReport& report);
+  /// Whether the entity can go on after this status. Where it cannot be coded, or the time is over,
+  /// it is skipped.
+  /// Errors: all others.
+  Result<bool> goes_on_after(const Status& status);
+  /// Writes the new model with what is known of it to file_.
+  Status save();
+  /// Compares the new model with the one before it. True where that is worth more: then its latents
+  /// are what is to be published.
+  Result<bool> goes_on_with_previous();
+  /// The newest model of the store, where it can code these snapshots as is asked for; null, with a
+  /// note, where not.
+  Result<std::shared_ptr<encoders::DeepModel>> usable_previous();
+  /// Bytes of the newest model's latents of a snapshot; nothing where it has none within the bound.
+  Result<std::optional<double>> known_bytes(const encoders::DeepModel& previous,
+                                            const ltm::SnapshotEntry& entry);
+  /// Version of the model that made a snapshot's latents; 0 where it has none.
+  [[nodiscard]] int version_of(const ltm::SnapshotEntry& entry) const;
+  /// Whether latents of the newest model stay where those of all entries_ are replaced.
+  Result<bool> is_previous_needed();
+  /// Finds out whether networks for images could save five times their bytes, if their latents took
+  /// none at all; chooses their width where nobody did.
+  Result<bool> wants_networks();
   [[nodiscard]] bool video_is_cheaper();
   /// Bytes of a snapshot's images as video at the bound, from some evenly spaced runs.
   Result<double> sampled_video_bytes();
@@ -93,7 +121,8 @@ class EntityJob {
   double plain_bytes_ = 0;
   std::vector<ltm::SnapshotEntry> entries_;
   std::vector<ltm::LatentSnapshot> latents_;
-  std::optional<ltm::TemporaryFile> file_;  ///< The model that will be published.
+  std::shared_ptr<encoders::DeepModel> model_;  ///< That was made.
+  std::optional<ltm::TemporaryFile> file_;      ///< Its file, to be published.
   EntityPlan plan_;
   EntityReport report_;
 };

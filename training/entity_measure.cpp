@@ -16,8 +16,6 @@ namespace {
 
 /// What the mean PSNR of latents has to exceed the bound by. Unit: dB.
 constexpr double kMargin = 1.0;
-/// Networks may take a fifth of what they save.
-constexpr double kWorthwhile = 5;
 /// Snapshots that encoding is measured on.
 constexpr size_t kSample = 32;
 /// Predictions are measured beside encoding, on so many snapshots at most.
@@ -33,7 +31,7 @@ double with_encoding_margin(double seconds) {
 
 Status EntityJob::choose_form() {
   if (std::exchange(is_form_chosen_, true)) return {};
-  ENGRAM_ASSIGN_OR_RETURN(train_.has_networks, wants_networks(train_));
+  ENGRAM_ASSIGN_OR_RETURN(train_.has_networks, wants_networks());
   if (!train_.has_networks) representation_.kind = Representation::kVideo;
   // The mean has to lie above the bound for every image to reach it.
   if (representation_.kind == Representation::kAuto)
@@ -69,27 +67,37 @@ Result<double> EntityJob::measure_encoding() {
       to_seconds(std::chrono::steady_clock::now() - start) / static_cast<double>(sample.size());
   const auto count = static_cast<double>(entries_.size());
   report_.expected_encoding_seconds = per_snapshot * count;
-  // All may have to be coded again, as video alone.
+  // All may have to be coded again, as video alone, and what is new by the model before.
   const bool may_repeat = representation_.kind == Representation::kAuto && train_.has_networks;
+  const bool has_previous =
+      options_.representation.kind == Representation::kAuto && plan_.newest_version > 0;
+  const auto news = static_cast<double>(has_previous ? plan_.new_snapshots : 0);
   const auto measured = static_cast<double>(std::min(entries_.size(), kMostMeasured));
-  return with_encoding_margin(per_snapshot * (count * (may_repeat ? 2 : 1) + measured));
+  return with_encoding_margin(per_snapshot * (count * (may_repeat ? 2 : 1) + news + measured));
 }
 
-Result<bool> EntityJob::wants_networks(const TrainOptions& train) {
+Result<bool> EntityJob::wants_networks() {
   const RepresentationOptions& representation = options_.representation;
   if (options_.reuses_models) return true;
   if (representation.kind != Representation::kAuto)
     return representation.kind == Representation::kLatents;
-  const uint64_t networks = network_bytes(layout_, train, entries_.size());
+  TrainOptions least = train_;
+  if (least.width == 0) least.width = 32;
+  const uint64_t networks = network_bytes(layout_, least);
   if (networks == 0) return true;
   ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes());
   if (video == 0) return true;  // No codec takes its images.
   const double saved = video * static_cast<double>(entries_.size()) * representation.nights;
-  if (saved >= kWorthwhile * static_cast<double>(networks)) return true;
-  report_.notes.push_back(
-      fmt::format("video at {} dB takes {:.0f} bytes a snapshot: {} nights of it are less than {} "
-                  "times what networks take ({} bytes)",
-                  representation.bound_db, video, representation.nights, kWorthwhile, networks));
+  if (train_.width == 0) {
+    train_.width = width_that_pays(layout_, train_, saved);
+    if (train_.width > 0) return true;
+  } else if (static_cast<double>(networks) <= kMostModelShare * saved) {
+    return true;
+  }
+  report_.notes.push_back(fmt::format(
+      "video at {} dB takes {:.0f} bytes a snapshot: {:.0f} % of it in {} nights is "
+      "less than what networks take ({} bytes)",
+      representation.bound_db, video, 100 * kMostModelShare, representation.nights, networks));
   return false;
 }
 

@@ -36,7 +36,7 @@ constexpr double kRecent = 0.02;
 RowSampler make_sampler(const Dataset& data) {
   std::vector<size_t> first_held_out;
   for (const Sequence& sequence : data.sequences) first_held_out.push_back(held_out_from(sequence));
-  return {data.sequences, first_held_out};
+  return {data.sequences, first_held_out, data.is_known};
 }
 
 /// Consecutive rows of a batch.
@@ -213,10 +213,13 @@ class WeightedMean {
   Smoothed sum_{kRecent}, weight_{kRecent};
 };
 
-void start_from_backgrounds(encoders::DeepModel& model, const Dataset& data) {
+/// The others are those of the model that training goes on from.
+void start_from_new_backgrounds(encoders::DeepModel& model, const Dataset& data) {
   torch::NoGradGuard no_grad;
   for (size_t i = 0; i < data.backgrounds.size(); ++i)
-    model.autoencoder->images[i]->background.copy_(data.backgrounds[i] / encoders::kGreyLevels);
+    model.autoencoder->images[i]
+        ->background.slice(0, data.known_scenes)
+        .copy_(data.backgrounds[i].slice(0, data.known_scenes) / encoders::kGreyLevels);
 }
 
 }  // namespace
@@ -233,13 +236,13 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
                                 const TrainOptions& options, FitLoop& loop) {
   FitStep now;
   if (model.autoencoder->images.empty()) return now;
-  start_from_backgrounds(model, data);
+  start_from_new_backgrounds(model, data);
   const auto regulariser = make_latent_regulariser(options.variant, model.autoencoder->shape);
   auto optimiser = make_optimiser(model, *regulariser);
   std::vector<Tensor> parameters = optimiser.param_groups()[0].params();
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
   const double size = size_in_usual_images(model.autoencoder->shape);
-  ErrorPrice price(options.psnr_db);
+  ErrorPrice price(options.psnr_db, data.error_price);
   RowSampler sampler = make_sampler(data);
   WeightedMean loss_mean, psnr, bytes;
   FitState state{model, optimiser, now, price.state()};

@@ -10,7 +10,8 @@
 namespace engram::training {
 
 /// Chunks of consecutive rows to train on: those that cost much are drawn more often, and count
-/// less each time, so that the mean is that of all rows.
+/// less each time, so that the mean is that of all rows. Rows that a model knows already are told
+/// again, but are at most 30 % of it (replay).
 ///
 /// Uses LibTorch's random generator. Threading: one thread.
 /// Source: docs/learning.md, section "The image autoencoder".
@@ -23,7 +24,9 @@ class RowSampler {
   };
 
   /// `first_held_out` per sequence: rows from there on are never in one batch with those before.
-  RowSampler(std::span<const Sequence> sequences, std::span<const size_t> first_held_out);
+  /// `is_known` per row; empty: none is.
+  RowSampler(std::span<const Sequence> sequences, std::span<const size_t> first_held_out,
+             const std::vector<bool>& is_known = {});
 
   /// The ends of some chunks, all of the same kind: the first one decides.
   [[nodiscard]] std::vector<Draw> draw(int64_t chunks);
@@ -41,6 +44,7 @@ class RowSampler {
  private:
   [[nodiscard]] std::vector<double> probabilities() const;
 
+  std::vector<double> shares_;   ///< Of the mean, per row.
   std::vector<double> costs_;    ///< Smoothed; 0 where never told.
   std::vector<int64_t> firsts_;  ///< Per row.
   std::vector<bool> is_held_out_;

@@ -69,9 +69,28 @@ void code_backgrounds(Dataset& data, const encoders::NetworkShape& shape) {
   }
 }
 
+/// What a recording of a scene may look like.
+struct Look {
+  int64_t scene = 0;
+  std::vector<Tensor> image;  ///< Per member. [1, C, H, W]
+};
+
+/// Of a model, per scene and member. [1, C, H, W]
+std::vector<std::vector<Tensor>> scenes_of(const encoders::DeepModel& model) {
+  torch::NoGradGuard no_grad;
+  std::vector<std::vector<Tensor>> scenes(
+      static_cast<size_t>(model.autoencoder->shape.sizes.scenes));
+  for (const auto& image : model.autoencoder->images)
+    for (size_t i = 0; i < scenes.size(); ++i) {
+      const auto at = static_cast<int64_t>(i);
+      scenes[i].push_back(image->background.slice(0, at, at + 1) * encoders::kGreyLevels);
+    }
+  return scenes;
+}
+
 }  // namespace
 
-void find_scenes(Dataset& data) {
+void find_scenes(Dataset& data, const encoders::DeepModel* start) {
   data.scene = torch::zeros({static_cast<int64_t>(data.size())}, torch::kLong);
   if (data.images.empty()) return;
   const auto shape = encoders::network_shape(data.plan, {});
@@ -79,15 +98,23 @@ void find_scenes(Dataset& data) {
   for (const auto& image : shape.images)
     most_scenes = std::min(most_scenes, static_cast<size_t>(encoders::most_scenes(image)));
   std::vector<std::vector<Tensor>> scenes;
+  if (start != nullptr && !start->autoencoder->images.empty()) scenes = scenes_of(*start);
+  data.known_scenes = static_cast<int64_t>(scenes.size());
+  std::vector<Look> looks;
+  for (const auto& scene : scenes) looks.push_back({static_cast<int64_t>(looks.size()), scene});
   for (const Sequence& sequence : data.sequences) {
     const std::vector<Tensor> medians = medians_of(data, shape, sequence);
     std::vector<double> differences;
-    for (const auto& scene : scenes) differences.push_back(difference(scene, medians));
+    for (const Look& look : looks) differences.push_back(difference(look.image, medians));
     auto nearest = std::ranges::min_element(differences);
-    const bool is_new =
-        nearest == differences.end() || (*nearest >= kAlike && scenes.size() < most_scenes);
-    const auto scene = is_new ? static_cast<int64_t>(scenes.size()) : nearest - differences.begin();
+    // Trained backgrounds are no medians any more: those of recordings that they are of count too.
+    const bool is_known = data.known_scenes > 0 && data.is_known[sequence.first];
+    const bool is_new = nearest == differences.end() ||
+                        (!is_known && *nearest >= kAlike && scenes.size() < most_scenes);
+    const int64_t scene = is_new ? static_cast<int64_t>(scenes.size())
+                                 : looks[static_cast<size_t>(nearest - differences.begin())].scene;
     if (is_new) scenes.push_back(medians);
+    if (is_new || is_known) looks.push_back({scene, medians});
     data.scene.slice(0, static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end))
         .fill_(scene);
   }

@@ -68,8 +68,9 @@ void Smoothed::add(double value) {
   ++count_;
 }
 
-ErrorPrice::ErrorPrice(double wanted_db)
-    : wanted_db_(wanted_db), log_price_(std::log(kFirstPrice)) {}
+ErrorPrice::ErrorPrice(double wanted_db, double first)
+    : wanted_db_(wanted_db),
+      log_price_(std::log(first > 0 ? std::clamp(first, kLeastPrice, kMostPrice) : kFirstPrice)) {}
 
 double ErrorPrice::value() const {
   return std::exp(log_price_);

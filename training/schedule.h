@@ -68,7 +68,8 @@ class Smoothed {
 /// The price of squared error against bytes: rises where quality is below what was asked for.
 class ErrorPrice {
  public:
-  explicit ErrorPrice(double wanted_db);
+  /// `first`: what it starts at, where that is known; 0: it is not.
+  explicit ErrorPrice(double wanted_db, double first = 0);
 
   /// Kilobytes that a squared grey level is worth.
   [[nodiscard]] double value() const;

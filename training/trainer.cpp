@@ -2,6 +2,7 @@
 #include "training/trainer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "encoders/deep_model_file.h"
@@ -9,6 +10,7 @@
 #include "encoders/weight_rounding.h"
 #include "training/checkpoint.h"
 #include "training/fit.h"
+#include "training/warm_start.h"
 
 namespace engram::training {
 
@@ -20,8 +22,9 @@ constexpr double kAutoencoderShare = 0.72;
 constexpr double kMotionShare = 0.2;
 constexpr size_t kFewestSnapshots = 2;
 
-encoders::NetworkSizes sizes_of(const TrainOptions& options, const Dataset& data) {
-  return {network_width(options, data.size()), options.coarse_channels, options.fine_channels,
+encoders::NetworkSizes sizes_of(const TrainOptions& options, size_t snapshots,
+                                const Dataset& data) {
+  return {network_width(options, snapshots), options.coarse_channels, options.fine_channels,
           options.has_networks ? data.scenes() : 1,
           data.condition ? static_cast<int>(data.conditions.size(1)) : 0};
 }
@@ -71,8 +74,22 @@ StepSink step_sink(const ProgressSink& progress, const std::string& entity,
   };
 }
 
+/// Adds those of an earlier model that lie in none of the new ones.
+void add_spans(std::vector<encoders::TimeSpan>& spans,
+               const std::vector<encoders::TimeSpan>& earlier) {
+  std::vector<encoders::TimeSpan> all;
+  for (const encoders::TimeSpan& old : earlier)
+    if (std::ranges::none_of(spans, [&](const encoders::TimeSpan& span) {
+          return span.contains(old.first) && span.contains(old.last);
+        }))
+      all.push_back(old);
+  all.insert(all.end(), spans.begin(), spans.end());
+  std::ranges::sort(all, {}, &encoders::TimeSpan::first);
+  spans = std::move(all);
+}
+
 /// What a report and the model file say about the data.
-void describe(const Dataset& data, encoders::Provenance& provenance) {
+void describe(const Dataset& data, const WarmStart& start, encoders::Provenance& provenance) {
   provenance.snapshots = static_cast<int64_t>(data.size());
   for (const Sequence& sequence : data.sequences) {
     provenance.autoencoder_spans.push_back(
@@ -81,10 +98,14 @@ void describe(const Dataset& data, encoders::Provenance& provenance) {
     if (end > sequence.first)
       provenance.dynamics_spans.push_back({data.times[sequence.first], data.times[end - 1]});
   }
+  if (!start.model) return;
+  add_spans(provenance.autoencoder_spans, start.model->provenance.autoencoder_spans);
+  add_spans(provenance.dynamics_spans, start.model->provenance.dynamics_spans);
 }
 
 void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoints& checkpoints,
-               TrainReport& report) {
+               const WarmStart& start, TrainReport& report) {
+  if (!start.note.empty()) report.notes.push_back(start.note);
   if (const Checkpoint* found = checkpoints.found())
     report.notes.push_back(fmt::format("training went on where it was interrupted: {:.0f} % of {}",
                                        100 * found->share, name_of(found->phase)));
@@ -102,13 +123,16 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
                                   const std::filesystem::path& file, JobPace& pace,
                                   const TrainControl& control, Checkpoints& checkpoints) {
   encoders::set_threads(options.threads);
+  ENGRAM_ASSIGN_OR_RETURN(const WarmStart start, find_start(source, options));
   torch::manual_seed(options.seed);
 
   // Data.
-  ENGRAM_ASSIGN_OR_RETURN(const Dataset data, load_dataset(source, options, pace.stop()));
+  ENGRAM_ASSIGN_OR_RETURN(const Dataset data,
+                          load_dataset(source, options, start.model.get(), pace.stop()));
 
   // Model.
-  encoders::DeepModel model(data.plan, sizes_of(options, data));
+  encoders::DeepModel model(data.plan, sizes_of(options, source.times.size(), data));
+  if (start.model) copy_weights(*start.model, model);
   model.mean = data.mean;
   model.deviation = data.deviation;
   model.condition = data.condition;
@@ -155,7 +179,8 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   report.dynamics_steps = checkpoints.predicted.step + motion.step;
   report.final_loss = coded.loss;
   report.training_psnr_db = coded.psnr_db;
-  add_notes(source, data, checkpoints, report);
+  report.started_from = start.model ? source.previous->version : 0;
+  add_notes(source, data, checkpoints, start, report);
   report.seconds = checkpoints.seconds();
   auto& provenance = model.provenance;
   provenance.entity = source.entity;
@@ -169,7 +194,8 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   provenance.psnr_db = options.psnr_db;
   provenance.error_price = coded.price;
   provenance.number_bound = options.number_bound;
-  describe(data, provenance);
+  provenance.started_from = report.started_from;
+  describe(data, start, provenance);
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
   ENGRAM_RETURN_IF_ERROR(encoders::save_model(model, example, file));
   return report;
@@ -185,16 +211,26 @@ int network_width(const TrainOptions& options, size_t snapshots) {
   return snapshots < 20000 ? 96 : 128;
 }
 
-uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options, size_t snapshots) {
+uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options) {
   auto plan = encoders::TensorPlan::create(layout);
   if (!plan.ok() || plan->images().empty()) return 0;
   const encoders::DeepModel model(
-      std::move(*plan),
-      {network_width(options, snapshots), options.coarse_channels, options.fine_channels, 1, 0});
+      std::move(*plan), {options.width, options.coarse_channels, options.fine_channels, 1, 0});
   int64_t weights = 0;
   for (const auto& tensor : model.autoencoder->parameters()) weights += tensor.numel();
   for (const auto& tensor : model.dynamics->parameters()) weights += tensor.numel();
   return static_cast<uint64_t>(weights);
+}
+
+int width_that_pays(const idf::Layout& layout, const TrainOptions& options, double saved_bytes) {
+  constexpr std::array kWidths{128, 96, 64, 48, 32};
+  for (const int width : kWidths) {
+    TrainOptions tried = options;
+    tried.width = width;
+    const auto bytes = static_cast<double>(network_bytes(layout, tried));
+    if (bytes > 0 && bytes <= kMostModelShare * saved_bytes) return width;
+  }
+  return 0;
 }
 
 Status TrainOptions::validate() const {

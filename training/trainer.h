@@ -18,6 +18,13 @@
 
 namespace engram::training {
 
+/// A model of the same entity that training may go on from.
+struct PreviousModel {
+  std::filesystem::path file;
+  int version = 0;
+  uint64_t checksum = 0;
+};
+
 /// What one model is trained on: values of one layout, in the order of time.
 struct TrainingSource {
   std::string entity;
@@ -29,6 +36,12 @@ struct TrainingSource {
   std::string condition_entity;
   /// Its value at or before times[index]; nothing where there is none.
   std::function<Result<std::optional<idf::Data>>(size_t index)> read_condition;
+
+  /// Training starts from its weights where its networks have the same sizes, else anew.
+  std::optional<PreviousModel> previous;
+  /// Beside `times`: which of them that model has latents of. Where training starts from it, they
+  /// are told again beside the others, see RowSampler. Empty: none.
+  std::vector<bool> is_known;
 };
 
 /// How one model is trained. Written into the model file.
@@ -50,7 +63,7 @@ struct TrainOptions {
   /// Without, images get no latents and no prediction but copies.
   bool has_networks = true;
   /// Features of the networks where places are few, a multiple of 16; zero chooses by the number of
-  /// snapshots, because the model is stored too.
+  /// snapshots, because the model is stored too. consolidate() chooses by what networks may save.
   int width = 0;
   /// Channels of an image's latents at 16 x 16 and at 8 x 8 pixels.
   int coarse_channels = 24;
@@ -87,6 +100,7 @@ struct TrainReport {
   size_t snapshots = 0;       ///< That were offered.
   size_t used_snapshots = 0;  ///< That the autoencoder was trained on.
   size_t sequences = 0;       ///< Recordings, left-out ones included.
+  int started_from = 0;       ///< Version of the model that training went on from; 0: of none.
   int64_t autoencoder_steps = 0;
   int64_t dynamics_steps = 0;
   double seconds = 0;  ///< Of work, that of interrupted processes included.
@@ -95,16 +109,24 @@ struct TrainReport {
   std::vector<std::string> notes;  ///< What a reader should know, in sentences.
 };
 
-/// About the bytes of the networks that train_model would make for so many snapshots of a layout; 0
-/// where it has no images or cannot be a tensor.
-[[nodiscard]] uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options,
-                                     size_t snapshots);
+/// Networks may take this part of what they save.
+inline constexpr double kMostModelShare = 0.2;
+
+/// About the bytes of networks of options.width, which is not 0; 0 where the layout has no images
+/// or cannot be a tensor.
+[[nodiscard]] uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options);
 
 /// Features of the networks that are made for so many snapshots.
 [[nodiscard]] int network_width(const TrainOptions& options, size_t snapshots);
 
-/// What a checkpoint belongs to: options (but for the time they allow), code and the times of the
-/// data. Another key, another training.
+/// The most features of 32, 48, 64, 96 and 128 whose networks take no more than a fifth of the
+/// bytes that they may save; 0 where none do, or the layout has no images.
+/// Source: docs/learning.md, section "What is stored: latents or video".
+[[nodiscard]] int width_that_pays(const idf::Layout& layout, const TrainOptions& options,
+                                  double saved_bytes);
+
+/// What a checkpoint belongs to: options (but for the time they allow), code, the times of the data
+/// and the model that training goes on from. Another key, another training.
 [[nodiscard]] uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& options);
 
 /// Trains a model on `source` and writes it to `file`, which must not exist.

@@ -113,11 +113,25 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
       entity.to_string(), snapshots.size());
 }
 
-/// Puts a model and its latents into the manifest, where that is still of `generation`. False where
-/// it is not, and nothing was changed.
-Result<bool> publish_latents(const std::filesystem::path& store, uint64_t generation,
-                             const ModelInfo& model, const std::filesystem::path& model_file,
-                             const std::vector<LatentSnapshot>& snapshots) {
+/// Whether the manifest can take latents of `model`, which has a file to come or not.
+Status check_model(const std::filesystem::path& store, const Manifest& manifest,
+                   const ModelInfo& model, bool is_new) {
+  if (is_new && next_model_version(manifest, model.entity) > model.version)
+    return already_exists("store '{}': model {} exists", store.string(), model.name());
+  const bool is_there = std::ranges::any_of(manifest.models, [&](const ModelInfo& there) {
+    return there.entity == model.entity && there.version == model.version;
+  });
+  if (!is_new && !is_there)
+    return not_found("store '{}': has no model {}", store.string(), model.name());
+  return {};
+}
+
+/// Puts latents into the manifest, and their model where it has a file, if the manifest is still of
+/// `generation`. False where it is not, and nothing was changed.
+Result<bool> publish_once(const std::filesystem::path& store, uint64_t generation,
+                          const ModelInfo& model,
+                          const std::optional<std::filesystem::path>& model_file,
+                          const std::vector<LatentSnapshot>& snapshots) {
   ENGRAM_ASSIGN_OR_RETURN(const TemporaryFile file, TemporaryFile::create(store, ".h5"));
   ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment,
                           write_latent_segment(file.path(), model.entity, snapshots));
@@ -126,26 +140,40 @@ Result<bool> publish_latents(const std::filesystem::path& store, uint64_t genera
   const Status status = edit_manifest(store, [&](Manifest& manifest) -> Status {
     has_changed = manifest.generation != generation;
     if (has_changed) return cancelled("store '{}' has changed", store.string());
-    if (next_model_version(manifest, model.entity) > model.version)
-      return already_exists("store '{}': model {} exists", store.string(), model.name());
+    ENGRAM_RETURN_IF_ERROR(check_model(store, manifest, model, model_file.has_value()));
     ENGRAM_ASSIGN_OR_RETURN(
         const auto superseded,
         superseded_segments(store, manifest, model.entity, times_of(snapshots)));
     segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
-    ENGRAM_RETURN_IF_ERROR(publish_file(model_file, store / model.file));
+    if (model_file) ENGRAM_RETURN_IF_ERROR(publish_file(*model_file, store / model.file));
     ENGRAM_RETURN_IF_ERROR(publish_file(file.path(), store / segment.file));
     std::erase_if(manifest.segments,
                   [&](const SegmentInfo& old) { return superseded.contains(old.file); });
     manifest.segments.push_back(std::move(segment));
-    manifest.models.push_back(model);
-    obsolete =
-        remove_unused_models(manifest, std::vector(superseded.begin(), superseded.end()));
+    if (model_file) manifest.models.push_back(model);
+    obsolete = remove_unused_models(manifest, std::vector(superseded.begin(), superseded.end()));
     return {};
   });
   if (has_changed) return false;
   ENGRAM_RETURN_IF_ERROR(status);
   for (const std::string& old : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / old));
   return true;
+}
+
+Status publish(const std::filesystem::path& store, const ModelInfo& model,
+               const std::optional<std::filesystem::path>& model_file,
+               const std::vector<LatentSnapshot>& snapshots, uint64_t first_unseen_journal) {
+  for (int attempt = 0; attempt < kPublishAttempts; ++attempt) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+    ENGRAM_ASSIGN_OR_RETURN(const auto kept,
+                            still_there(*reader, model.entity, snapshots, first_unseen_journal));
+    ENGRAM_ASSIGN_OR_RETURN(
+        const bool is_published,
+        publish_once(store, reader->manifest().generation, model, model_file, kept));
+    if (is_published) return {};
+  }
+  return unavailable("store '{}': changed {} times while latents of {} were being published",
+                     store.string(), kPublishAttempts, model.name());
 }
 
 }  // namespace
@@ -204,17 +232,15 @@ Status publish_model(const std::filesystem::path& store, const MemoryId& entity,
   ModelInfo model{entity, version, model_file_name(entity, version), 0, 0};
   ENGRAM_ASSIGN_OR_RETURN(model.checksum, checksum_of_file(model_file));
   model.bytes = std::filesystem::file_size(model_file);
-  for (int attempt = 0; attempt < kPublishAttempts; ++attempt) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
-    ENGRAM_ASSIGN_OR_RETURN(const auto kept,
-                            still_there(*reader, entity, snapshots, first_unseen_journal));
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_published,
-                            publish_latents(store, reader->manifest().generation, model,
-                                            model_file, kept));
-    if (is_published) return {};
-  }
-  return unavailable("store '{}': changed {} times while model {} was being published",
-                     store.string(), kPublishAttempts, model.name());
+  return publish(store, model, model_file, snapshots, first_unseen_journal);
+}
+
+Status publish_latents(const std::filesystem::path& store, const MemoryId& entity, int version,
+                       const std::vector<LatentSnapshot>& snapshots,
+                       uint64_t first_unseen_journal) {
+  ENGRAM_RETURN_IF_ERROR(check_latents(entity, version, snapshots));
+  return publish(store, {entity, version, model_file_name(entity, version), 0, 0}, {}, snapshots,
+                 first_unseen_journal);
 }
 
 }  // namespace engram::ltm

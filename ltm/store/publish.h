@@ -43,4 +43,11 @@ Status publish_model(const std::filesystem::path& store, const MemoryId& entity,
                      const std::vector<LatentSnapshot>& snapshots,
                      uint64_t first_unseen_journal = UINT64_MAX);
 
+/// Publishes more latents of a model that the store has, in one generation. Else as publish_model.
+/// Errors: kNotFound where the store has no model of that version; else those of publish_model.
+/// Threading: runs beside a live writer.
+Status publish_latents(const std::filesystem::path& store, const MemoryId& entity, int version,
+                       const std::vector<LatentSnapshot>& snapshots,
+                       uint64_t first_unseen_journal = UINT64_MAX);
+
 }  // namespace engram::ltm

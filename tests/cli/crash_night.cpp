@@ -132,7 +132,8 @@ class Night {
                                         "latents",     "--steps",    "60",
                                         "--threads",   "1",          "--force",
                                         "--width",     "32",         "--checkpoint-every",
-                                        "100ms",       "--progress", "json"};
+                                        "100ms",       "--progress", "json",
+                                        "--anew"};
   std::mt19937 random_;
   int longest_ms_ = 0;
   Content recorded_;

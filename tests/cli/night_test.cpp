@@ -122,6 +122,40 @@ TEST_F(NightJob, GoesOnAfterAKill) {
   EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(store_) / "tmp"));
 }
 
+TEST_F(NightJob, ChoosesBetweenTheModelThatIsThereAndANewOne) {
+  const auto night = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"consolidate", store_, "--entity",  kCamera, "--steps", "5",
+                                 "--nights",    "1",    "--threads", "1",     "--video", "h264"};
+    all.insert(all.end(), more.begin(), more.end());
+    const RunResult done = run_engram(all);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return done.out;
+  };
+  night({});
+  EXPECT_THAT(night({"--force", "--anew"}),
+              AllOf(HasSubstr("previous model"), HasSubstr("no new one was published")));
+  const Json same = Json::parse(night({"--force", "--anew", "--json"})).at("entities").at(0);
+  EXPECT_EQ(same.at("is_model_new"), false);
+  EXPECT_EQ(same.at("model_version"), 1);
+  EXPECT_EQ(same.at("choice").at("keeps_previous_model"), true);
+  EXPECT_EQ(Json::parse(run_engram({"models", store_, "--json"}).out).at("models").size(), 1u);
+  // Longer blocks take fewer bytes.
+  const Json other =
+      Json::parse(night({"--force", "--block", "40", "--json"})).at("entities").at(0);
+  EXPECT_EQ(other.at("is_model_new"), true);
+  EXPECT_EQ(other.at("started_from_version"), 1);
+  const Json& choice = other.at("choice");
+  EXPECT_LT(choice.at("new_model").at("total_bytes").get<double>(),
+            choice.at("previous_model").at("total_bytes").get<double>());
+  const Json models = Json::parse(run_engram({"models", store_, "--json"}).out).at("models");
+  ASSERT_EQ(models.size(), 1u);
+  EXPECT_EQ(models.at(0).at("started_from_version"), 1);
+  EXPECT_EQ(models.at(0).at("choice"), choice);
+  EXPECT_THAT(
+      run_engram({"models", store_}).out,
+      AllOf(HasSubstr("started from v1"), HasSubstr("previous model"), HasSubstr("new model")));
+}
+
 TEST_F(NightJob, WaitsForTheRobot) {
   const auto file = directory_.path() / "busy";
   std::ofstream(file) << "busy";

@@ -170,23 +170,6 @@ TEST(Consolidate, SkipsWhatHasNothingNewUnlessForced) {
   EXPECT_EQ(consolidate(store.path(), forced, {}, {})->entities[0].model_version, 3);
 }
 
-TEST(Consolidate, EncodesWithTheNewestModelWhereAskedTo) {
-  const ScratchPath store("reuse");
-  record(store.path(), "Test/Scene/sim/square", 0, 20);
-  auto reusing = quick_consolidation();
-  reusing.reuses_models = true;
-  EXPECT_EQ(consolidate(store.path(), reusing, {}, {})->entities[0].skipped_reason,
-            "Test/Scene/sim/square: has no model yet");
-  const auto trained = consolidate(store.path(), quick_consolidation(), {}, {});
-  record(store.path(), "Test/Scene/sim/square", 20, 4);
-  const auto reused = consolidate(store.path(), reusing, {}, {});
-  ASSERT_TRUE(reused.ok()) << reused.status().to_string();
-  EXPECT_EQ(reused->entities[0].snapshots, 24u);
-  EXPECT_EQ(reused->entities[0].model_version, 2);
-  EXPECT_EQ(reused->entities[0].training.autoencoder_steps, 0);
-  EXPECT_NEAR(reused->entities[0].mean_psnr_db, trained->entities[0].mean_psnr_db, 1.0);
-}
-
 TEST(Consolidate, PlansBeforeItTrains) {
   const ScratchPath store("plan");
   record(store.path(), "Test/Scene/sim/large", 0, 20);

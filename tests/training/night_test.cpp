@@ -9,6 +9,7 @@
 #include "tests/training/recorded_scene.h"
 #include "training/consolidate.h"
 #include "training/drop_raw.h"
+#include "training/job_pace.h"
 
 namespace engram::training {
 namespace {
@@ -160,6 +161,35 @@ TEST(NightlyJob, GivesUpWhereTheRobotIsBusyAllNight) {
   EXPECT_TRUE(entity.skipped_reason.starts_with("the robot was busy until"))
       << entity.skipped_reason;
   EXPECT_EQ(files_in(store.path() / "tmp").size(), 1u) << "what was kept stays";
+}
+
+TEST(DropRaw, WaitsWhileTheRobotIsBusyAndDropsNothingWhereItIsUntilTheEnd) {
+  const ScratchPath store("busy_drop"), file("busy_drop_file");
+  record(store.path(), "Test/Scene/sim/square", 0, 20);
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  const auto entity = id("Test/Scene/sim/square");
+  RobotBusy::Options yield;
+  yield.file = file.path();
+  yield.file_interval = Duration(0);
+  const auto busy = RobotBusy::create(yield);
+  ASSERT_TRUE(busy.ok()) << busy.status().to_string();
+  ASSERT_TRUE(replace_file(file.path(), {}).ok());
+  const std::stop_token stop;
+  const ProgressSink no_progress;
+  JobPace late(busy->get(), no_progress, stop, system_now());
+  EXPECT_EQ(drop_raw(store.path(), entity, {}, {}, stop, &late).status().code(),
+            StatusCode::kResourceExhausted);
+  EXPECT_TRUE(late.is_time_over());
+  int waits = 0;
+  const ProgressSink sink = [&](const Progress& progress) {
+    if (progress.detail.starts_with("waiting: ") && ++waits == 2)
+      std::filesystem::remove(file.path());
+  };
+  JobPace pace(busy->get(), sink, stop);
+  const auto dropped = drop_raw(store.path(), entity, {}, sink, stop, &pace);
+  ASSERT_TRUE(dropped.ok()) << dropped.status().to_string();
+  EXPECT_EQ(waits, 2);
+  EXPECT_EQ(dropped->snapshots, 20u) << "none had gone before";
 }
 
 TEST(DropRaw, LeavesYoungDataRecorded) {

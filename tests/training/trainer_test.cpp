@@ -248,6 +248,21 @@ TEST(Trainer, KeepsAConstantValueExactly) {
   EXPECT_EQ(reconstruction_error(source, *model->encoder).number_mse, 0.0);
 }
 
+TEST(Trainer, ChoosesTheWidestNetworksThatTakeAFifthOfWhatTheySave) {
+  const auto layout = idf::Layout::of(engram::testing::scene_at(0));
+  TrainOptions options;
+  const auto bytes = [&](int width) {
+    options.width = width;
+    return static_cast<double>(network_bytes(layout, options));
+  };
+  EXPECT_EQ(width_that_pays(layout, options, 5 * bytes(32) - 1), 0);
+  for (const int width : {32, 48, 64, 96, 128})
+    EXPECT_EQ(width_that_pays(layout, options, 5 * bytes(width)), width);
+  EXPECT_EQ(width_that_pays(layout, options, 5 * bytes(64) - 1), 48);
+  const auto numbers = idf::Layout::of(engram::testing::scene_at(0, false, true));
+  EXPECT_EQ(width_that_pays(numbers, options, 1e12), 0);
+}
+
 TEST(Trainer, RejectsOptionsThatCannotBe) {
   TrainOptions options;
   options.psnr_db = 0;

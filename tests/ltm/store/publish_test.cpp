@@ -131,6 +131,42 @@ TEST_F(PublishTest, LeavesOnlyTheModelToItsOwnerWhereItFails) {
   EXPECT_EQ(files_in("tmp"), 1u);
 }
 
+TEST_F(PublishTest, AddsLatentsOfAModelThatIsThere) {
+  record(0, 6);
+  ASSERT_OK(publish(1, example_latents(0, 6, 1)));
+  record(6, 10);
+  const auto before = read_manifest(store_);
+  ASSERT_OK(publish_latents(store_, example_entity(), 1, example_latents(6, 10, 1)));
+  const auto manifest = read_manifest(store_);
+  EXPECT_EQ(manifest->generation, before->generation + 1);
+  ASSERT_EQ(manifest->models.size(), 1u);
+  EXPECT_EQ(manifest->models[0].checksum, before->models[0].checksum);
+  EXPECT_EQ(files_in("models"), 1u);
+  const auto reader = open();
+  for (const SnapshotEntry& entry : *reader->index(example_entity()).value())
+    EXPECT_EQ(reader->read_latent(example_entity(), entry)->model_version, 1);
+  EXPECT_EQ(reader->summary(example_entity())->latent_snapshots, 10u);
+  // Again: the same times are superseded, the model that made them stays.
+  ASSERT_OK(publish_latents(store_, example_entity(), 1, example_latents(0, 10, 1)));
+  EXPECT_EQ(read_manifest(store_)->segments.size(), 3u);
+  EXPECT_EQ(files_in("models"), 1u);
+}
+
+TEST_F(PublishTest, RefusesLatentsOfNoModelAndLeavesNothingOfThem) {
+  record(0, 6);
+  ASSERT_OK(publish(2, example_latents(0, 6, 2)));
+  const auto before = read_manifest(store_)->generation;
+  EXPECT_FAILS(publish_latents(store_, example_entity(), 1, example_latents(0, 6, 1)),
+               StatusCode::kNotFound, "cam v1");
+  EXPECT_FAILS(publish_latents(store_, example_entity(), 3, example_latents(0, 6, 3)),
+               StatusCode::kNotFound, "cam v3");
+  EXPECT_FAILS(publish_latents(store_, example_entity(), 2, example_latents(0, 6, 1)),
+               StatusCode::kInvalidArgument, "v1");
+  EXPECT_EQ(read_manifest(store_)->generation, before);
+  EXPECT_EQ(files_in("segments"), 2u);
+  EXPECT_EQ(files_in("tmp"), 0u);
+}
+
 TEST_F(PublishTest, KeepsModelsOfEntitiesApart) {
   const MemoryId one = *MemoryId::from_names({"a.b", "c", "d", "e"});
   const MemoryId two = *MemoryId::from_names({"a", "b.c", "d", "e"});
