@@ -61,6 +61,30 @@ std::string variant_table(const CrossvalReport& report, size_t index) {
                         });
 }
 
+/// How often the errors of a variant's predictions were within the bounds that they told.
+std::string bound_table(const CrossvalReport& report, size_t index) {
+  std::vector<std::string> header{fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability)};
+  for (const char* ahead : {"next", "over-next"})
+    for (const char* what : {"within", "mean bound", "expected", "real"})
+      header.push_back(fmt::format("{}: {}", ahead, what));
+  return table_of_folds(report, header, [index](const std::string& name, const CrossvalFold& fold) {
+    const VariantQuality& variant = fold.variants[index];
+    std::vector<std::string> row{name};
+    for (size_t ahead = 0; ahead < training::kAhead; ++ahead) {
+      const Quality& quality = variant.prediction[ahead];
+      const bool has_images = quality.images > 0;
+      const training::Coverage& told =
+          has_images ? variant.foresight[ahead].images : variant.foresight[ahead].numbers;
+      const auto text = has_images ? db_text : number_text;
+      row.push_back(told.predictions > 0 ? fmt::format("{:.1f} %", 100 * told.share()) : "-");
+      row.push_back(text(told.mean_bound));
+      row.push_back(text(told.expected));
+      row.push_back(text(has_images ? quality.pooled_psnr_db : quality.rmse));
+    }
+    return row;
+  });
+}
+
 std::string similarity_text(const training::SimilarityQuality& similarity) {
   if (similarity.snapshots == 0) return "";
   return fmt::format(
@@ -107,7 +131,8 @@ std::string crossval_text(const CrossvalReport& report) {
     const VariantQuality& variant = report.all.variants[i];
     text += fmt::format("{}, a model takes {} beside the bytes\n", to_string(variant.variant),
                         bytes_text(static_cast<double>(variant.model_bytes)));
-    text += variant_table(report, i) + "\n" + similarity_text(variant.similarity);
+    text += variant_table(report, i) + "\n" + bound_table(report, i) + "\n" +
+            similarity_text(variant.similarity);
   }
   text += "predictions that learn nothing\n" + baseline_table(report) + "\n";
   return text + "beside each other\n" + comparison_table(report.all);

@@ -20,7 +20,10 @@ constexpr const char* kFooter = R"(Examples:
 PSNR is on 8-bit RGB, range 255, images capped at 60 dB, in two conventions: the mean over the
 images' PSNR, and the PSNR of the pooled squared error. Predictions start from the recorded past;
 copy-last is measured on the same snapshots. "trained on": autoencoder and dynamics saw them;
-"held out": the dynamics did not; "left-out recordings": neither did.)";
+"held out": the dynamics did not; "left-out recordings": neither did.
+Every prediction tells a bound that its error keeps with a probability of 90 %; "within" says how
+often it did. The bounds were measured on held-out snapshots: what they are worth for new ones,
+left-out recordings tell.)";
 
 struct EvalArguments {
   std::string store;
@@ -57,6 +60,39 @@ void for_each_quality(const training::EntityEvaluation& entity, F add) {
   }
 }
 
+/// Calls `add` with a label, a foresight and the quality that it is about.
+template <typename F>
+void for_each_foresight(const training::EntityEvaluation& entity, F add) {
+  for (size_t known = 0; known < entity.prediction.size(); ++known) {
+    const std::string name(training::to_string(static_cast<training::Known>(known)));
+    for (const training::PredictionQuality& prediction : entity.prediction[known]) {
+      const std::string ahead = fmt::format("{} ahead, {}", prediction.horizon, name);
+      add("predicted " + ahead, prediction.model_foresight, prediction.model);
+      add("copy-last " + ahead, prediction.copy_foresight, prediction.copy_last);
+    }
+  }
+}
+
+void print_bounds(const training::EntityEvaluation& entity) {
+  TextTable table({fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability), "predictions",
+                   "within", "mean bound", "expected", "real, pooled"});
+  bool has_any = false;
+  const auto add = [&](const std::string& what, const training::Coverage& coverage, double real,
+                       std::string (*text)(double)) {
+    if (coverage.predictions == 0) return;
+    has_any = true;
+    table.add({what, count_text(coverage.predictions),
+               fmt::format("{:.1f} %", 100 * coverage.share()), text(coverage.mean_bound),
+               text(coverage.expected), text(real)});
+  };
+  for_each_foresight(entity, [&](const std::string& what, const training::Foresight& foresight,
+                                 const training::Quality& quality) {
+    add(what, foresight.images, quality.pooled_psnr_db, db_text);
+    add(what + ", numbers", foresight.numbers, quality.rmse, number_text);
+  });
+  if (has_any) print(table.to_string("  "));
+}
+
 /// What latents take beside what they should, per image.
 std::string code_text(const training::CodeLength& code) {
   const auto rows = static_cast<double>(code.rows);
@@ -64,8 +100,9 @@ std::string code_text(const training::CodeLength& code) {
                                  code.coded_bytes / rows, code.ideal_bytes / rows);
   if (code.later_rows == 0) return text;
   const auto later = static_cast<double>(code.later_rows);
-  return text + fmt::format("; with one before it {:.1f}, as the prior tells {:.1f}",
-                            code.later_bytes / later, code.prior_bytes / later);
+  text += fmt::format("; with one before it {:.1f}", code.later_bytes / later);
+  if (!(code.prior_row_bytes > 0)) return text;
+  return text + fmt::format(", as the prior told in training {:.1f}", code.prior_row_bytes);
 }
 
 void print_entity(const training::EntityEvaluation& entity) {
@@ -104,6 +141,7 @@ void print_entity(const training::EntityEvaluation& entity) {
   });
   if (has_images) print(images.to_string("  "));
   if (has_numbers) print(numbers.to_string("  "));
+  print_bounds(entity);
 }
 
 ExitCode run(const EvalArguments& arguments) {

@@ -2,12 +2,10 @@
 #include "cli/eval_picture.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "cli/picture.h"
 #include "cli/text.h"
 #include "encoders/load_model.h"
-#include "ltm/idf/layout.h"
 #include "ltm/recall/recall.h"
 #include "training/metrics.h"
 
@@ -16,26 +14,6 @@ namespace engram::cli {
 namespace {
 
 constexpr size_t kColumns = 6;
-constexpr int kAmplification = 8;
-
-/// The first colour or grey image of a value; null where there is none.
-const idf::NdArray* image_of(const idf::Data& data) {
-  const idf::Layout layout = idf::Layout::of(data);
-  for (const idf::TensorMember& member : layout.members())
-    if (member.kind == idf::MemberKind::kImage && member.type == idf::ElementType::kUInt8)
-      return data.at(member.path)->get_if<idf::NdArray>();
-  return nullptr;
-}
-
-idf::NdArray difference(const idf::NdArray& a, const idf::NdArray& b) {
-  std::vector<uint8_t> pixels;
-  const auto left = a.values<uint8_t>();
-  const auto right = b.values<uint8_t>();
-  for (size_t i = 0; i < left.size(); ++i)
-    pixels.push_back(static_cast<uint8_t>(
-        std::min(255, kAmplification * std::abs(int{left[i]} - int{right[i]}))));
-  return idf::NdArray::take(a.shape(), std::move(pixels));
-}
 
 /// Snapshots that are recorded and reconstructed and have two recorded ones before them.
 std::vector<size_t> candidates(const std::vector<ltm::SnapshotEntry>& entries) {
@@ -51,7 +29,7 @@ struct Sheet {
   PictureRow recorded{"recorded", {}};
   PictureRow reconstructed{"reconstructed", {}};
   PictureRow predicted{"predicted", {}};
-  PictureRow error{"error x 8", {}};
+  PictureRow error{fmt::format("error x {}", kDifferenceGain), {}};
   std::vector<std::string> labels;
 };
 
@@ -64,7 +42,7 @@ Result<idf::Data> predicted_value(ltm::Predictor& predictor, ltm::StoreReader& r
     history.push_back(snapshot.instances.front().data);
   }
   ENGRAM_ASSIGN_OR_RETURN(auto values, predictor.predict(history, 1));
-  return std::move(values.front());
+  return std::move(values.front().value);
 }
 
 /// Adds one moment as a column; nothing where its values hold no image.
@@ -79,9 +57,9 @@ Status add_column(Sheet& sheet, ltm::Recall& recall, ltm::Predictor& predictor,
   const ltm::SnapshotResult& latent = answer.entities().front()->snapshots.front();
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data predicted,
                           predicted_value(predictor, recall.store(), entity, entries, index));
-  const idf::NdArray* truth = image_of(recorded.instances.front().data);
-  const idf::NdArray* decoded = image_of(latent.instances.front().data);
-  const idf::NdArray* future = image_of(predicted);
+  const idf::NdArray* truth = first_image(recorded.instances.front().data);
+  const idf::NdArray* decoded = first_image(latent.instances.front().data);
+  const idf::NdArray* future = first_image(predicted);
   if (truth == nullptr || decoded == nullptr || future == nullptr) return {};
   sheet.recorded.images.push_back(*truth);
   sheet.reconstructed.images.push_back(*decoded);

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/picture.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 
 #include "ltm/core/file.h"
+#include "ltm/idf/layout.h"
 
 namespace engram::cli {
 
 namespace {
 
 constexpr int kMargin = 6;
-constexpr int kLabelWidth = 130;
+constexpr int kLineHeight = 15;
+/// Images are magnified by whole numbers until they are at least that wide.
+constexpr int kLeastWidth = 128;
 constexpr int kHeaderHeight = 22;
 constexpr double kFontScale = 0.42;
 
@@ -25,9 +31,33 @@ cv::Mat to_bgr(const idf::NdArray& image) {
   return bgr;
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Lines of text whose first one stands at `at`.
 void write_text(cv::Mat& sheet, const std::string& text, cv::Point at) {
-  cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, cv::Scalar(40, 40, 40), 1,
-              cv::LINE_AA);
+  for (const std::string& line : lines_of(text)) {
+    cv::putText(sheet, line, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, cv::Scalar(40, 40, 40), 1,
+                cv::LINE_AA);
+    at.y += kLineHeight;
+  }
+}
+
+/// Of the widest label.
+int label_width(const std::vector<PictureRow>& rows) {
+  int width = 0;
+  for (const PictureRow& row : rows)
+    for (const std::string& line : lines_of(row.label)) {
+      int baseline = 0;
+      const cv::Size size =
+          cv::getTextSize(line, cv::FONT_HERSHEY_SIMPLEX, kFontScale, 1, &baseline);
+      width = std::max(width, size.width);
+    }
+  return width + 2 * kMargin;
 }
 
 bool fits(const idf::NdArray& image, const idf::Shape& shape) {
@@ -50,30 +80,54 @@ Status check(const std::vector<PictureRow>& rows) {
 
 cv::Mat draw(const std::vector<PictureRow>& rows, const std::vector<std::string>& column_labels) {
   const auto& shape = rows.front().images.front().shape();
-  const int height = static_cast<int>(shape[0]);
-  const int width = static_cast<int>(shape[1]);
+  const int times = (kLeastWidth + static_cast<int>(shape[1]) - 1) / static_cast<int>(shape[1]);
+  const cv::Size size(times * static_cast<int>(shape[1]), times * static_cast<int>(shape[0]));
   const int columns = static_cast<int>(rows.front().images.size());
-  cv::Mat sheet(kHeaderHeight + static_cast<int>(rows.size()) * (height + kMargin),
-                kLabelWidth + columns * (width + kMargin), CV_8UC3, cv::Scalar::all(255));
+  const int labels = label_width(rows);
+  size_t most_lines = 0;
+  for (const PictureRow& row : rows) most_lines = std::max(most_lines, lines_of(row.label).size());
+  const int row_height = std::max(size.height, static_cast<int>(most_lines) * kLineHeight);
+  cv::Mat sheet(kHeaderHeight + static_cast<int>(rows.size()) * (row_height + kMargin),
+                labels + columns * (size.width + kMargin), CV_8UC3, cv::Scalar::all(255));
   for (int column = 0; column < columns; ++column)
     if (static_cast<size_t>(column) < column_labels.size())
       write_text(sheet, column_labels[static_cast<size_t>(column)],
-                 {kLabelWidth + column * (width + kMargin), kHeaderHeight - 7});
+                 {labels + column * (size.width + kMargin), kHeaderHeight - 7});
   int top = kHeaderHeight;
   for (const PictureRow& row : rows) {
-    write_text(sheet, row.label, {kMargin, top + height / 2});
-    int left = kLabelWidth;
+    const auto lines = static_cast<int>(lines_of(row.label).size());
+    write_text(sheet, row.label, {kMargin, top + (row_height - (lines - 1) * kLineHeight) / 2});
+    int left = labels;
     for (const idf::NdArray& image : row.images) {
-      if (left + width > sheet.cols) break;
-      to_bgr(image).copyTo(sheet(cv::Rect(left, top, width, height)));
-      left += width + kMargin;
+      if (left + size.width > sheet.cols) break;
+      cv::Mat place = sheet(cv::Rect({left, top}, size));
+      cv::resize(to_bgr(image), place, size, 0, 0, cv::INTER_NEAREST);
+      left += size.width + kMargin;
     }
-    top += height + kMargin;
+    top += row_height + kMargin;
   }
   return sheet;
 }
 
 }  // namespace
+
+const idf::NdArray* first_image(const idf::Data& data) {
+  const idf::Layout layout = idf::Layout::of(data);
+  for (const idf::TensorMember& member : layout.members())
+    if (member.kind == idf::MemberKind::kImage && member.type == idf::ElementType::kUInt8)
+      return data.at(member.path)->get_if<idf::NdArray>();
+  return nullptr;
+}
+
+idf::NdArray difference(const idf::NdArray& a, const idf::NdArray& b) {
+  std::vector<uint8_t> pixels;
+  const auto left = a.values<uint8_t>();
+  const auto right = b.values<uint8_t>();
+  for (size_t i = 0; i < left.size(); ++i)
+    pixels.push_back(static_cast<uint8_t>(
+        std::min(255, kDifferenceGain * std::abs(int{left[i]} - int{right[i]}))));
+  return idf::NdArray::take(a.shape(), std::move(pixels));
+}
 
 Status write_contact_sheet(const std::filesystem::path& path, const std::vector<PictureRow>& rows,
                            const std::vector<std::string>& column_labels) {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
 #include "cli/command.h"
 #include "cli/save.h"
 #include "cli/text.h"
 #include "encoders/load_model.h"
 #include "ltm/idf/layout.h"
 #include "ltm/recall/recall.h"
-#include "training/metrics.h"
 
 namespace engram::cli {
 
@@ -18,7 +15,8 @@ expression; missing ones match all. Without a selector: latest.
   latest  latest:3       the last one, the last three
   all                    every one
   TIME                   at exactly that time; a prediction where it lies after the last one
-  +200ms                 a prediction so long after the last one
+  +200ms                 a prediction so long after the last one, with the error to expect and
+                         the bound that it keeps with a probability of 90 %
   nearest:TIME~50ms      the closest within a tolerance (without ~: any)
   before:TIME  at-or-before:TIME  after:TIME
   TIME..TIME             from and to, both included
@@ -42,17 +40,14 @@ struct QueryArguments {
   bool is_unnoted = false;
 };
 
-std::string error_text(const ltm::MeasuredError& error) {
-  std::string text;
-  if (!std::isnan(error.image_mse)) text = db_text(training::psnr_db(error.image_mse));
-  if (!std::isnan(error.number_mse))
-    text += (text.empty() ? "" : ", ") + ("RMSE " + number_text(std::sqrt(error.number_mse)));
-  return text.empty() ? "-" : text;
-}
-
+/// "31.84 dB"; of a prediction "31.84 dB, 90 %: 28.20 dB", what is expected and the bound.
 std::string first_error_text(const ltm::SnapshotResult& snapshot) {
-  const bool has_error = !snapshot.instances.empty() && snapshot.instances.front().error;
-  return has_error ? error_text(*snapshot.instances.front().error) : "-";
+  if (snapshot.instances.empty() || !snapshot.instances.front().error) return "-";
+  const ltm::InstanceResult& first = snapshot.instances.front();
+  const std::string bound = first.bound ? error_text(*first.bound) : "-";
+  if (bound == "-") return error_text(*first.error);
+  return fmt::format("{}, {:.0f} %: {}", error_text(*first.error), 100 * ltm::kBoundProbability,
+                     bound);
 }
 
 /// "image uint8 [128, 128, 3]", "52 numbers": what a value is made of.

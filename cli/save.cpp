@@ -15,13 +15,6 @@ namespace engram::cli {
 
 namespace {
 
-Json error_json(const ltm::MeasuredError& error) {
-  Json json = Json::object();
-  if (!std::isnan(error.image_mse)) json["psnr_db"] = training::psnr_db(error.image_mse);
-  if (!std::isnan(error.number_mse)) json["rmse"] = std::sqrt(error.number_mse);
-  return json;
-}
-
 /// Replaces the images of a value by the names of their files.
 Json with_files(Json json, const std::vector<std::string>& paths,
                 const std::vector<std::string>& files) {
@@ -57,6 +50,19 @@ Status write_image(const std::filesystem::path& path, const idf::Data& image) {
 
 }  // namespace
 
+Json error_json(const ltm::MeasuredError& error) {
+  Json json = Json::object();
+  if (!std::isnan(error.image_mse)) json["psnr_db"] = training::psnr_db(error.image_mse);
+  if (!std::isnan(error.number_mse)) json["rmse"] = std::sqrt(error.number_mse);
+  return json;
+}
+
+Json bound_json(const ltm::MeasuredError& bound) {
+  Json json{{"probability", ltm::kBoundProbability}};
+  json.update(error_json(bound));
+  return json;
+}
+
 Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResult& recalled,
                            const std::vector<std::vector<std::string>>* image_files) {
   Json json{{"id", entity.at(recalled.time).to_string()},
@@ -80,6 +86,7 @@ Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResul
       const char* name = recalled.source == ltm::Source::kPredicted ? "expected_error" : "error";
       entry[name] = error_json(*instance.error);
     }
+    if (instance.bound) entry["error_bound"] = bound_json(*instance.bound);
     entry["data"] = std::move(data);
     json["instances"].push_back(std::move(entry));
   }

@@ -10,6 +10,11 @@
 
 namespace engram::cli {
 
+/// {"psnr_db", "rmse"}: what there is of it.
+[[nodiscard]] Json error_json(const ltm::MeasuredError& error);
+/// The same of a bound, with its probability.
+[[nodiscard]] Json bound_json(const ltm::MeasuredError& bound);
+
 /// A snapshot of an entity's answer as JSON: where it comes from, its errors, and per instance the
 /// data in IDF's JSON form. With `image_files`, images are {"$file": name} in the order of their
 /// members.

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "training/quality/psnr.h"
+
 namespace engram::cli {
 
 std::string count_text(uint64_t count) {
@@ -30,10 +32,20 @@ std::string seconds_text(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
-std::string db_text(double db) { return std::isnan(db) ? "-" : fmt::format("{:.2f} dB", db); }
+std::string db_text(double db) {
+  return std::isnan(db) ? "-" : fmt::format("{:.2f} dB", db);
+}
 
 std::string number_text(double number) {
   return std::isnan(number) ? "-" : fmt::format("{:.4g}", number);
+}
+
+std::string error_text(const ltm::MeasuredError& error) {
+  std::string text;
+  if (!std::isnan(error.image_mse)) text = db_text(training::psnr_db(error.image_mse));
+  if (!std::isnan(error.number_mse))
+    text += (text.empty() ? "" : ", ") + ("RMSE " + number_text(std::sqrt(error.number_mse)));
+  return text.empty() ? "-" : text;
 }
 
 std::string TextTable::to_string(std::string_view indent) const {

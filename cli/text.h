@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "ltm/memory/source.h"
+
 namespace engram::cli {
 
 /// "1,234,567".
@@ -20,6 +22,9 @@ namespace engram::cli {
 
 /// "31.84 dB", or "-" where there is none.
 [[nodiscard]] std::string db_text(double db);
+
+/// "31.84 dB, RMSE 0.0123": what there is of it; or "-".
+[[nodiscard]] std::string error_text(const ltm::MeasuredError& error);
 
 /// "0.0123", or "-" where there is none.
 [[nodiscard]] std::string number_text(double number);

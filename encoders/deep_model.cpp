@@ -121,6 +121,26 @@ std::vector<double> DeepModel::to_numbers(const Parts& parts) const {
   return numbers;
 }
 
+ltm::MeasuredError DeepModel::difference(const Parts& a, const Parts& b) const {
+  ltm::MeasuredError error;
+  double sum = 0;
+  double count = 0;
+  for (size_t i = 0; i < plan.images().size(); ++i) {
+    const ImageMember& image = plan.images()[i];
+    const Tensor squares =
+        (a.images[i] - b.images[i]).slice(2, 0, image.height).slice(3, 0, image.width).square();
+    sum += squares.sum(torch::kFloat64).item<double>();
+    count += static_cast<double>(squares.numel());
+  }
+  if (count > 0) error.image_mse = sum / count;
+  if (plan.number_count() > 0)
+    error.number_mse = ((a.numbers - b.numbers).to(torch::kFloat64) * torch::tensor(deviation))
+                           .square()
+                           .mean()
+                           .item<double>();
+  return error;
+}
+
 std::vector<int32_t> DeepModel::to_integers(const ImageLatents& latents) {
   const Tensor flat =
       torch::nan_to_num(

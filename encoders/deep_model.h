@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "encoders/dynamics.h"
 #include "encoders/global_code.h"
 #include "encoders/latent_block.h"
+#include "encoders/prediction_record.h"
 #include "encoders/provenance.h"
 #include "encoders/tensor_plan.h"
 #include "ltm/core/time.h"
@@ -20,20 +20,6 @@
 // Internal to the learning rooms: includes LibTorch.
 
 namespace engram::encoders {
-
-/// Horizons that a model's gates and errors are measured for.
-inline constexpr int kMeasuredHorizons = 5;
-
-/// How well a model predicts, per horizon from 1 on.
-struct PredictionRecord {
-  /// Shares of what latents and of what motion expects; the rest is the last value: both zero are
-  /// copy-last.
-  std::array<double, kMeasuredHorizons> image_gates{};
-  std::array<double, kMeasuredHorizons> motion_gates{};
-  std::array<double, kMeasuredHorizons> number_gates{};
-  std::array<ltm::MeasuredError, kMeasuredHorizons> expected{};
-  Duration step{};
-};
 
 /// Everything that a model file holds.
 ///
@@ -53,6 +39,7 @@ struct DeepModel {
   std::optional<Condition> condition;
   PredictionRecord prediction;     ///< With conditions, where there are any.
   PredictionRecord unconditioned;  ///< Where they are not known.
+  PredictionRecord copied;         ///< Of copies of the last value.
   Provenance provenance;
 
   /// Numbers in units of their deviation from the mean; 0 for those that are not finite.
@@ -72,6 +59,10 @@ struct DeepModel {
 
   /// The numbers of a batch of one, as they were before they were normalised.
   [[nodiscard]] std::vector<double> to_numbers(const Parts& parts) const;
+
+  /// Mean squared differences of two batches of one, without what is padded, as training::compare
+  /// counts them.
+  [[nodiscard]] ltm::MeasuredError difference(const Parts& a, const Parts& b) const;
 
   /// Rounded latents of one image of a batch of one: coarse, then fine.
   [[nodiscard]] static std::vector<int32_t> to_integers(const ImageLatents& latents);
@@ -132,6 +123,8 @@ struct DeepModel {
 /// What training and queries both see of a model.
 [[nodiscard]] std::unique_ptr<ltm::Encoder> make_encoder(std::shared_ptr<DeepModel> model);
 [[nodiscard]] std::unique_ptr<ltm::Predictor> make_predictor(std::shared_ptr<DeepModel> model);
+/// Copies the last value, whatever its layout; of the model's it knows how wrong that is.
+[[nodiscard]] std::unique_ptr<ltm::Predictor> make_copies(std::shared_ptr<DeepModel> model);
 
 /// Shares of a prediction.
 struct Shares {

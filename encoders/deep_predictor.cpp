@@ -7,6 +7,19 @@ namespace engram::encoders {
 
 namespace {
 
+/// The value before the last one; where there is none, the last one.
+Result<Parts> parts_before(const DeepModel& model, std::span<const idf::Data> history) {
+  const idf::Data& before = history[history.size() > 1 ? history.size() - 2 : 0];
+  ENGRAM_ASSIGN_OR_RETURN(const auto split, model.plan.layout().split(before));
+  return model.to_parts(split);
+}
+
+/// How much the last two values differ. Not known of one alone.
+ltm::MeasuredError change_of(const DeepModel& model, std::span<const idf::Data> history,
+                             const Parts& last, const Parts& before) {
+  return history.size() > 1 ? model.difference(last, before) : ltm::MeasuredError{};
+}
+
 class DeepPredictor : public ltm::Predictor {
  public:
   explicit DeepPredictor(std::shared_ptr<DeepModel> model) : model_(std::move(model)) {}
@@ -21,14 +34,14 @@ class DeepPredictor : public ltm::Predictor {
     return id.ok() ? std::optional(*id) : std::nullopt;
   }
 
-  Result<std::vector<idf::Data>> predict(const ltm::Past& past, int steps) override {
+  Result<std::vector<ltm::Prediction>> predict(const ltm::Past& past, int steps) override {
     if (past.values.empty()) return invalid_argument("predict: found no history, needs one value");
     if (steps < 1) return invalid_argument("predict: found {} steps, needs at least 1", steps);
     return guarded("predict", [&] { return predict_checked(past, steps); });
   }
 
-  [[nodiscard]] ltm::MeasuredError expected_error(int steps, bool has_conditions) const override {
-    return record(has_conditions).expected[index_of(steps)];
+  [[nodiscard]] std::vector<ltm::HorizonRecord> records(bool has_conditions) const override {
+    return record(has_conditions).horizons();
   }
 
  private:
@@ -40,15 +53,12 @@ class DeepPredictor : public ltm::Predictor {
     return has_conditions || !model_->condition ? model_->prediction : model_->unconditioned;
   }
 
-  Result<std::vector<idf::Data>> predict_checked(const ltm::Past& past, int steps) {
+  Result<std::vector<ltm::Prediction>> predict_checked(const ltm::Past& past, int steps) {
     torch::NoGradGuard no_grad;
     const auto history = past.values;
-    const auto& layout = model_->plan.layout();
-    ENGRAM_ASSIGN_OR_RETURN(const auto split, layout.split(history.back()));
-    ENGRAM_ASSIGN_OR_RETURN(const auto earlier,
-                            layout.split(history[history.size() > 1 ? history.size() - 2 : 0]));
+    ENGRAM_ASSIGN_OR_RETURN(const auto split, model_->plan.layout().split(history.back()));
     ENGRAM_ASSIGN_OR_RETURN(Parts last, model_->to_parts(split));
-    ENGRAM_ASSIGN_OR_RETURN(Parts before, model_->to_parts(earlier));
+    ENGRAM_ASSIGN_OR_RETURN(Parts before, parts_before(*model_, history));
     if (!model_->autoencoder->images.empty())
       last.scene = before.scene = model_->best_scene({&last, 1});
     const bool has_conditions =
@@ -56,14 +66,16 @@ class DeepPredictor : public ltm::Predictor {
         add_conditions(past.conditions.back(), last) &&
         add_conditions(past.conditions[history.size() > 1 ? history.size() - 2 : 0], before);
     const auto futures = futures_of(*model_, last, before, steps);
-    std::vector<idf::Data> values;
+    const PredictionRecord& record = this->record(has_conditions);
+    const ltm::MeasuredError change = change_of(*model_, history, last, before);
+    std::vector<ltm::Prediction> predictions;
     for (int i = 0; i < steps; ++i) {
       ENGRAM_ASSIGN_OR_RETURN(
-          idf::Data value, value_at(history.back(), split, last, futures[static_cast<size_t>(i)], i,
-                                    record(has_conditions)));
-      values.push_back(std::move(value));
+          idf::Data value,
+          value_at(history.back(), split, last, futures[static_cast<size_t>(i)], i, record));
+      predictions.push_back({std::move(value), record.estimate(change, i + 1)});
     }
-    return values;
+    return predictions;
   }
 
   /// False where the condition has another layout now: then it is not known.
@@ -100,10 +112,49 @@ class DeepPredictor : public ltm::Predictor {
   std::shared_ptr<DeepModel> model_;
 };
 
+class MeasuredCopies : public ltm::Predictor {
+ public:
+  explicit MeasuredCopies(std::shared_ptr<DeepModel> model) : model_(std::move(model)) {}
+
+  [[nodiscard]] std::string_view name() const override { return "copy-last"; }
+  [[nodiscard]] Duration step() const override { return model_->copied.step; }
+  [[nodiscard]] size_t context() const override { return 2; }
+
+  Result<std::vector<ltm::Prediction>> predict(const ltm::Past& past, int steps) override {
+    ENGRAM_ASSIGN_OR_RETURN(auto copies, ltm::make_copy_last_predictor()->predict(past, steps));
+    const auto change = guarded("predict", [&] { return change_before(past.values); });
+    // What is not of the model's layout is copied too, but nothing is known of it.
+    if (!change.ok() && change.status().code() != StatusCode::kInvalidArgument)
+      return change.status();
+    for (size_t i = 0; change.ok() && i < copies.size(); ++i)
+      copies[i].error = model_->copied.estimate(*change, static_cast<int>(i + 1));
+    return copies;
+  }
+
+  [[nodiscard]] std::vector<ltm::HorizonRecord> records(bool /*has_conditions*/) const override {
+    return model_->copied.horizons();
+  }
+
+ private:
+  [[nodiscard]] Result<ltm::MeasuredError> change_before(std::span<const idf::Data> history) const {
+    torch::NoGradGuard no_grad;
+    ENGRAM_ASSIGN_OR_RETURN(const auto split, model_->plan.layout().split(history.back()));
+    ENGRAM_ASSIGN_OR_RETURN(const Parts last, model_->to_parts(split));
+    ENGRAM_ASSIGN_OR_RETURN(const Parts before, parts_before(*model_, history));
+    return change_of(*model_, history, last, before);
+  }
+
+  std::shared_ptr<DeepModel> model_;
+};
+
 }  // namespace
 
 std::unique_ptr<ltm::Predictor> make_predictor(std::shared_ptr<DeepModel> model) {
   return std::make_unique<DeepPredictor>(std::move(model));
+}
+
+std::unique_ptr<ltm::Predictor> make_copies(std::shared_ptr<DeepModel> model) {
+  return std::make_unique<MeasuredCopies>(std::move(model));
 }
 
 }  // namespace engram::encoders

@@ -2,6 +2,7 @@
 #include "encoders/model_records.h"
 
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "encoders/model_vectors.h"
@@ -99,45 +100,67 @@ Result<Condition> read_condition(const h5::File& file, int count) {
   return condition;
 }
 
-Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record) {
-  std::vector<double> images, motion, numbers, image_errors, number_errors;
-  for (size_t i = 0; i < record.expected.size(); ++i) {
-    images.push_back(record.image_gates[i]);
-    motion.push_back(record.motion_gates[i]);
-    numbers.push_back(record.number_gates[i]);
-    image_errors.push_back(record.expected[i].image_mse);
-    number_errors.push_back(record.expected[i].number_mse);
+namespace {
+
+/// The numbers of one kind of error, in their order.
+template <typename Calibration, typename Visit>
+void for_each_number(Calibration& errors, Visit visit) {
+  visit(errors.least_change);
+  visit(errors.exponent);
+  visit(errors.expected_per_scale);
+  visit(errors.bound_per_scale);
+  visit(errors.mean);
+  visit(errors.measured);
+}
+
+/// Those of a record: for each horizon its gates, then the errors of images and of numbers.
+template <typename Record, typename Visit>
+void for_each_number_of(Record& record, Visit visit) {
+  for (size_t i = 0; i < kMeasuredHorizons; ++i) {
+    visit(record.image_gates[i]);
+    visit(record.motion_gates[i]);
+    visit(record.number_gates[i]);
+    for_each_number(record.errors[i].images, visit);
+    for_each_number(record.errors[i].numbers, visit);
   }
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/image_gates", images));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/motion_gates", motion));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/number_gates", numbers));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/image_mse", image_errors));
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/number_mse", number_errors));
+}
+
+constexpr size_t kNumbersOfHorizon = 3 + 2 * 6;
+
+}  // namespace
+
+// One dataset: each costs more than its numbers.
+Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record) {
+  std::vector<double> numbers;
+  for_each_number_of(record,
+                     [&](const auto& number) { numbers.push_back(static_cast<double>(number)); });
+  ENGRAM_RETURN_IF_ERROR(write_vector(file, group + "/horizons", numbers));
   return file.write_attribute(group, "step_ns", static_cast<int64_t>(record.step.count()));
 }
 
 Result<PredictionRecord> read_prediction(const h5::File& file, const std::string& group) {
+  constexpr size_t kNumbers = kNumbersOfHorizon * kMeasuredHorizons;
+  ENGRAM_ASSIGN_OR_RETURN(const auto numbers, read_vector<double>(file, group + "/horizons"));
+  if (numbers.size() != kNumbers)
+    return data_loss("{}: found {} numbers, needs {}", group, numbers.size(), kNumbers);
   PredictionRecord record;
-  ENGRAM_ASSIGN_OR_RETURN(const auto images, read_vector<double>(file, group + "/image_gates"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto motion,
-                          read_vector<double>(file, group + "/motion_gates"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto numbers,
-                          read_vector<double>(file, group + "/number_gates"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto image_mse, read_vector<double>(file, group + "/image_mse"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto number_mse,
-                          read_vector<double>(file, group + "/number_mse"));
+  size_t at = 0;
+  for_each_number_of(record, [&]<typename T>(T& number) {
+    constexpr double kMost = 1e15;
+    const double value = numbers[at++];
+    if constexpr (std::is_integral_v<T>)
+      number = value >= 0 && value <= kMost ? static_cast<T>(value) : -1;
+    else
+      number = value;
+  });
+  for (const auto* gates : {&record.image_gates, &record.motion_gates, &record.number_gates})
+    for (const double gate : *gates)
+      if (!(gate >= 0 && gate <= 1))
+        return data_loss("{}: found a gate of {}, needs 0 to 1", group, gate);
+  for (const HorizonErrors& errors : record.errors)
+    for (const ErrorCalibration* kind : {&errors.images, &errors.numbers})
+      if (const Status valid = kind->validate(); !valid.ok()) return valid.with_context(group);
   ENGRAM_ASSIGN_OR_RETURN(const int64_t step, file.int_attribute(group, "step_ns"));
-  for (const auto* values : {&images, &motion, &numbers, &image_mse, &number_mse})
-    if (values->size() != kMeasuredHorizons)
-      return data_loss("found {} horizons, needs {}", values->size(), kMeasuredHorizons);
-  for (size_t i = 0; i < kMeasuredHorizons; ++i) {
-    for (const double gate : {images[i], motion[i], numbers[i]})
-      if (!(gate >= 0 && gate <= 1)) return data_loss("found a gate outside 0..1");
-    record.image_gates[i] = images[i];
-    record.motion_gates[i] = motion[i];
-    record.number_gates[i] = numbers[i];
-    record.expected[i] = {image_mse[i], number_mse[i]};
-  }
   record.step = Duration(step);
   return record;
 }
@@ -240,6 +263,7 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "psnr_db", from.psnr_db));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_bound", from.number_bound));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "error_price", from.error_price));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "prior_bytes", from.prior_bytes));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "started_from", from.started_from));
   ENGRAM_RETURN_IF_ERROR(write_forms(file, from.forms));
@@ -262,6 +286,7 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.psnr_db, file.double_attribute(group, "psnr_db"));
   ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
   ENGRAM_ASSIGN_OR_RETURN(from.error_price, file.double_attribute(group, "error_price"));
+  ENGRAM_ASSIGN_OR_RETURN(from.prior_bytes, file.double_attribute(group, "prior_bytes"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
   ENGRAM_ASSIGN_OR_RETURN(from.started_from, file.int_attribute(group, "started_from"));
   ENGRAM_ASSIGN_OR_RETURN(from.forms, read_forms(file));

@@ -74,8 +74,11 @@ struct Provenance {
   int64_t steps = 0;  ///< Of the optimiser, autoencoder and dynamics together.
   double training_seconds = 0;
   double final_loss = 0;
-  double psnr_db = 0;        ///< That was aimed at.
-  double error_price = 0;    ///< Kilobytes of a squared grey level at the end; 0: unknown.
+  double psnr_db = 0;      ///< That was aimed at.
+  double error_price = 0;  ///< Kilobytes of a squared grey level at the end; 0: unknown.
+  /// What the prior told at the end of the autoencoder's training that the images' latents of a
+  /// snapshot take after others, smoothed; 0: unknown. Later it is trained to predict instead.
+  double prior_bytes = 0;
   double number_bound = 0;   ///< Of numbers; 0: one of each, relative to how far it moves.
   int64_t snapshots = 0;     ///< That the autoencoder was trained on.
   int64_t started_from = 0;  ///< Version of the model whose weights were the first; 0: of none.

@@ -9,27 +9,13 @@
 namespace engram::training {
 
 using encoders::ImageForm;
-using encoders::Latents;
 
 namespace {
 
 constexpr uint64_t kMostRows = 320;
 
-/// Bits of every row of an image member but the first, as the prior tells from those before.
-double prior_bits(encoders::DeepModel& model, const encoders::LatentRows& rows, size_t count) {
-  torch::NoGradGuard no_grad;
-  std::vector<Latents> all;
-  for (size_t row = 0; row < count; ++row) all.push_back(model.to_latents(rows, row));
-  double bits = 0;
-  for (size_t row = 1; row < count; ++row) {
-    const Latents& before = all[row < 2 ? 0 : row - 2];  // As in training.
-    bits += model.dynamics->bits(all[row], all[row - 1], before).item<double>();
-  }
-  return bits;
-}
-
 /// Adds one block that holds all images of all rows as latents.
-void add_block(encoders::DeepModel& model, const encoders::LatentRows& rows, size_t count,
+void add_block(const encoders::DeepModel& model, const encoders::LatentRows& rows, size_t count,
                CodeLength& sum) {
   for (size_t i = 0; i < rows.images.size(); ++i) {
     const encoders::LatentSequenceCodec& codec = model.codec.images[i];
@@ -39,7 +25,6 @@ void add_block(encoders::DeepModel& model, const encoders::LatentRows& rows, siz
     sum.ideal_bytes += all / 8;
     sum.later_bytes += (all - bits.front()) / 8;
   }
-  sum.prior_bytes += prior_bits(model, rows, count) / 8;
   sum.rows += count;
   sum.later_rows += count - 1;
 }
@@ -50,6 +35,7 @@ Result<CodeLength> measure_code_length(ltm::StoreReader& reader, const ltm::Mode
                                        const std::vector<ltm::SnapshotEntry>& index) {
   ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(reader.path() / info.file));
   CodeLength sum;
+  sum.prior_row_bytes = model->provenance.prior_bytes;
   for (const ltm::SnapshotEntry& entry : index) {
     if (!entry.latent || sum.rows >= kMostRows) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader.read_latent(info.entity, entry));

@@ -86,8 +86,8 @@ class Crossval {
       ENGRAM_RETURN_IF_ERROR(measure_predictions(
           recording, std::nullopt,
           [&](const ltm::Past& past, int steps) {
-            return predict_by(static_cast<Baseline>(way), plan_, past.values[0], past.values[1],
-                              steps);
+            return without_estimates(predict_by(static_cast<Baseline>(way), plan_, past.values[0],
+                                                past.values[1], steps));
           },
           sums.baselines[way]));
     return {};
@@ -189,12 +189,20 @@ class Crossval {
     return {};
   }
 
-  using Predict = std::function<Result<std::vector<idf::Data>>(const ltm::Past& past, int steps)>;
+  using Predictions = Result<std::vector<ltm::Prediction>>;
+  using Predict = std::function<Predictions(const ltm::Past& past, int steps)>;
+
+  static Predictions without_estimates(Result<std::vector<idf::Data>> values) {
+    ENGRAM_RETURN_IF_ERROR(values.status());
+    std::vector<ltm::Prediction> predictions;
+    for (idf::Data& value : *values) predictions.push_back({std::move(value), {}});
+    return predictions;
+  }
 
   /// Predicts every snapshot of a recording from the two before it, and from the two before those.
   Status measure_predictions(const Sequence& recording,
                              const std::optional<ltm::MemoryId>& condition, const Predict& predict,
-                             std::array<QualitySums, kAhead>& sums) {
+                             std::array<PredictionSums, kAhead>& sums) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
     std::vector<Time> times;
     for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
@@ -206,8 +214,9 @@ class Crossval {
       if (!conditions.empty()) past.conditions = std::span(conditions).subspan(row - 1, 2);
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
-        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(values[row + ahead + 1], futures[ahead]));
-        sums[ahead].add(error);
+        ENGRAM_ASSIGN_OR_RETURN(const auto error,
+                                compare(values[row + ahead + 1], futures[ahead].value));
+        sums[ahead].add(futures[ahead].error, error);
       }
     }
     return {};

@@ -57,7 +57,8 @@ struct VariantQuality {
   double trained_bytes = 0;  ///< Of a snapshot's latents, in blocks.
   double left_out_bytes = 0;
   uint64_t model_bytes = 0;
-  std::array<Quality, kAhead> prediction;  ///< Of the left-out recording.
+  std::array<Quality, kAhead> prediction;   ///< Of the left-out recording.
+  std::array<Foresight, kAhead> foresight;  ///< Of these predictions.
   SimilarityQuality similarity;
 
   /// How much better images are reconstructed that were trained on. Unit: dB, of means.

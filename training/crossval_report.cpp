@@ -37,6 +37,7 @@ Json to_json(const CrossvalFold& fold) {
            {"similarity", to_json(variant.similarity)}};
     for (size_t ahead = 0; ahead < kAhead; ++ahead) {
       one["prediction"].push_back(quality_json(variant.prediction[ahead]));
+      one["bound"].push_back(foresight_json(variant.foresight[ahead]));
       one["gain_over_copy_last_db"].push_back(number_json(fold.gain_db(i, ahead)));
     }
   }
@@ -70,8 +71,10 @@ VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
   quality.variant = variant;
   quality.trained = trained.quality();
   quality.left_out = left_out.quality();
-  for (size_t ahead = 0; ahead < kAhead; ++ahead)
-    quality.prediction[ahead] = prediction[ahead].quality();
+  for (size_t ahead = 0; ahead < kAhead; ++ahead) {
+    quality.prediction[ahead] = prediction[ahead].quality.quality();
+    quality.foresight[ahead] = prediction[ahead].foresight();
+  }
   quality.trained_bytes = trained_bytes;
   quality.left_out_bytes = left_out_bytes;
   quality.model_bytes = static_cast<uint64_t>(std::lround(model_bytes));
@@ -92,7 +95,7 @@ CrossvalFold FoldSums::fold(const std::vector<encoders::TrainingVariant>& names)
   result.snapshots = snapshots;
   for (size_t way = 0; way < kBaselines; ++way)
     for (size_t ahead = 0; ahead < kAhead; ++ahead)
-      result.baselines[way][ahead] = baselines[way][ahead].quality();
+      result.baselines[way][ahead] = baselines[way][ahead].quality.quality();
   for (size_t i = 0; i < variants.size(); ++i)
     result.variants.push_back(variants[i].quality(names[i]));
   return result;

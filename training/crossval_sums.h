@@ -15,7 +15,7 @@ namespace engram::training {
 /// What is added up of one variant, over one fold or over all.
 struct VariantSums {
   QualitySums trained, left_out;
-  std::array<QualitySums, kAhead> prediction;
+  std::array<PredictionSums, kAhead> prediction;
   /// Means of the folds: those of one fold are added, divided by the number of folds.
   double trained_bytes = 0, left_out_bytes = 0, model_bytes = 0;
   SimilaritySums similarity;
@@ -27,7 +27,7 @@ struct VariantSums {
 /// What is added up of one fold, or of all.
 struct FoldSums {
   uint64_t snapshots = 0;
-  std::array<std::array<QualitySums, kAhead>, kBaselines> baselines;
+  std::array<std::array<PredictionSums, kAhead>, kBaselines> baselines;
   std::vector<VariantSums> variants;
 
   explicit FoldSums(size_t variant_count) : variants(variant_count) {}

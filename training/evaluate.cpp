@@ -127,7 +127,9 @@ class EntityMeasurement {
     for (size_t kind = 0; kind < kKnownKinds; ++kind)
       for (size_t h = 0; h < kHorizons; ++h)
         result_.prediction[kind].push_back(
-            {static_cast<int>(h + 1), predicted_[kind][h].quality(), copied_[kind][h].quality()});
+            {static_cast<int>(h + 1), predicted_[kind][h].quality.quality(),
+             copied_[kind][h].quality.quality(), predicted_[kind][h].foresight(),
+             copied_[kind][h].foresight()});
     return {};
   }
 
@@ -144,22 +146,22 @@ class EntityMeasurement {
     const auto history = std::span(values).first(2);
     const auto truth = std::span(values).subspan(2);
     const std::array<Time, 2> times{recorded[row - 1]->time, recorded[row]->time};
-    ENGRAM_ASSIGN_OR_RETURN(
-        const auto conditions,
-        conditions_at(reader_, model_.predictor->condition(), times));
-    auto futures =
-        model_.predictor->predict({history, conditions}, static_cast<int>(truth.size()));
+    ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
+                            conditions_at(reader_, model_.predictor->condition(), times));
+    const auto steps = static_cast<int>(truth.size());
+    const auto futures = model_.predictor->predict({history, conditions}, steps);
     // Snapshots of another layout are not this model's to predict.
     if (!futures.ok() && futures.status().code() == StatusCode::kInvalidArgument) return {};
     if (!futures.ok()) return futures.status();
+    ENGRAM_ASSIGN_OR_RETURN(const auto copies, model_.copy_last->predict(history, steps));
     for (size_t h = 0; h < truth.size(); ++h) {
-      const auto error = compare(truth[h], (*futures)[h]);
-      const auto copy_error = compare(truth[h], history.back());
+      const auto error = compare(truth[h], (*futures)[h].value);
+      const auto copy_error = compare(truth[h], copies[h].value);
       if (!error.ok() || !copy_error.ok()) return {};
       const auto kind = static_cast<size_t>(
           known_of(provenance_, recorded[row - 1]->time, recorded[row + h + 1]->time));
-      predicted_[kind][h].add(*error);
-      copied_[kind][h].add(*copy_error);
+      predicted_[kind][h].add((*futures)[h].error, *error);
+      copied_[kind][h].add(copies[h].error, *copy_error);
     }
     return {};
   }
@@ -181,8 +183,8 @@ class EntityMeasurement {
   ltm::LoadedModel model_;
   encoders::Provenance provenance_;
   const std::vector<ltm::SnapshotEntry>* index_ = nullptr;
-  std::array<std::array<QualitySums, kHorizons>, kKnownKinds> predicted_;
-  std::array<std::array<QualitySums, kHorizons>, kKnownKinds> copied_;
+  std::array<std::array<PredictionSums, kHorizons>, kKnownKinds> predicted_;
+  std::array<std::array<PredictionSums, kHorizons>, kKnownKinds> copied_;
   EntityEvaluation result_;
 };
 
@@ -202,9 +204,7 @@ nlohmann::ordered_json prediction_json(const EntityEvaluation& entity) {
     auto& list = json[std::string(to_string(static_cast<Known>(kind)))];
     list = nlohmann::ordered_json::array();
     for (const PredictionQuality& prediction : entity.prediction[kind])
-      list.push_back({{"horizon", prediction.horizon},
-                      {"model", quality_json(prediction.model)},
-                      {"copy_last", quality_json(prediction.copy_last)}});
+      list.push_back(to_json(prediction));
   }
   return json;
 }
@@ -215,7 +215,7 @@ nlohmann::ordered_json code_json(const CodeLength& code) {
           {"coded_bytes", code.coded_bytes},
           {"ideal_bytes", number_json(code.ideal_bytes)},
           {"later_bytes", number_json(code.later_bytes)},
-          {"prior_bytes", number_json(code.prior_bytes)}};
+          {"prior_row_bytes", number_json(code.prior_row_bytes)}};
 }
 
 }  // namespace
@@ -243,6 +243,14 @@ Result<EvalReport> evaluate(const std::filesystem::path& store, const EvaluateOp
     report.entities.push_back(std::move(one));
   }
   return report;
+}
+
+nlohmann::ordered_json to_json(const PredictionQuality& prediction) {
+  return {{"horizon", prediction.horizon},
+          {"model", quality_json(prediction.model)},
+          {"copy_last", quality_json(prediction.copy_last)},
+          {"model_bound", foresight_json(prediction.model_foresight)},
+          {"copy_last_bound", foresight_json(prediction.copy_foresight)}};
 }
 
 nlohmann::ordered_json to_json(const EvalReport& report) {

@@ -32,11 +32,28 @@ struct Quality {
   double rmse = 0;
 };
 
+/// Whether errors of one kind were what predictions had told beforehand. NaN where nothing was.
+struct Coverage {
+  uint64_t predictions = 0;  ///< That told a bound.
+  uint64_t within = 0;       ///< Whose real error was at most that.
+  /// Mean of the bounds. Unit: images dB, numbers that of a root mean square.
+  double mean_bound = 0;
+  double expected = 0;  ///< Mean of the squared errors that were expected, in the same unit.
+
+  [[nodiscard]] double share() const;  ///< Of those within; NaN without any.
+};
+
+struct Foresight {
+  Coverage images, numbers;
+};
+
 /// A prediction some snapshots ahead beside a copy of the last one, on the same snapshots.
 struct PredictionQuality {
   int horizon = 0;  ///< Snapshots ahead.
   Quality model;
   Quality copy_last;
+  Foresight model_foresight = {};
+  Foresight copy_foresight = {};
 };
 
 /// What a model knew of the snapshots that it is measured on.
@@ -65,7 +82,9 @@ struct CodeLength {
   double coded_bytes = 0;   ///< Of real code, checksums included.
   double ideal_bytes = 0;   ///< -log2 of the probabilities that the coder gave.
   double later_bytes = 0;   ///< The same of later rows.
-  double prior_bytes = 0;  ///< Of later rows, as the prior tells that the networks were trained by.
+  /// Of one later row, as the prior told when the autoencoder was trained by it (Provenance); 0:
+  /// unknown.
+  double prior_row_bytes = 0;
 };
 
 /// How well the newest model of one entity remembers and predicts.
@@ -99,5 +118,6 @@ Result<EvalReport> evaluate(const std::filesystem::path& store, const EvaluateOp
 
 /// NaN becomes null.
 [[nodiscard]] nlohmann::ordered_json to_json(const EvalReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const PredictionQuality& prediction);
 
 }  // namespace engram::training

@@ -80,8 +80,9 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
 Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
                            const TrainOptions& options, FitLoop& loop);
 
-/// Measures the shares of every way to predict on the held-out windows and keeps those that win
-/// over copying the last value, in mean squared error and (images) in mean PSNR.
+/// Measures the shares of every way to predict on every other held-out window and keeps those that
+/// win over copying the last value, in mean squared error and (images) in mean PSNR; on the others,
+/// how wrong these and copies are.
 void measure_prediction(encoders::DeepModel& model, const Dataset& data);
 
 }  // namespace engram::training

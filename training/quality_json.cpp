@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/quality_json.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+
+#include "ltm/memory/result.h"
 
 namespace engram::training {
 
@@ -18,6 +22,20 @@ nlohmann::ordered_json quality_json(const Quality& quality) {
           {"low_psnr_db", number_json(quality.low_psnr_db)},
           {"numbers", quality.numbers},
           {"rmse", number_json(quality.rmse)}};
+}
+
+nlohmann::ordered_json foresight_json(const Foresight& foresight) {
+  const auto coverage_json = [](const Coverage& coverage, const char* unit) {
+    return nlohmann::ordered_json{
+        {"predictions", coverage.predictions},
+        {"within", coverage.within},
+        {"share", number_json(coverage.share())},
+        {fmt::format("mean_bound_{}", unit), number_json(coverage.mean_bound)},
+        {fmt::format("expected_{}", unit), number_json(coverage.expected)}};
+  };
+  return {{"probability", ltm::kBoundProbability},
+          {"images", coverage_json(foresight.images, "db")},
+          {"numbers", coverage_json(foresight.numbers, "rmse")}};
 }
 
 }  // namespace engram::training

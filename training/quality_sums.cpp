@@ -20,4 +20,46 @@ Quality QualitySums::quality() const {
           rmse.count(),     rmse.rmse()};
 }
 
+double Coverage::share() const {
+  return static_cast<double>(within) / static_cast<double>(predictions);
+}
+
+void CoverageSums::add(double expected, double bound, double error) {
+  if (std::isnan(error)) return;
+  if (!std::isnan(expected)) {
+    ++expected_;
+    expected_sum_ += expected;
+  }
+  if (std::isnan(bound)) return;
+  ++bounded_;
+  within_ += error <= bound ? 1 : 0;
+  bound_sum_ += unit_(bound);
+}
+
+void CoverageSums::add(const CoverageSums& more) {
+  bounded_ += more.bounded_;
+  within_ += more.within_;
+  expected_ += more.expected_;
+  bound_sum_ += more.bound_sum_;
+  expected_sum_ += more.expected_sum_;
+}
+
+// Without any predictions both are 0 / 0: not a number.
+Coverage CoverageSums::coverage() const {
+  return {bounded_, within_, bound_sum_ / static_cast<double>(bounded_),
+          unit_(expected_sum_ / static_cast<double>(expected_))};
+}
+
+void PredictionSums::add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error) {
+  quality.add(error);
+  images.add(told.expected.image_mse, told.bound.image_mse, error.image_mse);
+  numbers.add(told.expected.number_mse, told.bound.number_mse, error.number_mse);
+}
+
+void PredictionSums::add(const PredictionSums& more) {
+  quality.add(more.quality);
+  images.add(more.images);
+  numbers.add(more.numbers);
+}
+
 }  // namespace engram::training

@@ -166,7 +166,6 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
       step_sink(pace.progress(), source.entity, options, control, moving, epoch, moving_time));
   ENGRAM_ASSIGN_OR_RETURN(const FitStep motion, fit_motion(model, data, options, moving_loop));
   encoders::round_weights(*model.dynamics);
-  model.prediction.step = model.unconditioned.step = median_step(data.times);
   measure_prediction(model, data);
 
   // Report.
@@ -193,6 +192,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   provenance.final_loss = coded.loss;
   provenance.psnr_db = options.psnr_db;
   provenance.error_price = coded.price;
+  provenance.prior_bytes = coded.bytes;
   provenance.number_bound = options.number_bound;
   provenance.started_from = report.started_from;
   describe(data, start, provenance);

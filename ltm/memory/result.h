@@ -10,6 +10,9 @@
 
 namespace engram::ltm {
 
+/// How likely the real error of a prediction is at most its bound.
+inline constexpr double kBoundProbability = 0.9;
+
 /// One datum of an answer.
 struct InstanceResult {
   int32_t index = 0;
@@ -17,6 +20,9 @@ struct InstanceResult {
   InstanceMetadata metadata;  ///< As made by default where only IDs were asked for.
   /// Measured (reconstructed) or expected (predicted) error; nothing where it was recorded.
   std::optional<MeasuredError> error = {};
+  /// What the error of a prediction stays within, with kBoundProbability; not a number where that
+  /// is not known. Nothing unless predicted.
+  std::optional<MeasuredError> bound = {};
 
   friend bool operator==(const InstanceResult&, const InstanceResult&) = default;
 };

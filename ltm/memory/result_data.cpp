@@ -6,14 +6,17 @@ namespace engram::ltm {
 
 namespace {
 
+idf::Data error_data(const MeasuredError& error) {
+  return idf::Dict{{"image_mse", error.image_mse}, {"number_mse", error.number_mse}};
+}
+
 idf::Data instance_data(const InstanceResult& instance, bool is_ids_only) {
   idf::Dict dict{{"index", instance.index}};
   if (is_ids_only) return dict;
   dict.set("data", instance.data);
   dict.set("metadata", instance.metadata.to_data());
-  if (instance.error)
-    dict.set("error", idf::Dict{{"image_mse", instance.error->image_mse},
-                                {"number_mse", instance.error->number_mse}});
+  if (instance.error) dict.set("error", error_data(*instance.error));
+  if (instance.bound) dict.set("bound", error_data(*instance.bound));
   return dict;
 }
 
@@ -38,12 +41,15 @@ idf::Data entity_data(const EntityResult& entity, bool is_ids_only) {
   return idf::Dict{{"id", entity.id.to_data()}, {"snapshots", std::move(snapshots)}};
 }
 
-Result<MeasuredError> error_from(const idf::Data& data) {
-  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "error"));
+/// Nothing where there is no member `name`.
+Result<std::optional<MeasuredError>> error_from(const DataFields& instance, const char* name) {
+  if (!instance.has(name)) return std::optional<MeasuredError>();
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data* data, instance.data(name));
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(*data, name));
   MeasuredError error;
   ENGRAM_ASSIGN_OR_RETURN(error.image_mse, fields.number("image_mse"));
   ENGRAM_ASSIGN_OR_RETURN(error.number_mse, fields.number("number_mse"));
-  return error;
+  return std::optional(error);
 }
 
 Result<InstanceResult> instance_from(const idf::Data& data, bool is_ids_only) {
@@ -55,9 +61,8 @@ Result<InstanceResult> instance_from(const idf::Data& data, bool is_ids_only) {
   instance.data = *value;
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data* metadata, fields.data("metadata"));
   ENGRAM_ASSIGN_OR_RETURN(instance.metadata, InstanceMetadata::from_data(*metadata));
-  if (!fields.has("error")) return instance;
-  ENGRAM_ASSIGN_OR_RETURN(const idf::Data* error, fields.data("error"));
-  ENGRAM_ASSIGN_OR_RETURN(instance.error, error_from(*error));
+  ENGRAM_ASSIGN_OR_RETURN(instance.error, error_from(fields, "error"));
+  ENGRAM_ASSIGN_OR_RETURN(instance.bound, error_from(fields, "bound"));
   return instance;
 }
 

@@ -11,12 +11,11 @@ class CopyLastPredictor final : public Predictor {
   [[nodiscard]] Duration step() const override { return Duration(0); }
   [[nodiscard]] size_t context() const override { return 1; }
 
-  Result<std::vector<idf::Data>> predict(const Past& past, int steps) override {
+  Result<std::vector<Prediction>> predict(const Past& past, int steps) override {
     if (past.values.empty()) return invalid_argument("copy-last: needs at least one past value");
-    return std::vector<idf::Data>(static_cast<size_t>(std::max(steps, 0)), past.values.back());
+    return std::vector<Prediction>(static_cast<size_t>(std::max(steps, 0)),
+                                   {past.values.back(), {}});
   }
-
-  [[nodiscard]] MeasuredError expected_error(int, bool) const override { return {}; }
 };
 
 }  // namespace

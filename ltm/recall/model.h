@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ltm/memory/memory_id.h"
+#include "ltm/memory/result.h"
 #include "ltm/store/latent.h"
 
 namespace engram::ltm {
@@ -63,6 +64,26 @@ struct Past {
   std::span<const idf::Data> conditions;
 };
 
+/// How wrong a prediction may be, told before the fact. Not a number where it is not known.
+struct ErrorEstimate {
+  MeasuredError expected;  ///< The mean.
+  MeasuredError bound;     ///< The real one is at most that, with kBoundProbability.
+
+  friend bool operator==(const ErrorEstimate&, const ErrorEstimate&) = default;
+};
+
+struct Prediction {
+  idf::Data value;
+  ErrorEstimate error;
+};
+
+/// What is known of predictions so many steps ahead from data that the model was not trained on.
+struct HorizonRecord {
+  int steps = 0;
+  uint64_t predictions = 0;  ///< That it was measured on.
+  MeasuredError mean;        ///< Their mean error.
+};
+
 /// Continues the past of one entity.
 ///
 /// Threading: one thread.
@@ -82,20 +103,22 @@ class Predictor {
   /// Another entity whose past makes predictions better; nothing where there is none.
   [[nodiscard]] virtual std::optional<MemoryId> condition() const { return std::nullopt; }
 
-  /// The values 1..`steps` steps after the last of `past`.
+  /// The values 1..`steps` steps after the last of `past`, and how wrong they may be.
   /// Errors: kInvalidArgument where a value has another layout than the model.
-  virtual Result<std::vector<idf::Data>> predict(const Past& past, int steps) = 0;
+  virtual Result<std::vector<Prediction>> predict(const Past& past, int steps) = 0;
 
-  /// Error to expect of a prediction so many steps ahead, with or without conditions, measured on
-  /// data that the model was not trained on; the last measured one for steps beyond. NaNs where
-  /// nothing was measured.
-  [[nodiscard]] virtual MeasuredError expected_error(int steps, bool has_conditions) const = 0;
+  /// By steps; empty where nothing was measured.
+  [[nodiscard]] virtual std::vector<HorizonRecord> records(bool /*has_conditions*/) const {
+    return {};
+  }
 };
 
 /// The parts of one model file.
 struct LoadedModel {
   std::unique_ptr<Encoder> encoder;
   std::unique_ptr<Predictor> predictor;
+  /// Copies the last value, and knows how wrong that was on the same data; may be null.
+  std::unique_ptr<Predictor> copy_last = {};
 };
 
 /// Opens a model file. Given from above, so that recall needs no learning library.

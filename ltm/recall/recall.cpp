@@ -21,9 +21,9 @@ std::vector<idf::Data> series(const std::vector<SnapshotResult>& history, size_t
 }
 
 void append_instance(SnapshotResult& snapshot, idf::Data data, const InstanceMetadata& metadata,
-                     std::optional<MeasuredError> error) {
+                     std::optional<MeasuredError> error, std::optional<MeasuredError> bound = {}) {
   const auto index = static_cast<int32_t>(snapshot.instances.size());
-  snapshot.instances.push_back({index, std::move(data), metadata, error});
+  snapshot.instances.push_back({index, std::move(data), metadata, error, bound});
 }
 
 /// Leaves the instances that are asked for. False where none of them exists.
@@ -148,20 +148,31 @@ struct Recall::State {
     return named;
   }
 
-  /// The predictor of the entity's newest model, or copy-last where there is none.
-  Result<Predictor*> predictor_of(const MemoryId& entity, std::string& model_name) {
+  Result<std::vector<Engine>> engines(const MemoryId& entity) {
     const ModelInfo* newest = store->manifest().newest_model(entity);
-    if (newest == nullptr || !loader) return copy_last.get();
+    if (newest == nullptr || !loader) return std::vector<Engine>{{copy_last.get(), ""}};
     ENGRAM_ASSIGN_OR_RETURN(const LoadedModel* model, load(*newest));
-    if (model->predictor == nullptr) return copy_last.get();
-    model_name = newest->name();
-    return model->predictor.get();
+    std::vector<Engine> engines;
+    if (model->predictor) engines.push_back({model->predictor.get(), newest->name()});
+    engines.push_back({model->copy_last ? model->copy_last.get() : copy_last.get(), ""});
+    return engines;
   }
 
-  /// The last snapshots of the entity, at most `count`, in the order of time.
-  static Result<std::vector<SnapshotEntry>> latest(Timeline& timeline, size_t count) {
+  Result<Engine> engine(const MemoryId& entity, const std::string& name) {
+    ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> known, engines(entity));
+    std::string names;
+    for (const Engine& engine : known) {
+      if (name.empty() || engine.predictor->name() == name) return engine;
+      names += (names.empty() ? "" : ", ") + std::string(engine.predictor->name());
+    }
+    return not_found("entity '{}': nothing named '{}' predicts it; there is: {}",
+                     entity.to_string(), name, names);
+  }
+
+  /// The last snapshots of the entity up to a moment, at most `count`, in the order of time.
+  static Result<std::vector<SnapshotEntry>> latest(Timeline& timeline, std::optional<Time> time,
+                                                   size_t count) {
     std::vector<SnapshotEntry> entries;
-    std::optional<Time> time = timeline.last();
     while (time && entries.size() < count) {
       ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(*time));
       if (!entry) break;
@@ -173,41 +184,70 @@ struct Recall::State {
     return entries;
   }
 
-  Result<SnapshotResult> predict(const MemoryId& entity, Timeline& timeline, Time when,
-                                 const Options& options) {
-    std::string model_name;
-    ENGRAM_ASSIGN_OR_RETURN(Predictor * predictor, predictor_of(entity, model_name));
+  Result<std::vector<SnapshotResult>> predict(const MemoryId& entity, const Outlook& outlook,
+                                              const Options& options) {
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store->timeline(entity));
+    ENGRAM_ASSIGN_OR_RETURN(const Engine used, engine(entity, outlook.engine));
+    Predictor& predictor = *used.predictor;
     ENGRAM_ASSIGN_OR_RETURN(const auto entries,
-                            latest(timeline, std::max<size_t>(predictor->context(), 1)));
+                            latest(*timeline, outlook.from ? outlook.from : timeline->last(),
+                                   std::max<size_t>(predictor.context(), 1)));
+    if (entries.empty())
+      return not_found("entity '{}': has no snapshot at or before {}", entity.to_string(),
+                       outlook.from ? to_string(*outlook.from) : "now");
     std::vector<SnapshotResult> history;
     for (const SnapshotEntry& entry : entries) {
       ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, read(entity, entry, options.prefer));
       history.push_back(std::move(past));
     }
-    SnapshotResult recalled;
-    recalled.source = Source::kPredicted;
-    recalled.model = model_name;
-    recalled.predictor = predictor->name();
-    recalled.horizon = when - entries.back().time;
-    recalled.time = when;
-    ENGRAM_ASSIGN_OR_RETURN(const int steps, steps_to(*predictor, recalled.horizon, entity, options));
-    ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
-                            conditions_of(*predictor, entries, options.prefer));
-    const auto& last = history.back().instances;
-    for (size_t i = 0; i < last.size(); ++i) {
-      const std::vector<idf::Data> values_before = series(history, i);
-      const bool is_whole = conditions.size() == values_before.size();
-      auto values = predictor->predict(
-          {values_before, is_whole ? std::span(conditions) : std::span<const idf::Data>()}, steps);
-      if (!values.ok())
-        return values.status().with_context("prediction of " + entity.to_string());
-      if (values->empty()) return data_loss("model {}: predicted nothing", model_name);
-      InstanceMetadata metadata = last[i].metadata;
-      metadata.created = metadata.sent = metadata.arrived = when;
-      append_instance(recalled, std::move(values->back()), metadata,
-                      predictor->expected_error(steps, is_whole));
+    std::vector<SnapshotResult> predicted;
+    std::vector<size_t> steps;
+    for (const Duration horizon : outlook.horizons) {
+      if (horizon.count() < 0 ||
+          horizon.count() > INT64_MAX - std::max<int64_t>(0, to_ns(entries.back().time)))
+        return invalid_argument("entity '{}': found a horizon of {}, needs a moment after {}",
+                                entity.to_string(), engram::to_string(horizon),
+                                engram::to_string(entries.back().time));
+      ENGRAM_ASSIGN_OR_RETURN(const int ahead, steps_to(predictor, horizon, entity, options));
+      steps.push_back(static_cast<size_t>(ahead));
+      SnapshotResult& one = predicted.emplace_back();
+      one.source = Source::kPredicted;
+      one.model = used.model;
+      one.predictor = predictor.name();
+      one.horizon = horizon;
+      one.time = entries.back().time + horizon;
     }
-    return recalled;
+    ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
+                            conditions_of(predictor, entries, options.prefer));
+    for (size_t i = 0; i < history.back().instances.size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(
+          predict_instance(entity, used, history, i, conditions, steps, predicted));
+    return predicted;
+  }
+
+  /// Adds one instance to each of `predicted`, so many steps ahead.
+  static Status predict_instance(const MemoryId& entity, const Engine& engine,
+                                 const std::vector<SnapshotResult>& history, size_t instance,
+                                 const std::vector<idf::Data>& conditions,
+                                 std::span<const size_t> steps,
+                                 std::vector<SnapshotResult>& predicted) {
+    const std::vector<idf::Data> values_before = series(history, instance);
+    const bool is_whole = conditions.size() == values_before.size();
+    const size_t most = std::ranges::max(steps);
+    auto values = engine.predictor->predict(
+        {values_before, is_whole ? std::span(conditions) : std::span<const idf::Data>()},
+        static_cast<int>(most));
+    if (!values.ok()) return values.status().with_context("prediction of " + entity.to_string());
+    if (values->size() < most)
+      return data_loss("model {}: predicted {} steps, needs {}", engine.model, values->size(),
+                       most);
+    InstanceMetadata metadata = history.back().instances[instance].metadata;
+    for (size_t i = 0; i < predicted.size(); ++i) {
+      metadata.created = metadata.sent = metadata.arrived = predicted[i].time;
+      const Prediction& one = (*values)[steps[i] - 1];
+      append_instance(predicted[i], one.value, metadata, one.error.expected, one.error.bound);
+    }
+    return {};
   }
 
   /// What a predictor's condition was at the times of `entries`; empty where one is not known.
@@ -234,7 +274,8 @@ struct Recall::State {
   static Result<int> steps_to(const Predictor& predictor, Duration horizon, const MemoryId& entity,
                               const Options& options) {
     if (predictor.step() <= Duration(0)) return 1;
-    const double steps = std::max(1.0, std::round(to_seconds(horizon) / to_seconds(predictor.step())));
+    const double steps =
+        std::max(1.0, std::round(to_seconds(horizon) / to_seconds(predictor.step())));
     if (steps > options.max_steps)
       return invalid_argument(
           "entity '{}': asked for a prediction {} ahead, at most {} ({} steps of {}) is possible",
@@ -247,11 +288,16 @@ struct Recall::State {
   Result<SnapshotResult> answer(const MemoryId& entity, Timeline& timeline,
                                 const SelectedSnapshot& selected, bool is_ids_only,
                                 const Options& options) {
-    if (selected.is_future && !is_ids_only) return predict(entity, timeline, selected.time, options);
+    if (selected.is_future && !is_ids_only) {
+      const Duration horizon = selected.time - *timeline.last();
+      ENGRAM_ASSIGN_OR_RETURN(auto predicted, predict(entity, {{}, {horizon}, ""}, options));
+      return std::move(predicted.front());
+    }
     ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(selected.time));
     ENGRAM_CHECK(entry.has_value(), "'{}' was selected", entity.at(selected.time).to_string());
     if (selected.is_future) return name_future(entity, *entry, selected.time, options.prefer);
-    return is_ids_only ? name(entity, *entry, options.prefer) : read(entity, *entry, options.prefer);
+    return is_ids_only ? name(entity, *entry, options.prefer)
+                       : read(entity, *entry, options.prefer);
   }
 
   Status answer(const Query& query, const Options& options, EntityResult& result) {
@@ -260,9 +306,8 @@ struct Recall::State {
     ENGRAM_ASSIGN_OR_RETURN(const auto selection,
                             select_snapshots(query.snapshots_of(result.id), moments));
     for (const SelectedSnapshot& selected : selection) {
-      ENGRAM_ASSIGN_OR_RETURN(
-          SnapshotResult snapshot,
-          answer(result.id, *timeline, selected, query.is_ids_only(), options));
+      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult snapshot,
+                              answer(result.id, *timeline, selected, query.is_ids_only(), options));
       if (!keep_selected(snapshot, selected.instances)) continue;
       if (accesses && !selected.is_future && !query.is_ids_only())
         accesses->note(result.id, snapshot.time);
@@ -282,7 +327,27 @@ Recall::Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
 
 Recall::~Recall() = default;
 
-StoreReader& Recall::store() { return *state_->store; }
+StoreReader& Recall::store() {
+  return *state_->store;
+}
+
+Result<std::vector<Recall::Engine>> Recall::engines(const MemoryId& entity) {
+  ENGRAM_RETURN_IF_ERROR(state_->store->timeline(entity).status());
+  return state_->engines(entity);
+}
+
+Result<Recall::Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
+  ENGRAM_RETURN_IF_ERROR(state_->store->timeline(entity).status());
+  return state_->engine(entity, name);
+}
+
+Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity, const Outlook& outlook,
+                                                    const Options& options) {
+  if (outlook.horizons.empty())
+    return invalid_argument("entity '{}': found no horizon to predict, needs one",
+                            entity.to_string());
+  return state_->predict(entity, outlook, options);
+}
 
 Result<QueryResult> Recall::query(const Query& query, const Options& options) {
   QueryResult result(query.is_ids_only());

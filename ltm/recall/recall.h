@@ -41,6 +41,36 @@ class Recall {
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
 
+  /// A way to predict an entity.
+  struct Engine {
+    Predictor* predictor = nullptr;  ///< Never null; this owns it.
+    std::string model;               ///< "Vision/RGB/head/cam v1"; empty without one.
+  };
+
+  /// What can predict an entity, what a query would take first: its newest model, if it has one,
+  /// and a copy of the last snapshot.
+  Result<std::vector<Engine>> engines(const MemoryId& entity);
+
+  /// The one whose predictor has this name; empty: the first.
+  /// Errors: kNotFound.
+  Result<Engine> engine(const MemoryId& entity, const std::string& name);
+
+  /// What is to be predicted, and from when on.
+  struct Outlook {
+    /// The last moment that is known: later snapshots are not looked at. Nothing: the newest one.
+    std::optional<Time> from;
+    /// From the last snapshot that is known on. At least one; each is taken as the closest number
+    /// of steps of the engine, at least one.
+    std::vector<Duration> horizons;
+    std::string engine;  ///< By the name of its predictor; empty: the first of engines().
+  };
+
+  /// One prediction per horizon, in their order.
+  /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;
+  /// kInvalidArgument where a horizon is too far ahead; those of query().
+  Result<std::vector<SnapshotResult>> predict(const MemoryId& entity, const Outlook& outlook,
+                                              const Options& options);
+
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -119,7 +119,7 @@ TEST(Consolidate, TrainsNoNetworksThatCannotPay) {
   const std::vector<idf::Data> history{engram::testing::scene_at(3), engram::testing::scene_at(4)};
   const auto predicted = model->predictor->predict(history, 2);
   ASSERT_TRUE(predicted.ok()) << predicted.status().to_string();
-  EXPECT_EQ(compare(predicted->back(), history.back())->image_mse, 0.0);
+  EXPECT_EQ(compare(predicted->back().value, history.back())->image_mse, 0.0);
 }
 
 TEST(Consolidate, LearnsToPredictFromTheNumbersThatImagesLinkTo) {

@@ -14,11 +14,11 @@ namespace {
 using engram::testing::quick_options;
 using engram::testing::ScratchPath;
 
-/// A store of `recordings` recordings of 20 values each.
-void record(const std::filesystem::path& store, int recordings) {
+/// A store of `recordings` recordings of 20 values, or so many, each.
+void record(const std::filesystem::path& store, int recordings, int each = 20) {
   auto recorder = ltm::Recorder::open(store, {});
   ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
-  const auto source = engram::testing::scene_source(20 * recordings, recordings);
+  const auto source = engram::testing::scene_source(each * recordings, recordings);
   const auto entity = *ltm::MemoryId::parse("Test/Scene/sim/square");
   for (size_t i = 0; i < source.times.size(); ++i) {
     const ltm::Snapshot snapshot{entity, source.times[i], {{*source.read(i), {}}}};
@@ -99,6 +99,29 @@ TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
             near->folds.front().baselines[copied][0].mean_psnr_db);
   chosen.every = -std::chrono::milliseconds(1);
   EXPECT_EQ(crossval(store.path(), chosen).status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
+  const ScratchPath store("crossval_bounds");
+  // 15 % of 130 are 20 windows, ten of which calibrate.
+  record(store.path(), 2, 130);
+  auto chosen = options(20);
+  chosen.most_folds = 1;
+  const auto report = crossval(store.path(), chosen);
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const VariantQuality& variant = report->all.variants[0];
+  for (size_t ahead = 0; ahead < kAhead; ++ahead) {
+    const Coverage& told = variant.foresight[ahead].images;
+    EXPECT_EQ(told.predictions, 128 - ahead);
+    // The square goes on as it did: about nine of ten are within.
+    EXPECT_GT(told.share(), 0.7);
+    EXPECT_NEAR(told.expected, variant.prediction[ahead].pooled_psnr_db, 1.5);
+    EXPECT_LE(told.mean_bound, told.expected + 1);
+  }
+  const auto json = to_json(*report);
+  const auto& bound = json.at("all").at("variants").at("rate").at("bound");
+  ASSERT_EQ(bound.size(), kAhead);
+  EXPECT_EQ(bound[1].at("images").at("within"), variant.foresight[1].images.within);
 }
 
 TEST(Crossval, PutsVariantsBesideEachOther) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "encoders/model_file.h"
 #include "ltm/recording/recorder.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/rewrite.h"
@@ -73,9 +74,46 @@ TEST(Evaluate, BytesOfLatentsAreWhatProbabilitiesSay) {
   // Each block ends in four bytes of checksum and at most two that end the stream.
   EXPECT_GT(code.coded_bytes, 4 * 4 + 0.99 * code.ideal_bytes - 4);
   EXPECT_LT(code.coded_bytes, 4 * 6 + 1.01 * code.ideal_bytes);
+  EXPECT_NEAR(code.coded_bytes, code.ideal_bytes, 0.03 * code.ideal_bytes);
   EXPECT_GT(code.later_bytes, 0);
   EXPECT_LT(code.later_bytes, code.ideal_bytes);
-  EXPECT_GT(code.prior_bytes, 0);
+  const auto provenance = encoders::read_provenance(
+      store.path() / ltm::read_manifest(store.path())->models.front().file);
+  ASSERT_TRUE(provenance.ok()) << provenance.status().to_string();
+  EXPECT_GT(code.prior_row_bytes, 0);
+  EXPECT_EQ(code.prior_row_bytes, provenance->prior_bytes);
+}
+
+TEST(Evaluate, CountsHowOftenErrorsAreWithinTheirBounds) {
+  const ScratchPath store("coverage");
+  record(engram::testing::scene_source(180, 3), store.path());
+  ConsolidateOptions options;
+  options.train = engram::testing::quick_options(60);
+  options.train.hold_out_recordings = 1;
+  options.representation.kind = Representation::kLatents;
+  ASSERT_TRUE(consolidate(store.path(), options, {}, {}).ok());
+  const auto report = evaluate(store.path(), {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const auto& prediction = report->entities.at(0).prediction;
+  const PredictionQuality& held_out = prediction[static_cast<size_t>(Known::kHeldOut)][0];
+  // Two recordings of 60: nine each are held out, nine of all calibrated.
+  EXPECT_EQ(held_out.model_foresight.images.predictions, 18u);
+  EXPECT_EQ(held_out.model_foresight.numbers.predictions, 18u);
+  // Of nine scores the bound is the largest one: what it was measured on is within.
+  EXPECT_GE(held_out.copy_foresight.images.within, 9u);
+  EXPECT_LE(held_out.copy_foresight.images.within, 18u);
+  const PredictionQuality& left_out = prediction[static_cast<size_t>(Known::kLeftOutRecording)][0];
+  EXPECT_EQ(left_out.copy_foresight.images.predictions, 58u);
+  // The square goes on as before: what was expected is about right, and bounds hold.
+  EXPECT_GT(left_out.copy_foresight.images.share(), 0.7);
+  EXPECT_NEAR(left_out.copy_foresight.images.expected, left_out.copy_last.pooled_psnr_db, 1.5);
+  EXPECT_LE(left_out.copy_foresight.images.mean_bound, left_out.copy_foresight.images.expected);
+  EXPECT_GE(left_out.copy_foresight.numbers.mean_bound, left_out.copy_foresight.numbers.expected);
+  const auto json = to_json(left_out);
+  EXPECT_EQ(json.at("copy_last_bound").at("probability"), 0.9);
+  EXPECT_EQ(json.at("copy_last_bound").at("images").at("predictions"), 58);
+  EXPECT_EQ(json.at("model_bound").at("numbers").at("share").get<double>(),
+            left_out.model_foresight.numbers.share());
 }
 
 TEST(Evaluate, CountsSnapshotsWithoutTruth) {
@@ -97,7 +135,9 @@ TEST(Evaluate, BecomesJsonWithNullForWhatIsMissing) {
   const auto json = to_json(report);
   EXPECT_EQ(json["entities"][0]["entity"], kEntity);
   EXPECT_TRUE(json["entities"][0]["reconstruction"]["rmse"].is_null());
-  EXPECT_EQ(json["entities"][0]["prediction"]["trained on"][0]["horizon"], 1);
+  const auto& prediction = json["entities"][0]["prediction"]["trained on"][0];
+  EXPECT_EQ(prediction["horizon"], 1);
+  EXPECT_TRUE(prediction["model_bound"]["images"]["share"].is_null());
 }
 
 }  // namespace

@@ -117,6 +117,7 @@ inline SnapshotResult random_snapshot_result(RandomValues& random, Time time, bo
       instance.data = random.value(2);
       instance.metadata = random_metadata(random);
       if (random.below(2) == 0) instance.error = MeasuredError{.image_mse = 2.5};
+      if (random.below(2) == 0) instance.bound = MeasuredError{.number_mse = 0.5};
     }
     snapshot.instances.push_back(std::move(instance));
   }

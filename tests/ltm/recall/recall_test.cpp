@@ -86,9 +86,9 @@ class CountingPredictor final : public Predictor {
   [[nodiscard]] Duration step() const override { return std::chrono::milliseconds(200); }
   [[nodiscard]] size_t context() const override { return 3; }
 
-  Result<std::vector<idf::Data>> predict(const Past& past, int steps) override {
+  Result<std::vector<Prediction>> predict(const Past& past, int steps) override {
     const auto history = past.values;
-    std::vector<idf::Data> values;
+    std::vector<Prediction> predictions;
     for (int step = 1; step <= steps; ++step) {
       idf::Data value = history.back();
       value.get_if<idf::Dict>()->set("step", step);
@@ -96,16 +96,15 @@ class CountingPredictor final : public Predictor {
       if (!past.conditions.empty())
         value.get_if<idf::Dict>()->set("conditions",
                                        idf::List(past.conditions.begin(), past.conditions.end()));
-      values.push_back(std::move(value));
+      const double number_mse = past.conditions.empty() ? 0.5 : 0.25;
+      predictions.push_back({std::move(value),
+                             {{static_cast<double>(step), number_mse},
+                              {static_cast<double>(3 * step), 2 * number_mse}}});
     }
-    return values;
+    return predictions;
   }
 
   [[nodiscard]] std::optional<MemoryId> condition() const override { return condition_; }
-
-  [[nodiscard]] MeasuredError expected_error(int steps, bool has_conditions) const override {
-    return {static_cast<double>(steps), has_conditions ? 0.25 : 0.5};
-  }
 
  private:
   std::optional<MemoryId> condition_;
@@ -180,6 +179,7 @@ TEST_F(RecallTest, AnswersWithWhatWasRecorded) {
     EXPECT_EQ(snapshot_of(recalled), example_snapshot(example_entity(), i + 3));
     EXPECT_EQ(recalled.model, "");
     EXPECT_FALSE(recalled.instances[0].error.has_value());
+    EXPECT_FALSE(recalled.instances[0].bound.has_value());
   }
 }
 
@@ -324,6 +324,7 @@ TEST_F(RecallTest, PredictsWithTheModel) {
   EXPECT_EQ(*predicted.instances[0].data.at("history"), idf::Data(3));
   EXPECT_EQ(*predicted.instances[0].data.at("count"), idf::Data(9));
   EXPECT_EQ(predicted.instances[0].error->image_mse, 2.0);
+  EXPECT_EQ(predicted.instances[0].bound->image_mse, 6.0);
   // An explicit time after the last snapshot asks the same.
   const auto at = recall.query(ask("time:" + std::to_string(to_ns(example_time(11)))));
   EXPECT_EQ(at->entities()[0]->snapshots[0], predicted);
@@ -355,6 +356,62 @@ TEST_F(RecallTest, PredictsByCopyWithoutModels) {
   EXPECT_EQ(predicted.instances[0].data, example_snapshot(example_entity(), 9).instances[0].data);
   EXPECT_EQ(predicted.time, example_time(19));
   EXPECT_EQ(loaded_, 0);
+}
+
+TEST_F(RecallTest, PredictsFromThePastAsIfNothingLaterWereKnown) {
+  make_store(6, false);
+  Recall recall = open(loader());
+  const auto predicted =
+      recall.predict(example_entity(),
+                     {example_time(4) + std::chrono::milliseconds(1),
+                      {std::chrono::milliseconds(400), std::chrono::milliseconds(200)},
+                      ""},
+                     {});
+  ASSERT_OK(predicted);
+  ASSERT_EQ(predicted->size(), 2u);
+  EXPECT_EQ((*predicted)[0].time, example_time(6));
+  EXPECT_EQ((*predicted)[1].time, example_time(5));
+  EXPECT_EQ((*predicted)[0].horizon, std::chrono::milliseconds(400));
+  const idf::Data& value = (*predicted)[0].instances.at(0).data;
+  EXPECT_EQ(*value.at("count"), idf::Data(4)) << "the last one before that moment";
+  EXPECT_EQ(*value.at("history"), idf::Data(3));
+  EXPECT_EQ(*value.at("step"), idf::Data(2));
+  EXPECT_EQ((*predicted)[1].instances.at(0).error->image_mse, 1.0);
+  EXPECT_EQ((*predicted)[1].instances.at(0).bound->image_mse, 3.0);
+}
+
+TEST_F(RecallTest, PredictsByTheEngineThatIsAskedFor) {
+  make_store(6, false);
+  Recall recall = open(loader());
+  const auto engines = recall.engines(example_entity());
+  ASSERT_OK(engines);
+  ASSERT_EQ(engines->size(), 2u);
+  EXPECT_EQ((*engines)[0].predictor->name(), "counting");
+  EXPECT_EQ((*engines)[0].model, "Vision/RGB/head/cam v1");
+  EXPECT_EQ((*engines)[1].predictor->name(), "copy-last");
+  const auto copied =
+      recall.predict(example_entity(), {{}, {std::chrono::milliseconds(400)}, "copy-last"}, {});
+  ASSERT_OK(copied);
+  EXPECT_EQ(copied->front().predictor, "copy-last");
+  EXPECT_EQ(copied->front().instances.at(0).data,
+            example_snapshot(example_entity(), 9).instances[0].data);
+  EXPECT_FAILS(recall.engine(example_entity(), "oracle"), StatusCode::kNotFound,
+               "there is: counting, copy-last");
+}
+
+TEST_F(RecallTest, RefusesToPredictFromNothing) {
+  make_store(6, false);
+  Recall recall = open(loader());
+  const std::vector<Duration> next{std::chrono::milliseconds(200)};
+  EXPECT_FAILS(recall.predict(example_entity(), {example_time(0) - Duration(1), next, ""}, {}),
+               StatusCode::kNotFound, "no snapshot at or before");
+  EXPECT_FAILS(recall.predict(example_entity("nowhere"), {{}, next, ""}, {}), StatusCode::kNotFound,
+               "nowhere");
+  EXPECT_FAILS(recall.predict(example_entity(), {{}, {}, ""}, {}), StatusCode::kInvalidArgument,
+               "no horizon");
+  for (const Duration impossible : {Duration(-1), Duration::max()})
+    EXPECT_FAILS(recall.predict(example_entity(), {{}, {impossible}, "copy-last"}, {}),
+                 StatusCode::kInvalidArgument, "needs a moment after");
 }
 
 TEST_F(RecallTest, NamesTheEntitiesThatThereAre) {

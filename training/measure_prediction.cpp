@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "training/conformal.h"
+#include "training/fit.h"
+#include "training/metrics.h"
+
+namespace engram::training {
+
+using encoders::Parts;
+using encoders::PredictionRecord;
+using encoders::Shares;
+using torch::Tensor;
+
+namespace {
+
+constexpr size_t kHorizons = encoders::kMeasuredHorizons;
+constexpr size_t kMostWindows = 256;
+constexpr std::array<double, 5> kGates{0.0, 0.25, 0.5, 0.75, 1.0};
+/// What noise changes in an image. Unit: squared grey levels.
+constexpr double kLeastImageChange = 1.0;
+/// What counts as no change of numbers, in their deviations.
+constexpr double kLeastNumberChange = 0.01;
+
+/// Shares of images that are tried: of latents and of motion, together at most all. The first one
+/// copies.
+std::vector<Shares> image_shares() {
+  std::vector<Shares> shares;
+  for (const double latents : kGates)
+    for (const double motion : kGates)
+      if (latents + motion <= 1) shares.push_back({latents, motion, 0});
+  return shares;
+}
+
+/// Mean squared errors of the held-out windows at one horizon, by share and window.
+struct HorizonErrorsByShare {
+  std::vector<ltm::MeasuredError> changes;   ///< By window: of its last two values.
+  std::vector<std::vector<double>> images;   ///< By image_shares().
+  std::vector<std::vector<double>> numbers;  ///< By kGates.
+
+  void add(const encoders::DeepModel& model, const std::vector<Shares>& shares, const Parts& last,
+           const ltm::MeasuredError& change, const encoders::Future& future, const Parts& actual) {
+    changes.push_back(change);
+    images.resize(shares.size());
+    numbers.resize(kGates.size());
+    for (size_t i = 0; i < shares.size() && !last.images.empty(); ++i)
+      images[i].push_back(image_error(model, encoders::mix(last, future, shares[i]), actual));
+    for (size_t i = 0; i < kGates.size() && last.numbers.defined(); ++i)
+      numbers[i].push_back(
+          number_error(model, encoders::mix(last, future, {0, 0, kGates[i]}), actual));
+  }
+
+ private:
+  static double image_error(const encoders::DeepModel& model, Parts predicted, Parts actual) {
+    for (Tensor& image : predicted.images) image = image.round().clamp(0, 255);
+    return model.difference(predicted, actual).image_mse;
+  }
+
+  static double number_error(const encoders::DeepModel& model, Parts predicted, Parts actual) {
+    predicted.images = actual.images;
+    return model.difference(predicted, actual).number_mse;
+  }
+};
+
+/// Shares are chosen on every other window, and errors are measured on those between.
+bool is_for_choosing(size_t window) {
+  return window % 2 == 0;
+}
+
+/// The highest mean PSNR that does not lose in squared error to the first one.
+size_t best_for_images(const std::vector<std::vector<double>>& errors) {
+  size_t best = 0;
+  double copied_mse = 0, best_psnr = 0;
+  for (size_t i = 0; i < errors.size(); ++i) {
+    double mse = 0, psnr = 0;
+    for (size_t window = 0; window < errors[i].size(); ++window) {
+      if (!is_for_choosing(window)) continue;
+      mse += errors[i][window];
+      psnr += psnr_db(errors[i][window]);
+    }
+    if (i == 0) copied_mse = mse;
+    const bool is_better = i == 0 || (psnr > best_psnr && mse <= copied_mse);
+    if (!is_better) continue;
+    best = i;
+    best_psnr = psnr;
+  }
+  return best;
+}
+
+size_t best_for_numbers(const std::vector<std::vector<double>>& errors) {
+  size_t best = 0;
+  double least = 0;
+  for (size_t i = 0; i < errors.size(); ++i) {
+    double mse = 0;
+    for (size_t window = 0; window < errors[i].size(); ++window)
+      if (is_for_choosing(window)) mse += errors[i][window];
+    if (i > 0 && mse >= least) continue;
+    best = i;
+    least = mse;
+  }
+  return best;
+}
+
+encoders::ErrorCalibration calibration_of(const std::vector<double>& changes,
+                                          const std::vector<double>& errors, double least_change) {
+  std::vector<MeasuredPrediction> choosing, calibrating;
+  for (size_t window = 0; window < errors.size(); ++window)
+    (is_for_choosing(window) ? choosing : calibrating).push_back({changes[window], errors[window]});
+  return calibrate(choosing, calibrating, least_change);
+}
+
+/// The least change of numbers that counts, in their units.
+double least_number_change(const encoders::DeepModel& model) {
+  double sum = 0;
+  for (const double deviation : model.deviation) sum += deviation * deviation;
+  const auto count = static_cast<double>(std::max<size_t>(model.deviation.size(), 1));
+  return std::max(kLeastNumberChange * kLeastNumberChange * sum / count,
+                  std::numeric_limits<double>::min());
+}
+
+/// How wrong these shares are.
+encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
+                                  const HorizonErrorsByShare& measured, size_t image,
+                                  size_t number) {
+  std::vector<double> image_changes, number_changes;
+  for (const ltm::MeasuredError& change : measured.changes) {
+    image_changes.push_back(change.image_mse);
+    number_changes.push_back(change.number_mse);
+  }
+  return {calibration_of(image_changes, measured.images[image], kLeastImageChange),
+          calibration_of(number_changes, measured.numbers[number], least_number_change(model))};
+}
+
+using Measured = std::array<HorizonErrorsByShare, kHorizons>;
+
+/// Keeps the shares that are best, or copies, and what is known of them.
+void keep(const encoders::DeepModel& model, const Measured& measured, bool is_copied,
+          PredictionRecord& record) {
+  const std::vector<Shares> shares = image_shares();
+  for (size_t i = 0; i < kHorizons; ++i) {
+    if (measured[i].changes.empty()) {
+      // What no recording is long enough for is as uncertain as the last that was measured.
+      if (i > 0) record.errors[i] = record.errors[i - 1];
+      for (encoders::ErrorCalibration* errors :
+           {&record.errors[i].images, &record.errors[i].numbers}) {
+        errors->bound_per_scale = std::numeric_limits<double>::quiet_NaN();
+        errors->measured = 0;
+      }
+      continue;
+    }
+    const size_t image = is_copied ? 0 : best_for_images(measured[i].images);
+    const size_t number = is_copied ? 0 : best_for_numbers(measured[i].numbers);
+    record.image_gates[i] = shares[image].latents;
+    record.motion_gates[i] = shares[image].motion;
+    record.number_gates[i] = kGates[number];
+    record.errors[i] = errors_of(model, measured[i], image, number);
+  }
+}
+
+Tensor index_of(int64_t row) {
+  return torch::tensor({row}, torch::kLong);
+}
+
+/// Predicts from held-out windows, told the conditions or not.
+Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_conditions) {
+  const auto& shape = model.autoencoder->shape;
+  const std::vector<Shares> shares = image_shares();
+  const std::vector<int64_t> rows = make_windows(data.sequences, 1).held_out;
+  const size_t stride = std::max<size_t>(1, rows.size() / kMostWindows);
+  Measured measured;
+  for (size_t w = 0; w < rows.size(); w += stride) {
+    const int64_t row = rows[w];
+    const auto sequence = std::find_if(data.sequences.begin(), data.sequences.end(),
+                                       [&](auto& s) { return static_cast<size_t>(row) < s.end; });
+    const int steps =
+        static_cast<int>(std::min<size_t>(kHorizons, sequence->end - 1 - static_cast<size_t>(row)));
+    Parts last = data.batch(shape, index_of(row));
+    Parts before = data.batch(shape, index_of(row - 1));
+    if (!has_conditions) last.conditions = before.conditions = Tensor();
+    const ltm::MeasuredError change = model.difference(last, before);
+    const auto futures = encoders::futures_of(model, last, before, steps);
+    for (size_t i = 0; i < futures.size(); ++i)
+      measured[i].add(model, shares, last, change, futures[i],
+                      data.batch(shape, index_of(row + static_cast<int64_t>(i) + 1)));
+  }
+  return measured;
+}
+
+}  // namespace
+
+void measure_prediction(encoders::DeepModel& model, const Dataset& data) {
+  torch::NoGradGuard no_grad;
+  const Measured measured = measure(model, data, true);
+  keep(model, measured, false, model.prediction);
+  keep(model, measured, true, model.copied);
+  if (model.condition) keep(model, measure(model, data, false), false, model.unconditioned);
+  model.prediction.step = model.unconditioned.step = model.copied.step = median_step(data.times);
+}
+
+}  // namespace engram::training
