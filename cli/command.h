@@ -30,6 +30,7 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code);
 void add_ls_command(CLI::App& app, ExitCode& exit_code);
 void add_export_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
+void add_predict_command(CLI::App& app, ExitCode& exit_code);
 void add_forget_command(CLI::App& app, ExitCode& exit_code);
 void add_compact_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);

@@ -22,6 +22,7 @@ constexpr const char* kFooter = R"(Examples:
   engram export robot.engram 'Vision @ all' --to mp4 -o videos
   engram models robot.engram
   engram eval robot.engram
+  engram predict robot.engram Vision/RGB/head/cam --compare --picture predict.png
   engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
   engram forget robot.engram --config robot.yaml --dry-run
   engram compact robot.engram
@@ -35,7 +36,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with da
 bool is_learning(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
     if (const std::string_view word = argv[i];
-        word == "consolidate" || word == "eval" || word == "crossval")
+        word == "consolidate" || word == "eval" || word == "crossval" || word == "predict")
       return true;
   return false;
 }
@@ -60,6 +61,7 @@ ExitCode run(int argc, char** argv) {
   add_query_command(app, exit_code);
   add_export_command(app, exit_code);
   add_eval_command(app, exit_code);
+  add_predict_command(app, exit_code);
   add_forget_command(app, exit_code);
   add_compact_command(app, exit_code);
   add_simulate_command(app, exit_code);

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/predict_picture.h"
+#include "cli/predict_text.h"
+#include "cli/progress_line.h"
+#include "cli/save.h"
+#include "cli/text.h"
+#include "encoders/load_model.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(Predicts what comes after a moment from the snapshots up to it alone: no later ones, and no later
+numbers of an entity that it links to. Every prediction tells the error to expect and a bound that
+its real error keeps with a probability of 90 %; both follow how much the last two snapshots differ.
+Where the store knows what really came, it stands beside: errors of the prediction and of a copy of
+the last snapshot, and whether the bound held. Images: PSNR (a bound is the least), numbers: RMSE.
+
+Examples:
+  engram predict robot.engram Vision/RGB/head/cam
+  engram predict robot.engram Vision/RGB/head/cam --compare --picture predict.png
+  engram predict robot.engram Vision/RGB/head/cam --at '2022-02-18 13:00:20' --horizons +200ms,+1s
+  engram predict robot.engram RobotState/Proprioception/robot/joints --compare --json
+  engram predict robot.engram Vision/RGB/head/cam --every 10
+  engram predict robot.engram Vision/RGB/head/cam --list)";
+
+struct PredictArguments {
+  std::string store;
+  std::string entity;
+  std::string at;
+  std::string horizons = "1..3";
+  std::string engine;
+  std::string picture;
+  std::string save;
+  std::string from, to;
+  size_t every = 0;
+  bool is_compared = false;
+  bool is_list = false;
+  bool is_json = false;
+};
+
+/// Text or JSON, as was asked for.
+void show(const PredictArguments& arguments, const std::string& text, const Json& json) {
+  if (arguments.is_json)
+    print_json(json);
+  else
+    print(text);
+}
+
+/// The time of an argument that was checked; nothing where it was not given.
+std::optional<Time> time_of(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional(*parse_time(text));
+}
+
+Status list(ltm::Recall& recall, const ltm::MemoryId& entity, const PredictArguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto engines, recall.engines(entity));
+  ENGRAM_ASSIGN_OR_RETURN(const Duration step, training::step_of(recall, entity, engines.front()));
+  show(arguments, engines_text(entity, step, engines), engines_json(entity, step, engines));
+  return {};
+}
+
+Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
+             const ltm::Recall::Outlook& outlook, const PredictArguments& arguments) {
+  const training::SweepOptions options{time_of(arguments.from), time_of(arguments.to),
+                                       std::max<size_t>(arguments.every, 1)};
+  ProgressLine progress;
+  const auto qualities =
+      training::sweep(recall, entity, outlook, options, progress.sink(), interrupt_token());
+  progress.finish();
+  ENGRAM_RETURN_IF_ERROR(qualities.status());
+  show(arguments, sweep_text(entity, engine, outlook.horizons, *qualities),
+       sweep_json(entity, engine, outlook.horizons, *qualities));
+  return {};
+}
+
+Status save(const ltm::MemoryId& entity, const training::PredictedMoment& moment,
+            const PredictArguments& arguments) {
+  size_t count = 0;
+  for (const training::PredictedHorizon& horizon : moment.horizons) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto files,
+                            save_snapshot(entity, horizon.predicted, arguments.save));
+    count += files.size();
+  }
+  if (!arguments.is_json) print(fmt::format("{} files written below {}", count, arguments.save));
+  return {};
+}
+
+Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
+               ltm::Recall::Outlook outlook, const PredictArguments& arguments) {
+  if (arguments.is_compared && !outlook.from) {
+    ENGRAM_ASSIGN_OR_RETURN(outlook.from, training::last_known_from(
+                                              recall, entity, std::ranges::max(outlook.horizons)));
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto moment, training::predict_moment(recall, entity, outlook));
+  if (arguments.is_compared &&
+      std::ranges::none_of(moment.horizons, [](const auto& horizon) { return horizon.error; }))
+    return not_found("entity '{}': nothing is known of what came after {}, needs it to compare",
+                     entity.to_string(), to_string(moment.last.time));
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, moment_json(entity, engine, moment));
+  show(arguments, moment_text(entity, engine, moment), json);
+  if (!arguments.save.empty()) ENGRAM_RETURN_IF_ERROR(save(entity, moment, arguments));
+  if (!arguments.picture.empty())
+    ENGRAM_RETURN_IF_ERROR(write_predict_picture(moment, arguments.picture));
+  return {};
+}
+
+ExitCode run(const PredictArguments& arguments) {
+  const bool is_sweep = arguments.every > 0 || !arguments.from.empty() || !arguments.to.empty();
+  const bool is_moment = !arguments.at.empty() || arguments.is_compared ||
+                         !arguments.picture.empty() || !arguments.save.empty();
+  if (is_sweep && is_moment)
+    return wrong_usage(invalid_argument(
+        "--every, --from and --to are of many moments: --at, --compare, --picture and --save of "
+        "one"));
+  auto reader = ltm::StoreReader::open(arguments.store);
+  if (!reader.ok()) return fail(reader.status());
+  ltm::Recall recall(std::move(*reader), encoders::load_model);
+  const ltm::MemoryId entity = *ltm::MemoryId::parse(arguments.entity);
+  if (arguments.is_list) {
+    const Status listed = list(recall, entity, arguments);
+    return listed.ok() ? ExitCode::kDone : fail(listed);
+  }
+  const auto engine = recall.engine(entity, arguments.engine);
+  if (!engine.ok()) return fail(engine.status());
+  const auto step = training::step_of(recall, entity, *engine);
+  if (!step.ok()) return fail(step.status());
+  auto horizons = parse_horizons(arguments.horizons, *step);
+  if (!horizons.ok()) return wrong_usage(horizons.status());
+  const ltm::Recall::Outlook outlook{time_of(arguments.at), std::move(*horizons), arguments.engine};
+  const Status done = is_sweep ? sweep(recall, entity, *engine, outlook, arguments)
+                               : predict(recall, entity, *engine, outlook, arguments);
+  return done.ok() ? ExitCode::kDone : fail(done);
+}
+
+}  // namespace
+
+void add_predict_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<PredictArguments>();
+  CLI::App* command =
+      app.add_subcommand("predict", "Predict from any moment, and compare with what came");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store")->required();
+  command->add_option("entity", arguments->entity, "Memory/Core/Provider/Entity")
+      ->required()
+      ->check(entity_text());
+  command->add_option("--at", arguments->at, "The last moment that is known; else the newest one")
+      ->check(time_text());
+  command
+      ->add_option("--horizons", arguments->horizons,
+                   "Steps ahead ('1..3', '2') or durations ('+200ms,+400ms')")
+      ->capture_default_str();
+  command->add_option("--engine", arguments->engine, "What predicts (--list); else the best");
+  command->add_flag("--compare", arguments->is_compared,
+                    "Only where something is known of what came; without --at from the last moment "
+                    "whose horizons are all known");
+  command->add_option("--picture", arguments->picture,
+                      "Draw the last image, what came, the prediction and its error (PNG)");
+  command->add_option("--save", arguments->save,
+                      "Write predicted images (PNG) and data (JSON) below a folder");
+  command
+      ->add_option("--every", arguments->every,
+                   "Means over the predictions from every N-th snapshot")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--from", arguments->from, "The first moment of these")->check(time_text());
+  command->add_option("--to", arguments->to, "The last moment of these")->check(time_text());
+  command->add_flag("--list", arguments->is_list,
+                    "What can predict the entity, and its measured errors");
+  command->add_flag("--json", arguments->is_json, "As JSON, with all predicted data");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/command.h"
+#include "training/predicted_moment.h"
+
+namespace engram::cli {
+
+/// Reads "1..3" and "2", in steps, or "+200ms,+400ms".
+/// Errors: kInvalidArgument naming the text and what is needed.
+Result<std::vector<Duration>> parse_horizons(const std::string& text, Duration step);
+
+/// "deep v1", "copy-last".
+[[nodiscard]] std::string engine_text(const ltm::Recall::Engine& engine);
+
+/// Predictions of one moment as a table: what was expected, and what came.
+[[nodiscard]] std::string moment_text(const ltm::MemoryId& entity,
+                                      const ltm::Recall::Engine& engine,
+                                      const training::PredictedMoment& moment);
+/// The same, with the predicted data. Errors: those of idf::to_json.
+Result<Json> moment_json(const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
+                         const training::PredictedMoment& moment);
+
+/// The means of many moments. `horizons` are as many as `qualities`.
+[[nodiscard]] std::string sweep_text(const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
+                                     std::span<const Duration> horizons,
+                                     std::span<const training::PredictionQuality> qualities);
+[[nodiscard]] Json sweep_json(const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
+                              std::span<const Duration> horizons,
+                              std::span<const training::PredictionQuality> qualities);
+
+/// What can predict an entity, and how wrong it was on held-out data.
+[[nodiscard]] std::string engines_text(const ltm::MemoryId& entity, Duration step,
+                                       std::span<const ltm::Recall::Engine> engines);
+[[nodiscard]] Json engines_json(const ltm::MemoryId& entity, Duration step,
+                                std::span<const ltm::Recall::Engine> engines);
+
+}  // namespace engram::cli

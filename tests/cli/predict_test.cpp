@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+Json json_of(const RunResult& result) {
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return Json::parse(result.out);
+}
+
+/// A store of 130 snapshots with models of both entities: 20 are held out, ten of them calibrate.
+class Predict : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    directory_ = new ScratchDirectory();
+    store_ = directory_->path() / "robot.engram";
+    const Recording recording = make_recording(directory_->path(), 26);
+    const RunResult imported = run_engram(import_arguments(recording, store_));
+    ASSERT_EQ(imported.exit_code, 0) << imported.err;
+    const RunResult trained = run_engram(
+        {"consolidate", store_, "--representation", "latents", "--steps", "60", "--threads", "1"});
+    ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  }
+  static void TearDownTestSuite() { delete directory_; }
+
+  static RunResult predict(std::vector<std::string> more) {
+    std::vector<std::string> arguments{"predict", store_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_engram(arguments);
+  }
+
+  static inline ScratchDirectory* directory_ = nullptr;
+  static inline std::string store_;
+};
+
+TEST_F(Predict, TellsTheErrorToExpectAndABound) {
+  const RunResult shown = predict({kCamera});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  for (const char* text :
+       {"predicted by deep v1", "90 % bound", "200ms", "600ms", "2022-02-18 13:00:26.400000"})
+    EXPECT_THAT(shown.out, HasSubstr(text));
+  const Json answer = json_of(predict({kCamera, "--json"}));
+  EXPECT_EQ(answer.at("from"), "2022-02-18 13:00:25.800000");
+  ASSERT_EQ(answer.at("predictions").size(), 3u);
+  for (const Json& one : answer.at("predictions")) {
+    EXPECT_EQ(one.at("error_bound").at("probability"), 0.9);
+    EXPECT_FALSE(one.contains("actual")) << "that is yet to come";
+    EXPECT_FALSE(one.contains("error"));
+    EXPECT_EQ(one.at("predicted").at("source"), "predicted");
+  }
+  const Json& next = answer.at("predictions").at(0);
+  EXPECT_LE(next.at("error_bound").at("psnr_db").get<double>(),
+            next.at("expected_error").at("psnr_db").get<double>());
+  // A query answers with the same.
+  const Json queried = json_of(run_engram({"query", store_, kCamera + " @ +200ms", "--json"}));
+  const Json& instance = queried.at("entities").at(0).at("snapshots").at(0).at("instances").at(0);
+  EXPECT_EQ(instance.at("error_bound"), next.at("error_bound"));
+  EXPECT_EQ(instance.at("expected_error"), next.at("expected_error"));
+  EXPECT_THAT(run_engram({"query", store_, kCamera + " @ +200ms"}).out, HasSubstr("dB, 90 %: "));
+}
+
+TEST_F(Predict, ComparesWithWhatCame) {
+  const std::string picture = directory_->path() / "predict.png";
+  const RunResult shown = predict({kCamera, "--compare", "--picture", picture});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("from 2022-02-18 13:00:25.200000"));
+  std::ifstream png(picture, std::ios::binary);
+  std::string signature(4, '\0');
+  ASSERT_TRUE(png.read(signature.data(), 4));
+  EXPECT_EQ(signature, "\x89PNG");
+  const Json answer = json_of(
+      predict({kCamera, "--at", "2022-02-18 13:00:10", "--horizons", "+200ms,+400ms", "--json"}));
+  EXPECT_EQ(answer.at("engine"), "deep");
+  EXPECT_EQ(answer.at("model"), kCamera + " v1");
+  ASSERT_EQ(answer.at("predictions").size(), 2u);
+  const Json& far = answer.at("predictions").at(1);
+  EXPECT_EQ(far.at("horizon_s"), 0.4);
+  EXPECT_EQ(far.at("actual").at("id"), kCamera + "/2022-02-18 13:00:10.400000");
+  EXPECT_EQ(far.at("actual").at("source"), "recorded");
+  const double real = far.at("error").at("psnr_db").get<double>();
+  EXPECT_EQ(far.at("within").get<bool>(),
+            real >= far.at("error_bound").at("psnr_db").get<double>());
+  EXPECT_GT(far.at("copy_last").at("error").at("psnr_db").get<double>(), 10);
+  EXPECT_TRUE(far.at("copy_last").at("error_bound").contains("psnr_db"));
+  // A copy of the last one is as wrong as it says of itself.
+  const Json copied = json_of(predict({kCamera, "--at", "2022-02-18 13:00:10", "--horizons", "2",
+                                       "--engine", "copy-last", "--json"}));
+  EXPECT_EQ(copied.at("predictions").at(0).at("error"), far.at("copy_last").at("error"));
+  EXPECT_EQ(copied.at("predictions").at(0).at("error_bound"),
+            far.at("copy_last").at("error_bound"));
+}
+
+TEST_F(Predict, PredictsNumbers) {
+  const RunResult shown = predict({kJoints, "--compare", "--horizons", "1..2"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("RMSE "));
+  const Json answer = json_of(predict({kJoints, "--compare", "--horizons", "1", "--json"}));
+  const Json& next = answer.at("predictions").at(0);
+  EXPECT_TRUE(next.at("error").contains("rmse"));
+  EXPECT_FALSE(next.at("error").contains("psnr_db"));
+  EXPECT_TRUE(next.at("error_bound").contains("rmse"));
+  const RunResult drawn = predict({kJoints, "--picture", directory_->path() / "none.png"});
+  EXPECT_EQ(drawn.exit_code, 1);
+  EXPECT_THAT(drawn.err, HasSubstr("image"));
+}
+
+TEST_F(Predict, SavesWhatItPredicts) {
+  const std::string folder = directory_->path() / "future";
+  const RunResult saved = predict({kCamera, "--save", folder, "--horizons", "1"});
+  ASSERT_EQ(saved.exit_code, 0) << saved.err;
+  EXPECT_THAT(saved.out, HasSubstr("2 files written below"));
+  std::ifstream text(folder + "/" + kCamera + "/2022-02-18T13-00-26.000000.json");
+  const Json data = Json::parse(text);
+  EXPECT_EQ(data.at("source"), "predicted");
+  EXPECT_TRUE(data.at("instances").at(0).contains("error_bound"));
+}
+
+TEST_F(Predict, ListsWhatCanPredict) {
+  const RunResult shown = predict({kCamera, "--list"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  for (const char* text : {"deep v1", "copy-last", "steps of 200ms", "known", "unknown", "1s"})
+    EXPECT_THAT(shown.out, HasSubstr(text));
+  const Json engines = json_of(predict({kCamera, "--list", "--json"})).at("engines");
+  ASSERT_EQ(engines.size(), 3u);
+  EXPECT_EQ(engines.at(0).at("condition"), kJoints);
+  EXPECT_EQ(engines.at(2).at("engine"), "copy-last");
+  ASSERT_EQ(engines.at(2).at("horizons").size(), 5u);
+  EXPECT_EQ(engines.at(2).at("horizons").at(0).at("held_out_predictions"), 10);
+  EXPECT_GT(engines.at(2).at("horizons").at(0).at("mean_error").at("psnr_db").get<double>(), 10);
+}
+
+TEST_F(Predict, SweepsOverManyMoments) {
+  const RunResult shown = predict({kCamera, "--every", "20", "--horizons", "1..2"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("within 90 % bound"));
+  const Json all = json_of(predict({kCamera, "--from", "2022-02-18 13:00:10", "--to",
+                                    "2022-02-18 13:00:12", "--horizons", "1", "--json"}));
+  const Json& next = all.at("horizons").at(0);
+  EXPECT_EQ(next.at("horizon_s"), 0.2);
+  EXPECT_EQ(next.at("model").at("images"), 11);
+  EXPECT_EQ(next.at("model_bound").at("images").at("predictions"), 11);
+  EXPECT_LE(next.at("model_bound").at("images").at("within").get<int>(), 11);
+}
+
+TEST_F(Predict, CoverageIsEvaluated) {
+  const RunResult shown = run_engram({"eval", store_, "--entity", "Vision"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  for (const char* text : {"90 % bound", "within", "mean bound", "as the prior told in training"})
+    EXPECT_THAT(shown.out, HasSubstr(text));
+  const Json entity =
+      json_of(run_engram({"eval", store_, "--entity", "Vision", "--json"})).at("entities").at(0);
+  const Json& held_out = entity.at("prediction").at("held out").at(0);
+  EXPECT_EQ(held_out.at("model_bound").at("images").at("predictions"), 20);
+  // Ten of the twenty calibrated the bound: at most one of them is beyond it.
+  EXPECT_GE(held_out.at("copy_last_bound").at("images").at("within").get<int>(), 9);
+  EXPECT_GT(entity.at("code").at("prior_row_bytes").get<double>(), 0);
+}
+
+TEST_F(Predict, RefusesWhatItCannotDo) {
+  for (const char* horizons : {"0", "3..1", "soon", "-1", "+0ms", "1,,2", "1..100000", ""}) {
+    const RunResult refused = predict({kCamera, std::string("--horizons=") + horizons});
+    EXPECT_EQ(refused.exit_code, 2) << horizons;
+  }
+  EXPECT_EQ(predict({kCamera, "--horizons", "60"}).exit_code, 1) << "more than 50 steps";
+  EXPECT_EQ(predict({kCamera, "--engine", "oracle"}).exit_code, 1);
+  EXPECT_THAT(predict({kCamera, "--engine", "oracle"}).err, HasSubstr("deep, copy-last"));
+  EXPECT_EQ(predict({kCamera, "--at", "2001-01-01 00:00:00"}).exit_code, 1);
+  EXPECT_EQ(predict({kCamera, "--compare", "--at", "2022-02-18 13:00:25.8"}).exit_code, 1);
+  EXPECT_EQ(predict({kCamera, "--every", "5", "--compare"}).exit_code, 2);
+  EXPECT_EQ(predict({kCamera, "--every", "0"}).exit_code, 2);
+  EXPECT_EQ(predict({"Vision/RGB/head/none"}).exit_code, 1);
+  EXPECT_EQ(predict({"Vision"}).exit_code, 2);
+}
+
+TEST(PredictWithoutModels, CopiesAndTellsThatNothingIsKnown) {
+  const ScratchDirectory directory;
+  const std::string store = directory.path() / "robot.engram";
+  ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 4), store)).exit_code, 0);
+  const Json answer =
+      json_of(run_engram({"predict", store, kCamera, "--compare", "--horizons", "1", "--json"}));
+  EXPECT_EQ(answer.at("engine"), "copy-last");
+  const Json& next = answer.at("predictions").at(0);
+  EXPECT_FALSE(next.at("error_bound").contains("psnr_db"));
+  EXPECT_FALSE(next.contains("within"));
+  EXPECT_EQ(next.at("error"), next.at("copy_last").at("error"));
+  EXPECT_THAT(run_engram({"predict", store, kCamera, "--list"}).out, HasSubstr("copy-last"));
+}
+
+}  // namespace
+}  // namespace engram::cli
