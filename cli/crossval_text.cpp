@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/text.h"
+#include "ltm/memory/result.h"
 
 namespace engram::cli {
 

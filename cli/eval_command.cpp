@@ -6,6 +6,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/text.h"
+#include "ltm/memory/result.h"
 #include "training/evaluate.h"
 
 namespace engram::cli {

@@ -97,8 +97,9 @@ Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Reca
                                               recall, entity, std::ranges::max(outlook.horizons)));
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto moment, training::predict_moment(recall, entity, outlook));
-  if (arguments.is_compared &&
-      std::ranges::none_of(moment.horizons, [](const auto& horizon) { return horizon.error; }))
+  if (arguments.is_compared && std::ranges::none_of(moment.horizons, [](const auto& horizon) {
+        return horizon.error.has_value();
+      }))
     return not_found("entity '{}': nothing is known of what came after {}, needs it to compare",
                      entity.to_string(), to_string(moment.last.time));
   ENGRAM_ASSIGN_OR_RETURN(const Json json, moment_json(entity, engine, moment));

@@ -153,7 +153,7 @@ class EntityMeasurement {
     // Snapshots of another layout are not this model's to predict.
     if (!futures.ok() && futures.status().code() == StatusCode::kInvalidArgument) return {};
     if (!futures.ok()) return futures.status();
-    ENGRAM_ASSIGN_OR_RETURN(const auto copies, model_.copy_last->predict(history, steps));
+    ENGRAM_ASSIGN_OR_RETURN(const auto copies, model_.copy_last->predict({history, {}}, steps));
     for (size_t h = 0; h < truth.size(); ++h) {
       const auto error = compare(truth[h], (*futures)[h].value);
       const auto copy_error = compare(truth[h], copies[h].value);
