@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "encoders/coding/residual_image.h"
 #include "ltm/core/status.h"
 #include "ltm/idf/ndarray.h"
 
@@ -24,6 +25,10 @@ enum class ImageForm : uint8_t { kLatents = 0, kH264 = 1, kH265 = 2, kAv1 = 3, k
 struct FrameShape {
   idf::ElementType type = idf::ElementType::kUInt8;
   idf::Shape shape;
+
+  [[nodiscard]] PixelShape pixels() const {
+    return {static_cast<int>(shape[0]), static_cast<int>(shape[1]), static_cast<int>(shape[2])};
+  }
 };
 
 /// A background that a block carries itself, as the single image of a video: of a view that its

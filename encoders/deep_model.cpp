@@ -33,6 +33,14 @@ idf::NdArray image_array(const ImageMember& image, const Tensor& pixels) {
   return idf::NdArray::take<T>({image.height, image.width, image.channels}, std::move(result));
 }
 
+idf::NdArray with_residual(const idf::NdArray& image, std::span<const int16_t> residual,
+                           const PixelShape& shape) {
+  const auto decoded = image.values<uint8_t>();
+  std::vector<uint8_t> pixels(decoded.begin(), decoded.end());
+  add_residual(residual, shape, pixels);
+  return idf::NdArray::take<uint8_t>(image.shape(), std::move(pixels));
+}
+
 /// [1, z, h, w]
 Tensor grid_tensor(const LatentGrid& grid, std::span<const int32_t> integers) {
   std::vector<float> values(integers.begin(), integers.end());
@@ -295,8 +303,13 @@ Result<std::vector<idf::NdArray>> DeepModel::decode_images(const LatentRows& row
       rows.images, [](const ImageRows& image) { return image.form == ImageForm::kLatents; });
   std::vector<idf::NdArray> images(rows.images.size());
   if (has_latents) images = to_arrays(autoencoder->decode(to_latents(rows, row)));
-  for (size_t i = 0; i < images.size(); ++i)
-    if (rows.images[i].form != ImageForm::kLatents) images[i] = rows.images[i].frames[row];
+  for (size_t i = 0; i < images.size(); ++i) {
+    const ImageRows& kept = rows.images[i];
+    if (kept.form != ImageForm::kLatents)
+      images[i] = kept.frames[row];
+    else if (!kept.residuals.empty() && !kept.residuals[row].empty())
+      images[i] = with_residual(images[i], kept.residuals[row], codec.frames[i].pixels());
+  }
   return images;
 }
 

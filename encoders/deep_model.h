@@ -88,7 +88,7 @@ struct DeepModel {
   /// Errors: kInvalidArgument where an image is too small for a video.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
 
-  /// The images of a row, one per member.
+  /// The images of a row, one per member, with their residuals.
   Result<std::vector<idf::NdArray>> decode_images(const LatentRows& rows, size_t row);
   Result<idf::Data> decode(const LatentRows& rows, size_t row, const idf::List& remainder);
 

@@ -82,10 +82,14 @@ Status check_format(const h5::File& file) {
   return {};
 }
 
-Result<TensorPlan> read_plan(const h5::File& file) {
+Result<idf::Layout> read_layout(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, "/layout"));
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data data, idf::decode(Buffer::take(bytes)));
-  ENGRAM_ASSIGN_OR_RETURN(idf::Layout layout, idf::Layout::from_data(data));
+  return idf::Layout::from_data(data);
+}
+
+Result<TensorPlan> read_plan(const h5::File& file) {
+  ENGRAM_ASSIGN_OR_RETURN(idf::Layout layout, read_layout(file));
   ENGRAM_ASSIGN_OR_RETURN(TensorPlan plan, TensorPlan::create(std::move(layout)));
   ENGRAM_ASSIGN_OR_RETURN(const auto scales, read_vector<double>(file, "/normaliser/image_scale"));
   if (scales.size() != plan.images().size())
@@ -135,6 +139,17 @@ Status as_damage(const Status& status, const std::filesystem::path& path) {
   return data_loss("{}", text);
 }
 
+/// What `read` makes of a model file of our format.
+template <typename Read>
+auto read_part(const std::filesystem::path& path, Read read)
+    -> decltype(read(std::declval<const h5::File&>())) {
+  ENGRAM_ASSIGN_OR_RETURN(const h5::File file, h5::File::open(path));
+  if (const Status status = check_format(file); !status.ok()) return as_damage(status, path);
+  auto part = read(file);
+  if (!part.ok()) return as_damage(part.status(), path);
+  return part;
+}
+
 }  // namespace
 
 Status save_model(DeepModel& model, const idf::Data& example, const std::filesystem::path& path) {
@@ -150,11 +165,11 @@ Result<std::shared_ptr<DeepModel>> read_model(const std::filesystem::path& path)
 }
 
 Result<Provenance> read_provenance(const std::filesystem::path& path) {
-  ENGRAM_ASSIGN_OR_RETURN(const h5::File file, h5::File::open(path));
-  if (const Status status = check_format(file); !status.ok()) return as_damage(status, path);
-  auto provenance = read_provenance(file);
-  if (!provenance.ok()) return as_damage(provenance.status(), path);
-  return provenance;
+  return read_part(path, [](const h5::File& file) { return read_provenance(file); });
+}
+
+Result<idf::Layout> read_layout(const std::filesystem::path& path) {
+  return read_part(path, [](const h5::File& file) { return read_layout(file); });
 }
 
 }  // namespace engram::encoders

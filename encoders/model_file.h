@@ -5,6 +5,7 @@
 
 #include "encoders/provenance.h"
 #include "ltm/core/status.h"
+#include "ltm/idf/layout.h"
 
 namespace engram::encoders {
 
@@ -15,5 +16,9 @@ inline constexpr int kModelFormatVersion = 4;
 /// Errors: kNotFound; kDataLoss where the file is damaged; kFailedPrecondition where its format is
 /// another.
 Result<Provenance> read_provenance(const std::filesystem::path& path);
+
+/// Reads the layout of the values that a model is of, without its networks.
+/// Errors: as read_provenance.
+Result<idf::Layout> read_layout(const std::filesystem::path& path);
 
 }  // namespace engram::encoders

@@ -172,14 +172,25 @@ constexpr const char* kForms = "/provenance/forms";
 /// The integers of StoredForms by name.
 template <typename Forms, typename Visit>
 Status for_each_count(Forms& forms, Visit visit) {
+  ENGRAM_RETURN_IF_ERROR(visit("noise_images", forms.noise_images));
   ENGRAM_RETURN_IF_ERROR(visit("rows", forms.rows));
   ENGRAM_RETURN_IF_ERROR(visit("latent_rows", forms.latent_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("refined_rows", forms.refined_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("residual_rows", forms.residual_rows));
   ENGRAM_RETURN_IF_ERROR(visit("video_rows", forms.video_rows));
   ENGRAM_RETURN_IF_ERROR(visit("lossless_rows", forms.lossless_rows));
-  ENGRAM_RETURN_IF_ERROR(visit("below_bound_rows", forms.below_bound_rows));
   ENGRAM_RETURN_IF_ERROR(visit("kept_bytes", forms.kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("latent_kept_bytes", forms.latent_kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("refined_kept_bytes", forms.refined_kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("residual_kept_bytes", forms.residual_kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("video_kept_bytes", forms.video_kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("lossless_kept_bytes", forms.lossless_kept_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("below_bound_rows", forms.below_bound_rows));
+  ENGRAM_RETURN_IF_ERROR(visit("refine_tried_rows", forms.refine_tried_rows));
   ENGRAM_RETURN_IF_ERROR(visit("latent_bytes", forms.latent_bytes));
-  return visit("video_bytes", forms.video_bytes);
+  ENGRAM_RETURN_IF_ERROR(visit("residual_bytes", forms.residual_bytes));
+  ENGRAM_RETURN_IF_ERROR(visit("video_bytes", forms.video_bytes));
+  return visit("lossless_bytes", forms.lossless_bytes);
 }
 
 Status write_forms(h5::File& file, const StoredForms& forms) {
@@ -187,6 +198,7 @@ Status write_forms(h5::File& file, const StoredForms& forms) {
   ENGRAM_RETURN_IF_ERROR(
       file.write_attribute(kForms, "representation", std::string_view(forms.representation)));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kForms, "bound_db", forms.bound_db));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(kForms, "noise", forms.noise));
   return for_each_count(forms, [&](const char* name, int64_t count) {
     return file.write_attribute(kForms, name, count);
   });
@@ -240,6 +252,7 @@ Result<StoredForms> read_forms(const h5::File& file) {
   StoredForms forms;
   ENGRAM_ASSIGN_OR_RETURN(forms.representation, file.string_attribute(kForms, "representation"));
   ENGRAM_ASSIGN_OR_RETURN(forms.bound_db, file.double_attribute(kForms, "bound_db"));
+  ENGRAM_ASSIGN_OR_RETURN(forms.noise, file.double_attribute(kForms, "noise"));
   ENGRAM_RETURN_IF_ERROR(for_each_count(forms, [&](const char* name, int64_t& count) -> Status {
     ENGRAM_ASSIGN_OR_RETURN(count, file.int_attribute(kForms, name));
     return {};

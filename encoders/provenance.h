@@ -23,14 +23,29 @@ struct TimeSpan {
 struct StoredForms {
   std::string representation;  ///< That was asked for: auto, latents or video.
   double bound_db = 0;         ///< Least PSNR of every image; 0: none was kept.
+  int64_t noise_images = 0;    ///< Whose noise the bound follows from; 0: it was given.
+  double noise = 0;            ///< Their standard deviation. Unit: grey levels.
   int64_t rows = 0;
-  int64_t latent_rows = 0;       ///< Kept as latents.
-  int64_t video_rows = 0;        ///< Kept as video.
-  int64_t lossless_rows = 0;     ///< Kept without loss.
-  int64_t below_bound_rows = 0;  ///< Whose latents alone would be worse than the bound.
-  int64_t kept_bytes = 0;        ///< Of the forms that were kept.
-  int64_t latent_bytes = 0;      ///< Of all rows as latents; 0 without networks.
-  int64_t video_bytes = 0;       ///< Of all rows as video at the bound; 0 where not tried.
+  // What was kept, each row once.
+  int64_t latent_rows = 0;    ///< As latents, as the encoder made them.
+  int64_t refined_rows = 0;   ///< As latents that were searched for.
+  int64_t residual_rows = 0;  ///< As latents, refined or not, with a residual.
+  int64_t video_rows = 0;
+  int64_t lossless_rows = 0;
+  int64_t kept_bytes = 0;
+  // Of these, by form. A block's latents count evenly for its rows.
+  int64_t latent_kept_bytes = 0;
+  int64_t refined_kept_bytes = 0;
+  int64_t residual_kept_bytes = 0;
+  int64_t video_kept_bytes = 0;
+  int64_t lossless_kept_bytes = 0;
+  // What was tried, and what all rows would take in one form alone; 0: not tried.
+  int64_t below_bound_rows = 0;   ///< Whose latents, as the encoder made them, miss the bound.
+  int64_t refine_tried_rows = 0;  ///< Whose latents were searched for.
+  int64_t latent_bytes = 0;       ///< As the encoder made them, whatever their error.
+  int64_t residual_bytes = 0;     ///< As latents with residuals; 0 where some cannot be.
+  int64_t video_bytes = 0;        ///< At the bound, or without loss where that is less.
+  int64_t lossless_bytes = 0;
 
   friend bool operator==(const StoredForms&, const StoredForms&) = default;
 };

@@ -28,8 +28,8 @@ struct BlockChoiceOfLevels {
 };
 
 int32_t to_level(int32_t value, int32_t step) {
-  // Rounded down up to two thirds of a step: a zero is cheap.
-  const int32_t level = (3 * std::abs(value) + step) / (3 * step);
+  // Rounded down up to three quarters of a step: a zero is cheap.
+  const int32_t level = (4 * std::abs(value) + step) / (4 * step);
   return std::clamp(value < 0 ? -level : level, -kMostCoefficient, kMostCoefficient);
 }
 

@@ -164,14 +164,21 @@ void ResidualWalk::code_block(Port& port, const Place& place, QuantisedResidual&
   if (is_coded) code_levels(port, place, continues, levels);
 }
 
+void ResidualWalk::add_to(std::vector<int16_t>& last, const QuantisedResidual& image,
+                          size_t block) const {
+  const int32_t step = residual_step(image.step);
+  const auto own = std::span(last).subspan(block * kSize, kSize);
+  const auto levels = std::span(image.levels).subspan(block * kSize, kSize);
+  if (image.continues[block] == 0) std::ranges::fill(own, int16_t{0});
+  if (!has_any(levels.data())) return;
+  for (size_t i = 0; i < kSize; ++i)
+    own[i] = static_cast<int16_t>(
+        std::clamp(own[i] + levels[i] * step, -kMostCoefficient, kMostCoefficient));
+}
+
 std::vector<int16_t> ResidualWalk::after(const QuantisedResidual& image) const {
-  std::vector<int16_t> sum(last_.size());
-  const int64_t step = residual_step(image.step);
-  for (size_t i = 0; i < sum.size(); ++i) {
-    const int64_t base = image.continues[i / kSize] != 0 ? last_[i] : 0;
-    sum[i] = static_cast<int16_t>(
-        std::clamp<int64_t>(base + image.levels[i] * step, -kMostCoefficient, kMostCoefficient));
-  }
+  std::vector<int16_t> sum = last_;
+  for (size_t block = 0; block < grid_.blocks(); ++block) add_to(sum, image, block);
   return sum;
 }
 
@@ -185,9 +192,10 @@ void ResidualWalk::code(Port& port, QuantisedResidual& image) {
     for (size_t row = 0; row < grid_.rows; ++row)
       for (size_t column = 0; column < grid_.columns; ++column)
         code_block(port, place_of(image, plane, row, column), image);
-  last_ = after(image);
-  for (size_t block = 0; block < grid_.blocks(); ++block)
+  for (size_t block = 0; block < grid_.blocks(); ++block) {
+    add_to(last_, image, block);
     has_last_[block] = has_any(last_.data() + block * kSize) ? 1 : 0;
+  }
 }
 
 template void ResidualWalk::code(BinaryEncoder&, QuantisedResidual&);

@@ -88,6 +88,9 @@ class ResidualWalk {
   template <typename Port>
   int code_magnitude(Port& port, size_t band, const Surroundings& known, int magnitude);
 
+  /// Makes what was before a block of `image` what is after it.
+  void add_to(std::vector<int16_t>& last, const QuantisedResidual& image, size_t block) const;
+
   BlockGrid grid_;
   int32_t step_ = 1;
   std::vector<int16_t> last_;

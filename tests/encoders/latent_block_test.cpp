@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "encoders/coding/checked_block.h"
 #include "ltm/codec/group_codec.h"
 
 namespace engram::encoders {
@@ -105,8 +106,90 @@ TEST(LatentBlock, RefusesABackgroundThatIsNone) {
             StatusCode::kDataLoss);
 }
 
-TEST(LatentBlock, FindsEveryFlippedBitAndEveryMissingByte) {
+/// An image that is brighter at one place, and how a network may see it.
+std::vector<uint8_t> pixels(size_t row, bool is_decoded) {
+  std::vector<uint8_t> values(64 * 64 * 3, static_cast<uint8_t>(90 + row));
+  if (!is_decoded) std::fill_n(values.begin() + 64 * 3 * 10, 60, uint8_t{180});
+  return values;
+}
+
+/// Rows whose second image member was refined; its rows 1 and 4 have residuals.
+LatentRows corrected_rows() {
+  LatentRows rows = some_rows();
+  ResidualEncoder residual({64, 64, 3});
+  for (size_t row = 0; row < kRows; ++row) {
+    const bool is_bad = row == 1 || row == 4;
+    EXPECT_TRUE(residual.add(pixels(row, is_bad), pixels(row, false), 64 * 64));
+  }
+  rows.images[1].is_refined = true;
+  rows.images[1].residual = residual.finish();
+  return rows;
+}
+
+TEST(LatentBlock, HoldsResidualsOfTheRowsThatNeedThem) {
+  const LatentRows rows = corrected_rows();
+  const auto block = codec().encode(rows, kRows);
+  for (const size_t wanted : {size_t{2}, kRows}) {
+    const auto decoded = codec().decode(block, kRows, wanted);
+    ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
+    EXPECT_EQ(decoded->images[0].residuals.size(), 0u);
+    EXPECT_FALSE(decoded->images[0].is_refined);
+    EXPECT_TRUE(decoded->images[1].is_refined);
+    ASSERT_EQ(decoded->images[1].residuals.size(), wanted);
+    for (size_t row = 0; row < wanted; ++row)
+      EXPECT_EQ(decoded->images[1].residuals[row].empty(), row != 1 && row != 4) << row;
+    auto image = pixels(1, true);
+    add_residual(decoded->images[1].residuals[1], {64, 64, 3}, image);
+    EXPECT_NEAR(image[64 * 3 * 10 + 30], 180, 12);
+  }
+}
+
+TEST(LatentBlock, SaysHowEachImageMemberIsKept) {
+  const LatentRows rows = corrected_rows();
+  const auto block = codec().encode(rows, kRows);
+  const auto codes = describe_block(block, kRows, 2);
+  ASSERT_TRUE(codes.ok()) << codes.status().to_string();
+  ASSERT_EQ(codes->size(), 2u);
+  EXPECT_EQ((*codes)[0].form, ImageForm::kLatents);
+  EXPECT_FALSE((*codes)[0].is_refined);
+  EXPECT_EQ((*codes)[0].bytes, codec().images[0].encode(rows.images[0].latents).size());
+  EXPECT_TRUE((*codes)[0].residual_bytes.empty());
+  EXPECT_TRUE((*codes)[1].is_refined);
+  ASSERT_EQ((*codes)[1].residual_bytes.size(), kRows);
+  for (size_t row = 0; row < kRows; ++row)
+    EXPECT_EQ((*codes)[1].residual_bytes[row].has_value(), row == 1 || row == 4) << row;
+}
+
+TEST(LatentBlock, RefusesFormsThatThereAreNot) {
   const auto block = codec().encode(some_rows(), kRows);
+  const auto body = *without_checksum(block, "block", kRows);
+  for (int form = 0; form < 64; ++form) {
+    std::vector<std::byte> other(body.begin(), body.end());
+    other[1] = std::byte(static_cast<uint8_t>(2 * form));  // Behind the scene, a varint.
+    const auto decoded = codec().decode(with_checksum(other, kRows), kRows, kRows);
+    EXPECT_EQ(decoded.ok(), form == 0 || form == 8) << form;
+  }
+}
+
+TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
+  const auto block = codec().encode(corrected_rows(), kRows);
+  const auto body = *without_checksum(block, "block", kRows);
+  std::mt19937 random(11);
+  for (int round = 0; round < 400; ++round) {
+    std::vector<std::byte> other(body.begin(), body.end());
+    for (int i = 0; i < 2; ++i)
+      other[random() % (i == 0 ? 12 : other.size())] = std::byte(random());
+    other.resize(round % 2 == 0 ? other.size() : random() % other.size());
+    const auto sealed = with_checksum(other, kRows);
+    const auto decoded = codec().decode(sealed, kRows, kRows);
+    if (!decoded.ok()) EXPECT_EQ(decoded.status().code(), StatusCode::kDataLoss);
+    const auto described = describe_block(sealed, kRows, 2);
+    if (decoded.ok()) EXPECT_TRUE(described.ok());
+  }
+}
+
+TEST(LatentBlock, FindsEveryFlippedBitAndEveryMissingByte) {
+  const auto block = codec().encode(corrected_rows(), kRows);
   for (size_t bit = 0; bit < block.size() * 8; ++bit) {
     auto damaged = block;
     damaged[bit / 8] ^= std::byte(1 << (bit % 8));
