@@ -29,11 +29,12 @@ constexpr const char* kFooter = R"(Examples:
 
 Tells what it is going to do, then trains one autoencoder per entity with new recorded snapshots, encodes them, decodes what is
 stored and measures its error. Training starts from the entity's newest model (--anew: not), on new
-and on old recorded snapshots. Each block of images is kept as latents or as video, whichever takes
-fewer bytes with every image at --psnr or better; where networks cannot save five times what they
-take themselves in --nights nights, video alone is used and no network is trained for images.
-Where going on with the newest model takes no more bytes in --nights nights than a new one, what is
-new gets latents of that and the store no new model.
+and on old recorded snapshots. Each block of images is kept as latents, with residuals where they
+need them, as video or without loss, whichever takes fewest bytes with every image at --psnr or
+better (without it, as good as the camera's noise, 30 to 40 dB); where networks cannot save five
+times what they take themselves in --nights nights, video alone is used and no network is trained
+for images. Where going on with the newest model takes no more bytes in --nights nights than a new
+one, what is new gets latents of that and the store no new model.
 Numbers are kept within --number-bound. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
 moment leaves the store as it was, or with whole entities done; run again with the same options,
 training goes on from its last checkpoint (only the time that it is given may differ).)";
@@ -47,6 +48,7 @@ struct ConsolidateArguments {
   std::string representation = "auto";
   std::string variant = "rate";
   std::string grace;
+  const CLI::Option* psnr = nullptr;
   bool drops_raw = false;
   bool is_dry_run = false;
   bool is_json = false;
@@ -130,7 +132,7 @@ ExitCode run(ConsolidateArguments& arguments) {
   const auto representation = training::representation_of(arguments.representation);
   if (!representation.ok()) return wrong_usage(representation.status());
   options.representation.kind = *representation;
-  options.representation.bound_db = options.train.psnr_db;
+  options.representation.bound_db = arguments.psnr->empty() ? 0 : options.train.psnr_db;
   if (const Status status = options.validate(); !status.ok()) return wrong_usage(status);
   return arguments.is_dry_run ? show_plan(arguments) : consolidate(arguments);
 }
@@ -146,7 +148,9 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
   add_training_options(*command, arguments->learning, options.train, "all entities together",
-                       "Least PSNR of every image, dB; with latents alone the mean to aim at");
+                       "Least PSNR of every image, dB, else that of the camera's noise; with "
+                       "latents alone the mean to aim at");
+  arguments->psnr = command->get_option("--psnr");
   add_job_options(*command, arguments->job, options.job);
   command
       ->add_option("--representation", arguments->representation,
@@ -168,8 +172,10 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
                    "Nights like this one that share the bytes of a model")
       ->capture_default_str();
   command
-      ->add_option("--refine", options.representation.refine_steps,
-                   "Steps that search better latents for each block: smaller and better, but slow")
+      ->add_option(
+          "--refine", options.representation.refine_steps,
+          "Steps that search better latents for each block: smaller and better, but slow; 0: "
+          "some, only where the bound is missed by little")
       ->capture_default_str();
   command
       ->add_option("--number-bound", options.train.number_bound,

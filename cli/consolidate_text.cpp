@@ -79,6 +79,10 @@ void print_plan(const training::ConsolidatePlan& plan) {
                fmt::format("{:.0f} %", 100 * entity.budget_share)});
   }
   if (skipped.size() < plan.entities.size()) print(table.to_string());
+  for (const training::EntityPlan& entity : plan.entities)
+    if (entity.bound.bound_db > 0)
+      print(fmt::format("{}: bound {}", entity.entity.to_string(),
+                        bound_text(entity.bound.bound_db, entity.bound.noise_images)));
   for (const std::string& line : skipped) print(line);
 }
 
@@ -89,14 +93,18 @@ Json plan_json(const training::ConsolidatePlan& plan) {
     if (!entity.skipped_reason.empty())
       json["skipped"] = entity.skipped_reason;
     else
-      json.update({{"snapshots", entity.snapshots},
-                   {"new_snapshots", entity.new_snapshots},
-                   {"plain_bytes", entity.plain_bytes},
-                   {"stored_bytes", entity.stored_bytes},
-                   {"newest_model_version", entity.newest_version},
-                   {"expected_bytes", number_or_null(entity.expected_bytes())},
-                   {"expected_gain_bytes", number_or_null(entity.expected_gain_bytes())},
-                   {"budget_share", entity.budget_share}});
+      json.update(
+          {{"snapshots", entity.snapshots},
+           {"new_snapshots", entity.new_snapshots},
+           {"plain_bytes", entity.plain_bytes},
+           {"stored_bytes", entity.stored_bytes},
+           {"newest_model_version", entity.newest_version},
+           {"expected_bytes", number_or_null(entity.expected_bytes())},
+           {"expected_gain_bytes", number_or_null(entity.expected_gain_bytes())},
+           {"budget_share", entity.budget_share},
+           {"bound_db", entity.bound.bound_db > 0 ? Json(entity.bound.bound_db) : Json(nullptr)},
+           {"noise_images", entity.bound.noise_images},
+           {"noise_grey_levels", entity.bound.noise}});
     entities.push_back(std::move(json));
   }
   return {{"entities", std::move(entities)}};
@@ -127,7 +135,8 @@ void print_report(const training::ConsolidateReport& report) {
     if (entity.left_behind > 0)
       print(fmt::format("  {} snapshots of another layout stay as they are",
                         count_text(entity.left_behind)));
-    if (entity.forms.rows > 0) print("  images: " + forms_text(entity.forms));
+    if (entity.forms.rows > 0)
+      for (const std::string& line : forms_text(entity.forms)) print("  images: " + line);
     if (entity.choice.previous_version > 0) print(choice_text(entity.choice));
     for (const std::string& note : all_notes(entity)) print("  " + note);
   }

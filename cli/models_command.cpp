@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <functional>
+#include <map>
+#include <set>
 
 #include "cli/choice_text.h"
 #include "cli/command.h"
@@ -8,6 +11,7 @@
 #include "encoders/model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
+#include "training/stored_snapshots.h"
 
 namespace engram::cli {
 
@@ -16,15 +20,19 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   engram models robot.engram
   engram models robot.engram --entity 'Vision/.*' --json
+  engram models robot.engram --entity Vision/RGB/head/cam --snapshots
 
 Of each model: what it was trained on, and the bytes that an image takes in each form that was
 tried, alone and with the model's share for 3,000 and 30,000 images. "kept" is what was published.
-"chosen from" is what the store would have taken in so many nights with the previous model and with
-this one.)";
+--snapshots lists of each snapshot in which form its images are kept (latents, refined, residual,
+video or lossless), its bytes (its own residual, and an even share of the rest of its block) and
+PSNR, as it was measured when it was made. "chosen from" is what the store would have taken in so
+many nights with the previous model and with this one.)";
 
 struct ModelsArguments {
   std::string store;
   std::string entity;
+  bool lists_snapshots = false;
   bool is_json = false;
 };
 
@@ -74,8 +82,27 @@ std::string row(std::string_view form, int64_t bytes, int64_t rows, uint64_t mod
   const auto with_model = [&](double images) {
     return bytes_text(each + static_cast<double>(model_bytes) / images);
   };
-  return fmt::format("    {:<8} {:>10} {:>12} {:>14}  {}", form, bytes_text(each), with_model(3000),
-                     with_model(30000), note);
+  return fmt::format("    {:<14} {:>10} {:>12} {:>14}  {}", form, bytes_text(each),
+                     with_model(3000), with_model(30000), note);
+}
+
+void print_forms(const encoders::StoredForms& forms, uint64_t model_bytes) {
+  print(fmt::format("    {:<14} {:>10} {:>12} {:>14}", "form", "an image", "with 3,000",
+                    "with 30,000"));
+  if (forms.latent_bytes > 0)
+    print(row("latents", forms.latent_bytes, forms.rows, model_bytes,
+              forms.bound_db > 0
+                  ? fmt::format("{} of {} below the bound", forms.below_bound_rows, forms.rows)
+                  : ""));
+  if (forms.residual_bytes > 0)
+    print(row("with residuals", forms.residual_bytes, forms.rows, model_bytes,
+              forms.refine_tried_rows > 0
+                  ? fmt::format("refining tried for {}", forms.refine_tried_rows)
+                  : ""));
+  if (forms.video_bytes > 0) print(row("video", forms.video_bytes, forms.rows, 0, ""));
+  if (forms.lossless_bytes > 0) print(row("without loss", forms.lossless_bytes, forms.rows, 0, ""));
+  print(row("kept", forms.kept_bytes, forms.rows, model_bytes, kept_text(forms)));
+  if (forms.bound_db > 0) print("    bound " + bound_text(forms.bound_db, forms.noise_images));
 }
 
 void print_model(const Model& model) {
@@ -91,19 +118,75 @@ void print_model(const Model& model) {
     text += fmt::format(", variant {}", to_string(from.variant));
   print(text);
   if (from.choice.previous_version > 0) print(choice_text(from.choice));
-  const encoders::StoredForms& forms = from.forms;
-  if (forms.rows == 0) return;
-  print(fmt::format("    {:<8} {:>10} {:>12} {:>14}", "form", "an image", "with 3,000",
-                    "with 30,000"));
-  if (forms.latent_bytes > 0)
-    print(row("latents", forms.latent_bytes, forms.rows, info->bytes,
-              forms.bound_db > 0 ? fmt::format("{} of {} below {:.1f} dB", forms.below_bound_rows,
-                                               forms.rows, forms.bound_db)
-                                 : ""));
-  if (forms.video_bytes > 0) print(row("video", forms.video_bytes, forms.rows, 0, ""));
-  print(row("kept", forms.kept_bytes, forms.rows, info->bytes,
-            fmt::format("{} latents, {} video, {} without loss", forms.latent_rows,
-                        forms.video_rows, forms.lossless_rows)));
+  if (from.forms.rows > 0) print_forms(from.forms, info->bytes);
+}
+
+using SnapshotSink =
+    std::function<Status(const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot)>;
+
+/// The snapshots of all entities that the models are of.
+Status for_each_snapshot(ltm::StoreReader& reader, const std::vector<Model>& models,
+                         const SnapshotSink& sink) {
+  std::set<ltm::MemoryId> entities;
+  for (const Model& model : models) entities.insert(model.info->entity);
+  for (const ltm::MemoryId& entity : entities)
+    ENGRAM_RETURN_IF_ERROR(training::list_stored_snapshots(
+        reader, entity, [&](const training::StoredSnapshot& one) { return sink(entity, one); }));
+  return {};
+}
+
+Json to_json(const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot) {
+  Json images = Json::array();
+  for (const training::StoredImage& image : snapshot.images)
+    images.push_back({{"member", image.member},
+                      {"form", to_string(image.form)},
+                      {"bytes", image.bytes},
+                      {"residual_bytes", image.residual_bytes}});
+  return {{"entity", entity.to_string()},
+          {"time", to_string(snapshot.time)},
+          {"model_version", snapshot.model_version},
+          {"images", std::move(images)},
+          {"bytes", snapshot.bytes},
+          {"psnr_db", std::isnan(snapshot.psnr_db) ? Json(nullptr) : Json(snapshot.psnr_db)}};
+}
+
+Status print_snapshots(ltm::StoreReader& reader, const std::vector<Model>& models) {
+  std::map<ltm::MemoryId, TextTable> tables;
+  ENGRAM_RETURN_IF_ERROR(for_each_snapshot(
+      reader, models,
+      [&](const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot) -> Status {
+        std::vector<std::string> forms;
+        for (const auto& image : snapshot.images) forms.emplace_back(to_string(image.form));
+        const TextTable header({"time", "model", "form", "bytes", "PSNR"});
+        tables.try_emplace(entity, header)
+            .first->second.add({to_string(snapshot.time),
+                                fmt::format("v{}", snapshot.model_version),
+                                fmt::format("{}", fmt::join(forms, "+")),
+                                fmt::format("{:.1f}", snapshot.bytes), db_text(snapshot.psnr_db)});
+        return {};
+      }));
+  for (const auto& [entity, table] : tables) {
+    print(entity.to_string());
+    print(table.to_string("  "));
+  }
+  return {};
+}
+
+Status print_as_json(ltm::StoreReader& reader, const std::vector<Model>& models,
+                     bool lists_snapshots) {
+  Json report{{"models", Json::array()}};
+  for (const Model& model : models) report["models"].push_back(to_json(model));
+  if (lists_snapshots) {
+    Json& list = report["snapshots"] = Json::array();
+    ENGRAM_RETURN_IF_ERROR(for_each_snapshot(
+        reader, models,
+        [&](const ltm::MemoryId& entity, const training::StoredSnapshot& one) -> Status {
+          list.push_back(to_json(entity, one));
+          return {};
+        }));
+  }
+  print_json(report);
+  return {};
 }
 
 ExitCode run(const ModelsArguments& arguments) {
@@ -111,15 +194,15 @@ ExitCode run(const ModelsArguments& arguments) {
   if (!reader.ok()) return fail(reader.status());
   const auto models = models_of(**reader, arguments.entity);
   if (!models.ok()) return fail(models.status());
+  Status printed;
   if (arguments.is_json) {
-    Json list = Json::array();
-    for (const Model& model : *models) list.push_back(to_json(model));
-    print_json({{"models", std::move(list)}});
-    return ExitCode::kDone;
+    printed = print_as_json(**reader, *models, arguments.lists_snapshots);
+  } else {
+    if (models->empty()) print(fmt::format("Store {}: no models", arguments.store));
+    for (const Model& model : *models) print_model(model);
+    if (arguments.lists_snapshots) printed = print_snapshots(**reader, *models);
   }
-  if (models->empty()) print(fmt::format("Store {}: no models", arguments.store));
-  for (const Model& model : *models) print_model(model);
-  return ExitCode::kDone;
+  return printed.ok() ? ExitCode::kDone : fail(printed);
 }
 
 }  // namespace
@@ -130,6 +213,8 @@ void add_models_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->entity, "Name or pattern of entities; else all");
+  command->add_flag("--snapshots", arguments->lists_snapshots,
+                    "Also list how each snapshot is kept");
   command->add_flag("--json", arguments->is_json, "Report as JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/block_choice.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
 #include "training/latent_refinement.h"
 #include "training/quality/psnr.h"
 #include "training/view_choice.h"
@@ -11,59 +16,229 @@ using encoders::ImageForm;
 using encoders::ImageRows;
 using encoders::LatentRows;
 
+namespace {
+
+int64_t as_int(uint64_t bytes) {
+  return static_cast<int64_t>(bytes);
+}
+
+/// Of the background that rows carry of an image member.
+uint64_t background_bytes(const LatentRows& rows, size_t image) {
+  return rows.own.empty() ? 0 : rows.own[image].bytes.size();
+}
+
+}  // namespace
+
 BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options)
-    : model_(model), options_(options) {
+    : model_(model),
+      options_(options),
+      bound_db_(options.bound_db + kDecodingMarginDb),
+      most_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)) {
+  ENGRAM_CHECK(options.kind == Representation::kLatents || options.bound_db > 0, "no bound for {}",
+               to_string(options.kind));
   counts_.representation = to_string(options.kind);
   counts_.bound_db = options.kind == Representation::kLatents ? 0 : options.bound_db;
+  counts_.noise_images = options.noise_images;
+  counts_.noise = options.noise;
   for (size_t i = 0; i < model.plan.images().size(); ++i)
     searches_.emplace_back(options.video, options.video_effort, options.bound_db);
 }
 
-Result<std::vector<bool>> BlockChoice::within_bound(const LatentRows& rows,
-                                                    std::span<const idf::SplitValue> values) {
-  std::vector<bool> is_within(rows.images.size(), true);
-  for (size_t row = 0; row < values.size(); ++row) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto images, model_.decode_images(rows, row));
-    for (size_t i = 0; i < images.size(); ++i) {
-      const auto& member = model_.plan.images()[i];
-      // Depth is kept within a bound of 8-bit images only by what has no loss.
-      double mse = 0;
-      if (!member.is_depth) {
-        ENGRAM_ASSIGN_OR_RETURN(mse, image_mse(values[row].tensors[member.member], images[i]));
-      }
-      const bool is_below = member.is_depth || psnr_db(mse) < options_.bound_db;
-      counts_.below_bound_rows += is_below ? 1 : 0;
-      if (is_below) is_within[i] = false;
-    }
-  }
-  return is_within;
+encoders::StoredForms BlockChoice::counts() const {
+  encoders::StoredForms counts = counts_;
+  if (!can_correct_all_) counts.residual_bytes = 0;
+  return counts;
 }
 
-Status BlockChoice::choose(size_t image, std::span<const idf::NdArray> images, ImageRows& rows,
-                           bool is_within) {
-  ENGRAM_ASSIGN_OR_RETURN(auto video, searches_[image].find(images));
-  if (video) counts_.video_bytes += static_cast<int64_t>(video->bytes.size());
-  const bool has_latents = !rows.latents.empty();
-  if (!has_latents && !video)
-    return invalid_argument(
-        "image '{}': no installed video codec takes it",
-        model_.plan.layout().members()[model_.plan.images()[image].member].path);
-  const uint64_t latent_bytes =
-      has_latents ? model_.codec.images[image].encode(rows.latents).size() : 0;
-  counts_.latent_bytes += static_cast<int64_t>(latent_bytes);
-  const bool keeps_latents =
-      has_latents && (!video || (is_within && latent_bytes <= video->bytes.size()));
-  if (keeps_latents) {
-    counts_.latent_rows += static_cast<int64_t>(images.size());
-    counts_.kept_bytes += static_cast<int64_t>(latent_bytes);
-    return {};
+const idf::NdArray& BlockChoice::recorded(const idf::SplitValue& value, size_t image) const {
+  return value.tensors[model_.plan.images()[image].member];
+}
+
+Result<LatentRows> BlockChoice::seen(LatentRows rows, size_t count) const {
+  if (!model_.codec.numbers) return rows;
+  const auto code = model_.codec.numbers->encode(rows.numbers);
+  ENGRAM_ASSIGN_OR_RETURN(rows.numbers, model_.codec.numbers->decode(code, count));
+  return rows;
+}
+
+Result<BlockChoice::Images> BlockChoice::decoded(const LatentRows& rows, size_t count) {
+  Images images;
+  for (size_t row = 0; row < count; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(images.emplace_back(), model_.decode_images(rows, row));
   }
-  counts_.kept_bytes += static_cast<int64_t>(video->bytes.size());
-  rows.form = *encoders::form_of_codec(video->codec);
-  (rows.form == ImageForm::kFfv1 ? counts_.lossless_rows : counts_.video_rows) +=
-      static_cast<int64_t>(images.size());
-  rows.video = std::move(video->bytes);
-  rows.latents.clear();
+  return images;
+}
+
+Result<std::vector<std::vector<double>>> BlockChoice::errors_of(
+    std::span<const idf::SplitValue> values, const Images& images) const {
+  std::vector<std::vector<double>> errors;
+  for (size_t row = 0; row < values.size(); ++row) {
+    auto& own = errors.emplace_back(images[row].size(), std::numeric_limits<double>::infinity());
+    for (size_t i = 0; i < own.size(); ++i) {
+      if (model_.plan.images()[i].is_depth) continue;
+      ENGRAM_ASSIGN_OR_RETURN(own[i], image_mse(recorded(values[row], i), images[row][i]));
+    }
+  }
+  return errors;
+}
+
+int BlockChoice::refine_steps(const std::vector<std::vector<double>>& errors) const {
+  if (options_.refine_steps > 0) return options_.refine_steps;
+  double worst = 0;
+  for (const auto& row : errors)
+    for (const double mse : row) worst = std::max(worst, std::isfinite(mse) ? mse : 0);
+  const double missed_by = bound_db_ - psnr_db(worst);
+  return worst > most_mse_ && missed_by <= options_.refine_within_db ? options_.few_refine_steps
+                                                                     : 0;
+}
+
+std::optional<BlockChoice::Candidate> BlockChoice::corrected(
+    std::span<const idf::SplitValue> values, size_t image, const ImageRows& rows,
+    const Images& images) const {
+  if (model_.plan.images()[image].is_depth) return std::nullopt;
+  encoders::ResidualEncoder residual(model_.codec.frames[image].pixels());
+  for (size_t row = 0; row < values.size(); ++row) {
+    const auto wanted = recorded(values[row], image).values<uint8_t>();
+    const auto most_error = static_cast<uint64_t>(most_mse_ * static_cast<double>(wanted.size()));
+    if (!residual.add(images[row][image].values<uint8_t>(), wanted, most_error))
+      return std::nullopt;
+  }
+  Candidate candidate{rows, model_.codec.images[image].encode(rows.latents).size()};
+  candidate.rows.residual = residual.finish();
+  candidate.bytes += candidate.rows.residual.size();
+  return candidate;
+}
+
+Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_candidates(
+    std::span<const idf::SplitValue> values, const LatentRows& rows, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows guess, seen(rows, values.size()));
+  ENGRAM_ASSIGN_OR_RETURN(const Images guessed, decoded(guess, values.size()));
+  ENGRAM_ASSIGN_OR_RETURN(const auto errors, errors_of(values, guessed));
+  for (const auto& row : errors)
+    counts_.below_bound_rows +=
+        std::ranges::count_if(row, [this](double mse) { return mse > most_mse_; });
+  std::vector<std::vector<Candidate>> candidates(rows.images.size());
+  const auto add = [&](size_t i, const ImageRows& latents, const Images& images) {
+    auto candidate = corrected(values, i, latents, images);
+    if (!candidate) return;
+    candidate->bytes += background_bytes(rows, i);
+    candidates[i].push_back(*std::move(candidate));
+  };
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    add(i, rows.images[i], guessed);
+    counts_.latent_bytes += as_int(model_.codec.images[i].encode(rows.images[i].latents).size() +
+                                   background_bytes(rows, i));
+  }
+  const int steps = refine_steps(errors);
+  if (steps == 0) return candidates;
+  counts_.refine_tried_rows += static_cast<int64_t>(values.size() * rows.images.size());
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows refined, refine_latents(model_, values, std::move(guess),
+                                                                   {steps, bound_db_}, stop));
+  ENGRAM_ASSIGN_OR_RETURN(const Images images, decoded(refined, values.size()));
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    if (refined.images[i].latents == rows.images[i].latents) continue;
+    ImageRows latents = refined.images[i];
+    latents.is_refined = true;
+    add(i, latents, images);
+  }
+  return candidates;
+}
+
+Status BlockChoice::add_videos(std::span<const idf::SplitValue> values, size_t image,
+                               std::vector<Candidate>& candidates) {
+  std::vector<idf::NdArray> images;
+  for (const idf::SplitValue& value : values) images.push_back(recorded(value, image));
+  ENGRAM_ASSIGN_OR_RETURN(auto video, searches_[image].find_lossy(images));
+  ENGRAM_ASSIGN_OR_RETURN(auto lossless, searches_[image].find_lossless(images));
+  const size_t before = candidates.size();
+  for (auto* found : {&video, &lossless}) {
+    if (!*found) continue;
+    Candidate& candidate = candidates.emplace_back();
+    candidate.rows.form = *encoders::form_of_codec((*found)->codec);
+    candidate.rows.video = std::move((*found)->bytes);
+    candidate.bytes = candidate.rows.video.size();
+  }
+  if (candidates.size() == before) return {};
+  if (lossless) counts_.lossless_bytes += as_int(candidates.back().bytes);
+  counts_.video_bytes += as_int(std::min(candidates[before].bytes, candidates.back().bytes));
+  return {};
+}
+
+void BlockChoice::count_kept(const Candidate& kept, size_t rows) {
+  const auto count = static_cast<int64_t>(rows);
+  const int64_t bytes = as_int(kept.bytes);
+  counts_.kept_bytes += bytes;
+  const auto add = [](int64_t& all_rows, int64_t more_rows, int64_t& all_bytes, int64_t more) {
+    all_rows += more_rows;
+    all_bytes += more;
+  };
+  if (kept.rows.form == ImageForm::kFfv1)
+    return add(counts_.lossless_rows, count, counts_.lossless_kept_bytes, bytes);
+  if (kept.rows.form != ImageForm::kLatents)
+    return add(counts_.video_rows, count, counts_.video_kept_bytes, bytes);
+  int64_t with_residual = 0;
+  if (!kept.rows.residual.empty()) {
+    const auto each = encoders::residual_bytes(kept.rows.residual, rows);
+    ENGRAM_CHECK(each.ok(), "{}", each.status().message());
+    with_residual = std::ranges::count_if(*each, [](const auto& row) { return row.has_value(); });
+  }
+  const int64_t latents = bytes - as_int(kept.rows.residual.size());
+  const int64_t alone = latents * (count - with_residual) / count;
+  add(counts_.residual_rows, with_residual, counts_.residual_kept_bytes, bytes - alone);
+  if (kept.rows.is_refined)
+    add(counts_.refined_rows, count - with_residual, counts_.refined_kept_bytes, alone);
+  else
+    add(counts_.latent_rows, count - with_residual, counts_.latent_kept_bytes, alone);
+}
+
+Status BlockChoice::choose(std::span<const idf::SplitValue> values, size_t image,
+                           std::vector<Candidate> candidates, ImageRows& rows) {
+  const auto less = [](const Candidate& a, const Candidate& b) { return a.bytes < b.bytes; };
+  if (candidates.empty())
+    can_correct_all_ = false;
+  else
+    counts_.residual_bytes += as_int(std::ranges::min_element(candidates, less)->bytes);
+  ENGRAM_RETURN_IF_ERROR(add_videos(values, image, candidates));
+  if (candidates.empty())
+    return invalid_argument("image '{}': no form keeps {} dB: no installed video codec takes it",
+                            model_.plan.layout().members()[model_.plan.images()[image].member].path,
+                            options_.bound_db);
+  // Of equals the first: latents are reached sooner than video.
+  Candidate& best = *std::ranges::min_element(candidates, less);
+  count_kept(best, values.size());
+  rows = std::move(best.rows);
+  return {};
+}
+
+Status BlockChoice::keep_least(std::span<const idf::SplitValue> values, LatentRows& rows,
+                               const std::stop_token& stop) {
+  std::vector<std::vector<Candidate>> candidates(rows.images.size());
+  if (options_.kind == Representation::kAuto && !model_.autoencoder->images.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(candidates, latent_candidates(values, rows, stop));
+  }
+  for (size_t i = 0; i < rows.images.size(); ++i)
+    ENGRAM_RETURN_IF_ERROR(choose(values, i, std::move(candidates[i]), rows.images[i]));
+  const auto is_video = [](const ImageRows& image) { return image.form != ImageForm::kLatents; };
+  if (std::ranges::all_of(rows.images, is_video)) rows.own.clear();
+  return {};
+}
+
+Status BlockChoice::keep_latents(std::span<const idf::SplitValue> values, LatentRows& rows,
+                                 const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows start, seen(rows, values.size()));
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows refined, refine_latents(model_, values, std::move(start),
+                                                             {options_.refine_steps, 0}, stop));
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    const uint64_t background = background_bytes(rows, i);
+    counts_.latent_bytes +=
+        as_int(model_.codec.images[i].encode(rows.images[i].latents).size() + background);
+    refined.images[i].is_refined = refined.images[i].latents != rows.images[i].latents;
+    rows.images[i] = std::move(refined.images[i]);
+    const uint64_t latents = model_.codec.images[i].encode(rows.images[i].latents).size();
+    count_kept({rows.images[i], latents + background}, values.size());
+  }
+  if (options_.refine_steps > 0)
+    counts_.refine_tried_rows += static_cast<int64_t>(values.size() * rows.images.size());
   return {};
 }
 
@@ -74,30 +249,12 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.layout().split(value));
   }
   ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, rows_on_best_view(model_, split));
-  const double bound_db = options_.kind == Representation::kAuto ? options_.bound_db : 0;
-  ENGRAM_ASSIGN_OR_RETURN(rows, refine_latents(model_, split, std::move(rows),
-                                               {options_.refine_steps, bound_db}, stop));
-  const auto image_rows = static_cast<int64_t>(split.size() * rows.images.size());
-  counts_.rows += image_rows;
-  const bool needs_video = model_.autoencoder->images.empty();
-  if ((options_.kind != Representation::kLatents || needs_video) && !rows.images.empty()) {
-    std::vector<bool> is_within(rows.images.size(), false);
-    if (!model_.autoencoder->images.empty()) {
-      ENGRAM_ASSIGN_OR_RETURN(is_within, within_bound(rows, split));
-    }
-    for (size_t i = 0; i < rows.images.size(); ++i) {
-      std::vector<idf::NdArray> images;
-      for (const idf::SplitValue& value : split)
-        images.push_back(value.tensors[model_.plan.images()[i].member]);
-      ENGRAM_RETURN_IF_ERROR(choose(i, images, rows.images[i], is_within[i]));
-    }
-  } else {
-    counts_.latent_rows += image_rows;
-    for (size_t i = 0; i < rows.images.size(); ++i)
-      counts_.latent_bytes +=
-          static_cast<int64_t>(model_.codec.images[i].encode(rows.images[i].latents).size());
-    counts_.kept_bytes = counts_.latent_bytes;
-  }
+  counts_.rows += static_cast<int64_t>(split.size() * rows.images.size());
+  const bool has_networks = !model_.autoencoder->images.empty();
+  if (options_.kind == Representation::kLatents && has_networks)
+    ENGRAM_RETURN_IF_ERROR(keep_latents(split, rows, stop));
+  else
+    ENGRAM_RETURN_IF_ERROR(keep_least(split, rows, stop));
   std::vector<std::byte> block = model_.codec.encode(rows, split.size());
   return encoders::latents_of(std::move(block), std::move(split));
 }

@@ -11,6 +11,13 @@
 
 namespace engram::training {
 
+/// Least PSNR of every image, and where it comes from.
+struct ImageBound {
+  double bound_db = 0;       ///< 0: there are no images, or they are kept as latents alone.
+  int64_t noise_images = 0;  ///< Whose noise it follows from; 0: it was given.
+  double noise = 0;          ///< Their standard deviation. Unit: grey levels.
+};
+
 /// What the offline phase is going to do with one entity.
 struct EntityPlan {
   ltm::MemoryId entity;
@@ -25,6 +32,7 @@ struct EntityPlan {
   /// included; nothing where there are none.
   std::optional<double> latent_bytes_per_snapshot;
   uint64_t model_bytes = 0;  ///< Of the newest model's file.
+  ImageBound bound;
 
   /// What latents and model will take if they turn out as those of the newest model.
   [[nodiscard]] std::optional<double> expected_bytes() const;

@@ -37,7 +37,6 @@ class EntityEncoding {
   Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
 
   [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }
-  [[nodiscard]] const encoders::StoredForms& forms() const { return choice_.counts(); }
 
   /// Adds bytes and errors.
   void report(EntityReport& report) const;

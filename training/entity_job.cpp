@@ -54,7 +54,7 @@ Status EntityJob::plan() {
   layout_ = std::move(found.layout);
   plan_.skipped_reason = found.missing;
   if (!found.missing.empty()) return skip(std::move(found.missing));
-  return {};
+  return choose_bound();
 }
 
 double EntityJob::weight() const {

@@ -58,6 +58,8 @@ class EntityJob {
 
  private:
   Status skip(std::string reason);
+  /// Finds the bound of images, from their noise where none was given.
+  Status choose_bound();
   /// Chooses between networks and video alone, once.
   Status choose_form();
   Status train_and_publish(const Allotment& time);

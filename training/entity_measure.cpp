@@ -8,6 +8,8 @@
 #include "training/entity_encoding.h"
 #include "training/entity_job.h"
 #include "training/entity_source.h"
+#include "training/noise_floor.h"
+#include "training/quality/psnr.h"
 #include "training/video_search.h"
 
 namespace engram::training {
@@ -20,6 +22,8 @@ constexpr double kMargin = 1.0;
 constexpr size_t kSample = 32;
 /// Predictions are measured beside encoding, on so many snapshots at most.
 constexpr size_t kMostMeasured = 256;
+/// Pairs of consecutive images that noise is measured on.
+constexpr size_t kNoisePairs = 32;
 
 }  // namespace
 
@@ -29,13 +33,35 @@ double with_encoding_margin(double seconds) {
   return kFactor * seconds + kFixed;
 }
 
+Status EntityJob::choose_bound() {
+  const bool has_images = std::ranges::any_of(
+      layout_.members(), [](const auto& member) { return member.kind == idf::MemberKind::kImage; });
+  if (!has_images) return {};
+  if (representation_.bound_db == 0) {
+    NoiseFloor floor;
+    const size_t step = std::max<size_t>(1, entries_.size() / kNoisePairs);
+    for (size_t i = 0; i + 1 < entries_.size(); i += step) {
+      std::vector<std::vector<idf::NdArray>> images;
+      for (const size_t at : {i, i + 1})
+        ENGRAM_RETURN_IF_ERROR(append_images(entries_[at], images));
+      for (const auto& pair : images) ENGRAM_RETURN_IF_ERROR(floor.add(pair[0], pair[1]));
+    }
+    representation_.noise_images = floor.images();
+    representation_.noise = floor.deviation().value_or(0);
+    representation_.bound_db = bound_of_noise(representation_.noise);
+  }
+  if (representation_.kind != Representation::kLatents)
+    plan_.bound = {representation_.bound_db, representation_.noise_images, representation_.noise};
+  return {};
+}
+
 Status EntityJob::choose_form() {
   if (std::exchange(is_form_chosen_, true)) return {};
   ENGRAM_ASSIGN_OR_RETURN(train_.has_networks, wants_networks());
   if (!train_.has_networks) representation_.kind = Representation::kVideo;
   // The mean has to lie above the bound for every image to reach it.
   if (representation_.kind == Representation::kAuto)
-    train_.psnr_db = representation_.bound_db + kMargin;
+    train_.psnr_db = std::min(representation_.bound_db + kMargin, kLargestPsnrDb);
   return {};
 }
 
@@ -59,7 +85,11 @@ Result<double> EntityJob::measure_encoding() {
   const auto decoder = encoders::make_encoder(model);
   const auto start = std::chrono::steady_clock::now();
   JobPace pace(nullptr, no_progress, pace_.stop());
-  EntityEncoding encoding(reader_, entity_, 1, *model, *decoder, representation_);
+  // So early a model misses every bound by far: later some blocks may be refined.
+  RepresentationOptions slowest = representation_;
+  if (slowest.kind == Representation::kAuto)
+    slowest.refine_steps = std::max(slowest.refine_steps, slowest.few_refine_steps);
+  EntityEncoding encoding(reader_, entity_, 1, *model, *decoder, slowest);
   const Status encoded = encoding.run(sample, pace);
   if (encoded.code() == StatusCode::kInvalidArgument) return 0.0;
   ENGRAM_RETURN_IF_ERROR(encoded);
@@ -77,7 +107,7 @@ Result<double> EntityJob::measure_encoding() {
 }
 
 Result<bool> EntityJob::wants_networks() {
-  const RepresentationOptions& representation = options_.representation;
+  const RepresentationOptions& representation = representation_;
   if (options_.reuses_models) return true;
   if (representation.kind != Representation::kAuto)
     return representation.kind == Representation::kLatents;
@@ -95,7 +125,7 @@ Result<bool> EntityJob::wants_networks() {
     return true;
   }
   report_.notes.push_back(fmt::format(
-      "video at {} dB takes {:.0f} bytes a snapshot: {:.0f} % of it in {} nights is "
+      "video at {:.1f} dB takes {:.0f} bytes a snapshot: {:.0f} % of it in {} nights is "
       "less than what networks take ({} bytes)",
       representation.bound_db, video, 100 * kMostModelShare, representation.nights, networks));
   return false;
@@ -105,7 +135,7 @@ Result<double> EntityJob::sampled_video_bytes() {
   constexpr size_t kRuns = 4;
   const auto most = static_cast<size_t>(options_.train.block_rows);
   const size_t step = std::max<size_t>(1, entries_.size() / kRuns);
-  const auto& representation = options_.representation;
+  const auto& representation = representation_;
   double bytes = 0;
   size_t count = 0;
   for (size_t first = 0; first < entries_.size(); first += step) {

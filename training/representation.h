@@ -21,14 +21,22 @@ Result<Representation> representation_of(std::string_view text);
 
 struct RepresentationOptions {
   Representation kind = Representation::kAuto;
-  /// Least PSNR of every image, but where kLatents was asked for. Unit: dB.
-  double bound_db = 36;
+  /// Least PSNR of every image, but where kLatents was asked for; 0: that of the images' own noise
+  /// (noise_floor.h). Unit: dB.
+  double bound_db = 0;
+  /// Where the bound follows from noise: of so many images, of this deviation in grey levels. Only
+  /// told in reports.
+  int64_t noise_images = 0;
+  double noise = 0;
   /// The group codec that latents compete with.
   std::string video = "av1";
   int video_effort = 7;
-  /// Steps of refining the latents of each block (latent_refinement.h): some 20 ms of one core per
-  /// image and step.
+  /// Steps of refining the latents of every block (latent_refinement.h): some 20 ms of one core per
+  /// image and step; 0: only where a few of them may be enough, see below.
   int refine_steps = 0;
+  /// Steps for blocks that miss the bound, but no image by more than this; 0: none. Unit: dB.
+  int few_refine_steps = 8;
+  double refine_within_db = 1.5;
   /// Nights like this one that a model will serve: what its bytes are shared by.
   int nights = 30;
 

@@ -55,6 +55,9 @@ Result<std::optional<FoundVideo>> VideoSearch::find_lossless(
 
 /// Doubles its steps until the bound lies between two qualities, then halves what is between.
 Result<std::optional<FoundVideo>> VideoSearch::find_lossy(std::span<const idf::NdArray> images) {
+  const auto coder = ltm::make_group_codec(codec_);
+  if (!coder.ok() || !(*coder)->accepts(images.front().type(), images.front().shape()))
+    return std::optional<FoundVideo>();
   std::optional<FoundVideo> best;
   int good = -1;            // The largest that is known to keep the bound.
   int bad = most_crf_ + 1;  // The smallest that is known not to.
@@ -78,12 +81,11 @@ Result<std::optional<FoundVideo>> VideoSearch::find_lossy(std::span<const idf::N
 }
 
 Result<std::optional<FoundVideo>> VideoSearch::find(std::span<const idf::NdArray> images) {
-  const auto coder = ltm::make_group_codec(codec_);
-  if (!coder.ok() || !(*coder)->accepts(images.front().type(), images.front().shape()))
-    return find_lossless(images);
   ENGRAM_ASSIGN_OR_RETURN(auto video, find_lossy(images));
-  if (video) return video;
-  return find_lossless(images);
+  ENGRAM_ASSIGN_OR_RETURN(auto lossless, find_lossless(images));
+  const bool is_lossless_less =
+      lossless && (!video || lossless->bytes.size() < video->bytes.size());
+  return is_lossless_less ? std::move(lossless) : std::move(video);
 }
 
 }  // namespace engram::training

@@ -20,8 +20,7 @@ struct FoundVideo {
 };
 
 /// Searches the quality that a group codec needs to keep a bound, from one run of images to the
-/// next: it starts where it ended before. Where no quality is enough, and for images that the codec
-/// does not take, FFV1 keeps them without loss.
+/// next: it starts where it ended before.
 ///
 /// Threading: one thread.
 class VideoSearch {
@@ -29,14 +28,19 @@ class VideoSearch {
   /// `codec`: "av1", "h265" or "h264". `effort` as of the codec.
   VideoSearch(std::string codec, int effort, double bound_db);
 
-  /// Nothing where no installed codec takes such images.
+  /// The smaller of both below; nothing where no installed codec takes such images.
   /// Errors: those of the codecs.
   Result<std::optional<FoundVideo>> find(std::span<const idf::NdArray> images);
 
+  /// The worst quality that keeps the bound; nothing where none does, or the codec does not take
+  /// such images.
+  Result<std::optional<FoundVideo>> find_lossy(std::span<const idf::NdArray> images);
+
+  /// FFV1.
+  Result<std::optional<FoundVideo>> find_lossless(std::span<const idf::NdArray> images) const;
+
  private:
   Result<FoundVideo> encode(std::span<const idf::NdArray> images, const std::string& codec) const;
-  Result<std::optional<FoundVideo>> find_lossless(std::span<const idf::NdArray> images) const;
-  Result<std::optional<FoundVideo>> find_lossy(std::span<const idf::NdArray> images);
   [[nodiscard]] bool is_within(const FoundVideo& video) const;
 
   std::string codec_;

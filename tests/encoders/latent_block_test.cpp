@@ -182,9 +182,11 @@ TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
     other.resize(round % 2 == 0 ? other.size() : random() % other.size());
     const auto sealed = with_checksum(other, kRows);
     const auto decoded = codec().decode(sealed, kRows, kRows);
-    if (!decoded.ok()) EXPECT_EQ(decoded.status().code(), StatusCode::kDataLoss);
+    if (!decoded.ok()) {
+      EXPECT_EQ(decoded.status().code(), StatusCode::kDataLoss);
+    }
     const auto described = describe_block(sealed, kRows, 2);
-    if (decoded.ok()) EXPECT_TRUE(described.ok());
+    EXPECT_TRUE(described.ok() || !decoded.ok());
   }
 }
 

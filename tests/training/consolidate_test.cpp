@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "encoders/load_model.h"
 #include "encoders/model_file.h"
 #include "ltm/recall/recall.h"
@@ -73,8 +76,12 @@ TEST(Consolidate, KeepsEveryImageWithinTheBound) {
       ASSERT_TRUE(report.ok()) << report.status().to_string();
       const auto& forms = report->entities[0].forms;
       EXPECT_EQ(forms.rows, 40);
-      EXPECT_EQ(forms.latent_rows + forms.video_rows + forms.lossless_rows, 40);
+      EXPECT_EQ(forms.latent_rows + forms.refined_rows + forms.residual_rows + forms.video_rows +
+                    forms.lossless_rows,
+                40);
       EXPECT_LE(forms.kept_bytes, forms.video_bytes);
+      EXPECT_LE(forms.kept_bytes, forms.lossless_bytes);
+      EXPECT_EQ(forms.noise_images, 0);
       EXPECT_GE(report->entities[0].minimum_psnr_db, bound_db);
       EXPECT_GE(lowest_psnr_db(store.path()), bound_db) << to_string(kind);
     }
@@ -100,6 +107,50 @@ TEST(Consolidate, MixesLatentsAndVideoWhereEachIsBetter) {
       store.path() / ltm::read_manifest(store.path())->models.front().file);
   ASSERT_TRUE(provenance.ok()) << provenance.status().to_string();
   EXPECT_EQ(provenance->forms, forms);
+}
+
+/// `count` snapshots of a still, shaded image as a camera sees it whose noise has a deviation of 4.
+void record_noise(const std::filesystem::path& store, int count) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0, 4);
+  auto recorder = ltm::Recorder::open(store, {});
+  ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+  for (int i = 0; i < count; ++i) {
+    std::vector<uint8_t> pixels;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 3 * 64; ++x)
+        pixels.push_back(static_cast<uint8_t>(std::lround(60 + y + 0.5 * x + noise(random))));
+    idf::Dict dict;
+    dict.set("image", idf::NdArray::take<uint8_t>({48, 64, 3}, std::move(pixels)));
+    const ltm::Snapshot snapshot{
+        id("Test/Noise/sim/camera"), Time(std::chrono::milliseconds(200 * i)), {{dict, {}}}};
+    ASSERT_TRUE(recorder->commit({{snapshot}}).ok());
+  }
+  ASSERT_TRUE(recorder->close().ok());
+}
+
+TEST(Consolidate, TakesTheBoundFromTheNoiseOfTheImages) {
+  const ScratchPath store("noise");
+  record_noise(store.path(), 20);
+  auto chosen = quick_consolidation();
+  chosen.representation.kind = Representation::kVideo;
+  chosen.representation.video_effort = 1;
+  ConsolidatePlan plan;
+  const auto report = consolidate(store.path(), chosen, {}, {},
+                                  [&](const ConsolidatePlan& made) { plan = made; });
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const ImageBound& bound = plan.entities[0].bound;
+  EXPECT_NEAR(bound.noise, 4, 0.25);
+  EXPECT_NEAR(bound.bound_db, 36.1, 0.5);
+  EXPECT_EQ(bound.noise_images, 19);
+  const EntityReport& entity = report->entities[0];
+  EXPECT_EQ(entity.forms.bound_db, bound.bound_db);
+  EXPECT_EQ(entity.forms.noise_images, 19);
+  EXPECT_GE(entity.minimum_psnr_db, bound.bound_db);
+  const auto provenance = encoders::read_provenance(
+      store.path() / ltm::read_manifest(store.path())->models.front().file);
+  ASSERT_TRUE(provenance.ok()) << provenance.status().to_string();
+  EXPECT_EQ(provenance->forms, entity.forms);
 }
 
 TEST(Consolidate, TrainsNoNetworksThatCannotPay) {
