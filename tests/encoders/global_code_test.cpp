@@ -74,7 +74,8 @@ TEST_F(GlobalCodes, AreMadeFromVideosToo) {
   const auto split = *model->plan.layout().split(value);
   LatentRows rows = *model->to_rows({&split, 1});
   const auto from_latents = *model->global_code_of(rows, 0, split.remainder);
-  rows.images[0] = {ImageForm::kFfv1, {}, {}, {split.tensors[model->plan.images()[0].member]}};
+  rows.images[0] = {.form = ImageForm::kFfv1,
+                    .frames = {split.tensors[model->plan.images()[0].member]}};
   const auto from_frames = model->global_code_of(rows, 0, split.remainder);
   ASSERT_TRUE(from_frames.ok()) << from_frames.status().to_string();
   EXPECT_LT(distance(*from_frames, from_latents), 1e-3);
