@@ -88,7 +88,7 @@ Result<std::optional<double>> EntityJob::known_bytes(const encoders::DeepModel& 
                                                      const ltm::SnapshotEntry& entry) {
   using Bytes = std::optional<double>;
   if (version_of(entry) != plan_.newest_version) return Bytes();
-  const double bound_db = options_.representation.bound_db;
+  const double bound_db = representation_.bound_db;
   // What was measured is the mean over several images.
   if (previous.plan.images().size() > 1 && previous.provenance.forms.bound_db < bound_db)
     return Bytes();
@@ -126,7 +126,10 @@ Result<bool> EntityJob::goes_on_with_previous() {
       rest.push_back(entry);
   }
   EntityReport measured;
-  auto latents = encode(previous, newest.version, rest, options_.representation, measured);
+  // The new model may have become one of video alone; the bound is the same.
+  RepresentationOptions representation = representation_;
+  representation.kind = Representation::kAuto;
+  auto latents = encode(previous, newest.version, rest, representation, measured);
   if (latents.status().code() == StatusCode::kInvalidArgument) {
     report_.notes.push_back(
         fmt::format("v{} was not compared with: {}", newest.version, latents.status().message()));

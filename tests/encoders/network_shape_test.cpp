@@ -18,7 +18,7 @@ TEST(NetworkShape, PadsImagesToWholePlaces) {
   const NetworkShape shape = shape_of(40, 48);
   EXPECT_EQ(shape.images[0].height, 48);
   EXPECT_EQ(shape.images[0].width, 48);
-  EXPECT_EQ(shape.grids(0), (std::vector<LatentGrid>{{24, 3, 3}, {4, 6, 6}}));
+  EXPECT_EQ(shape.grids(0), (std::vector<LatentGrid>{{24, 3, 3}, {8, 6, 6}}));
 }
 
 TEST(NetworkShape, SeesLargeImagesInLargerUnits) {
@@ -27,7 +27,7 @@ TEST(NetworkShape, SeesLargeImagesInLargerUnits) {
   EXPECT_EQ(shape.images[0].unit, 4);
   EXPECT_EQ(shape.images[0].height, 512);
   EXPECT_EQ(shape.images[0].width, 640);
-  EXPECT_EQ(shape.grids(0), (std::vector<LatentGrid>{{24, 8, 10}, {4, 16, 20}}));
+  EXPECT_EQ(shape.grids(0), (std::vector<LatentGrid>{{24, 8, 10}, {8, 16, 20}}));
 }
 
 TEST(NetworkShape, LimitsBackgroundsOfLargeImages) {

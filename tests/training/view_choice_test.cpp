@@ -5,6 +5,7 @@
 
 #include "encoders/deep_model_file.h"
 #include "tests/training/moving_scene.h"
+#include "training/metrics.h"
 
 namespace engram::training {
 namespace {
@@ -49,7 +50,7 @@ TEST(ViewChoice, TakesABackgroundOfItsOwnWhereTheModelKnowsNone) {
   ASSERT_TRUE(away.ok()) << away.status().to_string();
   ASSERT_EQ(away->own.size(), 1u);
   const auto error_of = [&](const encoders::LatentRows& rows) {
-    return *image_mse(unknown[3].tensors[model->plan.images()[0].member],
+    return *grey_mse(unknown[3].tensors[model->plan.images()[0].member],
                       model->decode_images(rows, 3)->front());
   };
   EXPECT_LT(error_of(*away), error_of(*model->to_rows(unknown)) / 2);
@@ -58,7 +59,7 @@ TEST(ViewChoice, TakesABackgroundOfItsOwnWhereTheModelKnowsNone) {
   const auto block = model->codec.encode(*away, unknown.size());
   const auto decoded = model->codec.decode(block, unknown.size(), unknown.size());
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
-  EXPECT_EQ(model->decode_images(*decoded, 3), model->decode_images(*away, 3));
+  EXPECT_EQ(*model->decode_images(*decoded, 3), *model->decode_images(*away, 3));
 }
 
 }  // namespace
