@@ -115,8 +115,8 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
     EXPECT_EQ(told.predictions, 128 - ahead);
     // The square goes on as it did: about nine of ten are within.
     EXPECT_GT(told.share(), 0.7);
-    EXPECT_NEAR(told.expected, variant.prediction[ahead].pooled_psnr_db, 1.5);
-    EXPECT_LE(told.mean_bound, told.expected + 1) << "a bound in dB is the least";
+    EXPECT_GT(told.expected, 20);
+    EXPECT_LE(told.mean_bound, told.expected);
   }
   const auto json = to_json(*report);
   const auto& bound = json.at("all").at("variants").at("rate").at("bound");
