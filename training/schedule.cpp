@@ -11,13 +11,17 @@ namespace engram::training {
 namespace {
 
 /// What the price starts with, and where it stays between.
-constexpr double kFirstPrice = 0.01;
+constexpr double kFirstPrice = 0.003;
 constexpr double kLeastPrice = 1e-4;
 constexpr double kMostPrice = 1.0;
 /// Share of the time before the price moves.
 constexpr double kSettling = 0.05;
 /// How fast it moves where quality is off by one decibel: factors of e in the whole time.
 constexpr double kSteering = 25.0;
+/// What training gains with every doubling of its time, and by the falling rate at its end. Unit:
+/// decibels.
+constexpr double kGainOfDoubling = 1.2;
+constexpr double kGainOfEnd = 1.0;
 
 }  // namespace
 
@@ -79,7 +83,10 @@ double ErrorPrice::value() const {
 void ErrorPrice::follow(double psnr_db, double share) {
   const double passed = std::exchange(share_, share);
   if (share < kSettling) return;
-  log_price_ += kSteering * (share - passed) * std::clamp(wanted_db_ - psnr_db, -1.0, 1.0);
+  const double to_come = kGainOfDoubling * std::log2(1 / std::min(share, 1.0)) +
+                         kGainOfEnd * (1 - std::min(share, 1.0));
+  const double missing = wanted_db_ - to_come - psnr_db;
+  log_price_ += kSteering * (share - passed) * std::clamp(missing, -1.0, 1.0);
   log_price_ = std::clamp(log_price_, std::log(kLeastPrice), std::log(kMostPrice));
 }
 

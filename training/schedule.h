@@ -65,7 +65,8 @@ class Smoothed {
   double count_ = 0;
 };
 
-/// The price of squared error against bytes: rises where quality is below what was asked for.
+/// The price of squared error against bytes: rises where quality is below what was asked for, less
+/// what training is expected to gain by itself until its end.
 class ErrorPrice {
  public:
   /// `first`: what it starts at, where that is known; 0: it is not.

@@ -236,7 +236,7 @@ TEST(LaterNight, EncodesWhatIsNewWithTheNewestModelWhereAskedTo) {
   EXPECT_EQ(reused.model_version, 1);
   EXPECT_FALSE(reused.is_model_new);
   EXPECT_EQ(reused.training.autoencoder_steps, 0);
-  EXPECT_NEAR(reused.mean_psnr_db, trained.mean_psnr_db, 1.0);
+  EXPECT_GT(reused.mean_psnr_db, trained.mean_psnr_db - 1.0);
   const auto after = *ltm::read_manifest(store.path());
   ASSERT_EQ(after.models.size(), 1u);
   EXPECT_EQ(after.models[0].checksum, before.models[0].checksum);

@@ -50,7 +50,7 @@ TEST(ErrorPrice, FollowsTheQualityInBothDirections) {
   const double first = price.value();
   price.follow(20, 0.04);  // Too early.
   EXPECT_DOUBLE_EQ(price.value(), first);
-  for (double share = 0.05; share < 0.2; share += 0.01) price.follow(33, share);
+  for (double share = 0.05; share < 0.2; share += 0.01) price.follow(28, share);
   const double raised = price.value();
   EXPECT_GT(raised, 2 * first);
   for (double share = 0.2; share < 0.5; share += 0.01) price.follow(39, share);
@@ -58,11 +58,27 @@ TEST(ErrorPrice, FollowsTheQualityInBothDirections) {
   EXPECT_GT(price.value(), 0);
 }
 
-TEST(ErrorPrice, StaysWhereTheQualityIsWhatWasAskedFor) {
+TEST(ErrorPrice, ExpectsWhatTrainingGainsByItself) {
   ErrorPrice price(36);
   const double first = price.value();
-  for (double share = 0; share < 1; share += 0.01) price.follow(36, share);
-  EXPECT_DOUBLE_EQ(price.value(), first);
+  // Half of the time is over: 1.7 dB are to come.
+  price.follow(34.3, 0.5);
+  EXPECT_NEAR(price.value(), first, 1e-9);
+  ErrorPrice behind(36), ahead(36);
+  for (double share = 0.5; share < 0.6; share += 0.01) {
+    behind.follow(33, share);
+    ahead.follow(35.5, share);
+  }
+  EXPECT_GT(behind.value(), first);
+  EXPECT_LT(ahead.value(), first);
+}
+
+TEST(ErrorPrice, StaysAtTheEndWhereTheQualityIsWhatWasAskedFor) {
+  ErrorPrice price(36);
+  price.follow(36, 1);
+  const double last = price.value();
+  price.follow(36, 1);
+  EXPECT_DOUBLE_EQ(price.value(), last);
 }
 
 TEST(Smoothed, StartsWithItsFirstValue) {

@@ -150,7 +150,7 @@ TEST_F(TrainedBefore, IsNotGoneOnFromWhereItDoesNotFit) {
             "asks for 32");
   options = quick_options(4);
   options.coarse_channels = 16;
-  EXPECT_NE(why(fit, options).find("it has 12 and 4 latent channels, not 16 and 4"),
+  EXPECT_NE(why(fit, options).find("it has 12 and 8 latent channels, not 16 and 8"),
             std::string::npos);
   options = quick_options(4);
   options.variant = encoders::TrainingVariant::kAutoencoder;
