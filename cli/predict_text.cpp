@@ -191,7 +191,7 @@ Json sweep_json(const MemoryId& entity, const Recall::Engine& engine,
 
 std::string engines_text(const MemoryId& entity, Duration step,
                          std::span<const Recall::Engine> engines) {
-  TextTable table({"engine", "conditions", "ahead", "held-out predictions", "mean error"});
+  TextTable table({"engine", "conditions", "ahead", "measured predictions", "mean error"});
   for_each_record(engines, [&](const Recall::Engine& engine, const char* conditions,
                                const std::vector<ltm::HorizonRecord>& records) {
     if (records.empty()) table.add({engine_text(engine), conditions, "any", "0", "-"});
@@ -217,7 +217,7 @@ Json engines_json(const MemoryId& entity, Duration step, std::span<const Recall:
     one["horizons"] = Json::array();
     for (const ltm::HorizonRecord& record : records)
       one["horizons"].push_back({{"steps", record.steps},
-                                 {"held_out_predictions", record.predictions},
+                                 {"measured_predictions", record.predictions},
                                  {"mean_error", error_json(record.mean)}});
     json["engines"].push_back(std::move(one));
   });

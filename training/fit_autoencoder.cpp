@@ -25,6 +25,8 @@ constexpr double kNoiseShare = 0.5;
 /// Share of the time that weights are used as they are; afterwards as they will be stored.
 constexpr double kExactShare = 0.75;
 constexpr double kLargestGradient = 1.0;
+/// The price of errors where it follows no quality.
+constexpr double kUnsteeredPrice = 0.01;
 /// Consecutive rows of a batch, after one that is only their past.
 constexpr int64_t kChunk = 4;
 /// Share of the chunks that are seen as another view, where there is more than one scene: the
@@ -242,7 +244,8 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   std::vector<Tensor> parameters = optimiser.param_groups()[0].params();
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
   const double size = size_in_usual_images(model.autoencoder->shape);
-  ErrorPrice price(options.psnr_db, data.error_price);
+  ErrorPrice price(options.psnr_db,
+                   regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
   RowSampler sampler = make_sampler(data);
   WeightedMean loss_mean, psnr, bytes;
   FitState state{model, optimiser, now, price.state()};

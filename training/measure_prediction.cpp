@@ -34,7 +34,7 @@ std::vector<Shares> image_shares() {
   return shares;
 }
 
-/// Mean squared errors of the held-out windows at one horizon, by share and window.
+/// Mean squared errors of windows at one horizon, by share and window.
 struct HorizonErrorsByShare {
   std::vector<ltm::MeasuredError> changes;   ///< By window: of its last two values.
   std::vector<std::vector<double>> images;   ///< By image_shares().
@@ -50,6 +50,17 @@ struct HorizonErrorsByShare {
     for (size_t i = 0; i < kGates.size() && last.numbers.defined(); ++i)
       numbers[i].push_back(
           number_error(model, encoders::mix(last, future, {0, 0, kGates[i]}), actual));
+  }
+
+  /// One whose only share is that of a copy.
+  void add_copy(const encoders::DeepModel& model, const Parts& last,
+                const ltm::MeasuredError& change, const Parts& actual) {
+    changes.push_back(change);
+    images.resize(1);
+    numbers.resize(1);
+    const ltm::MeasuredError error = model.difference(last, actual);
+    if (!last.images.empty()) images[0].push_back(error.image_mse);
+    if (last.numbers.defined()) numbers[0].push_back(error.number_mse);
   }
 
  private:
@@ -136,8 +147,7 @@ encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
 using Measured = std::array<HorizonErrorsByShare, kHorizons>;
 
 /// Keeps the shares that are best, or copies, and what is known of them.
-void keep(const encoders::DeepModel& model, const Measured& measured, bool is_copied,
-          PredictionRecord& record) {
+void keep(const encoders::DeepModel& model, const Measured& measured, PredictionRecord& record) {
   const std::vector<Shares> shares = image_shares();
   for (size_t i = 0; i < kHorizons; ++i) {
     if (measured[i].changes.empty()) {
@@ -150,8 +160,8 @@ void keep(const encoders::DeepModel& model, const Measured& measured, bool is_co
       }
       continue;
     }
-    const size_t image = is_copied ? 0 : best_for_images(measured[i].images);
-    const size_t number = is_copied ? 0 : best_for_numbers(measured[i].numbers);
+    const size_t image = best_for_images(measured[i].images);
+    const size_t number = best_for_numbers(measured[i].numbers);
     record.image_gates[i] = shares[image].latents;
     record.motion_gates[i] = shares[image].motion;
     record.number_gates[i] = kGates[number];
@@ -163,6 +173,32 @@ Tensor index_of(int64_t row) {
   return torch::tensor({row}, torch::kLong);
 }
 
+/// Horizons that are known after a row.
+size_t steps_after(const Dataset& data, int64_t row) {
+  const auto sequence = std::find_if(data.sequences.begin(), data.sequences.end(),
+                                     [&](auto& s) { return static_cast<size_t>(row) < s.end; });
+  return std::min<size_t>(kHorizons, sequence->end - 1 - static_cast<size_t>(row));
+}
+
+/// Copies from all windows: they learn nothing, so what was trained on tells of them too.
+Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
+  const auto& shape = model.autoencoder->shape;
+  auto [rows, held_out] = make_windows(data.sequences, 1);
+  rows.insert(rows.end(), held_out.begin(), held_out.end());
+  std::ranges::sort(rows);
+  const size_t stride = std::max<size_t>(1, rows.size() / kMostWindows);
+  Measured measured;
+  for (size_t w = 0; w < rows.size(); w += stride) {
+    const int64_t row = rows[w];
+    const Parts last = data.batch(shape, index_of(row));
+    const auto change = model.difference(last, data.batch(shape, index_of(row - 1)));
+    for (size_t i = 0; i < steps_after(data, row); ++i)
+      measured[i].add_copy(model, last, change,
+                           data.batch(shape, index_of(row + static_cast<int64_t>(i) + 1)));
+  }
+  return measured;
+}
+
 /// Predicts from held-out windows, told the conditions or not.
 Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_conditions) {
   const auto& shape = model.autoencoder->shape;
@@ -172,10 +208,7 @@ Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_condi
   Measured measured;
   for (size_t w = 0; w < rows.size(); w += stride) {
     const int64_t row = rows[w];
-    const auto sequence = std::find_if(data.sequences.begin(), data.sequences.end(),
-                                       [&](auto& s) { return static_cast<size_t>(row) < s.end; });
-    const int steps =
-        static_cast<int>(std::min<size_t>(kHorizons, sequence->end - 1 - static_cast<size_t>(row)));
+    const auto steps = static_cast<int>(steps_after(data, row));
     Parts last = data.batch(shape, index_of(row));
     Parts before = data.batch(shape, index_of(row - 1));
     if (!has_conditions) last.conditions = before.conditions = Tensor();
@@ -192,10 +225,9 @@ Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_condi
 
 void measure_prediction(encoders::DeepModel& model, const Dataset& data) {
   torch::NoGradGuard no_grad;
-  const Measured measured = measure(model, data, true);
-  keep(model, measured, false, model.prediction);
-  keep(model, measured, true, model.copied);
-  if (model.condition) keep(model, measure(model, data, false), false, model.unconditioned);
+  keep(model, measure(model, data, true), model.prediction);
+  if (model.condition) keep(model, measure(model, data, false), model.unconditioned);
+  keep(model, measure_copies(model, data), model.copied);
   model.prediction.step = model.unconditioned.step = model.copied.step = median_step(data.times);
 }
 

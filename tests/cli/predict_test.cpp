@@ -136,7 +136,8 @@ TEST_F(Predict, ListsWhatCanPredict) {
   EXPECT_EQ(engines.at(0).at("condition"), kJoints);
   EXPECT_EQ(engines.at(2).at("engine"), "copy-last");
   ASSERT_EQ(engines.at(2).at("horizons").size(), 5u);
-  EXPECT_EQ(engines.at(2).at("horizons").at(0).at("held_out_predictions"), 10);
+  EXPECT_EQ(engines.at(0).at("horizons").at(0).at("measured_predictions"), 10);
+  EXPECT_EQ(engines.at(2).at("horizons").at(0).at("measured_predictions"), 64);
   EXPECT_GT(engines.at(2).at("horizons").at(0).at("mean_error").at("psnr_db").get<double>(), 10);
 }
 
@@ -163,7 +164,8 @@ TEST_F(Predict, CoverageIsEvaluated) {
   const Json& held_out = entity.at("prediction").at("held out").at(0);
   EXPECT_EQ(held_out.at("model_bound").at("images").at("predictions"), 20);
   // Ten of the twenty calibrated the bound: at most one of them is beyond it.
-  EXPECT_GE(held_out.at("copy_last_bound").at("images").at("within").get<int>(), 9);
+  EXPECT_GE(held_out.at("model_bound").at("images").at("within").get<int>(), 9);
+  EXPECT_EQ(held_out.at("copy_last_bound").at("images").at("predictions"), 20);
   EXPECT_GT(entity.at("code").at("prior_row_bytes").get<double>(), 0);
 }
 

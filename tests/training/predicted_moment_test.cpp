@@ -105,7 +105,8 @@ TEST(PredictedMoment, IsToldByAModelWithItsBound) {
   for (const ltm::Recall::Engine& engine : *engines) {
     const auto records = engine.predictor->records(true);
     ASSERT_EQ(records.size(), 5u) << engine.predictor->name();
-    EXPECT_EQ(records[0].predictions, 10u);
+    // Copies learn nothing: of all 128 windows half calibrated.
+    EXPECT_EQ(records[0].predictions, engine.model.empty() ? 64u : 10u);
     EXPECT_GT(records[0].mean.image_mse, 0);
     EXPECT_LT(records[0].mean.number_mse, records[4].mean.number_mse);
   }
