@@ -32,7 +32,7 @@ struct FrameShape {
 };
 
 /// A background that a block carries itself, as the single image of a video: of a view that its
-/// model was not trained on. Some 0.7 or 2 kB at 128 x 128.
+/// model was not trained on.
 struct CodedBackground {
   ImageForm form = ImageForm::kAv1;
   std::vector<std::byte> bytes;

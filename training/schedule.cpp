@@ -18,8 +18,8 @@ constexpr double kMostPrice = 1.0;
 constexpr double kSettling = 0.05;
 /// How fast it moves where quality is off by one decibel: factors of e in the whole time.
 constexpr double kSteering = 25.0;
-/// What training gains with every doubling of its time, and by the falling rate at its end. Unit:
-/// decibels.
+/// What training is taken to gain with every doubling of its time, and by the falling rate at its
+/// end. Unit: decibels.
 constexpr double kGainOfDoubling = 1.2;
 constexpr double kGainOfEnd = 1.0;
 
