@@ -182,8 +182,8 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
                    "Largest error of numbers; 0: 0.005 standard deviations of each")
       ->capture_default_str();
   command
-      ->add_option("--block", options.train.block_rows,
-                   "Snapshots coded together: more take fewer bytes, one is reached later")
+      ->add_option("--chain", options.train.chain_rows,
+                   "Snapshots coded from one another: more take fewer bytes, one is reached later")
       ->capture_default_str();
   command
       ->add_option("--hold-out", options.train.hold_out_recordings,

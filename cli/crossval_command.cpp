@@ -5,6 +5,7 @@
 #include "cli/progress_line.h"
 #include "cli/text.h"
 #include "cli/training_options.h"
+#include "ltm/core/log.h"
 #include "training/crossval.h"
 
 namespace engram::cli {
@@ -14,11 +15,12 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
   engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --budget 2m
-  engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --folds 1 --json
+  engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --fold 2 --json
   engram crossval robot.engram --entity Vision/RGB/head/cam --every 200ms --budget 20m
 
 A recording ends where there is a gap. For each, a model of each variant is trained on all others
-for --budget, and reconstructs and predicts the one that was left out; nothing is published. With
+for --budget, and reconstructs and predicts the one that was left out, which is told on stderr as soon
+as it is known; nothing is published. With
 --every, snapshots so far apart are measured, and those between them are trained on too. PSNR is
 the mean over images / of the pooled error. Variants: "rate" trains for few bytes, "ae" for small
 errors alone, "vae" and "wae" for latents like a Gaussian. "copy-last" repeats the last snapshot,
@@ -29,7 +31,6 @@ struct CrossvalArguments {
   training::CrossvalOptions options;
   std::vector<std::string> variants{"rate"};
   TrainingArguments learning;
-  size_t folds = 0;
   std::string every = "0s";
   bool is_json = false;
 };
@@ -57,11 +58,14 @@ ExitCode run(CrossvalArguments& arguments) {
   auto variants = variants_of(arguments.variants);
   if (!variants.ok()) return wrong_usage(variants.status());
   arguments.options.variants = *std::move(variants);
-  if (arguments.folds > 0) arguments.options.most_folds = arguments.folds;
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
-  const auto report =
-      training::crossval(arguments.store, arguments.options, progress.sink(), interrupt_token());
+  const auto tell = [&](const training::CrossvalFold& fold, size_t number) {
+    progress.finish();
+    log::write(log::Level::kInfo, fold_text(fold, number));
+  };
+  const auto report = training::crossval(arguments.store, arguments.options, progress.sink(),
+                                         interrupt_token(), tell);
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
@@ -83,8 +87,10 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
   add_training_options(*command, arguments->learning, train, "each fold and variant",
                        "Mean PSNR of images to aim at, dB");
-  command->add_option("--folds", arguments->folds, "Only so many of the first recordings; 0: all")
-      ->capture_default_str();
+  command
+      ->add_option("--fold", arguments->options.folds,
+                   "Leave out only these recordings, by number from 1 on; else each")
+      ->delimiter(',');
   command
       ->add_option("--every", arguments->every,
                    "Time between snapshots that are measured; 0s: all are")

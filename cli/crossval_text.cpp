@@ -139,4 +139,20 @@ std::string crossval_text(const CrossvalReport& report) {
   return text + "beside each other\n" + comparison_table(report.all);
 }
 
+std::string fold_text(const CrossvalFold& fold, size_t number) {
+  std::string text;
+  for (size_t i = 0; i < fold.variants.size(); ++i) {
+    const VariantQuality& variant = fold.variants[i];
+    text += fmt::format("fold {}, {}, left out {}: {}", number, to_string(variant.variant),
+                        engram::to_string(fold.first), quality_text(variant.left_out));
+    if (variant.left_out.images > 0)
+      text += fmt::format(" dB at {} B (trained on: {} dB at {} B), {} and {} dB over copying",
+                          bytes_each(variant.left_out_bytes), quality_text(variant.trained),
+                          bytes_each(variant.trained_bytes), signed_text(fold.gain_db(i, 0)),
+                          signed_text(fold.gain_db(i, 1)));
+    if (i + 1 < fold.variants.size()) text += '\n';
+  }
+  return text;
+}
+
 }  // namespace engram::cli

@@ -11,4 +11,7 @@ namespace engram::cli {
 /// PSNR is "mean / pooled".
 [[nodiscard]] std::string crossval_text(const training::CrossvalReport& report);
 
+/// What a fold gave, a line for each variant.
+[[nodiscard]] std::string fold_text(const training::CrossvalFold& fold, size_t number);
+
 }  // namespace engram::cli

@@ -15,9 +15,10 @@ class DeepEncoder : public ltm::Encoder {
     return guarded("encode", [&]() -> Result<std::vector<ltm::Latent>> {
       std::vector<ltm::Latent> latents;
       for (; !values.empty();
-           values = values.subspan(std::min(model_->block_rows, values.size()))) {
+           values = values.subspan(std::min(model_->block_rows(), values.size()))) {
         ENGRAM_ASSIGN_OR_RETURN(
-            auto block, model_->encode(values.first(std::min(model_->block_rows, values.size()))));
+            auto block,
+            model_->encode(values.first(std::min(model_->block_rows(), values.size()))));
         std::ranges::move(block, std::back_inserter(latents));
       }
       return latents;
@@ -29,8 +30,8 @@ class DeepEncoder : public ltm::Encoder {
       std::vector<idf::Data> values;
       for (const ltm::Latent& latent : latents) {
         ENGRAM_RETURN_IF_ERROR(block_.reach(model_->codec, latent));
-        ENGRAM_ASSIGN_OR_RETURN(
-            idf::Data value, model_->decode(block_.rows(), latent.place.index, latent.remainder));
+        ENGRAM_ASSIGN_OR_RETURN(idf::Data value,
+                                model_->decode(block_.rows(), block_.row(), latent.remainder));
         values.push_back(std::move(value));
       }
       return values;
@@ -45,7 +46,7 @@ class DeepEncoder : public ltm::Encoder {
         ENGRAM_RETURN_IF_ERROR(block_.reach(model_->codec, latent));
         ENGRAM_ASSIGN_OR_RETURN(
             codes.emplace_back(),
-            model_->global_code_of(block_.rows(), latent.place.index, latent.remainder));
+            model_->global_code_of(block_.rows(), block_.row(), latent.remainder));
       }
       return codes;
     });
@@ -56,34 +57,53 @@ class DeepEncoder : public ltm::Encoder {
   }
 
  private:
-  /// The last block that was decoded, as far as it was.
+  /// The last block that was decoded, and of it the last chain, as far as it was.
   class Block {
    public:
-    /// Decodes so that the row of `latent` is there. Who asks twice for a block gets all of it at
+    /// Decodes so that the row of `latent` is there. Who asks twice for a chain gets all of it at
     /// the second time, and the next rows cost nothing.
     Status reach(const LatentBlockCodec& codec, const ltm::Latent& latent) {
       const auto [index, count] = latent.place;
       if (index >= count)
         return data_loss("latent: found place {} in a block of {} rows", index, count);
-      const bool is_known =
-          count == count_ && std::ranges::equal(bytes_.bytes(), latent.code.bytes());
-      if (is_known && index < known_) return {};
-      const bool is_video = codec.images.empty();  // Decoded whole in any case.
-      const size_t wanted = is_known || is_video ? count : index + 1;
+      ENGRAM_RETURN_IF_ERROR(open(codec, latent));
+      const size_t chain = index / open_.chain_rows;
+      row_ = index % open_.chain_rows;
+      const bool is_known = chain == chain_;
+      if (is_known && row_ < known_) return {};
+      const bool is_video = codec.chain.images.empty();  // Decoded whole in any case.
+      const size_t wanted = is_known || is_video ? open_.rows_of(chain) : row_ + 1;
+      chain_.reset();
       known_ = 0;
-      ENGRAM_ASSIGN_OR_RETURN(rows_, codec.decode(latent.code.bytes(), count, wanted));
-      bytes_ = latent.code;
-      count_ = count;
+      ENGRAM_ASSIGN_OR_RETURN(rows_, codec.decode(open_, chain, wanted));
+      chain_ = chain;
       known_ = wanted;
       return {};
     }
 
     [[nodiscard]] const LatentRows& rows() const { return rows_; }
+    /// Which of them was reached.
+    [[nodiscard]] size_t row() const { return row_; }
 
    private:
-    Buffer bytes_;
-    uint32_t count_ = 0;
+    Status open(const LatentBlockCodec& codec, const ltm::Latent& latent) {
+      const uint32_t count = latent.place.count;
+      if (count == open_.count && std::ranges::equal(bytes_.bytes(), latent.code.bytes()))
+        return {};
+      open_ = {};
+      chain_.reset();
+      known_ = 0;
+      ENGRAM_ASSIGN_OR_RETURN(OpenBlock opened, codec.open(latent.code.bytes(), count));
+      bytes_ = latent.code;
+      open_ = std::move(opened);
+      return {};
+    }
+
+    Buffer bytes_;  ///< What `open_` looks at.
+    OpenBlock open_;
+    std::optional<size_t> chain_;
     size_t known_ = 0;  ///< Rows of `rows_`.
+    size_t row_ = 0;
     LatentRows rows_;
   };
 

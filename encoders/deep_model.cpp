@@ -79,8 +79,9 @@ DeepModel::DeepModel(TensorPlan tensor_plan, const NetworkSizes& sizes)
       dynamics(autoencoder->shape) {
   codec.scenes = static_cast<uint32_t>(sizes.scenes);
   for (const ImageMember& image : plan.images())
-    codec.frames.push_back({image.is_depth ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
-                            {image.height, image.width, image.channels}});
+    codec.chain.frames.push_back(
+        {image.is_depth ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
+         {image.height, image.width, image.channels}});
 }
 
 std::vector<float> DeepModel::normalise(std::span<const double> numbers) const {
@@ -261,7 +262,7 @@ Status DeepModel::add_videos(std::span<const idf::SplitValue> values, LatentRows
     std::vector<idf::NdArray> images;
     for (const idf::SplitValue& value : values)
       images.push_back(value.tensors[plan.images()[i].member]);
-    const FrameShape& frame = codec.frames[i];
+    const FrameShape& frame = codec.chain.frames[i];
     for (const std::string_view name : {"av1", "h264", "ffv1"}) {
       const auto video = ltm::make_group_codec(name);
       if (!video.ok() || !(*video)->accepts(frame.type, frame.shape)) continue;
@@ -287,14 +288,30 @@ std::vector<ltm::Latent> latents_of(std::vector<std::byte> block,
   return latents;
 }
 
+size_t DeepModel::block_rows() const {
+  constexpr size_t kMostBytes = size_t{64} << 20;
+  size_t bytes = 1;
+  for (const FrameShape& frame : codec.chain.frames)
+    bytes += idf::size_bytes(frame.type, frame.shape).value_or(kMostBytes);
+  const size_t chains =
+      std::min(kMostBytes / (bytes * codec.chain_rows), kMostBlockRows / codec.chain_rows);
+  return codec.chain_rows * std::clamp<size_t>(chains, 1, kMostChains);
+}
+
 Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> values) {
   std::vector<idf::SplitValue> split;
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), plan.layout().split(value));
   }
-  ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, to_rows(split));
-  if (autoencoder->images.empty()) ENGRAM_RETURN_IF_ERROR(add_videos(split, rows));
-  return latents_of(codec.encode(rows, values.size()), std::move(split));
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, to_rows(split));
+  std::vector<LatentRows> chains = cut_chains(rows, split.size(), codec.chain_rows);
+  if (autoencoder->images.empty())
+    for (size_t i = 0; i < chains.size(); ++i) {
+      const auto rest = std::span(split).subspan(i * codec.chain_rows);
+      ENGRAM_RETURN_IF_ERROR(
+          add_videos(rest.first(std::min(codec.chain_rows, rest.size())), chains[i]));
+    }
+  return latents_of(codec.encode(chains, values.size()), std::move(split));
 }
 
 Result<std::vector<idf::NdArray>> DeepModel::decode_images(const LatentRows& rows, size_t row) {
@@ -308,7 +325,7 @@ Result<std::vector<idf::NdArray>> DeepModel::decode_images(const LatentRows& row
     if (kept.form != ImageForm::kLatents)
       images[i] = kept.frames[row];
     else if (!kept.residuals.empty() && !kept.residuals[row].empty())
-      images[i] = with_residual(images[i], kept.residuals[row], codec.frames[i].pixels());
+      images[i] = with_residual(images[i], kept.residuals[row], codec.chain.frames[i].pixels());
   }
   return images;
 }

@@ -35,7 +35,6 @@ struct DeepModel {
   Dynamics dynamics;
   GlobalCode global_code;
   LatentBlockCodec codec;
-  size_t block_rows = 16;  ///< Most rows that encode() puts into one block.
   std::optional<Condition> condition;
   PredictionRecord prediction;     ///< With conditions, where there are any.
   PredictionRecord unconditioned;  ///< Where they are not known.
@@ -82,6 +81,10 @@ struct DeepModel {
 
   /// The scene that rows of one recording are reconstructed best with: [1] of int64.
   [[nodiscard]] torch::Tensor best_scene(std::span<const Parts> parts);
+
+  /// Most rows that are coded as one block: as many chains as it may have, but of large images no
+  /// more than a few megabytes hold.
+  [[nodiscard]] size_t block_rows() const;
 
   /// Codes consecutive values of one recording as one block: images as latents, or, without
   /// networks, as videos of usual quality.

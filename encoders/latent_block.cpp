@@ -1,203 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/latent_block.h"
 
+#include <algorithm>
+
 #include "encoders/coding/byte_stream.h"
 #include "encoders/coding/checked_block.h"
-#include "ltm/codec/group_codec.h"
 
 namespace engram::encoders {
 
 namespace {
 
-/// The next `size` bytes.
-Result<std::span<const std::byte>> take(std::span<const std::byte>& bytes, int64_t size) {
-  if (size < 0 || static_cast<uint64_t>(size) > bytes.size())
-    return data_loss("block of latents: found a part of {} bytes, needs at most {}", size,
-                     bytes.size());
-  const auto part = bytes.first(static_cast<size_t>(size));
-  bytes = bytes.subspan(part.size());
-  return part;
-}
-
-constexpr int64_t kRefined = 8;
-constexpr int64_t kHasResidual = 16;
-
-/// Of one image member, before the codes.
-struct ImageHead {
-  ImageForm form = ImageForm::kLatents;
-  bool is_refined = false;
-  int64_t bytes = 0;
-  std::optional<int64_t> residual_bytes;
-};
-
 /// Of a background that the block carries.
 struct BackgroundHead {
   ImageForm form = ImageForm::kLatents;
-  int64_t bytes = 0;
+  std::span<const std::byte> bytes;
 };
 
-struct BlockHead {
+/// A block in its parts.
+struct BlockParts {
   int64_t scene = 0;
   std::vector<BackgroundHead> own;  ///< Per image member, or none.
-  std::vector<ImageHead> images;
+  size_t chain_rows = 0;
+  std::vector<std::span<const std::byte>> chains;
 };
 
-Result<BackgroundHead> read_background_head(ByteReader& reader) {
+Result<ImageForm> read_form(ByteReader& reader) {
   const int64_t form = reader.get_varint();
   if (form < 0 || form > static_cast<int64_t>(ImageForm::kFfv1))
     return data_loss("block of latents: found form {} of a background, needs 1 to {}", form,
                      static_cast<int>(ImageForm::kFfv1));
-  return BackgroundHead{static_cast<ImageForm>(form), reader.get_varint()};
+  return static_cast<ImageForm>(form);
 }
 
-Result<ImageHead> read_image_head(ByteReader& reader) {
-  ImageHead head;
-  const int64_t form = reader.get_varint();
-  const int64_t codec = form & (kRefined - 1);
-  constexpr auto kMostCodec = static_cast<int64_t>(ImageForm::kFfv1);
-  const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMostCodec;
-  if (!is_known || (codec != 0 && form != codec))
-    return data_loss("block of latents: found form {}, needs 0 to {}, or {}, {} or {}", form,
-                     kMostCodec, kRefined, kHasResidual, kRefined + kHasResidual);
-  head.form = static_cast<ImageForm>(codec);
-  head.is_refined = (form & kRefined) != 0;
-  head.bytes = reader.get_varint();
-  if ((form & kHasResidual) != 0) head.residual_bytes = reader.get_varint();
-  return head;
-}
-
-Result<BlockHead> read_head(ByteReader& reader, size_t images) {
-  BlockHead head;
+Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, size_t images) {
+  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, "block of latents", count));
+  ByteReader reader(bytes);
+  BlockParts parts;
+  std::vector<int64_t> sizes;
   const int64_t first = reader.get_varint();
-  head.scene = first < 0 ? first : first / 2;
+  parts.scene = first < 0 ? first : first / 2;
   if (first > 0 && first % 2 == 1)
     for (size_t i = 0; i < images; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(head.own.emplace_back(), read_background_head(reader));
+      ENGRAM_ASSIGN_OR_RETURN(parts.own.emplace_back().form, read_form(reader));
+      sizes.push_back(reader.get_varint());
     }
-  for (size_t i = 0; i < images; ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(head.images.emplace_back(), read_image_head(reader));
-  }
+  const int64_t rows = reader.get_varint();
+  if (reader.failed() || rows < 1 || rows > static_cast<int64_t>(kMostBlockRows))
+    return data_loss("block of latents: found chains of {} rows, needs 1 to {}", rows,
+                     kMostBlockRows);
+  parts.chain_rows = static_cast<size_t>(rows);
+  parts.chains.resize((count + parts.chain_rows - 1) / parts.chain_rows);
+  for (size_t i = 0; i < parts.chains.size(); ++i) sizes.push_back(reader.get_varint());
   if (reader.failed()) return data_loss("block of latents: ends within its head");
-  return head;
+  bytes = reader.rest();
+  size_t at = 0;
+  for (BackgroundHead& background : parts.own) {
+    ENGRAM_ASSIGN_OR_RETURN(background.bytes, take_part(bytes, sizes[at++]));
+  }
+  for (auto& chain : parts.chains) {
+    ENGRAM_ASSIGN_OR_RETURN(chain, take_part(bytes, sizes[at++]));
+  }
+  return parts;
+}
+
+/// Rows `first` to `end` of `values`, which hold `count` rows.
+template <typename T>
+std::vector<T> some_rows(const std::vector<T>& values, size_t count, size_t first, size_t end) {
+  const size_t each = values.size() / count;
+  const auto begin = values.begin();
+  return {begin + static_cast<ptrdiff_t>(first * each), begin + static_cast<ptrdiff_t>(end * each)};
 }
 
 }  // namespace
 
-std::vector<std::byte> LatentBlockCodec::encode(const LatentRows& rows, size_t count) const {
-  ENGRAM_CHECK(rows.images.size() == frames.size(), "{} images of {}", rows.images.size(),
-               frames.size());
-  ENGRAM_CHECK(rows.own.empty() || rows.own.size() == frames.size(), "{} backgrounds of {}",
-               rows.own.size(), frames.size());
+Result<BlockDescription> describe_block(std::span<const std::byte> block, size_t count,
+                                        size_t images) {
+  ENGRAM_ASSIGN_OR_RETURN(const BlockParts parts, read_parts(block, count, images));
+  BlockDescription description{parts.chain_rows, std::vector<uint64_t>(images), {}};
+  for (size_t i = 0; i < parts.own.size(); ++i)
+    description.background_bytes[i] = parts.own[i].bytes.size();
+  for (size_t i = 0; i < parts.chains.size(); ++i) {
+    const size_t rows = std::min(parts.chain_rows, count - i * parts.chain_rows);
+    ENGRAM_ASSIGN_OR_RETURN(description.chains.emplace_back(),
+                            describe_chain(parts.chains[i], rows, images));
+  }
+  return description;
+}
+
+std::vector<LatentRows> cut_chains(const LatentRows& rows, size_t count, size_t chain_rows) {
+  std::vector<LatentRows> chains;
+  for (size_t first = 0; first < count; first += chain_rows) {
+    const size_t end = std::min(count, first + chain_rows);
+    LatentRows& chain = chains.emplace_back();
+    chain.scene = rows.scene;
+    chain.own = rows.own;
+    chain.numbers = some_rows(rows.numbers, count, first, end);
+    for (const ImageRows& image : rows.images) {
+      ENGRAM_CHECK(image.video.empty() && image.residual.empty(), "only latents can be cut");
+      ImageRows& part = chain.images.emplace_back();
+      part.is_refined = image.is_refined;
+      part.latents = some_rows(image.latents, count, first, end);
+    }
+  }
+  return chains;
+}
+
+std::vector<std::byte> LatentBlockCodec::encode(std::span<const LatentRows> chains,
+                                                size_t count) const {
+  ENGRAM_CHECK(!chains.empty() && chains.size() == (count + chain_rows - 1) / chain_rows,
+               "{} chains for {} rows", chains.size(), count);
+  const LatentRows& first = chains.front();
+  ENGRAM_CHECK(first.own.empty() || first.own.size() == chain.frames.size(), "{} backgrounds of {}",
+               first.own.size(), chain.frames.size());
   std::vector<std::vector<std::byte>> parts;
   ByteWriter writer;
-  writer.put_varint(int64_t{2} * rows.scene + (rows.own.empty() ? 0 : 1));
-  for (const CodedBackground& background : rows.own) {
+  writer.put_varint(int64_t{2} * first.scene + (first.own.empty() ? 0 : 1));
+  for (const CodedBackground& background : first.own) {
     parts.push_back(background.bytes);
     writer.put_varint(static_cast<int64_t>(background.form));
     writer.put_varint(static_cast<int64_t>(background.bytes.size()));
   }
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const ImageRows& image = rows.images[i];
-    const bool is_video = image.form != ImageForm::kLatents;
-    ENGRAM_CHECK(is_video || (i < images.size() &&
-                              image.latents.size() == count * images[i].model().latents()),
-                 "{} latents for {} rows", image.latents.size(), count);
-    const bool has_residual = !is_video && !image.residual.empty();
-    parts.push_back(is_video ? image.video : images[i].encode(image.latents));
-    writer.put_varint(static_cast<int64_t>(image.form) +
-                      (!is_video && image.is_refined ? kRefined : 0) +
-                      (has_residual ? kHasResidual : 0));
+  writer.put_varint(static_cast<int64_t>(chain_rows));
+  for (size_t i = 0; i < chains.size(); ++i) {
+    ENGRAM_CHECK(chains[i].scene == first.scene && chains[i].own.size() == first.own.size(),
+                 "chains of one block with several views");
+    parts.push_back(chain.encode(chains[i], std::min(chain_rows, count - i * chain_rows)));
     writer.put_varint(static_cast<int64_t>(parts.back().size()));
-    if (!has_residual) continue;
-    parts.push_back(image.residual);
-    writer.put_varint(static_cast<int64_t>(image.residual.size()));
   }
-  if (numbers) parts.push_back(numbers->encode(rows.numbers));
   std::vector<std::byte> block = writer.take();
   for (const auto& part : parts) block.insert(block.end(), part.begin(), part.end());
   return with_checksum(std::move(block), count);
 }
 
-Status LatentBlockCodec::decode_image(size_t image, std::span<const std::byte> bytes, size_t count,
-                                      size_t wanted, ImageRows& rows) const {
-  if (rows.form != ImageForm::kLatents) {
-    const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(rows.form));
-    ENGRAM_ASSIGN_OR_RETURN(rows.frames,
-                            codec->decode(bytes, frames[image].type, frames[image].shape, count));
-    return {};
-  }
-  if (image >= images.size())
-    return data_loss("block of latents: found latents of image {}, its model has none", image);
-  ENGRAM_ASSIGN_OR_RETURN(rows.latents, images[image].decode(bytes, count, wanted));
-  return {};
-}
-
-Status LatentBlockCodec::decode_residual(size_t image, std::span<const std::byte> bytes,
-                                         size_t count, size_t wanted, ImageRows& rows) const {
-  if (frames[image].type != idf::ElementType::kUInt8)
-    return data_loss("block of latents: found residuals of image {}, which has {} elements", image,
-                     idf::to_string(frames[image].type));
-  ENGRAM_ASSIGN_OR_RETURN(rows.residuals,
-                          decode_residuals(bytes, frames[image].pixels(), count, wanted));
-  return {};
-}
-
-Result<std::vector<ImageCode>> describe_block(std::span<const std::byte> block, size_t count,
-                                              size_t images) {
-  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, "block of latents", count));
-  ByteReader reader(bytes);
-  ENGRAM_ASSIGN_OR_RETURN(const BlockHead head, read_head(reader, images));
-  bytes = reader.rest();
-  std::vector<ImageCode> codes(images);
-  for (size_t i = 0; i < head.own.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, head.own[i].bytes));
-    codes[i].background_bytes = part.size();
-  }
-  for (size_t i = 0; i < images; ++i) {
-    const ImageHead& image = head.images[i];
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, image.bytes));
-    ImageCode& code = codes[i];
-    code.form = image.form;
-    code.is_refined = image.is_refined;
-    code.bytes = part.size();
-    if (!image.residual_bytes) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take(bytes, *image.residual_bytes));
-    ENGRAM_ASSIGN_OR_RETURN(code.residual_bytes, residual_bytes(residual, count));
-  }
-  return codes;
-}
-
-Result<LatentRows> LatentBlockCodec::decode(std::span<const std::byte> block, size_t count,
-                                            size_t wanted) const {
-  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, "block of latents", count));
-  ByteReader reader(bytes);
-  ENGRAM_ASSIGN_OR_RETURN(const BlockHead head, read_head(reader, frames.size()));
-  if (head.scene < 0 || head.scene >= static_cast<int64_t>(scenes))
-    return data_loss("block of latents: found scene {}, needs 0 to {}", head.scene, scenes - 1);
-  bytes = reader.rest();
-  LatentRows rows;
-  rows.scene = static_cast<uint32_t>(head.scene);
-  for (size_t i = 0; i < head.own.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, head.own[i].bytes));
+Result<OpenBlock> LatentBlockCodec::open(std::span<const std::byte> block, size_t count) const {
+  ENGRAM_ASSIGN_OR_RETURN(BlockParts parts, read_parts(block, count, chain.frames.size()));
+  if (parts.scene < 0 || parts.scene >= static_cast<int64_t>(scenes))
+    return data_loss("block of latents: found scene {}, needs 0 to {}", parts.scene, scenes - 1);
+  OpenBlock open{
+      count, parts.chain_rows, static_cast<uint32_t>(parts.scene), {}, std::move(parts.chains)};
+  for (size_t i = 0; i < parts.own.size(); ++i) {
+    const auto bytes = parts.own[i].bytes;
     ENGRAM_ASSIGN_OR_RETURN(
-        rows.own.emplace_back(),
-        decode_background(head.own[i].form, {part.begin(), part.end()}, frames[i]));
+        open.own.emplace_back(),
+        decode_background(parts.own[i].form, {bytes.begin(), bytes.end()}, chain.frames[i]));
   }
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const ImageHead& image = head.images[i];
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take(bytes, image.bytes));
-    ImageRows& decoded = rows.images.emplace_back();
-    decoded.form = image.form;
-    decoded.is_refined = image.is_refined;
-    ENGRAM_RETURN_IF_ERROR(decode_image(i, part, count, wanted, decoded));
-    if (!image.residual_bytes) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take(bytes, *image.residual_bytes));
-    ENGRAM_RETURN_IF_ERROR(decode_residual(i, residual, count, wanted, decoded));
-  }
-  if (!numbers) return rows;
-  ENGRAM_ASSIGN_OR_RETURN(rows.numbers, numbers->decode(bytes, count));
-  rows.numbers.resize(wanted * numbers->model().count());
+  return open;
+}
+
+Result<LatentRows> LatentBlockCodec::decode(const OpenBlock& block, size_t chain_index,
+                                            size_t wanted) const {
+  ENGRAM_ASSIGN_OR_RETURN(
+      LatentRows rows, chain.decode(block.chains[chain_index], block.rows_of(chain_index), wanted));
+  rows.scene = block.scene;
+  rows.own = block.own;
   return rows;
+}
+
+Result<std::vector<LatentRows>> LatentBlockCodec::decode_all(std::span<const std::byte> block,
+                                                             size_t count) const {
+  ENGRAM_ASSIGN_OR_RETURN(const OpenBlock opened, open(block, count));
+  std::vector<LatentRows> chains;
+  for (size_t i = 0; i < opened.chains.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(chains.emplace_back(), decode(opened, i, opened.rows_of(i)));
+  }
+  return chains;
 }
 
 }  // namespace engram::encoders

@@ -16,7 +16,6 @@ namespace engram::encoders {
 namespace {
 
 constexpr std::string_view kFormat = "engram model";
-constexpr int64_t kMaxBlockRows = 1024;
 
 /// The integers of the file's root that say how large the networks are.
 template <typename Visit>
@@ -50,7 +49,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
     return file.write_attribute("/", name, int64_t{size});
   }));
   ENGRAM_RETURN_IF_ERROR(
-      file.write_attribute("/", "block_rows", static_cast<int64_t>(model.block_rows)));
+      file.write_attribute("/", "chain_rows", static_cast<int64_t>(model.codec.chain_rows)));
   ENGRAM_ASSIGN_OR_RETURN(const auto layout, idf::encode(model.plan.layout().to_data()));
   const auto* bytes = reinterpret_cast<const uint8_t*>(layout.data());
   ENGRAM_RETURN_IF_ERROR(
@@ -109,10 +108,10 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
       return data_loss("found {} backgrounds of {} x {} pixels, needs at most {}", sizes.scenes,
                        image.height, image.width, most_scenes(image));
   auto model = std::make_shared<DeepModel>(std::move(plan), sizes);
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t rows, file.int_attribute("/", "block_rows"));
-  if (rows < 1 || rows > kMaxBlockRows)
-    return data_loss("found blocks of {} rows, needs 1 to {}", rows, kMaxBlockRows);
-  model->block_rows = static_cast<size_t>(rows);
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t rows, file.int_attribute("/", "chain_rows"));
+  if (rows < 1 || rows > static_cast<int64_t>(kMostBlockRows))
+    return data_loss("found chains of {} rows, needs 1 to {}", rows, kMostBlockRows);
+  model->codec.chain_rows = static_cast<size_t>(rows);
   ENGRAM_ASSIGN_OR_RETURN(model->mean, read_vector<double>(file, "/normaliser/mean"));
   ENGRAM_ASSIGN_OR_RETURN(model->deviation, read_vector<double>(file, "/normaliser/deviation"));
   const size_t numbers = model->plan.number_count();

@@ -10,7 +10,7 @@
 namespace engram::encoders {
 
 /// The format of model files that this program reads and writes.
-inline constexpr int kModelFormatVersion = 4;
+inline constexpr int kModelFormatVersion = 5;
 
 /// Reads where a model comes from, without its networks.
 /// Errors: kNotFound; kDataLoss where the file is damaged; kFailedPrecondition where its format is

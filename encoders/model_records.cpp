@@ -44,11 +44,11 @@ Status write_bytes(h5::File& file, const std::string& path, const std::vector<st
 
 Status write_codec(h5::File& file, const LatentBlockCodec& codec) {
   ENGRAM_RETURN_IF_ERROR(file.make_group("/codec"));
-  for (size_t i = 0; i < codec.images.size(); ++i)
+  for (size_t i = 0; i < codec.chain.images.size(); ++i)
     ENGRAM_RETURN_IF_ERROR(
-        write_bytes(file, image_codec_path(i), codec.images[i].model().to_bytes()));
-  if (!codec.numbers) return {};
-  return write_bytes(file, kNumberCodecPath, codec.numbers->model().to_bytes());
+        write_bytes(file, image_codec_path(i), codec.chain.images[i].model().to_bytes()));
+  if (!codec.chain.numbers) return {};
+  return write_bytes(file, kNumberCodecPath, codec.chain.numbers->model().to_bytes());
 }
 
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec) {
@@ -57,7 +57,7 @@ Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCo
     ENGRAM_ASSIGN_OR_RETURN(
         LatentModel model,
         LatentModel::from_bytes(std::as_bytes(std::span(bytes)), shape.grids(i)));
-    codec.images.emplace_back(std::move(model));
+    codec.chain.images.emplace_back(std::move(model));
   }
   if (shape.numbers == 0) return {};
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, kNumberCodecPath));
@@ -65,7 +65,7 @@ Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCo
                           NumberModel::from_bytes(std::as_bytes(std::span(bytes))));
   if (model.count() != static_cast<size_t>(shape.numbers))
     return data_loss("found a codec of {} numbers, needs {}", model.count(), shape.numbers);
-  codec.numbers.emplace(std::move(model));
+  codec.chain.numbers.emplace(std::move(model));
   return {};
 }
 
@@ -75,8 +75,8 @@ Status write_condition(h5::File& file, const Condition& condition) {
       file.write_attribute("/condition", "entity", std::string_view(condition.entity)));
   ENGRAM_ASSIGN_OR_RETURN(const auto layout, idf::encode(condition.plan.layout().to_data()));
   const auto* bytes = reinterpret_cast<const uint8_t*>(layout.data());
-  ENGRAM_RETURN_IF_ERROR(write_vector(file, "/condition/layout",
-                                      std::vector<uint8_t>(bytes, bytes + layout.size())));
+  ENGRAM_RETURN_IF_ERROR(
+      write_vector(file, "/condition/layout", std::vector<uint8_t>(bytes, bytes + layout.size())));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/condition/mean", condition.mean));
   return write_vector(file, "/condition/deviation", condition.deviation);
 }

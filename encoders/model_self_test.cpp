@@ -28,8 +28,8 @@ Result<SelfTest> decoded_example(DeepModel& model, std::span<const std::byte> co
   constexpr int64_t kMostPixels = 512;
   torch::NoGradGuard no_grad;
   SelfTest test;
-  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, model.codec.decode(code, 1, 1));
-  const Latents latents = model.to_latents(rows, 0);
+  ENGRAM_ASSIGN_OR_RETURN(const auto chains, model.codec.decode_all(code, 1));
+  const Latents latents = model.to_latents(chains.front(), 0);
   for (const Tensor& image : model.autoencoder->decode(latents).images) {
     if (!image.defined()) continue;
     const Tensor flat = image.contiguous().flatten().clamp(0, 255);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 #include "training/latent_refinement.h"
@@ -22,10 +23,14 @@ int64_t as_int(uint64_t bytes) {
   return static_cast<int64_t>(bytes);
 }
 
-/// Of the background that rows carry of an image member.
-uint64_t background_bytes(const LatentRows& rows, size_t image) {
-  return rows.own.empty() ? 0 : rows.own[image].bytes.size();
+/// Of the backgrounds that a block carries.
+uint64_t background_bytes(const LatentRows& rows) {
+  uint64_t bytes = 0;
+  for (const encoders::CodedBackground& background : rows.own) bytes += background.bytes.size();
+  return bytes;
 }
+
+constexpr auto kLessBytes = [](const auto& a, const auto& b) { return a.bytes < b.bytes; };
 
 }  // namespace
 
@@ -55,9 +60,9 @@ const idf::NdArray& BlockChoice::recorded(const idf::SplitValue& value, size_t i
 }
 
 Result<LatentRows> BlockChoice::seen(LatentRows rows, size_t count) const {
-  if (!model_.codec.numbers) return rows;
-  const auto code = model_.codec.numbers->encode(rows.numbers);
-  ENGRAM_ASSIGN_OR_RETURN(rows.numbers, model_.codec.numbers->decode(code, count));
+  if (!model_.codec.chain.numbers) return rows;
+  const auto code = model_.codec.chain.numbers->encode(rows.numbers);
+  ENGRAM_ASSIGN_OR_RETURN(rows.numbers, model_.codec.chain.numbers->decode(code, count));
   return rows;
 }
 
@@ -96,14 +101,14 @@ std::optional<BlockChoice::Candidate> BlockChoice::corrected(
     std::span<const idf::SplitValue> values, size_t image, const ImageRows& rows,
     const Images& images) const {
   if (model_.plan.images()[image].is_depth) return std::nullopt;
-  encoders::ResidualEncoder residual(model_.codec.frames[image].pixels());
+  encoders::ResidualEncoder residual(model_.codec.chain.frames[image].pixels());
   for (size_t row = 0; row < values.size(); ++row) {
     const auto wanted = recorded(values[row], image).values<uint8_t>();
     const auto most_error = static_cast<uint64_t>(most_mse_ * static_cast<double>(wanted.size()));
     if (!residual.add(images[row][image].values<uint8_t>(), wanted, most_error))
       return std::nullopt;
   }
-  Candidate candidate{rows, model_.codec.images[image].encode(rows.latents).size()};
+  Candidate candidate{rows, model_.codec.chain.images[image].encode(rows.latents).size()};
   candidate.rows.residual = residual.finish();
   candidate.bytes += candidate.rows.residual.size();
   return candidate;
@@ -119,15 +124,13 @@ Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_can
         std::ranges::count_if(row, [this](double mse) { return mse > most_mse_; });
   std::vector<std::vector<Candidate>> candidates(rows.images.size());
   const auto add = [&](size_t i, const ImageRows& latents, const Images& images) {
-    auto candidate = corrected(values, i, latents, images);
-    if (!candidate) return;
-    candidate->bytes += background_bytes(rows, i);
-    candidates[i].push_back(*std::move(candidate));
+    if (auto candidate = corrected(values, i, latents, images))
+      candidates[i].push_back(*std::move(candidate));
   };
   for (size_t i = 0; i < rows.images.size(); ++i) {
     add(i, rows.images[i], guessed);
-    counts_.latent_bytes += as_int(model_.codec.images[i].encode(rows.images[i].latents).size() +
-                                   background_bytes(rows, i));
+    counts_.latent_bytes +=
+        as_int(model_.codec.chain.images[i].encode(rows.images[i].latents).size());
   }
   const int steps = refine_steps(errors);
   if (steps == 0) return candidates;
@@ -191,71 +194,129 @@ void BlockChoice::count_kept(const Candidate& kept, size_t rows) {
     add(counts_.latent_rows, count - with_residual, counts_.latent_kept_bytes, alone);
 }
 
-Status BlockChoice::choose(std::span<const idf::SplitValue> values, size_t image,
-                           std::vector<Candidate> candidates, ImageRows& rows) {
-  const auto less = [](const Candidate& a, const Candidate& b) { return a.bytes < b.bytes; };
+Result<BlockChoice::Choice> BlockChoice::choose(std::span<const idf::SplitValue> values,
+                                                size_t image, std::vector<Candidate> candidates) {
+  Choice choice;
   if (candidates.empty())
     can_correct_all_ = false;
   else
-    counts_.residual_bytes += as_int(std::ranges::min_element(candidates, less)->bytes);
+    choice.latents = std::move(*std::ranges::min_element(candidates, kLessBytes));
+  candidates.clear();
   ENGRAM_RETURN_IF_ERROR(add_videos(values, image, candidates));
-  if (candidates.empty())
+  if (!candidates.empty())
+    choice.video = std::move(*std::ranges::min_element(candidates, kLessBytes));
+  if (!choice.latents && !choice.video)
     return invalid_argument("image '{}': no form keeps {} dB: no installed video codec takes it",
                             model_.plan.layout().members()[model_.plan.images()[image].member].path,
                             options_.bound_db);
-  // Of equals the first: latents are reached sooner than video.
-  Candidate& best = *std::ranges::min_element(candidates, less);
-  count_kept(best, values.size());
-  rows = std::move(best.rows);
-  return {};
+  return choice;
 }
 
-Status BlockChoice::keep_least(std::span<const idf::SplitValue> values, LatentRows& rows,
-                               const std::stop_token& stop) {
+Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitValue> values,
+                                                     const LatentRows& rows,
+                                                     const std::stop_token& stop) {
   std::vector<std::vector<Candidate>> candidates(rows.images.size());
-  if (options_.kind == Representation::kAuto && !model_.autoencoder->images.empty()) {
+  if (options_.kind == Representation::kAuto && has_networks()) {
     ENGRAM_ASSIGN_OR_RETURN(candidates, latent_candidates(values, rows, stop));
   }
-  for (size_t i = 0; i < rows.images.size(); ++i)
-    ENGRAM_RETURN_IF_ERROR(choose(values, i, std::move(candidates[i]), rows.images[i]));
-  const auto is_video = [](const ImageRows& image) { return image.form != ImageForm::kLatents; };
-  if (std::ranges::all_of(rows.images, is_video)) rows.own.clear();
+  Choices choices;
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(), choose(values, i, std::move(candidates[i])));
+  }
+  return choices;
+}
+
+Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
+                               std::vector<LatentRows>& chains, const std::stop_token& stop,
+                               const Pause& pause) {
+  std::vector<Choices> choices;
+  for (size_t i = 0; i < chains.size(); ++i) {
+    if (pause) ENGRAM_RETURN_IF_ERROR(pause());
+    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
+                            choices_of(rows_of(values, i), chains[i], stop));
+  }
+  // The background is paid once, by the first chain that keeps latents.
+  const uint64_t background = background_bytes(chains.front());
+  uint64_t mixed = background, video = 0;
+  bool needs_latents = false, keeps_latents = false;
+  for (const Choice& choice : choices | std::views::join) {
+    mixed += choice.least().bytes;
+    if (choice.latents) counts_.residual_bytes += as_int(choice.latents->bytes);
+    keeps_latents = keeps_latents || choice.keeps_latents();
+    if (choice.video)
+      video += choice.video->bytes;
+    else
+      needs_latents = true;
+  }
+  if (has_networks()) {
+    counts_.latent_bytes += as_int(background);
+    counts_.residual_bytes += as_int(background);
+  }
+  const bool is_all_video = !keeps_latents || (!needs_latents && video <= mixed);
+  uint64_t unpaid = is_all_video ? 0 : background;
+  for (size_t at = 0; at < chains.size(); ++at) {
+    if (is_all_video) chains[at].own.clear();
+    for (size_t i = 0; i < choices[at].size(); ++i) {
+      Choice& choice = choices[at][i];
+      Candidate& kept = is_all_video ? *choice.video : choice.least();
+      if (kept.rows.form == ImageForm::kLatents) kept.bytes += std::exchange(unpaid, 0);
+      count_kept(kept, rows_of(values, at).size());
+      chains[at].images[i] = std::move(kept.rows);
+    }
+  }
   return {};
 }
 
 Status BlockChoice::keep_latents(std::span<const idf::SplitValue> values, LatentRows& rows,
-                                 const std::stop_token& stop) {
+                                 uint64_t background, const std::stop_token& stop) {
   ENGRAM_ASSIGN_OR_RETURN(LatentRows start, seen(rows, values.size()));
   ENGRAM_ASSIGN_OR_RETURN(LatentRows refined, refine_latents(model_, values, std::move(start),
                                                              {options_.refine_steps, 0}, stop));
+  counts_.latent_bytes += as_int(background);
   for (size_t i = 0; i < rows.images.size(); ++i) {
-    const uint64_t background = background_bytes(rows, i);
-    counts_.latent_bytes +=
-        as_int(model_.codec.images[i].encode(rows.images[i].latents).size() + background);
+    const auto& codec = model_.codec.chain.images[i];
+    counts_.latent_bytes += as_int(codec.encode(rows.images[i].latents).size());
     refined.images[i].is_refined = refined.images[i].latents != rows.images[i].latents;
     rows.images[i] = std::move(refined.images[i]);
-    const uint64_t latents = model_.codec.images[i].encode(rows.images[i].latents).size();
-    count_kept({rows.images[i], latents + background}, values.size());
+    const uint64_t latents = codec.encode(rows.images[i].latents).size();
+    count_kept({rows.images[i], latents + std::exchange(background, 0)}, values.size());
   }
   if (options_.refine_steps > 0)
     counts_.refine_tried_rows += static_cast<int64_t>(values.size() * rows.images.size());
   return {};
 }
 
+std::span<const idf::SplitValue> BlockChoice::rows_of(std::span<const idf::SplitValue> values,
+                                                      size_t chain) const {
+  const auto rest = values.subspan(chain * model_.codec.chain_rows);
+  return rest.first(std::min(model_.codec.chain_rows, rest.size()));
+}
+
+bool BlockChoice::has_networks() const {
+  return !model_.autoencoder->images.empty();
+}
+
 Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> values,
-                                                     const std::stop_token& stop) {
+                                                     const std::stop_token& stop,
+                                                     const Pause& pause) {
   std::vector<idf::SplitValue> split;
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.layout().split(value));
   }
-  ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, rows_on_best_view(model_, split));
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, rows_on_best_view(model_, split));
   counts_.rows += static_cast<int64_t>(split.size() * rows.images.size());
-  const bool has_networks = !model_.autoencoder->images.empty();
-  if (options_.kind == Representation::kLatents && has_networks)
-    ENGRAM_RETURN_IF_ERROR(keep_latents(split, rows, stop));
-  else
-    ENGRAM_RETURN_IF_ERROR(keep_least(split, rows, stop));
-  std::vector<std::byte> block = model_.codec.encode(rows, split.size());
+  auto chains = encoders::cut_chains(rows, split.size(), model_.codec.chain_rows);
+  if (options_.kind == Representation::kLatents && has_networks()) {
+    uint64_t background = background_bytes(rows);
+    for (size_t i = 0; i < chains.size(); ++i) {
+      if (pause) ENGRAM_RETURN_IF_ERROR(pause());
+      ENGRAM_RETURN_IF_ERROR(
+          keep_latents(rows_of(split, i), chains[i], std::exchange(background, 0), stop));
+    }
+  } else {
+    ENGRAM_RETURN_IF_ERROR(keep_least(split, chains, stop, pause));
+  }
+  std::vector<std::byte> block = model_.codec.encode(chains, split.size());
   return encoders::latents_of(std::move(block), std::move(split));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,19 +29,36 @@ class BlockChoice {
   /// The model outlives it. Needs a bound (checked) where others than latents may be kept.
   BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options);
 
+  /// Called before each chain; an error ends encoding with it.
+  using Pause = std::function<Status()>;
+
   /// One latent per value: consecutive values of one recording, at most a block.
   /// Errors: kCancelled on `stop`; kInvalidArgument, also where no form keeps the bound.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values,
-                                          const std::stop_token& stop = {});
+                                          const std::stop_token& stop = {},
+                                          const Pause& pause = {});
 
   [[nodiscard]] encoders::StoredForms counts() const;
 
  private:
-  /// A way to keep an image member of a block.
+  /// A way to keep an image member of a chain.
   struct Candidate {
     encoders::ImageRows rows;
     uint64_t bytes = 0;
   };
+  /// The least ways of its kinds to keep an image member of a chain within the bound; one at least.
+  struct Choice {
+    std::optional<Candidate> latents;  ///< With residuals where they need them.
+    std::optional<Candidate> video;    ///< With loss or without.
+
+    /// Of equals latents: they are reached sooner.
+    [[nodiscard]] bool keeps_latents() const {
+      return latents && (!video || latents->bytes <= video->bytes);
+    }
+    [[nodiscard]] Candidate& least() { return keeps_latents() ? *latents : *video; }
+    [[nodiscard]] const Candidate& least() const { return keeps_latents() ? *latents : *video; }
+  };
+  using Choices = std::vector<Choice>;  ///< Per image member.
   /// Images [row][member].
   using Images = std::vector<std::vector<idf::NdArray>>;
 
@@ -53,10 +71,20 @@ class BlockChoice {
                                                      const Images& images) const;
   [[nodiscard]] const idf::NdArray& recorded(const idf::SplitValue& value, size_t image) const;
 
+  [[nodiscard]] bool has_networks() const;
+  /// Those of a chain.
+  [[nodiscard]] std::span<const idf::SplitValue> rows_of(std::span<const idf::SplitValue> values,
+                                                         size_t chain) const;
+
+  /// Of a chain that pays for so many bytes of background.
   Status keep_latents(std::span<const idf::SplitValue> values, encoders::LatentRows& rows,
-                      const std::stop_token& stop);
-  Status keep_least(std::span<const idf::SplitValue> values, encoders::LatentRows& rows,
-                    const std::stop_token& stop);
+                      uint64_t background, const std::stop_token& stop);
+  /// Of a whole block.
+  Status keep_least(std::span<const idf::SplitValue> values,
+                    std::vector<encoders::LatentRows>& chains, const std::stop_token& stop,
+                    const Pause& pause);
+  Result<Choices> choices_of(std::span<const idf::SplitValue> values,
+                             const encoders::LatentRows& rows, const std::stop_token& stop);
   /// What the encoder made, and where it was tried, what became of it by refining: per member.
   Result<std::vector<std::vector<Candidate>>> latent_candidates(
       std::span<const idf::SplitValue> values, const encoders::LatentRows& rows,
@@ -66,8 +94,8 @@ class BlockChoice {
   [[nodiscard]] std::optional<Candidate> corrected(std::span<const idf::SplitValue> values,
                                                    size_t image, const encoders::ImageRows& rows,
                                                    const Images& images) const;
-  Status choose(std::span<const idf::SplitValue> values, size_t image,
-                std::vector<Candidate> candidates, encoders::ImageRows& rows);
+  Result<Choice> choose(std::span<const idf::SplitValue> values, size_t image,
+                        std::vector<Candidate> candidates);
   Status add_videos(std::span<const idf::SplitValue> values, size_t image,
                     std::vector<Candidate>& candidates);
   [[nodiscard]] int refine_steps(const std::vector<std::vector<double>>& errors) const;

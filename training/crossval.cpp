@@ -20,8 +20,13 @@ namespace {
 class Crossval {
  public:
   Crossval(ltm::StoreReader& reader, const ltm::MemoryId& entity, const CrossvalOptions& options,
-           const ProgressSink& progress, const std::stop_token& stop)
-      : reader_(reader), entity_(entity), options_(options), progress_(progress), stop_(stop) {}
+           const ProgressSink& progress, const std::stop_token& stop, const FoldSink& on_fold)
+      : reader_(reader),
+        entity_(entity),
+        options_(options),
+        progress_(progress),
+        stop_(stop),
+        on_fold_(on_fold) {}
 
   Result<CrossvalReport> run() {
     ENGRAM_ASSIGN_OR_RETURN(EntitySource found,
@@ -35,20 +40,32 @@ class Crossval {
     ENGRAM_ASSIGN_OR_RETURN(plan_, encoders::TensorPlan::create(std::move(found.layout)));
     CrossvalReport report;
     report.entity = entity_;
-    const size_t folds =
-        std::min(options_.most_folds.value_or(recordings.size()), recordings.size());
+    ENGRAM_ASSIGN_OR_RETURN(const auto folds, folds_of(recordings.size()));
     FoldSums all(options_.variants.size());
-    for (size_t fold = 0; fold < folds; ++fold) {
-      ENGRAM_ASSIGN_OR_RETURN(const FoldSums sums, run_fold(recordings, fold));
-      all.add(sums, folds);
+    for (const size_t number : folds) {
+      ENGRAM_ASSIGN_OR_RETURN(const FoldSums sums, run_fold(recordings, number - 1));
+      all.add(sums, folds.size());
       report.folds.push_back(sums.fold(options_.variants));
-      report.folds.back().first = entries_[recordings[fold].first].time;
+      report.folds.back().first = entries_[recordings[number - 1].first].time;
+      if (on_fold_) on_fold_(report.folds.back(), number);
     }
     report.all = all.fold(options_.variants);
     return report;
   }
 
  private:
+  /// Numbers of the recordings to leave out.
+  Result<std::vector<size_t>> folds_of(size_t recordings) const {
+    std::vector<size_t> folds = options_.folds;
+    if (folds.empty())
+      for (size_t number = 1; number <= recordings; ++number) folds.push_back(number);
+    for (const size_t number : folds)
+      if (number > recordings)
+        return invalid_argument("{}: found fold {}, it has {} recordings", entity_.to_string(),
+                                number, recordings);
+    return folds;
+  }
+
   /// Divides what was recorded into what is measured and what is between, and returns the
   /// recordings of what is measured.
   std::vector<Sequence> take(std::vector<ltm::SnapshotEntry> entries) {
@@ -168,22 +185,24 @@ class Crossval {
     representation.kind = Representation::kLatents;
     representation.refine_steps = options_.refine_steps;
     BlockChoice choice(model, representation);
-    for (size_t first = 0; first < values.size(); first += model.block_rows) {
+    for (size_t first = 0; first < values.size(); first += model.block_rows()) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
-      const auto block =
-          std::span(values).subspan(first).first(std::min(model.block_rows, values.size() - first));
+      const auto rest = std::span(values).subspan(first);
+      const auto block = rest.first(std::min(model.block_rows(), rest.size()));
       ENGRAM_ASSIGN_OR_RETURN(const auto latents, choice.encode(block, stop_));
       bytes += static_cast<double>(latents.front().code.size());
-      ENGRAM_ASSIGN_OR_RETURN(const auto rows, model.codec.decode(latents.front().code.bytes(),
-                                                                  block.size(), block.size()));
-      for (size_t row = 0; row < block.size(); ++row) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto chains,
+                              model.codec.decode_all(latents.front().code.bytes(), block.size()));
+      for (size_t at = 0; at < block.size(); ++at) {
+        const encoders::LatentRows& rows = chains[at / model.codec.chain_rows];
+        const size_t row = at % model.codec.chain_rows;
         ENGRAM_ASSIGN_OR_RETURN(const idf::Data value,
-                                model.decode(rows, row, latents[row].remainder));
-        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(block[row], value));
+                                model.decode(rows, row, latents[at].remainder));
+        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(block[at], value));
         sums.add(error);
         if (!model.global_code.is_known()) continue;
         ENGRAM_ASSIGN_OR_RETURN(codes.emplace_back(),
-                                model.global_code_of(rows, row, latents[row].remainder));
+                                model.global_code_of(rows, row, latents[at].remainder));
       }
     }
     return {};
@@ -227,6 +246,7 @@ class Crossval {
   const CrossvalOptions& options_;
   const ProgressSink& progress_;
   const std::stop_token& stop_;
+  const FoldSink& on_fold_;
   std::vector<ltm::SnapshotEntry> entries_;  ///< That are measured.
   /// Per recording, those between them that are only trained on, one slower recording after
   /// another.
@@ -252,7 +272,10 @@ Status CrossvalOptions::validate() const {
   if (every < Duration::zero())
     return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
                             engram::to_string(every));
-  if (most_folds && *most_folds < 1) return invalid_argument("folds: found 0, needs at least 1");
+  if (std::ranges::find(folds, 0u) != folds.end())
+    return invalid_argument("folds: found 0, the first is 1");
+  if (std::set(folds.begin(), folds.end()).size() < folds.size())
+    return invalid_argument("folds: found one twice, needs each at most once");
   if (variants.empty()) return invalid_argument("training variants: found none, needs at least 1");
   if (std::set(variants.begin(), variants.end()).size() < variants.size())
     return invalid_argument("training variants: found one twice, needs each at most once");
@@ -260,11 +283,12 @@ Status CrossvalOptions::validate() const {
 }
 
 Result<CrossvalReport> crossval(const std::filesystem::path& store, const CrossvalOptions& options,
-                                const ProgressSink& progress, const std::stop_token& stop) {
+                                const ProgressSink& progress, const std::stop_token& stop,
+                                const FoldSink& on_fold) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(store));
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, only_match(*reader, options.entity));
-  return Crossval(*reader, entity, options, progress, stop).run();
+  return Crossval(*reader, entity, options, progress, stop, on_fold).run();
 }
 
 }  // namespace engram::training

@@ -3,8 +3,8 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -29,8 +29,8 @@ struct CrossvalOptions {
   /// Snapshots that are measured lie so far apart; those between them, as recordings of the same
   /// rate, are trained on as well. Zero: every one is measured.
   Duration every{};
-  /// Folds that are made, from the first on; nothing: one per recording.
-  std::optional<size_t> most_folds;
+  /// Recordings that are left out, one after another, by their number from 1 on; none: all.
+  std::vector<size_t> folds;
 
   [[nodiscard]] Status validate() const;
 };
@@ -83,14 +83,17 @@ struct CrossvalReport {
   CrossvalFold all;  ///< Over the snapshots of all folds; bytes are means of the folds.
 };
 
+/// Called with what a fold gave as soon as it is known, and the number of its recording.
+using FoldSink = std::function<void(const CrossvalFold& fold, size_t number)>;
+
 /// Trains models on all recordings of an entity but one, for each of them, and measures them on the
 /// one that was left out. Nothing is published.
-/// Errors: kInvalidArgument where there are fewer than two recordings; kNotFound; kCancelled; those
-/// of the store and of training.
-/// Threading: one at a time per process (train_model).
+/// Errors: kInvalidArgument where there are fewer than two recordings, or not one that is asked
+/// for; kNotFound; kCancelled; those of the store and of training. Threading: one at a time per
+/// process (train_model).
 Result<CrossvalReport> crossval(const std::filesystem::path& store, const CrossvalOptions& options,
-                                const ProgressSink& progress = {},
-                                const std::stop_token& stop = {});
+                                const ProgressSink& progress = {}, const std::stop_token& stop = {},
+                                const FoldSink& on_fold = {});
 
 /// NaN becomes null.
 [[nodiscard]] nlohmann::ordered_json to_json(const CrossvalReport& report);

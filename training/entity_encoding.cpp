@@ -13,16 +13,14 @@ Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace&
   for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
   for (const Sequence& sequence : cut_sequences(times))
     for (size_t first = sequence.first; first < sequence.end; first += most_rows_) {
-      ENGRAM_RETURN_IF_ERROR(pace.pause());
       const size_t count = std::min(most_rows_, sequence.end - first);
-      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace.stop()));
+      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace));
       pace.progress()({"encode " + entity_.to_string(), first + count, entries.size(), {}, -1});
     }
   return {};
 }
 
-Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
-                                  const std::stop_token& stop) {
+Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace) {
   std::vector<idf::Data> values;
   std::vector<ltm::Snapshot> snapshots;
   for (const ltm::SnapshotEntry& entry : entries) {
@@ -30,7 +28,7 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
     for (const ltm::Instance& instance : snapshots.back().instances)
       values.push_back(instance.data);
   }
-  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, stop));
+  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, pace));
   ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder_.decode(latents));
   size_t at = 0;
   for (const ltm::Snapshot& snapshot : snapshots) {
@@ -48,12 +46,13 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
 
 /// Snapshots of several instances fill more than one block.
 Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values,
-                                                               const std::stop_token& stop) {
+                                                               JobPace& pace) {
   std::vector<ltm::Latent> latents;
   while (!values.empty()) {
     const auto block = values.first(std::min(most_rows_, values.size()));
     values = values.subspan(block.size());
-    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice_.encode(block, stop));
+    ENGRAM_ASSIGN_OR_RETURN(auto coded,
+                            choice_.encode(block, pace.stop(), [&] { return pace.pause(); }));
     std::ranges::move(coded, std::back_inserter(latents));
   }
   return latents;

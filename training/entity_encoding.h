@@ -28,11 +28,11 @@ class EntityEncoding {
       : reader_(reader),
         entity_(entity),
         version_(version),
-        most_rows_(model.block_rows),
+        most_rows_(model.block_rows()),
         choice_(model, options),
         decoder_(decoder) {}
 
-  /// Blocks never cross a gap between recordings. Waits between them while the robot is busy.
+  /// Blocks never cross a gap between recordings. Waits between chains while the robot is busy.
   /// Errors: those of JobPace::pause, of the store and of the model.
   Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
 
@@ -42,9 +42,8 @@ class EntityEncoding {
   void report(EntityReport& report) const;
 
  private:
-  Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop);
-  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values,
-                                                 const std::stop_token& stop);
+  Status encode_run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
+  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values, JobPace& pace);
   void count(const ltm::Latent& latent, const ltm::MeasuredError& error);
 
   ltm::StoreReader& reader_;

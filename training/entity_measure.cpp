@@ -133,7 +133,7 @@ Result<bool> EntityJob::wants_networks() {
 
 Result<double> EntityJob::sampled_video_bytes() {
   constexpr size_t kRuns = 4;
-  const auto most = static_cast<size_t>(options_.train.block_rows);
+  const auto most = static_cast<size_t>(options_.train.chain_rows);
   const size_t step = std::max<size_t>(1, entries_.size() / kRuns);
   const auto& representation = representation_;
   double bytes = 0;

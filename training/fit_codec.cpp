@@ -73,7 +73,7 @@ Result<encoders::NumberModel> number_model(const Dataset& data, const TrainOptio
     recordings.emplace_back(rows.data_ptr<double>(), rows.data_ptr<double>() + rows.numel());
   }
   encoders::NumberTraining training;
-  training.block_rows = static_cast<size_t>(options.block_rows);
+  training.block_rows = static_cast<size_t>(options.chain_rows);
   return encoders::train_number_model(fields_of(data, options.number_bound), recordings, training);
 }
 
@@ -110,17 +110,17 @@ LatentTable encode_all(encoders::DeepModel& model, const Dataset& data) {
 
 Status fit_codec(encoders::DeepModel& model, const Dataset& data, const LatentTable& latents,
                  const TrainOptions& options) {
-  model.block_rows = static_cast<size_t>(options.block_rows);
+  model.codec.chain_rows = static_cast<size_t>(options.chain_rows);
   for (size_t i = 0; i < latents.images.size(); ++i) {
     std::vector<std::vector<int32_t>> sequences;
     for (const Sequence& sequence : data.sequences)
       sequences.push_back(integers_of(latents.images[i], sequence));
-    model.codec.images.emplace_back(
+    model.codec.chain.images.emplace_back(
         encoders::LatentModel::train(model.autoencoder->shape.grids(i), sequences));
   }
   if (data.plan.number_count() == 0) return {};
   ENGRAM_ASSIGN_OR_RETURN(encoders::NumberModel numbers, number_model(data, options));
-  model.codec.numbers.emplace(std::move(numbers));
+  model.codec.chain.numbers.emplace(std::move(numbers));
   return {};
 }
 

@@ -171,7 +171,7 @@ class Refinement {
     Cost cost;
     for (size_t i = 0; i < rows.images.size(); ++i)
       cost.value +=
-          static_cast<double>(model_.codec.images[i].encode(rows.images[i].latents).size()) /
+          static_cast<double>(model_.codec.chain.images[i].encode(rows.images[i].latents).size()) /
           (1000.0 * size_);
     // With a bound, error beyond it is worth nothing.
     const double paid = options_.bound_db > 0 ? 0 : price();

@@ -23,6 +23,16 @@ KeptForm form_of(const encoders::ImageCode& code, bool has_residual) {
   return code.is_refined ? KeptForm::kRefined : KeptForm::kLatents;
 }
 
+/// Of all images of a chain, residuals included.
+double bytes_of(const std::vector<encoders::ImageCode>& chain) {
+  uint64_t bytes = 0;
+  for (const encoders::ImageCode& code : chain) {
+    bytes += code.bytes;
+    for (const auto& residual : code.residual_bytes) bytes += residual.value_or(0);
+  }
+  return static_cast<double>(bytes);
+}
+
 /// Reads what latents say of themselves.
 class Descriptions {
  public:
@@ -32,24 +42,29 @@ class Descriptions {
   Status add(const ltm::Latent& latent, int version, StoredSnapshot& snapshot) {
     ENGRAM_ASSIGN_OR_RETURN(const auto* members, members_of(version));
     const auto [index, count] = latent.place;
-    ENGRAM_ASSIGN_OR_RETURN(const auto codes,
+    ENGRAM_ASSIGN_OR_RETURN(const auto block,
                             encoders::describe_block(latent.code.bytes(), count, members->size()));
-    auto shared = static_cast<double>(latent.code.size());
+    const auto& codes = block.chains[index / block.chain_rows];
+    const size_t row = index % block.chain_rows;
+    const size_t first = index - row;
+    const auto rows = static_cast<double>(std::min<size_t>(block.chain_rows, count - first));
+    // What no chain has by itself counts evenly for all rows.
+    double rest = static_cast<double>(latent.code.size());
+    for (const auto& chain : block.chains) rest -= bytes_of(chain);
+    snapshot.bytes += rest / count;
     for (size_t i = 0; i < codes.size(); ++i) {
       const encoders::ImageCode& code = codes[i];
       std::optional<uint64_t> residual;
-      if (!code.residual_bytes.empty()) residual = code.residual_bytes[index];
+      if (!code.residual_bytes.empty()) residual = code.residual_bytes[row];
       StoredImage& image = snapshot.images.emplace_back();
       image.member = (*members)[i];
       image.form = form_of(code, residual.has_value());
       image.residual_bytes = residual.value_or(0);
-      image.bytes = static_cast<double>(code.bytes + code.background_bytes) / count +
-                    static_cast<double>(residual.value_or(0));
-      snapshot.bytes += static_cast<double>(residual.value_or(0));
-      for (const auto& other : code.residual_bytes)
-        shared -= static_cast<double>(other.value_or(0));
+      const double own =
+          static_cast<double>(code.bytes) / rows + static_cast<double>(residual.value_or(0));
+      image.bytes = own + static_cast<double>(block.background_bytes[i]) / count;
+      snapshot.bytes += own;
     }
-    snapshot.bytes += shared / count;
     if (!latent.remainder.empty())
       snapshot.bytes += static_cast<double>(idf::encoded_size(idf::Data(latent.remainder)));
     return {};

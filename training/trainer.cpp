@@ -249,8 +249,8 @@ Status TrainOptions::validate() const {
         "and 1 to {}",
         width, coarse_channels, fine_channels, encoders::NetworkSizes::kMostWidth,
         encoders::NetworkSizes::kMostChannels);
-  if (block_rows < 1 || block_rows > 1024)
-    return invalid_argument("snapshots of a block: found {}, needs 1 to 1024", block_rows);
+  if (chain_rows < 1 || chain_rows > 1024)
+    return invalid_argument("snapshots of a chain: found {}, needs 1 to 1024", chain_rows);
   if (threads < 1) return invalid_argument("threads: found {}, needs at least 1", threads);
   if (hold_out_recordings < 0)
     return invalid_argument("recordings to leave out: found {}, needs 0 or more",

@@ -68,8 +68,9 @@ struct TrainOptions {
   /// Channels of an image's latents at 16 x 16 and at 8 x 8 pixels.
   int coarse_channels = 24;
   int fine_channels = 8;
-  /// Snapshots that are coded as one block: more take fewer bytes, one is reached later.
-  int block_rows = 16;
+  /// Snapshots of a chain, each coded from those before: more take fewer bytes, one is reached
+  /// later.
+  int chain_rows = 16;
   /// Threads of the networks. Two entities in two processes of one thread beat one on two.
   int threads = 2;
   /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.

@@ -54,7 +54,7 @@ Result<double> cost_of(DeepModel& model, std::span<const idf::SplitValue> values
   for (const CodedBackground& background : rows.own)
     bytes += static_cast<double>(background.bytes.size());
   for (size_t i = 0; i < rows.images.size(); ++i)
-    bytes += static_cast<double>(model.codec.images[i].encode(rows.images[i].latents).size());
+    bytes += static_cast<double>(model.codec.chain.images[i].encode(rows.images[i].latents).size());
   double error = 0;
   double compared = 0;
   const size_t step = (values.size() + kMostCompared - 1) / kMostCompared;

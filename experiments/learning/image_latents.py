@@ -32,10 +32,10 @@ def parse_arguments():
                         help="folders of PNG, a recording each, in the order of their names")
     parser.add_argument("--db", type=float, default=35, help="mean PSNR to reach")
     parser.add_argument("--seconds", type=float, default=600, help="of processor time")
-    parser.add_argument("--features", type=int, nargs=4, default=[128, 96, 48, 24],
-                        help="of the decoder at strides 16, 8, 4 and 2")
+    parser.add_argument("--steps", type=int, help="instead of a time")
+    parser.add_argument("--width", type=int, default=128, help="features, a multiple of 16")
     parser.add_argument("--coarse", type=int, default=24, help="channels of the coarse latents")
-    parser.add_argument("--fine", type=int, default=4, help="channels of the fine latents")
+    parser.add_argument("--fine", type=int, default=8, help="channels of the fine latents")
     parser.add_argument("--rate", type=float, default=1.5e-3, help="learning rate")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=pathlib.Path, default="latents.bin")
@@ -73,33 +73,65 @@ class Residual(nn.Module):
         return x + self.second(functional.leaky_relu(self.first(x), 0.1))
 
 
+def active(x):
+    return functional.leaky_relu(x, 0.1)
+
+
+def unshuffled(x, factor):
+    return functional.pixel_unshuffle(x, factor).contiguous(memory_format=torch.channels_last)
+
+
+class Places(nn.Module):
+    """What is where: read from a background [B, 3, H, W], and learned by heart of each recording."""
+
+    def __init__(self, width, recordings, height, image_width):
+        super().__init__()
+        a, b, c, hidden = width, width * 3 // 4, width * 3 // 8, width // 2
+        self.stem = nn.Conv2d(48, c, 3, padding=1)
+        self.quarter = Residual(c)
+        self.to_eighth, self.eighth = nn.Conv2d(4 * c, hidden, 1), Residual(hidden)
+        self.out_eighth = nn.Conv2d(hidden, b, 1)
+        self.to_sixteenth = nn.Conv2d(4 * hidden, a, 1)
+        self.place_16 = nn.Parameter(torch.zeros(recordings, a, height // 16, image_width // 16))
+        self.place_8 = nn.Parameter(torch.zeros(1, b, height // 8, image_width // 8))
+        self.place_4 = nn.Parameter(torch.zeros(1, c, height // 4, image_width // 4))
+
+    def forward(self, background, recording):
+        """Features at strides 16, 8 and 4."""
+        quarter = self.quarter(active(self.stem(unshuffled(background, 4))))
+        eighth = self.eighth(active(self.to_eighth(unshuffled(quarter, 2))))
+        return (self.to_sixteenth(unshuffled(eighth, 2)) + self.place_16[recording],
+                self.out_eighth(eighth) + self.place_8, quarter + self.place_4)
+
+
 class Encoder(nn.Module):
     """Image minus background [B, 3, H, W] -> coarse [B, C, H/16, W/16], fine [B, F, H/8, W/8]."""
 
-    def __init__(self, coarse, fine):
+    def __init__(self, width, coarse, fine):
         super().__init__()
-        self.stem = nn.Conv2d(48, 48, 3, padding=1)
-        self.quarter = Residual(48)
-        self.to_eighth, self.eighth = nn.Conv2d(192, 64, 1), Residual(64)
-        self.fine = nn.Conv2d(64, fine, 1)
-        self.to_sixteenth = nn.Conv2d(256, 96, 1)
-        self.sixteenth = nn.Sequential(Residual(96), Residual(96))
-        self.coarse = nn.Conv2d(96, coarse, 1)
+        a, b, c = width * 3 // 8, width // 2, width * 3 // 4
+        self.stem = nn.Conv2d(48, a, 3, padding=1)
+        self.quarter = Residual(a)
+        self.to_eighth, self.eighth = nn.Conv2d(4 * a, b, 1), Residual(b)
+        self.fine = nn.Conv2d(b, fine, 1)
+        self.to_sixteenth = nn.Conv2d(4 * b, c, 1)
+        self.sixteenth = nn.Sequential(Residual(c), Residual(c))
+        self.coarse = nn.Conv2d(c, coarse, 1)
 
-    def forward(self, x):
-        x = self.quarter(functional.leaky_relu(self.stem(functional.pixel_unshuffle(x, 4)), 0.1))
-        x = self.eighth(self.to_eighth(functional.pixel_unshuffle(x, 2)))
+    def forward(self, x, places):
+        x = self.quarter(active(self.stem(unshuffled(x, 4)) + places[2]))
+        x = self.eighth(self.to_eighth(unshuffled(x, 2)))
         fine = self.fine(x)
-        x = self.sixteenth(self.to_sixteenth(functional.pixel_unshuffle(x, 2)))
+        x = self.sixteenth(self.to_sixteenth(unshuffled(x, 2)))
         return self.coarse(x) * 4, fine * 4
 
 
 class Decoder(nn.Module):
     """Most weights lie where places are few: it may know a scene by heart and stay quick."""
 
-    def __init__(self, features, coarse, fine, recordings, height, width):
+    def __init__(self, width, coarse, fine):
         super().__init__()
-        a, b, c, d = features
+        a, b, c, d = width, width * 3 // 4, width * 3 // 8, width * 3 // 16
         self.from_coarse, self.from_fine = (nn.Conv2d(coarse, a, 3, padding=1),
                                             nn.Conv2d(fine, b, 3, padding=1))
         self.blocks_16 = nn.Sequential(Residual(a), Residual(a))
@@ -110,22 +142,15 @@ class Decoder(nn.Module):
             nn.Conv2d(a, 4 * b, 1), nn.Conv2d(b, 4 * c, 1), nn.Conv2d(c, 4 * d, 1))
         self.out = nn.Conv2d(d, 12, 3, padding=1)
         nn.init.normal_(self.out.weight, 0, 0.02)
-        # What is where: of each recording, of all of them.
-        self.place_16 = nn.Parameter(torch.zeros(recordings, a, height // 16, width // 16))
-        self.place_8 = nn.Parameter(torch.zeros(1, b, height // 8, width // 8))
-        self.place_4 = nn.Parameter(torch.zeros(1, c, height // 4, width // 4))
 
-    def forward(self, coarse, fine, recording):
+    def forward(self, coarse, fine, places):
         def shuffled(x):
             return functional.pixel_shuffle(x, 2)
 
-        def active(x):
-            return functional.leaky_relu(x, 0.1)
-
-        x = self.blocks_16(self.from_coarse(coarse) + self.place_16[recording])
+        x = self.blocks_16(self.from_coarse(coarse) + places[0])
         x = shuffled(self.to_eighth(x)) + self.from_fine(fine)
-        x = shuffled(self.to_quarter(self.blocks_8(active(x) + self.place_8)))
-        x = shuffled(self.to_half(self.blocks_4(active(x) + self.place_4)))
+        x = shuffled(self.to_quarter(self.blocks_8(active(x) + places[1])))
+        x = shuffled(self.to_half(self.blocks_4(active(x) + places[2])))
         return shuffled(self.out(self.block_2(active(x))))
 
 
@@ -169,10 +194,11 @@ class Trial:
             torch.arange(len(starts)), torch.tensor(ends) - torch.tensor(starts))
         height, width = images.shape[2:]
         coarse, fine = arguments.coarse, arguments.fine
-        self.encoder = Encoder(coarse, fine)
-        self.decoder = Decoder(arguments.features, coarse, fine, len(starts), height, width)
+        self.places = Places(arguments.width, len(starts), height, width)
+        self.encoder = Encoder(arguments.width, coarse, fine)
+        self.decoder = Decoder(arguments.width, coarse, fine)
         self.prior, self.fine_prior = Prior(coarse), Prior(fine, coarse)
-        networks = [self.encoder, self.decoder, self.prior, self.fine_prior]
+        networks = [self.places, self.encoder, self.decoder, self.prior, self.fine_prior]
         self.weights = [p for network in networks for p in network.parameters()]
         for network in networks:
             network.to(memory_format=torch.channels_last)
@@ -191,10 +217,15 @@ class Trial:
                 chunks.append(list(range(start, start + self.CHUNK + 1)))
         return torch.tensor(chunks)
 
-    def encode(self, numbers):
+    def look(self, recording):
+        """What is known of recordings before an image of them is: looked up once for each."""
+        background = self.background[recording].contiguous(memory_format=torch.channels_last)
+        return [background, *self.places(background, recording)]
+
+    def encode(self, numbers, view):
         x = self.images[numbers].float() / GREY_LEVELS
-        plain = (x - self.background[self.recording[numbers]])
-        return x, self.encoder(plain.contiguous(memory_format=torch.channels_last))
+        plain = (x - view[0]).contiguous(memory_format=torch.channels_last)
+        return x, self.encoder(plain, view[1:])
 
     def bits(self, coarse, fine):
         """Of rows 1.. of [chunks, rows, ...]: each tensor's last two rows are its past."""
@@ -213,16 +244,18 @@ class Trial:
         self.optimiser.param_groups[0]["lr"] = rate
         self.optimiser.param_groups[1]["lr"] = rate / 2
         numbers = self.draw()
-        x, latents = self.encode(numbers.flatten())
+        view = self.look(self.recording[numbers[:, 0]])
+        x, latents = self.encode(numbers.flatten(),
+                                 [part.repeat_interleave(self.CHUNK + 1, 0) for part in view])
         # Noise stands in for rounding, later gradients pass straight through it.
         rounded = [z + torch.rand_like(z) - 0.5 if share < 0.5 else z + (z.round() - z).detach()
                    for z in latents]
         coarse, fine = [z.view(self.CHUNKS, self.CHUNK + 1, *z.shape[1:]) for z in rounded]
         bits = self.bits(coarse, fine)
-        recording = self.recording[numbers[:, 1:]].flatten()
-        decoded = self.decoder(coarse[:, 1:].flatten(0, 1), fine[:, 1:].flatten(0, 1), recording)
+        view = [part.repeat_interleave(self.CHUNK, 0) for part in view]
+        decoded = self.decoder(coarse[:, 1:].flatten(0, 1), fine[:, 1:].flatten(0, 1), view[1:])
         wanted = x.view(self.CHUNKS, self.CHUNK + 1, *x.shape[1:])[:, 1:].flatten(0, 1)
-        error = (decoded + self.background[recording] - wanted).square().mean((1, 2, 3))
+        error = (decoded + view[0] - wanted).square().mean((1, 2, 3))
         error = error * GREY_LEVELS ** 2
         loss = error.mean() * math.exp(self.log_weight) + bits.mean() / 8000
         self.optimiser.zero_grad()
@@ -234,8 +267,12 @@ class Trial:
 
     def run(self):
         begin, report, steps, psnr, bytes_each = time.process_time(), 60, 0, None, 0.0
-        while (spent := time.process_time() - begin) < self.arguments.seconds:
-            share = spent / self.arguments.seconds
+        most = self.arguments.steps
+        while True:
+            spent = time.process_time() - begin
+            share = steps / most if most else spent / self.arguments.seconds
+            if share >= 1:
+                break
             now, now_bytes = self.step(share)
             psnr = now if psnr is None else 0.98 * psnr + 0.02 * now
             bytes_each = 0.98 * bytes_each + 0.02 * now_bytes
@@ -248,15 +285,17 @@ class Trial:
                 images = steps * self.CHUNKS * self.CHUNK / spent
                 print(f"{spent:5.0f} s  {images:.0f} images/s  {psnr:.2f} dB  {bytes_each:.0f} B",
                       flush=True)
+        print(f"{steps * self.CHUNKS * self.CHUNK / spent:.1f} images per second of processor time")
 
     @torch.no_grad()
     def measure(self):
         """PSNR of every image from its rounded latents, and these: [N, latents]."""
         psnr, rows = [], []
         for numbers in torch.arange(len(self.images)).split(16):
-            _, (coarse, fine) = self.encode(numbers)
-            coarse, fine, recording = coarse.round(), fine.round(), self.recording[numbers]
-            decoded = self.decoder(coarse, fine, recording) + self.background[recording]
+            view = self.look(self.recording[numbers])
+            _, (coarse, fine) = self.encode(numbers, view)
+            coarse, fine = coarse.round(), fine.round()
+            decoded = self.decoder(coarse, fine, view[1:]) + view[0]
             error = (decoded * GREY_LEVELS).clamp(0, 255).round() - self.images[numbers].float()
             mse = error.square().mean((1, 2, 3)).clamp(min=255 ** 2 / 1e6)
             psnr.append(10 * torch.log10(255 ** 2 / mse))

@@ -139,9 +139,9 @@ TEST_F(NightJob, ChoosesBetweenTheModelThatIsThereAndANewOne) {
   EXPECT_EQ(same.at("model_version"), 1);
   EXPECT_EQ(same.at("choice").at("keeps_previous_model"), true);
   EXPECT_EQ(Json::parse(run_engram({"models", store_, "--json"}).out).at("models").size(), 1u);
-  // Longer blocks take fewer bytes.
+  // Longer chains take fewer bytes.
   const Json other =
-      Json::parse(night({"--force", "--block", "40", "--json"})).at("entities").at(0);
+      Json::parse(night({"--force", "--chain", "40", "--json"})).at("entities").at(0);
   EXPECT_EQ(other.at("is_model_new"), true);
   EXPECT_EQ(other.at("started_from_version"), 1);
   const Json& choice = other.at("choice");

@@ -60,7 +60,8 @@ TEST_F(GlobalCodes, AreMadeFromStoredLatentsWithoutTheirImages) {
   const auto model = load();
   const std::vector<idf::Data> values{scene_at(4), scene_at(5), scene_at(6)};
   const auto latents = *model->encode(values);
-  const auto rows = *model->codec.decode(latents[0].code.bytes(), 3, 3);
+  const auto chains = *model->codec.decode_all(latents[0].code.bytes(), 3);
+  const LatentRows& rows = chains.front();
   for (size_t row = 0; row < 3; ++row) {
     const auto code = model->global_code_of(rows, row, latents[row].remainder);
     ASSERT_TRUE(code.ok()) << code.status().to_string();

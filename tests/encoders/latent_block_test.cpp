@@ -16,12 +16,24 @@ constexpr size_t kRows = 6;
 LatentBlockCodec codec() {
   LatentBlockCodec codec;
   const std::vector<LatentGrid> grids{{3, 2, 2}, {2, 4, 4}};
-  codec.images.emplace_back(LatentModel(grids));
-  codec.images.emplace_back(LatentModel(grids));
-  codec.numbers.emplace(*NumberModel::create({{NumberKind::kBounded, 2, 0.01}}));
-  codec.frames.assign(2, {idf::ElementType::kUInt8, {64, 64, 3}});
+  codec.chain.images.emplace_back(LatentModel(grids));
+  codec.chain.images.emplace_back(LatentModel(grids));
+  codec.chain.numbers.emplace(*NumberModel::create({{NumberKind::kBounded, 2, 0.01}}));
+  codec.chain.frames.assign(2, {idf::ElementType::kUInt8, {64, 64, 3}});
   codec.scenes = 3;
   return codec;
+}
+
+/// As a block of one chain.
+std::vector<std::byte> encode(const LatentRows& rows) {
+  return codec().encode({&rows, 1}, kRows);
+}
+
+/// The first rows of the first chain.
+Result<LatentRows> decode(std::span<const std::byte> block, size_t wanted, size_t count = kRows) {
+  const LatentBlockCodec decoder = codec();
+  ENGRAM_ASSIGN_OR_RETURN(const OpenBlock open, decoder.open(block, count));
+  return decoder.decode(open, 0, wanted);
 }
 
 LatentRows some_rows() {
@@ -39,8 +51,8 @@ LatentRows some_rows() {
 
 TEST(LatentBlock, GivesBackWhatItWasGiven) {
   const LatentRows rows = some_rows();
-  const auto block = codec().encode(rows, kRows);
-  const auto decoded = codec().decode(block, kRows, kRows);
+  const auto block = encode(rows);
+  const auto decoded = decode(block, kRows);
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   EXPECT_EQ(decoded->scene, 2u);
   EXPECT_EQ(decoded->images, rows.images);
@@ -51,8 +63,8 @@ TEST(LatentBlock, GivesBackWhatItWasGiven) {
 
 TEST(LatentBlock, DecodesOnlyTheRowsThatAreWanted) {
   const LatentRows rows = some_rows();
-  const auto block = codec().encode(rows, kRows);
-  const auto decoded = codec().decode(block, kRows, 2);
+  const auto block = encode(rows);
+  const auto decoded = decode(block, 2);
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   ASSERT_EQ(decoded->images[1].latents.size(), 2u * (3 * 4 + 2 * 16));
   EXPECT_TRUE(std::equal(decoded->images[1].latents.begin(), decoded->images[1].latents.end(),
@@ -69,7 +81,7 @@ TEST(LatentBlock, HoldsVideosInsteadOfLatents) {
   rows.images[1].latents.clear();
   rows.images[1].form = *form_of_codec("ffv1");
   rows.images[1].video = *(*ltm::make_group_codec("ffv1"))->encode(images);
-  const auto decoded = codec().decode(codec().encode(rows, kRows), kRows, 3);
+  const auto decoded = decode(encode(rows), 3);
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   EXPECT_EQ(decoded->images[1].form, ImageForm::kFfv1);
   EXPECT_EQ(decoded->images[1].frames, images);
@@ -89,21 +101,62 @@ LatentRows rows_with_backgrounds() {
 
 TEST(LatentBlock, HoldsBackgroundsOfItsOwn) {
   const LatentRows rows = rows_with_backgrounds();
-  const auto decoded = codec().decode(codec().encode(rows, kRows), kRows, kRows);
+  const auto decoded = decode(encode(rows), kRows);
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   EXPECT_EQ(decoded->own, rows.own);
   EXPECT_EQ(decoded->scene, rows.scene);
   EXPECT_EQ(decoded->images, rows.images);
 }
 
+/// The codec, but for chains of so many rows.
+LatentBlockCodec codec_of_chains(size_t rows) {
+  LatentBlockCodec short_chains = codec();
+  short_chains.chain_rows = rows;
+  return short_chains;
+}
+
+TEST(LatentBlock, ReachesAChainWithoutThoseBeforeIt) {
+  const LatentRows rows = rows_with_backgrounds();
+  const LatentBlockCodec in_fours = codec_of_chains(4);
+  const auto block = in_fours.encode(cut_chains(rows, kRows, 4), kRows);
+  const auto open = in_fours.open(block, kRows);
+  ASSERT_TRUE(open.ok()) << open.status().to_string();
+  ASSERT_EQ(open->chains.size(), 2u);
+  EXPECT_EQ(open->rows_of(1), 2u);
+  const auto last = in_fours.decode(*open, 1, 2);
+  ASSERT_TRUE(last.ok()) << last.status().to_string();
+  EXPECT_EQ(last->own, rows.own);
+  EXPECT_EQ(last->scene, rows.scene);
+  for (size_t image = 0; image < 2; ++image) {
+    const auto& all = rows.images[image].latents;
+    const std::vector<int32_t> end(all.begin() + 4 * (3 * 4 + 2 * 16), all.end());
+    EXPECT_EQ(last->images[image].latents, end);
+  }
+  EXPECT_NEAR(last->numbers[3], rows.numbers.back(), 0.01);
+  // Shorter chains take more bytes, backgrounds are there once.
+  const auto in_ones = codec_of_chains(1);
+  const auto longer = in_ones.encode(cut_chains(rows, kRows, 1), kRows);
+  EXPECT_GT(longer.size(), block.size());
+  EXPECT_LT(longer.size(), block.size() + rows.own[0].bytes.size() + 4 * 80);
+  const auto chains = in_ones.decode_all(longer, kRows);
+  ASSERT_TRUE(chains.ok()) << chains.status().to_string();
+  EXPECT_EQ(chains->size(), kRows);
+}
+
+TEST(LatentBlock, ReadsChainsOfAnyLengthWhateverItsOwnIs) {
+  const LatentRows rows = some_rows();
+  const auto block = codec_of_chains(4).encode(cut_chains(rows, kRows, 4), kRows);
+  const auto chains = codec().decode_all(block, kRows);
+  ASSERT_TRUE(chains.ok()) << chains.status().to_string();
+  EXPECT_EQ(chains->size(), 2u);
+}
+
 TEST(LatentBlock, RefusesABackgroundThatIsNone) {
   LatentRows rows = rows_with_backgrounds();
   rows.own[1].bytes.assign(40, std::byte{0x5a});
-  EXPECT_EQ(codec().decode(codec().encode(rows, kRows), kRows, kRows).status().code(),
-            StatusCode::kDataLoss);
+  EXPECT_EQ(decode(encode(rows), kRows).status().code(), StatusCode::kDataLoss);
   rows.own[1].form = ImageForm::kLatents;
-  EXPECT_EQ(codec().decode(codec().encode(rows, kRows), kRows, kRows).status().code(),
-            StatusCode::kDataLoss);
+  EXPECT_EQ(decode(encode(rows), kRows).status().code(), StatusCode::kDataLoss);
 }
 
 /// An image that is brighter at one place, and how a network may see it.
@@ -128,9 +181,9 @@ LatentRows corrected_rows() {
 
 TEST(LatentBlock, HoldsResidualsOfTheRowsThatNeedThem) {
   const LatentRows rows = corrected_rows();
-  const auto block = codec().encode(rows, kRows);
+  const auto block = encode(rows);
   for (const size_t wanted : {size_t{2}, kRows}) {
-    const auto decoded = codec().decode(block, kRows, wanted);
+    const auto decoded = decode(block, wanted);
     ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
     EXPECT_EQ(decoded->images[0].residuals.size(), 0u);
     EXPECT_FALSE(decoded->images[0].is_refined);
@@ -146,33 +199,38 @@ TEST(LatentBlock, HoldsResidualsOfTheRowsThatNeedThem) {
 
 TEST(LatentBlock, SaysHowEachImageMemberIsKept) {
   const LatentRows rows = corrected_rows();
-  const auto block = codec().encode(rows, kRows);
-  const auto codes = describe_block(block, kRows, 2);
-  ASSERT_TRUE(codes.ok()) << codes.status().to_string();
-  ASSERT_EQ(codes->size(), 2u);
-  EXPECT_EQ((*codes)[0].form, ImageForm::kLatents);
-  EXPECT_FALSE((*codes)[0].is_refined);
-  EXPECT_EQ((*codes)[0].bytes, codec().images[0].encode(rows.images[0].latents).size());
-  EXPECT_TRUE((*codes)[0].residual_bytes.empty());
-  EXPECT_TRUE((*codes)[1].is_refined);
-  ASSERT_EQ((*codes)[1].residual_bytes.size(), kRows);
+  const auto block = encode(rows);
+  const auto block_says = describe_block(block, kRows, 2);
+  ASSERT_TRUE(block_says.ok()) << block_says.status().to_string();
+  EXPECT_EQ(block_says->chain_rows, 16u);
+  ASSERT_EQ(block_says->chains.size(), 1u);
+  const auto& codes = block_says->chains.front();
+  ASSERT_EQ(codes.size(), 2u);
+  EXPECT_EQ(codes[0].form, ImageForm::kLatents);
+  EXPECT_FALSE(codes[0].is_refined);
+  EXPECT_EQ(codes[0].bytes, codec().chain.images[0].encode(rows.images[0].latents).size());
+  EXPECT_TRUE(codes[0].residual_bytes.empty());
+  EXPECT_TRUE(codes[1].is_refined);
+  ASSERT_EQ(codes[1].residual_bytes.size(), kRows);
   for (size_t row = 0; row < kRows; ++row)
-    EXPECT_EQ((*codes)[1].residual_bytes[row].has_value(), row == 1 || row == 4) << row;
+    EXPECT_EQ(codes[1].residual_bytes[row].has_value(), row == 1 || row == 4) << row;
 }
 
 TEST(LatentBlock, RefusesFormsThatThereAreNot) {
-  const auto block = codec().encode(some_rows(), kRows);
+  // Behind scene, rows of a chain and the size of the chain, which is below 8192: varints.
+  constexpr size_t kChainHead = 4;
+  const auto block = encode(some_rows());
   const auto body = *without_checksum(block, "block", kRows);
   for (int form = 0; form < 64; ++form) {
     std::vector<std::byte> other(body.begin(), body.end());
-    other[1] = std::byte(static_cast<uint8_t>(2 * form));  // Behind the scene, a varint.
-    const auto decoded = codec().decode(with_checksum(other, kRows), kRows, kRows);
+    other[kChainHead] = std::byte(static_cast<uint8_t>(2 * form));
+    const auto decoded = decode(with_checksum(other, kRows), kRows);
     EXPECT_EQ(decoded.ok(), form == 0 || form == 8) << form;
   }
 }
 
 TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
-  const auto block = codec().encode(corrected_rows(), kRows);
+  const auto block = encode(corrected_rows());
   const auto body = *without_checksum(block, "block", kRows);
   std::mt19937 random(11);
   for (int round = 0; round < 400; ++round) {
@@ -181,7 +239,7 @@ TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
       other[random() % (i == 0 ? 12 : other.size())] = std::byte(random());
     other.resize(round % 2 == 0 ? other.size() : random() % other.size());
     const auto sealed = with_checksum(other, kRows);
-    const auto decoded = codec().decode(sealed, kRows, kRows);
+    const auto decoded = decode(sealed, kRows);
     if (!decoded.ok()) {
       EXPECT_EQ(decoded.status().code(), StatusCode::kDataLoss);
     }
@@ -191,15 +249,15 @@ TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
 }
 
 TEST(LatentBlock, FindsEveryFlippedBitAndEveryMissingByte) {
-  const auto block = codec().encode(corrected_rows(), kRows);
+  const auto block = encode(corrected_rows());
   for (size_t bit = 0; bit < block.size() * 8; ++bit) {
     auto damaged = block;
     damaged[bit / 8] ^= std::byte(1 << (bit % 8));
-    EXPECT_EQ(codec().decode(damaged, kRows, kRows).status().code(), StatusCode::kDataLoss) << bit;
+    EXPECT_EQ(decode(damaged, kRows).status().code(), StatusCode::kDataLoss) << bit;
   }
   for (size_t size = 0; size < block.size(); ++size)
-    EXPECT_FALSE(codec().decode(std::span(block).first(size), kRows, kRows).ok()) << size;
-  EXPECT_FALSE(codec().decode(block, kRows + 1, kRows).ok());
+    EXPECT_FALSE(decode(std::span(block).first(size), kRows).ok()) << size;
+  EXPECT_FALSE(decode(block, kRows, kRows + 1).ok());
 }
 
 }  // namespace

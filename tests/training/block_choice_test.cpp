@@ -146,7 +146,7 @@ TEST_F(BlockChoiceTest, SaysWhichLatentsWereRefined) {
   EXPECT_EQ(choice.counts().refined_rows, static_cast<int64_t>(kCount));
   const auto codes = encoders::describe_block(latents->front().code.bytes(), kCount, 1);
   ASSERT_TRUE(codes.ok()) << codes.status().to_string();
-  EXPECT_TRUE(codes->front().is_refined);
+  EXPECT_TRUE(codes->chains.front().front().is_refined);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
   record(store.path(), 2);
   auto chosen = options(20);
   chosen.every = std::chrono::milliseconds(400);
-  chosen.most_folds = 1;
+  chosen.folds = {1};
   const auto report = crossval(store.path(), chosen);
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   const CrossvalFold& fold = report->folds.front();
@@ -90,7 +90,7 @@ TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
   // Predicting twice as far is harder for who copies.
   const auto near = crossval(store.path(), [] {
     auto every_one = options(20);
-    every_one.most_folds = 1;
+    every_one.folds = {1};
     return every_one;
   }());
   ASSERT_TRUE(near.ok()) << near.status().to_string();
@@ -106,7 +106,7 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
   // 15 % of 130 are 20 windows, ten of which calibrate.
   record(store.path(), 2, 130);
   auto chosen = options(20);
-  chosen.most_folds = 1;
+  chosen.folds = {1};
   const auto report = crossval(store.path(), chosen);
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   const VariantQuality& variant = report->all.variants[0];
@@ -160,10 +160,21 @@ TEST(Crossval, LeavesNothingInTheStore) {
   record(store.path(), 2);
   const auto before = ltm::read_manifest(store.path())->generation;
   auto chosen = options(2);
-  chosen.most_folds = 1;
-  const auto report = crossval(store.path(), chosen);
+  chosen.folds = {1};
+  chosen.folds = {2};
+  std::vector<size_t> told;
+  const auto report =
+      crossval(store.path(), chosen, {}, {}, [&](const CrossvalFold& fold, size_t i) {
+        told.push_back(i);
+        EXPECT_EQ(fold.variants.size(), 1u);
+      });
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_EQ(report->folds.size(), 1u);
+  EXPECT_EQ(told, std::vector<size_t>{2});
+  for (const std::vector<size_t>& none : {std::vector<size_t>{0}, {1, 1}, {3}}) {
+    chosen.folds = none;
+    EXPECT_EQ(crossval(store.path(), chosen).status().code(), StatusCode::kInvalidArgument);
+  }
   EXPECT_EQ(ltm::read_manifest(store.path())->generation, before);
   EXPECT_TRUE(std::filesystem::is_empty(store.path() / "tmp"));
 }

@@ -30,7 +30,7 @@ class LatentRefinement : public ::testing::Test {
   }
 
   [[nodiscard]] size_t bytes_of(const LatentRows& rows) const {
-    return model_->codec.images[0].encode(rows.images[0].latents).size();
+    return model_->codec.chain.images[0].encode(rows.images[0].latents).size();
   }
 
   /// Squared error per row.

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoders/latent_chain.h"
+
+#include "encoders/coding/byte_stream.h"
+#include "ltm/codec/group_codec.h"
+
+namespace engram::encoders {
+
+namespace {
+
+constexpr int64_t kRefined = 8;
+constexpr int64_t kHasResidual = 16;
+
+/// Of one image member, before the codes.
+struct ImageHead {
+  ImageForm form = ImageForm::kLatents;
+  bool is_refined = false;
+  int64_t bytes = 0;
+  std::optional<int64_t> residual_bytes;
+};
+
+Result<ImageHead> read_image_head(ByteReader& reader) {
+  ImageHead head;
+  const int64_t form = reader.get_varint();
+  const int64_t codec = form & (kRefined - 1);
+  constexpr auto kMostCodec = static_cast<int64_t>(ImageForm::kFfv1);
+  const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMostCodec;
+  if (!is_known || (codec != 0 && form != codec))
+    return data_loss("block of latents: found form {}, needs 0 to {}, or {}, {} or {}", form,
+                     kMostCodec, kRefined, kHasResidual, kRefined + kHasResidual);
+  head.form = static_cast<ImageForm>(codec);
+  head.is_refined = (form & kRefined) != 0;
+  head.bytes = reader.get_varint();
+  if ((form & kHasResidual) != 0) head.residual_bytes = reader.get_varint();
+  return head;
+}
+
+Result<std::vector<ImageHead>> read_heads(ByteReader& reader, size_t images) {
+  std::vector<ImageHead> heads;
+  for (size_t i = 0; i < images; ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(heads.emplace_back(), read_image_head(reader));
+  }
+  if (reader.failed()) return data_loss("block of latents: ends within the head of a chain");
+  return heads;
+}
+
+}  // namespace
+
+Result<std::span<const std::byte>> take_part(std::span<const std::byte>& bytes, int64_t size) {
+  if (size < 0 || static_cast<uint64_t>(size) > bytes.size())
+    return data_loss("block of latents: found a part of {} bytes, needs at most {}", size,
+                     bytes.size());
+  const auto part = bytes.first(static_cast<size_t>(size));
+  bytes = bytes.subspan(part.size());
+  return part;
+}
+
+std::vector<std::byte> LatentChainCodec::encode(const LatentRows& rows, size_t count) const {
+  ENGRAM_CHECK(rows.images.size() == frames.size(), "{} images of {}", rows.images.size(),
+               frames.size());
+  std::vector<std::vector<std::byte>> parts;
+  ByteWriter writer;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const ImageRows& image = rows.images[i];
+    const bool is_video = image.form != ImageForm::kLatents;
+    ENGRAM_CHECK(is_video || (i < images.size() &&
+                              image.latents.size() == count * images[i].model().latents()),
+                 "{} latents for {} rows", image.latents.size(), count);
+    const bool has_residual = !is_video && !image.residual.empty();
+    parts.push_back(is_video ? image.video : images[i].encode(image.latents));
+    writer.put_varint(static_cast<int64_t>(image.form) +
+                      (!is_video && image.is_refined ? kRefined : 0) +
+                      (has_residual ? kHasResidual : 0));
+    writer.put_varint(static_cast<int64_t>(parts.back().size()));
+    if (!has_residual) continue;
+    parts.push_back(image.residual);
+    writer.put_varint(static_cast<int64_t>(image.residual.size()));
+  }
+  if (numbers) parts.push_back(numbers->encode(rows.numbers));
+  std::vector<std::byte> chain = writer.take();
+  for (const auto& part : parts) chain.insert(chain.end(), part.begin(), part.end());
+  return chain;
+}
+
+Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> bytes, size_t count,
+                                      size_t wanted, ImageRows& rows) const {
+  if (rows.form != ImageForm::kLatents) {
+    const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(rows.form));
+    ENGRAM_ASSIGN_OR_RETURN(rows.frames,
+                            codec->decode(bytes, frames[image].type, frames[image].shape, count));
+    return {};
+  }
+  if (image >= images.size())
+    return data_loss("block of latents: found latents of image {}, its model has none", image);
+  ENGRAM_ASSIGN_OR_RETURN(rows.latents, images[image].decode(bytes, count, wanted));
+  return {};
+}
+
+Status LatentChainCodec::decode_residual(size_t image, std::span<const std::byte> bytes,
+                                         size_t count, size_t wanted, ImageRows& rows) const {
+  if (frames[image].type != idf::ElementType::kUInt8)
+    return data_loss("block of latents: found residuals of image {}, which has {} elements", image,
+                     idf::to_string(frames[image].type));
+  ENGRAM_ASSIGN_OR_RETURN(rows.residuals,
+                          decode_residuals(bytes, frames[image].pixels(), count, wanted));
+  return {};
+}
+
+Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, size_t count,
+                                              size_t images) {
+  ByteReader reader(chain);
+  ENGRAM_ASSIGN_OR_RETURN(const auto heads, read_heads(reader, images));
+  std::span<const std::byte> bytes = reader.rest();
+  std::vector<ImageCode> codes;
+  for (const ImageHead& head : heads) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, head.bytes));
+    ImageCode& code = codes.emplace_back();
+    code.form = head.form;
+    code.is_refined = head.is_refined;
+    code.bytes = part.size();
+    if (!head.residual_bytes) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes));
+    ENGRAM_ASSIGN_OR_RETURN(code.residual_bytes, residual_bytes(residual, count));
+  }
+  return codes;
+}
+
+Result<LatentRows> LatentChainCodec::decode(std::span<const std::byte> chain, size_t count,
+                                            size_t wanted) const {
+  ByteReader reader(chain);
+  ENGRAM_ASSIGN_OR_RETURN(const auto heads, read_heads(reader, frames.size()));
+  std::span<const std::byte> bytes = reader.rest();
+  LatentRows rows;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, heads[i].bytes));
+    ImageRows& decoded = rows.images.emplace_back();
+    decoded.form = heads[i].form;
+    decoded.is_refined = heads[i].is_refined;
+    ENGRAM_RETURN_IF_ERROR(decode_image(i, part, count, wanted, decoded));
+    if (!heads[i].residual_bytes) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *heads[i].residual_bytes));
+    ENGRAM_RETURN_IF_ERROR(decode_residual(i, residual, count, wanted, decoded));
+  }
+  if (!numbers) return rows;
+  ENGRAM_ASSIGN_OR_RETURN(rows.numbers, numbers->decode(bytes, count));
+  rows.numbers.resize(wanted * numbers->model().count());
+  return rows;
+}
+
+}  // namespace engram::encoders
