@@ -14,12 +14,14 @@ BARS ?=
 SECONDS ?= 600
 # How many processes `make crash` and `make crash-night` kill.
 KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,300)
+# What training-speed trains on.
+VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults fuzz check-headers clean \
         experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars \
-        latent-trial
+        latent-trial training-speed
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -37,6 +39,7 @@ help:
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
+	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -101,6 +104,10 @@ number-bars: experiments
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
+
+training-speed: build
+	@cmake/install_packages.sh experiments/packages.txt
+	experiments/learning/training_speed.sh build/release/bin/engram $(VIDEO)
 
 latent-trial:
 	@cmake/install_packages.sh experiments/packages.txt

@@ -51,6 +51,7 @@ Json entity_json(const training::EntityReport& entity) {
                {"psnr_minimum_db", number_or_null(entity.minimum_psnr_db)},
                {"rmse", number_or_null(entity.rmse)},
                {"seconds", entity.seconds},
+               {"images_per_processor_second", entity.training.images_per_second},
                {"encoding_seconds", entity.encoding_seconds},
                {"expected_encoding_seconds", entity.expected_encoding_seconds > 0
                                                  ? Json(entity.expected_encoding_seconds)
@@ -132,6 +133,9 @@ void print_report(const training::ConsolidateReport& report) {
       print(fmt::format("  encoding took {}, expected were {}",
                         seconds_text(entity.encoding_seconds),
                         seconds_text(entity.expected_encoding_seconds)));
+    if (entity.training.images_per_second > 0)
+      print(fmt::format("  trained on {:.1f} images per second of processor time",
+                        entity.training.images_per_second));
     if (entity.left_behind > 0)
       print(fmt::format("  {} snapshots of another layout stay as they are",
                         count_text(entity.left_behind)));

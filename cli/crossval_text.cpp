@@ -86,6 +86,19 @@ std::string bound_table(const CrossvalReport& report, size_t index) {
   });
 }
 
+/// Predictions that were told the joints that came, as a plan; empty where there is no condition.
+std::string plan_table(const CrossvalReport& report, size_t index) {
+  const auto& all = report.all.variants[index].planned;
+  if (all[0].images == 0 && all[0].numbers == 0) return "";
+  return table_of_folds(report, {"told what came as a plan", "next", "over-next"},
+                        [index](const std::string& name, const CrossvalFold& fold) {
+                          const auto& planned = fold.variants[index].planned;
+                          return std::vector<std::string>{name, quality_text(planned[0]),
+                                                          quality_text(planned[1])};
+                        }) +
+         "\n";
+}
+
 std::string similarity_text(const training::SimilarityQuality& similarity) {
   if (similarity.snapshots == 0) return "";
   return fmt::format(
@@ -133,7 +146,7 @@ std::string crossval_text(const CrossvalReport& report) {
     text += fmt::format("{}, a model takes {} beside the bytes\n", to_string(variant.variant),
                         bytes_text(static_cast<double>(variant.model_bytes)));
     text += variant_table(report, i) + "\n" + bound_table(report, i) + "\n" +
-            similarity_text(variant.similarity);
+            plan_table(report, i) + similarity_text(variant.similarity);
   }
   text += "predictions that learn nothing\n" + baseline_table(report) + "\n";
   return text + "beside each other\n" + comparison_table(report.all);

@@ -20,6 +20,8 @@ numbers of an entity that it links to. Every prediction tells the error to expec
 its real error keeps with a probability of 90 %; both follow how much the last two snapshots differ.
 Where the store knows what really came, it stands beside: errors of the prediction and of a copy of
 the last snapshot, and whether the bound held. Images: PSNR (a bound is the least), numbers: RMSE.
+With --plan predictions are told where the robot's joints are going to be, from an entity of the
+store that has values after that moment, and say so.
 
 Examples:
   engram predict robot.engram Vision/RGB/head/cam
@@ -27,6 +29,7 @@ Examples:
   engram predict robot.engram Vision/RGB/head/cam --at '2022-02-18 13:00:20' --horizons +200ms,+1s
   engram predict robot.engram RobotState/Proprioception/robot/joints --compare --json
   engram predict robot.engram Vision/RGB/head/cam --every 10
+  engram predict robot.engram Vision/RGB/head/cam --plan RobotState/Planning/arm/joints
   engram predict robot.engram Vision/RGB/head/cam --list)";
 
 struct PredictArguments {
@@ -35,6 +38,7 @@ struct PredictArguments {
   std::string at;
   std::string horizons = "1..3";
   std::string engine;
+  std::string plan;
   std::string picture;
   std::string save;
   std::string from, to;
@@ -102,6 +106,9 @@ Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Reca
       }))
     return not_found("entity '{}': nothing is known of what came after {}, needs it to compare",
                      entity.to_string(), to_string(moment.last.time));
+  if (outlook.plan && moment.horizons.front().predicted.plan.empty())
+    return not_found("entity '{}': nothing is planned after {}", outlook.plan->to_string(),
+                     to_string(moment.last.time));
   ENGRAM_ASSIGN_OR_RETURN(const Json json, moment_json(entity, engine, moment));
   show(arguments, moment_text(entity, engine, moment), json);
   if (!arguments.save.empty()) ENGRAM_RETURN_IF_ERROR(save(entity, moment, arguments));
@@ -132,7 +139,8 @@ ExitCode run(const PredictArguments& arguments) {
   if (!step.ok()) return fail(step.status());
   auto horizons = parse_horizons(arguments.horizons, *step);
   if (!horizons.ok()) return wrong_usage(horizons.status());
-  const ltm::Recall::Outlook outlook{time_of(arguments.at), std::move(*horizons), arguments.engine};
+  ltm::Recall::Outlook outlook{time_of(arguments.at), std::move(*horizons), arguments.engine};
+  if (!arguments.plan.empty()) outlook.plan = *ltm::MemoryId::parse(arguments.plan);
   const Status done = is_sweep ? sweep(recall, entity, *engine, outlook, arguments)
                                : predict(recall, entity, *engine, outlook, arguments);
   return done.ok() ? ExitCode::kDone : fail(done);
@@ -156,6 +164,11 @@ void add_predict_command(CLI::App& app, ExitCode& exit_code) {
                    "Steps ahead ('1..3', '2') or durations ('+200ms,+400ms')")
       ->capture_default_str();
   command->add_option("--engine", arguments->engine, "What predicts (--list); else the best");
+  command
+      ->add_option("--plan", arguments->plan,
+                   "Entity of planned numbers, of the same layout as what predictions start from "
+                   "beside the images; that one itself: what came of it")
+      ->check(entity_text());
   command->add_flag("--compare", arguments->is_compared,
                     "Only where something is known of what came; without --at from the last moment "
                     "whose horizons are all known");

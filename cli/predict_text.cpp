@@ -75,14 +75,16 @@ Result<Json> horizon_json(const MemoryId& entity, const PredictedHorizon& horizo
   return json;
 }
 
-/// Calls `add` with a name, the conditions that it was told ("known", "unknown" or ""), and what
-/// was measured of it, for each engine.
+/// Calls `add` with a name, the conditions that it was told ("known", "planned", "unknown" or ""),
+/// and what was measured of it, for each engine.
 template <typename F>
 void for_each_record(std::span<const Recall::Engine> engines, F add) {
   for (const Recall::Engine& engine : engines) {
     const bool has_condition = engine.predictor->condition().has_value();
-    add(engine, has_condition ? "known" : "", engine.predictor->records(true));
-    if (has_condition) add(engine, "unknown", engine.predictor->records(false));
+    add(engine, has_condition ? "known" : "", engine.predictor->records(ltm::Told::kConditions));
+    if (!has_condition) continue;
+    add(engine, "planned", engine.predictor->records(ltm::Told::kPlan));
+    add(engine, "unknown", engine.predictor->records(ltm::Told::kValues));
   }
 }
 
@@ -136,8 +138,10 @@ std::string moment_text(const MemoryId& entity, const Recall::Engine& engine,
                error_or_dash(horizon.error), is_within ? (*is_within ? "yes" : "no") : "-",
                error_or_dash(horizon.copy_error)});
   }
-  return fmt::format("{} from {}, predicted by {}\n{}", entity.to_string(),
-                     to_string(moment.last.time), engine_text(engine), table.to_string("  "));
+  const std::string& plan = moment.horizons.front().predicted.plan;
+  return fmt::format("{} from {}, predicted by {}{}\n{}", entity.to_string(),
+                     to_string(moment.last.time), engine_text(engine),
+                     plan.empty() ? "" : ", told the plan " + plan, table.to_string("  "));
 }
 
 Result<Json> moment_json(const MemoryId& entity, const Recall::Engine& engine,
@@ -212,7 +216,8 @@ Json engines_json(const MemoryId& entity, Duration step, std::span<const Recall:
     if (!engine.model.empty()) one["model"] = engine.model;
     if (!conditions.empty()) {
       one["condition"] = engine.predictor->condition()->to_string();
-      one["is_condition_known"] = conditions == "known";
+      one["is_condition_known"] = conditions != "unknown";
+      one["is_condition_planned"] = conditions == "planned";
     }
     one["horizons"] = Json::array();
     for (const ltm::HorizonRecord& record : records)

@@ -72,6 +72,7 @@ Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResul
   if (!recalled.predictor.empty()) {
     json["predictor"] = recalled.predictor;
     json["horizon_s"] = to_seconds(recalled.horizon);
+    if (!recalled.plan.empty()) json["plan"] = recalled.plan;
   }
   json["instances"] = Json::array();
   for (size_t i = 0; i < recalled.instances.size(); ++i) {

@@ -19,6 +19,11 @@ void add_training_options(CLI::App& command, TrainingArguments& arguments,
       .add_option("--width", options.width,
                   "Features of the networks, a multiple of 16; 0: by how much there is")
       ->capture_default_str();
+  command
+      .add_option("--varied", options.varied_share,
+                  "Share of training on images as another view would show them, where there are "
+                  "several: more carries over to new places, less knows old ones better")
+      ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads of the networks")
       ->capture_default_str();
 }

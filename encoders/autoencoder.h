@@ -25,6 +25,8 @@ struct Parts {
   /// Numbers of the entity that predictions start from too, normalised [B, K]; undefined where they
   /// are not known.
   torch::Tensor conditions{};
+  /// The same as planned for the next steps [B, P, K]; undefined without a plan.
+  torch::Tensor plan{};
 };
 
 /// The latents of an image at two scales.

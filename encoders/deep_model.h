@@ -37,6 +37,7 @@ struct DeepModel {
   LatentBlockCodec codec;
   std::optional<Condition> condition;
   PredictionRecord prediction;     ///< With conditions, where there are any.
+  PredictionRecord planned;        ///< With conditions, and what is planned of them.
   PredictionRecord unconditioned;  ///< Where they are not known.
   PredictionRecord copied;         ///< Of copies of the last value.
   Provenance provenance;

@@ -40,8 +40,8 @@ class DeepPredictor : public ltm::Predictor {
     return guarded("predict", [&] { return predict_checked(past, steps); });
   }
 
-  [[nodiscard]] std::vector<ltm::HorizonRecord> records(bool has_conditions) const override {
-    return record(has_conditions).horizons();
+  [[nodiscard]] std::vector<ltm::HorizonRecord> records(ltm::Told told) const override {
+    return record(told).horizons();
   }
 
  private:
@@ -49,8 +49,9 @@ class DeepPredictor : public ltm::Predictor {
     return static_cast<size_t>(std::clamp(steps, 1, kMeasuredHorizons) - 1);
   }
 
-  [[nodiscard]] const PredictionRecord& record(bool has_conditions) const {
-    return has_conditions || !model_->condition ? model_->prediction : model_->unconditioned;
+  [[nodiscard]] const PredictionRecord& record(ltm::Told told) const {
+    if (!model_->condition || told == ltm::Told::kConditions) return model_->prediction;
+    return told == ltm::Told::kPlan ? model_->planned : model_->unconditioned;
   }
 
   Result<std::vector<ltm::Prediction>> predict_checked(const ltm::Past& past, int steps) {
@@ -65,8 +66,13 @@ class DeepPredictor : public ltm::Predictor {
         model_->condition && past.conditions.size() == history.size() &&
         add_conditions(past.conditions.back(), last) &&
         add_conditions(past.conditions[history.size() > 1 ? history.size() - 2 : 0], before);
+    ltm::Told told = has_conditions ? ltm::Told::kConditions : ltm::Told::kValues;
+    if (has_conditions && !past.plan.empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(last.plan, read_plan(past.plan));
+      told = ltm::Told::kPlan;
+    }
     const auto futures = futures_of(*model_, last, before, steps);
-    const PredictionRecord& record = this->record(has_conditions);
+    const PredictionRecord& record = this->record(told);
     const ltm::MeasuredError change = change_of(*model_, history, last, before);
     std::vector<ltm::Prediction> predictions;
     for (int i = 0; i < steps; ++i) {
@@ -76,6 +82,17 @@ class DeepPredictor : public ltm::Predictor {
       predictions.push_back({std::move(value), record.estimate(change, i + 1)});
     }
     return predictions;
+  }
+
+  /// [1, P, K]
+  Result<torch::Tensor> read_plan(std::span<const idf::Data> plan) const {
+    std::vector<torch::Tensor> steps;
+    for (const idf::Data& value : plan) {
+      auto numbers = model_->condition->read(value);
+      if (!numbers.ok()) return numbers.status().with_context("planned value");
+      steps.push_back(*std::move(numbers));
+    }
+    return torch::stack(steps, 1);
   }
 
   /// False where the condition has another layout now: then it is not known.
@@ -131,7 +148,7 @@ class MeasuredCopies : public ltm::Predictor {
     return copies;
   }
 
-  [[nodiscard]] std::vector<ltm::HorizonRecord> records(bool /*has_conditions*/) const override {
+  [[nodiscard]] std::vector<ltm::HorizonRecord> records(ltm::Told /*told*/) const override {
     return model_->copied.horizons();
   }
 

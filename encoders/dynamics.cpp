@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/dynamics.h"
 
-#include "encoders/moved_images.h"
-
+#include <algorithm>
 #include <array>
 #include <numbers>
+
+#include "encoders/moved_images.h"
 
 namespace engram::encoders {
 
@@ -102,8 +103,10 @@ DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
         register_module("image" + std::to_string(i),
                         ImageDynamics(network.images[i], network.sizes, features, told)));
   if (conditions > 0) {
-    condition_input = register_module("condition_input",
-                                      torch::nn::Linear(2 * conditions + 1, kConditionFeatures));
+    // Where they are and how they change, what is planned, and whether each of the two is known.
+    const int inputs = (2 + ImageMotionImpl::kSteps) * conditions + 2;
+    condition_input =
+        register_module("condition_input", torch::nn::Linear(inputs, kConditionFeatures));
     condition_hidden = register_module("condition_hidden",
                                        torch::nn::Linear(kConditionFeatures, kConditionFeatures));
   }
@@ -120,20 +123,32 @@ Tensor DynamicsImpl::number_features(const Tensor& last, const Tensor& before) {
   return activate(number_hidden(activate(number_input(x))));
 }
 
-Tensor DynamicsImpl::motion_features(const Parts& last, const Parts& before) {
+Tensor DynamicsImpl::condition_features(const Parts& last, const Parts& before, int ahead) {
+  const int64_t count = last.scene.size(0);
+  if (!last.conditions.defined() || !before.conditions.defined()) {
+    const Tensor nothing = torch::zeros({count, condition_input->options.in_features()});
+    return activate(condition_hidden(activate(condition_input(nothing))));
+  }
+  const bool is_planned = last.plan.defined() && last.plan.size(1) > 0;
+  // Moments are counted from the last one that is known.
+  const auto at = [&](int moment) {
+    if (moment < 0) return before.conditions;
+    if (moment == 0) return last.conditions;
+    return last.plan.select(1, std::min<int64_t>(moment, last.plan.size(1)) - 1);
+  };
+  const int now = is_planned ? ahead : 0;
+  std::vector<Tensor> told{at(now), (at(now) - at(now - 1)) * kChangeGain, torch::ones({count, 1})};
+  for (int step = 1; step <= ImageMotionImpl::kSteps; ++step)
+    told.push_back(is_planned ? (at(now + step) - at(now)) * kChangeGain
+                              : torch::zeros_like(last.conditions));
+  told.push_back(torch::full({count, 1}, is_planned ? 1.0 : 0.0));
+  return activate(condition_hidden(activate(condition_input(torch::cat(told, 1)))));
+}
+
+Tensor DynamicsImpl::motion_features(const Parts& last, const Parts& before, int ahead) {
   std::vector<Tensor> features;
   if (number_input) features.push_back(number_features(last.numbers, before.numbers));
-  if (condition_input) {
-    const int64_t count = last.scene.size(0);
-    const int64_t inputs = condition_input->options.in_features();
-    Tensor x = torch::zeros({count, inputs});
-    const bool is_known = last.conditions.defined() && before.conditions.defined();
-    if (is_known)
-      x = torch::cat({last.conditions, (last.conditions - before.conditions) * kChangeGain,
-                      torch::ones({count, 1})},
-                     1);
-    features.push_back(activate(condition_hidden(activate(condition_input(x)))));
-  }
+  if (condition_input) features.push_back(condition_features(last, before, ahead));
   return features.empty() ? Tensor() : torch::cat(features, 1);
 }
 
@@ -167,11 +182,11 @@ DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
 std::vector<std::vector<Tensor>> DynamicsImpl::move(const Parts& last, const Parts& before,
                                                     int steps) {
   std::vector<std::vector<Tensor>> moved(static_cast<size_t>(steps));
-  const Tensor features = motion_features(last, before);
   for (size_t i = 0; i < images.size(); ++i) {
     std::array<Tensor, 2> seen{before.images[i], last.images[i]};
     for (size_t step = 0; step < moved.size();) {
       // What comes later goes on from what was predicted.
+      const Tensor features = motion_features(last, before, static_cast<int>(step));
       const Tensor moved_images = moved_on(seen[0], seen[1], ImageMotionImpl::kSteps);
       for (Tensor& image : images[i]->motion(seen[1], seen[0], moved_images, features)) {
         seen = {seen[1], image.clamp(0, 255)};

@@ -74,8 +74,9 @@ struct DynamicsImpl : torch::nn::Module {
 
   DynamicsStep step(const Latents& last, const Latents& before);
 
-  /// What motion is told beside the images: of the numbers and of the conditions.
-  torch::Tensor motion_features(const Parts& last, const Parts& before);
+  /// What motion is told beside the images, for the steps that follow `ahead` ones: of the numbers,
+  /// of the conditions, and of what is planned of these. Beyond its end a plan stands still.
+  torch::Tensor motion_features(const Parts& last, const Parts& before, int ahead = 0);
 
   /// The images of the next `steps` steps as their motion goes on: per step, per image member, grey
   /// levels 0 to 255. None without networks.
@@ -90,6 +91,7 @@ struct DynamicsImpl : torch::nn::Module {
  private:
   /// Of normalised numbers [B, N]; undefined without numbers.
   torch::Tensor number_features(const torch::Tensor& last, const torch::Tensor& before);
+  torch::Tensor condition_features(const Parts& last, const Parts& before, int ahead);
 };
 TORCH_MODULE(Dynamics);
 

@@ -65,6 +65,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   if (model.condition) ENGRAM_RETURN_IF_ERROR(write_condition(file, *model.condition));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/prediction", model.prediction));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/unconditioned", model.unconditioned));
+  ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/planned", model.planned));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/copied", model.copied));
   ENGRAM_RETURN_IF_ERROR(write_provenance(file, model.provenance));
   ENGRAM_RETURN_IF_ERROR(write_self_test(file, model, example));
@@ -125,6 +126,7 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
   }
   ENGRAM_ASSIGN_OR_RETURN(model->prediction, read_prediction(file, "/prediction"));
   ENGRAM_ASSIGN_OR_RETURN(model->unconditioned, read_prediction(file, "/unconditioned"));
+  ENGRAM_ASSIGN_OR_RETURN(model->planned, read_prediction(file, "/planned"));
   ENGRAM_ASSIGN_OR_RETURN(model->copied, read_prediction(file, "/copied"));
   ENGRAM_ASSIGN_OR_RETURN(model->provenance, read_provenance(file));
   ENGRAM_RETURN_IF_ERROR(run_self_test(file, *model));

@@ -27,6 +27,15 @@ double bound_per_scale(const ErrorCalibration& by, std::span<const MeasuredPredi
   return conformal_quantile(std::move(scores), ltm::kBoundProbability);
 }
 
+double error_per_scale(const ErrorCalibration& by, std::span<const MeasuredPrediction> measured) {
+  double errors = 0, scales = 0;
+  for (const MeasuredPrediction& one : measured) {
+    errors += one.error;
+    scales += by.scale(one.change);
+  }
+  return errors / scales;
+}
+
 /// Mean logarithm of the bounds that measured predictions would be told.
 double mean_width(ErrorCalibration by, std::span<const MeasuredPrediction> measured) {
   by.bound_per_scale = bound_per_scale(by, measured);
@@ -72,15 +81,21 @@ ErrorCalibration calibrate(std::span<const MeasuredPrediction> choosing,
   by.bound_per_scale = bound_per_scale(by, calibrating);
   const auto measured = calibrating.empty() ? choosing : calibrating;
   if (measured.empty()) return by;
-  double errors = 0, scales = 0;
-  for (const MeasuredPrediction& one : measured) {
-    errors += one.error;
-    scales += by.scale(one.change);
-  }
+  double errors = 0;
+  for (const MeasuredPrediction& one : measured) errors += one.error;
   by.measured = static_cast<int64_t>(measured.size());
   by.mean = errors / static_cast<double>(measured.size());
-  by.expected_per_scale = errors / scales;
+  by.expected_per_scale = error_per_scale(by, measured);
   return by;
+}
+
+void widen(ErrorCalibration& by, std::span<const MeasuredPrediction> all,
+           std::span<const MeasuredPrediction> held_out) {
+  const auto ratio = [](double more, double less) {
+    return less > 0 && std::isfinite(more) ? std::max(1.0, more / less) : 1.0;
+  };
+  by.bound_per_scale *= ratio(bound_per_scale(by, all), bound_per_scale(by, held_out));
+  by.expected_per_scale *= ratio(error_per_scale(by, all), error_per_scale(by, held_out));
 }
 
 }  // namespace engram::training

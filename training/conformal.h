@@ -31,4 +31,10 @@ struct MeasuredPrediction {
                                                    std::span<const MeasuredPrediction> calibrating,
                                                    double least_change);
 
+/// Widens bounds, and what is expected, by how much worse the same thing that learns nothing is on
+/// `all` windows than on the `held_out` ones that `by` was measured on: these may be calmer than
+/// what is to come. Never narrows; does nothing where too little is known.
+void widen(encoders::ErrorCalibration& by, std::span<const MeasuredPrediction> all,
+           std::span<const MeasuredPrediction> held_out);
+
 }  // namespace engram::training

@@ -126,10 +126,17 @@ class Crossval {
     sums.left_out_bytes /= static_cast<double>(left_out.size());
     sums.trained_bytes /= static_cast<double>(entries_.size() - left_out.size());
     const auto predictor = encoders::make_predictor(model);
-    ENGRAM_RETURN_IF_ERROR(measure_predictions(
-        left_out, predictor->condition(),
-        [&](const ltm::Past& past, int steps) { return predictor->predict(past, steps); },
-        sums.prediction));
+    const auto predict = [&](ltm::Past past, int steps) {
+      past.plan = {};
+      return predictor->predict(past, steps);
+    };
+    const auto follow = [&](const ltm::Past& past, int steps) {
+      return predictor->predict(past, steps);
+    };
+    const auto condition = predictor->condition();
+    ENGRAM_RETURN_IF_ERROR(measure_predictions(left_out, condition, predict, sums.prediction));
+    if (condition)
+      ENGRAM_RETURN_IF_ERROR(measure_predictions(left_out, condition, follow, sums.planned));
     ENGRAM_ASSIGN_OR_RETURN(sums.similarity,
                             measure_similarity(
                                 codes, left_out, [&](size_t i) { return value_at(i); }, stop_));
@@ -219,6 +226,7 @@ class Crossval {
   }
 
   /// Predicts every snapshot of a recording from the two before it, and from the two before those.
+  /// What came of the condition is given as the plan.
   Status measure_predictions(const Sequence& recording,
                              const std::optional<ltm::MemoryId>& condition, const Predict& predict,
                              std::array<PredictionSums, kAhead>& sums) {
@@ -230,7 +238,11 @@ class Crossval {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const size_t steps = std::min(kAhead, values.size() - 1 - row);
       ltm::Past past{std::span<const idf::Data>(values).subspan(row - 1, 2)};
-      if (!conditions.empty()) past.conditions = std::span(conditions).subspan(row - 1, 2);
+      if (!conditions.empty()) {
+        past.conditions = std::span(conditions).subspan(row - 1, 2);
+        past.plan = std::span(conditions).subspan(row + 1);
+        past.plan = past.plan.first(std::min(past.plan.size(), kAhead));
+      }
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
         ENGRAM_ASSIGN_OR_RETURN(const auto error,

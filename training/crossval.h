@@ -59,6 +59,9 @@ struct VariantQuality {
   uint64_t model_bytes = 0;
   std::array<Quality, kAhead> prediction;   ///< Of the left-out recording.
   std::array<Foresight, kAhead> foresight;  ///< Of these predictions.
+  /// The same, told what came of the condition as if it had been planned; nothing is measured
+  /// without a condition.
+  std::array<Quality, kAhead> planned;
   SimilarityQuality similarity;
 
   /// How much better images are reconstructed that were trained on. Unit: dB, of means.

@@ -37,6 +37,7 @@ Json to_json(const CrossvalFold& fold) {
            {"similarity", to_json(variant.similarity)}};
     for (size_t ahead = 0; ahead < kAhead; ++ahead) {
       one["prediction"].push_back(quality_json(variant.prediction[ahead]));
+      one["planned"].push_back(quality_json(variant.planned[ahead]));
       one["bound"].push_back(foresight_json(variant.foresight[ahead]));
       one["gain_over_copy_last_db"].push_back(number_json(fold.gain_db(i, ahead)));
     }
@@ -60,6 +61,7 @@ void VariantSums::add(const VariantSums& fold, size_t folds) {
   trained.add(fold.trained);
   left_out.add(fold.left_out);
   for (size_t ahead = 0; ahead < kAhead; ++ahead) prediction[ahead].add(fold.prediction[ahead]);
+  for (size_t ahead = 0; ahead < kAhead; ++ahead) planned[ahead].add(fold.planned[ahead]);
   trained_bytes += fold.trained_bytes / count;
   left_out_bytes += fold.left_out_bytes / count;
   model_bytes += fold.model_bytes / count;
@@ -74,6 +76,7 @@ VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
   for (size_t ahead = 0; ahead < kAhead; ++ahead) {
     quality.prediction[ahead] = prediction[ahead].quality.quality();
     quality.foresight[ahead] = prediction[ahead].foresight();
+    quality.planned[ahead] = planned[ahead].quality.quality();
   }
   quality.trained_bytes = trained_bytes;
   quality.left_out_bytes = left_out_bytes;

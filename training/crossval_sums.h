@@ -16,6 +16,7 @@ namespace engram::training {
 struct VariantSums {
   QualitySums trained, left_out;
   std::array<PredictionSums, kAhead> prediction;
+  std::array<PredictionSums, kAhead> planned;  ///< Told the conditions that came.
   /// Means of the folds: those of one fold are added, divided by the number of folds.
   double trained_bytes = 0, left_out_bytes = 0, model_bytes = 0;
   SimilaritySums similarity;

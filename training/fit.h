@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <ctime>
+
 #include "training/dataset.h"
 #include "training/fit_loop.h"
 
@@ -29,12 +31,24 @@ inline constexpr double kBitsOfKilobyte = 8000;
 /// by it, as errors are means.
 [[nodiscard]] double size_in_usual_images(const encoders::NetworkShape& shape);
 
+/// How quick a fit was in this process.
+struct FitSpeed {
+  int64_t images = 0;               ///< Of all batches, those that are only a past not.
+  std::clock_t processor_time = 0;  ///< Of steps, all threads together.
+
+  /// Zero where nothing was done.
+  [[nodiscard]] double images_per_second() const {
+    if (processor_time <= 0) return 0;
+    return static_cast<double>(images) * CLOCKS_PER_SEC / static_cast<double>(processor_time);
+  }
+};
+
 /// Trains the autoencoder and the prior of its latents together: fewest bits at the PSNR that was
-/// asked for. Does nothing without images.
+/// asked for. Adds to `speed`. Does nothing without images.
 /// The prior learns nothing from the held-out parts of sequences (held_out_from).
 /// Errors: those of the loop.
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                const TrainOptions& options, FitLoop& loop);
+                                const TrainOptions& options, FitLoop& loop, FitSpeed& speed);
 
 /// The rounded latents of all rows, kept as 16-bit integers.
 struct LatentTable {

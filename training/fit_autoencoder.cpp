@@ -29,9 +29,6 @@ constexpr double kLargestGradient = 1.0;
 constexpr double kUnsteeredPrice = 0.01;
 /// Consecutive rows of a batch, after one that is only their past.
 constexpr int64_t kChunk = 4;
-/// Share of the chunks that are seen as another view, where there is more than one scene: the
-/// networks must not know by heart what only the background tells of the next recording.
-constexpr double kVariedShare = 0.5;
 constexpr double kRecent = 0.02;
 
 /// A sampler that keeps apart what the dynamics must not learn from.
@@ -127,13 +124,16 @@ Tensor chunk_of(const Tensor& x, int64_t chunk) {
 /// those of another view, which no scene stands for.
 class ChunkViews {
  public:
-  ChunkViews(encoders::DeepModel& model, const Dataset& data, encoders::Parts& values)
+  /// `varied_share` of the chunks are seen so, where there is more than one scene: the networks
+  /// must not know by heart what only the background tells of the next recording.
+  ChunkViews(encoders::DeepModel& model, const Dataset& data, double varied_share,
+             encoders::Parts& values)
       : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()) {
     if (data.coded_backgrounds.empty()) return;
     const Tensor scenes = scene_.clone();
     std::vector<std::vector<Tensor>> backgrounds(values.images.size());
     for (int64_t chunk = 0; chunk < scenes.size(0); ++chunk) {
-      const bool is_varied = torch::rand({1}).item<double>() < kVariedShare;
+      const bool is_varied = torch::rand({1}).item<double>() < varied_share;
       // Numbers beside the images would not fit mirrored ones.
       const ViewChange change = ViewChange::draw(!values.numbers.defined());
       const Tensor scene = scenes.slice(0, chunk, chunk + 1);
@@ -235,7 +235,7 @@ double size_in_usual_images(const encoders::NetworkShape& shape) {
 }
 
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                const TrainOptions& options, FitLoop& loop) {
+                                const TrainOptions& options, FitLoop& loop, FitSpeed& speed) {
   FitStep now;
   if (model.autoencoder->images.empty()) return now;
   start_from_new_backgrounds(model, data);
@@ -244,8 +244,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   std::vector<Tensor> parameters = optimiser.param_groups()[0].params();
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
   const double size = size_in_usual_images(model.autoencoder->shape);
-  ErrorPrice price(options.psnr_db,
-                   regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
+  ErrorPrice price(options.psnr_db, regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
   RowSampler sampler = make_sampler(data);
   WeightedMean loss_mean, psnr, bytes;
   FitState state{model, optimiser, now, price.state()};
@@ -255,10 +254,11 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   for (;; ++now.step) {
     ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
     if (share >= 1.0) break;
+    const std::clock_t start = std::clock();
     set_rate(optimiser, share);
     const Batch batch = draw(sampler, chunks);
     auto values = data.batch(model.autoencoder->shape, torch::tensor(batch.rows, torch::kLong));
-    const ChunkViews views(model, data, values);
+    const ChunkViews views(model, data, options.varied_share, values);
     // What predictions are measured on must not teach the prior: it only tells what latents cost.
     std::optional<Frozen> frozen;
     if (batch.is_held_out) frozen.emplace(*model.dynamics);
@@ -282,6 +282,8 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     now.bytes = bytes.value();
     now.price = price.value();
     loop.tell(now);
+    speed.images += chunks * kChunk;
+    speed.processor_time += std::clock() - start;
   }
   return now;
 }

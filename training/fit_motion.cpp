@@ -18,6 +18,8 @@ constexpr double kLeastError = 4.0;
 constexpr double kRecent = 0.05;
 /// Share of the batches whose conditions are not known.
 constexpr double kUnknownShare = 0.2;
+/// Share of the others that are told what comes as a plan.
+constexpr double kPlannedShare = 0.5;
 /// What conditions are blurred by, in standard deviations, and their changes relative to that.
 constexpr double kConditionBlur = 0.1;
 constexpr double kChangeBlur = 0.3;
@@ -107,6 +109,13 @@ Tensor features_of(encoders::DeepModel& model, const Dataset& data, const Tensor
     last.conditions = last.conditions + blur;
     before.conditions =
         before.conditions + blur + torch::randn_like(blur) * (kConditionBlur * kChangeBlur);
+    if (torch::rand({1}).item<double>() < kPlannedShare) {
+      std::vector<Tensor> planned;
+      for (int64_t step = 1; step <= ImageMotionImpl::kSteps; ++step)
+        planned.push_back(data.conditions.index_select(0, rows + step) + blur +
+                          torch::randn_like(blur) * (kConditionBlur * kChangeBlur));
+      last.plan = torch::stack(planned, 1);
+    }
   }
   return model.dynamics->motion_features(last, before);
 }

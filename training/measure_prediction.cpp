@@ -114,12 +114,26 @@ size_t best_for_numbers(const std::vector<std::vector<double>>& errors) {
   return best;
 }
 
-encoders::ErrorCalibration calibration_of(const std::vector<double>& changes,
-                                          const std::vector<double>& errors, double least_change) {
-  std::vector<MeasuredPrediction> choosing, calibrating;
+std::vector<MeasuredPrediction> paired(const std::vector<double>& changes,
+                                       const std::vector<double>& errors) {
+  std::vector<MeasuredPrediction> pairs;
   for (size_t window = 0; window < errors.size(); ++window)
-    (is_for_choosing(window) ? choosing : calibrating).push_back({changes[window], errors[window]});
-  return calibrate(choosing, calibrating, least_change);
+    pairs.push_back({changes[window], errors[window]});
+  return pairs;
+}
+
+/// Errors by window, and where known those of copies in the same and in all windows.
+struct Errors {
+  std::vector<MeasuredPrediction> own, copied, copied_everywhere;
+};
+
+encoders::ErrorCalibration calibration_of(const Errors& errors, double least_change) {
+  std::vector<MeasuredPrediction> choosing, calibrating;
+  for (size_t window = 0; window < errors.own.size(); ++window)
+    (is_for_choosing(window) ? choosing : calibrating).push_back(errors.own[window]);
+  encoders::ErrorCalibration by = calibrate(choosing, calibrating, least_change);
+  widen(by, errors.copied_everywhere, errors.copied);
+  return by;
 }
 
 /// The least change of numbers that counts, in their units.
@@ -131,23 +145,44 @@ double least_number_change(const encoders::DeepModel& model) {
                   std::numeric_limits<double>::min());
 }
 
-/// How wrong these shares are.
-encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
-                                  const HorizonErrorsByShare& measured, size_t image,
-                                  size_t number) {
-  std::vector<double> image_changes, number_changes;
+/// What changed before each window, of images and of numbers.
+std::pair<std::vector<double>, std::vector<double>> changes_of(
+    const HorizonErrorsByShare& measured) {
+  std::pair<std::vector<double>, std::vector<double>> changes;
   for (const ltm::MeasuredError& change : measured.changes) {
-    image_changes.push_back(change.image_mse);
-    number_changes.push_back(change.number_mse);
+    changes.first.push_back(change.image_mse);
+    changes.second.push_back(change.number_mse);
   }
-  return {calibration_of(image_changes, measured.images[image], kLeastImageChange),
-          calibration_of(number_changes, measured.numbers[number], least_number_change(model))};
+  return changes;
+}
+
+/// The first share is that of a copy; none where nothing was measured.
+std::vector<double> of_copies(const std::vector<std::vector<double>>& by_share) {
+  return by_share.empty() ? std::vector<double>() : by_share.front();
+}
+
+/// How wrong these shares are. `copied`: copies in all windows.
+encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
+                                  const HorizonErrorsByShare& measured,
+                                  const HorizonErrorsByShare& copied, size_t image, size_t number) {
+  const auto [image_changes, number_changes] = changes_of(measured);
+  const auto [all_image_changes, all_number_changes] = changes_of(copied);
+  const Errors images{paired(image_changes, measured.images[image]),
+                      paired(image_changes, measured.images[0]),
+                      paired(all_image_changes, of_copies(copied.images))};
+  const Errors numbers{paired(number_changes, measured.numbers[number]),
+                       paired(number_changes, measured.numbers[0]),
+                       paired(all_number_changes, of_copies(copied.numbers))};
+  return {calibration_of(images, kLeastImageChange),
+          calibration_of(numbers, least_number_change(model))};
 }
 
 using Measured = std::array<HorizonErrorsByShare, kHorizons>;
 
-/// Keeps the shares that are best, or copies, and what is known of them.
-void keep(const encoders::DeepModel& model, const Measured& measured, PredictionRecord& record) {
+/// Keeps the shares that are best, or copies, and what is known of them. `copied`: copies in all
+/// windows.
+void keep(const encoders::DeepModel& model, const Measured& measured, const Measured& copied,
+          PredictionRecord& record) {
   const std::vector<Shares> shares = image_shares();
   for (size_t i = 0; i < kHorizons; ++i) {
     if (measured[i].changes.empty()) {
@@ -165,7 +200,7 @@ void keep(const encoders::DeepModel& model, const Measured& measured, Prediction
     record.image_gates[i] = shares[image].latents;
     record.motion_gates[i] = shares[image].motion;
     record.number_gates[i] = kGates[number];
-    record.errors[i] = errors_of(model, measured[i], image, number);
+    record.errors[i] = errors_of(model, measured[i], copied[i], image, number);
   }
 }
 
@@ -199,8 +234,8 @@ Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
   return measured;
 }
 
-/// Predicts from held-out windows, told the conditions or not.
-Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_conditions) {
+/// Predicts from held-out windows.
+Measured measure(encoders::DeepModel& model, const Dataset& data, ltm::Told told) {
   const auto& shape = model.autoencoder->shape;
   const std::vector<Shares> shares = image_shares();
   const std::vector<int64_t> rows = make_windows(data.sequences, 1).held_out;
@@ -211,7 +246,9 @@ Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_condi
     const auto steps = static_cast<int>(steps_after(data, row));
     Parts last = data.batch(shape, index_of(row));
     Parts before = data.batch(shape, index_of(row - 1));
-    if (!has_conditions) last.conditions = before.conditions = Tensor();
+    if (told == ltm::Told::kValues) last.conditions = before.conditions = Tensor();
+    if (told == ltm::Told::kPlan)
+      last.plan = data.conditions.slice(0, row + 1, row + 1 + steps).unsqueeze(0);
     const ltm::MeasuredError change = model.difference(last, before);
     const auto futures = encoders::futures_of(model, last, before, steps);
     for (size_t i = 0; i < futures.size(); ++i)
@@ -225,10 +262,15 @@ Measured measure(encoders::DeepModel& model, const Dataset& data, bool has_condi
 
 void measure_prediction(encoders::DeepModel& model, const Dataset& data) {
   torch::NoGradGuard no_grad;
-  keep(model, measure(model, data, true), model.prediction);
-  if (model.condition) keep(model, measure(model, data, false), model.unconditioned);
-  keep(model, measure_copies(model, data), model.copied);
-  model.prediction.step = model.unconditioned.step = model.copied.step = median_step(data.times);
+  const Measured copied = measure_copies(model, data);
+  keep(model, measure(model, data, ltm::Told::kConditions), copied, model.prediction);
+  if (model.condition) {
+    keep(model, measure(model, data, ltm::Told::kValues), copied, model.unconditioned);
+    keep(model, measure(model, data, ltm::Told::kPlan), copied, model.planned);
+  }
+  keep(model, copied, copied, model.copied);
+  model.prediction.step = model.unconditioned.step = model.planned.step = model.copied.step =
+      median_step(data.times);
 }
 
 }  // namespace engram::training

@@ -92,6 +92,7 @@ Result<PredictedMoment> predict_moment(Recall& recall, const MemoryId& entity,
   ENGRAM_ASSIGN_OR_RETURN(auto predicted, recall.predict(entity, outlook, {}));
   Recall::Outlook copying = outlook;
   copying.engine = kCopyLast;
+  copying.plan.reset();
   ENGRAM_ASSIGN_OR_RETURN(const auto copied, recall.predict(entity, copying, {}));
   ENGRAM_ASSIGN_OR_RETURN(const auto engines, recall.engines(entity));
   ENGRAM_ASSIGN_OR_RETURN(const Duration step, step_of(recall, entity, engines.front()));

@@ -145,7 +145,9 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   FitLoop coding_loop(
       FitPhase::kAutoencoder, coding_time, pace, checkpoints,
       step_sink(pace.progress(), source.entity, options, control, coding, epoch, coding_time));
-  ENGRAM_ASSIGN_OR_RETURN(checkpoints.coded, fit_autoencoder(model, data, options, coding_loop));
+  FitSpeed speed;
+  ENGRAM_ASSIGN_OR_RETURN(checkpoints.coded,
+                          fit_autoencoder(model, data, options, coding_loop, speed));
   encoders::round_weights(*model.autoencoder);
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
@@ -181,6 +183,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   report.started_from = start.model ? source.previous->version : 0;
   add_notes(source, data, checkpoints, start, report);
   report.seconds = checkpoints.seconds();
+  report.images_per_second = speed.images_per_second();
   auto& provenance = model.provenance;
   provenance.entity = source.entity;
   provenance.code_version = kCodeVersion;
@@ -251,6 +254,8 @@ Status TrainOptions::validate() const {
         encoders::NetworkSizes::kMostChannels);
   if (chain_rows < 1 || chain_rows > 1024)
     return invalid_argument("snapshots of a chain: found {}, needs 1 to 1024", chain_rows);
+  if (!(varied_share >= 0 && varied_share <= 1))
+    return invalid_argument("share of varied images: found {}, needs 0 to 1", varied_share);
   if (threads < 1) return invalid_argument("threads: found {}, needs at least 1", threads);
   if (hold_out_recordings < 0)
     return invalid_argument("recordings to leave out: found {}, needs 0 or more",

@@ -71,6 +71,9 @@ struct TrainOptions {
   /// Snapshots of a chain, each coded from those before: more take fewer bytes, one is reached
   /// later.
   int chain_rows = 16;
+  /// Share of training on images as another view would show them (view_change.h), where there is
+  /// more than one scene: more carries over better to new places, less knows old ones better.
+  double varied_share = 0.5;
   /// Threads of the networks. Two entities in two processes of one thread beat one on two.
   int threads = 2;
   /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.
@@ -105,6 +108,9 @@ struct TrainReport {
   int64_t autoencoder_steps = 0;
   int64_t dynamics_steps = 0;
   double seconds = 0;  ///< Of work, that of interrupted processes included.
+  /// Steps of the autoencoder times images of a batch, per second of processor time (all threads),
+  /// in this process; 0 where it made none.
+  double images_per_second = 0;
   double final_loss = 0;
   double training_psnr_db = 0;     ///< Mean over images, smoothed, at the end; 0 without images.
   std::vector<std::string> notes;  ///< What a reader should know, in sentences.

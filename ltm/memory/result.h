@@ -37,6 +37,8 @@ struct SnapshotResult {
   std::string predictor;
   /// From the last known snapshot; zero unless predicted.
   Duration horizon{};
+  /// Entity whose planned numbers the prediction was told; empty without a plan.
+  std::string plan{};
   std::vector<InstanceResult> instances;  ///< In the order of their indices.
 
   /// Null where there is no such instance.

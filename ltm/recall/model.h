@@ -62,6 +62,16 @@ struct Past {
   /// Of Predictor::condition(), one for each of `values`: the last at or before its time. Empty
   /// where one is missing.
   std::span<const idf::Data> conditions;
+  /// The same as planned for 1, 2, ... steps after the last of `values`; beyond its end a plan
+  /// stands still. Empty without a plan; nothing without `conditions`.
+  std::span<const idf::Data> plan;
+};
+
+/// What a prediction was told beside the past of its entity.
+enum class Told {
+  kValues,      ///< Nothing.
+  kConditions,  ///< The past of Predictor::condition().
+  kPlan,        ///< And what is planned of it.
 };
 
 /// How wrong a prediction may be, told before the fact. Not a number where it is not known.
@@ -104,13 +114,11 @@ class Predictor {
   [[nodiscard]] virtual std::optional<MemoryId> condition() const { return std::nullopt; }
 
   /// The values 1..`steps` steps after the last of `past`, and how wrong they may be.
-  /// Errors: kInvalidArgument where a value has another layout than the model.
+  /// Errors: kInvalidArgument where a value, or a planned one, has another layout than the model's.
   virtual Result<std::vector<Prediction>> predict(const Past& past, int steps) = 0;
 
   /// By steps; empty where nothing was measured.
-  [[nodiscard]] virtual std::vector<HorizonRecord> records(bool /*has_conditions*/) const {
-    return {};
-  }
+  [[nodiscard]] virtual std::vector<HorizonRecord> records(Told /*told*/) const { return {}; }
 };
 
 /// The parts of one model file.

@@ -64,7 +64,7 @@ class TimelineMoments final : public Moments {
 struct Recall::State {
   std::unique_ptr<StoreReader> store;
   ModelLoader loader;
-  std::unique_ptr<AccessLog> accesses;  ///< May be null.
+  std::unique_ptr<AccessLog> accesses;        ///< May be null.
   std::map<std::string, LoadedModel> models;  ///< By file.
   std::unique_ptr<Predictor> copy_last = make_copy_last_predictor();
 
@@ -189,6 +189,10 @@ struct Recall::State {
     ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store->timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(const Engine used, engine(entity, outlook.engine));
     Predictor& predictor = *used.predictor;
+    if (outlook.plan && !predictor.condition())
+      return invalid_argument(
+          "entity '{}': '{}' starts from no other entity, a plan tells it nothing",
+          entity.to_string(), predictor.name());
     ENGRAM_ASSIGN_OR_RETURN(const auto entries,
                             latest(*timeline, outlook.from ? outlook.from : timeline->last(),
                                    std::max<size_t>(predictor.context(), 1)));
@@ -219,24 +223,37 @@ struct Recall::State {
     }
     ENGRAM_ASSIGN_OR_RETURN(const auto conditions,
                             conditions_of(predictor, entries, options.prefer));
+    std::vector<idf::Data> plan;
+    if (outlook.plan && conditions.size() == history.size()) {
+      ENGRAM_ASSIGN_OR_RETURN(plan, plan_of(predictor, *outlook.plan, entries.back().time,
+                                            std::ranges::max(steps), options.prefer));
+      for (SnapshotResult& one : predicted)
+        one.plan = plan.empty() ? "" : outlook.plan->to_string();
+    }
     for (size_t i = 0; i < history.back().instances.size(); ++i)
       ENGRAM_RETURN_IF_ERROR(
-          predict_instance(entity, used, history, i, conditions, steps, predicted));
+          predict_instance(entity, used, history, i, {conditions, plan}, steps, predicted));
     return predicted;
   }
+
+  /// What a prediction is told beside the past of its entity, as in Past.
+  struct ToldValues {
+    std::span<const idf::Data> conditions, plan;
+  };
 
   /// Adds one instance to each of `predicted`, so many steps ahead.
   static Status predict_instance(const MemoryId& entity, const Engine& engine,
                                  const std::vector<SnapshotResult>& history, size_t instance,
-                                 const std::vector<idf::Data>& conditions,
-                                 std::span<const size_t> steps,
+                                 const ToldValues& told, std::span<const size_t> steps,
                                  std::vector<SnapshotResult>& predicted) {
     const std::vector<idf::Data> values_before = series(history, instance);
-    const bool is_whole = conditions.size() == values_before.size();
+    Past past{values_before};
+    if (told.conditions.size() == values_before.size()) {
+      past.conditions = told.conditions;
+      past.plan = told.plan;
+    }
     const size_t most = std::ranges::max(steps);
-    auto values = engine.predictor->predict(
-        {values_before, is_whole ? std::span(conditions) : std::span<const idf::Data>()},
-        static_cast<int>(most));
+    auto values = engine.predictor->predict(past, static_cast<int>(most));
     if (!values.ok()) return values.status().with_context("prediction of " + entity.to_string());
     if (values->size() < most)
       return data_loss("model {}: predicted {} steps, needs {}", engine.model, values->size(),
@@ -268,6 +285,26 @@ struct Recall::State {
       conditions.push_back(std::move(past.instances.front().data));
     }
     return conditions;
+  }
+
+  /// What is planned for so many steps after `last`, and one more: motion looks two ahead. None
+  /// where the plan has ended before.
+  Result<std::vector<idf::Data>> plan_of(const Predictor& predictor, const MemoryId& entity,
+                                         Time last, size_t steps, Prefer prefer) {
+    std::vector<idf::Data> plan;
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store->timeline(entity));
+    const int64_t step_ns = predictor.step().count();
+    const auto most = static_cast<int64_t>(steps) + 1;
+    if (step_ns > (INT64_MAX - std::max<int64_t>(0, to_ns(last))) / most) return plan;
+    for (int64_t step = 1; step <= most; ++step) {
+      const Time moment = last + predictor.step() * step;
+      ENGRAM_ASSIGN_OR_RETURN(const auto planned, timeline->at_or_before(moment));
+      if (!planned || planned->time <= last) break;
+      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult value, read(entity, *planned, prefer));
+      if (value.instances.empty()) break;
+      plan.push_back(std::move(value.instances.front().data));
+    }
+    return plan;
   }
 
   /// The number of steps that comes closest to the horizon, at least one.

@@ -63,11 +63,17 @@ class Recall {
     /// of steps of the engine, at least one.
     std::vector<Duration> horizons;
     std::string engine;  ///< By the name of its predictor; empty: the first of engines().
+    /// Entity whose snapshots after the last known moment are planned values of the engine's
+    /// condition (Predictor::condition), of its layout. The condition itself: what really came of
+    /// it, in hindsight. Nothing: no plan is told.
+    std::optional<MemoryId> plan{};
   };
 
   /// One prediction per horizon, in their order.
   /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;
-  /// kInvalidArgument where a horizon is too far ahead; those of query().
+  /// kInvalidArgument where a horizon is too far ahead, where a plan is told to an engine that
+  /// starts from no other entity, or has another layout; those of query(). Where nothing is planned
+  /// after that moment the prediction is made without, and names no plan.
   Result<std::vector<SnapshotResult>> predict(const MemoryId& entity, const Outlook& outlook,
                                               const Options& options);
 

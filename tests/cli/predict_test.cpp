@@ -132,13 +132,38 @@ TEST_F(Predict, ListsWhatCanPredict) {
   for (const char* text : {"deep v1", "copy-last", "steps of 200ms", "known", "unknown", "1s"})
     EXPECT_THAT(shown.out, HasSubstr(text));
   const Json engines = json_of(predict({kCamera, "--list", "--json"})).at("engines");
-  ASSERT_EQ(engines.size(), 3u);
+  ASSERT_EQ(engines.size(), 4u);
   EXPECT_EQ(engines.at(0).at("condition"), kJoints);
-  EXPECT_EQ(engines.at(2).at("engine"), "copy-last");
-  ASSERT_EQ(engines.at(2).at("horizons").size(), 5u);
+  EXPECT_EQ(engines.at(0).at("is_condition_planned"), false);
+  EXPECT_EQ(engines.at(1).at("is_condition_planned"), true);
+  EXPECT_EQ(engines.at(2).at("is_condition_known"), false);
+  EXPECT_EQ(engines.at(3).at("engine"), "copy-last");
+  ASSERT_EQ(engines.at(3).at("horizons").size(), 5u);
   EXPECT_EQ(engines.at(0).at("horizons").at(0).at("measured_predictions"), 10);
-  EXPECT_EQ(engines.at(2).at("horizons").at(0).at("measured_predictions"), 64);
-  EXPECT_GT(engines.at(2).at("horizons").at(0).at("mean_error").at("psnr_db").get<double>(), 10);
+  EXPECT_EQ(engines.at(1).at("horizons").at(0).at("measured_predictions"), 10);
+  EXPECT_EQ(engines.at(3).at("horizons").at(0).at("measured_predictions"), 64);
+  EXPECT_GT(engines.at(3).at("horizons").at(0).at("mean_error").at("psnr_db").get<double>(), 10);
+}
+
+TEST_F(Predict, FollowsAPlanAndSaysSo) {
+  const std::vector<std::string> asked{kCamera, "--at", "2022-02-18 13:00:20", "--plan", kJoints};
+  const RunResult shown = predict(asked);
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("predicted by deep v1, told the plan " + kJoints));
+  std::vector<std::string> as_json = asked;
+  as_json.emplace_back("--json");
+  for (const Json& one : json_of(predict(as_json)).at("predictions"))
+    EXPECT_EQ(one.at("predicted").at("plan"), kJoints);
+  const Json untold = json_of(predict({kCamera, "--at", "2022-02-18 13:00:20", "--json"}));
+  EXPECT_FALSE(untold.at("predictions").at(0).at("predicted").contains("plan"));
+  // After the newest moment nothing is planned; joints start from nothing that could be.
+  const RunResult unplanned = predict({kCamera, "--plan", kJoints});
+  EXPECT_EQ(unplanned.exit_code, 1);
+  EXPECT_THAT(unplanned.err, HasSubstr("nothing is planned after"));
+  EXPECT_EQ(predict({kJoints, "--plan", kJoints}).exit_code, 1);
+  EXPECT_EQ(predict({kCamera, "--at", "2022-02-18 13:00:20", "--plan", kCamera}).exit_code, 1)
+      << "of another layout";
+  EXPECT_EQ(predict({kCamera, "--plan", "RobotState"}).exit_code, 2);
 }
 
 TEST_F(Predict, SweepsOverManyMoments) {

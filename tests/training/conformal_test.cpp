@@ -141,5 +141,27 @@ TEST(Calibrate, BearsPerfectPredictions) {
   EXPECT_TRUE(by.validate().ok());
 }
 
+TEST(Widen, MakesUpForCalmWindows) {
+  std::vector<MeasuredPrediction> own, calm, all;
+  for (int i = 1; i <= 40; ++i) {
+    const double x = i;
+    own.push_back({1, x});
+    calm.push_back({1, 2 * x});
+    all.push_back({1, (i % 2 == 0 ? 2 : 6) * x});
+  }
+  const encoders::ErrorCalibration narrow = calibrate({}, own, 1);
+  encoders::ErrorCalibration by = narrow;
+  widen(by, all, calm);
+  // The 37th of 40: 74 where it is calm; 198 of all.
+  EXPECT_NEAR(by.bound(1), narrow.bound(1) * 198 / 74, 1e-9);
+  EXPECT_NEAR(by.expected(1), narrow.expected(1) * 1.9756097561, 1e-6);
+  // Never narrower, and nothing changes where little is known.
+  for (const size_t known : {size_t{40}, size_t{5}}) {
+    encoders::ErrorCalibration same = narrow;
+    widen(same, std::span(calm).first(known), known == 40 ? std::span(all) : std::span(calm));
+    EXPECT_DOUBLE_EQ(same.bound(1), narrow.bound(1)) << known;
+  }
+}
+
 }  // namespace
 }  // namespace engram::training

@@ -136,8 +136,8 @@ TEST(Consolidate, TakesTheBoundFromTheNoiseOfTheImages) {
   chosen.representation.kind = Representation::kVideo;
   chosen.representation.video_effort = 1;
   ConsolidatePlan plan;
-  const auto report = consolidate(store.path(), chosen, {}, {},
-                                  [&](const ConsolidatePlan& made) { plan = made; });
+  const auto report =
+      consolidate(store.path(), chosen, {}, {}, [&](const ConsolidatePlan& made) { plan = made; });
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   const ImageBound& bound = plan.entities[0].bound;
   EXPECT_NEAR(bound.noise, 4, 0.25);

@@ -103,7 +103,7 @@ TEST(PredictedMoment, IsToldByAModelWithItsBound) {
   ASSERT_EQ(engines->size(), 2u);
   // 15 % are 20 windows one ahead: ten chose, ten calibrated.
   for (const ltm::Recall::Engine& engine : *engines) {
-    const auto records = engine.predictor->records(true);
+    const auto records = engine.predictor->records(ltm::Told::kConditions);
     ASSERT_EQ(records.size(), 5u) << engine.predictor->name();
     // Copies learn nothing: of all 128 windows half calibrated.
     EXPECT_EQ(records[0].predictions, engine.model.empty() ? 64u : 10u);

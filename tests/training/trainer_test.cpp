@@ -145,7 +145,7 @@ TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
   EXPECT_LE(deep.image_mse, copied.image_mse * 1.001);
   EXPECT_LE(deep.number_mse, copied.number_mse * 1.001);
   EXPECT_EQ(model->predictor->step(), std::chrono::milliseconds(200));
-  const auto records = model->predictor->records(true);
+  const auto records = model->predictor->records(ltm::Told::kConditions);
   ASSERT_EQ(records.size(), 5u);
   EXPECT_LT(records.front().mean.number_mse, records.back().mean.number_mse);
 }
@@ -179,8 +179,8 @@ TEST(Trainer, PredictsFromWhatAnotherEntityKnows) {
   ltm::Predictor& predictor = *model->predictor;
   ASSERT_TRUE(predictor.condition().has_value());
   EXPECT_EQ(predictor.condition()->to_string(), "Test/Scene/sim/announcement");
-  EXPECT_LT(predictor.records(true).at(0).mean.image_mse,
-            predictor.records(false).at(0).mean.image_mse / 2);
+  EXPECT_LT(predictor.records(ltm::Told::kConditions).at(0).mean.image_mse,
+            predictor.records(ltm::Told::kValues).at(0).mean.image_mse / 2);
   const std::vector<idf::Data> history{*source.read(70), *source.read(71)};
   const std::vector<idf::Data> conditions{**source.read_condition(70), **source.read_condition(71)};
   const idf::Data truth = *source.read(72);
@@ -191,6 +191,35 @@ TEST(Trainer, PredictsFromWhatAnotherEntityKnows) {
   EXPECT_LT(compare(truth, told->front().value)->image_mse,
             compare(truth, untold->front().value)->image_mse);
   EXPECT_LT(told->front().error.expected.image_mse, untold->front().error.expected.image_mse);
+  // A plan tells what comes after the next.
+  EXPECT_LT(predictor.records(ltm::Told::kPlan).at(1).mean.image_mse,
+            predictor.records(ltm::Told::kConditions).at(1).mean.image_mse / 2);
+  const std::vector<idf::Data> plan{**source.read_condition(72), **source.read_condition(73)};
+  ltm::Past planned{history, conditions};
+  planned.plan = plan;
+  const auto followed = predictor.predict(planned, 2);
+  const auto unplanned = predictor.predict({history, conditions}, 2);
+  ASSERT_TRUE(followed.ok()) << followed.status().to_string();
+  ASSERT_TRUE(unplanned.ok()) << unplanned.status().to_string();
+  const idf::Data over_next = *source.read(73);
+  EXPECT_LT(compare(over_next, (*followed)[1].value)->image_mse,
+            compare(over_next, (*unplanned)[1].value)->image_mse);
+  EXPECT_LT((*followed)[1].error.expected.image_mse, (*unplanned)[1].error.expected.image_mse);
+  // A plan stands still beyond its end.
+  planned.plan = std::span(plan).first(1);
+  const std::vector<idf::Data> still{plan[0], plan[0], plan[0]};
+  const auto ended = predictor.predict(planned, 2);
+  planned.plan = still;
+  const auto stood = predictor.predict(planned, 2);
+  ASSERT_TRUE(ended.ok() && stood.ok());
+  EXPECT_TRUE((*ended)[1].value == (*stood)[1].value);
+  // Without the past of what is planned it tells nothing; of another layout it is refused.
+  planned.conditions = {};
+  EXPECT_TRUE(predictor.predict(planned, 1)->front().value == untold->front().value);
+  const std::vector<idf::Data> unlike{idf::Data(1.0)};
+  planned = {history, conditions};
+  planned.plan = unlike;
+  EXPECT_EQ(predictor.predict(planned, 1).status().code(), StatusCode::kInvalidArgument);
   // Values of another layout count as not known.
   const std::vector<idf::Data> others{idf::Data(1.0), idf::Data(2.0)};
   const auto misled = predictor.predict({history, others}, 1);

@@ -5,7 +5,9 @@
 
 #include "encoders/deep_model_file.h"
 #include "tests/training/moving_scene.h"
+#include "training/block_choice.h"
 #include "training/metrics.h"
+#include "training/quality/psnr.h"
 
 namespace engram::training {
 namespace {
@@ -32,11 +34,16 @@ idf::Data elsewhere(int i) {
   return dict;
 }
 
-TEST(ViewChoice, TakesABackgroundOfItsOwnWhereTheModelKnowsNone) {
+/// A model that was trained briefly on one ground.
+std::shared_ptr<encoders::DeepModel> trained_model() {
   const ScratchPath file("view_choice");
   const auto source = scene_source(24, 1, true, false);
-  ASSERT_TRUE(train_model(source, quick_options(150), file.path(), {}, {}).ok());
-  const auto model = *encoders::read_model(file.path());
+  EXPECT_TRUE(train_model(source, quick_options(150), file.path(), {}, {}).ok());
+  return *encoders::read_model(file.path());
+}
+
+TEST(ViewChoice, TakesABackgroundOfItsOwnWhereTheModelKnowsNone) {
+  const auto model = trained_model();
   std::vector<idf::SplitValue> known, unknown;
   for (int i = 4; i < 16; ++i) {
     known.push_back(*model->plan.layout().split(scene_at(i, true, false)));
@@ -61,6 +68,42 @@ TEST(ViewChoice, TakesABackgroundOfItsOwnWhereTheModelKnowsNone) {
       model->codec.decode_all(model->codec.encode(chains, unknown.size()), unknown.size());
   ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   EXPECT_EQ(*model->decode_images(decoded->front(), 3), *model->decode_images(*away, 3));
+}
+
+TEST(ViewChoice, PaysForABackgroundOnceInAllChainsOfABlock) {
+  const auto model = trained_model();
+  model->codec.chain_rows = 8;
+  std::vector<idf::Data> values;
+  for (int i = 0; i < 24; ++i) values.push_back(elsewhere(i));
+  RepresentationOptions latents_alone;
+  latents_alone.kind = Representation::kLatents;
+  BlockChoice choice(*model, latents_alone);
+  int pauses = 0;
+  const auto latents = choice.encode(values, {}, [&]() -> Status {
+    ++pauses;
+    return {};
+  });
+  ASSERT_TRUE(latents.ok()) << latents.status().to_string();
+  EXPECT_EQ(pauses, 3);
+  const auto block = encoders::describe_block(latents->front().code.bytes(), 24, 1);
+  ASSERT_TRUE(block.ok()) << block.status().to_string();
+  EXPECT_EQ(block->chains.size(), 3u);
+  const uint64_t background = block->background_bytes[0];
+  ASSERT_GT(background, 0u);
+  // What the choice counts is what the block holds: chains and, once, the background.
+  uint64_t held = background;
+  for (const auto& chain : block->chains) held += chain.front().bytes;
+  EXPECT_EQ(choice.counts().kept_bytes, static_cast<int64_t>(held));
+  EXPECT_EQ(choice.counts().latent_rows, 24);
+
+  // Every row comes back, whichever chain it is of.
+  const auto decoded = encoders::make_encoder(model)->decode(*latents);
+  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
+  for (size_t i = 0; i < values.size(); ++i)
+    EXPECT_GT(psnr_db(compare(values[i], (*decoded)[i])->image_mse), 15) << i;
+
+  const auto stopped = choice.encode(values, {}, [] { return cancelled("enough"); });
+  EXPECT_EQ(stopped.status().code(), StatusCode::kCancelled);
 }
 
 }  // namespace

@@ -96,6 +96,8 @@ class CountingPredictor final : public Predictor {
       if (!past.conditions.empty())
         value.get_if<idf::Dict>()->set("conditions",
                                        idf::List(past.conditions.begin(), past.conditions.end()));
+      if (!past.plan.empty())
+        value.get_if<idf::Dict>()->set("plan", idf::List(past.plan.begin(), past.plan.end()));
       const double number_mse = past.conditions.empty() ? 0.5 : 0.25;
       predictions.push_back({std::move(value),
                              {{static_cast<double>(step), number_mse},
@@ -209,6 +211,43 @@ TEST_F(RecallTest, TellsAPredictorWhatItsConditionWas) {
     EXPECT_EQ(alone.data.at("conditions"), nullptr) << name;
     EXPECT_EQ(alone.error->number_mse, 0.5) << name;
   }
+}
+
+TEST_F(RecallTest, TellsAPredictorWhatIsPlanned) {
+  make_store(6, false);
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (const int64_t i : {10, 12})
+      ASSERT_OK(writer->append({packed_example(i, example_entity("plan"))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  condition_ = example_entity("other");
+  Recall recall = open(loader());
+  const auto planned_at = [](int64_t i) {
+    return example_snapshot(example_entity("plan"), i).instances[0].data;
+  };
+  Recall::Outlook outlook{{}, {std::chrono::milliseconds(400)}, ""};
+  outlook.plan = example_entity("plan");
+  const auto told = recall.predict(example_entity(), outlook, {});
+  ASSERT_OK(told);
+  // Of two steps and one more: the last value at or before each moment.
+  EXPECT_EQ(told->front().plan, example_entity("plan").to_string());
+  ASSERT_NE(told->front().instances[0].data.at("plan"), nullptr);
+  EXPECT_EQ(*told->front().instances[0].data.at("plan"),
+            idf::Data(idf::List{planned_at(10), planned_at(10), planned_at(12)}));
+  // Nothing is planned yet after an earlier moment; then the prediction names no plan.
+  outlook.from = example_time(5);
+  const auto untold = recall.predict(example_entity(), outlook, {});
+  ASSERT_OK(untold);
+  EXPECT_EQ(untold->front().plan, "");
+  EXPECT_EQ(untold->front().instances[0].data.at("plan"), nullptr);
+  // What starts from nothing else cannot follow a plan; a plan that is not there is an error.
+  outlook.engine = "copy-last";
+  EXPECT_FAILS(recall.predict(example_entity(), outlook, {}), StatusCode::kInvalidArgument,
+               "starts from no other entity");
+  outlook.engine = "";
+  outlook.plan = example_entity("nowhere");
+  EXPECT_FAILS(recall.predict(example_entity(), outlook, {}), StatusCode::kNotFound, "nowhere");
 }
 
 TEST_F(RecallTest, AnswersForEveryEntityThatMatches) {
