@@ -2,7 +2,9 @@
 #include <cstdio>
 #include <memory>
 
+#include "cli/child_process.h"
 #include "cli/command.h"
+#include "cli/consolidate_jobs.h"
 #include "cli/consolidate_text.h"
 #include "cli/interrupt.h"
 #include "cli/job_options.h"
@@ -37,7 +39,9 @@ for images. Where going on with the newest model takes no more bytes in --nights
 one, what is new gets latents of that and the store no new model.
 Numbers are kept within --number-bound. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
 moment leaves the store as it was, or with whole entities done; run again with the same options,
-training goes on from its last checkpoint (only the time that it is given may differ).)";
+training goes on from its last checkpoint (only the time that it is given may differ).
+Two processes of one thread train different entities at once where that is measured to be quicker
+than one with two threads (unless --threads or --steps is given); --jobs decides instead.)";
 
 struct ConsolidateArguments {
   std::string store;
@@ -48,7 +52,10 @@ struct ConsolidateArguments {
   std::string representation = "auto";
   std::string variant = "rate";
   std::string grace;
+  const CLI::App* command = nullptr;
   const CLI::Option* psnr = nullptr;
+  int jobs = 0;
+  bool is_part = false;
   bool drops_raw = false;
   bool is_dry_run = false;
   bool is_json = false;
@@ -101,7 +108,7 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
   training::ConsolidatePlan plan;
   const auto on_plan = [&](const training::ConsolidatePlan& made) {
     plan = made;
-    if (arguments.is_json) return;
+    if (arguments.is_json || arguments.is_part) return;
     print_plan(made);
     std::fflush(stdout);
   };
@@ -123,6 +130,14 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
   return ExitCode::kDone;
 }
 
+/// Whether entities may be worked on in several processes: asked for, or left to measurement.
+bool wants_processes(const ConsolidateArguments& arguments) {
+  if (arguments.jobs != 0) return arguments.jobs == 2;
+  // Under a fixed number of steps the same seed gives the same model, whatever else goes on.
+  const bool is_free = arguments.command->get_option("--threads")->empty();
+  return is_free && !arguments.options.train.steps && !arguments.options.reuses_models;
+}
+
 ExitCode run(ConsolidateArguments& arguments) {
   training::ConsolidateOptions& options = arguments.options;
   for (const Status& status : {finish_training_options(arguments.learning, options.train),
@@ -134,7 +149,19 @@ ExitCode run(ConsolidateArguments& arguments) {
   options.representation.kind = *representation;
   options.representation.bound_db = arguments.psnr->empty() ? 0 : options.train.psnr_db;
   if (const Status status = options.validate(); !status.ok()) return wrong_usage(status);
-  return arguments.is_dry_run ? show_plan(arguments) : consolidate(arguments);
+  if (arguments.is_part) end_with_parent();
+  if (arguments.is_dry_run) return show_plan(arguments);
+  if (wants_processes(arguments)) {
+    const auto plan = training::plan_consolidation(arguments.store, options, interrupt_token());
+    if (!plan.ok()) return fail(plan.status());
+    const auto groups = arguments.jobs == 2 ? split_jobs(*plan) : split_by_measurement(*plan);
+    if (!groups.empty())
+      return run_jobs(*plan, groups,
+                      arguments_of(*arguments.command,
+                                   {"--entity", "--threads", "--jobs", "--progress", "--json"}),
+                      progress_form(arguments.job), arguments.is_json);
+  }
+  return consolidate(arguments);
 }
 
 }  // namespace
@@ -152,6 +179,13 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
                        "latents alone the mean to aim at");
   arguments->psnr = command->get_option("--psnr");
   add_job_options(*command, arguments->job, options.job);
+  arguments->command = command;
+  command
+      ->add_option("--jobs", arguments->jobs,
+                   "Processes: 1, 2 with a thread each, or 0: whichever is quicker, measured")
+      ->check(CLI::Range(0, 2))
+      ->capture_default_str();
+  command->add_flag(kPartOption, arguments->is_part)->group("");
   command
       ->add_option("--representation", arguments->representation,
                    "How images are kept: auto, latents or video")

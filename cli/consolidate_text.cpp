@@ -49,6 +49,9 @@ Json entity_json(const training::EntityReport& entity) {
                {"psnr_mean_over_images_db", number_or_null(entity.mean_psnr_db)},
                {"psnr_pooled_error_db", number_or_null(entity.pooled_psnr_db)},
                {"psnr_minimum_db", number_or_null(entity.minimum_psnr_db)},
+               {"psnr_5_percent_db", number_or_null(entity.psnr_quantiles_db[0])},
+               {"psnr_median_db", number_or_null(entity.psnr_quantiles_db[1])},
+               {"psnr_95_percent_db", number_or_null(entity.psnr_quantiles_db[2])},
                {"rmse", number_or_null(entity.rmse)},
                {"seconds", entity.seconds},
                {"images_per_processor_second", entity.training.images_per_second},
@@ -128,6 +131,10 @@ void print_report(const training::ConsolidateReport& report) {
       print(fmt::format("  PSNR {} mean over images, {} pooled, {} lowest",
                         db_text(entity.mean_psnr_db), db_text(entity.pooled_psnr_db),
                         db_text(entity.minimum_psnr_db)));
+    if (!std::isnan(entity.mean_psnr_db))
+      print(fmt::format("  PSNR of 5 % of the images below {}, of half {}, of 95 % {}",
+                        db_text(entity.psnr_quantiles_db[0]), db_text(entity.psnr_quantiles_db[1]),
+                        db_text(entity.psnr_quantiles_db[2])));
     if (!std::isnan(entity.rmse)) print("  RMSE " + number_text(entity.rmse) + " over numbers");
     if (entity.expected_encoding_seconds > 0)
       print(fmt::format("  encoding took {}, expected were {}",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -53,6 +54,8 @@ struct EntityReport {
   double mean_psnr_db = 0;  ///< NaN without images, like the next three.
   double pooled_psnr_db = 0;
   double minimum_psnr_db = 0;
+  /// That 5 %, half and 95 % of the images are below.
+  std::array<double, 3> psnr_quantiles_db{};
   double rmse = 0;                 ///< NaN without numbers.
   encoders::StoredForms forms;     ///< How the images were kept.
   encoders::ModelChoice choice;    ///< Between the new model and the one before it.

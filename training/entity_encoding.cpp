@@ -72,6 +72,8 @@ void EntityEncoding::report(EntityReport& report) const {
   report.mean_psnr_db = psnr_.mean_db();
   report.pooled_psnr_db = psnr_.pooled_db();
   report.minimum_psnr_db = psnr_.minimum_db();
+  report.psnr_quantiles_db = {psnr_.quantile_db(0.05), psnr_.quantile_db(0.5),
+                              psnr_.quantile_db(0.95)};
   report.rmse = rmse_.rmse();
   report.forms = choice_.counts();
 }

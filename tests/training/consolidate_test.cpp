@@ -82,7 +82,11 @@ TEST(Consolidate, KeepsEveryImageWithinTheBound) {
       EXPECT_LE(forms.kept_bytes, forms.video_bytes);
       EXPECT_LE(forms.kept_bytes, forms.lossless_bytes);
       EXPECT_EQ(forms.noise_images, 0);
-      EXPECT_GE(report->entities[0].minimum_psnr_db, bound_db);
+      const EntityReport& one = report->entities[0];
+      EXPECT_GE(one.minimum_psnr_db, bound_db);
+      EXPECT_LE(one.minimum_psnr_db, one.psnr_quantiles_db[0]);
+      EXPECT_LE(one.psnr_quantiles_db[0], one.psnr_quantiles_db[1]);
+      EXPECT_LE(one.psnr_quantiles_db[1], one.psnr_quantiles_db[2]);
       EXPECT_GE(lowest_psnr_db(store.path()), bound_db) << to_string(kind);
     }
   }

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/consolidate_jobs.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "cli/child_process.h"
+#include "cli/consolidate_text.h"
+#include "cli/interrupt.h"
+#include "ltm/core/log.h"
+#include "training/parallel_speed.h"
+
+namespace engram::cli {
+
+namespace {
+
+/// Entities that take time, and how much of it.
+struct Work {
+  std::vector<ltm::MemoryId> entities;
+  std::vector<double> shares;
+};
+
+Work work_of(const training::ConsolidatePlan& plan) {
+  Work work;
+  for (const training::EntityPlan& entity : plan.entities) {
+    if (!entity.skipped_reason.empty() || !(entity.budget_share > 0)) continue;
+    work.entities.push_back(entity.entity);
+    work.shares.push_back(entity.budget_share);
+  }
+  return work;
+}
+
+/// One line for what all children do.
+class SharedProgress {
+ public:
+  /// The line outlives it.
+  SharedProgress(size_t children, ProgressLine& line)
+      : last_(children), line_(line), sink_(line.sink()) {}
+
+  /// A line of a child's stderr: progress, or a message, which is passed on.
+  void tell(size_t child, const std::string& line, bool passes_on) {
+    const Json json = Json::parse(line, nullptr, false);
+    const bool is_progress = json.is_object() && json.contains("what");
+    if (!is_progress || passes_on) {
+      line_.finish();
+      fmt::print(stderr, "{}\n", line);
+      return;
+    }
+    if (!sink_) return;
+    Progress& now = last_[child];
+    now.what = json.value("what", "");
+    now.done = json.value("done", uint64_t{0});
+    const Json total = json.value("total", Json());
+    now.total = total.is_number_unsigned() ? total.get<uint64_t>() : 0;
+    const Json left = json.value("seconds_left", Json());
+    now.seconds_left = left.is_number() ? left.get<double>() : -1;
+    sink_(united());
+  }
+
+ private:
+  static double share_of(const Progress& one) {
+    return one.total > 0 ? static_cast<double>(one.done) / static_cast<double>(one.total) : 0;
+  }
+
+  [[nodiscard]] Progress united() const {
+    constexpr uint64_t kParts = 1000;
+    Progress all{fmt::format("{} processes", last_.size()), 0, kParts, "", -1};
+    double share = 0;
+    for (const Progress& one : last_) {
+      share += share_of(one) / static_cast<double>(last_.size());
+      if (one.what.empty()) continue;
+      all.detail += fmt::format("{}{} {:.0f} %", all.detail.empty() ? "" : ", ", one.what,
+                                100 * share_of(one));
+      all.seconds_left = std::max(all.seconds_left, one.seconds_left);
+    }
+    all.done = static_cast<uint64_t>(share * (kParts - 1));
+    return all;
+  }
+
+  std::vector<Progress> last_;
+  ProgressLine& line_;
+  ProgressSink sink_;
+};
+
+std::vector<std::string> child_arguments(const std::vector<ltm::MemoryId>& entities,
+                                         const std::vector<std::string>& arguments, bool is_json,
+                                         bool has_progress) {
+  std::vector<std::string> all{"/proc/self/exe", "consolidate"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  for (const ltm::MemoryId& entity : entities) all.push_back("--entity=" + entity.to_string());
+  for (const char* more : {"--threads=1", "--jobs=1", kPartOption}) all.emplace_back(more);
+  all.emplace_back(has_progress ? "--progress=json" : "--progress=none");
+  if (is_json) all.emplace_back("--json");
+  return all;
+}
+
+/// Reports of all parts as one, entities in the order of the plan.
+Json united_report(const training::ConsolidatePlan& plan,
+                   const std::vector<ChildProcess>& children) {
+  Json all{{"plan", plan_json(plan)}, {"entities", Json::array()}, {"dropped", Json::array()}};
+  for (const ChildProcess& child : children) {
+    const Json part = Json::parse(child.output, nullptr, false);
+    for (const char* list : {"entities", "dropped"}) {
+      if (!part.is_object() || !part.contains(list)) continue;
+      for (const Json& one : part.at(list)) all[list].push_back(one);
+    }
+  }
+  const auto place_of = [&](const Json& one) {
+    const auto is_it = [&](const auto& entity) {
+      return entity.entity.to_string() == one.value("entity", "");
+    };
+    return std::ranges::find_if(plan.entities, is_it) - plan.entities.begin();
+  };
+  for (const char* list : {"entities", "dropped"})
+    std::sort(all[list].begin(), all[list].end(),
+              [&](const Json& a, const Json& b) { return place_of(a) < place_of(b); });
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::vector<ltm::MemoryId>> split_jobs(const training::ConsolidatePlan& plan) {
+  const Work work = work_of(plan);
+  if (work.entities.size() < 2) return {};
+  std::vector<std::vector<ltm::MemoryId>> groups;
+  for (const auto& group : training::split_in_two(work.shares)) {
+    auto& entities = groups.emplace_back();
+    for (const size_t i : group) entities.push_back(work.entities[i]);
+  }
+  // What will be skipped takes no time, and is reported.
+  for (const training::EntityPlan& entity : plan.entities)
+    if (std::ranges::find(work.entities, entity.entity) == work.entities.end())
+      groups.front().push_back(entity.entity);
+  return groups;
+}
+
+std::vector<std::vector<ltm::MemoryId>> split_by_measurement(
+    const training::ConsolidatePlan& plan) {
+  const Work work = work_of(plan);
+  if (work.entities.size() < 2 || std::thread::hardware_concurrency() < 2) return {};
+  const training::ParallelSpeed speed = training::measure_parallel_speed();
+  const bool are_two = training::two_are_quicker(work.shares, speed);
+  log::info("{:.0f} steps per second with two threads, {:.0f} in two processes: {}",
+            speed.one_of_two, speed.two_of_one,
+            are_two ? "two processes" : "one process, for these entities");
+  return are_two ? split_jobs(plan) : std::vector<std::vector<ltm::MemoryId>>{};
+}
+
+std::vector<std::string> arguments_of(const CLI::App& command,
+                                      const std::vector<std::string>& but) {
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || std::ranges::find(but, name) != but.end()) continue;
+    if (option->get_expected_max() == 0) {
+      arguments.push_back(name);
+      continue;
+    }
+    const bool is_positional = !name.starts_with("-");
+    for (const std::string& value : option->results())
+      arguments.push_back(is_positional ? value : name + "=" + value);
+  }
+  return arguments;
+}
+
+ExitCode run_jobs(const training::ConsolidatePlan& plan,
+                  const std::vector<std::vector<ltm::MemoryId>>& groups,
+                  const std::vector<std::string>& arguments, ProgressForm form, bool is_json) {
+  ProgressLine line(form);
+  SharedProgress progress(groups.size(), line);
+  std::vector<ChildProcess> children;
+  for (size_t i = 0; i < groups.size(); ++i)
+    children.push_back({child_arguments(groups[i], arguments, is_json, form != ProgressForm::kNone),
+                        [&progress, i, form](const std::string& text) {
+                          progress.tell(i, text, form == ProgressForm::kJson);
+                        }});
+  if (!is_json) {
+    print_plan(plan);
+    std::fflush(stdout);
+  }
+  const Status run = run_children(children, interrupt_token());
+  line.finish();
+  if (!run.ok()) return fail(run);
+  ExitCode worst = ExitCode::kDone;
+  for (const ChildProcess& child : children) {
+    if (!is_json) fmt::print("{}", child.output);
+    if (child.exit_code != 0) worst = ExitCode::kFailed;
+  }
+  if (is_json) print_json(united_report(plan, children));
+  return worst;
+}
+
+}  // namespace engram::cli

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// `engram consolidate --jobs`: entities in processes of their own.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "ltm/store/manifest.h"
+#include "tests/cli/program.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class Jobs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto recording = make_recording(directory_.path(), 8);
+    ASSERT_EQ(run_engram(import_arguments(recording, store_)).exit_code, 0);
+  }
+
+  [[nodiscard]] std::vector<std::string> job(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{"consolidate",      store_,   "--width", "32",
+                                 "--representation", "latents"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  ScratchDirectory directory_;
+  std::string store_ = directory_.path() / "robot.engram";
+};
+
+TEST_F(Jobs, TrainEntitiesInTwoProcessesToTheSameModelsAsOne) {
+  const RunResult two = run_engram(job({"--steps", "20", "--jobs", "2", "--json"}));
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  const Json report = Json::parse(two.out);
+  ASSERT_EQ(report.at("entities").size(), 2u);
+  EXPECT_EQ(report.at("entities").at(0).at("entity"), kJoints) << "in the order of the plan";
+  EXPECT_EQ(report.at("entities").at(1).at("entity"), kCamera);
+  EXPECT_EQ(report.at("plan").at("entities").size(), 2u);
+  EXPECT_THAT(two.err, HasSubstr("train " + kCamera));
+  EXPECT_THAT(two.err, HasSubstr("train " + kJoints));
+  EXPECT_EQ(run_engram({"check", store_}).exit_code, 0);
+
+  // One process of one thread makes the same latents and says the same of them.
+  const Json one = Json::parse(run_engram(job({"--steps", "20", "--threads", "1", "--jobs", "1",
+                                               "--force", "--anew", "--json"}))
+                                   .out);
+  for (const size_t i : {0, 1})
+    for (const char* what : {"latent_bytes", "psnr_mean_over_images_db", "rmse"})
+      EXPECT_EQ(one.at("entities").at(i).at(what), report.at("entities").at(i).at(what)) << what;
+}
+
+TEST_F(Jobs, TellOnePlanAndEveryReport) {
+  const RunResult shown = run_engram(job({"--steps", "5", "--jobs", "2"}));
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr(kCamera + " v1: 40 snapshots"));
+  EXPECT_THAT(shown.out, HasSubstr(kJoints + " v1: 40 snapshots"));
+  const size_t plan = shown.out.find("snapshots  new");
+  EXPECT_NE(plan, std::string::npos) << shown.out;
+  EXPECT_EQ(shown.out.find("snapshots  new", plan + 1), std::string::npos) << shown.out;
+}
+
+TEST_F(Jobs, FailWhereAPartFails) {
+  const RunResult failed =
+      run_engram(job({"--steps", "5", "--jobs", "2", "--yield-command", "/nowhere/busy"}));
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_THAT(failed.err, HasSubstr("cannot be run"));
+  EXPECT_EQ(run_engram(job({"--steps", "5", "--jobs", "3"})).exit_code, 2);
+}
+
+TEST_F(Jobs, EndWithTheirParent) {
+  const RunResult killed =
+      run_engram_and_kill(job({"--budget", "10m", "--jobs", "2", "--checkpoint-every", "100ms"}),
+                          60'000, "autoencoder");
+  ASSERT_EQ(killed.exit_code, -9) << killed.err;
+  // Nobody holds the store's temporary files any more, and training goes on where it was.
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const RunResult again =
+      run_engram(job({"--budget", "2s", "--jobs", "2", "--checkpoint-every", "100ms"}));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(run_engram({"check", store_}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace engram::cli
