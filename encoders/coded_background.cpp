@@ -15,7 +15,9 @@ constexpr std::array<std::string_view, 5> kCodecNames{"", "h264", "h265", "av1",
 /// Per quality, in the order of preference. What is still wrong, latents mend where it
 /// pays.
 constexpr std::array<std::array<std::string_view, 3>, kBackgroundQualities> kCodecs{
-    {{"av1:crf=25,effort=7", "h265:crf=22", "h264:crf=20"},
+    {{"av1:crf=10,effort=7", "h265:crf=14", "h264:crf=12"},
+     {"av1:crf=18,effort=7", "h265:crf=18", "h264:crf=16"},
+     {"av1:crf=25,effort=7", "h265:crf=22", "h264:crf=20"},
      {"av1:crf=34,effort=7", "h265:crf=28", "h264:crf=26"},
      {"av1:crf=50,effort=7", "h265:crf=38", "h264:crf=36"}}};
 

@@ -42,7 +42,7 @@ struct CodedBackground {
 };
 
 /// Qualities that backgrounds are coded in, the best one first.
-inline constexpr size_t kBackgroundQualities = 3;
+inline constexpr size_t kBackgroundQualities = 5;
 
 /// Nothing where no installed video codec with loss takes such an image.
 /// Errors: those of the codec.

@@ -14,8 +14,10 @@ Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace&
   for (const Sequence& sequence : cut_sequences(times))
     for (size_t first = sequence.first; first < sequence.end; first += most_rows_) {
       const size_t count = std::min(most_rows_, sequence.end - first);
+      begun_ = first;
+      total_ = entries.size();
       ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace));
-      pace.progress()({"encode " + entity_.to_string(), first + count, entries.size(), {}, -1});
+      tell(first + count, pace);
     }
   return {};
 }
@@ -44,15 +46,23 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries, J
   return {};
 }
 
+void EntityEncoding::tell(size_t done, JobPace& pace) const {
+  pace.progress()({"encode " + entity_.to_string(), std::min(done, total_), total_, {}, -1});
+}
+
 /// Snapshots of several instances fill more than one block.
 Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values,
                                                                JobPace& pace) {
+  const auto pause = [&] {
+    tell(begun_, pace);
+    begun_ += chain_rows_;
+    return pace.pause();
+  };
   std::vector<ltm::Latent> latents;
   while (!values.empty()) {
     const auto block = values.first(std::min(most_rows_, values.size()));
     values = values.subspan(block.size());
-    ENGRAM_ASSIGN_OR_RETURN(auto coded,
-                            choice_.encode(block, pace.stop(), [&] { return pace.pause(); }));
+    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice_.encode(block, pace.stop(), pause));
     std::ranges::move(coded, std::back_inserter(latents));
   }
   return latents;

@@ -29,6 +29,7 @@ class EntityEncoding {
         entity_(entity),
         version_(version),
         most_rows_(model.block_rows()),
+        chain_rows_(model.codec.chain_rows),
         choice_(model, options),
         decoder_(decoder) {}
 
@@ -43,6 +44,7 @@ class EntityEncoding {
 
  private:
   Status encode_run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
+  void tell(size_t done, JobPace& pace) const;
   Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values, JobPace& pace);
   void count(const ltm::Latent& latent, const ltm::MeasuredError& error);
 
@@ -50,6 +52,9 @@ class EntityEncoding {
   const ltm::MemoryId& entity_;
   int version_;
   size_t most_rows_;
+  size_t chain_rows_;
+  size_t begun_ = 0;  ///< Snapshots, once the next chain is coded.
+  size_t total_ = 0;
   BlockChoice choice_;
   ltm::Encoder& decoder_;
   std::vector<ltm::LatentSnapshot> latents_;

@@ -19,7 +19,7 @@ constexpr double kRecent = 0.05;
 /// Share of the batches whose conditions are not known.
 constexpr double kUnknownShare = 0.2;
 /// Share of the others that are told what comes as a plan.
-constexpr double kPlannedShare = 0.5;
+constexpr double kPlannedShare = 0.35;
 /// What conditions are blurred by, in standard deviations, and their changes relative to that.
 constexpr double kConditionBlur = 0.1;
 constexpr double kChangeBlur = 0.3;

@@ -2,6 +2,7 @@
 #include "training/view_choice.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "training/metrics.h"
 
@@ -79,11 +80,15 @@ Result<LatentRows> rows_on_best_view(DeepModel& model, std::span<const idf::Spli
   if (model.autoencoder->images.empty()) return best;
   ENGRAM_ASSIGN_OR_RETURN(const auto medians, medians_of(model, values));
   ENGRAM_ASSIGN_OR_RETURN(double best_cost, cost_of(model, values, best));
-  for (size_t quality = 0; quality < encoders::kBackgroundQualities; ++quality) {
+  // From the coarsest on, until a better one costs more than it gains.
+  double last_cost = std::numeric_limits<double>::infinity();
+  for (size_t quality = encoders::kBackgroundQualities; quality-- > 0;) {
     ENGRAM_ASSIGN_OR_RETURN(auto own, coded(model, medians, quality));
     if (own.empty()) break;
     ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, model.to_rows(values, std::move(own)));
     ENGRAM_ASSIGN_OR_RETURN(const double cost, cost_of(model, values, rows));
+    if (cost >= last_cost) break;
+    last_cost = cost;
     if (cost >= best_cost) continue;
     best_cost = cost;
     best = std::move(rows);
