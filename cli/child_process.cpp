@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +13,8 @@
 #include <cstring>
 #include <memory>
 #include <utility>
+
+#include "ltm/core/child.h"
 
 namespace engram::cli {
 
@@ -72,35 +73,13 @@ class Running {
   Status start() {
     ENGRAM_RETURN_IF_ERROR(output_.open());
     ENGRAM_RETURN_IF_ERROR(errors_.open());
-    std::vector<char*> argv;
-    for (std::string& word : child_.arguments) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, output_.write_end(), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&files, errors_.write_end(), STDERR_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    // This process blocks the signals that end it: a child must not.
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(
-        &attributes,
-        static_cast<short>(POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP));
-    const int error = ::posix_spawnp(&id_, argv.front(), &files, &attributes, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
+    const auto started = start_child(child_.arguments, {output_.write_end(), errors_.write_end()});
     output_.close_end(1);
     errors_.close_end(1);
-    if (error == 0) return {};
-    id_ = 0;
-    return unavailable("'{}': cannot be started: {}", child_.arguments.front(),
-                       std::strerror(error));
+    if (!started.ok())
+      return started.status().with_context("'" + child_.arguments.front() + "' cannot be started");
+    id_ = *started;
+    return {};
   }
 
   void add_to(std::vector<pollfd>& waiting) const {
