@@ -82,6 +82,13 @@ const InstanceResult* SnapshotResult::find(int32_t index) const {
   return place != instances.end() && place->index == index ? &*place : nullptr;
 }
 
+void SnapshotResult::append(idf::Data data, const InstanceMetadata& metadata,
+                            std::optional<MeasuredError> error,
+                            std::optional<MeasuredError> bound) {
+  const auto index = static_cast<int32_t>(instances.size());
+  instances.push_back({index, std::move(data), metadata, error, bound});
+}
+
 const SnapshotResult* EntityResult::find(Time time) const {
   const auto place = std::ranges::lower_bound(snapshots, time, {}, &SnapshotResult::time);
   return place != snapshots.end() && place->time == time ? &*place : nullptr;

@@ -44,6 +44,10 @@ struct SnapshotResult {
   /// Null where there is no such instance.
   [[nodiscard]] const InstanceResult* find(int32_t index) const;
 
+  /// Adds an instance behind the others, with the next index.
+  void append(idf::Data data, const InstanceMetadata& metadata,
+              std::optional<MeasuredError> error = {}, std::optional<MeasuredError> bound = {});
+
   friend bool operator==(const SnapshotResult&, const SnapshotResult&) = default;
 };
 

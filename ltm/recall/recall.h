@@ -6,8 +6,7 @@
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
 #include "ltm/recall/access_log.h"
-#include "ltm/recall/model.h"
-#include "ltm/store/store_reader.h"
+#include "ltm/recall/forecaster.h"
 
 namespace engram::ltm {
 
@@ -17,8 +16,9 @@ namespace engram::ltm {
 /// Threading: one thread.
 class Recall {
  public:
-  /// Which form answers where a snapshot has both.
-  enum class Prefer { kRecorded, kLatent };
+  using Prefer = ltm::Prefer;
+  using Engine = ltm::Engine;
+  using Outlook = ltm::Outlook;
 
   struct Options {
     Prefer prefer = Prefer::kRecorded;
@@ -41,33 +41,13 @@ class Recall {
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
 
-  /// A way to predict an entity.
-  struct Engine {
-    Predictor* predictor = nullptr;  ///< Never null; this owns it.
-    std::string model;               ///< "Vision/RGB/head/cam v1"; empty without one.
-  };
-
   /// What can predict an entity, what a query would take first: its newest model, if it has one,
-  /// and a copy of the last snapshot.
+  /// and a copy of the last snapshot. This owns the predictors.
   Result<std::vector<Engine>> engines(const MemoryId& entity);
 
   /// The one whose predictor has this name; empty: the first.
   /// Errors: kNotFound.
   Result<Engine> engine(const MemoryId& entity, const std::string& name);
-
-  /// What is to be predicted, and from when on.
-  struct Outlook {
-    /// The last moment that is known: later snapshots are not looked at. Nothing: the newest one.
-    std::optional<Time> from;
-    /// From the last snapshot that is known on. At least one; each is taken as the closest number
-    /// of steps of the engine, at least one.
-    std::vector<Duration> horizons;
-    std::string engine;  ///< By the name of its predictor; empty: the first of engines().
-    /// Entity whose snapshots after the last known moment are planned values of the engine's
-    /// condition (Predictor::condition), of its layout. The condition itself: what really came of
-    /// it, in hindsight. Nothing: no plan is told.
-    std::optional<MemoryId> plan{};
-  };
 
   /// One prediction per horizon, in their order.
   /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;
