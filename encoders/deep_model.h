@@ -83,8 +83,8 @@ struct DeepModel {
   /// The scene that rows of one recording are reconstructed best with: [1] of int64.
   [[nodiscard]] torch::Tensor best_scene(std::span<const Parts> parts);
 
-  /// Most rows that are coded as one block: as many chains as it may have, but of large images no
-  /// more than a few megabytes hold.
+  /// Most rows that are coded as one block: as many chains as it may have, but no more than 64 MB
+  /// of images, and one chain at least.
   [[nodiscard]] size_t block_rows() const;
 
   /// Codes consecutive values of one recording as one block: images as latents, or, without

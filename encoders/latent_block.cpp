@@ -10,6 +10,8 @@ namespace engram::encoders {
 
 namespace {
 
+constexpr std::string_view kWhat = "block of latents";
+
 /// Of a background that the block carries.
 struct BackgroundHead {
   ImageForm form = ImageForm::kLatents;
@@ -27,13 +29,15 @@ struct BlockParts {
 Result<ImageForm> read_form(ByteReader& reader) {
   const int64_t form = reader.get_varint();
   if (form < 0 || form > static_cast<int64_t>(ImageForm::kFfv1))
-    return data_loss("block of latents: found form {} of a background, needs 1 to {}", form,
+    return data_loss("{}: found form {} of a background, needs 1 to {}", kWhat, form,
                      static_cast<int>(ImageForm::kFfv1));
   return static_cast<ImageForm>(form);
 }
 
 Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, size_t images) {
-  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, "block of latents", count));
+  if (count < 1 || count > kMostBlockRows)
+    return data_loss("{}: found {} rows, needs 1 to {}", kWhat, count, kMostBlockRows);
+  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, kWhat, count));
   ByteReader reader(bytes);
   BlockParts parts;
   std::vector<int64_t> sizes;
@@ -46,19 +50,18 @@ Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, si
     }
   const int64_t rows = reader.get_varint();
   if (reader.failed() || rows < 1 || rows > static_cast<int64_t>(kMostBlockRows))
-    return data_loss("block of latents: found chains of {} rows, needs 1 to {}", rows,
-                     kMostBlockRows);
+    return data_loss("{}: found chains of {} rows, needs 1 to {}", kWhat, rows, kMostBlockRows);
   parts.chain_rows = static_cast<size_t>(rows);
   parts.chains.resize((count + parts.chain_rows - 1) / parts.chain_rows);
   for (size_t i = 0; i < parts.chains.size(); ++i) sizes.push_back(reader.get_varint());
-  if (reader.failed()) return data_loss("block of latents: ends within its head");
+  if (reader.failed()) return data_loss("{}: ends within its head", kWhat);
   bytes = reader.rest();
   size_t at = 0;
   for (BackgroundHead& background : parts.own) {
-    ENGRAM_ASSIGN_OR_RETURN(background.bytes, take_part(bytes, sizes[at++]));
+    ENGRAM_ASSIGN_OR_RETURN(background.bytes, take_part(bytes, sizes[at++], kWhat));
   }
   for (auto& chain : parts.chains) {
-    ENGRAM_ASSIGN_OR_RETURN(chain, take_part(bytes, sizes[at++]));
+    ENGRAM_ASSIGN_OR_RETURN(chain, take_part(bytes, sizes[at++], kWhat));
   }
   return parts;
 }
@@ -135,7 +138,7 @@ std::vector<std::byte> LatentBlockCodec::encode(std::span<const LatentRows> chai
 Result<OpenBlock> LatentBlockCodec::open(std::span<const std::byte> block, size_t count) const {
   ENGRAM_ASSIGN_OR_RETURN(BlockParts parts, read_parts(block, count, chain.frames.size()));
   if (parts.scene < 0 || parts.scene >= static_cast<int64_t>(scenes))
-    return data_loss("block of latents: found scene {}, needs 0 to {}", parts.scene, scenes - 1);
+    return data_loss("{}: found scene {}, needs 0 to {}", kWhat, parts.scene, scenes - 1);
   OpenBlock open{
       count, parts.chain_rows, static_cast<uint32_t>(parts.scene), {}, std::move(parts.chains)};
   for (size_t i = 0; i < parts.own.size(); ++i) {

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "encoders/latent_chain.h"
+#include "ltm/codec/packed_value.h"
 
 namespace engram::encoders {
 
 /// Chains of a block. What they share, a background of their own, is then cheap.
 inline constexpr size_t kMostChains = 8;
-/// Most rows of a block (ltm/codec/packed_value.h).
-inline constexpr size_t kMostBlockRows = 1024;
+/// Most rows of a block.
+inline constexpr size_t kMostBlockRows = ltm::kMaxGroupImages;
 
 /// A block whose checksum fits, and what its chains share. Lives as long as the bytes.
 struct OpenBlock {

@@ -2,12 +2,14 @@
 #include "encoders/latent_chain.h"
 
 #include "encoders/coding/byte_stream.h"
+#include "encoders/coding/checked_block.h"
 #include "ltm/codec/group_codec.h"
 
 namespace engram::encoders {
 
 namespace {
 
+constexpr std::string_view kWhat = "chain of latents";
 constexpr int64_t kRefined = 8;
 constexpr int64_t kHasResidual = 16;
 
@@ -26,8 +28,8 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   constexpr auto kMostCodec = static_cast<int64_t>(ImageForm::kFfv1);
   const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMostCodec;
   if (!is_known || (codec != 0 && form != codec))
-    return data_loss("block of latents: found form {}, needs 0 to {}, or {}, {} or {}", form,
-                     kMostCodec, kRefined, kHasResidual, kRefined + kHasResidual);
+    return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kWhat, form, kMostCodec,
+                     kRefined, kHasResidual, kRefined + kHasResidual);
   head.form = static_cast<ImageForm>(codec);
   head.is_refined = (form & kRefined) != 0;
   head.bytes = reader.get_varint();
@@ -40,20 +42,11 @@ Result<std::vector<ImageHead>> read_heads(ByteReader& reader, size_t images) {
   for (size_t i = 0; i < images; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(heads.emplace_back(), read_image_head(reader));
   }
-  if (reader.failed()) return data_loss("block of latents: ends within the head of a chain");
+  if (reader.failed()) return data_loss("{}: ends within its head", kWhat);
   return heads;
 }
 
 }  // namespace
-
-Result<std::span<const std::byte>> take_part(std::span<const std::byte>& bytes, int64_t size) {
-  if (size < 0 || static_cast<uint64_t>(size) > bytes.size())
-    return data_loss("block of latents: found a part of {} bytes, needs at most {}", size,
-                     bytes.size());
-  const auto part = bytes.first(static_cast<size_t>(size));
-  bytes = bytes.subspan(part.size());
-  return part;
-}
 
 std::vector<std::byte> LatentChainCodec::encode(const LatentRows& rows, size_t count) const {
   ENGRAM_CHECK(rows.images.size() == frames.size(), "{} images of {}", rows.images.size(),
@@ -91,7 +84,7 @@ Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> b
     return {};
   }
   if (image >= images.size())
-    return data_loss("block of latents: found latents of image {}, its model has none", image);
+    return data_loss("{}: found latents of image {}, its model has none", kWhat, image);
   ENGRAM_ASSIGN_OR_RETURN(rows.latents, images[image].decode(bytes, count, wanted));
   return {};
 }
@@ -99,7 +92,7 @@ Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> b
 Status LatentChainCodec::decode_residual(size_t image, std::span<const std::byte> bytes,
                                          size_t count, size_t wanted, ImageRows& rows) const {
   if (frames[image].type != idf::ElementType::kUInt8)
-    return data_loss("block of latents: found residuals of image {}, which has {} elements", image,
+    return data_loss("{}: found residuals of image {}, which has {} elements", kWhat, image,
                      idf::to_string(frames[image].type));
   ENGRAM_ASSIGN_OR_RETURN(rows.residuals,
                           decode_residuals(bytes, frames[image].pixels(), count, wanted));
@@ -113,13 +106,13 @@ Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, 
   std::span<const std::byte> bytes = reader.rest();
   std::vector<ImageCode> codes;
   for (const ImageHead& head : heads) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, head.bytes));
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, head.bytes, kWhat));
     ImageCode& code = codes.emplace_back();
     code.form = head.form;
     code.is_refined = head.is_refined;
     code.bytes = part.size();
     if (!head.residual_bytes) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes));
+    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes, kWhat));
     ENGRAM_ASSIGN_OR_RETURN(code.residual_bytes, residual_bytes(residual, count));
   }
   return codes;
@@ -132,13 +125,13 @@ Result<LatentRows> LatentChainCodec::decode(std::span<const std::byte> chain, si
   std::span<const std::byte> bytes = reader.rest();
   LatentRows rows;
   for (size_t i = 0; i < frames.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, heads[i].bytes));
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, heads[i].bytes, kWhat));
     ImageRows& decoded = rows.images.emplace_back();
     decoded.form = heads[i].form;
     decoded.is_refined = heads[i].is_refined;
     ENGRAM_RETURN_IF_ERROR(decode_image(i, part, count, wanted, decoded));
     if (!heads[i].residual_bytes) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *heads[i].residual_bytes));
+    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *heads[i].residual_bytes, kWhat));
     ENGRAM_RETURN_IF_ERROR(decode_residual(i, residual, count, wanted, decoded));
   }
   if (!numbers) return rows;

@@ -76,7 +76,4 @@ struct LatentChainCodec {
                          size_t wanted, ImageRows& rows) const;
 };
 
-/// The next `size` bytes. Errors: kDataLoss where there are not so many.
-Result<std::span<const std::byte>> take_part(std::span<const std::byte>& bytes, int64_t size);
-
 }  // namespace engram::encoders

@@ -9,20 +9,27 @@
 namespace engram::training {
 
 Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace) {
+  const auto tell = [&](size_t done) {
+    pace.progress()({"encode " + entity_.to_string(), done, entries.size(), {}, -1});
+  };
   std::vector<Time> times;
   for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
   for (const Sequence& sequence : cut_sequences(times))
     for (size_t first = sequence.first; first < sequence.end; first += most_rows_) {
       const size_t count = std::min(most_rows_, sequence.end - first);
-      begun_ = first;
-      total_ = entries.size();
-      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace));
-      tell(first + count, pace);
+      // Rows of several instances are more than snapshots.
+      const auto pause = [&](size_t rows) {
+        tell(first + std::min(rows, count));
+        return pace.pause();
+      };
+      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace.stop(), pause));
+      tell(first + count);
     }
   return {};
 }
 
-Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace) {
+Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
+                                  const std::stop_token& stop, const BlockChoice::Pause& pause) {
   std::vector<idf::Data> values;
   std::vector<ltm::Snapshot> snapshots;
   for (const ltm::SnapshotEntry& entry : entries) {
@@ -30,7 +37,7 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries, J
     for (const ltm::Instance& instance : snapshots.back().instances)
       values.push_back(instance.data);
   }
-  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, pace));
+  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, stop, pause));
   ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder_.decode(latents));
   size_t at = 0;
   for (const ltm::Snapshot& snapshot : snapshots) {
@@ -46,23 +53,17 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries, J
   return {};
 }
 
-void EntityEncoding::tell(size_t done, JobPace& pace) const {
-  pace.progress()({"encode " + entity_.to_string(), std::min(done, total_), total_, {}, -1});
-}
-
 /// Snapshots of several instances fill more than one block.
 Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values,
-                                                               JobPace& pace) {
-  const auto pause = [&] {
-    tell(begun_, pace);
-    begun_ += chain_rows_;
-    return pace.pause();
-  };
+                                                               const std::stop_token& stop,
+                                                               const BlockChoice::Pause& pause) {
   std::vector<ltm::Latent> latents;
-  while (!values.empty()) {
-    const auto block = values.first(std::min(most_rows_, values.size()));
-    values = values.subspan(block.size());
-    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice_.encode(block, pace.stop(), pause));
+  while (latents.size() < values.size()) {
+    const size_t first = latents.size();
+    const auto rest = values.subspan(first);
+    const auto on_row = [&](size_t row) { return pause(first + row); };
+    ENGRAM_ASSIGN_OR_RETURN(
+        auto coded, choice_.encode(rest.first(std::min(most_rows_, rest.size())), stop, on_row));
     std::ranges::move(coded, std::back_inserter(latents));
   }
   return latents;

@@ -29,7 +29,6 @@ class EntityEncoding {
         entity_(entity),
         version_(version),
         most_rows_(model.block_rows()),
-        chain_rows_(model.codec.chain_rows),
         choice_(model, options),
         decoder_(decoder) {}
 
@@ -43,18 +42,17 @@ class EntityEncoding {
   void report(EntityReport& report) const;
 
  private:
-  Status encode_run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
-  void tell(size_t done, JobPace& pace) const;
-  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values, JobPace& pace);
+  Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop,
+                    const BlockChoice::Pause& pause);
+  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values,
+                                                 const std::stop_token& stop,
+                                                 const BlockChoice::Pause& pause);
   void count(const ltm::Latent& latent, const ltm::MeasuredError& error);
 
   ltm::StoreReader& reader_;
   const ltm::MemoryId& entity_;
   int version_;
   size_t most_rows_;
-  size_t chain_rows_;
-  size_t begun_ = 0;  ///< Snapshots, once the next chain is coded.
-  size_t total_ = 0;
   BlockChoice choice_;
   ltm::Encoder& decoder_;
   std::vector<ltm::LatentSnapshot> latents_;

@@ -252,8 +252,9 @@ Status TrainOptions::validate() const {
         "and 1 to {}",
         width, coarse_channels, fine_channels, encoders::NetworkSizes::kMostWidth,
         encoders::NetworkSizes::kMostChannels);
-  if (chain_rows < 1 || chain_rows > 1024)
-    return invalid_argument("snapshots of a chain: found {}, needs 1 to 1024", chain_rows);
+  if (chain_rows < 1 || chain_rows > static_cast<int>(encoders::kMostBlockRows))
+    return invalid_argument("snapshots of a chain: found {}, needs 1 to {}", chain_rows,
+                            encoders::kMostBlockRows);
   if (!(varied_share >= 0 && varied_share <= 1))
     return invalid_argument("share of varied images: found {}, needs 0 to 1", varied_share);
   if (threads < 1) return invalid_argument("threads: found {}, needs at least 1", threads);

@@ -74,7 +74,7 @@ struct TrainOptions {
   /// Share of training on images as another view would show them (view_change.h), where there is
   /// more than one scene: more carries over better to new places, less knows old ones better.
   double varied_share = 0.5;
-  /// Threads of the networks. Two entities in two processes of one thread beat one on two.
+  /// Threads of the networks. Whether two processes of one thread are quicker: parallel_speed.h.
   int threads = 2;
   /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.
   uint64_t memory_bytes = uint64_t{2} << 30;
@@ -132,8 +132,9 @@ inline constexpr double kMostModelShare = 0.2;
 [[nodiscard]] int width_that_pays(const idf::Layout& layout, const TrainOptions& options,
                                   double saved_bytes);
 
-/// What a checkpoint belongs to: options (but for the time they allow), code, the times of the data
-/// and the model that training goes on from. Another key, another training.
+/// What a checkpoint belongs to: options (but for the time they allow and the threads that use it),
+/// code, the times of the data and the model that training goes on from. Another key, another
+/// training.
 [[nodiscard]] uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& options);
 
 /// Trains a model on `source` and writes it to `file`, which must not exist.

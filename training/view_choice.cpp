@@ -18,7 +18,7 @@ namespace {
 /// Where a model does not say what it was trained with. Unit: kilobytes per squared grey level.
 constexpr double kUsualPrice = 0.03;
 /// Rows whose error stands for all of them.
-constexpr size_t kMostCompared = 6;
+constexpr size_t kMostCompared = 12;
 
 /// The medians of all image members.
 Result<std::vector<idf::NdArray>> medians_of(const DeepModel& model,
@@ -75,7 +75,8 @@ Result<double> cost_of(DeepModel& model, std::span<const idf::SplitValue> values
 
 }  // namespace
 
-Result<LatentRows> rows_on_best_view(DeepModel& model, std::span<const idf::SplitValue> values) {
+Result<LatentRows> rows_on_best_view(DeepModel& model, std::span<const idf::SplitValue> values,
+                                     const std::function<Status()>& pause) {
   ENGRAM_ASSIGN_OR_RETURN(LatentRows best, model.to_rows(values));
   if (model.autoencoder->images.empty()) return best;
   ENGRAM_ASSIGN_OR_RETURN(const auto medians, medians_of(model, values));
@@ -83,6 +84,7 @@ Result<LatentRows> rows_on_best_view(DeepModel& model, std::span<const idf::Spli
   // From the coarsest on, until a better one costs more than it gains.
   double last_cost = std::numeric_limits<double>::infinity();
   for (size_t quality = encoders::kBackgroundQualities; quality-- > 0;) {
+    if (pause) ENGRAM_RETURN_IF_ERROR(pause());
     ENGRAM_ASSIGN_OR_RETURN(auto own, coded(model, medians, quality));
     if (own.empty()) break;
     ENGRAM_ASSIGN_OR_RETURN(LatentRows rows, model.to_rows(values, std::move(own)));

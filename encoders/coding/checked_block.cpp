@@ -36,4 +36,13 @@ Result<std::span<const std::byte>> without_checksum(std::span<const std::byte> b
   return body;
 }
 
+Result<std::span<const std::byte>> take_part(std::span<const std::byte>& bytes, int64_t size,
+                                             std::string_view what) {
+  if (size < 0 || static_cast<uint64_t>(size) > bytes.size())
+    return data_loss("{}: found a part of {} bytes, needs at most {}", what, size, bytes.size());
+  const auto part = bytes.first(static_cast<size_t>(size));
+  bytes = bytes.subspan(part.size());
+  return part;
+}
+
 }  // namespace engram::encoders

@@ -21,4 +21,9 @@ namespace engram::encoders {
 Result<std::span<const std::byte>> without_checksum(std::span<const std::byte> bytes,
                                                     std::string_view what, uint64_t count = 0);
 
+/// The next `size` bytes, which `bytes` then begin behind. `what` names them in the message.
+/// Errors: kDataLoss where there are not so many.
+Result<std::span<const std::byte>> take_part(std::span<const std::byte>& bytes, int64_t size,
+                                             std::string_view what);
+
 }  // namespace engram::encoders

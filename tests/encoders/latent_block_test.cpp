@@ -248,6 +248,19 @@ TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
   }
 }
 
+TEST(LatentBlock, RefusesCountsThatNoBlockHas) {
+  const auto block = encode(some_rows());
+  const auto body = *without_checksum(block, "block", kRows);
+  for (const size_t count : {size_t{0}, kMostBlockRows + 1, size_t{1} << 32}) {
+    const auto sealed = with_checksum({body.begin(), body.end()}, count);
+    const auto opened = codec().open(sealed, count);
+    EXPECT_EQ(opened.status().code(), StatusCode::kDataLoss) << count;
+    EXPECT_NE(opened.status().message().find("needs 1 to 1024"), std::string::npos)
+        << opened.status().to_string();
+    EXPECT_EQ(describe_block(sealed, count, 2).status().code(), StatusCode::kDataLoss) << count;
+  }
+}
+
 TEST(LatentBlock, FindsEveryFlippedBitAndEveryMissingByte) {
   const auto block = encode(corrected_rows());
   for (size_t bit = 0; bit < block.size() * 8; ++bit) {

@@ -134,6 +134,19 @@ TEST_F(TrainedBefore, IsPartOfTheKeyOfCheckpoints) {
   EXPECT_NE(key, checkpoint_key(started, options));
 }
 
+TEST(CheckpointKey, LeavesThreadsOpenWhereTimeIsLimited) {
+  const auto source = scene_source(24);
+  const auto key = [&](std::optional<int64_t> steps, int threads) {
+    auto options = quick_options(4);
+    options.steps = steps;
+    options.threads = threads;
+    return checkpoint_key(source, options);
+  };
+  EXPECT_EQ(key({}, 1), key({}, 2));
+  EXPECT_NE(key(4, 1), key(4, 2));
+  EXPECT_NE(key({}, 1), key(4, 1));
+}
+
 TEST_F(TrainedBefore, IsNotGoneOnFromWhereItDoesNotFit) {
   train_before(4);
   const auto why = [&](const TrainingSource& source, const TrainOptions& options) {
