@@ -187,9 +187,11 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command->add_flag(kPartOption, arguments->is_part)->group("");
   command
-      ->add_option("--representation", arguments->representation,
-                   "How images are kept: auto, latents or video")
-      ->check(CLI::IsMember({"auto", "latents", "video"}))
+      ->add_option(
+          "--representation", arguments->representation,
+          "How images are kept: auto, latents, video, or corrected: latents, and residuals "
+          "where they miss the bound")
+      ->check(CLI::IsMember({"auto", "latents", "video", "corrected"}))
       ->capture_default_str();
   command
       ->add_option("--variant", arguments->variant,

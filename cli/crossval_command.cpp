@@ -16,7 +16,7 @@ constexpr const char* kFooter = R"(Examples:
   engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
   engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --budget 2m
   engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --fold 2 --json
-  engram crossval robot.engram --entity Vision/RGB/head/cam --every 200ms --budget 20m
+  engram crossval robot.engram --entity Vision/RGB/head/cam --every 200ms --budget 20m --bound 30
 
 A recording ends where there is a gap. For each, a model of each variant is trained on all others
 for --budget, and reconstructs and predicts the one that was left out, which is told on stderr as soon
@@ -105,6 +105,10 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--refine", arguments->options.refine_steps,
                    "Steps that search better latents for each block that is measured")
       ->capture_default_str();
+  command->add_option(
+      "--bound", arguments->options.bound_db,
+      "Measures latents with residuals where images are below this PSNR, dB, beside "
+      "latents alone");
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -50,16 +50,36 @@ std::string variant_table(const CrossvalReport& report, size_t index) {
                           return std::vector<std::string>{
                               name,
                               count_text(fold.snapshots),
-                              bytes_each(variant.trained_bytes),
-                              quality_text(variant.trained),
-                              bytes_each(variant.left_out_bytes),
-                              quality_text(variant.left_out),
-                              signed_text(variant.reconstruction_gap_db()),
+                              bytes_each(variant.latents.trained_bytes),
+                              quality_text(variant.latents.trained),
+                              bytes_each(variant.latents.left_out_bytes),
+                              quality_text(variant.latents.left_out),
+                              signed_text(variant.latents.gap_db()),
                               quality_text(variant.prediction[0]),
                               signed_text(fold.gain_db(index, 0)),
                               quality_text(variant.prediction[1]),
                               signed_text(fold.gain_db(index, 1))};
                         });
+}
+
+/// Reconstructions with residuals below a bound; empty where none was asked for.
+std::string corrected_table(const CrossvalReport& report, size_t index) {
+  if (report.bound_db <= 0) return "";
+  const std::string title = fmt::format("with residuals below {:.1f} dB", report.bound_db);
+  return table_of_folds(
+             report,
+             {title, "B trained", "trained", "B left out", "left out", "minimum", "trained - left"},
+             [index](const std::string& name, const CrossvalFold& fold) {
+               const training::Reconstruction& corrected = fold.variants[index].corrected;
+               return std::vector<std::string>{name,
+                                               bytes_each(corrected.trained_bytes),
+                                               quality_text(corrected.trained),
+                                               bytes_each(corrected.left_out_bytes),
+                                               quality_text(corrected.left_out),
+                                               db_text(corrected.left_out.minimum_psnr_db),
+                                               signed_text(corrected.gap_db())};
+             }) +
+         "\n";
 }
 
 /// How often the errors of a variant's predictions were within the bounds that they told.
@@ -127,10 +147,10 @@ std::string comparison_table(const CrossvalFold& all) {
   TextTable table(
       {"over all folds", "B left out", "model", "trained", "left out", "next", "over-next"});
   for (const VariantQuality& variant : all.variants)
-    table.add({std::string(to_string(variant.variant)), bytes_each(variant.left_out_bytes),
-               bytes_text(static_cast<double>(variant.model_bytes)), quality_text(variant.trained),
-               quality_text(variant.left_out), quality_text(variant.prediction[0]),
-               quality_text(variant.prediction[1])});
+    table.add({std::string(to_string(variant.variant)), bytes_each(variant.latents.left_out_bytes),
+               bytes_text(static_cast<double>(variant.model_bytes)),
+               quality_text(variant.latents.trained), quality_text(variant.latents.left_out),
+               quality_text(variant.prediction[0]), quality_text(variant.prediction[1])});
   for (size_t way = 0; way < training::kBaselines; ++way)
     table.add({std::string(to_string(static_cast<training::Baseline>(way))), "", "", "", "",
                quality_text(all.baselines[way][0]), quality_text(all.baselines[way][1])});
@@ -145,8 +165,8 @@ std::string crossval_text(const CrossvalReport& report) {
     const VariantQuality& variant = report.all.variants[i];
     text += fmt::format("{}, a model takes {} beside the bytes\n", to_string(variant.variant),
                         bytes_text(static_cast<double>(variant.model_bytes)));
-    text += variant_table(report, i) + "\n" + bound_table(report, i) + "\n" +
-            plan_table(report, i) + similarity_text(variant.similarity);
+    text += variant_table(report, i) + "\n" + corrected_table(report, i) + bound_table(report, i) +
+            "\n" + plan_table(report, i) + similarity_text(variant.similarity);
   }
   text += "predictions that learn nothing\n" + baseline_table(report) + "\n";
   return text + "beside each other\n" + comparison_table(report.all);
@@ -157,12 +177,17 @@ std::string fold_text(const CrossvalFold& fold, size_t number) {
   for (size_t i = 0; i < fold.variants.size(); ++i) {
     const VariantQuality& variant = fold.variants[i];
     text += fmt::format("fold {}, {}, left out {}: {}", number, to_string(variant.variant),
-                        engram::to_string(fold.first), quality_text(variant.left_out));
-    if (variant.left_out.images > 0)
+                        engram::to_string(fold.first), quality_text(variant.latents.left_out));
+    if (variant.latents.left_out.images > 0)
       text += fmt::format(" dB at {} B (trained on: {} dB at {} B), {} and {} dB over copying",
-                          bytes_each(variant.left_out_bytes), quality_text(variant.trained),
-                          bytes_each(variant.trained_bytes), signed_text(fold.gain_db(i, 0)),
-                          signed_text(fold.gain_db(i, 1)));
+                          bytes_each(variant.latents.left_out_bytes),
+                          quality_text(variant.latents.trained),
+                          bytes_each(variant.latents.trained_bytes),
+                          signed_text(fold.gain_db(i, 0)), signed_text(fold.gain_db(i, 1)));
+    if (const training::Reconstruction& corrected = variant.corrected; corrected.left_out_bytes > 0)
+      text += fmt::format("; with residuals {} dB at {} B (trained on: {} dB at {} B)",
+                          quality_text(corrected.left_out), bytes_each(corrected.left_out_bytes),
+                          quality_text(corrected.trained), bytes_each(corrected.trained_bytes));
     if (i + 1 < fold.variants.size()) text += '\n';
   }
   return text;

@@ -201,6 +201,7 @@ Result<BlockChoice::Choice> BlockChoice::choose(std::span<const idf::SplitValue>
     can_correct_all_ = false;
   else
     choice.latents = std::move(*std::ranges::min_element(candidates, kLessBytes));
+  if (choice.latents && options_.kind == Representation::kCorrected) return choice;
   candidates.clear();
   ENGRAM_RETURN_IF_ERROR(add_videos(values, image, candidates));
   if (!candidates.empty())
@@ -216,7 +217,7 @@ Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitV
                                                      const LatentRows& rows,
                                                      const std::stop_token& stop) {
   std::vector<std::vector<Candidate>> candidates(rows.images.size());
-  if (options_.kind == Representation::kAuto && has_networks()) {
+  if (options_.kind != Representation::kVideo && has_networks()) {
     ENGRAM_ASSIGN_OR_RETURN(candidates, latent_candidates(values, rows, stop));
   }
   Choices choices;
@@ -231,7 +232,7 @@ Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
                                const Pause& pause) {
   std::vector<Choices> choices;
   for (size_t i = 0; i < chains.size(); ++i) {
-    if (pause) ENGRAM_RETURN_IF_ERROR(pause());
+    if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
     ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
                             choices_of(rows_of(values, i), chains[i], stop));
   }
@@ -252,7 +253,7 @@ Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
     counts_.latent_bytes += as_int(background);
     counts_.residual_bytes += as_int(background);
   }
-  const bool is_all_video = !keeps_latents || (!needs_latents && video <= mixed);
+  const bool is_all_video = !keeps_latents || (!needs_latents && video < mixed);
   uint64_t unpaid = is_all_video ? 0 : background;
   for (size_t at = 0; at < chains.size(); ++at) {
     if (is_all_video) chains[at].own.clear();
@@ -303,13 +304,17 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.layout().split(value));
   }
-  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, rows_on_best_view(model_, split));
+  const auto choosing = [&]() -> Status {
+    if (stop.stop_requested()) return cancelled("encoding was stopped");
+    return pause ? pause(0) : Status();
+  };
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, rows_on_best_view(model_, split, choosing));
   counts_.rows += static_cast<int64_t>(split.size() * rows.images.size());
   auto chains = encoders::cut_chains(rows, split.size(), model_.codec.chain_rows);
   if (options_.kind == Representation::kLatents && has_networks()) {
     uint64_t background = background_bytes(rows);
     for (size_t i = 0; i < chains.size(); ++i) {
-      if (pause) ENGRAM_RETURN_IF_ERROR(pause());
+      if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
       ENGRAM_RETURN_IF_ERROR(
           keep_latents(rows_of(split, i), chains[i], std::exchange(background, 0), stop));
     }

@@ -29,8 +29,9 @@ class BlockChoice {
   /// The model outlives it. Needs a bound (checked) where others than latents may be kept.
   BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options);
 
-  /// Called before each chain; an error ends encoding with it.
-  using Pause = std::function<Status()>;
+  /// Called between parts of the work with how many rows of the block are done; an error ends
+  /// encoding with it.
+  using Pause = std::function<Status(size_t rows)>;
 
   /// One latent per value: consecutive values of one recording, at most a block.
   /// Errors: kCancelled on `stop`; kInvalidArgument, also where no form keeps the bound.

@@ -40,6 +40,7 @@ class Crossval {
     ENGRAM_ASSIGN_OR_RETURN(plan_, encoders::TensorPlan::create(std::move(found.layout)));
     CrossvalReport report;
     report.entity = entity_;
+    report.bound_db = options_.bound_db;
     ENGRAM_ASSIGN_OR_RETURN(const auto folds, folds_of(recordings.size()));
     FoldSums all(options_.variants.size());
     for (const size_t number : folds) {
@@ -117,14 +118,12 @@ class Crossval {
     ENGRAM_RETURN_IF_ERROR(train(recordings, fold, variant, file.path()));
     ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(file.path()));
     std::vector<std::vector<float>> codes;
-    for (size_t i = 0; i < recordings.size(); ++i) {
-      QualitySums& quality = i == fold ? sums.left_out : sums.trained;
-      double& bytes = i == fold ? sums.left_out_bytes : sums.trained_bytes;
-      ENGRAM_RETURN_IF_ERROR(reconstruct(*model, recordings[i], quality, bytes, codes));
-    }
+    ENGRAM_RETURN_IF_ERROR(reconstruct_all(*model, recordings, fold, options_.representation(false),
+                                           sums.latents, &codes));
+    if (options_.bound_db > 0)
+      ENGRAM_RETURN_IF_ERROR(reconstruct_all(
+          *model, recordings, fold, options_.representation(true), sums.corrected, nullptr));
     const Sequence& left_out = recordings[fold];
-    sums.left_out_bytes /= static_cast<double>(left_out.size());
-    sums.trained_bytes /= static_cast<double>(entries_.size() - left_out.size());
     const auto predictor = encoders::make_predictor(model);
     const auto predict = [&](ltm::Past past, int steps) {
       past.plan = {};
@@ -183,15 +182,26 @@ class Crossval {
     return values;
   }
 
-  /// Codes a recording in blocks that decode alone, and decodes it; adds the blocks' bytes and the
-  /// snapshots' global codes.
-  Status reconstruct(encoders::DeepModel& model, const Sequence& recording, QualitySums& sums,
-                     double& bytes, std::vector<std::vector<float>>& codes) {
+  /// Codes and decodes all recordings; adds the snapshots' global codes, if they are wanted.
+  Status reconstruct_all(encoders::DeepModel& model, const std::vector<Sequence>& recordings,
+                         size_t fold, const RepresentationOptions& representation,
+                         ReconstructionSums& sums, std::vector<std::vector<float>>* codes) {
+    for (size_t i = 0; i < recordings.size(); ++i) {
+      BlockChoice choice(model, representation);
+      QualitySums& quality = i == fold ? sums.left_out : sums.trained;
+      double& bytes = i == fold ? sums.left_out_bytes : sums.trained_bytes;
+      ENGRAM_RETURN_IF_ERROR(reconstruct(model, choice, recordings[i], quality, bytes, codes));
+    }
+    const size_t left_out = recordings[fold].size();
+    sums.left_out_bytes /= static_cast<double>(left_out);
+    sums.trained_bytes /= static_cast<double>(entries_.size() - left_out);
+    return {};
+  }
+
+  /// Codes a recording in blocks and decodes it; adds the blocks' bytes.
+  Status reconstruct(encoders::DeepModel& model, BlockChoice& choice, const Sequence& recording,
+                     QualitySums& sums, double& bytes, std::vector<std::vector<float>>* codes) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
-    RepresentationOptions representation;
-    representation.kind = Representation::kLatents;
-    representation.refine_steps = options_.refine_steps;
-    BlockChoice choice(model, representation);
     for (size_t first = 0; first < values.size(); first += model.block_rows()) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const auto rest = std::span(values).subspan(first);
@@ -207,8 +217,8 @@ class Crossval {
                                 model.decode(rows, row, latents[at].remainder));
         ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(block[at], value));
         sums.add(error);
-        if (!model.global_code.is_known()) continue;
-        ENGRAM_ASSIGN_OR_RETURN(codes.emplace_back(),
+        if (codes == nullptr || !model.global_code.is_known()) continue;
+        ENGRAM_ASSIGN_OR_RETURN(codes->emplace_back(),
                                 model.global_code_of(rows, row, latents[at].remainder));
       }
     }
@@ -291,7 +301,16 @@ Status CrossvalOptions::validate() const {
   if (variants.empty()) return invalid_argument("training variants: found none, needs at least 1");
   if (std::set(variants.begin(), variants.end()).size() < variants.size())
     return invalid_argument("training variants: found one twice, needs each at most once");
+  ENGRAM_RETURN_IF_ERROR(representation(true).validate());
   return train.validate();
+}
+
+RepresentationOptions CrossvalOptions::representation(bool is_corrected) const {
+  RepresentationOptions chosen;
+  chosen.kind = is_corrected ? Representation::kCorrected : Representation::kLatents;
+  chosen.bound_db = is_corrected ? bound_db : 0;
+  chosen.refine_steps = refine_steps;
+  return chosen;
 }
 
 Result<CrossvalReport> crossval(const std::filesystem::path& store, const CrossvalOptions& options,

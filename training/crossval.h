@@ -13,6 +13,7 @@
 #include "ltm/memory/memory_id.h"
 #include "training/baselines.h"
 #include "training/evaluate.h"
+#include "training/representation.h"
 #include "training/trainer.h"
 
 namespace engram::training {
@@ -26,6 +27,9 @@ struct CrossvalOptions {
   std::string entity;
   /// Steps of refining the latents that are measured (latent_refinement.h).
   int refine_steps = 0;
+  /// Latents are measured alone and, beside that, with residuals where an image's PSNR is less
+  /// than this (Representation::kCorrected); 0: alone only. Unit: dB.
+  double bound_db = 0;
   /// Snapshots that are measured lie so far apart; those between them, as recordings of the same
   /// rate, are trained on as well. Zero: every one is measured.
   Duration every{};
@@ -33,6 +37,8 @@ struct CrossvalOptions {
   std::vector<size_t> folds;
 
   [[nodiscard]] Status validate() const;
+  /// How images are kept that are measured: as latents alone, or corrected.
+  [[nodiscard]] RepresentationOptions representation(bool is_corrected) const;
 };
 
 /// Snapshots ahead that predictions are measured for: 1 and 2.
@@ -49,13 +55,22 @@ struct SimilarityQuality {
   double pixel_neighbour_share = 0;  ///< The nearest by pixels is.
 };
 
+/// How recordings are given back by what is stored of them.
+struct Reconstruction {
+  Quality trained;           ///< Of the recordings that the model was trained on.
+  Quality left_out;          ///< Of the one that was left out.
+  double trained_bytes = 0;  ///< Of a snapshot, in blocks.
+  double left_out_bytes = 0;
+
+  /// How much better images are that were trained on. Unit: dB, of means.
+  [[nodiscard]] double gap_db() const { return trained.mean_psnr_db - left_out.mean_psnr_db; }
+};
+
 /// What the models of one training variant are worth.
 struct VariantQuality {
   encoders::TrainingVariant variant{};
-  Quality trained;           ///< Reconstruction of the recordings that it was trained on.
-  Quality left_out;          ///< Of the one that was left out.
-  double trained_bytes = 0;  ///< Of a snapshot's latents, in blocks.
-  double left_out_bytes = 0;
+  Reconstruction latents;    ///< Alone.
+  Reconstruction corrected;  ///< With residuals where they miss the bound that was asked for.
   uint64_t model_bytes = 0;
   std::array<Quality, kAhead> prediction;   ///< Of the left-out recording.
   std::array<Foresight, kAhead> foresight;  ///< Of these predictions.
@@ -63,9 +78,6 @@ struct VariantQuality {
   /// without a condition.
   std::array<Quality, kAhead> planned;
   SimilarityQuality similarity;
-
-  /// How much better images are reconstructed that were trained on. Unit: dB, of means.
-  [[nodiscard]] double reconstruction_gap_db() const;
 };
 
 /// One recording that was left out.
@@ -82,6 +94,7 @@ struct CrossvalFold {
 
 struct CrossvalReport {
   ltm::MemoryId entity;
+  double bound_db = 0;  ///< As in the options.
   std::vector<CrossvalFold> folds;
   CrossvalFold all;  ///< Over the snapshots of all folds; bytes are means of the folds.
 };

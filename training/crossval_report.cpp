@@ -19,6 +19,14 @@ Json to_json(const SimilarityQuality& similarity) {
           {"pixel_neighbour_share", similarity.pixel_neighbour_share}};
 }
 
+Json to_json(const Reconstruction& reconstruction) {
+  return {{"trained", quality_json(reconstruction.trained)},
+          {"left_out", quality_json(reconstruction.left_out)},
+          {"reconstruction_gap_db", number_json(reconstruction.gap_db())},
+          {"trained_bytes", reconstruction.trained_bytes},
+          {"left_out_bytes", reconstruction.left_out_bytes}};
+}
+
 Json to_json(const CrossvalFold& fold) {
   Json json{{"snapshots", fold.snapshots}};
   for (size_t way = 0; way < kBaselines; ++way)
@@ -28,13 +36,10 @@ Json to_json(const CrossvalFold& fold) {
   for (size_t i = 0; i < fold.variants.size(); ++i) {
     const VariantQuality& variant = fold.variants[i];
     Json& one = json["variants"][std::string(to_string(variant.variant))];
-    one = {{"trained", quality_json(variant.trained)},
-           {"left_out", quality_json(variant.left_out)},
-           {"reconstruction_gap_db", number_json(variant.reconstruction_gap_db())},
-           {"trained_bytes", variant.trained_bytes},
-           {"left_out_bytes", variant.left_out_bytes},
-           {"model_bytes", variant.model_bytes},
-           {"similarity", to_json(variant.similarity)}};
+    one = to_json(variant.latents);
+    one["model_bytes"] = variant.model_bytes;
+    one["similarity"] = to_json(variant.similarity);
+    if (variant.corrected.left_out_bytes > 0) one["corrected"] = to_json(variant.corrected);
     for (size_t ahead = 0; ahead < kAhead; ++ahead) {
       one["prediction"].push_back(quality_json(variant.prediction[ahead]));
       one["planned"].push_back(quality_json(variant.planned[ahead]));
@@ -47,39 +52,41 @@ Json to_json(const CrossvalFold& fold) {
 
 }  // namespace
 
-double VariantQuality::reconstruction_gap_db() const {
-  return trained.mean_psnr_db - left_out.mean_psnr_db;
-}
-
 double CrossvalFold::gain_db(size_t variant, size_t ahead) const {
   return variants[variant].prediction[ahead].mean_psnr_db -
          baselines[static_cast<size_t>(Baseline::kCopyLast)][ahead].mean_psnr_db;
 }
 
-void VariantSums::add(const VariantSums& fold, size_t folds) {
-  const auto count = static_cast<double>(folds);
+void ReconstructionSums::add(const ReconstructionSums& fold, size_t folds) {
   trained.add(fold.trained);
   left_out.add(fold.left_out);
+  trained_bytes += fold.trained_bytes / static_cast<double>(folds);
+  left_out_bytes += fold.left_out_bytes / static_cast<double>(folds);
+}
+
+Reconstruction ReconstructionSums::quality() const {
+  return {trained.quality(), left_out.quality(), trained_bytes, left_out_bytes};
+}
+
+void VariantSums::add(const VariantSums& fold, size_t folds) {
+  latents.add(fold.latents, folds);
+  corrected.add(fold.corrected, folds);
   for (size_t ahead = 0; ahead < kAhead; ++ahead) prediction[ahead].add(fold.prediction[ahead]);
   for (size_t ahead = 0; ahead < kAhead; ++ahead) planned[ahead].add(fold.planned[ahead]);
-  trained_bytes += fold.trained_bytes / count;
-  left_out_bytes += fold.left_out_bytes / count;
-  model_bytes += fold.model_bytes / count;
+  model_bytes += fold.model_bytes / static_cast<double>(folds);
   similarity.add(fold.similarity);
 }
 
 VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
   VariantQuality quality;
   quality.variant = variant;
-  quality.trained = trained.quality();
-  quality.left_out = left_out.quality();
+  quality.latents = latents.quality();
+  quality.corrected = corrected.quality();
   for (size_t ahead = 0; ahead < kAhead; ++ahead) {
     quality.prediction[ahead] = prediction[ahead].quality.quality();
     quality.foresight[ahead] = prediction[ahead].foresight();
     quality.planned[ahead] = planned[ahead].quality.quality();
   }
-  quality.trained_bytes = trained_bytes;
-  quality.left_out_bytes = left_out_bytes;
   quality.model_bytes = static_cast<uint64_t>(std::lround(model_bytes));
   quality.similarity = similarity.quality();
   return quality;
@@ -110,7 +117,10 @@ nlohmann::ordered_json to_json(const CrossvalReport& report) {
     folds.push_back(to_json(fold));
     folds.back()["left_out_from"] = engram::to_string(fold.first);
   }
-  return {{"entity", report.entity.to_string()}, {"folds", folds}, {"all", to_json(report.all)}};
+  return {{"entity", report.entity.to_string()},
+          {"bound_db", report.bound_db},
+          {"folds", folds},
+          {"all", to_json(report.all)}};
 }
 
 }  // namespace engram::training

@@ -12,13 +12,22 @@
 
 namespace engram::training {
 
+/// What is added up of reconstructions. Bytes are means of the folds: those of one fold are added,
+/// divided by the number of folds.
+struct ReconstructionSums {
+  QualitySums trained, left_out;
+  double trained_bytes = 0, left_out_bytes = 0;
+
+  void add(const ReconstructionSums& fold, size_t folds);
+  [[nodiscard]] Reconstruction quality() const;
+};
+
 /// What is added up of one variant, over one fold or over all.
 struct VariantSums {
-  QualitySums trained, left_out;
+  ReconstructionSums latents, corrected;
   std::array<PredictionSums, kAhead> prediction;
   std::array<PredictionSums, kAhead> planned;  ///< Told the conditions that came.
-  /// Means of the folds: those of one fold are added, divided by the number of folds.
-  double trained_bytes = 0, left_out_bytes = 0, model_bytes = 0;
+  double model_bytes = 0;                      ///< As those of reconstructions.
   SimilaritySums similarity;
 
   void add(const VariantSums& fold, size_t folds);

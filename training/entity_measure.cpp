@@ -60,7 +60,8 @@ Status EntityJob::choose_form() {
   ENGRAM_ASSIGN_OR_RETURN(train_.has_networks, wants_networks());
   if (!train_.has_networks) representation_.kind = Representation::kVideo;
   // The mean has to lie above the bound for every image to reach it.
-  if (representation_.kind == Representation::kAuto)
+  if (representation_.kind == Representation::kAuto ||
+      representation_.kind == Representation::kCorrected)
     train_.psnr_db = std::min(representation_.bound_db + kMargin, kLargestPsnrDb);
   return {};
 }
@@ -110,7 +111,7 @@ Result<bool> EntityJob::wants_networks() {
   const RepresentationOptions& representation = representation_;
   if (options_.reuses_models) return true;
   if (representation.kind != Representation::kAuto)
-    return representation.kind == Representation::kLatents;
+    return representation.kind != Representation::kVideo;
   TrainOptions least = train_;
   if (least.width == 0) least.width = 32;
   const uint64_t networks = network_bytes(layout_, least);

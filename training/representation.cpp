@@ -10,7 +10,7 @@ namespace engram::training {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames{"auto", "latents", "video"};
+constexpr std::array<std::string_view, 4> kNames{"auto", "latents", "video", "corrected"};
 
 }  // namespace
 
@@ -21,7 +21,8 @@ std::string_view to_string(Representation representation) {
 Result<Representation> representation_of(std::string_view text) {
   const auto found = std::ranges::find(kNames, text);
   if (found == kNames.end())
-    return invalid_argument("representation: found '{}', needs auto, latents or video", text);
+    return invalid_argument("representation: found '{}', needs auto, latents, video or corrected",
+                            text);
   return static_cast<Representation>(found - kNames.begin());
 }
 

@@ -10,9 +10,10 @@ namespace engram::training {
 
 /// How the offline phase keeps images.
 enum class Representation {
-  kAuto,     ///< Each block in the cheapest form that keeps the bound.
-  kLatents,  ///< Latents alone, whatever their error.
-  kVideo,    ///< A video codec at the bound; no networks for images.
+  kAuto,       ///< Each block in the cheapest form that keeps the bound.
+  kLatents,    ///< Latents alone, whatever their error.
+  kVideo,      ///< A video codec at the bound; no networks for images.
+  kCorrected,  ///< Latents, and residuals where they miss the bound; another form where these fail.
 };
 
 [[nodiscard]] std::string_view to_string(Representation representation);

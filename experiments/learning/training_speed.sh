@@ -10,9 +10,10 @@ entity=Vision/RGB/head/cam
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"$engram" import --video "$video" --entity $entity --crop-square --size 128x128 --rate 5 \
-  "$work/clip.engram" >/dev/null 2>&1
-"$engram" export "$work/clip.engram" "$entity @ all" --to png -o "$work/images" >/dev/null
+quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
+quietly "$engram" import --video "$video" --entity $entity --crop-square --size 128x128 --rate 5 \
+  "$work/clip.engram"
+quietly "$engram" export "$work/clip.engram" "$entity @ all" --to png -o "$work/images"
 
 # The autoencoder gets 70 % of all steps.
 ours() {

@@ -125,7 +125,7 @@ TEST_F(NightJob, GoesOnAfterAKill) {
 TEST_F(NightJob, ChoosesBetweenTheModelThatIsThereAndANewOne) {
   const auto night = [&](std::vector<std::string> more) {
     std::vector<std::string> all{"consolidate", store_, "--entity",  kCamera, "--steps", "5",
-                                 "--nights",    "1",    "--threads", "1",     "--video", "h264"};
+                                 "--nights",    "1",    "--threads", "1",     "--video", "av1"};
     all.insert(all.end(), more.begin(), more.end());
     const RunResult done = run_engram(all);
     EXPECT_EQ(done.exit_code, 0) << done.err;

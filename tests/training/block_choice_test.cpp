@@ -94,6 +94,22 @@ TEST_F(BlockChoiceTest, AddsResidualsWhereLatentsMissTheBound) {
   EXPECT_LT(counts.residual_bytes, counts.lossless_bytes);
 }
 
+TEST_F(BlockChoiceTest, CorrectsLatentsWithoutLookingAtVideo) {
+  const double bound_db = psnr_alone()[kCount / 2] + 0.1;
+  RepresentationOptions corrected = options(bound_db);
+  corrected.kind = Representation::kCorrected;
+  BlockChoice choice(*model_, corrected);
+  const auto latents = choice.encode(values());
+  ASSERT_TRUE(latents.ok()) << latents.status().to_string();
+  EXPECT_GE(lowest(*latents), bound_db);
+  const auto counts = choice.counts();
+  EXPECT_GT(counts.residual_rows, 0);
+  EXPECT_EQ(counts.residual_rows + counts.latent_rows, static_cast<int64_t>(kCount));
+  EXPECT_EQ(counts.video_bytes + counts.lossless_bytes, 0);
+  corrected.bound_db = kLargestPsnrDb;
+  EXPECT_EQ(lowest(*BlockChoice(*model_, corrected).encode(values())), kLargestPsnrDb);
+}
+
 TEST_F(BlockChoiceTest, KeepsAnyBoundAndNeverMoreThanTheBestFormAlone) {
   for (const double bound_db : {20.0, 28.0, 34.0, 40.0, 48.0}) {
     RepresentationOptions chosen = options(bound_db);

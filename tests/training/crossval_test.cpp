@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "ltm/recording/recorder.h"
 #include "tests/training/moving_scene.h"
@@ -34,10 +35,10 @@ CrossvalOptions options(int steps) {
   return options;
 }
 
-/// Of 20 values, 18 are one and 17 two ahead of two others.
-void expect_all_predictions(const std::array<Quality, kAhead>& prediction) {
-  EXPECT_EQ(prediction[0].images, 18u);
-  EXPECT_EQ(prediction[1].images, 17u);
+/// Of `values`, all but two are one and all but three two ahead of two others.
+void expect_predictions(const std::array<Quality, kAhead>& prediction, size_t values) {
+  EXPECT_EQ(prediction[0].images, values - 2);
+  EXPECT_EQ(prediction[1].images, values - 3);
 }
 
 TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
@@ -51,16 +52,16 @@ TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
     ASSERT_EQ(fold.variants.size(), 1u);
     const VariantQuality& variant = fold.variants[0];
     EXPECT_EQ(variant.variant, encoders::TrainingVariant::kRateAware);
-    EXPECT_EQ(variant.trained.images, 40u);
-    EXPECT_EQ(variant.left_out.images, 20u);
-    EXPECT_GT(variant.left_out_bytes, 0);
+    EXPECT_EQ(variant.latents.trained.images, 40u);
+    EXPECT_EQ(variant.latents.left_out.images, 20u);
+    EXPECT_GT(variant.latents.left_out_bytes, 0);
     EXPECT_EQ(variant.similarity.snapshots, 20u);
     EXPECT_EQ(variant.similarity.others, 59u);
-    expect_all_predictions(variant.prediction);
-    for (const auto& way : fold.baselines) expect_all_predictions(way);
+    expect_predictions(variant.prediction, 20);
+    for (const auto& way : fold.baselines) expect_predictions(way, 20);
   }
   EXPECT_EQ(report->all.snapshots, 60u);
-  EXPECT_EQ(report->all.variants[0].left_out.images, 60u);
+  EXPECT_EQ(report->all.variants[0].latents.left_out.images, 60u);
   EXPECT_EQ(report->all.variants[0].similarity.snapshots, 60u);
   EXPECT_NE(report->folds[0].first, report->folds[1].first);
   // The square moves by two pixels each time, the joints turn evenly.
@@ -74,6 +75,29 @@ TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
   EXPECT_EQ(to_json(*report).at("folds").size(), 3u);
 }
 
+TEST(Crossval, MeasuresWhatResidualsAddBesideLatentsAlone) {
+  const ScratchPath store("crossval_corrected");
+  record(store.path(), 2);
+  auto chosen = options(30);
+  chosen.folds = {2};
+  chosen.bound_db = 30;
+  const auto report = crossval(store.path(), chosen);
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const Reconstruction& alone = report->all.variants[0].latents;
+  const Reconstruction& corrected = report->all.variants[0].corrected;
+  EXPECT_EQ(corrected.left_out.images, 20u);
+  EXPECT_EQ(corrected.trained.images, 20u);
+  EXPECT_LT(alone.left_out.mean_psnr_db, 30);
+  EXPECT_GE(corrected.left_out.mean_psnr_db, 30);
+  EXPECT_GT(corrected.left_out_bytes, alone.left_out_bytes);
+  const auto json = to_json(*report);
+  EXPECT_EQ(json.at("bound_db"), 30);
+  EXPECT_EQ(json.at("all").at("variants").at("rate").at("corrected").at("left_out_bytes"),
+            corrected.left_out_bytes);
+  chosen.bound_db = 5;
+  EXPECT_EQ(crossval(store.path(), chosen).status().code(), StatusCode::kInvalidArgument);
+}
+
 TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
   const ScratchPath store("crossval_every");
   record(store.path(), 2);
@@ -84,8 +108,8 @@ TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   const CrossvalFold& fold = report->folds.front();
   EXPECT_EQ(fold.snapshots, 10u);
-  EXPECT_EQ(fold.variants[0].left_out.images, 10u);
-  EXPECT_EQ(fold.variants[0].trained.images, 10u);
+  EXPECT_EQ(fold.variants[0].latents.left_out.images, 10u);
+  EXPECT_EQ(fold.variants[0].latents.trained.images, 10u);
   EXPECT_EQ(fold.variants[0].prediction[0].images, 8u);
   // Predicting twice as far is harder for who copies.
   const auto near = crossval(store.path(), [] {
@@ -124,6 +148,50 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
   EXPECT_EQ(bound[1].at("images").at("within"), variant.foresight[1].images.within);
 }
 
+/// Two recordings of images that are dark or bright as chance has it, which link to an entity that
+/// knows how bright the next one is.
+void record_announced(const std::filesystem::path& store) {
+  auto recorder = ltm::Recorder::open(store, {});
+  ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+  const auto image = *ltm::MemoryId::parse("Test/Scene/sim/square");
+  const auto announcement = *ltm::MemoryId::parse("Test/Scene/sim/announcement");
+  const auto times = engram::testing::scene_source(80, 2).times;
+  std::mt19937 random(3);
+  std::vector<int> levels;
+  for (size_t i = 0; i <= times.size(); ++i) levels.push_back(random() % 2 == 0 ? 80 : 170);
+  for (size_t i = 0; i < times.size(); ++i) {
+    idf::Dict seen, next;
+    const auto grey = static_cast<uint8_t>(levels[i]);
+    seen.set("image", idf::NdArray::take<uint8_t>({16, 16, 1}, std::vector<uint8_t>(256, grey)));
+    seen.set("announced", announcement.at(times[i]).to_string());
+    next.set("next", static_cast<double>(levels[i + 1]));
+    const ltm::Snapshot told{announcement, times[i], {{std::move(next), {}}}};
+    const ltm::Snapshot snapshot{image, times[i], {{std::move(seen), {}}}};
+    ASSERT_TRUE(recorder->commit({{told, snapshot}}).ok());
+  }
+  ASSERT_TRUE(recorder->close().ok());
+}
+
+TEST(Crossval, MeasuresWhatItTellsToKnowWhatCameOfTheCondition) {
+  const ScratchPath store("crossval_planned");
+  record_announced(store.path());
+  auto chosen = options(600);
+  chosen.folds = {1};
+  const auto report = crossval(store.path(), chosen);
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const VariantQuality& variant = report->all.variants[0];
+  expect_predictions(variant.planned, 40);
+  // The condition announces the next image: known or planned, it tells more than no condition.
+  const double copied =
+      report->all.baselines[static_cast<size_t>(Baseline::kCopyLast)][0].pooled_psnr_db;
+  EXPECT_GT(variant.prediction[0].pooled_psnr_db, copied + 3);
+  EXPECT_GT(variant.planned[0].pooled_psnr_db, copied + 3);
+  EXPECT_NE(variant.planned[0].pooled_psnr_db, variant.prediction[0].pooled_psnr_db);
+  const auto json = to_json(*report).at("all").at("variants").at("rate").at("planned");
+  ASSERT_EQ(json.size(), kAhead);
+  EXPECT_EQ(json.at(1).at("images"), 37);
+}
+
 TEST(Crossval, PutsVariantsBesideEachOther) {
   const ScratchPath store("crossval_variants");
   record(store.path(), 2);
@@ -136,13 +204,14 @@ TEST(Crossval, PutsVariantsBesideEachOther) {
   for (size_t i = 0; i < 4; ++i) {
     const VariantQuality& variant = report->all.variants[i];
     EXPECT_EQ(variant.variant, chosen.variants[i]);
-    EXPECT_EQ(variant.left_out.images, 40u);
-    EXPECT_NEAR(variant.reconstruction_gap_db(),
-                variant.trained.mean_psnr_db - variant.left_out.mean_psnr_db, 1e-9);
+    EXPECT_EQ(variant.latents.left_out.images, 40u);
+    EXPECT_NEAR(variant.latents.gap_db(),
+                variant.latents.trained.mean_psnr_db - variant.latents.left_out.mean_psnr_db, 1e-9);
     const auto& one = json.at("all").at("variants").at(std::string(to_string(variant.variant)));
     EXPECT_EQ(one.at("gain_over_copy_last_db")[1].get<double>(), report->all.gain_db(i, 1));
     if (i > 0) {
-      EXPECT_NE(variant.left_out.pooled_psnr_db, report->all.variants[0].left_out.pooled_psnr_db);
+      EXPECT_NE(variant.latents.left_out.pooled_psnr_db,
+                report->all.variants[0].latents.left_out.pooled_psnr_db);
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/view_choice.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "encoders/deep_model_file.h"
@@ -78,13 +79,15 @@ TEST(ViewChoice, PaysForABackgroundOnceInAllChainsOfABlock) {
   RepresentationOptions latents_alone;
   latents_alone.kind = Representation::kLatents;
   BlockChoice choice(*model, latents_alone);
-  int pauses = 0;
-  const auto latents = choice.encode(values, {}, [&]() -> Status {
-    ++pauses;
+  std::vector<size_t> done;
+  const auto latents = choice.encode(values, {}, [&](size_t rows) -> Status {
+    done.push_back(rows);
     return {};
   });
   ASSERT_TRUE(latents.ok()) << latents.status().to_string();
-  EXPECT_EQ(pauses, 3);
+  // While views are tried, then before each chain.
+  EXPECT_TRUE(std::ranges::is_sorted(done));
+  EXPECT_THAT(done, ::testing::IsSupersetOf({size_t{0}, size_t{8}, size_t{16}}));
   const auto block = encoders::describe_block(latents->front().code.bytes(), 24, 1);
   ASSERT_TRUE(block.ok()) << block.status().to_string();
   EXPECT_EQ(block->chains.size(), 3u);
@@ -102,8 +105,38 @@ TEST(ViewChoice, PaysForABackgroundOnceInAllChainsOfABlock) {
   for (size_t i = 0; i < values.size(); ++i)
     EXPECT_GT(psnr_db(compare(values[i], (*decoded)[i])->image_mse), 15) << i;
 
-  const auto stopped = choice.encode(values, {}, [] { return cancelled("enough"); });
+  const auto stopped = choice.encode(values, {}, [](size_t) { return cancelled("enough"); });
   EXPECT_EQ(stopped.status().code(), StatusCode::kCancelled);
+}
+
+TEST(ViewChoice, CountsEveryByteOfABlockWhateverIsKept) {
+  const auto model = trained_model();
+  model->codec.chain_rows = 8;
+  std::vector<idf::Data> values;
+  for (int i = 0; i < 24; ++i) values.push_back(elsewhere(i));
+  const auto kept_at = [&](double bound_db) {
+    RepresentationOptions least;
+    least.kind = Representation::kAuto;
+    least.bound_db = bound_db;
+    least.video = "none";
+    BlockChoice choice(*model, least);
+    const auto latents = choice.encode(values);
+    EXPECT_TRUE(latents.ok()) << latents.status().to_string();
+    const auto bytes = latents->front().code.bytes();
+    // Beside what is counted: heads and a checksum.
+    const auto uncounted = static_cast<int64_t>(bytes.size()) - choice.counts().kept_bytes;
+    EXPECT_GT(uncounted, 0) << bound_db;
+    EXPECT_LT(uncounted, 64) << bound_db;
+    const auto block = encoders::describe_block(bytes, 24, 1);
+    EXPECT_TRUE(block.ok()) << block.status().to_string();
+    return std::pair(choice.counts(), block->background_bytes[0]);
+  };
+  const auto [coarse, coarse_background] = kept_at(12);
+  EXPECT_GT(coarse.latent_rows, 0);
+  EXPECT_GT(coarse_background, 0u);
+  const auto [fine, fine_background] = kept_at(kLargestPsnrDb);
+  EXPECT_EQ(fine.lossless_rows, 24);
+  EXPECT_EQ(fine_background, 0u);
 }
 
 }  // namespace
