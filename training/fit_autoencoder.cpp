@@ -128,7 +128,8 @@ class ChunkViews {
   /// must not know by heart what only the background tells of the next recording.
   ChunkViews(encoders::DeepModel& model, const Dataset& data, double varied_share,
              encoders::Parts& values)
-      : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()) {
+      : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()),
+        is_varied_(static_cast<size_t>(scene_.size(0))) {
     if (data.coded_backgrounds.empty()) return;
     const Tensor scenes = scene_.clone();
     std::vector<std::vector<Tensor>> backgrounds(values.images.size());
@@ -139,6 +140,7 @@ class ChunkViews {
       const Tensor scene = scenes.slice(0, chunk, chunk + 1);
       const Tensor coded =
           scene + torch::randint(encoders::kBackgroundQualities, {1}, torch::kLong) * data.scenes();
+      is_varied_[static_cast<size_t>(chunk)] = is_varied;
       if (is_varied) scene_.slice(0, chunk, chunk + 1).fill_(-1);
       for (size_t i = 0; i < values.images.size(); ++i) {
         Tensor rows = chunk_of(values.images[i], chunk);
@@ -157,8 +159,16 @@ class ChunkViews {
     return model.autoencoder->look(scene_, backgrounds_);
   }
 
+  /// One where a row is as it was recorded, zero where it is varied. [chunks * kChunk]
+  [[nodiscard]] Tensor recorded() const {
+    std::vector<float> rows;
+    for (const bool is_varied : is_varied_) rows.insert(rows.end(), kChunk, is_varied ? 0 : 1);
+    return torch::tensor(rows);
+  }
+
  private:
   Tensor scene_;                     ///< [chunks]; negative where seen as another view.
+  std::vector<bool> is_varied_;      ///< [chunks]
   std::vector<Tensor> backgrounds_;  ///< Per image member [chunks, C, H, W], or none.
 };
 
@@ -198,11 +208,15 @@ Tensor psnr_db(const Tensor& error) {
 /// Means over recent batches, as if all rows were equally likely.
 class WeightedMean {
  public:
+  explicit WeightedMean(double share_of_new) : sum_(share_of_new), weight_(share_of_new) {}
+
   void add(const Tensor& values, const Tensor& weights) {
     sum_.add((values.detach() * weights).sum().item<double>());
     weight_.add(weights.sum().item<double>());
   }
-  [[nodiscard]] double value() const { return sum_.value() / weight_.value(); }
+  [[nodiscard]] bool is_known() const { return weight_.value() > 0; }
+  /// Zero where nothing is known.
+  [[nodiscard]] double value() const { return is_known() ? sum_.value() / weight_.value() : 0; }
 
   /// Everything that changes, for checkpoints.
   [[nodiscard]] std::vector<double*> state() {
@@ -212,7 +226,7 @@ class WeightedMean {
   }
 
  private:
-  Smoothed sum_{kRecent}, weight_{kRecent};
+  Smoothed sum_, weight_;
 };
 
 /// The others are those of the model that training goes on from.
@@ -246,7 +260,11 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   const double size = size_in_usual_images(model.autoencoder->shape);
   ErrorPrice price(options.psnr_db, regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
   RowSampler sampler = make_sampler(data);
-  WeightedMean loss_mean, psnr, bytes;
+  // What was asked for is the quality of what is stored: of images as they were recorded.
+  const bool sees_recorded = data.coded_backgrounds.empty() || options.varied_share < 1;
+  const double recorded_share = data.coded_backgrounds.empty() ? 1 : 1 - options.varied_share;
+  const double recent = kRecent * (sees_recorded ? std::max(recorded_share, 0.25) : 1);
+  WeightedMean loss_mean(kRecent), psnr(recent), bytes(recent);
   FitState state{model, optimiser, now, price.state()};
   for (const auto& more : {sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
     state.numbers.insert(state.numbers.end(), more.begin(), more.end());
@@ -274,9 +292,10 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     optimiser.step();
     tell(sampler, batch, costs.detach());
     loss_mean.add(costs, batch.weights);
-    psnr.add(psnr_db(cost.error), batch.weights);
-    bytes.add(cost.bits / 8, batch.weights);
-    if (regulariser->is_steered()) price.follow(psnr.value(), share);
+    const Tensor told = sees_recorded ? batch.weights * views.recorded() : batch.weights;
+    psnr.add(psnr_db(cost.error), told);
+    bytes.add(cost.bits / 8, told);
+    if (regulariser->is_steered() && psnr.is_known()) price.follow(psnr.value(), share);
     now.loss = loss_mean.value();
     now.psnr_db = psnr.value();
     now.bytes = bytes.value();

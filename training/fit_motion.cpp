@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "encoders/moved_images.h"
 #include "training/fit.h"
 #include "training/view_change.h"
@@ -16,6 +18,10 @@ constexpr double kLargestGradient = 1.0;
 /// Errors below are all alike. Unit: squared grey levels.
 constexpr double kLeastError = 4.0;
 constexpr double kRecent = 0.05;
+/// It is over after so many passes over what there is, but not before so many steps: more knows by
+/// heart what was, and predicts worse what comes.
+constexpr int64_t kMostPasses = 5;
+constexpr int64_t kFewestSteps = 400;
 /// Share of the batches whose conditions are not known.
 constexpr double kUnknownShare = 0.2;
 /// Share of the others that are told what comes as a plan.
@@ -141,13 +147,16 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
       parameters.push_back(item.value());
   torch::optim::Adam optimiser(parameters, torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
+  const int64_t most_steps =
+      std::max(kFewestSteps, kMostPasses * windows.size(0) / int64_t{options.batch_size});
   const auto& shape = model.autoencoder->shape;
   std::vector<MovedImages> moved;
   for (size_t i = 0; i < images.size(); ++i) moved.emplace_back(data, shape, i);
   FitState state{model, optimiser, result, loss_mean.state()};
   ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++result.step) {
-    ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
+    ENGRAM_ASSIGN_OR_RETURN(double share, loop.next(state));
+    share = std::max(share, static_cast<double>(result.step) / static_cast<double>(most_steps));
     if (share >= 1.0) break;
     const double rate = kPeakRate * learning_rate_share(share);
     auto& group = optimiser.param_groups()[0].options();

@@ -21,6 +21,9 @@ constexpr size_t kMostWindows = 256;
 constexpr std::array<double, 5> kGates{0.0, 0.25, 0.5, 0.75, 1.0};
 /// What noise changes in an image. Unit: squared grey levels.
 constexpr double kLeastImageChange = 1.0;
+/// How much better a prediction with latents has to be than one by motion alone. The autoencoder was
+/// trained on what is measured here too, on what is to be predicted it was not. Unit: dB.
+constexpr double kLeastGainOfLatents = 0.5;
 /// What counts as no change of numbers, in their deviations.
 constexpr double kLeastNumberChange = 0.01;
 
@@ -80,8 +83,9 @@ bool is_for_choosing(size_t window) {
   return window % 2 == 0;
 }
 
-/// The highest mean PSNR that does not lose in squared error to the first one.
-size_t best_for_images(const std::vector<std::vector<double>>& errors) {
+/// The highest mean PSNR that does not lose in squared error to the first one, by image_shares().
+size_t best_for_images(const std::vector<Shares>& shares,
+                       const std::vector<std::vector<double>>& errors) {
   size_t best = 0;
   double copied_mse = 0, best_psnr = 0;
   for (size_t i = 0; i < errors.size(); ++i) {
@@ -89,7 +93,7 @@ size_t best_for_images(const std::vector<std::vector<double>>& errors) {
     for (size_t window = 0; window < errors[i].size(); ++window) {
       if (!is_for_choosing(window)) continue;
       mse += errors[i][window];
-      psnr += psnr_db(errors[i][window]);
+      psnr += psnr_db(errors[i][window]) - (shares[i].latents > 0 ? kLeastGainOfLatents : 0);
     }
     if (i == 0) copied_mse = mse;
     const bool is_better = i == 0 || (psnr > best_psnr && mse <= copied_mse);
@@ -195,7 +199,7 @@ void keep(const encoders::DeepModel& model, const Measured& measured, const Meas
       }
       continue;
     }
-    const size_t image = best_for_images(measured[i].images);
+    const size_t image = best_for_images(shares, measured[i].images);
     const size_t number = best_for_numbers(measured[i].numbers);
     record.image_gates[i] = shares[image].latents;
     record.motion_gates[i] = shares[image].motion;
