@@ -20,9 +20,10 @@ std::string choice_text(const encoders::ModelChoice& choice) {
   if (choice.previous_version == 0) return {};
   const auto known = static_cast<uint64_t>(choice.snapshots - choice.new_snapshots);
   const auto news = static_cast<uint64_t>(choice.new_snapshots);
-  std::string text = fmt::format("    {:<14} {:>14} {:>14} {:>10} {:>14}", "chosen from",
-                                 count_text(known) + " known", count_text(news) + " new", "model",
-                                 fmt::format("{} nights", choice.nights));
+  std::string text =
+      fmt::format("    {:<14} {:>14} {:>14} {:>10} {:>14}", "chosen from",
+                  count_text(known) + " known", count_text(news) + " new", "model",
+                  fmt::format("{} night{}", choice.nights, choice.nights == 1 ? "" : "s"));
   const auto add = [&](std::string_view name, const encoders::ModelBytes& bytes) {
     const auto each = [](int64_t count) { return bytes_text(static_cast<double>(count)); };
     text +=

@@ -147,8 +147,9 @@ Result<bool> EntityJob::goes_on_with_previous() {
             before.with_model(is_needed ? 0 : newest.bytes),
             now.with_model(report_.model_bytes)};
   report_.notes.push_back(fmt::format(
-      "in {} nights, going on with v{} takes {:.0f} bytes, a new model {:.0f}: {}", choice.nights,
-      newest.version, choice.previous.total(choice.nights), choice.made.total(choice.nights),
+      "in {} night{}, going on with v{} takes {:.0f} bytes, a new model {:.0f}: {}", choice.nights,
+      choice.nights == 1 ? "" : "s", newest.version, choice.previous.total(choice.nights),
+      choice.made.total(choice.nights),
       choice.keeps_previous() ? "no new one was published" : "the new one was published"));
   if (!choice.keeps_previous()) {
     ENGRAM_RETURN_IF_ERROR(save());

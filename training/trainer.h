@@ -73,7 +73,7 @@ struct TrainOptions {
   int chain_rows = 16;
   /// Share of training on images as another view would show them (view_change.h), where there is
   /// more than one scene: more carries over better to new places, less knows old ones better.
-  double varied_share = 0.5;
+  double varied_share = 0.1;
   /// Threads of the networks. Whether two processes of one thread are quicker: parallel_speed.h.
   int threads = 2;
   /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.
