@@ -128,8 +128,7 @@ class ChunkViews {
   /// must not know by heart what only the background tells of the next recording.
   ChunkViews(encoders::DeepModel& model, const Dataset& data, double varied_share,
              encoders::Parts& values)
-      : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()),
-        is_varied_(static_cast<size_t>(scene_.size(0))) {
+      : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()) {
     if (data.coded_backgrounds.empty()) return;
     const Tensor scenes = scene_.clone();
     std::vector<std::vector<Tensor>> backgrounds(values.images.size());
@@ -140,7 +139,6 @@ class ChunkViews {
       const Tensor scene = scenes.slice(0, chunk, chunk + 1);
       const Tensor coded =
           scene + torch::randint(encoders::kBackgroundQualities, {1}, torch::kLong) * data.scenes();
-      is_varied_[static_cast<size_t>(chunk)] = is_varied;
       if (is_varied) scene_.slice(0, chunk, chunk + 1).fill_(-1);
       for (size_t i = 0; i < values.images.size(); ++i) {
         Tensor rows = chunk_of(values.images[i], chunk);
@@ -161,14 +159,11 @@ class ChunkViews {
 
   /// One where a row is as it was recorded, zero where it is varied. [chunks * kChunk]
   [[nodiscard]] Tensor recorded() const {
-    std::vector<float> rows;
-    for (const bool is_varied : is_varied_) rows.insert(rows.end(), kChunk, is_varied ? 0 : 1);
-    return torch::tensor(rows);
+    return scene_.ge(0).to(torch::kFloat32).repeat_interleave(kChunk);
   }
 
  private:
   Tensor scene_;                     ///< [chunks]; negative where seen as another view.
-  std::vector<bool> is_varied_;      ///< [chunks]
   std::vector<Tensor> backgrounds_;  ///< Per image member [chunks, C, H, W], or none.
 };
 
@@ -261,9 +256,8 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   ErrorPrice price(options.psnr_db, regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
   RowSampler sampler = make_sampler(data);
   // What was asked for is the quality of what is stored: of images as they were recorded.
-  const bool sees_recorded = data.coded_backgrounds.empty() || options.varied_share < 1;
   const double recorded_share = data.coded_backgrounds.empty() ? 1 : 1 - options.varied_share;
-  const double recent = kRecent * (sees_recorded ? std::max(recorded_share, 0.25) : 1);
+  const double recent = kRecent * (recorded_share > 0 ? std::max(recorded_share, 0.25) : 1);
   WeightedMean loss_mean(kRecent), psnr(recent), bytes(recent);
   FitState state{model, optimiser, now, price.state()};
   for (const auto& more : {sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
@@ -292,7 +286,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     optimiser.step();
     tell(sampler, batch, costs.detach());
     loss_mean.add(costs, batch.weights);
-    const Tensor told = sees_recorded ? batch.weights * views.recorded() : batch.weights;
+    const Tensor told = recorded_share > 0 ? batch.weights * views.recorded() : batch.weights;
     psnr.add(psnr_db(cost.error), told);
     bytes.add(cost.bits / 8, told);
     if (regulariser->is_steered() && psnr.is_known()) price.follow(psnr.value(), share);
