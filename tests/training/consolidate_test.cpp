@@ -64,7 +64,8 @@ TEST(Consolidate, PublishesLatentsThatAQueryDecodes) {
 
 TEST(Consolidate, KeepsEveryImageWithinTheBound) {
   for (const double bound_db : {30.0, 42.0}) {
-    for (const Representation kind : {Representation::kAuto, Representation::kVideo}) {
+    for (const Representation kind :
+         {Representation::kAuto, Representation::kVideo, Representation::kCorrected}) {
       const ScratchPath store("bound");
       record(store.path(), "Test/Scene/sim/square", 0, 40);
       auto chosen = quick_consolidation();
@@ -79,8 +80,13 @@ TEST(Consolidate, KeepsEveryImageWithinTheBound) {
       EXPECT_EQ(forms.latent_rows + forms.refined_rows + forms.residual_rows + forms.video_rows +
                     forms.lossless_rows,
                 40);
-      EXPECT_LE(forms.kept_bytes, forms.video_bytes);
-      EXPECT_LE(forms.kept_bytes, forms.lossless_bytes);
+      if (kind == Representation::kCorrected) {
+        EXPECT_EQ(forms.video_rows + forms.lossless_rows, 0);
+        EXPECT_LE(forms.kept_bytes, forms.residual_bytes);
+      } else {
+        EXPECT_LE(forms.kept_bytes, forms.video_bytes);
+        EXPECT_LE(forms.kept_bytes, forms.lossless_bytes);
+      }
       EXPECT_EQ(forms.noise_images, 0);
       const EntityReport& one = report->entities[0];
       EXPECT_GE(one.minimum_psnr_db, bound_db);

@@ -150,6 +150,43 @@ TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
   EXPECT_LT(records.front().mean.number_mse, records.back().mean.number_mse);
 }
 
+TEST(Trainer, EndsMotionAfterAFewPasses) {
+  const ScratchPath file("passes");
+  const auto report =
+      train_model(scene_source(24, 1, true, false), quick_options(2200), file.path(), {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  // 8 % of the steps are of the dynamics, 20 % are there for motion: 400 are enough here.
+  EXPECT_NEAR(static_cast<double>(report->dynamics_steps), 176 + 400, 1);
+}
+
+/// Two recordings, the second one in negative, so that there are views to vary.
+TrainingSource two_scenes() {
+  TrainingSource source = scene_source(48, 2, true, false);
+  source.read = [read = source.read](size_t i) -> Result<idf::Data> {
+    ENGRAM_ASSIGN_OR_RETURN(idf::Data value, read(i));
+    if (i < 24) return value;
+    const auto* image = value.at("image")->get_if<idf::NdArray>();
+    std::vector<uint8_t> pixels;
+    for (const uint8_t pixel : image->values<uint8_t>()) pixels.push_back(255 - pixel);
+    value.get_if<idf::Dict>()->set("image",
+                                   idf::NdArray::take<uint8_t>(image->shape(), std::move(pixels)));
+    return value;
+  };
+  return source;
+}
+
+TEST(Trainer, KnowsRecordedViewsBetterThanVariedOnes) {
+  const auto told = [](double varied_share) {
+    const ScratchPath file("varied");
+    auto options = quick_options(400);
+    options.varied_share = varied_share;
+    const auto report = train_model(two_scenes(), options, file.path(), {}, {});
+    EXPECT_TRUE(report.ok()) << report.status().to_string();
+    return report->training_psnr_db;
+  };
+  EXPECT_GT(told(0), told(1) + 1);
+}
+
 /// An image as bright as chance has it, which another entity knows one snapshot earlier.
 TrainingSource announced_source(int count) {
   const auto level_of = [](size_t i) { return static_cast<int>(i * 2654435761U % 97); };
