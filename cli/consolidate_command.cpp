@@ -37,9 +37,10 @@ better (without it, as good as the camera's noise, 30 to 40 dB); where networks 
 times what they take themselves in --nights nights, video alone is used and no network is trained
 for images. Where going on with the newest model takes no more bytes in --nights nights than a new
 one, what is new gets latents of that and the store no new model.
-Numbers are kept within --number-bound. Recorded data stays until --drop-raw. Ctrl-C or a kill at any
-moment leaves the store as it was, or with whole entities done; run again with the same options,
-training goes on from its last checkpoint (only the time that it is given may differ).
+Numbers are kept within --number-bound, 0 keeps every bit. Recorded data stays until --drop-raw.
+Ctrl-C or a kill at any moment leaves the store as it was, or with whole entities done; run again
+with the same options, training goes on from its last checkpoint (only the time that it is given may
+differ).
 Two processes of one thread train different entities at once where that is measured to be quicker
 than one with two threads (unless --threads or --steps is given); --jobs decides instead.)";
 
@@ -213,10 +214,10 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
           "Steps that search better latents for each block: smaller and better, but slow; 0: "
           "some, only where the bound is missed by little")
       ->capture_default_str();
-  command
-      ->add_option("--number-bound", options.train.number_bound,
-                   "Largest error of numbers; 0: 0.005 standard deviations of each")
-      ->capture_default_str();
+  command->add_option(
+      "--number-bound", options.train.number_bound,
+      "Largest error of numbers, of orientations in rad; 0 keeps every bit. Default: "
+      "0.005 standard deviations of each, 0.001 rad");
   command
       ->add_option("--chain", options.train.chain_rows,
                    "Snapshots coded from one another: more take fewer bytes, one is reached later")

@@ -58,22 +58,23 @@ Result<std::vector<Model>> models_of(const ltm::StoreReader& reader, const std::
 }
 
 Json to_json(const Model& model) {
-  return {{"entity", model.info->entity.to_string()},
-          {"version", model.info->version},
-          {"file", model.info->file},
-          {"bytes", model.info->bytes},
-          {"snapshots", model.from.snapshots},
-          {"recordings", model.from.autoencoder_spans.size()},
-          {"steps", model.from.steps},
-          {"training_seconds", model.from.training_seconds},
-          {"seed", model.from.seed},
-          {"psnr_aimed_at_db", model.from.psnr_db},
-          {"number_bound", model.from.number_bound},
-          {"variant", to_string(model.from.variant)},
-          {"started_from_version",
-           model.from.started_from > 0 ? Json(model.from.started_from) : Json(nullptr)},
-          {"choice", choice_json(model.from.choice)},
-          {"images", forms_json(model.from.forms)}};
+  return {
+      {"entity", model.info->entity.to_string()},
+      {"version", model.info->version},
+      {"file", model.info->file},
+      {"bytes", model.info->bytes},
+      {"snapshots", model.from.snapshots},
+      {"recordings", model.from.autoencoder_spans.size()},
+      {"steps", model.from.steps},
+      {"training_seconds", model.from.training_seconds},
+      {"seed", model.from.seed},
+      {"psnr_aimed_at_db", model.from.psnr_db},
+      {"number_bound", model.from.number_bound ? Json(*model.from.number_bound) : Json(nullptr)},
+      {"variant", to_string(model.from.variant)},
+      {"started_from_version",
+       model.from.started_from > 0 ? Json(model.from.started_from) : Json(nullptr)},
+      {"choice", choice_json(model.from.choice)},
+      {"images", forms_json(model.from.forms)}};
 }
 
 std::string row(std::string_view form, int64_t bytes, int64_t rows, uint64_t model_bytes,

@@ -113,9 +113,10 @@ class DeepPredictor : public ltm::Predictor {
     const bool copies_numbers = shares.numbers == 0;
     if (copies_images && copies_numbers) return newest;
     const Parts mixed = mix(last, future, shares);
-    ENGRAM_ASSIGN_OR_RETURN(
-        const idf::Data value,
-        model_->to_value(model_->to_arrays(mixed), model_->to_numbers(mixed), split.remainder));
+    std::vector<double> numbers = model_->to_numbers(mixed);
+    model_->plan.make_orientations_unit(numbers);
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data value,
+                            model_->to_value(model_->to_arrays(mixed), numbers, split.remainder));
     ENGRAM_ASSIGN_OR_RETURN(idf::SplitValue parts, model_->plan.layout().split(value));
     if (copies_images)
       for (const ImageMember& image : model_->plan.images())

@@ -274,7 +274,10 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "training_seconds", from.training_seconds));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "final_loss", from.final_loss));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "psnr_db", from.psnr_db));
-  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "number_bound", from.number_bound));
+  ENGRAM_RETURN_IF_ERROR(
+      file.write_attribute(group, "number_bound", from.number_bound.value_or(0.0)));
+  ENGRAM_RETURN_IF_ERROR(
+      file.write_attribute(group, "has_exact_numbers", int64_t{from.number_bound == 0.0 ? 1 : 0}));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "error_price", from.error_price));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "prior_bytes", from.prior_bytes));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
@@ -283,6 +286,14 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(write_choice(file, from.choice));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
   return write_spans(file, group + "/dynamics_spans", from.dynamics_spans);
+}
+
+/// Zero stands for none, but where every bit is kept: earlier files could not say so.
+Result<std::optional<double>> read_number_bound(const h5::File& file, const std::string& group) {
+  ENGRAM_ASSIGN_OR_RETURN(const double bound, file.double_attribute(group, "number_bound"));
+  const bool is_exact = file.int_attribute(group, "has_exact_numbers").value_or(0) != 0;
+  if (bound > 0 || is_exact) return std::optional(is_exact ? 0.0 : bound);
+  return std::optional<double>();
 }
 
 Result<Provenance> read_provenance(const h5::File& file) {
@@ -297,7 +308,7 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.training_seconds, file.double_attribute(group, "training_seconds"));
   ENGRAM_ASSIGN_OR_RETURN(from.final_loss, file.double_attribute(group, "final_loss"));
   ENGRAM_ASSIGN_OR_RETURN(from.psnr_db, file.double_attribute(group, "psnr_db"));
-  ENGRAM_ASSIGN_OR_RETURN(from.number_bound, file.double_attribute(group, "number_bound"));
+  ENGRAM_ASSIGN_OR_RETURN(from.number_bound, read_number_bound(file, group));
   ENGRAM_ASSIGN_OR_RETURN(from.error_price, file.double_attribute(group, "error_price"));
   ENGRAM_ASSIGN_OR_RETURN(from.prior_bytes, file.double_attribute(group, "prior_bytes"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));

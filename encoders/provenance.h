@@ -98,7 +98,8 @@ struct Provenance {
   /// What the prior told at the end of the autoencoder's training that the images' latents of a
   /// snapshot take after others, smoothed; 0: unknown. Later it is trained to predict instead.
   double prior_bytes = 0;
-  double number_bound = 0;   ///< Of numbers; 0: one of each, relative to how far it moves.
+  /// Largest error of numbers; 0: none; not given: one of each, relative to how far it moves.
+  std::optional<double> number_bound;
   int64_t snapshots = 0;     ///< That the autoencoder was trained on.
   int64_t started_from = 0;  ///< Version of the model whose weights were the first; 0: of none.
   /// Recordings that the autoencoder was trained on; those of the model that it started from, too.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/tensor_plan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace engram::encoders {
 
@@ -50,6 +52,13 @@ T nearest(double value) {
   }
 }
 
+/// Whether doubles hold this whole number and all that are smaller.
+template <typename T>
+bool is_double(T value) {
+  constexpr int64_t kLargest = int64_t{1} << 53;
+  return std::cmp_less_equal(value, kLargest) && std::cmp_greater_equal(value, -kLargest);
+}
+
 bool is_too_large(const idf::TensorMember& member) {
   int64_t count = 1;
   for (const int64_t size : member.shape) {
@@ -72,6 +81,21 @@ idf::NdArray array_of(const idf::TensorMember& member, bool is_bool,
 }
 
 }  // namespace
+
+std::vector<std::string> inexact_members(const idf::Layout& layout, const idf::SplitValue& parts) {
+  std::vector<std::string> paths;
+  for (size_t i = 0; i < parts.tensors.size(); ++i) {
+    const idf::NdArray& tensor = parts.tensors[i];
+    const bool is_inexact = visit_type(tensor.type(), [&]<typename T>(T) {
+      if constexpr (!std::is_integral_v<T> || sizeof(T) < sizeof(int64_t))
+        return false;
+      else
+        return std::ranges::any_of(tensor.values<T>(), [](T value) { return !is_double(value); });
+    });
+    if (is_inexact) paths.push_back(layout.members()[i].path);
+  }
+  return paths;
+}
 
 std::vector<double> to_doubles(const idf::NdArray& array) {
   return visit_type(array.type(), [&]<typename T>(T) {
@@ -130,6 +154,17 @@ void TensorPlan::write_numbers(std::span<const double> numbers,
     const idf::TensorMember& member = layout_.members()[number.member];
     tensors[number.member] = array_of(member, member.kind == idf::MemberKind::kBool,
                                       numbers.subspan(number.first, number.count));
+  }
+}
+
+void TensorPlan::make_orientations_unit(std::span<double> numbers) const {
+  for (const NumberMember& number : numbers_) {
+    if (layout_.members()[number.member].kind != idf::MemberKind::kOrientation) continue;
+    const auto q = numbers.subspan(number.first, number.count);
+    double squared = 0;
+    for (const double part : q) squared += part * part;
+    if (!(squared > 0) || !std::isfinite(squared)) continue;
+    for (double& part : q) part /= std::sqrt(squared);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "encoders/coding/number_model.h"
@@ -58,12 +59,21 @@ class TensorPlan {
   /// Shape: numbers [number_count()]; tensors one per member of the layout.
   void write_numbers(std::span<const double> numbers, std::vector<idf::NdArray>& tensors) const;
 
+  /// What adds up numbers leaves orientations that are none: they get length one again, where they
+  /// have a length. Shape: numbers [number_count()].
+  void make_orientations_unit(std::span<double> numbers) const;
+
  private:
   idf::Layout layout_;
   std::vector<ImageMember> images_;
   std::vector<NumberMember> numbers_;
   size_t number_count_ = 0;
 };
+
+/// The paths of members with whole numbers that no double holds (beyond 2^53).
+/// `parts` are of this layout.
+[[nodiscard]] std::vector<std::string> inexact_members(const idf::Layout& layout,
+                                                       const idf::SplitValue& parts);
 
 /// The elements of an array as doubles.
 [[nodiscard]] std::vector<double> to_doubles(const idf::NdArray& array);

@@ -88,7 +88,7 @@ uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& o) {
   std::string text =
       fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", kMagic, source.entity,
                   source.condition_entity, static_cast<int>(o.variant), o.steps.value_or(0), o.seed,
-                  o.batch_size, o.psnr_db, o.number_bound, o.has_networks, o.width,
+                  o.batch_size, o.psnr_db, o.number_bound.value_or(-1), o.has_networks, o.width,
                   o.coarse_channels, o.fine_channels, o.chain_rows, o.varied_share, threads,
                   o.memory_bytes, o.hold_out_recordings, source.times.size());
   for (const Time time : source.times) text += fmt::format(" {}", to_ns(time));

@@ -163,7 +163,7 @@ class Crossval {
       };
     TrainOptions options = options_.train;
     options.variant = variant;
-    TrainingSource source = EntitySource::values(reader_, entity_, trained);
+    TrainingSource source = EntitySource::values(reader_, entity_, plan_.layout(), trained);
     ENGRAM_RETURN_IF_ERROR(add_condition(reader_, entity_, trained.back(), source));
     return train_model(source, options, file, progress, stop_).status();
   }

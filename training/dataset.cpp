@@ -97,7 +97,8 @@ class Loader {
 
   Result<Dataset> load(std::vector<Sequence> sequences, uint64_t memory_bytes) {
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
-    ENGRAM_ASSIGN_OR_RETURN(data_.plan, encoders::TensorPlan::create(idf::Layout::of(first)));
+    ENGRAM_ASSIGN_OR_RETURN(
+        data_.plan, encoders::TensorPlan::create(source_.layout.value_or(idf::Layout::of(first))));
     const uint64_t needed = value_bytes(data_.plan) * total_size(sequences);
     const size_t stride = std::max<uint64_t>(1, (needed + memory_bytes - 1) / memory_bytes);
     const std::vector<Sequence> runs = thinned(sequences, stride);

@@ -123,7 +123,7 @@ std::optional<Allotment> EntityJob::second_allotment(const Allotment& first) con
 }
 
 TrainingSource EntityJob::source() {
-  TrainingSource source = EntitySource::values(reader_, entity_, entries_);
+  TrainingSource source = EntitySource::values(reader_, entity_, layout_, entries_);
   const ltm::ModelInfo* newest = reader_.manifest().newest_model(entity_);
   if (newest == nullptr || options_.starts_anew) return source;
   source.previous = {reader_.path() / newest->file, newest->version, newest->checksum};

@@ -78,7 +78,7 @@ Result<double> EntityJob::measure_encoding() {
   quick.width = network_width(train_, entries_.size());
   quick.hold_out_recordings = 0;
   const ProgressSink no_progress;
-  const auto trained = train_model(EntitySource::values(reader_, entity_, sample), quick,
+  const auto trained = train_model(EntitySource::values(reader_, entity_, layout_, sample), quick,
                                    file.path(), no_progress, pace_.stop());
   if (trained.status().code() == StatusCode::kInvalidArgument) return 0.0;  // Skipped later.
   ENGRAM_RETURN_IF_ERROR(trained.status());

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "encoders/tensor_plan.h"
+
 namespace engram::training {
 
 namespace {
@@ -12,8 +14,17 @@ namespace {
 bool fits(const ltm::Snapshot& snapshot, const idf::Layout& layout) {
   return !snapshot.instances.empty() &&
          std::ranges::all_of(snapshot.instances, [&](const auto& instance) {
-           return layout.split(instance.data).ok();
+           const auto parts = layout.split(instance.data);
+           return parts.ok() && encoders::inexact_members(layout, *parts).empty();
          });
+}
+
+idf::Layout layout_of(const idf::Data& value, const idf::Type* type) {
+  idf::Layout layout = idf::Layout::of(value);
+  if (type != nullptr)
+    layout = layout.with_kinds_of(idf::Layout::of(value, *type, idf::FreeSizes::kOfValue));
+  const auto parts = layout.split(value);
+  return layout.with_remainder(encoders::inexact_members(layout, *parts));
 }
 
 }  // namespace
@@ -44,7 +55,8 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
     source.missing = "the newest snapshot has no instance";
     return source;
   }
-  source.layout = idf::Layout::of(newest.instances.front().data);
+  source.layout =
+      layout_of(newest.instances.front().data, reader.manifest().types.of_entity(entity));
   for (const ltm::SnapshotEntry& entry : recorded) {
     if (stop.stop_requested()) return cancelled("reading {} was stopped", entity.to_string());
     ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader.read_recorded(entity, entry));
@@ -63,8 +75,10 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
 }
 
 TrainingSource EntitySource::values(ltm::StoreReader& reader, const ltm::MemoryId& entity,
+                                    const idf::Layout& layout,
                                     std::vector<ltm::SnapshotEntry> entries) {
   TrainingSource source;
+  source.layout = layout;
   source.entity = entity.to_string();
   for (const ltm::SnapshotEntry& entry : entries) source.times.push_back(entry.time);
   const auto shared = std::make_shared<const std::vector<ltm::SnapshotEntry>>(std::move(entries));

@@ -14,6 +14,9 @@
 namespace engram::training {
 
 /// The recorded snapshots of an entity that one model can learn: those of the newest one's layout.
+///
+/// The layout is that of the value, with the kinds that its type tells (orientations); whole
+/// numbers that no double holds, such as nanoseconds of today, are remainder.
 struct EntitySource {
   std::vector<ltm::SnapshotEntry> entries;
   idf::Layout layout;
@@ -30,7 +33,7 @@ struct EntitySource {
 
   /// The first instance of each of some snapshots. Reader and entity outlive it.
   static TrainingSource values(ltm::StoreReader& reader, const ltm::MemoryId& entity,
-                               std::vector<ltm::SnapshotEntry> entries);
+                               const idf::Layout& layout, std::vector<ltm::SnapshotEntry> entries);
 };
 
 }  // namespace engram::training

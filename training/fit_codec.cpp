@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "encoders/coding/number_training.h"
 #include "training/fit.h"
@@ -19,6 +20,8 @@ constexpr double kRelativeBound = 0.005;
 constexpr double kLeastBound = 1e-150;
 /// Bound of an orientation where none was asked for. Unit: rad.
 constexpr double kOrientationBound = 1e-3;
+/// The largest that a codec takes. Unit: rad.
+constexpr double kMostTurn = 1.0;
 
 Tensor narrowed(const Tensor& z) {
   return z.clamp(-32767, 32767).to(torch::kInt16);
@@ -40,12 +43,13 @@ std::vector<int32_t> integers_of(const encoders::ImageLatents& image, const Sequ
   return {rows.data_ptr<int32_t>(), rows.data_ptr<int32_t>() + rows.numel()};
 }
 
-/// One field per number, but for orientations: each number has a bound of its own, and what never
-/// changed is kept exactly.
-std::vector<NumberField> fields_of(const Dataset& data, double bound) {
+/// One field per number, but for orientations: each number has a bound of its own where none was
+/// asked for, and what never changed is kept exactly.
+std::vector<NumberField> fields_of(const Dataset& data, std::optional<double> bound) {
+  if (bound == 0.0) return encoders::number_fields(data.plan.layout(), 0, 0);
   std::vector<NumberField> fields;
   size_t at = 0;
-  const double turn = bound > 0 ? bound : kOrientationBound;
+  const double turn = bound ? std::min(*bound, kMostTurn) : kOrientationBound;
   for (const NumberField& field : encoders::number_fields(data.plan.layout(), 1.0, turn)) {
     if (field.kind != NumberKind::kBounded) {
       fields.push_back(field);
@@ -55,7 +59,7 @@ std::vector<NumberField> fields_of(const Dataset& data, double bound) {
     for (uint32_t i = 0; i < field.count; ++i, ++at) {
       const double deviation = data.deviation[at];
       const double relative = std::max(deviation * kRelativeBound, kLeastBound);
-      NumberField one{NumberKind::kBounded, 1, bound > 0 ? bound : relative};
+      NumberField one{NumberKind::kBounded, 1, bound.value_or(relative)};
       if (!(deviation > 0)) one = {NumberKind::kExact, 1, 0};
       fields.push_back(one);
     }

@@ -21,6 +21,9 @@ constexpr std::string_view kCodeVersion = "0.1.0";
 constexpr double kAutoencoderShare = 0.72;
 constexpr double kMotionShare = 0.2;
 constexpr size_t kFewestSnapshots = 2;
+/// What both numbers and orientations can be kept within.
+constexpr double kLeastNumberBound = 1e-9;
+constexpr double kMostNumberBound = 1e9;
 
 encoders::NetworkSizes sizes_of(const TrainOptions& options, size_t snapshots,
                                 const Dataset& data) {
@@ -243,8 +246,12 @@ Status TrainOptions::validate() const {
   if (batch_size < 1) return invalid_argument("batch size: found {}, needs 1", batch_size);
   if (!(psnr_db >= 10 && psnr_db <= 60))
     return invalid_argument("quality: found {} dB, needs 10 to 60", psnr_db);
-  if (!(number_bound >= 0))
-    return invalid_argument("bound of numbers: found {}, needs 0 or more", number_bound);
+  if (number_bound && !(*number_bound >= 0 && *number_bound <= kMostNumberBound))
+    return invalid_argument("bound of numbers: found {}, needs 0 (every bit) to {}", *number_bound,
+                            kMostNumberBound);
+  if (number_bound && *number_bound > 0 && *number_bound < kLeastNumberBound)
+    return invalid_argument("bound of numbers: found {}, needs 0 (every bit) or {} and more",
+                            *number_bound, kLeastNumberBound);
   const encoders::NetworkSizes sizes{width == 0 ? 64 : width, coarse_channels, fine_channels, 1};
   if (!sizes.is_valid())
     return invalid_argument(

@@ -31,6 +31,8 @@ struct TrainingSource {
   std::vector<Time> times;
   /// The value of times[index].
   std::function<Result<idf::Data>(size_t index)> read;
+  /// That the values have; not given: what the first one shows.
+  std::optional<idf::Layout> layout;
 
   /// Another entity whose numbers predictions may start from; empty: none.
   std::string condition_entity;
@@ -57,9 +59,9 @@ struct TrainOptions {
   /// Quality of images to aim at: mean of their PSNR, at the fewest bytes. Figures are in
   /// docs/learning.md, section "Measured".
   double psnr_db = 36;
-  /// Largest error of a number, in its unit, and of an orientation in rad. Zero: 0.005 standard
-  /// deviations of each, and 0.001 rad.
-  double number_bound = 0;
+  /// Largest error of a number, in its unit, and of an orientation in rad; 0 keeps every bit. Not
+  /// given: 0.005 standard deviations of each, and 0.001 rad.
+  std::optional<double> number_bound;
   /// Without, images get no latents and no prediction but copies.
   bool has_networks = true;
   /// Features of the networks where places are few, a multiple of 16; zero chooses by the number of

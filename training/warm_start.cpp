@@ -61,7 +61,8 @@ Result<WarmStart> find_start(const TrainingSource& source, const TrainOptions& o
   auto model = encoders::read_model(source.previous->file);
   if (!model.ok()) return anew(model.status().message());
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data newest, source.read(source.times.size() - 1));
-  if (!(idf::Layout::of(newest) == (*model)->plan.layout())) return anew("it has another layout");
+  const idf::Layout layout = source.layout.value_or(idf::Layout::of(newest));
+  if (!(layout == (*model)->plan.layout())) return anew("it has another layout");
   const std::string why = misfit(**model, source.times.size(), options);
   if (!why.empty()) return anew(why);
   return WarmStart{*std::move(model), "training started from " + name};

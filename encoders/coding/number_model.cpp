@@ -18,7 +18,7 @@ size_t channels_of(const NumberField& field) {
 }
 
 Status check_field(const NumberField& field, size_t index) {
-  if (field.kind == NumberKind::kExact) return {};
+  if (is_exact(field.kind)) return {};
   const bool is_orientation = field.kind == NumberKind::kOrientation;
   if (is_orientation && field.count != 4)
     return invalid_argument("number field {}: an orientation of {} numbers, needs 4", index,
@@ -99,7 +99,7 @@ Result<std::vector<NumberField>> read_fields(ByteReader& in) {
   std::vector<NumberField> fields(std::min<size_t>(in.get<uint16_t>(), NumberModel::kMostNumbers));
   for (NumberField& field : fields) {
     const auto kind = in.get<uint8_t>();
-    if (kind > static_cast<uint8_t>(NumberKind::kOrientation))
+    if (kind > static_cast<uint8_t>(NumberKind::kExactFloat))
       return data_loss("number model: field of unknown kind {}", kind);
     field.kind = static_cast<NumberKind>(kind);
     field.count = static_cast<uint32_t>(
@@ -116,7 +116,7 @@ std::vector<NumberField> number_fields(const idf::Layout& layout, double bound,
                                        double orientation_bound_rad) {
   std::vector<NumberField> fields;
   for (const idf::TensorMember& member : layout.members()) {
-    if (member.kind == idf::MemberKind::kImage || member.kind == idf::MemberKind::kDepth) continue;
+    if (member.kind == idf::MemberKind::kImage) continue;
     NumberField field;
     int64_t count = 1;
     for (const int64_t size : member.shape)
@@ -128,7 +128,8 @@ std::vector<NumberField> number_fields(const idf::Layout& layout, double bound,
     if (member.kind == idf::MemberKind::kOrientation && orientation_bound_rad > 0)
       field = {NumberKind::kOrientation, 4, orientation_bound_rad};
     else if (!is_real || bound <= 0)
-      field.kind = NumberKind::kExact;
+      field.kind =
+          member.type == idf::ElementType::kFloat32 ? NumberKind::kExactFloat : NumberKind::kExact;
     if (field.count > 0) fields.push_back(field);
   }
   return fields;

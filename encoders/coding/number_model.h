@@ -15,8 +15,13 @@ namespace engram::encoders {
 enum class NumberKind : uint8_t {
   kBounded = 0,      ///< Each within an absolute error.
   kExact = 1,        ///< Every bit.
-  kOrientation = 2,  ///< A unit quaternion w, x, y, z within an angle; decoded with w >= 0.
+  kOrientation = 2,  ///< A unit quaternion w, x, y, z within an angle, with the sign it had.
+  kExactFloat = 3,   ///< Every bit of a float32, which all of them have to be.
 };
+
+[[nodiscard]] constexpr bool is_exact(NumberKind kind) {
+  return kind == NumberKind::kExact || kind == NumberKind::kExactFloat;
+}
 
 /// A run of numbers of one kind.
 struct NumberField {
@@ -29,7 +34,8 @@ struct NumberField {
 };
 
 /// The fields of the numeric members of a layout in their order, images left out: whole numbers
-/// and truth values are exact, orientations are orientations, all else has `bound`; 0 is exact.
+/// and truth values are exact, orientations are orientations, all else has `bound`; 0, also of
+/// orientations, is exact.
 [[nodiscard]] std::vector<NumberField> number_fields(const idf::Layout& layout, double bound,
                                                      double orientation_bound_rad);
 
@@ -53,7 +59,9 @@ struct PredictorTerm {
 
 /// One integer per row: a number, or one of three of an orientation.
 struct NumberChannel {
-  uint8_t decimals = 0;    ///< Of an exact number: it is an integer over 10^decimals.
+  /// Of an exact number: it is an integer over 10^decimals, rounded where it is a float32; or
+  /// kAsOrdered.
+  uint8_t decimals = 0;
   uint8_t eighths = 0;     ///< Of an orientation's first: how much of the last turn goes on.
   int64_t start = 0;       ///< What a block starts from. Unit: steps.
   int8_t start_scale = 0;  ///< Spread around it: 2^(x / 4) steps.
@@ -63,6 +71,8 @@ struct NumberChannel {
   std::vector<PredictorTerm> terms;  ///< At most kMostTerms.
 
   static constexpr size_t kMostTerms = 16;
+  /// A float32 is the integer that its bits make, such that close numbers have close integers.
+  static constexpr uint8_t kAsOrdered = 15;
   friend bool operator==(const NumberChannel&, const NumberChannel&) = default;
 };
 

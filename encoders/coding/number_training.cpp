@@ -51,6 +51,13 @@ int8_t quarter_octaves(double size, int least, int most) {
   return static_cast<int8_t>(std::clamp<long>(result, least, most));
 }
 
+/// How much finer float32 is there than a step. Unit: bits.
+double bits_of_floats(double value, double step) {
+  const float size = std::abs(static_cast<float>(value));
+  const double finest = std::nextafter(size, INFINITY) - double{size};
+  return std::isfinite(finest) && finest > 0 ? std::log2(step / finest) : 0;
+}
+
 class Training {
  public:
   Training(NumberModel model, std::span<const Rows> recordings, const NumberTraining& options)
@@ -86,17 +93,24 @@ class Training {
 
   void fit_decimals() {
     const auto fit = [&](const NumberField& field, size_t channel, size_t number) {
-      if (field.kind != NumberKind::kExact) return;
+      if (!is_exact(field.kind)) return;
       for (uint8_t decimals = 0; decimals <= kMostDecimals; ++decimals) {
         size_t all = 0, fitting = 0;
+        double saved_bits = 0;
         for_each_row(false, [&](std::span<const double> row) {
           ++all;
-          fitting += has_decimals(row[number], decimals) ? 1 : 0;
+          if (!has_decimals(field, decimals, row[number])) return;
+          ++fitting;
+          saved_bits += bits_of_floats(row[number], std::pow(10.0, -decimals));
         });
         if (fitting * 100 < all * 98) continue;
+        // So many decimals may be finer than what they are rounded to.
+        if (field.kind == NumberKind::kExactFloat && saved_bits <= 0) break;
         model_.channels[channel].decimals = decimals;
         return;
       }
+      if (field.kind == NumberKind::kExactFloat)
+        model_.channels[channel].decimals = NumberChannel::kAsOrdered;
     };
     for_each_number(model_, fit, [](auto&, size_t, size_t) {});
   }

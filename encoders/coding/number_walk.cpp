@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "ltm/core/check.h"
 
@@ -37,8 +38,39 @@ double from_ordered(uint64_t code) {
   return std::bit_cast<double>((code >> 63) != 0 ? code & ~(uint64_t{1} << 63) : ~code);
 }
 
+/// The same of a float32, zero in the middle.
+int64_t ordered_float(float value) {
+  const auto bits = std::bit_cast<uint32_t>(value);
+  constexpr uint32_t kSign = uint32_t{1} << 31;
+  return int64_t{(bits & kSign) != 0 ? ~bits : bits | kSign} - int64_t{kSign};
+}
+
+/// Any integer will do: what lies beyond float32 becomes the nearest that is none.
+float from_ordered_float(int64_t code) {
+  constexpr int64_t kSign = int64_t{1} << 31;
+  const auto bits = static_cast<uint32_t>(std::clamp(code, -kSign, kSign - 1) + kSign);
+  return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7fffffffU : ~bits);
+}
+
 bool has_same_bits(double a, double b) {
   return std::bit_cast<uint64_t>(a) == std::bit_cast<uint64_t>(b);
+}
+
+/// The float32 that `value` is, where it is one.
+std::optional<float> as_float(double value) {
+  const auto narrow = static_cast<float>(value);
+  if (!has_same_bits(static_cast<double>(narrow), value)) return std::nullopt;
+  return narrow;
+}
+
+double from_decimals(const NumberField& field, uint8_t decimals, double units) {
+  const double value = units / kPowers[decimals];
+  return field.kind == NumberKind::kExactFloat ? static_cast<double>(static_cast<float>(value))
+                                               : value;
+}
+
+bool is_ordered(const NumberField& field, uint8_t decimals) {
+  return field.kind == NumberKind::kExactFloat && decimals == NumberChannel::kAsOrdered;
 }
 
 int64_t nearest_step(double distance, double step) {
@@ -50,26 +82,29 @@ int64_t nearest_step(double distance, double step) {
 }  // namespace
 
 double to_units(const NumberField& field, const NumberChannel& channel, double value) {
-  return field.kind == NumberKind::kExact ? std::nearbyint(value * kPowers[channel.decimals])
-                                          : value / (field.bound / kBoundUnits);
+  if (!is_exact(field.kind)) return value / (field.bound / kBoundUnits);
+  if (is_ordered(field, channel.decimals))
+    return static_cast<double>(ordered_float(static_cast<float>(value)));
+  return std::nearbyint(value * kPowers[channel.decimals]);
 }
 
 double from_units(const NumberField& field, const NumberChannel& channel, int64_t units) {
-  return field.kind == NumberKind::kExact
-             ? static_cast<double>(units) / kPowers[channel.decimals]
-             : static_cast<double>(units) * (field.bound / kBoundUnits);
+  if (!is_exact(field.kind)) return static_cast<double>(units) * (field.bound / kBoundUnits);
+  if (is_ordered(field, channel.decimals)) return from_ordered_float(units);
+  return from_decimals(field, channel.decimals, static_cast<double>(units));
 }
 
 int64_t step_units(const NumberField& field) {
   return field.kind == NumberKind::kBounded ? kStepUnits : 1;
 }
 
-bool has_decimals(double value, uint8_t decimals) {
+bool has_decimals(const NumberField& field, uint8_t decimals, double value) {
+  if (is_ordered(field, decimals)) return as_float(value).has_value();
   const double whole = std::nearbyint(value * kPowers[decimals]);
   if (!(std::abs(whole) <= static_cast<double>(kMostUnits / 2))) return false;
   // By way of an integer: zero loses its sign there.
   const auto units = static_cast<double>(static_cast<int64_t>(whole));
-  return has_same_bits(units / kPowers[decimals], value);
+  return has_same_bits(from_decimals(field, decimals, units), value);
 }
 
 NumberWalk::NumberWalk(const NumberModel& model)
@@ -101,6 +136,8 @@ void NumberWalk::add_field(const NumberField& field) {
         static_cast<double>(model_.channels[steps_.size() + i].start) * parameter_step(field.bound);
   const Quaternion first = canonical(from_parameters(start));
   orientations_.push_back({first, first});
+  was_negative_.push_back(false);
+  sign_changes_.emplace_back(1 << 11, 8);
   steps_.insert(steps_.end(), 3, 1);
 }
 
@@ -224,9 +261,9 @@ void NumberWalk::code_number(Port& port, const NumberField& field, size_t channe
   history_[channel].now = clamp_units(prediction.centre + residual * step);
   const double coded = from_units(field, known, history_[channel].now);
   if constexpr (!Port::kIsDecoder)
-    ENGRAM_CHECK(field.kind == NumberKind::kExact ? has_same_bits(coded, value)
-                                                  : std::abs(coded - value) <= field.bound,
-                 "{} became {}, bound {}", value, coded, field.bound);
+    ENGRAM_CHECK(
+        is_exact(field.kind) ? has_same_bits(coded, value) : std::abs(coded - value) <= field.bound,
+        "{} became {}, bound {}", value, coded, field.bound);
   value = coded;
   learn(channel, residual);
 }
@@ -250,12 +287,19 @@ void NumberWalk::code_orientation(Port& port, size_t orientation, double bound_r
     learn(channel + i, residual);
   }
   const Quaternion coded = canonical(multiply(from_parameters(parameters), expected));
+  bool is_changed = false;
   if constexpr (!Port::kIsDecoder) {
     const double angle =
         angle_between_rad(coded, canonical({value[0], value[1], value[2], value[3]}));
     ENGRAM_CHECK(angle <= bound_rad, "turned by {} rad, bound {}", angle, bound_rad);
+    double dot = 0;
+    for (size_t i = 0; i < 4; ++i) dot += coded[i] * value[i];
+    is_changed = (dot < 0) != was_negative_[orientation];
   }
-  std::ranges::copy(coded, value.begin());
+  is_changed = sign_changes_[orientation].code(port, is_changed);
+  const bool is_negative = was_negative_[orientation] != is_changed;
+  was_negative_[orientation] = is_negative;
+  for (size_t i = 0; i < 4; ++i) value[i] = is_negative ? -coded[i] : coded[i];
   orientations_[orientation] = {coded, last};
 }
 
@@ -263,7 +307,7 @@ bool NumberWalk::must_be_plain(const NumberField& field, size_t channel,
                                std::span<const double> values) const {
   if (field.kind == NumberKind::kOrientation) return !is_unit(values.first<4>());
   const NumberChannel& known = model_.channels[channel];
-  if (field.kind == NumberKind::kExact) return !has_decimals(values[0], known.decimals);
+  if (is_exact(field.kind)) return !has_decimals(field, known.decimals, values[0]);
   // False for what is not a number.
   return !(std::abs(to_units(field, known, values[0])) < static_cast<double>(kMostUnits / 2));
 }
@@ -277,7 +321,14 @@ void NumberWalk::take_plain(const NumberField& field, size_t channel, double val
 }
 
 template <typename Port>
-void NumberWalk::code_plain(Port& port, size_t number, double& value) {
+void NumberWalk::code_plain(Port& port, NumberKind kind, size_t number, double& value) {
+  if (kind == NumberKind::kExactFloat) {
+    const int64_t last = ordered_float(static_cast<float>(last_row_[number]));
+    const int64_t now = ordered_float(static_cast<float>(value));
+    const auto change = static_cast<uint64_t>(plain_.code(port, now - last));
+    value = from_ordered_float(static_cast<int64_t>(static_cast<uint64_t>(last) + change));
+    return;
+  }
   const uint64_t from = ordered(last_row_[number]);
   const int64_t difference = static_cast<int64_t>(ordered(value) - from);
   value = from_ordered(from + static_cast<uint64_t>(plain_.code(port, difference)));
@@ -312,7 +363,8 @@ void NumberWalk::code_field(Port& port, const NumberField& field, bool has_plain
       is_plain = has_plain && must_be_plain(field, at.channel, values);
     is_plain = code_is_plain(port, has_plain, at.number, is_plain);
     if (is_plain) {
-      for (size_t k = 0; k < values.size(); ++k) code_plain(port, at.number + k, values[k]);
+      for (size_t k = 0; k < values.size(); ++k)
+        code_plain(port, field.kind, at.number + k, values[k]);
       if (!is_orientation) take_plain(field, at.channel, values[0]);
     } else if (is_orientation) {
       code_orientation(port, at.orientation, field.bound, at.channel, values.template first<4>());

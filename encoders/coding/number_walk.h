@@ -133,7 +133,7 @@ class NumberWalk {
   [[nodiscard]] bool any_must_be_plain(std::span<const double> row) const;
   void take_plain(const NumberField& field, size_t channel, double value);
   template <typename Port>
-  void code_plain(Port& port, size_t number, double& value);
+  void code_plain(Port& port, NumberKind kind, size_t number, double& value);
   template <typename Port>
   bool code_is_plain(Port& port, bool row_has_plain, size_t number, bool is_plain);
   template <typename Port>
@@ -147,6 +147,9 @@ class NumberWalk {
   std::vector<std::vector<int32_t>> adapted_;  ///< Weights that go on learning, in 1/65536.
   std::vector<std::array<Quaternion, 2>> orientations_;  ///< Last and the one before.
   std::vector<double> last_row_;
+  /// Per orientation: whether the last one was stored negated, and how likely that changes.
+  std::vector<bool> was_negative_;
+  std::vector<AdaptiveBit> sign_changes_;
   AdaptiveBit any_plain_{64, 60};
   std::vector<AdaptiveBit> is_plain_;
   IntegerModel plain_;
@@ -164,7 +167,7 @@ class NumberWalk {
                                 int64_t units);
 [[nodiscard]] int64_t step_units(const NumberField& field);
 
-/// True where an exact number is an integer over 10^decimals, bit by bit.
-[[nodiscard]] bool has_decimals(double value, uint8_t decimals);
+/// True where an exact number is what `decimals` says, bit by bit.
+[[nodiscard]] bool has_decimals(const NumberField& field, uint8_t decimals, double value);
 
 }  // namespace engram::encoders

@@ -34,9 +34,17 @@ struct Figures {
 
 using Recordings = std::vector<NumberRecording>;
 
+/// A bound of zero keeps every bit of float32.
 std::vector<encoders::NumberField> fields_of(const Recordings& recordings, double bound) {
-  return {
-      {encoders::NumberKind::kBounded, static_cast<uint32_t>(recordings[0].columns.size()), bound}};
+  using enum encoders::NumberKind;
+  return {{bound > 0 ? kBounded : kExactFloat, static_cast<uint32_t>(recordings[0].columns.size()),
+           bound}};
+}
+
+Recordings as_floats(Recordings recordings) {
+  for (NumberRecording& recording : recordings)
+    for (double& value : recording.rows) value = static_cast<double>(static_cast<float>(value));
+  return recordings;
 }
 
 /// Codes one recording in blocks with a model that went through its bytes, and decodes it again.
@@ -178,6 +186,11 @@ Result<Judged> add_ours(const Recordings& recordings, double bound, TextTable& t
     ENGRAM_ASSIGN_OR_RETURN(const Figures left_out, unseen(recordings, block_rows, bound, folds));
     add_row("ours, one recording left out", block_rows, left_out, width, table, json);
     if (block_rows == 0) judged = {judged.own, folds, left_out.per_value()};
+  }
+  if (recordings.size() > 1) {
+    std::vector<double> folds;
+    ENGRAM_ASSIGN_OR_RETURN(const Figures exact, unseen(as_floats(recordings), 0, 0, folds));
+    add_row("ours, every bit of float32, one recording left out", 0, exact, width, table, json);
   }
   ENGRAM_ASSIGN_OR_RETURN(const Figures untrained, with_nothing_learned(recordings, bound));
   add_row("ours, nothing learned", 0, untrained, width, table, json);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/idf/layout.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "ltm/idf/layout_skeleton.h"
@@ -52,8 +53,8 @@ std::optional<TensorMember> member_of_place(const List& place) {
   if (place.size() < 2) return std::nullopt;
   const auto* kind = place[0].get_if<int32_t>();
   const auto* code = place[1].get_if<int32_t>();
-  if (kind == nullptr || code == nullptr || *kind < 0 ||
-      *kind > static_cast<int32_t>(kLastKind) || *code < 0 || *code > UINT8_MAX)
+  if (kind == nullptr || code == nullptr || *kind < 0 || *kind > static_cast<int32_t>(kLastKind) ||
+      *code < 0 || *code > UINT8_MAX)
     return std::nullopt;
   const auto type = element_type_from_code(static_cast<uint8_t>(*code));
   if (!type) return std::nullopt;
@@ -259,6 +260,26 @@ class Joiner {
   size_t rest_ = 0;
 };
 
+/// A skeleton with every member's place changed: change(place, path).
+template <typename Change>
+Data changed_places(const Data& skeleton, const std::string& path, const Change& change) {
+  if (const List* places = walked_list(skeleton)) {
+    List list{kWalkedList};
+    list.reserve(places->size());
+    for (size_t i = 1; i < places->size(); ++i)
+      list.push_back(changed_places((*places)[i], join_path(path, std::to_string(i - 1)), change));
+    return Data(std::move(list));
+  }
+  if (skeleton.is<List>()) return change(skeleton, path);
+  const Dict* dict = skeleton.get_if<Dict>();
+  if (dict == nullptr) return skeleton;
+  Dict result;
+  result.reserve(dict->size());
+  for (const auto& [key, place] : *dict)
+    result.append_unique(key, changed_places(place, join_path(path, key), change));
+  return Data(std::move(result));
+}
+
 size_t count_remainder(const Data& skeleton) {
   if (is_remainder(skeleton)) return 1;
   size_t count = 0;
@@ -295,6 +316,27 @@ std::string_view to_string(MemberKind kind) {
 
 Layout Layout::of(const Data& value) {
   auto layout = from_data(skeleton_of(value));
+  ENGRAM_CHECK(layout.ok(), "{}", layout.status().message());
+  return std::move(layout).value();
+}
+
+Layout Layout::with_kinds_of(const Layout& other) const {
+  const auto refined = [&](const Data& place, const std::string& path) {
+    auto member = member_of_place(*place.get_if<List>());
+    const auto known = std::ranges::find(other.members_, path, &TensorMember::path);
+    if (!member || known == other.members_.end() || !is_same_member(*known, *member)) return place;
+    return place_of(*known);
+  };
+  auto layout = from_data(changed_places(skeleton_, "", refined));
+  ENGRAM_CHECK(layout.ok(), "{}", layout.status().message());
+  return std::move(layout).value();
+}
+
+Layout Layout::with_remainder(const std::vector<std::string>& paths) const {
+  const auto moved = [&](const Data& place, const std::string& path) {
+    return std::ranges::find(paths, path) == paths.end() ? place : Data(kAnyRemainder);
+  };
+  auto layout = from_data(changed_places(skeleton_, "", moved));
   ENGRAM_CHECK(layout.ok(), "{}", layout.status().message());
   return std::move(layout).value();
 }

@@ -72,6 +72,14 @@ class Layout {
   static Layout of(const Data& value, const Type& type,
                    FreeSizes free_sizes = FreeSizes::kRemainder);
 
+  /// The same layout with the kinds that `other` has where both have a member of the same place,
+  /// element type and shape. So a type adds what it knows of arrays and moves nothing to the
+  /// remainder.
+  [[nodiscard]] Layout with_kinds_of(const Layout& other) const;
+
+  /// The same layout with the members at `paths` in the remainder.
+  [[nodiscard]] Layout with_remainder(const std::vector<std::string>& paths) const;
+
   /// Reads what to_data wrote.
   /// Errors: kDataLoss.
   static Result<Layout> from_data(const Data& data);

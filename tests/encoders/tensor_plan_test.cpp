@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ltm/idf/cast.h"
+
 namespace engram::encoders {
 namespace {
 
@@ -45,6 +47,41 @@ TEST(TensorPlan, RoundsAndClampsToTheTypesOfTheMembers) {
   EXPECT_FALSE(value->at("is_open")->get<bool>());
   plan->write_numbers(std::vector<double>{1, 2, 3, std::nan(""), 0.6}, split->tensors);
   EXPECT_EQ(plan->layout().join(*split)->at("count")->get<int32_t>(), 0);
+}
+
+TEST(TensorPlan, KnowsWhichNumbersADoubleDoesNotHold) {
+  const int64_t held = int64_t{1} << 53;
+  const auto inexact = [](const idf::Data& value) {
+    const idf::Layout layout = idf::Layout::of(value);
+    return inexact_members(layout, *layout.split(value));
+  };
+  for (const int64_t value : {int64_t{0}, held, -held})
+    EXPECT_TRUE(inexact(value).empty()) << value;
+  for (const int64_t value : {held + 1, -held - 1, INT64_MAX, INT64_MIN})
+    EXPECT_EQ(inexact(value), std::vector<std::string>{""}) << value;
+  idf::Dict dict;
+  dict.set("small", idf::NdArray::take<int64_t>({2}, {1, -held}));
+  dict.set("stamps", idf::NdArray::take<uint64_t>({2}, {1, UINT64_MAX}));
+  dict.set("large", 1e300);
+  EXPECT_EQ(inexact(dict), std::vector<std::string>{"stamps"});
+}
+
+TEST(TensorPlan, GivesOrientationsLengthOne) {
+  const idf::Type type =
+      idf::Type::object("Seen", {{"pose", idf::Type::pose()}, {"gain", idf::Type::float64()}});
+  const idf::Data value = idf::default_value(type);
+  const auto plan = TensorPlan::create(idf::Layout::of(value, type));
+  ASSERT_TRUE(plan.ok()) << plan.status().to_string();
+  const size_t turn = plan->layout().members()[0].kind == idf::MemberKind::kOrientation ? 0 : 3;
+  std::vector<double> numbers(plan->number_count(), 3.0);
+  for (size_t i = 0; i < 4; ++i) numbers[turn + i] = i == 1 ? -2 : 0;
+  auto expected = numbers;
+  expected[turn + 1] = -1;
+  plan->make_orientations_unit(numbers);
+  EXPECT_EQ(numbers, expected);
+  expected[turn + 1] = numbers[turn + 1] = 0;
+  plan->make_orientations_unit(numbers);
+  EXPECT_EQ(numbers, expected) << "without a length";
 }
 
 TEST(TensorPlan, RejectsALargeArrayByName) {

@@ -39,6 +39,44 @@ TEST(TypedLayout, SplitsValuesThatAreNotOfTheType) {
   }
 }
 
+TEST(Layout, TakesKindsFromATypeAndMovesNothing) {
+  const Type type = Type::object("Seen", {{"pose", Type::pose()},
+                                          {"maybe", Type::pose().optional()},
+                                          {"joints", Type::dict(Type::float32())}});
+  Data value = default_value(type);
+  value.get_if<Dict>()->set("maybe", default_value(Type::pose()));
+  value.get_if<Dict>()->set("joints", Dict{{"wrist", 1.0f}});
+  const Layout plain = Layout::of(value);
+  const Layout refined = plain.with_kinds_of(Layout::of(value, type));
+  ASSERT_EQ(refined.members().size(), plain.members().size());
+  for (size_t i = 0; i < refined.members().size(); ++i) {
+    const TensorMember& member = refined.members()[i];
+    EXPECT_EQ(member.path, plain.members()[i].path);
+    EXPECT_EQ(member.kind == MemberKind::kOrientation, member.path == "pose/orientation")
+        << member.path;
+  }
+  expect_round_trip(refined, value);
+  EXPECT_EQ(plain.with_kinds_of(plain), plain);
+}
+
+TEST(Layout, MovesMembersToTheRemainder) {
+  RandomTypes random(17);
+  size_t moved = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Data value = random.values().value(4);
+    const Layout layout = Layout::of(value);
+    std::vector<std::string> paths;
+    for (size_t k = 0; k < layout.members().size(); k += 2)
+      paths.push_back(layout.members()[k].path);
+    const Layout smaller = layout.with_remainder(paths);
+    expect_round_trip(smaller, value);
+    for (const TensorMember& member : smaller.members())
+      EXPECT_EQ(std::ranges::count(paths, member.path), 0);
+    moved += layout.members().size() - smaller.members().size();
+  }
+  EXPECT_GT(moved, 500u);
+}
+
 TEST(TypedLayout, KnowsTheKindsOfItsMembers) {
   const Type type = Type::object("Seen", {{"picture", Type::image(PixelType::kRgb24, 8, 9)},
                                           {"depth", Type::image(PixelType::kDepth32, 8, 9)},
