@@ -21,7 +21,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults fuzz check-headers clean \
         experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars \
-        latent-trial training-speed
+        latent-trial training-speed learning-bars
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -37,6 +37,7 @@ help:
 	@echo "make store-readers   do readers in several threads get in each other's way?"
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
+	@echo "make learning-bars   what learning reaches on recordings, hours (RECORDINGS, BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
@@ -104,6 +105,10 @@ number-bars: experiments
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
+
+learning-bars: build
+	experiments/learning/learning_bars.py build/release/bin/engram "$(RECORDINGS)" build/learning_bars \
+	  $(BARS)
 
 training-speed: build
 	@cmake/install_packages.sh experiments/packages.txt
