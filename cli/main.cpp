@@ -3,7 +3,7 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
-#include "cli/openmp.h"
+#include "cli/learning_environment.h"
 #include "ltm/core/log.h"
 
 namespace engram::cli {
@@ -76,7 +76,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace engram::cli
 
 int main(int argc, char** argv) {
-  if (engram::cli::is_learning(argc, argv)) engram::cli::rest_waiting_threads(argv);
+  if (engram::cli::is_learning(argc, argv)) engram::cli::prepare_to_learn(argv);
   engram::cli::watch_for_interrupts();
   return engram::cli::exit_code_of([&] { return engram::cli::run(argc, argv); });
 }

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace engram::cli {
+
+/// Starts the program over with what OpenMP and the C library read before main(), as far as the
+/// environment does not say it already.
+///
+/// * OpenMP's threads spin only shortly where they wait. By default they spin for milliseconds and
+///   starve each other as soon as another process wants a core; sleeping at once costs as much on
+///   an idle machine.
+/// * Memory of tensors stays in the process, in large pages. By default each goes back to the
+///   system and comes anew, page by page, with every layer of every step.
+///
+/// Source: docs/learning.md, section "Speed".
+void prepare_to_learn(char** argv);
+
+}  // namespace engram::cli
