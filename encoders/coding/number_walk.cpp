@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/coding/number_walk.h"
 
-#include <bit>
 #include <cmath>
-#include <optional>
 
 #include "ltm/core/check.h"
 
@@ -21,56 +19,8 @@ constexpr int64_t kMostOffset = int64_t{1} << 30;
 /// Learning rate of the adapting predictor: 2^-kAdaptRate.
 constexpr int kAdaptRate = 7;
 
-constexpr std::array<double, 16> kPowers{1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                         1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-
 int64_t clamp_units(int64_t units) {
   return std::clamp(units, -kMostUnits, kMostUnits);
-}
-
-/// Order of the bits is order of the numbers: close numbers have close integers.
-uint64_t ordered(double value) {
-  const auto bits = std::bit_cast<uint64_t>(value);
-  return (bits >> 63) != 0 ? ~bits : bits | (uint64_t{1} << 63);
-}
-
-double from_ordered(uint64_t code) {
-  return std::bit_cast<double>((code >> 63) != 0 ? code & ~(uint64_t{1} << 63) : ~code);
-}
-
-/// The same of a float32, zero in the middle.
-int64_t ordered_float(float value) {
-  const auto bits = std::bit_cast<uint32_t>(value);
-  constexpr uint32_t kSign = uint32_t{1} << 31;
-  return int64_t{(bits & kSign) != 0 ? ~bits : bits | kSign} - int64_t{kSign};
-}
-
-/// Any integer will do: what lies beyond float32 becomes the nearest that is none.
-float from_ordered_float(int64_t code) {
-  constexpr int64_t kSign = int64_t{1} << 31;
-  const auto bits = static_cast<uint32_t>(std::clamp(code, -kSign, kSign - 1) + kSign);
-  return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7fffffffU : ~bits);
-}
-
-bool has_same_bits(double a, double b) {
-  return std::bit_cast<uint64_t>(a) == std::bit_cast<uint64_t>(b);
-}
-
-/// The float32 that `value` is, where it is one.
-std::optional<float> as_float(double value) {
-  const auto narrow = static_cast<float>(value);
-  if (!has_same_bits(static_cast<double>(narrow), value)) return std::nullopt;
-  return narrow;
-}
-
-double from_decimals(const NumberField& field, uint8_t decimals, double units) {
-  const double value = units / kPowers[decimals];
-  return field.kind == NumberKind::kExactFloat ? static_cast<double>(static_cast<float>(value))
-                                               : value;
-}
-
-bool is_ordered(const NumberField& field, uint8_t decimals) {
-  return field.kind == NumberKind::kExactFloat && decimals == NumberChannel::kAsOrdered;
 }
 
 int64_t nearest_step(double distance, double step) {
@@ -80,32 +30,6 @@ int64_t nearest_step(double distance, double step) {
 }
 
 }  // namespace
-
-double to_units(const NumberField& field, const NumberChannel& channel, double value) {
-  if (!is_exact(field.kind)) return value / (field.bound / kBoundUnits);
-  if (is_ordered(field, channel.decimals))
-    return static_cast<double>(ordered_float(static_cast<float>(value)));
-  return std::nearbyint(value * kPowers[channel.decimals]);
-}
-
-double from_units(const NumberField& field, const NumberChannel& channel, int64_t units) {
-  if (!is_exact(field.kind)) return static_cast<double>(units) * (field.bound / kBoundUnits);
-  if (is_ordered(field, channel.decimals)) return from_ordered_float(units);
-  return from_decimals(field, channel.decimals, static_cast<double>(units));
-}
-
-int64_t step_units(const NumberField& field) {
-  return field.kind == NumberKind::kBounded ? kStepUnits : 1;
-}
-
-bool has_decimals(const NumberField& field, uint8_t decimals, double value) {
-  if (is_ordered(field, decimals)) return as_float(value).has_value();
-  const double whole = std::nearbyint(value * kPowers[decimals]);
-  if (!(std::abs(whole) <= static_cast<double>(kMostUnits / 2))) return false;
-  // By way of an integer: zero loses its sign there.
-  const auto units = static_cast<double>(static_cast<int64_t>(whole));
-  return has_same_bits(from_decimals(field, decimals, units), value);
-}
 
 NumberWalk::NumberWalk(const NumberModel& model)
     : model_(model),

@@ -14,14 +14,11 @@
 #include "encoders/coding/integer_coder.h"
 #include "encoders/coding/mixer.h"
 #include "encoders/coding/number_model.h"
+#include "encoders/coding/number_units.h"
 #include "encoders/coding/orientation.h"
 
 namespace engram::encoders {
 
-inline constexpr int64_t kStepUnits = 8191;
-inline constexpr double kBoundUnits = 4096;
-/// What is larger is stored as it is. Unit: units.
-inline constexpr int64_t kMostUnits = int64_t{1} << 40;
 inline constexpr size_t kEstimates = 4;
 
 /// What a channel's value was in the last rows. Unit: units.
@@ -160,14 +157,5 @@ class NumberWalk {
   std::array<int64_t, 4> recent_{};
   std::vector<ResidualTrace>* trace_ = nullptr;
 };
-
-/// Double to the unit that a channel is kept in and back.
-[[nodiscard]] double to_units(const NumberField& field, const NumberChannel& channel, double value);
-[[nodiscard]] double from_units(const NumberField& field, const NumberChannel& channel,
-                                int64_t units);
-[[nodiscard]] int64_t step_units(const NumberField& field);
-
-/// True where an exact number is what `decimals` says, bit by bit.
-[[nodiscard]] bool has_decimals(const NumberField& field, uint8_t decimals, double value);
 
 }  // namespace engram::encoders
