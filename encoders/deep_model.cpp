@@ -301,12 +301,7 @@ size_t DeepModel::block_rows() const {
 Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> values) {
   std::vector<idf::SplitValue> split;
   for (const idf::Data& value : values) {
-    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), plan.layout().split(value));
-    if (const auto inexact = inexact_members(plan.layout(), split.back()); !inexact.empty())
-      return invalid_argument(
-          "member '{}': found a whole number beyond 2^53, needs one that a "
-          "double holds",
-          inexact.front());
+    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), plan.split(value));
   }
   ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, to_rows(split));
   std::vector<LatentRows> chains = cut_chains(rows, split.size(), codec.chain_rows);

@@ -137,6 +137,15 @@ Result<TensorPlan> TensorPlan::create(idf::Layout layout) {
   return plan;
 }
 
+Result<idf::SplitValue> TensorPlan::split(const idf::Data& value) const {
+  ENGRAM_ASSIGN_OR_RETURN(idf::SplitValue parts, layout_.split(value));
+  if (const auto inexact = inexact_members(layout_, parts); !inexact.empty())
+    return invalid_argument(
+        "member '{}': found a whole number beyond 2^53, needs one that a double holds",
+        inexact.front());
+  return parts;
+}
+
 std::vector<double> TensorPlan::read_numbers(const idf::SplitValue& value) const {
   std::vector<double> numbers;
   numbers.reserve(number_count_);

@@ -51,6 +51,11 @@ class TensorPlan {
   [[nodiscard]] const std::vector<NumberMember>& numbers() const { return numbers_; }
   [[nodiscard]] size_t number_count() const { return number_count_; }
 
+  /// Takes a value apart that is to be stored.
+  /// Errors: kInvalidArgument naming the path where `value` has another layout, or a whole number
+  /// that no double holds (see inexact_members).
+  Result<idf::SplitValue> split(const idf::Data& value) const;
+
   /// All numbers of a value that was split by layout().
   /// Shape: [number_count()].
   [[nodiscard]] std::vector<double> read_numbers(const idf::SplitValue& value) const;

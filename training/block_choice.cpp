@@ -302,7 +302,7 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
                                                      const Pause& pause) {
   std::vector<idf::SplitValue> split;
   for (const idf::Data& value : values) {
-    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.layout().split(value));
+    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.split(value));
   }
   const auto choosing = [&]() -> Status {
     if (stop.stop_requested()) return cancelled("encoding was stopped");

@@ -29,7 +29,7 @@ idf::Type cup_type() {
 }
 
 /// A cup that turns around and around.
-idf::Data cup_at(int i) {
+idf::Data cup_at(int i, int64_t first_stamp = kNanosecondsOfToday) {
   idf::Data value = idf::default_value(cup_type());
   const double turn = 0.3 * i;
   const auto part = [](double x) { return static_cast<float>(x); };
@@ -46,20 +46,21 @@ idf::Data cup_at(int i) {
   dict.set("pose", pose);
   dict.set("fill", part(0.5 + 0.1 * std::sin(0.7 * i)));
   dict.set("grasps", int64_t{i / 10});
-  dict.set("stamp", kNanosecondsOfToday + i * 200'000'003);
+  dict.set("stamp", first_stamp + i * 200'000'003);
   return value;
 }
 
-void record_cups(const std::filesystem::path& store, bool has_type) {
+void record_cups(const std::filesystem::path& store, bool has_type, int first = 0,
+                 int64_t first_stamp = kNanosecondsOfToday) {
   auto recorder = ltm::Recorder::open(store, {});
   ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
   if (has_type) {
     ASSERT_TRUE(recorder->declare(id("Test/Objects"), cup_type()).ok());
   }
-  const auto times = engram::testing::scene_source(kCount).times;
-  for (int i = 0; i < kCount; ++i) {
+  const auto times = engram::testing::scene_source(first + kCount).times;
+  for (int i = first; i < first + kCount; ++i) {
     const ltm::Snapshot snapshot{
-        id("Test/Objects/sim/cup"), times[static_cast<size_t>(i)], {{cup_at(i), {}}}};
+        id("Test/Objects/sim/cup"), times[static_cast<size_t>(i)], {{cup_at(i, first_stamp), {}}}};
     ASSERT_TRUE(recorder->commit({{snapshot}}).ok());
   }
   ASSERT_TRUE(recorder->close().ok());
@@ -124,6 +125,30 @@ TEST(NumberBounds, AreAnAngleWhereATypeTellsOfOrientations) {
   }
   EXPECT_LE(largest, kBound + 1e-6);
   EXPECT_GT(largest, kBound / 100) << "nothing was saved";
+}
+
+// Small stamps are numbers to the first model, and stay so.
+TEST(NumberBounds, LeaveRecordedWhatAnEarlierModelWouldRound) {
+  const ScratchPath store("large_stamps");
+  record_cups(store.path(), true, 0, 0);
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  record_cups(store.path(), true, kCount);
+  auto options = quick_consolidation();
+  options.reuses_models = true;
+  const auto report = consolidate(store.path(), options, {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_NE(report->entities[0].skipped_reason.find("'stamp'"), std::string::npos)
+      << report->entities[0].skipped_reason;
+  ltm::Recall recall(*ltm::StoreReader::open(store.path()), encoders::load_model);
+  ltm::Recall::Options prefer_latent;
+  prefer_latent.prefer = ltm::Recall::Prefer::kLatent;
+  const auto answer = recall.query(*ltm::Query::parse("Test @ all"), prefer_latent);
+  ASSERT_TRUE(answer.ok()) << answer.status().to_string();
+  const auto& snapshots = answer->entities()[0]->snapshots;
+  ASSERT_EQ(snapshots.size(), size_t{2 * kCount});
+  EXPECT_EQ(snapshots.front().source, ltm::Source::kReconstructed);
+  EXPECT_EQ(snapshots.back().source, ltm::Source::kRecorded);
+  EXPECT_EQ(snapshots.back().instances[0].data, cup_at(2 * kCount - 1));
 }
 
 TEST(NumberBounds, LeavePredictedOrientationsOfLengthOne) {
