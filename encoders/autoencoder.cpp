@@ -12,10 +12,6 @@ namespace {
 /// What the encoder's output is multiplied by, so that rounding costs little in the beginning.
 constexpr double kLatentGain = 4.0;
 
-Tensor shuffled(const Tensor& x, int factor = 2) {
-  return torch::pixel_shuffle(x, factor);
-}
-
 }  // namespace
 
 ImageEncoderImpl::ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& sizes)
@@ -35,11 +31,11 @@ ImageEncoderImpl::ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& 
 }
 
 ImageLatents ImageEncoderImpl::forward(const Tensor& image, const View& view) {
-  Tensor x = stem(unshuffled(image, 4 * unit)) + view.quarter;
-  x = quarter(activate(x));                 // [B, 3F/8, H/4, W/4]
-  x = eighth(to_eighth(unshuffled(x, 2)));  // [B, F/2, H/8, W/8]
+  Tensor x = with_known(stem(unshuffled(image, 4 * unit)), view.quarter);
+  x = quarter(activate(x));          // [B, 3F/8, H/4, W/4]
+  x = eighth(halved(to_eighth, x));  // [B, F/2, H/8, W/8]
   const Tensor z = fine(x) * kLatentGain;
-  x = to_sixteenth(unshuffled(x, 2));  // [B, 3F/4, H/16, W/16]
+  x = halved(to_sixteenth, x);  // [B, 3F/4, H/16, W/16]
   return {coarse(sixteenth_2(sixteenth_1(x))) * kLatentGain, z};
 }
 
@@ -69,15 +65,15 @@ ImageDecoderImpl::ImageDecoderImpl(const ImageShape& shape, const NetworkSizes& 
 
 Tensor ImageDecoderImpl::forward(const ImageLatents& latents, const Tensor& numbers,
                                  const View& view) {
-  Tensor x = from_coarse(latents.coarse) + view.sixteenth;
+  Tensor x = with_known(from_coarse(latents.coarse), view.sixteenth);
   if (from_numbers) x = with_features(x, from_numbers(numbers));
-  x = sixteenth_2(sixteenth_1(x));                       // [B, F, H/16, W/16]
-  x = shuffled(to_eighth(x)) + from_fine(latents.fine);  // [B, 3F/4, H/8, W/8]
-  x = eighth_2(eighth_1(activate(x) + view.eighth));
-  x = shuffled(to_quarter(x));  // [B, 3F/8, H/4, W/4]
-  x = quarter_2(quarter_1(activate(x) + view.quarter));
-  x = shuffled(to_half(x));                           // [B, 3F/16, H/2, W/2]
-  return shuffled(out(half(activate(x))), 2 * unit);  // [B, C, H, W]
+  x = sixteenth_2(sixteenth_1(x));                          // [B, F, H/16, W/16]
+  x = from_fine(latents.fine).add_(doubled(to_eighth, x));  // [B, 3F/4, H/8, W/8]
+  x = eighth_2(eighth_1(with_known(activate(std::move(x)), view.eighth)));
+  x = doubled(to_quarter, x);  // [B, 3F/8, H/4, W/4]
+  x = quarter_2(quarter_1(with_known(activate(x), view.quarter)));
+  x = doubled(to_half, x);                                        // [B, 3F/16, H/2, W/2]
+  return torch::pixel_shuffle(out(half(activate(x))), 2 * unit);  // [B, C, H, W]
 }
 
 ImageAutoencoderImpl::ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes,
@@ -89,13 +85,12 @@ ImageAutoencoderImpl::ImageAutoencoderImpl(const ImageShape& shape, const Networ
       decoder(register_module("decoder", ImageDecoder(shape, sizes, numbers))) {}
 
 ImageLatents ImageAutoencoderImpl::encode(const Tensor& x, const View& view) {
-  return encoder((x / kGreyLevels - view.background).contiguous(at::MemoryFormat::ChannelsLast),
-                 view);
+  return encoder(with_known(x / kGreyLevels, -view.background.detach()), view);
 }
 
 Tensor ImageAutoencoderImpl::decode(const ImageLatents& latents, const Tensor& numbers,
                                     const View& view) {
-  return (decoder(latents, numbers, view) + view.background) * kGreyLevels;
+  return with_known(decoder(latents, numbers, view), view.background) * kGreyLevels;
 }
 
 AutoencoderImpl::AutoencoderImpl(const NetworkShape& network) : shape(network) {

@@ -5,13 +5,44 @@ namespace engram::encoders {
 
 using torch::Tensor;
 
+namespace {
+
+constexpr double kSlope = 0.1;
+
+}  // namespace
+
 Tensor activate(const Tensor& x) {
-  constexpr double kSlope = 0.1;
   return torch::leaky_relu(x, kSlope);
+}
+
+Tensor activate(Tensor&& x) {
+  return torch::leaky_relu_(x, kSlope);
 }
 
 Tensor unshuffled(const Tensor& x, int factor) {
   return torch::pixel_unshuffle(x, factor).contiguous(at::MemoryFormat::ChannelsLast);
+}
+
+Tensor halved(torch::nn::Conv2d& conv, const Tensor& x) {
+  const Tensor& weight = conv->weight;
+  return torch::conv2d(x, weight.reshape({weight.size(0), -1, 2, 2}), conv->bias, 2);
+}
+
+Tensor doubled(torch::nn::Conv2d& conv, const Tensor& x) {
+  const int64_t features = conv->weight.size(0) / 4;
+  const Tensor weight = conv->weight.reshape({features, 4, -1}).transpose(0, 1).flatten(0, 1);
+  const Tensor bias = conv->bias.reshape({features, 4}).t().flatten();
+  const Tensor rows = x.permute({0, 2, 3, 1});  // [B, H, W, C]
+  const Tensor all = torch::linear(rows.flatten(0, 2), weight, bias);
+  return all.reshape({x.size(0), x.size(2), x.size(3), 2, 2, features})
+      .permute({0, 1, 3, 2, 4, 5})
+      .reshape({x.size(0), 2 * x.size(2), 2 * x.size(3), features})
+      .permute({0, 3, 1, 2});
+}
+
+Tensor with_known(const Tensor& x, const Tensor& known) {
+  if (known.size(0) == x.size(0) || known.size(0) == 1) return x + known;
+  return (x.unflatten(0, {known.size(0), -1}) + known.unsqueeze(1)).flatten(0, 1);
 }
 
 torch::nn::Conv2d make_conv(int in, int out, int kernel, bool starts_at_zero) {
@@ -42,7 +73,7 @@ ResidualBlockImpl::ResidualBlockImpl(int features)
       second(register_module("second", make_conv(features, features, 3, true))) {}
 
 Tensor ResidualBlockImpl::forward(const Tensor& x) {
-  return x + second(activate(first(x)));
+  return second(activate(first(x))).add_(x);
 }
 
 }  // namespace engram::encoders

@@ -12,8 +12,21 @@ inline constexpr double kGreyLevels = 64.0;
 
 [[nodiscard]] torch::Tensor activate(const torch::Tensor& x);
 
+/// The same in place, of a tensor that is no view and that nothing else needs.
+[[nodiscard]] torch::Tensor activate(torch::Tensor&& x);
+
 /// [B, C, H, W] -> [B, C factor^2, H / factor, W / factor], channels last in memory.
 [[nodiscard]] torch::Tensor unshuffled(const torch::Tensor& x, int factor);
+
+/// `conv`, a 1x1 convolution, of unshuffled(x, 2): of all places of 2 x 2 at once.
+[[nodiscard]] torch::Tensor halved(torch::nn::Conv2d& conv, const torch::Tensor& x);
+
+/// pixel_shuffle(conv(x), 2) of a 1x1 convolution, in runs of channels.
+[[nodiscard]] torch::Tensor doubled(torch::nn::Conv2d& conv, const torch::Tensor& x);
+
+/// Adds what is known of images to several rows of each, one after the other.
+/// Shape: x [N B, C, H, W], known [B, C, H, W].
+[[nodiscard]] torch::Tensor with_known(const torch::Tensor& x, const torch::Tensor& known);
 
 /// A convolution that keeps the size and starts at zero where `starts_at_zero`.
 [[nodiscard]] torch::nn::Conv2d make_conv(int in, int out, int kernel, bool starts_at_zero = false);

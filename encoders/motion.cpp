@@ -70,12 +70,12 @@ std::vector<Tensor> ImageMotionImpl::forward(const Tensor& last, const Tensor& b
   const Tensor expected = (moved - last.unsqueeze(1)).flatten(1, 2) / kGreyLevels;
   const Tensor seen = torch::cat({now, change, change.abs(), expected}, 1);
   const Tensor q = quarter_1(stem(unshuffled(seen, 4 * unit)));  // [B, F, H/4, W/4]
-  const Tensor e = eighth_1(to_eighth(unshuffled(q, 2)));        // [B, 2F, H/8, W/8]
-  Tensor x = to_sixteenth(unshuffled(e, 2));                     // [B, 4F, H/16, W/16]
+  const Tensor e = eighth_1(halved(to_eighth, q));               // [B, 2F, H/8, W/8]
+  Tensor x = halved(to_sixteenth, e);                            // [B, 4F, H/16, W/16]
   if (from_added) x = with_features(x, from_added(added));
   x = sixteenth_3(sixteenth_2(sixteenth_1(x)));
-  x = eighth_2(e + torch::pixel_shuffle(from_sixteenth(x), 2));
-  x = quarter_2(q + torch::pixel_shuffle(from_eighth(x), 2));
+  x = eighth_2(e + doubled(from_sixteenth, x));
+  x = quarter_2(q + doubled(from_eighth, x));
   std::vector<Tensor> images;
   for (const Tensor& step : out(activate(x)).chunk(kSteps, 1)) {
     const Tensor flow = enlarged(step.slice(1, 0, 2), 4 * unit) * (kFlowPixels * unit);

@@ -5,17 +5,6 @@ namespace engram::encoders {
 
 using torch::Tensor;
 
-View View::repeated(int64_t times) const {
-  const auto each = [&](const Tensor& x) { return x.repeat_interleave(times, 0); };
-  return {each(background), each(sixteenth), each(eighth), each(quarter)};
-}
-
-Views repeated(const Views& views, int64_t times) {
-  Views result;
-  for (const View& view : views) result.push_back(view.repeated(times));
-  return result;
-}
-
 PlaceFeaturesImpl::PlaceFeaturesImpl(const ImageShape& shape, const NetworkSizes& sizes)
     : unit(shape.unit) {
   const int a = sizes.width;
@@ -41,9 +30,9 @@ PlaceFeaturesImpl::PlaceFeaturesImpl(const ImageShape& shape, const NetworkSizes
 View PlaceFeaturesImpl::forward(const Tensor& background, const Tensor& scene) {
   const Tensor is_known = (scene >= 0).to(torch::kFloat32).reshape({-1, 1, 1, 1});
   const Tensor q =
-      quarter(activate(stem(unshuffled(background, 4 * unit))));   // [B, 3F/8, H/4, W/4]
-  const Tensor e = eighth(activate(to_eighth(unshuffled(q, 2))));  // [B, F/2, H/8, W/8]
-  const Tensor s = to_sixteenth(unshuffled(e, 2));                 // [B, F, H/16, W/16]
+      quarter(activate(stem(unshuffled(background, 4 * unit))));  // [B, 3F/8, H/4, W/4]
+  const Tensor e = eighth(activate(halved(to_eighth, q)));        // [B, F/2, H/8, W/8]
+  const Tensor s = halved(to_sixteenth, e);                       // [B, F, H/16, W/16]
   return {background, s + place_16.index_select(0, scene.clamp_min(0)) * is_known,
           out_eighth(e) + place_8 * is_known, q + place_4 * is_known};
 }

@@ -10,22 +10,17 @@
 
 namespace engram::encoders {
 
-/// What is known of an image before its latents: the background, and what follows from it. A batch
-/// of one stands for every row.
+/// What is known of images before their latents: the background, and what follows from it. Each row
+/// stands for as many rows of images, one after the other.
 struct View {
   torch::Tensor background;  ///< [B, C, H, W], in units of kGreyLevels.
   torch::Tensor sixteenth;   ///< Features of places: [B, F, H/16, W/16],
   torch::Tensor eighth;      ///< [B, 3F/4, H/8, W/8],
   torch::Tensor quarter;     ///< [B, 3F/8, H/4, W/4], for images of one unit.
-
-  /// Every row so many times, one after the other.
-  [[nodiscard]] View repeated(int64_t times) const;
 };
 
 /// One per image member.
 using Views = std::vector<View>;
-
-[[nodiscard]] Views repeated(const Views& views, int64_t times);
 
 /// What encoder and decoder are told of places: a network that reads the background, and, where the
 /// scene is one that was trained on, what was learned of it by heart. Views that are new, or that

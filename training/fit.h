@@ -25,6 +25,13 @@ class Frozen {
   std::vector<torch::Tensor> parameters_;
 };
 
+/// The next step's are taken as they come, and what has none is left as it is; LibTorch's own
+/// zero_grad fills and adds, or not, depending on its version.
+inline void forget_gradients(torch::optim::Optimizer& optimiser) {
+  for (auto& group : optimiser.param_groups())
+    for (torch::Tensor& parameter : group.params()) parameter.mutable_grad().reset();
+}
+
 inline constexpr double kBitsOfKilobyte = 8000;
 
 /// Elements of all images of a value, in images of 128 x 128 pixels of three channels: bits count

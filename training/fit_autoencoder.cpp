@@ -177,8 +177,8 @@ struct Cost {
 Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
              const encoders::Parts& values, const ChunkViews& chunk_views, bool is_noisy) {
   const encoders::Views views = chunk_views.look(model);
-  const RegularisedLatents all = regulariser.regularise(
-      model.autoencoder->encode(values, encoders::repeated(views, kChunk + 1)), is_noisy);
+  const RegularisedLatents all =
+      regulariser.regularise(model.autoencoder->encode(values, views), is_noisy);
   const auto now_part = [](const Tensor& x) { return of_chunks(x, 1, kChunk + 1); };
   const Latents now = part_of(all.coded, now_part);
   const Latents last = part_of(all.coded, [](const Tensor& x) { return of_chunks(x, 0, kChunk); });
@@ -186,8 +186,7 @@ Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
   Cost cost;
   cost.bits = model.dynamics->bits(now, last, before);
   cost.latents = all.cost.dim() > 0 ? now_part(all.cost) : all.cost;
-  const encoders::Parts decoded =
-      model.autoencoder->decode(part_of(all.decoded, now_part), encoders::repeated(views, kChunk));
+  const encoders::Parts decoded = model.autoencoder->decode(part_of(all.decoded, now_part), views);
   std::vector<Tensor> errors;
   for (size_t i = 0; i < values.images.size(); ++i)
     errors.push_back((decoded.images[i] - now_part(values.images[i])).square().mean({1, 2, 3}));
@@ -279,7 +278,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     const Cost cost = cost_of(model, *regulariser, values, views, share < kNoiseShare);
     const Tensor costs =
         cost.error.mean(1) * price.value() + (cost.bits / kBitsOfKilobyte + cost.latents) / size;
-    optimiser.zero_grad();
+    forget_gradients(optimiser);
     (costs * batch.weights).mean().backward();
     if (rounded) rounded->restore();
     torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);

@@ -69,7 +69,7 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
     auto& group = optimiser.param_groups()[0].options();
     static_cast<torch::optim::AdamOptions&>(group).lr(kPeakRate * learning_rate_share(share));
-    optimiser.zero_grad();
+    forget_gradients(optimiser);
     const auto futures = encoders::roll_out(
         model.autoencoder, model.dynamics, data.batch(model.autoencoder->shape, now),
         latents.rows(now), latents.rows(now - 1), kTrainedHorizons);

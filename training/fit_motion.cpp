@@ -164,7 +164,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
     const Tensor now = windows.index_select(
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
     const Tensor features = features_of(model, data, now);
-    optimiser.zero_grad();
+    forget_gradients(optimiser);
     Tensor loss = torch::zeros({});
     for (size_t i = 0; i < images.size(); ++i)
       loss = loss + loss_of(images[i]->motion, draw(data, shape, i, moved[i], now), features);

@@ -105,9 +105,6 @@ void set_moments(Moments moments, const std::vector<Tensor>& tensors,
   for (size_t i = 0; i < moments.size(); ++i) {
     if (!moments[i]) continue;
     optimiser.state()[key_of(tensors[i])] = std::move(moments[i]);
-    // Its gradient was known before: where the next step has none for it, it is zero, not missing.
-    Tensor tensor = tensors[i];
-    tensor.mutable_grad() = torch::zeros_like(tensor);
   }
 }
 

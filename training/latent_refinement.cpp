@@ -70,7 +70,7 @@ class Refinement {
       auto& group = optimiser.param_groups()[0].options();
       static_cast<torch::optim::AdamOptions&>(group).lr(kPeakRate * 0.5 *
                                                         (1 + std::cos(std::numbers::pi * share)));
-      optimiser.zero_grad();
+      forget_gradients(optimiser);
       cost().backward();
       optimiser.step();
     }

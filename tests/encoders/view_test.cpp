@@ -71,18 +71,25 @@ TEST(Views, OfABackgroundOfItsOwnAreNotTheScene) {
                   .background.equal(autoencoder->images[0]->background.slice(0, 1, 2)));
 }
 
-TEST(Views, OfOneRowStandForAll) {
-  Autoencoder autoencoder(network_of(1));
+TEST(Views, StandForSeveralRowsEach) {
+  Autoencoder autoencoder(network_of(2));
   torch::NoGradGuard no_grad;
-  const Tensor scene = torch::zeros({3}, torch::kLong);
-  const Parts values{{torch::rand({3, 3, 32, 48}) * 255}, Tensor(), scene};
-  const Views one = autoencoder->views_of(scene, {});
-  EXPECT_EQ(one.front().background.size(0), 1);
-  const Latents together = autoencoder->encode(values, one);
-  const Latents each = autoencoder->encode(values, repeated(one, 3));
-  EXPECT_TRUE(torch::allclose(together.images[0].coarse, each.images[0].coarse, 1e-4, 1e-4));
-  EXPECT_TRUE(torch::allclose(autoencoder->decode(together, one).images[0],
-                              autoencoder->decode(each, repeated(one, 3)).images[0], 1e-4, 1e-2));
+  autoencoder->images[0]->background.copy_(torch::rand({2, 3, 32, 48}));
+  autoencoder->images[0]->places->place_16.slice(0, 1).fill_(0.5);
+  const Tensor images = torch::rand({6, 3, 32, 48}) * 255;
+  const Tensor scenes = torch::tensor({0, 1}, torch::kLong);
+  const auto rows = [&](const Tensor& x) { return Parts{{x}, Tensor(), scenes}; };
+  const Views both = autoencoder->look(scenes, {});
+  const Latents together = autoencoder->encode(rows(images), both);
+  const Tensor decoded = autoencoder->decode(together, both).images[0];
+  for (int64_t row = 0; row < 6; ++row) {
+    const Views own = autoencoder->look(scene_of(row / 3), {});
+    const Latents alone = autoencoder->encode(rows(images.slice(0, row, row + 1)), own);
+    EXPECT_TRUE(torch::allclose(together.images[0].coarse.slice(0, row, row + 1),
+                                alone.images[0].coarse, 1e-4, 1e-4));
+    EXPECT_TRUE(torch::allclose(decoded.slice(0, row, row + 1),
+                                autoencoder->decode(alone, own).images[0], 1e-4, 1e-2));
+  }
 }
 
 }  // namespace

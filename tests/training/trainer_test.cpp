@@ -34,7 +34,7 @@ TEST(Trainer, OverfitsOneBatch) {
   const auto source = scene_source(8, 1, true, false);
   auto options = quick_options(2);
   const auto first = train_model(source, options, before.path(), {}, {});
-  options.steps = 470;
+  options.steps = 700;
   const auto last = train_model(source, options, after.path(), {}, {});
   ASSERT_TRUE(first.ok()) << first.status().to_string();
   ASSERT_TRUE(last.ok()) << last.status().to_string();
@@ -42,7 +42,7 @@ TEST(Trainer, OverfitsOneBatch) {
   auto model = encoders::load_model(after.path());
   ASSERT_TRUE(model.ok()) << model.status().to_string();
   const double psnr = psnr_db(reconstruction_error(source, *model->encoder).image_mse);
-  EXPECT_GT(psnr, 30.0);
+  EXPECT_GT(psnr, 31.0);
   RecordProperty("psnr_db", std::to_string(psnr));
 }
 
