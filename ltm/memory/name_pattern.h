@@ -38,6 +38,10 @@ class NamePattern {
   static Result<NamePattern> parse(std::string_view text);
 
   [[nodiscard]] Kind kind() const { return kind_; }
+
+  /// The name, of a pattern of kName; else the expression without needless escapes.
+  [[nodiscard]] const std::string& text() const { return text_; }
+
   [[nodiscard]] bool matches(std::string_view name) const;
 
   /// What parse reads back to the same pattern; `/`, `;`, `@` and spaces at the ends are escaped,
@@ -53,7 +57,7 @@ class NamePattern {
   NamePattern(Kind kind, std::string text) : kind_(kind), text_(std::move(text)) {}
 
   Kind kind_ = Kind::kAll;
-  std::string text_ = ".*";  ///< The name, or the expression without needless escapes.
+  std::string text_ = ".*";                     ///< See text().
   std::shared_ptr<const re2::RE2> expression_;  ///< Of kRegex only.
 };
 
