@@ -20,7 +20,7 @@ DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults fuzz check-headers clean \
-        experiments recorder-bars store-scale store-readers store-peers number-bars codec-bars \
+        experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
         latent-trial training-speed learning-bars
 
 help:
@@ -38,6 +38,7 @@ help:
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
 	@echo "make learning-bars   what learning reaches on recordings, hours (RECORDINGS, BARS=options)"
+	@echo "make forecast-bars   how well joints are predicted from their past (RECORDINGS)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
@@ -102,6 +103,9 @@ store-readers: experiments
 
 number-bars: experiments
 	$(MEASURE) learning/number_bars --json number_bars.json $(BARS)
+
+forecast-bars: experiments
+	$(MEASURE) learning/forecast_bars --json forecast_bars.json $(BARS)
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)

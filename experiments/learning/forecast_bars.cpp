@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well joint positions are predicted from their past: each recording left out in turn, the
+// others known before it, its rows coming one by one.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "learning/number_data.h"
+#include "server/prediction/series_forecaster.h"
+#include "store/measure.h"
+#include "store/report.h"
+
+namespace engram::experiments {
+namespace {
+
+constexpr double kRowsPerSecond = 30;
+/// Most that the choice may be worse than the best engine, and least below the last value.
+constexpr double kMostAbove = 0.02;
+struct Horizon {
+  double seconds = 0;
+  double least_below = 0;
+};
+constexpr Horizon kHorizons[] = {{0.2, 0.30}, {0.4, 0.25}, {1.0, 0.10}};
+
+struct Arguments {
+  std::filesystem::path folder;
+  std::vector<std::string> prefixes{"state."};
+  std::string json;
+};
+
+Duration seconds(double count) {
+  return std::chrono::round<Duration>(std::chrono::duration<double>(count));
+}
+
+std::span<const double> row_of(const NumberRecording& recording, size_t row) {
+  const size_t width = recording.columns.size();
+  return std::span(recording.rows).subspan(row * width, width);
+}
+
+/// Squared errors by engine; "auto" is what was chosen.
+struct Errors {
+  std::map<std::string, double> sums;
+  double numbers = 0;
+
+  [[nodiscard]] double rmse(const std::string& engine) const {
+    return std::sqrt(sums.at(engine) / numbers);
+  }
+};
+
+Status add_errors(server::SeriesForecaster& forecaster, const NumberRecording& recording,
+                  size_t row, double horizon_s, Errors& errors) {
+  const auto then = static_cast<size_t>(std::lround(horizon_s * kRowsPerSecond)) + row;
+  if (then >= recording.count()) return {};
+  const auto truth = row_of(recording, then);
+  std::vector<std::string> engines{""};
+  for (const auto& record : forecaster.records(seconds(horizon_s)))
+    engines.push_back(record.engine);
+  for (const std::string& engine : engines) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto predicted, forecaster.predict(seconds(horizon_s), engine));
+    double sum = 0;
+    for (size_t i = 0; i < truth.size(); ++i) sum += std::pow(predicted.values[i] - truth[i], 2);
+    errors.sums[engine.empty() ? "auto" : engine] += sum;
+  }
+  errors.numbers += static_cast<double>(truth.size());
+  return {};
+}
+
+/// Recordings lie a minute apart; the left-out one comes last.
+Status add_fold(const std::vector<NumberRecording>& recordings, size_t left_out,
+                std::vector<Errors>& errors) {
+  server::NumberSeries series(recordings[left_out].columns.size());
+  double start = 0;
+  const auto add = [&](const NumberRecording& recording, size_t row) {
+    return series.add(Time(seconds(start + static_cast<double>(row) / kRowsPerSecond)),
+                      row_of(recording, row));
+  };
+  for (size_t i = 0; i < recordings.size(); ++i) {
+    if (i == left_out) continue;
+    for (size_t row = 0; row < recordings[i].count(); ++row)
+      ENGRAM_RETURN_IF_ERROR(add(recordings[i], row));
+    start += 60 + static_cast<double>(recordings[i].count()) / kRowsPerSecond;
+  }
+  server::SeriesForecaster forecaster(series);
+  for (size_t row = 0; row < recordings[left_out].count(); ++row) {
+    ENGRAM_RETURN_IF_ERROR(add(recordings[left_out], row));
+    if (row < 4) continue;  // A line needs five.
+    for (size_t h = 0; h < errors.size(); ++h)
+      ENGRAM_RETURN_IF_ERROR(
+          add_errors(forecaster, recordings[left_out], row, kHorizons[h].seconds, errors[h]));
+  }
+  return {};
+}
+
+void show(const std::vector<Errors>& errors, nlohmann::json& json) {
+  std::vector<std::string> head{"RMSE"};
+  for (const Horizon& horizon : kHorizons) head.push_back(fmt::format("{} s", horizon.seconds));
+  TextTable table(head);
+  for (const auto& [engine, sum] : errors.front().sums) {
+    std::vector<std::string> cells{engine};
+    for (size_t h = 0; h < errors.size(); ++h) {
+      const double rmse = errors[h].rmse(engine);
+      cells.push_back(fmt::format("{:.4f}", rmse));
+      json[engine][fmt::format("{}", kHorizons[h].seconds)] = rmse;
+    }
+    table.add(cells);
+  }
+  fmt::print("{}", table.to_string());
+  for (size_t h = 0; h < errors.size(); ++h) {
+    double best = errors[h].rmse("copy-last");
+    for (const auto& [engine, sum] : errors[h].sums)
+      if (engine != "auto") best = std::min(best, errors[h].rmse(engine));
+    const double below = 1 - errors[h].rmse("auto") / errors[h].rmse("copy-last");
+    const double above = errors[h].rmse("auto") / best - 1;
+    fmt::print(
+        "{} s: {:.1f} % below the last value (needs {:.0f}), {:+.1f} % beside the best engine "
+        "(at most {:.0f}): {}\n",
+        kHorizons[h].seconds, 100 * below, 100 * kHorizons[h].least_below, 100 * above,
+        100 * kMostAbove, verdict(below >= kHorizons[h].least_below && above <= kMostAbove));
+  }
+}
+
+Status run(const Arguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto recordings,
+                          read_numbers(arguments.folder, arguments.prefixes, 1));
+  std::vector<Errors> errors(std::size(kHorizons));
+  for (size_t left_out = 0; left_out < recordings.size(); ++left_out)
+    ENGRAM_RETURN_IF_ERROR(add_fold(recordings, left_out, errors));
+  fmt::print("{} numbers, {} recordings, each left out in turn\n\n", recordings[0].columns.size(),
+             recordings.size());
+  nlohmann::json json;
+  show(errors, json);
+  return write_json(arguments.json, json);
+}
+
+}  // namespace
+}  // namespace engram::experiments
+
+int main(int count, char** values) {
+  using namespace engram::experiments;
+  Arguments arguments;
+  arguments.folder = recordings_folder();
+  CLI::App app("How well joint positions are predicted from their past");
+  app.add_option("--recordings", arguments.folder, "folder with CSV files (ENGRAM_RECORDINGS)");
+  app.add_option("--prefix", arguments.prefixes, "columns that begin so")->capture_default_str();
+  app.add_option("--json", arguments.json, "write figures there");
+  CLI11_PARSE(app, count, values);
+  return exit_code("forecast_bars", run(arguments));
+}
