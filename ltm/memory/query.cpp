@@ -149,4 +149,25 @@ std::vector<SnapshotQuery> Query::snapshots_of(const MemoryId& entity) const {
   return found;
 }
 
+std::optional<std::vector<MemoryId>> Query::named_entities() const {
+  std::vector<MemoryId> ids;
+  const auto is_name = [](const auto& level) {
+    return level.name.kind() == NamePattern::Kind::kName;
+  };
+  for (const auto& memory : memories_)
+    for (const auto& core : memory.below)
+      for (const auto& provider : core.below)
+        for (const auto& entity : provider.below) {
+          if (!is_name(memory) || !is_name(core) || !is_name(provider) || !is_name(entity))
+            return std::nullopt;
+          auto id = MemoryId::from_names(
+              {memory.name.text(), core.name.text(), provider.name.text(), entity.name.text()});
+          if (!id.ok()) return std::nullopt;
+          ids.push_back(*std::move(id));
+        }
+  std::ranges::sort(ids);
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
 }  // namespace engram::ltm

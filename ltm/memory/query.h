@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -94,6 +95,10 @@ class Query {
 
   /// What parse reads back to the same tree.
   [[nodiscard]] std::string to_string() const;
+
+  /// The entities that it names letter by letter, in order, each once; nothing where any of its
+  /// names is a pattern.
+  [[nodiscard]] std::optional<std::vector<MemoryId>> named_entities() const;
 
   /// The text form as a value.
   [[nodiscard]] idf::Data to_data() const { return to_string(); }

@@ -79,7 +79,7 @@ SegmentTypes SegmentTypes::of_entities(const std::vector<MemoryId>& entities) co
 Result<ReinterpretedValue> SegmentTypes::reinterpret(const MemoryId& entity,
                                                      const idf::Data& value) const {
   const idf::Type* type = of_entity(entity);
-  if (type == nullptr || idf::check(value, *type).empty()) return ReinterpretedValue{value, {}};
+  if (type == nullptr || idf::check(value, *type).empty()) return ReinterpretedValue{value, {}, false};
   idf::CastResult cast = idf::cast(value, *type);
   std::vector<idf::Mismatch> mismatches;
   for (const idf::CastNote& note : cast.notes)
@@ -87,7 +87,7 @@ Result<ReinterpretedValue> SegmentTypes::reinterpret(const MemoryId& entity,
   if (const Status status = idf::to_status(mismatches); !status.ok())
     return status.with_context(
         fmt::format("'{}' is not of its segment's type", entity.to_string()));
-  return ReinterpretedValue{std::move(cast.value), std::move(cast.notes)};
+  return ReinterpretedValue{std::move(cast.value), std::move(cast.notes), true};
 }
 
 idf::Data SegmentTypes::to_data() const {

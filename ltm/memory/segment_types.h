@@ -15,6 +15,7 @@ struct ReinterpretedValue {
   idf::Data value;
   /// Members that the type does not know and `value` has no more, and numbers that were rounded.
   std::vector<idf::CastNote> notes;
+  bool is_cast = false;  ///< It is not as it came.
 };
 
 /// What the values of core and provider segments are: a core segment has a core type, its provider

@@ -7,12 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "ltm/memory/snapshot.h"
+#include "server/memory/held_snapshot.h"
 
 namespace engram::server {
-
-/// A snapshot that is shared with whoever reads it, and never changes.
-using SharedSnapshot = std::shared_ptr<const ltm::Snapshot>;
 
 /// The snapshots of one entity that are in working memory, in the order of time.
 ///

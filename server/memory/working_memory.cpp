@@ -23,22 +23,33 @@ namespace {
 /// Entities that are compared for one that leaves.
 constexpr size_t kCompared = 16;
 
-/// The times of an entity's snapshots in working memory.
+/// The times of an entity's snapshots in working memory, and whether an answer was asked for that
+/// those up to `elsewhere`, which are not all here, could change.
 class HistoryMoments final : public ltm::Moments {
  public:
-  explicit HistoryMoments(const EntityHistory& history) : history_(history) {}
+  HistoryMoments(const EntityHistory& history, std::optional<Time> elsewhere)
+      : history_(history), elsewhere_(elsewhere) {}
 
-  [[nodiscard]] std::optional<Time> first() const override { return time_of(0); }
-  [[nodiscard]] std::optional<Time> last() const override { return time_of(history_.size() - 1); }
+  [[nodiscard]] bool reaches_elsewhere() const { return reaches_elsewhere_; }
+
+  [[nodiscard]] std::optional<Time> first() const override {
+    if (elsewhere_) reaches_elsewhere_ = true;
+    return time_of(0);
+  }
+  [[nodiscard]] std::optional<Time> last() const override {
+    return unless_earlier(time_of(history_.size() - 1));
+  }
   Result<std::optional<Time>> at_or_after(Time time) override {
+    if (elsewhere_ && time <= *elsewhere_) reaches_elsewhere_ = true;
     return time_of(history_.lower_bound(time));
   }
   Result<std::optional<Time>> at_or_before(Time time) override {
     const size_t index = history_.lower_bound(time);
     const bool is_it = index < history_.size() && history_[index].time == time;
-    return time_of(is_it ? index : index - 1);
+    return unless_earlier(time_of(is_it ? index : index - 1));
   }
   Result<std::optional<Time>> nth(uint64_t index) override {
+    if (elsewhere_) reaches_elsewhere_ = true;
     return index < history_.size() ? time_of(static_cast<size_t>(index)) : std::nullopt;
   }
 
@@ -48,29 +59,16 @@ class HistoryMoments final : public ltm::Moments {
     return index < history_.size() ? std::optional(history_[index].time) : std::nullopt;
   }
 
-  const EntityHistory& history_;
-};
+  /// A later one could lie elsewhere.
+  [[nodiscard]] std::optional<Time> unless_earlier(std::optional<Time> time) const {
+    if (elsewhere_ && (!time || *time < *elsewhere_)) reaches_elsewhere_ = true;
+    return time;
+  }
 
-/// The entities that a query names letter by letter; nothing where it has patterns.
-std::optional<std::vector<MemoryId>> named_entities(const ltm::Query& query) {
-  std::vector<MemoryId> ids;
-  const auto is_name = [](const auto& level) {
-    return level.name.kind() == ltm::NamePattern::Kind::kName;
-  };
-  for (const auto& memory : query.memories())
-    for (const auto& core : memory.below)
-      for (const auto& provider : core.below)
-        for (const auto& entity : provider.below) {
-          if (!is_name(memory) || !is_name(core) || !is_name(provider) || !is_name(entity))
-            return std::nullopt;
-          auto id = MemoryId::from_names(
-              {memory.name.text(), core.name.text(), provider.name.text(), entity.name.text()});
-          if (!id.ok()) return std::nullopt;
-          ids.push_back(*std::move(id));
-        }
-  std::ranges::sort(ids);
-  return ids;
-}
+  const EntityHistory& history_;
+  const std::optional<Time> elsewhere_;
+  mutable bool reaches_elsewhere_ = false;
+};
 
 /// A snapshot on its way in.
 struct Arrival {
@@ -96,6 +94,27 @@ void find_links(Arrival& arrival, const idf::Type* type) {
   std::ranges::sort(arrival.links);
   const auto same = std::ranges::unique(arrival.links);
   arrival.links.erase(same.begin(), same.end());
+}
+
+/// Makes the values what their segment's type wants. Returns how many lost something by it.
+Result<size_t> reinterpret(HeldSnapshot& held, const idf::Type* type,
+                           const ltm::SegmentTypes& types) {
+  size_t lost = 0;
+  if (type == nullptr) return lost;
+  for (ltm::Instance& instance : held.instances) {
+    ENGRAM_ASSIGN_OR_RETURN(auto value, types.reinterpret(held.entity, instance.data));
+    if (value.is_cast) held.encoded.clear();
+    if (!value.notes.empty()) ++lost;
+    instance.data = std::move(value.value);
+  }
+  return lost;
+}
+
+size_t plain_bytes(const HeldSnapshot& held) {
+  if (held.encoded.empty()) return held.raw_bytes();
+  size_t bytes = 0;
+  for (const Buffer& data : held.encoded) bytes += data.size();
+  return bytes;
 }
 
 }  // namespace
@@ -143,6 +162,7 @@ struct WorkingMemory::State {
   std::unordered_map<MemoryId, KeptEntity*> by_id;
   std::deque<LimitedPart> parts;  ///< The first: all.
   std::deque<Waiting> waiting;
+  uint64_t queued = 0;  ///< That ever waited.
   MemoryCounters counts;
   mutable std::atomic<uint64_t> reads{0};
   std::minstd_rand random;
@@ -200,6 +220,7 @@ struct WorkingMemory::State {
   void queue(EntityHistory::Entry& entry) {
     if (entry.is_queued || entry.is_stored) return;
     entry.is_queued = true;
+    ++queued;
     waiting.push_back({entry.snapshot, entry.bytes});
     counts.waiting_bytes += entry.bytes;
   }
@@ -239,7 +260,7 @@ struct WorkingMemory::State {
       while (part.is_exceeded() && !part.members.empty()) choose_oldest(most_gainful(part, now));
   }
 
-  void put(Arrival arrival, Time now) {
+  void put(Arrival arrival, Time now, bool to_store) {
     KeptEntity& entity = entity_of(arrival.snapshot->entity);
     EntityHistory::Entry entry(std::move(arrival.snapshot), now, arrival.bytes);
     auto placed = entity.history.put(std::move(entry));
@@ -257,7 +278,7 @@ struct WorkingMemory::State {
         options.mode == StoreMode::kLatest &&
         (entity.last_queued == Time::min() || now - entity.last_queued >= options.store_interval);
     if (is_due) entity.last_queued = now;
-    if (options.mode == StoreMode::kEverything || is_due || (placed.is_leaving && must_store()))
+    if (to_store || options.mode == StoreMode::kEverything || is_due || (placed.is_leaving && must_store()))
       queue(added);
     const bool is_newest = placed.index + 1 == entity.history.size();
     if (arrival.has_links && is_newest) link(entity, arrival.links);
@@ -287,12 +308,17 @@ struct WorkingMemory::State {
     forget_if_empty(*entity);
   }
 
-  void select(const KeptEntity& entity, const ltm::Query& query,
+  void select(const KeptEntity& entity, const ltm::Query& query, const KnownElsewhere& elsewhere,
               std::vector<SelectedEntity>& selected) const {
-    HistoryMoments moments(entity.history);
+    HistoryMoments moments(entity.history, elsewhere ? elsewhere(entity.id) : std::nullopt);
     SelectedEntity one{entity.id, {}, {}, {}};
     // Moments in memory do not fail.
     auto asked = ltm::select_snapshots(query.snapshots_of(entity.id), moments);
+    if (moments.reaches_elsewhere()) {
+      one.reaches_elsewhere = true;
+      selected.push_back(std::move(one));
+      return;
+    }
     for (ltm::SelectedSnapshot& snapshot : asked.value()) {
       if (snapshot.is_future) {
         one.future.push_back(snapshot.time);
@@ -325,7 +351,8 @@ Status WorkingMemory::declare(const MemoryId& segment, const idf::Type& type) {
   return state_->types.declare(segment, type);
 }
 
-Status WorkingMemory::commit(ltm::Commit commit) {
+Result<Admission> WorkingMemory::admit(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded,
+                                       bool to_store) {
   State& state = *state_;
   const auto refuse = [&state](Status status) {
     const std::unique_lock lock(state.mutex);
@@ -333,27 +360,31 @@ Status WorkingMemory::commit(ltm::Commit commit) {
     return status;
   };
   if (Status status = commit.check(); !status.ok()) return refuse(std::move(status));
+  ENGRAM_CHECK(encoded.empty() || encoded.size() == commit.updates.size(),
+               "bytes of {} updates came with {}", encoded.size(), commit.updates.size());
   const Time now = state.clock();
   std::vector<Arrival> arrivals;
+  arrivals.reserve(commit.updates.size());
   uint64_t reinterpreted = 0;
   const auto prepare = [&]() -> Status {
     const std::shared_lock lock(state.mutex);
-    for (Snapshot& update : commit.updates) {
-      const idf::Type* type = state.types.of_entity(update.entity);
-      for (ltm::Instance& instance : update.instances) {
-        instance.metadata.arrived = now;
-        if (type == nullptr) continue;
-        ENGRAM_ASSIGN_OR_RETURN(auto value, state.types.reinterpret(update.entity, instance.data));
-        if (!value.notes.empty()) ++reinterpreted;
-        instance.data = std::move(value.value);
-      }
-      const size_t bytes = update.raw_bytes() + kSnapshotOverhead;
-      arrivals.push_back({std::make_shared<const Snapshot>(std::move(update)), bytes, {}, false});
+    for (size_t i = 0; i < commit.updates.size(); ++i) {
+      HeldSnapshot held{std::move(commit.updates[i]), {}};
+      if (!encoded.empty()) held.encoded = std::move(encoded[i]);
+      const idf::Type* type = state.types.of_entity(held.entity);
+      ENGRAM_ASSIGN_OR_RETURN(const size_t cast, reinterpret(held, type, state.types));
+      reinterpreted += cast;
+      for (ltm::Instance& instance : held.instances) instance.metadata.arrived = now;
+      const size_t bytes = plain_bytes(held) + kSnapshotOverhead;
+      arrivals.push_back({std::make_shared<const HeldSnapshot>(std::move(held)), bytes, {}, false});
       find_links(arrivals.back(), type);
     }
     return {};
   };
   if (Status status = prepare(); !status.ok()) return refuse(std::move(status));
+  Admission admission;
+  admission.snapshots.reserve(arrivals.size());
+  for (const Arrival& arrival : arrivals) admission.snapshots.push_back(arrival.snapshot);
   const std::unique_lock lock(state.mutex);
   if (state.counts.waiting_bytes > state.options.most_waiting_bytes) {
     ++state.counts.refused;
@@ -363,9 +394,15 @@ Status WorkingMemory::commit(ltm::Commit commit) {
         state.counts.waiting_bytes, state.waiting.size(), state.options.most_waiting_bytes);
   }
   state.counts.reinterpreted += reinterpreted;
-  for (Arrival& arrival : arrivals) state.put(std::move(arrival), now);
+  for (Arrival& arrival : arrivals) state.put(std::move(arrival), now, to_store);
   state.keep_limits(now);
-  return {};
+  admission.queued = state.queued;
+  return admission;
+}
+
+uint64_t WorkingMemory::taken() const {
+  const std::shared_lock lock(state_->mutex);
+  return state_->queued - state_->waiting.size();
 }
 
 SharedSnapshot WorkingMemory::find(const MemoryId& id) const {
@@ -383,18 +420,30 @@ SharedSnapshot WorkingMemory::find(const MemoryId& id) const {
   return entity->history[*index].snapshot;
 }
 
-std::vector<SelectedEntity> WorkingMemory::select(const ltm::Query& query) const {
+std::vector<SelectedEntity> WorkingMemory::select(const ltm::Query& query,
+                                                  const KnownElsewhere& elsewhere) const {
   std::vector<SelectedEntity> selected;
-  const auto names = named_entities(query);
+  const auto names = query.named_entities();
   const std::shared_lock lock(state_->mutex);
   if (names) {
     for (const MemoryId& id : *names)
-      if (const KeptEntity* entity = state_->find(id)) state_->select(*entity, query, selected);
+      if (const KeptEntity* entity = state_->find(id))
+        state_->select(*entity, query, elsewhere, selected);
     return selected;
   }
   for (const auto& [id, entity] : state_->entities)
-    if (query.matches(id)) state_->select(*entity, query, selected);
+    if (query.matches(id)) state_->select(*entity, query, elsewhere, selected);
   return selected;
+}
+
+std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity) const {
+  std::vector<SharedSnapshot> all;
+  const std::shared_lock lock(state_->mutex);
+  const KeptEntity* kept = state_->find(entity);
+  if (kept == nullptr) return all;
+  all.reserve(kept->history.size());
+  for (size_t i = 0; i < kept->history.size(); ++i) all.push_back(kept->history[i].snapshot);
+  return all;
 }
 
 ltm::QueryResult WorkingMemory::query(const ltm::Query& query) const {

@@ -41,6 +41,13 @@ struct MemoryCounters {
   uint64_t reads = 0;          ///< Given out with their data.
 };
 
+/// What became of a commit.
+struct Admission {
+  std::vector<SharedSnapshot> snapshots;  ///< As they are in memory now, in the order of updates.
+  /// What WorkingMemory::taken() reaches when the online phase has all that waits now.
+  uint64_t queued = 0;
+};
+
 /// The snapshots of one entity that a query asks for.
 struct SelectedEntity {
   ltm::MemoryId entity;
@@ -49,7 +56,12 @@ struct SelectedEntity {
   std::vector<std::vector<int32_t>> instances;
   /// Moments after the last snapshot that are asked for: to be predicted.
   std::vector<Time> future;
+  /// What is asked for may lie elsewhere too, see select(): the rest of this says nothing.
+  bool reaches_elsewhere = false;
 };
+
+/// Until when snapshots of an entity are known elsewhere; nothing where none is.
+using KnownElsewhere = std::function<std::optional<Time>(const ltm::MemoryId& entity)>;
 
 /// What a robot knows right now: plain data, nothing filtered or encoded, bounded, in RAM. What is
 /// given out is shared, never copied.
@@ -90,13 +102,28 @@ class WorkingMemory {
   /// All of it or nothing. `arrived` of every instance becomes the time of now.
   /// Errors: those of ltm::Commit::check and ltm::SegmentTypes::reinterpret; kResourceExhausted
   /// where too much waits for the online phase.
-  Status commit(ltm::Commit commit);
+  Status commit(ltm::Commit commit) { return admit(std::move(commit)).status(); }
+
+  /// The same. With `encoded`, the data of each instance of each update as it came, in IDF's binary
+  /// form, these bytes are kept beside the values for as long as they say the same. With `to_store`
+  /// the online phase gets it whatever the mode.
+  Result<Admission> admit(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded = {},
+                          bool to_store = false);
+
+  /// How many of those that ever waited the online phase took.
+  [[nodiscard]] uint64_t taken() const;
 
   /// The newest snapshot of an entity, or the one of exactly that time; null where there is none.
   [[nodiscard]] SharedSnapshot find(const ltm::MemoryId& id) const;
 
   /// What is asked for and is here. Entities that match and have no such snapshot are in it too.
-  [[nodiscard]] std::vector<SelectedEntity> select(const ltm::Query& query) const;
+  /// With `elsewhere`, entities are marked of which these alone do not tell what is asked for.
+  [[nodiscard]] std::vector<SelectedEntity> select(const ltm::Query& query,
+                                                   const KnownElsewhere& elsewhere = {}) const;
+
+  /// All snapshots of an entity, in the order of time. Counts as no read.
+  /// Complexity: O(n).
+  [[nodiscard]] std::vector<SharedSnapshot> all_of(const ltm::MemoryId& entity) const;
 
   /// The same as an answer, without the moments that are to be predicted.
   [[nodiscard]] ltm::QueryResult query(const ltm::Query& query) const;

@@ -12,7 +12,7 @@ namespace {
 
 EntityHistory::Entry entry(int64_t at) {
   const ltm::Snapshot snapshot{*ltm::MemoryId::parse("A/b/c/d"), time_from_ns(at), {{at, {}}}};
-  return {std::make_shared<const ltm::Snapshot>(snapshot), Time(), 8};
+  return {std::make_shared<const HeldSnapshot>(HeldSnapshot{snapshot, {}}), Time(), 8};
 }
 
 std::vector<int64_t> times(const EntityHistory& history) {

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "ltm/core/buffer.h"
+#include "ltm/memory/snapshot.h"
+
+namespace engram::server {
+
+/// A snapshot of working memory, and the bytes as which it came.
+struct HeldSnapshot : ltm::Snapshot {
+  /// The data of each instance in IDF's binary form; empty where it did not come so.
+  std::vector<Buffer> encoded;
+};
+
+/// A snapshot that is shared with whoever reads it, and never changes.
+using SharedSnapshot = std::shared_ptr<const HeldSnapshot>;
+
+}  // namespace engram::server
