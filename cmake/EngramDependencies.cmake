@@ -21,6 +21,14 @@ pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)
 find_package(CLI11 REQUIRED)
 find_package(Threads REQUIRED)
 
+if(ENGRAM_SERVER)
+  find_package(Protobuf REQUIRED)
+  # Debian's gRPCConfig.cmake names targets that Debian does not have.
+  pkg_check_modules(grpcpp REQUIRED IMPORTED_TARGET grpc++)
+  find_library(ENGRAM_GRPC_REFLECTION grpc++_reflection REQUIRED)
+  find_program(ENGRAM_GRPC_PLUGIN grpc_cpp_plugin REQUIRED)
+endif()
+
 if(ENGRAM_LEARNING)
   find_package(Torch REQUIRED)
   # LibTorch multiplies matrices through the system's BLAS. With the reference BLAS it reaches

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/query_stream.h"
+
+#include <engram/v1/memory.pb.h>
+
+#include "server/wire/byte_message.h"
+#include "server/wire/wire_answer.h"
+#include "server/wire/wire_snapshot.h"
+
+namespace engram::server {
+
+namespace {
+
+/// Of an answer that comes in parts: one alone may be as large as its largest snapshot.
+constexpr size_t kPartBytes = size_t{1} << 20;
+
+}  // namespace
+
+Status QueryStream::on_request(grpc::ByteBuffer& request) {
+  v1::QueryRequest message;
+  ENGRAM_RETURN_IF_ERROR(read_message(request, message));
+  const uint64_t number = message.number();
+  auto query = ltm::Query::parse(message.query());
+  if (!query.ok()) {
+    answer(number, query.status());
+    return {};
+  }
+  if (message.engine().empty()) {
+    if (auto known = context_.service.query_memory(*query)) {
+      answer(number, *std::move(known));
+      return {};
+    }
+  }
+  promise();
+  context_.work.add([kept = shared_from_this(), this, number, query = *std::move(query),
+                     engine = message.engine()] {
+    answer(number, context_.service.query(query, engine));
+    fulfil();
+  });
+  return {};
+}
+
+void QueryStream::answer(uint64_t number, const Result<ServedAnswer>& answer) {
+  Status status = answer.status();
+  if (answer.ok())
+    status = write_answer(number, *answer, kPartBytes,
+                          [this](const WireBytes& part) { send(part.to_byte_buffer()); });
+  if (status.ok()) return;
+  v1::QueryReply reply;
+  reply.set_number(number);
+  reply.set_is_last(true);
+  *reply.mutable_outcome() = to_outcome(status);
+  send(to_bytes(reply));
+}
+
+}  // namespace engram::server

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/reply_stream.h"
+
+#include "server/wire/wire_status.h"
+
+namespace engram::server {
+
+void ReplyStream::begin() {
+  self_ = shared_from_this();
+  {
+    const std::scoped_lock lock(mutex_);
+    is_reading_ = true;
+  }
+  StartRead(&request_);
+}
+
+void ReplyStream::OnReadDone(bool ok) {
+  Status status;
+  if (ok) status = on_request(request_);
+  request_.Clear();
+  std::unique_lock lock(mutex_);
+  is_reading_ = false;
+  if (!status.ok() && status_.ok()) status_ = std::move(status);
+  if (!ok || !status_.ok()) is_read_to_end_ = true;
+  go_on(lock);
+}
+
+void ReplyStream::OnWriteDone(bool ok) {
+  std::unique_lock lock(mutex_);
+  is_writing_ = false;
+  written_.Clear();
+  if (!ok) is_broken_ = true;
+  go_on(lock);
+}
+
+void ReplyStream::OnCancel() {
+  std::unique_lock lock(mutex_);
+  is_broken_ = true;
+  go_on(lock);
+}
+
+void ReplyStream::OnDone() {
+  on_end();
+  self_.reset();
+}
+
+void ReplyStream::promise() {
+  const std::scoped_lock lock(mutex_);
+  ++promised_;
+}
+
+void ReplyStream::fulfil() {
+  std::unique_lock lock(mutex_);
+  --promised_;
+  go_on(lock);
+}
+
+void ReplyStream::send(grpc::ByteBuffer reply) {
+  std::unique_lock lock(mutex_);
+  if (is_broken_ || is_finished_) return;
+  waiting_bytes_ += reply.Length();
+  waiting_.push_back(std::move(reply));
+  go_on(lock);
+}
+
+void ReplyStream::end(const Status& status) {
+  std::unique_lock lock(mutex_);
+  if (status_.ok()) status_ = status;
+  is_read_to_end_ = true;
+  go_on(lock);
+}
+
+/// Starts what can be started now: a write, a read, the end.
+void ReplyStream::go_on(std::unique_lock<std::mutex>& lock) {
+  if (is_finished_) return;
+  if (is_broken_) {
+    waiting_.clear();
+    waiting_bytes_ = 0;
+    is_read_to_end_ = true;
+  }
+  const bool writes = !is_writing_ && !waiting_.empty();
+  if (writes) {
+    is_writing_ = true;
+    written_ = std::move(waiting_.front());
+    waiting_.pop_front();
+    waiting_bytes_ -= written_.Length();
+  }
+  const bool reads = !is_reading_ && !is_read_to_end_ && promised_ < kMostReplies &&
+                     waiting_.size() < kMostReplies && waiting_bytes_ < kMostReplyBytes;
+  if (reads) is_reading_ = true;
+  const bool ends = is_read_to_end_ && !is_reading_ && !is_writing_ && waiting_.empty() &&
+                    (promised_ == 0 || is_broken_);
+  // A stream that was told to end does not wait for requests that may never come.
+  const bool is_cut = is_read_to_end_ && is_reading_ && !is_writing_ && waiting_.empty() &&
+                      (promised_ == 0 || is_broken_) && !status_.ok();
+  if (ends || is_cut) is_finished_ = true;
+  const auto kept = self_;
+  const Status status = status_;
+  lock.unlock();
+  if (writes) StartWrite(&written_);
+  if (reads) StartRead(&request_);
+  if (ends || is_cut) Finish(is_broken_ ? grpc::Status::CANCELLED : to_grpc(status));
+}
+
+}  // namespace engram::server

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <deque>
+#include <memory>
+#include <mutex>
+
+#include "ltm/core/status.h"
+
+namespace engram::server {
+
+/// The server's end of a stream of requests and replies, in bytes. Requests are read one at a time;
+/// none is read while too many replies wait: a client that does not read is slowed, and costs
+/// bounded memory.
+///
+/// Threading: thread-safe; on_request() is called by one thread at a time.
+class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                    public std::enable_shared_from_this<ReplyStream> {
+ public:
+  /// Replies that may wait before the next request is read.
+  static constexpr size_t kMostReplies = 256;
+  static constexpr size_t kMostReplyBytes = size_t{16} << 20;
+
+  /// Lives from here on until the stream has ended.
+  void begin();
+
+  void OnReadDone(bool ok) final;
+  void OnWriteDone(bool ok) final;
+  void OnCancel() final;
+  void OnDone() final;
+
+ protected:
+  /// Answers at once, or promises replies and gives them later. Errors end the stream.
+  virtual Status on_request(grpc::ByteBuffer& request) = 0;
+  /// The stream has ended; nothing is sent any more.
+  virtual void on_end() {}
+
+  /// One reply more, or fewer, will come later: the stream does not end before.
+  void promise();
+  void fulfil();
+
+  void send(grpc::ByteBuffer reply);
+  /// Sends what waits, then ends the stream.
+  void end(const Status& status);
+
+ private:
+  void go_on(std::unique_lock<std::mutex>& lock);
+
+  std::shared_ptr<ReplyStream> self_;
+  grpc::ByteBuffer request_;
+
+  std::mutex mutex_;
+  std::deque<grpc::ByteBuffer> waiting_;
+  grpc::ByteBuffer written_;
+  size_t waiting_bytes_ = 0;
+  size_t promised_ = 0;
+  bool is_writing_ = false;
+  bool is_reading_ = false;
+  bool is_read_to_end_ = false;
+  bool is_broken_ = false;
+  bool is_finished_ = false;
+  Status status_;
+};
+
+}  // namespace engram::server

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/subscribe_stream.h"
+
+#include "server/wire/byte_message.h"
+#include "server/wire/wire_status.h"
+
+namespace engram::server {
+
+namespace {
+
+/// Of what is told in one message: small events travel together where a subscriber is behind.
+constexpr size_t kMessageBytes = size_t{1} << 20;
+constexpr int kMostNames = 256;
+constexpr size_t kMostQueuedEvents = size_t{1} << 20;
+constexpr size_t kMostQueuedBytes = size_t{1} << 30;
+
+Result<ltm::Query> names_of(const v1::SubscribeRequest& request) {
+  if (request.names_size() > kMostNames)
+    return invalid_argument("subscription: found {} patterns of names, needs at most {}",
+                            request.names_size(), kMostNames);
+  std::string text;
+  for (const std::string& names : request.names()) text += (text.empty() ? "" : " ; ") + names;
+  return text.empty() ? ltm::Query() : ltm::Query::parse(text);
+}
+
+}  // namespace
+
+void SubscribeStream::begin() {
+  self_ = shared_from_this();
+  StartRead(&request_);
+}
+
+Status SubscribeStream::start(const v1::SubscribeRequest& request) {
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Query names, names_of(request));
+  EventQueue<SharedEvent>::Bounds bounds;
+  if (request.queue_bound() > 0)
+    bounds.events = std::min<size_t>(request.queue_bound(), kMostQueuedEvents);
+  if (request.queue_bytes() > 0)
+    bounds.bytes = std::min<size_t>(request.queue_bytes(), kMostQueuedBytes);
+  with_data_ = request.with_data();
+  if (request.inline_bytes() > 0) inline_bytes_ = request.inline_bytes();
+  v1::Notification started;
+  started.set_is_started(true);
+  {
+    const std::scoped_lock lock(mutex_);
+    queue_.emplace(bounds);
+    is_writing_ = true;
+    written_ = to_bytes(started);
+  }
+  context_.hub.subscribe(shared_from_this(), std::move(names));
+  StartWrite(&written_);
+  return {};
+}
+
+void SubscribeStream::OnReadDone(bool ok) {
+  // A client that sends no more still wants to be told.
+  if (!ok) return;
+  v1::SubscribeRequest request;
+  Status status = read_message(request_, request);
+  request_.Clear();
+  if (status.ok() && !is_started_) status = start(request);
+  is_started_ = true;
+  if (!status.ok()) {
+    finish(status);
+    return;
+  }
+  StartRead(&request_);
+}
+
+const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
+  if (!with_data_) return event.ids_only();
+  const WireBytes& data = event.with_data();
+  return data.size <= inline_bytes_ ? data : event.ids_only();
+}
+
+void SubscribeStream::offer(std::span<const SharedEvent> events) {
+  std::unique_lock lock(mutex_);
+  if (is_finished_) return;
+  for (const SharedEvent& event : events)
+    queue_->push(event, form_of(static_cast<WireEvent&>(*event)).size);
+  write_next(lock);
+}
+
+void SubscribeStream::write_next(std::unique_lock<std::mutex>& lock) {
+  if (is_writing_ || is_finished_ || !queue_ || queue_->empty()) return;
+  WireWriter message;
+  while (!queue_->empty() && (message.size() == 0 || message.size() + queue_->next_bytes() <= kMessageBytes)) {
+    const SharedEvent event = queue_->pop();
+    message.field(v1::Notification::kEventsFieldNumber, form_of(static_cast<WireEvent&>(*event)));
+  }
+  if (queue_->lost() > 0) message.field(v1::Notification::kLostFieldNumber, queue_->lost());
+  written_ = message.take().to_byte_buffer();
+  is_writing_ = true;
+  const auto kept = self_;
+  lock.unlock();
+  StartWrite(&written_);
+}
+
+void SubscribeStream::OnWriteDone(bool ok) {
+  if (!ok) {
+    finish(cancelled("the subscriber is gone"));
+    return;
+  }
+  std::unique_lock lock(mutex_);
+  is_writing_ = false;
+  write_next(lock);
+}
+
+void SubscribeStream::OnCancel() {
+  finish(cancelled("the subscriber is gone"));
+}
+
+void SubscribeStream::finish(const Status& status) {
+  context_.hub.unsubscribe(this);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (is_finished_) return;
+    is_finished_ = true;
+  }
+  Finish(to_grpc(status));
+}
+
+void SubscribeStream::OnDone() {
+  context_.hub.unsubscribe(this);
+  self_.reset();
+}
+
+}  // namespace engram::server

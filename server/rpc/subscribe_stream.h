@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+
+#include "server/events/event_queue.h"
+#include "server/rpc/rpc_context.h"
+#include "server/rpc/wire_event.h"
+
+namespace engram::server {
+
+/// Tells one subscriber of commits, as fast as it reads; where it is too slow the oldest go, and it
+/// is told how many.
+class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                              public EventListener,
+                              public std::enable_shared_from_this<SubscribeStream> {
+ public:
+  explicit SubscribeStream(RpcContext& context) : context_(context) {}
+
+  void begin();
+
+  void offer(std::span<const SharedEvent> events) override;
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+
+ private:
+  Status start(const v1::SubscribeRequest& request);
+  [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
+  void write_next(std::unique_lock<std::mutex>& lock);
+  void finish(const Status& status);
+
+  RpcContext& context_;
+  std::shared_ptr<SubscribeStream> self_;
+  grpc::ByteBuffer request_;
+  bool is_started_ = false;  ///< Used by one thread: requests come one at a time.
+  bool with_data_ = false;
+  size_t inline_bytes_ = SIZE_MAX;
+
+  std::mutex mutex_;
+  std::optional<EventQueue<SharedEvent>> queue_;
+  grpc::ByteBuffer written_;
+  bool is_writing_ = false;
+  bool is_finished_ = false;
+};
+
+}  // namespace engram::server

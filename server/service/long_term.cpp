@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/long_term.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
+
+#include "ltm/recall/past_reader.h"
+#include "server/service/decoded_cache.h"
+#include "server/service/joined_moments.h"
+
+namespace engram::server {
+
+using ltm::MemoryId;
+
+namespace {
+
+/// A model stays loaded when the store is read anew.
+class SharedEncoder final : public ltm::Encoder {
+ public:
+  explicit SharedEncoder(std::shared_ptr<ltm::LoadedModel> model) : model_(std::move(model)) {}
+
+  Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values) override {
+    return model_->encoder->encode(values);
+  }
+  Result<std::vector<idf::Data>> decode(std::span<const ltm::Latent> latents) override {
+    return model_->encoder->decode(latents);
+  }
+
+ private:
+  std::shared_ptr<ltm::LoadedModel> model_;
+};
+
+/// What the store has of an entity.
+struct Known {
+  std::optional<Time> until;
+  uint64_t recorded_at = 0;  ///< Number of the recording that changed it last.
+};
+
+void leave_instances(ltm::SnapshotResult& snapshot, const std::vector<int32_t>& instances) {
+  if (instances.empty()) return;
+  std::erase_if(snapshot.instances, [&instances](const ltm::InstanceResult& instance) {
+    return !std::ranges::binary_search(instances, instance.index);
+  });
+}
+
+}  // namespace
+
+struct LongTerm::State {
+  State(Options given, ltm::ModelLoader model_loader)
+      : options(std::move(given)), loader(std::move(model_loader)), cache(options.most_decoded_bytes) {}
+
+  Options options;
+  ltm::ModelLoader loader;
+
+  std::mutex writing;  ///< Taken before the others.
+  std::optional<ltm::Recorder> recorder;
+  bool is_closed = false;
+
+  mutable std::shared_mutex known_mutex;
+  std::map<MemoryId, Known> known;
+  uint64_t recordings = 0;
+
+  std::mutex reading;  ///< Taken before `known_mutex`.
+  std::unique_ptr<ltm::PastReader> past;
+  uint64_t past_at = 0;  ///< Number of the last recording that it sees.
+  std::map<std::filesystem::path, std::shared_ptr<ltm::LoadedModel>> models;
+  DecodedCache cache;
+
+  mutable std::mutex counting;
+  Counters counts;
+  std::vector<MemoryId> replaced;  ///< What may be in the cache, and has been recorded anew.
+
+  Result<ltm::LoadedModel> load(const std::filesystem::path& path) {
+    auto& model = models[path];
+    if (!model) {
+      ENGRAM_ASSIGN_OR_RETURN(auto loaded, loader(path));
+      model = std::make_shared<ltm::LoadedModel>(std::move(loaded));
+    }
+    ltm::LoadedModel shared;
+    shared.encoder = std::make_unique<SharedEncoder>(model);
+    return shared;
+  }
+
+  Status open_past() {
+    uint64_t at = 0;
+    {
+      const std::shared_lock lock(known_mutex);
+      at = recordings;
+    }
+    ENGRAM_ASSIGN_OR_RETURN(auto store, ltm::StoreReader::open(options.store));
+    ltm::ModelLoader shared;
+    if (loader) shared = [this](const std::filesystem::path& path) { return load(path); };
+    past = std::make_unique<ltm::PastReader>(std::move(store), std::move(shared));
+    past_at = at;
+    const std::scoped_lock lock(counting);
+    ++counts.opened;
+    return {};
+  }
+
+  [[nodiscard]] uint64_t recorded_at(const MemoryId& entity) const {
+    const std::shared_lock lock(known_mutex);
+    const auto found = known.find(entity);
+    return found == known.end() ? 0 : found->second.recorded_at;
+  }
+
+  void forget_replaced() {
+    const std::scoped_lock lock(counting);
+    for (const MemoryId& id : replaced) cache.erase(id);
+    replaced.clear();
+    counts.decoded_bytes = cache.bytes();
+  }
+
+  /// Null where the store has nothing of the entity.
+  Result<ltm::Timeline*> timeline(const MemoryId& entity) {
+    forget_replaced();
+    if (!past || recorded_at(entity) > past_at) ENGRAM_RETURN_IF_ERROR(open_past());
+    auto found = past->store().timeline(entity);
+    if (found.ok()) return *found;
+    if (found.status().code() == StatusCode::kNotFound) return nullptr;
+    return found.status();
+  }
+
+  Result<ltm::SnapshotResult> read(const MemoryId& entity, ltm::Timeline& timeline, Time time) {
+    const MemoryId id = entity.at(time);
+    if (auto decoded = cache.find(id)) {
+      const std::scoped_lock lock(counting);
+      ++counts.from_decoded;
+      return *std::move(decoded);
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(time));
+    if (!entry || entry->time != time)
+      return unavailable("'{}': was here a moment ago", id.to_string());
+    const auto prefer = options.prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
+    ENGRAM_ASSIGN_OR_RETURN(auto decoded, past->read(entity, *entry, prefer));
+    cache.put(id, decoded);
+    const std::scoped_lock lock(counting);
+    ++counts.decoded;
+    counts.decoded_bytes = cache.bytes();
+    return decoded;
+  }
+
+  Result<ltm::SnapshotResult> name(const MemoryId& entity, ltm::Timeline& timeline, Time time) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(time));
+    if (!entry || entry->time != time)
+      return unavailable("'{}': was here a moment ago", entity.at(time).to_string());
+    const auto prefer = options.prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
+    return past->name(entity, *entry, prefer);
+  }
+
+  Result<Answer> answer(const ltm::Query& query, const MemoryId& entity,
+                        std::span<const SharedSnapshot> held) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * stored, timeline(entity));
+    JoinedMoments moments(held, stored);
+    ENGRAM_ASSIGN_OR_RETURN(auto selection,
+                            ltm::select_snapshots(query.snapshots_of(entity), moments));
+    Answer answer{{entity, {}}, {}};
+    for (ltm::SelectedSnapshot& selected : selection) {
+      if (selected.is_future) {
+        answer.future.push_back(selected.time);
+        continue;
+      }
+      ServedSnapshot served;
+      if (SharedSnapshot found = moments.find(selected.time)) {
+        served = serve(std::move(found), selected.instances, query.is_ids_only());
+      } else {
+        ENGRAM_CHECK(stored != nullptr, "'{}' was selected", entity.to_string());
+        ENGRAM_ASSIGN_OR_RETURN(served.answer, query.is_ids_only()
+                                                   ? name(entity, *stored, selected.time)
+                                                   : read(entity, *stored, selected.time));
+        leave_instances(served.answer, selected.instances);
+      }
+      if (!served.answer.instances.empty()) answer.entity.snapshots.push_back(std::move(served));
+    }
+    return answer;
+  }
+
+  /// Once more with the store as it is now, where a consolidation or a sealing changed it.
+  template <typename Read>
+  auto retried(const Read& read) -> decltype(read()) {
+    auto first = read();
+    if (first.ok() || first.status().code() != StatusCode::kUnavailable) return first;
+    past.reset();
+    return read();
+  }
+};
+
+LongTerm::LongTerm(std::unique_ptr<State> state) : state_(std::move(state)) {}
+LongTerm::~LongTerm() = default;
+
+Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, ltm::ModelLoader loader,
+                                                 Clock clock) {
+  auto state = std::make_unique<State>(options, std::move(loader));
+  ENGRAM_ASSIGN_OR_RETURN(auto recorder, ltm::Recorder::open(options.store, options.recording,
+                                                             std::move(clock)));
+  state->recorder.emplace(std::move(recorder));
+  state->counts.lost_frames = state->recorder->lost_frames();
+  ENGRAM_RETURN_IF_ERROR(state->open_past());
+  for (const MemoryId& entity : state->past->store().entities()) {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Timeline* timeline, state->past->store().timeline(entity));
+    state->known[entity].until = timeline->last();
+  }
+  return std::unique_ptr<LongTerm>(new LongTerm(std::move(state)));
+}
+
+Status LongTerm::declare(const MemoryId& segment, const idf::Type& type) {
+  const std::scoped_lock lock(state_->writing);
+  if (state_->is_closed) return failed_precondition("store: is closed");
+  return state_->recorder->declare(segment, type);
+}
+
+Status LongTerm::record(std::span<const SharedSnapshot> snapshots) {
+  const std::scoped_lock lock(state_->writing);
+  if (state_->is_closed) return failed_precondition("store: is closed");
+  // Of one entity and time the last one counts; a commit has each once.
+  std::vector<ltm::Commit> commits(1);
+  std::map<MemoryId, size_t> next;
+  for (const SharedSnapshot& snapshot : snapshots) {
+    size_t& at = next[snapshot->id()];
+    if (at == commits.size()) commits.emplace_back();
+    commits[at++].updates.push_back(*snapshot);
+  }
+  {
+    // Before it can be found, so that nobody takes an older state of the store for the newest.
+    const std::unique_lock known(state_->known_mutex);
+    ++state_->recordings;
+    for (const SharedSnapshot& snapshot : snapshots) {
+      Known& entity = state_->known[snapshot->entity];
+      entity.until = std::max(entity.until.value_or(snapshot->time), snapshot->time);
+    }
+  }
+  for (const ltm::Commit& commit : commits)
+    ENGRAM_RETURN_IF_ERROR(state_->recorder->commit(commit));
+  {
+    const std::unique_lock known(state_->known_mutex);
+    ++state_->recordings;
+    for (const SharedSnapshot& snapshot : snapshots)
+      state_->known[snapshot->entity].recorded_at = state_->recordings;
+  }
+  const std::scoped_lock counting(state_->counting);
+  if (state_->counts.decoded_bytes > 0)
+    for (const auto& [id, count] : next) state_->replaced.push_back(id);
+  state_->counts.recorded += snapshots.size();
+  return {};
+}
+
+std::optional<Time> LongTerm::known_until(const MemoryId& entity) const {
+  const std::shared_lock lock(state_->known_mutex);
+  const auto found = state_->known.find(entity);
+  return found == state_->known.end() ? std::nullopt : found->second.until;
+}
+
+std::vector<MemoryId> LongTerm::matching(const ltm::Query& query) const {
+  std::vector<MemoryId> matching;
+  const auto names = query.named_entities();
+  const std::shared_lock lock(state_->known_mutex);
+  if (names) {
+    for (const MemoryId& name : *names)
+      if (state_->known.contains(name)) matching.push_back(name);
+    return matching;
+  }
+  for (const auto& [entity, known] : state_->known)
+    if (query.matches(entity)) matching.push_back(entity);
+  return matching;
+}
+
+Result<LongTerm::Answer> LongTerm::answer(const ltm::Query& query, const MemoryId& entity,
+                                          std::span<const SharedSnapshot> held) {
+  const std::scoped_lock lock(state_->reading);
+  return state_->retried([&] { return state_->answer(query, entity, held); });
+}
+
+Result<std::vector<ltm::SnapshotResult>> LongTerm::newest(const MemoryId& entity, Time until,
+                                                          size_t most) {
+  const auto read = [&]() -> Result<std::vector<ltm::SnapshotResult>> {
+    std::vector<ltm::SnapshotResult> found;
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * stored, state_->timeline(entity));
+    for (Time time = until; stored != nullptr && found.size() < most;) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto entry, stored->at_or_before(time));
+      if (!entry) break;
+      ENGRAM_ASSIGN_OR_RETURN(auto snapshot, state_->read(entity, *stored, entry->time));
+      found.push_back(std::move(snapshot));
+      time = entry->time - Duration(1);
+    }
+    std::ranges::reverse(found);
+    return found;
+  };
+  const std::scoped_lock lock(state_->reading);
+  return state_->retried(read);
+}
+
+LongTerm::Counters LongTerm::counters() const {
+  const std::scoped_lock lock(state_->counting);
+  return state_->counts;
+}
+
+Status LongTerm::close() {
+  const std::scoped_lock lock(state_->writing);
+  if (state_->is_closed) return {};
+  state_->is_closed = true;
+  return state_->recorder->close();
+}
+
+}  // namespace engram::server

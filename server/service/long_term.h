@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "ltm/memory/query.h"
+#include "ltm/recall/model.h"
+#include "ltm/recording/recorder.h"
+#include "server/service/served.h"
+
+namespace engram::server {
+
+/// The store below a working memory: takes what leaves it through the online phase, and answers
+/// about both as if they were one.
+///
+/// Threading: thread-safe; one caller at a time writes, one reads, the others wait.
+/// Source: docs/server.md, section "Queries".
+class LongTerm {
+ public:
+  struct Options {
+    std::filesystem::path store;
+    ltm::Recorder::Options recording;
+    /// Decoded snapshots that are kept for the next reader. Unit: plain bytes.
+    size_t most_decoded_bytes = size_t{64} << 20;
+    bool prefers_latents = false;
+  };
+
+  struct Counters {
+    uint64_t recorded = 0;  ///< Snapshots that the online phase took.
+    uint64_t opened = 0;    ///< Times that the store was read anew.
+    uint64_t decoded = 0;   ///< Snapshots.
+    uint64_t from_decoded = 0;  ///< That had been decoded before.
+    uint64_t decoded_bytes = 0;  ///< That are kept.
+    uint64_t lost_frames = 0;    ///< Damaged in an earlier session.
+  };
+
+  /// Makes the store where there is none.
+  /// Errors: those of ltm::Recorder::open and ltm::StoreReader::open.
+  static Result<std::unique_ptr<LongTerm>> open(const Options& options, ltm::ModelLoader loader,
+                                                Clock clock = system_now);
+  ~LongTerm();
+
+  Status declare(const ltm::MemoryId& segment, const idf::Type& type);
+
+  /// After ok they survive `kill -9` as far as the filters keep them.
+  Status record(std::span<const SharedSnapshot> snapshots);
+
+  /// No snapshot of the entity that is here is later. Nothing where none is. Complexity: O(log n).
+  [[nodiscard]] std::optional<Time> known_until(const ltm::MemoryId& entity) const;
+
+  /// Those that a query asks for and that are known here.
+  [[nodiscard]] std::vector<ltm::MemoryId> matching(const ltm::Query& query) const;
+
+  /// What is asked of this entity, from what is here and `held`: all that working memory had before
+  /// this call, in the order of time.
+  struct Answer {
+    ServedEntity entity;
+    std::vector<Time> future;  ///< Moments that are to be predicted.
+  };
+  Result<Answer> answer(const ltm::Query& query, const ltm::MemoryId& entity,
+                        std::span<const SharedSnapshot> held);
+
+  /// The last `most` snapshots of the entity that are not after `until`, in the order of time.
+  Result<std::vector<ltm::SnapshotResult>> newest(const ltm::MemoryId& entity, Time until,
+                                                  size_t most);
+
+  [[nodiscard]] Counters counters() const;
+
+  /// Seals everything. Nothing can be recorded after that.
+  Status close();
+
+ private:
+  struct State;
+  explicit LongTerm(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace engram::server

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/memory_service.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <future>
+#include <mutex>
+#include <shared_mutex>
+#include <thread>
+
+#include "ltm/core/log.h"
+
+namespace engram::server {
+
+using ltm::MemoryId;
+
+namespace {
+
+/// Most that is handed over at once. Unit: bytes.
+constexpr size_t kHandedOver = size_t{32} << 20;
+
+struct Waiter {
+  uint64_t queued = 0;
+  std::function<void(const Status&)> done;
+};
+
+}  // namespace
+
+Status MemoryService::Options::validate() const {
+  if (name.empty()) return invalid_argument("server: found an empty name, needs one");
+  ENGRAM_RETURN_IF_ERROR(memory.validate());
+  if (!store && memory.mode != StoreMode::kLatest)
+    return invalid_argument(
+        "server '{}': found no store, needs one for what leaves working memory, or a memory that "
+        "may drop it",
+        name);
+  if (store_interval <= Duration(0))
+    return invalid_argument("server '{}': store_interval: found {}, needs more than zero", name,
+                            to_string(store_interval));
+  return {};
+}
+
+struct MemoryService::State {
+  State(const Options& given, Clock now) : options(given), clock(std::move(now)) {}
+
+  const Options options;
+  const Clock clock;
+  std::unique_ptr<WorkingMemory> memory;
+  std::unique_ptr<LongTerm> store;  ///< May be null.
+
+  std::atomic<uint64_t> queries{0};
+  std::atomic<uint64_t> queries_of_store{0};
+  std::atomic<uint64_t> predictions{0};
+  std::atomic<bool> is_closed{false};
+  std::shared_mutex admitting;  ///< Shared by commits, taken alone by the end.
+
+  mutable std::mutex mutex;
+  std::condition_variable_any wake;
+  std::vector<Waiter> waiters;
+  uint64_t store_failures = 0;
+  std::string last_store_failure;
+  std::jthread thread;  ///< The last member: ends first.
+
+  /// Hands over all that waits; tells those who wait for it.
+  Status hand_over() {
+    Status status;
+    while (status.ok()) {
+      const auto sink = [this](std::span<const SharedSnapshot> snapshots) {
+        return store ? store->record(snapshots) : Status();
+      };
+      const auto stored = memory->store(sink, kHandedOver);
+      if (!stored.ok()) status = stored.status();
+      if (stored.ok() && *stored == 0) break;
+      tell(status);
+    }
+    tell(status);
+    return status;
+  }
+
+  void tell(const Status& status) {
+    const uint64_t taken = memory->taken();
+    std::vector<Waiter> told;
+    {
+      const std::scoped_lock lock(mutex);
+      if (!status.ok()) {
+        ++store_failures;
+        if (last_store_failure != status.message())
+          log::warning("server '{}': {} snapshots wait, and could not be stored: {}", options.name,
+                     memory->counters().waiting, status.to_string());
+        last_store_failure = status.message();
+      }
+      const auto is_told = [&](const Waiter& waiter) {
+        return !status.ok() || waiter.queued <= taken;
+      };
+      const auto rest = std::stable_partition(waiters.begin(), waiters.end(),
+                                              [&](const Waiter& waiter) { return !is_told(waiter); });
+      told.assign(std::make_move_iterator(rest), std::make_move_iterator(waiters.end()));
+      waiters.erase(rest, waiters.end());
+    }
+    for (const Waiter& waiter : told)
+      waiter.done(waiter.queued <= taken ? Status() : status.with_context("not stored yet"));
+  }
+
+  void run(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, stop, options.store_interval, [this] { return !waiters.empty(); });
+      }
+      memory->expire();
+      // Told to those who wait, and logged.
+      const Status status = hand_over();
+      if (!status.ok()) {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, stop, options.store_interval, [] { return false; });
+      }
+    }
+  }
+
+  Result<ltm::SnapshotResult> predict(const MemoryId& entity, Time when,
+                                      const std::string& engine) {
+    ++predictions;
+    const auto all = memory->all_of(entity);
+    if (all.empty()) return not_found("'{}': nothing in working memory", entity.to_string());
+    if (!engine.empty() && engine != "copy-last") return not_found("no engine '{}'", engine);
+    ServedSnapshot last = serve(all.back(), {}, false);
+    last.answer.source = ltm::Source::kPredicted;
+    last.answer.predictor = "copy-last";
+    last.answer.horizon = when - last.answer.time;
+    last.answer.time = when;
+    return std::move(last.answer);
+  }
+
+  [[nodiscard]] KnownElsewhere elsewhere() const {
+    if (!store) return {};
+    return [this](const MemoryId& entity) { return store->known_until(entity); };
+  }
+
+  static ServedEntity served(SelectedEntity& selected, bool is_ids_only) {
+    ServedEntity entity{std::move(selected.entity), {}};
+    entity.snapshots.reserve(selected.snapshots.size());
+    for (size_t i = 0; i < selected.snapshots.size(); ++i) {
+      ServedSnapshot one =
+          serve(std::move(selected.snapshots[i]), selected.instances[i], is_ids_only);
+      if (!one.answer.instances.empty()) entity.snapshots.push_back(std::move(one));
+    }
+    return entity;
+  }
+};
+
+MemoryService::MemoryService(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+MemoryService::~MemoryService() {
+  if (const Status status = close(); !status.ok())
+    log::warning("server '{}': {}", state_->options.name, status.to_string());
+}
+
+Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& options,
+                                                           ltm::ModelLoader loader, Clock clock) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  auto state = std::make_unique<State>(options, clock);
+  ENGRAM_ASSIGN_OR_RETURN(state->memory, WorkingMemory::create(options.memory, clock));
+  if (options.store) {
+    ENGRAM_ASSIGN_OR_RETURN(state->store,
+                            LongTerm::open(*options.store, std::move(loader), clock));
+  }
+  State& running = *state;
+  state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  return std::unique_ptr<MemoryService>(new MemoryService(std::move(state)));
+}
+
+const MemoryService::Options& MemoryService::options() const {
+  return state_->options;
+}
+
+Status MemoryService::owns(const MemoryId& id) const {
+  const auto& memories = state_->options.memories;
+  if (memories.empty() || id.names().empty() || std::ranges::find(memories, id.names()[0]) != memories.end())
+    return {};
+  return not_found("server '{}' has no memory '{}'; it has: {}", state_->options.name,
+                   id.names()[0], fmt::join(memories, ", "));
+}
+
+Status MemoryService::declare(const MemoryId& segment, const idf::Type& type) {
+  ENGRAM_RETURN_IF_ERROR(owns(segment));
+  if (state_->store) ENGRAM_RETURN_IF_ERROR(state_->store->declare(segment, type));
+  return state_->memory->declare(segment, type);
+}
+
+Result<Admission> MemoryService::commit(ltm::Commit commit,
+                                        std::vector<std::vector<Buffer>> encoded,
+                                        Durability durability) {
+  const std::shared_lock admitting(state_->admitting);
+  if (state_->is_closed) return unavailable("server '{}' is stopping", state_->options.name);
+  for (const ltm::EntityUpdate& update : commit.updates) ENGRAM_RETURN_IF_ERROR(owns(update.entity));
+  return state_->memory->admit(std::move(commit), std::move(encoded),
+                               durability == Durability::kJournal);
+}
+
+void MemoryService::when_stored(const Admission& admission,
+                                std::function<void(const Status&)> done) {
+  if (!state_->store) {
+    done(failed_precondition("server '{}' has no store to make commits durable",
+                             state_->options.name));
+    return;
+  }
+  {
+    const std::scoped_lock lock(state_->mutex);
+    state_->waiters.push_back({admission.queued, std::move(done)});
+  }
+  state_->wake.notify_one();
+}
+
+Status MemoryService::wait_stored(const Admission& admission) {
+  std::promise<Status> promise;
+  when_stored(admission, [&promise](const Status& status) { promise.set_value(status); });
+  return promise.get_future().get();
+}
+
+std::optional<ServedAnswer> MemoryService::query_memory(const ltm::Query& query) {
+  State& state = *state_;
+  ServedAnswer answer{query.is_ids_only(), {}};
+  auto selected = state.memory->select(query, state.elsewhere());
+  for (SelectedEntity& entity : selected) {
+    if (entity.reaches_elsewhere || !entity.future.empty()) return std::nullopt;
+    answer.entities.push_back(State::served(entity, query.is_ids_only()));
+  }
+  if (answer.entities.empty()) return std::nullopt;
+  if (state.store)
+    for (const MemoryId& entity : state.store->matching(query))
+      if (!std::ranges::binary_search(answer.entities, entity, {}, &ServedEntity::id))
+        return std::nullopt;
+  ++state.queries;
+  return answer;
+}
+
+Result<ServedAnswer> MemoryService::query(const ltm::Query& query, const std::string& engine) {
+  if (engine.empty())
+    if (auto answer = query_memory(query)) return *std::move(answer);
+  State& state = *state_;
+  ++state.queries;
+  ++state.queries_of_store;
+  ServedAnswer answer{query.is_ids_only(), {}};
+  auto selected = state.memory->select(query, state.elsewhere());
+  std::vector<MemoryId> entities;
+  for (const SelectedEntity& entity : selected) entities.push_back(entity.entity);
+  if (state.store)
+    for (MemoryId& entity : state.store->matching(query)) entities.push_back(std::move(entity));
+  std::ranges::sort(entities);
+  entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
+  if (entities.empty())
+    return not_found("server '{}': no entity matches '{}'", state.options.name, query.to_string());
+  for (const MemoryId& entity : entities) {
+    const auto known = std::ranges::find(selected, entity, &SelectedEntity::entity);
+    std::vector<Time> future;
+    if (known != selected.end() && !known->reaches_elsewhere) {
+      future = std::move(known->future);
+      answer.entities.push_back(State::served(*known, query.is_ids_only()));
+    } else {
+      // What leaves memory from here on is in the store when that is read.
+      const auto held = state.memory->all_of(entity);
+      ENGRAM_ASSIGN_OR_RETURN(auto one, state.store->answer(query, entity, held));
+      future = std::move(one.future);
+      answer.entities.push_back(std::move(one.entity));
+    }
+    for (const Time when : future) {
+      ENGRAM_ASSIGN_OR_RETURN(auto predicted, state.predict(entity, when, engine));
+      answer.entities.back().snapshots.push_back({std::move(predicted), nullptr});
+    }
+  }
+  return answer;
+}
+
+MemoryService::Counters MemoryService::counters() const {
+  Counters counters;
+  counters.memory = state_->memory->counters();
+  if (state_->store) counters.store = state_->store->counters();
+  counters.queries = state_->queries;
+  counters.queries_of_store = state_->queries_of_store;
+  counters.predictions = state_->predictions;
+  const std::scoped_lock lock(state_->mutex);
+  counters.store_failures = state_->store_failures;
+  counters.last_store_failure = state_->last_store_failure;
+  return counters;
+}
+
+Status MemoryService::set_limits(const MemoryLimits& all) {
+  return state_->memory->set_limits(all);
+}
+
+Status MemoryService::close() {
+  State& state = *state_;
+  if (state.is_closed.exchange(true)) return {};
+  state.thread.request_stop();
+  state.thread.join();
+  {
+    const std::unique_lock last_commits(state.admitting);
+  }
+  state.memory->release_all();
+  const Status status = state.hand_over();
+  if (!status.ok())
+    return status.with_context(fmt::format("{} snapshots of working memory are lost",
+                                           state.memory->counters().waiting));
+  return state.store ? state.store->close() : Status();
+}
+
+}  // namespace engram::server

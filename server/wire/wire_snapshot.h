@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <engram/v1/memory.pb.h>
+
+#include "ltm/memory/commit.h"
+#include "ltm/memory/result.h"
+#include "server/memory/held_snapshot.h"
+#include "server/wire/wire_writer.h"
+
+namespace engram::server {
+
+/// A snapshot of working memory as the body of a v1::Snapshot; without data only what names it.
+/// The bytes as which data came are shared.
+[[nodiscard]] WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data);
+
+/// One moment of an answer. Without `encoded` data are encoded here; else these are the bytes of
+/// the instances.
+/// Errors: kInvalidArgument where a value nests too deep.
+Result<WireBytes> to_wire(const ltm::SnapshotResult& snapshot, bool with_data,
+                          const std::vector<Buffer>* encoded = nullptr);
+
+/// A commit as it came: values, and the bytes of each.
+struct WireCommit {
+  ltm::Commit commit;
+  std::vector<std::vector<Buffer>> encoded;
+};
+
+/// Takes the bytes out of the messages; arrays view them. `block`: the shared memory that the
+/// updates lie in, if any of them does. Safe on hostile messages.
+/// Errors: kInvalidArgument naming the update; kDataLoss where data cannot be decoded.
+Result<WireCommit> take_commit(v1::CommitRequest& request, const Buffer& block);
+
+/// Reads an event or a moment of an answer in the same way. `entity`: what it is of where it does
+/// not say so itself.
+Result<ltm::Snapshot> take_snapshot(v1::Snapshot& message, const Buffer& block);
+Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& block);
+
+/// An update as a message, data encoded.
+Result<v1::Snapshot> to_message(const ltm::Snapshot& snapshot);
+
+[[nodiscard]] v1::Outcome to_outcome(const Status& status);
+[[nodiscard]] Status to_status(const v1::Outcome& outcome);
+
+}  // namespace engram::server
