@@ -22,6 +22,12 @@ using Clock = std::function<Time()>;
 /// The clock of the operating system.
 [[nodiscard]] Time system_now();
 
+/// A moment of a clock that nobody sets; for leases and rates. It means nothing to other machines.
+using SteadyTime = std::chrono::steady_clock::time_point;
+using SteadyClock = std::function<SteadyTime()>;
+
+[[nodiscard]] inline SteadyTime steady_now() { return std::chrono::steady_clock::now(); }
+
 [[nodiscard]] inline int64_t to_ns(Time time) { return time.time_since_epoch().count(); }
 [[nodiscard]] inline Time time_from_ns(int64_t ns) { return Time(Duration(ns)); }
 
