@@ -22,6 +22,7 @@ LIBRARIES = {
     "xxhash": ("xxhash.h",),
     "LibTorch": ("torch/", "ATen/", "c10/"),
     "CLI11": ("CLI/",),
+    "OpenSSL": ("openssl/",),
     "pybind11": ("pybind11/",),
 }
 # These stay where they are, whoever may include the room.

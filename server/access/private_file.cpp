@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/access/private_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace engram::server {
+
+namespace {
+
+/// An open file, closed when this goes; one that waits for nobody.
+class OpenFile {
+ public:
+  explicit OpenFile(const std::filesystem::path& path)
+      : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  [[nodiscard]] int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+Status system_error(const std::filesystem::path& path, int error) {
+  const std::string message =
+      fmt::format("'{}': cannot read: {}", path.string(), std::generic_category().message(error));
+  return Status(error == ENOENT ? StatusCode::kNotFound : StatusCode::kUnavailable, message);
+}
+
+Status check_info(const std::filesystem::path& path, const struct stat& info) {
+  if (!S_ISREG(info.st_mode)) return failed_precondition("'{}': is no plain file", path.string());
+  if (info.st_uid != ::geteuid() && info.st_uid != 0)
+    return failed_precondition("'{}': belongs to user {}, needs to be yours ({}) or root's",
+                               path.string(), info.st_uid, ::geteuid());
+  if ((info.st_mode & (S_IRWXO | S_IWGRP | S_IXGRP)) != 0)
+    return failed_precondition(
+        "'{}': has the permissions {:04o}, needs 0600 or 0640: others can read or change the "
+        "secret in it; chmod 600 it",
+        path.string(), info.st_mode & 07777);
+  return {};
+}
+
+Status check_open(const std::filesystem::path& path, const OpenFile& file) {
+  struct stat info {};
+  if (file.fd() < 0 || ::fstat(file.fd(), &info) != 0) return system_error(path, errno);
+  return check_info(path, info);
+}
+
+}  // namespace
+
+Status check_private_file(const std::filesystem::path& path) {
+  return check_open(path, OpenFile(path));
+}
+
+Result<std::string> read_private_file(const std::filesystem::path& path, size_t most_bytes) {
+  const OpenFile file(path);
+  ENGRAM_RETURN_IF_ERROR(check_open(path, file));
+  std::string text(most_bytes + 1, '\0');
+  size_t size = 0;
+  while (size < text.size()) {
+    const ssize_t count = ::read(file.fd(), text.data() + size, text.size() - size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return system_error(path, errno);
+    if (count == 0) break;
+    size += static_cast<size_t>(count);
+  }
+  if (size > most_bytes)
+    return invalid_argument("'{}': has more than {} bytes, which are read at most", path.string(),
+                            most_bytes);
+  text.resize(size);
+  return text;
+}
+
+}  // namespace engram::server

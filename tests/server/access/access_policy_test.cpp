@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/access/access_policy.h"
+
+#include <sys/stat.h>
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "ltm/core/file.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/server/access/secret_file.h"
+
+namespace engram::server {
+namespace {
+
+using engram::testing::write_secret;
+using ltm::MemoryId;
+using std::chrono::seconds;
+
+constexpr SteadyTime kStart{seconds(100)};
+
+MemoryId id(std::string_view text) {
+  return *MemoryId::parse(text);
+}
+
+std::string entry(std::string_view name, std::string_view token, std::string_view rest) {
+  return fmt::format("  - name: {}\n    token_sha256: {}\n    {}\n", name,
+                     to_hex(hash_token(token)), rest);
+}
+
+Result<AccessPolicy> parse(const std::string& text, const std::filesystem::path& directory = {}) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue config, ConfigValue::parse(text, "tokens.yaml"));
+  return AccessPolicy::parse(config, directory, kStart);
+}
+
+std::string rules(std::string_view role, std::string_view memories) {
+  return fmt::format("role: {}\n    memories: {}", role, memories);
+}
+
+TEST(AccessPolicy, KnowsWhoHasAToken) {
+  const auto policy = parse("tokens:\n" + entry("viewer", "token-v", rules("read", "all")) +
+                            entry("robot", "token-r", rules("write", "[Robot]")));
+  ASSERT_OK(policy);
+  EXPECT_EQ(policy->authenticate("token-r")->name(), "robot");
+  EXPECT_EQ(policy->authenticate("token-r")->role(), Role::kWrite);
+  EXPECT_EQ(policy->authenticate("token-v")->name(), "viewer");
+}
+
+TEST(AccessPolicy, RefusesAnyOtherTokenWithoutRepeatingIt) {
+  const auto policy = parse("tokens:\n" + entry("viewer", "token-v", rules("read", "all")));
+  for (const std::string& token :
+       std::vector<std::string>{"token-", "token-vv", "Token-v", to_hex(hash_token("token-v")),
+                                std::string(5000, 'x'), std::string("token-v\0", 8)}) {
+    const auto identity = policy->authenticate(token);
+    EXPECT_EQ(identity.status().code(), StatusCode::kFailedPrecondition);
+    EXPECT_THAT(identity.status().message(), ::testing::Not(::testing::HasSubstr(token)));
+  }
+  EXPECT_FAILS(policy->authenticate(""), StatusCode::kFailedPrecondition, "no token");
+}
+
+TEST(AccessPolicy, GivesRolesWhatTheyMayAndNothingMore) {
+  const auto policy =
+      parse("tokens:\n" + entry("r", "r", rules("read", "all")) +
+            entry("w", "w", rules("write", "all")) + entry("a", "a", rules("admin", "all")));
+  const std::vector<Role> roles{Role::kRead, Role::kWrite, Role::kAdmin};
+  const std::vector<std::string> tokens{"r", "w", "a"};
+  for (size_t holder = 0; holder < 3; ++holder)
+    for (size_t needed = 0; needed < 3; ++needed)
+      EXPECT_EQ(policy->authenticate(tokens[holder])->check(roles[needed], id("Vision")).ok(),
+                holder >= needed);
+  EXPECT_FAILS(policy->authenticate("r")->check(Role::kAdmin, id("")),
+               StatusCode::kFailedPrecondition, "'r' has the role read, all memories needs admin");
+}
+
+TEST(AccessPolicy, KeepsToTheMemoriesThatAreNamed) {
+  const auto policy = parse(
+      "tokens:\n" + entry("v", "v", rules("write", "[Vision/RGB, 'Robot/Arm\\/left/imu/x']")));
+  ASSERT_OK(policy);
+  const Identity identity = *policy->authenticate("v");
+  EXPECT_OK(identity.check(Role::kWrite, id("Vision/RGB/head/cam")));
+  EXPECT_OK(identity.check(Role::kRead, id("Vision/RGB")));
+  EXPECT_TRUE(identity.may_read(id("Vision/RGB/head/cam").at(time_from_ns(5)).instance(0)));
+  EXPECT_TRUE(identity.may_read(id("Robot/Arm\\/left/imu/x")));
+  for (const char* other : {"", "Vision", "Vision/RGBD", "Vision/RGBD/head/cam", "Robot", "Grasp",
+                            "Robot/Arm/left/imu"})
+    EXPECT_FALSE(identity.may_read(id(other))) << other;
+  EXPECT_FAILS(identity.check(Role::kRead, id("Vision")), StatusCode::kFailedPrecondition,
+               "'v' has no access to 'Vision'");
+}
+
+TEST(AccessPolicy, LimitsHowOftenATokenIsUsed) {
+  const auto policy = parse("tokens:\n" + entry("v", "v", rules("read", "all")) +
+                            "    rate: 2Hz\n" + entry("w", "w", rules("read", "all")));
+  ASSERT_OK(policy);
+  const auto first = *policy->authenticate("v");
+  const auto second = *policy->authenticate("v");
+  EXPECT_OK(first.take_request(kStart));
+  EXPECT_OK(second.take_request(kStart));
+  EXPECT_FAILS(first.take_request(kStart), StatusCode::kResourceExhausted, "'v'");
+  EXPECT_OK(first.take_request(kStart + seconds(1)));
+  for (int i = 0; i < 1000; ++i) EXPECT_OK(policy->authenticate("w")->take_request(kStart));
+}
+
+TEST(AccessPolicy, LetsEverybodyInWhereThereIsNoTokensFile) {
+  const auto policy = AccessPolicy::everyone();
+  for (const char* token : {"", "anything"}) {
+    const auto identity = policy.authenticate(token);
+    ASSERT_OK(identity);
+    EXPECT_OK(identity->check(Role::kAdmin, id("Vision")));
+    EXPECT_OK(identity->check(Role::kAdmin, id("")));
+    EXPECT_OK(identity->take_request(kStart));
+  }
+}
+
+TEST(AccessPolicy, OutlivesWithItsIdentitiesThePolicyItself) {
+  std::optional<Identity> identity;
+  {
+    const auto policy = parse("tokens:\n" + entry("v", "v", rules("read", "all")));
+    identity = *policy->authenticate("v");
+  }
+  EXPECT_EQ(identity->name(), "v");
+}
+
+TEST(AccessPolicy, RefusesFilesThatSaySomethingElse) {
+  const auto refuses = [](const std::string& text, const std::string& why) {
+    EXPECT_FAILS(parse(text), StatusCode::kInvalidArgument, why);
+  };
+  const std::string hash = to_hex(hash_token("x"));
+  const std::string fine = entry("x", "x", rules("read", "all"));
+  refuses("", "has no key 'tokens'");
+  refuses("tokens: []", "found 0 tokens");
+  refuses("tokens: x", "needs a list");
+  refuses("tokens:\n" + fine + "token: x", "did you mean 'tokens'");
+  refuses("tokens:\n" + fine + "    memorys: x", "did you mean 'memories'");
+  refuses("tokens:\n" + fine + fine, "name 'x' is there twice");
+  refuses("tokens:\n" + fine + entry("y", "x", rules("read", "all")), "has the token of 'x'");
+  refuses("tokens:\n  - {role: read}", "no key 'name'");
+  refuses("tokens:\n  - {name: x, role: read, memories: all}", "either");
+  refuses("tokens:\n  - {name: x, token_sha256: " + hash + ", token_file: y}", "either");
+  refuses("tokens:\n  - {name: '', token_sha256: " + hash + "}", "is empty");
+  refuses("tokens:\n" + entry("x", "x", rules("reader", "all")), "tokens.yaml:4: ");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "[]")), "empty list");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "Vision")), "needs a list of IDs, or 'all'");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "['']")), "needs a memory");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "[a/b/c/d/5]")), "needs a memory");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "[a//b]")), "is empty");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "all")) + "    rate: 0Hz", "rate");
+  refuses("tokens:\n" + entry("x", "x", rules("read", "all")) + "    rate: 5", "rate");
+}
+
+TEST(AccessPolicy, NeverRepeatsATokenThatStandsWhereItsHashShould) {
+  const auto policy = parse("tokens:\n  - {name: x, token_sha256: my-secret, role: read}");
+  EXPECT_FAILS(policy, StatusCode::kInvalidArgument, "64 hexadecimal digits");
+  EXPECT_THAT(policy.status().message(), ::testing::Not(::testing::HasSubstr("my-secret")));
+}
+
+TEST(AccessPolicy, ReadsTokensFromFilesOfTheirOwn) {
+  const ScratchDirectory scratch;
+  const std::string token = *make_token();
+  const std::string text = "tokens:\n  - {name: x, token_file: x.token, role: read, memories: all}";
+  write_secret(scratch / "x.token", token + "\n");
+  const auto policy = parse(text, scratch.path());
+  ASSERT_OK(policy);
+  EXPECT_OK(policy->authenticate(token));
+  write_secret(scratch / "x.token", token, 0644);
+  EXPECT_FAILS(parse(text, scratch.path()), StatusCode::kFailedPrecondition, "chmod 600");
+  write_secret(scratch / "x.token", "guess-me");
+  EXPECT_FAILS(parse(text, scratch.path()), StatusCode::kInvalidArgument,
+               "8 bytes, needs at least");
+  std::filesystem::remove(scratch / "x.token");
+  EXPECT_FAILS(parse(text, scratch.path()), StatusCode::kNotFound, "tokens.yaml:2");
+}
+
+TEST(AccessPolicy, ReadsOnlyFilesThatOthersCannotRead) {
+  const ScratchDirectory scratch;
+  const std::string text = "tokens:\n" + entry("v", "v", rules("read", "all"));
+  for (const unsigned permissions : {0600u, 0400u, 0640u})
+    EXPECT_OK(AccessPolicy::read_file(write_secret(scratch / "t", text, permissions)));
+  for (const unsigned permissions : {0644u, 0604u, 0660u, 0666u, 0602u, 0601u})
+    EXPECT_FAILS(AccessPolicy::read_file(write_secret(scratch / "t", text, permissions)),
+                 StatusCode::kFailedPrecondition, fmt::format("{:04o}", permissions));
+}
+
+TEST(AccessPolicy, ReadsNothingButPlainFiles) {
+  const ScratchDirectory scratch;
+  EXPECT_FAILS(AccessPolicy::read_file(scratch / "none"), StatusCode::kNotFound, "none");
+  EXPECT_FAILS(AccessPolicy::read_file(scratch.path()), StatusCode::kFailedPrecondition,
+               "no plain");
+  ASSERT_EQ(::mkfifo((scratch / "pipe").c_str(), 0600), 0);
+  EXPECT_FAILS(AccessPolicy::read_file(scratch / "pipe"), StatusCode::kFailedPrecondition,
+               "no plain file");
+  write_secret(scratch / "large", std::string(ConfigValue::kMaxBytes + 1, '#'));
+  EXPECT_FAILS(AccessPolicy::read_file(scratch / "large"), StatusCode::kInvalidArgument, "bytes");
+}
+
+TEST(AccessPolicy, ReadsTheExampleOfTheDocumentation) {
+  const auto page = read_file(std::filesystem::path(ENGRAM_SOURCE_DIR) / "docs/access.md");
+  ASSERT_OK(page);
+  const std::string text(as_text(page->bytes()));
+  const std::string start = "```yaml\n";
+  const size_t at = text.find(start) + start.size();
+  const ScratchDirectory scratch;
+  const std::string token = *make_token();
+  write_secret(scratch / "maintenance.token", token);
+  const auto policy = parse(text.substr(at, text.find("```", at) - at), scratch.path());
+  ASSERT_OK(policy);
+  EXPECT_EQ(policy->authenticate("example")->name(), "kitchen-robot");
+  EXPECT_EQ(policy->authenticate(token)->role(), Role::kAdmin);
+}
+
+TEST(AccessPolicy, AnswersManyThreadsAtOnce) {
+  const auto policy =
+      parse("tokens:\n" + entry("v", "v", rules("read", "[Vision]")) + "    rate: 1000Hz\n");
+  std::atomic<int> taken{0};
+  {
+    std::vector<std::jthread> threads;
+    for (int thread = 0; thread < 4; ++thread)
+      threads.emplace_back([&] {
+        for (int i = 0; i < 500; ++i) {
+          const auto identity = policy->authenticate("v");
+          EXPECT_OK(identity->check(Role::kRead, id("Vision/RGB")));
+          if (identity->take_request(kStart).ok()) ++taken;
+        }
+      });
+  }
+  EXPECT_EQ(taken, 1000);
+}
+
+}  // namespace
+}  // namespace engram::server
