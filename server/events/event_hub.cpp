@@ -13,9 +13,9 @@ constexpr size_t kRemembered = size_t{1} << 16;
 
 }  // namespace
 
-void EventHub::subscribe(std::shared_ptr<EventListener> listener, ltm::Query names) {
+void EventHub::subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted) {
   const std::unique_lock lock(mutex_);
-  subscriptions_.push_back({std::move(listener), std::move(names)});
+  subscriptions_.push_back({std::move(listener), std::move(is_wanted)});
   by_entity_.clear();
 }
 
@@ -37,7 +37,7 @@ std::shared_ptr<const EventHub::Listeners> EventHub::listeners(const ltm::Memory
   const std::unique_lock lock(mutex_);
   auto found = std::make_shared<Listeners>();
   for (const Subscription& subscription : subscriptions_)
-    if (subscription.names.matches(entity)) found->push_back(subscription.listener);
+    if (subscription.is_wanted(entity)) found->push_back(subscription.listener);
   if (by_entity_.size() >= kRemembered) by_entity_.clear();
   auto& remembered = by_entity_[entity];
   remembered = found->empty() ? nullptr : std::move(found);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <shared_mutex>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
-#include "ltm/memory/query.h"
+#include "ltm/memory/memory_id.h"
 #include "server/memory/held_snapshot.h"
 
 namespace engram::server {
@@ -41,8 +42,10 @@ class EventHub {
  public:
   using Listeners = std::vector<std::shared_ptr<EventListener>>;
 
-  /// `names`: the entities that it wants to know of; selectors do not matter.
-  void subscribe(std::shared_ptr<EventListener> listener, ltm::Query names);
+  /// Whether it wants to know of an entity; asked once for each, and again when others come or go.
+  using Wanted = std::function<bool(const ltm::MemoryId& entity)>;
+
+  void subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted);
   /// It may still be offered what is published at this moment.
   void unsubscribe(const EventListener* listener);
 
@@ -60,7 +63,7 @@ class EventHub {
  private:
   struct Subscription {
     std::shared_ptr<EventListener> listener;
-    ltm::Query names;
+    Wanted is_wanted;
   };
 
   mutable std::shared_mutex mutex_;

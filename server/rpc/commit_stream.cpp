@@ -25,14 +25,10 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
   ENGRAM_RETURN_IF_ERROR(read_message(request, message));
   const uint64_t number = message.number();
   const Durability durability = needed(message, context_.durability);
-  auto taken = take_commit(message, {});
-  if (!taken.ok()) {
-    reply(number, taken.status());
-    return {};
-  }
-  auto admission = context_.service.commit(std::move(taken->commit), std::move(taken->encoded),
-                                           durability);
+  context_.metrics.commits.add();
+  auto admission = commit(message, durability);
   if (!admission.ok()) {
+    context_.metrics.refused_commits.add();
     reply(number, admission.status());
     return {};
   }
@@ -46,6 +42,14 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
         fulfil();
       });
   return {};
+}
+
+Result<Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
+  ENGRAM_RETURN_IF_ERROR(who_.take_request(steady_now()));
+  ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take_commit(message, {}));
+  for (const ltm::EntityUpdate& update : taken.commit.updates)
+    ENGRAM_RETURN_IF_ERROR(who_.check(Role::kWrite, update.entity));
+  return context_.service.commit(std::move(taken.commit), std::move(taken.encoded), durability);
 }
 
 void CommitStream::reply(uint64_t number, const Status& status) {

@@ -13,14 +13,17 @@ namespace engram::server {
 /// durable.
 class CommitStream final : public ReplyStream {
  public:
-  explicit CommitStream(RpcContext& context) : context_(context) {}
+  CommitStream(RpcContext& context, Identity who) : context_(context), who_(std::move(who)) {}
 
  private:
   Status on_request(grpc::ByteBuffer& request) override;
+  Result<Admission> commit(v1::CommitRequest& message, MemoryService::Durability durability);
   void reply(uint64_t number, const Status& status);
   void publish(const Admission& admission);
 
   RpcContext& context_;
+  const Identity who_;
+  const StreamSlot slot_{context_};
 };
 
 }  // namespace engram::server

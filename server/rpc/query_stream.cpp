@@ -20,6 +20,11 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
   v1::QueryRequest message;
   ENGRAM_RETURN_IF_ERROR(read_message(request, message));
   const uint64_t number = message.number();
+  context_.metrics.queries.add();
+  if (Status status = who_.take_request(steady_now()); !status.ok()) {
+    answer(number, std::move(status));
+    return {};
+  }
   auto query = ltm::Query::parse(message.query());
   if (!query.ok()) {
     answer(number, query.status());
@@ -40,12 +45,16 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
   return {};
 }
 
-void QueryStream::answer(uint64_t number, const Result<ServedAnswer>& answer) {
+void QueryStream::answer(uint64_t number, Result<ServedAnswer> answer) {
+  if (answer.ok())
+    std::erase_if(answer->entities,
+                  [this](const ServedEntity& entity) { return !who_.may_read(entity.id); });
   Status status = answer.status();
   if (answer.ok())
     status = write_answer(number, *answer, kPartBytes,
                           [this](const WireBytes& part) { send(part.to_byte_buffer()); });
   if (status.ok()) return;
+  context_.metrics.failed_queries.add();
   v1::QueryReply reply;
   reply.set_number(number);
   reply.set_is_last(true);

@@ -10,13 +10,15 @@ namespace engram::server {
 /// other threads: answers may come in another order than queries.
 class QueryStream final : public ReplyStream {
  public:
-  explicit QueryStream(RpcContext& context) : context_(context) {}
+  QueryStream(RpcContext& context, Identity who) : context_(context), who_(std::move(who)) {}
 
  private:
   Status on_request(grpc::ByteBuffer& request) override;
-  void answer(uint64_t number, const Result<ServedAnswer>& answer);
+  void answer(uint64_t number, Result<ServedAnswer> answer);
 
   RpcContext& context_;
+  const Identity who_;
+  const StreamSlot slot_{context_};
 };
 
 }  // namespace engram::server

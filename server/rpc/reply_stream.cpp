@@ -18,25 +18,25 @@ void ReplyStream::OnReadDone(bool ok) {
   Status status;
   if (ok) status = on_request(request_);
   request_.Clear();
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   is_reading_ = false;
   if (!status.ok() && status_.ok()) status_ = std::move(status);
   if (!ok || !status_.ok()) is_read_to_end_ = true;
-  go_on(lock);
+  go_on();
 }
 
 void ReplyStream::OnWriteDone(bool ok) {
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   is_writing_ = false;
   written_.Clear();
   if (!ok) is_broken_ = true;
-  go_on(lock);
+  go_on();
 }
 
 void ReplyStream::OnCancel() {
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   is_broken_ = true;
-  go_on(lock);
+  go_on();
 }
 
 void ReplyStream::OnDone() {
@@ -50,28 +50,28 @@ void ReplyStream::promise() {
 }
 
 void ReplyStream::fulfil() {
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   --promised_;
-  go_on(lock);
+  go_on();
 }
 
 void ReplyStream::send(grpc::ByteBuffer reply) {
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   if (is_broken_ || is_finished_) return;
   waiting_bytes_ += reply.Length();
   waiting_.push_back(std::move(reply));
-  go_on(lock);
+  go_on();
 }
 
 void ReplyStream::end(const Status& status) {
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   if (status_.ok()) status_ = status;
   is_read_to_end_ = true;
-  go_on(lock);
+  go_on();
 }
 
 /// Starts what can be started now: a write, a read, the end.
-void ReplyStream::go_on(std::unique_lock<std::mutex>& lock) {
+void ReplyStream::go_on() {
   if (is_finished_) return;
   if (is_broken_) {
     waiting_.clear();
@@ -94,12 +94,10 @@ void ReplyStream::go_on(std::unique_lock<std::mutex>& lock) {
   const bool is_cut = is_read_to_end_ && is_reading_ && !is_writing_ && waiting_.empty() &&
                       (promised_ == 0 || is_broken_) && !status_.ok();
   if (ends || is_cut) is_finished_ = true;
-  const auto kept = self_;
-  const Status status = status_;
-  lock.unlock();
+  // Begun with the lock held: nothing may be begun after the end was.
   if (writes) StartWrite(&written_);
   if (reads) StartRead(&request_);
-  if (ends || is_cut) Finish(is_broken_ ? grpc::Status::CANCELLED : to_grpc(status));
+  if (ends || is_cut) Finish(is_broken_ ? grpc::Status::CANCELLED : to_grpc(status_));
 }
 
 }  // namespace engram::server

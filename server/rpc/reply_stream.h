@@ -47,7 +47,8 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   void end(const Status& status);
 
  private:
-  void go_on(std::unique_lock<std::mutex>& lock);
+  /// Needs the lock.
+  void go_on();
 
   std::shared_ptr<ReplyStream> self_;
   grpc::ByteBuffer request_;

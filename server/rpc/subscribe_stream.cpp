@@ -42,13 +42,19 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   v1::Notification started;
   started.set_is_started(true);
   {
+    // From here on all is told: what comes waits behind this message.
     const std::scoped_lock lock(mutex_);
+    if (is_finished_) return {};
     queue_.emplace(bounds);
     is_writing_ = true;
     written_ = to_bytes(started);
   }
-  context_.hub.subscribe(shared_from_this(), std::move(names));
-  StartWrite(&written_);
+  context_.hub.subscribe(shared_from_this(),
+                         [this, names = std::move(names)](const ltm::MemoryId& entity) {
+                           return names.matches(entity) && who_.may_read(entity);
+                         });
+  const std::scoped_lock lock(mutex_);
+  if (!is_finished_) StartWrite(&written_);
   return {};
 }
 
@@ -64,7 +70,8 @@ void SubscribeStream::OnReadDone(bool ok) {
     finish(status);
     return;
   }
-  StartRead(&request_);
+  const std::scoped_lock lock(mutex_);
+  if (!is_finished_) StartRead(&request_);
 }
 
 const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
@@ -74,14 +81,17 @@ const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
 }
 
 void SubscribeStream::offer(std::span<const SharedEvent> events) {
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   if (is_finished_) return;
+  const uint64_t lost = queue_->lost();
   for (const SharedEvent& event : events)
     queue_->push(event, form_of(static_cast<WireEvent&>(*event)).size);
-  write_next(lock);
+  context_.metrics.events.add(events.size());
+  if (queue_->lost() > lost) context_.metrics.lost_events.add(queue_->lost() - lost);
+  write_next();
 }
 
-void SubscribeStream::write_next(std::unique_lock<std::mutex>& lock) {
+void SubscribeStream::write_next() {
   if (is_writing_ || is_finished_ || !queue_ || queue_->empty()) return;
   WireWriter message;
   while (!queue_->empty() && (message.size() == 0 || message.size() + queue_->next_bytes() <= kMessageBytes)) {
@@ -91,8 +101,7 @@ void SubscribeStream::write_next(std::unique_lock<std::mutex>& lock) {
   if (queue_->lost() > 0) message.field(v1::Notification::kLostFieldNumber, queue_->lost());
   written_ = message.take().to_byte_buffer();
   is_writing_ = true;
-  const auto kept = self_;
-  lock.unlock();
+  // Begun with the lock held: nothing may be begun after the end was.
   StartWrite(&written_);
 }
 
@@ -101,9 +110,9 @@ void SubscribeStream::OnWriteDone(bool ok) {
     finish(cancelled("the subscriber is gone"));
     return;
   }
-  std::unique_lock lock(mutex_);
+  const std::scoped_lock lock(mutex_);
   is_writing_ = false;
-  write_next(lock);
+  write_next();
 }
 
 void SubscribeStream::OnCancel() {
@@ -112,11 +121,9 @@ void SubscribeStream::OnCancel() {
 
 void SubscribeStream::finish(const Status& status) {
   context_.hub.unsubscribe(this);
-  {
-    const std::scoped_lock lock(mutex_);
-    if (is_finished_) return;
-    is_finished_ = true;
-  }
+  const std::scoped_lock lock(mutex_);
+  if (is_finished_) return;
+  is_finished_ = true;
   Finish(to_grpc(status));
 }
 

@@ -20,7 +20,8 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
                               public EventListener,
                               public std::enable_shared_from_this<SubscribeStream> {
  public:
-  explicit SubscribeStream(RpcContext& context) : context_(context) {}
+  SubscribeStream(RpcContext& context, Identity who)
+      : context_(context), who_(std::move(who)) {}
 
   void begin();
 
@@ -34,10 +35,13 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
  private:
   Status start(const v1::SubscribeRequest& request);
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
-  void write_next(std::unique_lock<std::mutex>& lock);
+  /// Needs the lock.
+  void write_next();
   void finish(const Status& status);
 
   RpcContext& context_;
+  const Identity who_;
+  const StreamSlot slot_{context_};
   std::shared_ptr<SubscribeStream> self_;
   grpc::ByteBuffer request_;
   bool is_started_ = false;  ///< Used by one thread: requests come one at a time.

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/client/client_stream.h"
+
+#include <grpcpp/channel.h>
+
+#include "server/wire/wire_status.h"
+
+namespace engram::server {
+
+std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Channel>& channel,
+                                                 const std::string& method,
+                                                 const std::string& token, Handlers handlers) {
+  const std::shared_ptr<ClientStream> stream(new ClientStream(std::move(handlers)));
+  stream->self_ = stream;
+  if (!token.empty()) stream->context_.AddMetadata("authorization", "Bearer " + token);
+  grpc::GenericStub stub{std::shared_ptr<grpc::ChannelInterface>(channel)};
+  stub.PrepareBidiStreamingCall(&stream->context_, method, {}, stream.get());
+  // Writes come from any thread, at any time: without a hold the call could be over before.
+  stream->AddHold();
+  stream->StartRead(&stream->reply_);
+  stream->StartCall();
+  return stream;
+}
+
+Status ClientStream::send(grpc::ByteBuffer request) {
+  // Begun with the lock held: nothing may be begun after the hold was removed.
+  const std::scoped_lock lock(mutex_);
+  if (!is_open_) return unavailable("the stream has ended");
+  if (is_writing_) {
+    waiting_.push_back(std::move(request));
+    return {};
+  }
+  written_ = std::move(request);
+  is_writing_ = true;
+  StartWrite(&written_);
+  return {};
+}
+
+bool ClientStream::is_open() const {
+  const std::scoped_lock lock(mutex_);
+  return is_open_;
+}
+
+void ClientStream::cancel() {
+  context_.TryCancel();
+}
+
+void ClientStream::OnReadDone(bool ok) {
+  if (ok) {
+    handlers_.on_reply(reply_);
+    reply_.Clear();
+    StartRead(&reply_);
+    return;
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    is_open_ = false;
+    waiting_.clear();
+  }
+  // Nothing comes any more: the call has ended, and the hold with it.
+  RemoveHold();
+}
+
+void ClientStream::OnWriteDone(bool ok) {
+  const std::scoped_lock lock(mutex_);
+  is_writing_ = false;
+  if (!ok || !is_open_ || waiting_.empty()) return;
+  written_ = std::move(waiting_.front());
+  waiting_.pop_front();
+  is_writing_ = true;
+  StartWrite(&written_);
+}
+
+void ClientStream::OnDone(const grpc::Status& status) {
+  const auto kept = std::move(self_);
+  handlers_.on_end(status.ok() ? unavailable("the server ended the stream") : to_status(status));
+}
+
+}  // namespace engram::server

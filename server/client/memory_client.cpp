@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/client/memory_client.h"
+
+#include <engram/v1/memory.grpc.pb.h>
+
+#include <condition_variable>
+#include <future>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "ltm/idf/binary.h"
+#include "server/client/channel.h"
+#include "server/client/client_stream.h"
+#include "server/client/remote_subscription.h"
+#include "server/wire/byte_message.h"
+#include "server/wire/wire_snapshot.h"
+#include "server/wire/wire_status.h"
+
+namespace engram::server {
+
+namespace {
+
+constexpr auto kFirstWait = std::chrono::milliseconds(20);
+constexpr auto kLongestWait = std::chrono::milliseconds(500);
+
+/// Tries again until `deadline` what could not be reached.
+template <typename Call>
+auto retried(SteadyTime deadline, const Call& call) -> decltype(call()) {
+  for (Duration wait = kFirstWait;; wait = std::min<Duration>(2 * wait, kLongestWait)) {
+    auto result = call();
+    const StatusCode code = [&] {
+      if constexpr (std::is_same_v<decltype(call()), Status>)
+        return result.code();
+      else
+        return result.status().code();
+    }();
+    if (code != StatusCode::kUnavailable || steady_now() + wait >= deadline) return result;
+    std::this_thread::sleep_for(wait);
+  }
+}
+
+/// One kind of stream of a client: opened when it is needed, each request with its reply.
+template <typename Reply>
+class Calls : public std::enable_shared_from_this<Calls<Reply>> {
+ public:
+  /// Takes a reply; true where it was the last one of its request.
+  struct Pending {
+    std::function<bool(Reply&)> on_reply;
+    std::function<void(const Status&)> on_failure;
+  };
+
+  Calls(std::shared_ptr<grpc::Channel> channel, std::string method, std::string token)
+      : channel_(std::move(channel)), method_(std::move(method)), token_(std::move(token)) {}
+
+  /// `make` makes the request of its number.
+  template <typename Make>
+  void call(const Make& make, Pending pending) {
+    std::shared_ptr<ClientStream> stream;
+    uint64_t number = 0;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!stream_ || !stream_->is_open()) open();
+      stream = stream_;
+      number = ++numbers_;
+      pending_.emplace(number, std::pair(generation_, std::move(pending)));
+    }
+    const Status sent = stream->send(make(number));
+    if (!sent.ok()) fail_one(number, sent);
+  }
+
+  /// Lets go of a request that nobody waits for any more.
+  void forget(uint64_t number) {
+    const std::scoped_lock lock(mutex_);
+    pending_.erase(number);
+  }
+
+  void close() {
+    std::shared_ptr<ClientStream> stream;
+    {
+      const std::scoped_lock lock(mutex_);
+      stream = stream_;
+    }
+    if (stream) stream->cancel();
+  }
+
+ private:
+  void open() {
+    const uint64_t generation = ++generation_;
+    const std::weak_ptr<Calls> weak = this->weak_from_this();
+    stream_ = ClientStream::open(
+        channel_, method_, token_,
+        {[weak](grpc::ByteBuffer& bytes) {
+           if (const auto self = weak.lock()) self->take(bytes);
+         },
+         [weak, generation](const Status& status) {
+           if (const auto self = weak.lock()) self->fail_all(generation, status);
+         }});
+  }
+
+  void take(grpc::ByteBuffer& bytes) {
+    Reply reply;
+    // A reply that cannot be read is answered by the timeout.
+    if (!read_message(bytes, reply).ok()) return;
+    Pending pending;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = pending_.find(reply.number());
+      if (found == pending_.end()) return;
+      pending = found->second.second;
+    }
+    if (pending.on_reply(reply)) forget(reply.number());
+  }
+
+  void fail_one(uint64_t number, const Status& status) {
+    Pending failed;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = pending_.find(number);
+      if (found == pending_.end()) return;
+      failed = std::move(found->second.second);
+      pending_.erase(found);
+    }
+    failed.on_failure(status);
+  }
+
+  void fail_all(uint64_t generation, const Status& status) {
+    std::vector<Pending> failed;
+    {
+      const std::scoped_lock lock(mutex_);
+      for (auto one = pending_.begin(); one != pending_.end();) {
+        if (one->second.first > generation) {
+          ++one;
+          continue;
+        }
+        failed.push_back(std::move(one->second.second));
+        one = pending_.erase(one);
+      }
+    }
+    for (const Pending& one : failed) one.on_failure(status);
+  }
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::string method_;
+  const std::string token_;
+  std::mutex mutex_;
+  std::shared_ptr<ClientStream> stream_;
+  uint64_t generation_ = 0;
+  uint64_t numbers_ = 0;
+  std::map<uint64_t, std::pair<uint64_t, Pending>> pending_;
+};
+
+/// What a blocked caller waits for. Shared with handlers that may come too late.
+template <typename Value>
+struct Awaited {
+  std::promise<Value> promise;
+  std::atomic<bool> is_set{false};
+
+  void set(Value value) {
+    if (!is_set.exchange(true)) promise.set_value(std::move(value));
+  }
+};
+
+v1::Durability to_message(CommitDurability durability) {
+  return static_cast<v1::Durability>(durability);
+}
+
+}  // namespace
+
+struct MemoryClient::State {
+  ClientOptions options;
+  std::string endpoint;
+  std::shared_ptr<grpc::Channel> channel;
+  std::unique_ptr<v1::MemoryServer::Stub> stub;
+  std::shared_ptr<Calls<v1::CommitReply>> commits;
+  std::shared_ptr<Calls<v1::QueryReply>> queries;
+
+  [[nodiscard]] Status timed_out() const {
+    return unavailable("server '{}': no answer within {}", endpoint, to_string(options.timeout));
+  }
+
+  /// Waits for at most what is left.
+  template <typename Value>
+  Value wait(const std::shared_ptr<Awaited<Value>>& awaited, SteadyTime deadline) {
+    auto future = awaited->promise.get_future();
+    if (future.wait_until(deadline) == std::future_status::ready) return future.get();
+    awaited->set(timed_out());
+    return future.get();
+  }
+
+  template <typename Request, typename Reply, typename Method>
+  Status call(Method method, const Request& request, Reply& reply) {
+    return retried(steady_now() + options.timeout, [&]() -> Status {
+      grpc::ClientContext context;
+      context.set_deadline(std::chrono::system_clock::now() + options.timeout);
+      if (!options.token.empty()) context.AddMetadata("authorization", "Bearer " + options.token);
+      const grpc::Status status = ((*stub).*method)(&context, request, &reply);
+      return status.ok() ? Status() : to_status(status).with_context(endpoint);
+    });
+  }
+};
+
+MemoryClient::MemoryClient(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+MemoryClient::~MemoryClient() {
+  state_->commits->close();
+  state_->queries->close();
+}
+
+Result<std::unique_ptr<MemoryClient>> MemoryClient::connect(const std::string& endpoint,
+                                                            const ClientOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(const Endpoint place, Endpoint::parse(endpoint));
+  auto state = std::make_shared<State>();
+  state->options = options;
+  state->endpoint = endpoint;
+  ENGRAM_ASSIGN_OR_RETURN(state->channel, open_channel(place, options));
+  state->stub = v1::MemoryServer::NewStub(state->channel);
+  state->commits = std::make_shared<Calls<v1::CommitReply>>(
+      state->channel, "/engram.v1.MemoryServer/Commit", options.token);
+  state->queries = std::make_shared<Calls<v1::QueryReply>>(
+      state->channel, "/engram.v1.MemoryServer/Query", options.token);
+  return std::unique_ptr<MemoryClient>(new MemoryClient(std::move(state)));
+}
+
+void MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability,
+                          std::function<void(const Status&)> done) {
+  v1::CommitRequest request;
+  request.set_durability(to_message(durability));
+  for (const ltm::EntityUpdate& update : commit.updates) {
+    auto message = to_message(update);
+    if (!message.ok()) {
+      done(message.status());
+      return;
+    }
+    *request.add_updates() = *std::move(message);
+  }
+  state_->commits->call(
+      [&request](uint64_t number) {
+        request.set_number(number);
+        return to_bytes(request);
+      },
+      {[done](v1::CommitReply& reply) {
+         done(to_status(reply.outcome()));
+         return true;
+       },
+       done});
+}
+
+Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability) {
+  const SteadyTime deadline = steady_now() + state_->options.timeout;
+  const Status status = retried(deadline, [&]() -> Status {
+    auto awaited = std::make_shared<Awaited<Status>>();
+    this->commit(commit, durability, [awaited](const Status& done) { awaited->set(done); });
+    return state_->wait(awaited, deadline);
+  });
+  return status.ok() ? status : status.with_context(state_->endpoint);
+}
+
+Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine) {
+  using Answer = Result<ltm::QueryResult>;
+  struct Parts {
+    explicit Parts(bool is_ids_only) : result(is_ids_only) {}
+    ltm::QueryResult result;
+  };
+  const SteadyTime deadline = steady_now() + state_->options.timeout;
+  v1::QueryRequest request;
+  request.set_query(query.to_string());
+  request.set_engine(engine);
+  const auto ask = [&]() -> Answer {
+    auto awaited = std::make_shared<Awaited<Answer>>();
+    auto parts = std::make_shared<Parts>(query.is_ids_only());
+    const auto take = [awaited, parts](v1::QueryReply& reply) {
+      const auto taken = [&]() -> Status {
+        ENGRAM_RETURN_IF_ERROR(to_status(reply.outcome()));
+        for (v1::EntityAnswer& entity : *reply.mutable_entities()) {
+          ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::parse(entity.entity()));
+          if (!id.is_entity()) return data_loss("answer: '{}' is no entity", entity.entity());
+          ltm::EntityResult& one = parts->result.add_entity(id);
+          for (v1::Snapshot& snapshot : *entity.mutable_snapshots()) {
+            ENGRAM_ASSIGN_OR_RETURN(auto answer, take_answer(snapshot, {}));
+            one.add(std::move(answer));
+          }
+        }
+        return {};
+      }();
+      if (!taken.ok()) {
+        awaited->set(taken);
+        return true;
+      }
+      if (reply.is_last()) awaited->set(std::move(parts->result));
+      return reply.is_last();
+    };
+    state_->queries->call(
+        [&request](uint64_t number) {
+          request.set_number(number);
+          return to_bytes(request);
+        },
+        {take, [awaited](const Status& status) { awaited->set(status); }});
+    return state_->wait(awaited, deadline);
+  };
+  Answer answer = retried(deadline, ask);
+  return answer.ok() ? std::move(answer) : Answer(answer.status().with_context(state_->endpoint));
+}
+
+Status MemoryClient::declare(const ltm::MemoryId& segment, const idf::Type& type) {
+  v1::DeclareRequest request;
+  request.set_segment(segment.to_string());
+  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, idf::encode(idf::to_data(type)));
+  request.set_type(bytes.data(), bytes.size());
+  v1::DeclareReply reply;
+  using Method = grpc::Status (v1::MemoryServer::Stub::*)(
+      grpc::ClientContext*, const v1::DeclareRequest&, v1::DeclareReply*);
+  return state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Declare), request, reply);
+}
+
+Result<ServerInfo> MemoryClient::info() {
+  v1::InfoReply reply;
+  using Method = grpc::Status (v1::MemoryServer::Stub::*)(grpc::ClientContext*,
+                                                          const v1::InfoRequest&, v1::InfoReply*);
+  ENGRAM_RETURN_IF_ERROR(state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Info),
+                                      v1::InfoRequest(), reply));
+  return ServerInfo{reply.server(),
+                    reply.version(),
+                    {reply.memories().begin(), reply.memories().end()},
+                    reply.figures_json()};
+}
+
+Result<std::string> MemoryClient::metrics() {
+  v1::MetricsReply reply;
+  using Method = grpc::Status (v1::MemoryServer::Stub::*)(
+      grpc::ClientContext*, const v1::MetricsRequest&, v1::MetricsReply*);
+  ENGRAM_RETURN_IF_ERROR(state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Metrics),
+                                      v1::MetricsRequest(), reply));
+  return reply.text();
+}
+
+Result<std::unique_ptr<Subscription>> MemoryClient::subscribe(const SubscriptionOptions& options,
+                                                              SubscriptionHandlers handlers) {
+  return subscribe_remotely(state_->channel, state_->options, options, std::move(handlers));
+}
+
+}  // namespace engram::server

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/client/remote_subscription.h"
+
+#include <engram/v1/memory.pb.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "server/client/client_stream.h"
+#include "server/wire/byte_message.h"
+#include "server/wire/wire_snapshot.h"
+
+namespace engram::server {
+
+namespace {
+
+constexpr auto kAgainAfter = std::chrono::milliseconds(100);
+
+class RemoteSubscription final : public Subscription {
+ public:
+  RemoteSubscription(std::shared_ptr<grpc::Channel> channel, ClientOptions client,
+                     const SubscriptionOptions& options, SubscriptionHandlers handlers)
+      : channel_(std::move(channel)), client_(std::move(client)), handlers_(std::move(handlers)) {
+    for (const std::string& names : options.names) request_.add_names(names);
+    request_.set_with_data(options.with_data);
+    request_.set_inline_bytes(static_cast<uint32_t>(options.inline_bytes));
+    request_.set_queue_bound(static_cast<uint32_t>(options.queue_bound));
+  }
+
+  ~RemoteSubscription() override {
+    {
+      const std::scoped_lock lock(mutex_);
+      is_ending_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+    if (stream_) stream_->cancel();
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return open_streams_ == 0; });
+  }
+
+  /// Waits for the server's word that it has begun.
+  Status begin() {
+    open();
+    keep_alive();
+    std::unique_lock lock(mutex_);
+    const bool is_told = changed_.wait_for(lock, client_.timeout,
+                                           [this] { return is_started_ || !is_lasting_.ok(); });
+    if (!is_lasting_.ok()) return is_lasting_;
+    if (!is_told)
+      return unavailable("subscription: no answer within {}", to_string(client_.timeout));
+    return {};
+  }
+
+ private:
+  /// Opens the stream again where it broke.
+  void keep_alive() {
+    thread_ = std::thread([this] {
+      std::unique_lock lock(mutex_);
+      while (!is_ending_) {
+        changed_.wait(lock, [this] { return is_ending_ || open_streams_ == 0; });
+        if (is_ending_) return;
+        if (changed_.wait_for(lock, kAgainAfter, [this] { return is_ending_; })) return;
+        lock.unlock();
+        open();
+        lock.lock();
+      }
+    });
+  }
+
+  void open() {
+    {
+      const std::scoped_lock lock(mutex_);
+      ++open_streams_;
+      lost_ = 0;
+    }
+    auto stream = ClientStream::open(channel_, "/engram.v1.MemoryServer/Subscribe", client_.token,
+                                     {[this](grpc::ByteBuffer& bytes) { take(bytes); },
+                                      [this](const Status& status) { end(status); }});
+    {
+      const std::scoped_lock lock(mutex_);
+      stream_ = stream;
+    }
+    // Where it ended already, end() says so.
+    (void)stream->send(to_bytes(request_));
+  }
+
+  void take(grpc::ByteBuffer& bytes) {
+    v1::Notification notification;
+    if (!read_message(bytes, notification).ok()) return;
+    if (notification.is_started()) {
+      {
+        const std::scoped_lock lock(mutex_);
+        is_started_ = true;
+      }
+      changed_.notify_all();
+      return;
+    }
+    if (notification.lost() > lost_) {
+      if (handlers_.on_lost) handlers_.on_lost(notification.lost() - lost_);
+      lost_ = notification.lost();
+    }
+    std::vector<ToldSnapshot> told;
+    told.reserve(static_cast<size_t>(notification.events_size()));
+    for (v1::Snapshot& event : *notification.mutable_events()) {
+      const bool has_data = event.instances_size() > 0 && !event.instances(0).data().empty();
+      auto snapshot = take_snapshot(event, {});
+      if (snapshot.ok()) told.push_back({*std::move(snapshot), has_data});
+    }
+    if (!told.empty() && handlers_.on_snapshots) handlers_.on_snapshots(std::move(told));
+  }
+
+  void end(const Status& status) {
+    bool is_first = false;
+    {
+      const std::scoped_lock lock(mutex_);
+      is_first = !is_started_ && status.code() != StatusCode::kUnavailable;
+      if (is_first) is_lasting_ = status;
+      if (is_ending_ || is_first) {
+        --open_streams_;
+        changed_.notify_all();
+        return;
+      }
+    }
+    if (handlers_.on_interrupted) handlers_.on_interrupted(status);
+    const std::scoped_lock lock(mutex_);
+    --open_streams_;
+    changed_.notify_all();
+  }
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  const ClientOptions client_;
+  const SubscriptionHandlers handlers_;
+  v1::SubscribeRequest request_;
+  uint64_t lost_ = 0;  ///< Used by one thread at a time: that of the stream.
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::shared_ptr<ClientStream> stream_;
+  int open_streams_ = 0;
+  bool is_started_ = false;
+  bool is_ending_ = false;
+  Status is_lasting_;  ///< Why it will not begin.
+  std::thread thread_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Subscription>> subscribe_remotely(std::shared_ptr<grpc::Channel> channel,
+                                                         const ClientOptions& client,
+                                                         const SubscriptionOptions& options,
+                                                         SubscriptionHandlers handlers) {
+  auto subscription = std::make_unique<RemoteSubscription>(std::move(channel), client, options,
+                                                           std::move(handlers));
+  ENGRAM_RETURN_IF_ERROR(subscription->begin());
+  return std::unique_ptr<Subscription>(std::move(subscription));
+}
+
+}  // namespace engram::server

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/robot/memory_server.h"
+
+#include "ltm/core/log.h"
+#include "server/client/names_client.h"
+#include "server/rpc/memory_rpc.h"
+
+namespace engram::server {
+
+struct MemoryServer::State {
+  std::unique_ptr<MemoryService> service;
+  std::unique_ptr<RpcContext> context;
+  std::unique_ptr<grpc::Service> rpc;
+  std::unique_ptr<RpcServer> server;
+  std::unique_ptr<Registrar> registrar;
+};
+
+MemoryServer::MemoryServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+MemoryServer::~MemoryServer() {
+  const Status status = stop();
+  if (!status.ok()) log::warning("{}", status.to_string());
+}
+
+Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options,
+                                                          ltm::ModelLoader loader,
+                                                          NamesClient* names) {
+  auto state = std::make_unique<State>();
+  auto access = AccessPolicy::everyone();
+  if (!options.tokens.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(access, AccessPolicy::read_file(options.tokens));
+  }
+  ENGRAM_ASSIGN_OR_RETURN(state->service, MemoryService::open(options.service, std::move(loader)));
+  state->context =
+      std::make_unique<RpcContext>(*state->service, std::move(access), options.threads);
+  state->context->durability = options.durability;
+  state->rpc = make_memory_rpc(*state->context);
+  ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
+  if (names != nullptr) {
+    const auto started = static_cast<uint64_t>(to_ns(system_now()));
+    state->registrar = std::make_unique<Registrar>(
+        *names, Registration{options.service.name, options.service.memories,
+                             state->server->endpoints(), started});
+  }
+  return std::unique_ptr<MemoryServer>(new MemoryServer(std::move(state)));
+}
+
+std::vector<std::string> MemoryServer::endpoints() const {
+  return state_->server->endpoints();
+}
+
+MemoryService& MemoryServer::service() {
+  return *state_->service;
+}
+
+Status MemoryServer::commit(ltm::Commit commit) {
+  ENGRAM_ASSIGN_OR_RETURN(const Admission admission, state_->service->commit(std::move(commit)));
+  publish(*state_->context, admission);
+  return {};
+}
+
+Status MemoryServer::stop() {
+  if (!state_->server) return {};
+  state_->registrar.reset();
+  state_->server->stop(std::chrono::milliseconds(200));
+  state_->server.reset();
+  return state_->service->close();
+}
+
+}  // namespace engram::server

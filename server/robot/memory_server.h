@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/rpc/rpc_context.h"
+#include "server/rpc/rpc_server.h"
+#include "server/service/memory_service.h"
+
+namespace engram::server {
+
+class NamesClient;
+
+/// One memory server: its memories, and what answers about them over gRPC.
+///
+/// Owns: threads.
+/// Threading: one thread.
+class MemoryServer {
+ public:
+  struct Options {
+    MemoryService::Options service;
+    RpcServer::Options rpc;
+    MemoryService::Durability durability = MemoryService::Durability::kMemory;
+    std::filesystem::path tokens;  ///< Empty: whoever can connect may do everything.
+    int threads = 2;               ///< That decode and predict.
+  };
+
+  /// `names`: where it registers; may be null, else outlives it.
+  /// Errors: those of MemoryService::open, AccessPolicy::read_file and RpcServer::start.
+  static Result<std::unique_ptr<MemoryServer>> start(const Options& options,
+                                                     ltm::ModelLoader loader,
+                                                     NamesClient* names = nullptr);
+  /// As stop(); what fails is logged.
+  ~MemoryServer();
+
+  [[nodiscard]] std::vector<std::string> endpoints() const;
+  [[nodiscard]] MemoryService& service();
+
+  /// Commits what this process itself knows, and tells subscribers.
+  Status commit(ltm::Commit commit);
+
+  /// Takes no more, hands everything to the store, and seals it.
+  /// Errors: those of MemoryService::close.
+  Status stop();
+
+ private:
+  struct State;
+  explicit MemoryServer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace engram::server

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <grpcpp/server_context.h>
+
+#include "server/access/access_policy.h"
+
+namespace engram::server {
+
+/// Who calls, by the token in its metadata ("authorization: Bearer TOKEN").
+/// Errors: kFailedPrecondition.
+Result<Identity> caller(const AccessPolicy& access, const grpc::ServerContextBase& context);
+
+}  // namespace engram::server

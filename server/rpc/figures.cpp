@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/figures.h"
+
+#include <nlohmann/json.hpp>
+
+namespace engram::server {
+
+namespace {
+
+struct Figure {
+  std::string name;
+  std::string help;
+  double value = 0;
+};
+
+std::vector<Figure> figures(const MemoryService::Counters& counters) {
+  const MemoryCounters& memory = counters.memory;
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  std::vector<Figure> all = {
+      {"memory_entities", "Entities in working memory.", number(memory.entities)},
+      {"memory_snapshots", "Snapshots in working memory.", number(memory.snapshots)},
+      {"memory_bytes", "Bytes of those that stay.", number(memory.bytes)},
+      {"memory_waiting", "Snapshots that wait for the online phase.", number(memory.waiting)},
+      {"memory_waiting_bytes", "Bytes of these.", number(memory.waiting_bytes)},
+      {"memory_committed", "Snapshots that were committed.", number(memory.committed)},
+      {"memory_superseded", "Replaced by another of the same time.", number(memory.superseded)},
+      {"memory_left", "Gone from memory, stored.", number(memory.left)},
+      {"memory_dropped", "Gone from memory, not stored.", number(memory.dropped)},
+      {"memory_stored", "Taken by the online phase.", number(memory.stored)},
+      {"memory_refused", "Commits that were not taken.", number(memory.refused)},
+      {"memory_reads", "Snapshots given out with their data.", number(memory.reads)},
+      {"queries", "Queries answered.", number(counters.queries)},
+      {"queries_of_store", "That the store was needed for.", number(counters.queries_of_store)},
+      {"predictions", "Moments predicted.", number(counters.predictions)},
+      {"store_failures", "Attempts to store that failed.", number(counters.store_failures)}};
+  if (!counters.store) return all;
+  const LongTerm::Counters& store = *counters.store;
+  all.push_back({"store_recorded", "Snapshots that the online phase took.", number(store.recorded)});
+  all.push_back({"store_decoded", "Snapshots decoded from the store.", number(store.decoded)});
+  all.push_back({"store_from_decoded", "Found decoded already.", number(store.from_decoded)});
+  all.push_back({"store_decoded_bytes", "Bytes kept decoded.", number(store.decoded_bytes)});
+  all.push_back({"store_lost_frames", "Damaged before this start.", number(store.lost_frames)});
+  return all;
+}
+
+}  // namespace
+
+std::string figures_json(RpcContext& context) {
+  const MemoryService::Counters counters = context.service.counters();
+  nlohmann::ordered_json json;
+  for (const Figure& figure : figures(counters))
+    json[figure.name] = static_cast<uint64_t>(figure.value);
+  json["subscribers"] = context.hub.size();
+  if (!counters.last_store_failure.empty())
+    json["last_store_failure"] = counters.last_store_failure;
+  return json.dump();
+}
+
+std::string metrics_text(RpcContext& context) {
+  for (const Figure& figure : figures(context.service.counters()))
+    context.metrics.registry.gauge("engram_" + figure.name, figure.help).set(figure.value);
+  context.metrics.registry.gauge("engram_subscribers", "Subscriptions.")
+      .set(static_cast<double>(context.hub.size()));
+  return context.metrics.registry.to_text();
+}
+
+}  // namespace engram::server

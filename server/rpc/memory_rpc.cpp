@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/memory_rpc.h"
+
+#include <engram/v1/memory.grpc.pb.h>
+
+#include "ltm/idf/binary.h"
+#include "ltm/idf/type.h"
+#include "server/rpc/caller.h"
+#include "server/rpc/commit_stream.h"
+#include "server/rpc/figures.h"
+#include "server/rpc/query_stream.h"
+#include "server/rpc/subscribe_stream.h"
+#include "server/wire/wire_status.h"
+
+namespace engram::server {
+
+namespace {
+
+using Bytes = grpc::ByteBuffer;
+using ByteReactor = grpc::ServerBidiReactor<Bytes, Bytes>;
+
+using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
+    v1::MemoryServer::WithRawCallbackMethod_Query<v1::MemoryServer::WithRawCallbackMethod_Subscribe<
+        v1::MemoryServer::WithCallbackMethod_Declare<v1::MemoryServer::WithCallbackMethod_Info<
+            v1::MemoryServer::WithCallbackMethod_Metrics<v1::MemoryServer::Service>>>>>>;
+
+/// Ends a stream that is not let in.
+class RefusedStream final : public ByteReactor {
+ public:
+  explicit RefusedStream(const grpc::Status& status) { Finish(status); }
+  void OnDone() override { delete this; }
+};
+
+class MemoryRpc final : public ServiceBase {
+ public:
+  explicit MemoryRpc(RpcContext& context) : context_(context) {}
+
+  ByteReactor* Commit(grpc::CallbackServerContext* call) override { return open<CommitStream>(call); }
+  ByteReactor* Query(grpc::CallbackServerContext* call) override { return open<QueryStream>(call); }
+  ByteReactor* Subscribe(grpc::CallbackServerContext* call) override {
+    return open<SubscribeStream>(call);
+  }
+
+  grpc::ServerUnaryReactor* Declare(grpc::CallbackServerContext* call,
+                                    const v1::DeclareRequest* request,
+                                    v1::DeclareReply* /*reply*/) override {
+    return finish(call, declare(*call, *request));
+  }
+
+  grpc::ServerUnaryReactor* Info(grpc::CallbackServerContext* call,
+                                 const v1::InfoRequest* /*request*/, v1::InfoReply* reply) override {
+    const auto who = caller(context_.access, *call);
+    if (!who.ok()) return finish(call, who.status());
+    const MemoryService::Options& options = context_.service.options();
+    reply->set_server(options.name);
+    reply->set_version(ENGRAM_VERSION);
+    for (const std::string& memory : options.memories) reply->add_memories(memory);
+    reply->set_figures_json(figures_json(context_));
+    return finish(call, {});
+  }
+
+  grpc::ServerUnaryReactor* Metrics(grpc::CallbackServerContext* call,
+                                    const v1::MetricsRequest* /*request*/,
+                                    v1::MetricsReply* reply) override {
+    const auto who = caller(context_.access, *call);
+    if (!who.ok()) return finish(call, who.status());
+    reply->set_text(metrics_text(context_));
+    return finish(call, {});
+  }
+
+ private:
+  template <typename Stream>
+  ByteReactor* open(grpc::CallbackServerContext* call) {
+    auto who = caller(context_.access, *call);
+    if (!who.ok()) {
+      context_.metrics.refused_streams.add();
+      return new RefusedStream(
+          grpc::Status(grpc::StatusCode::UNAUTHENTICATED, who.status().message()));
+    }
+    if (context_.streams >= context_.most_streams) {
+      context_.metrics.refused_streams.add();
+      return new RefusedStream(
+          grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
+                       fmt::format("found {} open streams, needs fewer", context_.most_streams)));
+    }
+    auto stream = std::make_shared<Stream>(context_, *std::move(who));
+    stream->begin();
+    return stream.get();
+  }
+
+  static grpc::ServerUnaryReactor* finish(grpc::CallbackServerContext* call, const Status& status) {
+    grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+    reactor->Finish(to_grpc(status));
+    return reactor;
+  }
+
+  Status declare(const grpc::CallbackServerContext& call, const v1::DeclareRequest& request) {
+    ENGRAM_ASSIGN_OR_RETURN(const Identity who, caller(context_.access, call));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId segment,
+                            ltm::MemoryId::parse(request.segment()));
+    ENGRAM_RETURN_IF_ERROR(who.check(Role::kWrite, segment));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data data,
+                            idf::decode(Buffer::copy(as_bytes(request.type()))));
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Type type, idf::type_from_data(data));
+    return context_.service.declare(segment, type);
+  }
+
+  RpcContext& context_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_memory_rpc(RpcContext& context) {
+  return std::make_unique<MemoryRpc>(context);
+}
+
+void publish(RpcContext& context, const Admission& admission) {
+  context.hub.publish(admission.snapshots, [](const SharedSnapshot& snapshot) {
+    return std::make_shared<WireEvent>(snapshot);
+  });
+}
+
+}  // namespace engram::server

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/names_rpc.h"
+
+#include <engram/v1/names.grpc.pb.h>
+
+#include <atomic>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "server/rpc/caller.h"
+#include "server/wire/wire_status.h"
+
+namespace engram::server {
+
+namespace {
+
+/// How late a watcher may learn of a lost heartbeat, a waiting client of its deadline.
+constexpr auto kLookEvery = std::chrono::milliseconds(100);
+constexpr size_t kMostWaiting = 4096;
+
+v1::NameChanges to_message(const NameChanges& changes) {
+  v1::NameChanges message;
+  message.mutable_version()->set_registry(changes.version.registry);
+  message.mutable_version()->set_events(changes.version.events);
+  message.set_is_everything(changes.is_everything);
+  for (const Registration& server : changes.servers)
+    *message.add_servers() = server::to_message(server);
+  for (const NameEvent& event : changes.events) {
+    v1::NameEvent& one = *message.add_events();
+    one.set_kind(static_cast<v1::NameEvent::Kind>(event.kind));
+    *one.mutable_server() = server::to_message(event.server);
+  }
+  return message;
+}
+
+/// Tells one client what changes.
+class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
+ public:
+  WatchStream(NameRegistry& names, const NameVersion& from) : names_(names), version_(from) {}
+
+  /// Deletes itself when it has ended and nobody looks at it any more.
+  void begin(std::shared_ptr<WatchStream> self) { self_ = std::move(self); }
+
+  /// False where it has ended.
+  bool look() {
+    const std::scoped_lock lock(mutex_);
+    if (is_finished_) return false;
+    if (is_writing_) return true;
+    const NameChanges changes = names_.changes_since(version_);
+    if (!changes.is_everything && changes.events.empty()) return true;
+    version_ = changes.version;
+    written_ = to_message(changes);
+    is_writing_ = true;
+    // Begun with the lock held: nothing may be begun after the end was.
+    StartWrite(&written_);
+    return true;
+  }
+
+  void end(const Status& status) {
+    const std::scoped_lock lock(mutex_);
+    if (is_finished_) return;
+    is_finished_ = true;
+    Finish(to_grpc(status));
+  }
+
+  void OnWriteDone(bool ok) override {
+    {
+      const std::scoped_lock lock(mutex_);
+      is_writing_ = false;
+    }
+    if (ok)
+      look();
+    else
+      end(cancelled("the watcher is gone"));
+  }
+  void OnCancel() override { end(cancelled("the watcher is gone")); }
+  void OnDone() override { self_.reset(); }
+
+ private:
+  NameRegistry& names_;
+  std::shared_ptr<WatchStream> self_;
+  std::mutex mutex_;
+  NameVersion version_;
+  v1::NameChanges written_;
+  bool is_writing_ = false;
+  bool is_finished_ = false;
+};
+
+/// A client that waits for a memory.
+struct WaitingResolve {
+  grpc::CallbackServerContext* call = nullptr;
+  std::string memory;
+  SteadyTime deadline;
+  v1::ResolveReply* reply = nullptr;
+};
+
+class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
+ public:
+  NamesRpc(NameRegistry& names, const AccessPolicy& access) : names_(names), access_(access) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+
+  ~NamesRpc() override { thread_.request_stop(); }
+
+  grpc::ServerUnaryReactor* Register(grpc::CallbackServerContext* call,
+                                     const v1::ServerRecord* request,
+                                     v1::RegisterReply* reply) override {
+    const auto added = [&]() -> Result<Lease> {
+      ENGRAM_ASSIGN_OR_RETURN(const Identity who, caller(access_, *call));
+      const Registration registration = to_registration(*request);
+      for (const std::string& memory : registration.memories) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
+        ENGRAM_RETURN_IF_ERROR(who.check(Role::kWrite, id));
+      }
+      return names_.add(registration);
+    }();
+    if (added.ok()) reply->set_heartbeat_interval_ns(added->heartbeat_interval.count());
+    return finish(call, added.status());
+  }
+
+  grpc::ServerUnaryReactor* Heartbeat(grpc::CallbackServerContext* call,
+                                      const v1::HeartbeatRequest* request,
+                                      v1::HeartbeatReply* /*reply*/) override {
+    const auto who = caller(access_, *call);
+    return finish(call, who.ok()
+                            ? names_.heartbeat(request->server(), request->incarnation()).status()
+                            : who.status());
+  }
+
+  grpc::ServerUnaryReactor* Unregister(grpc::CallbackServerContext* call,
+                                       const v1::UnregisterRequest* request,
+                                       v1::UnregisterReply* /*reply*/) override {
+    const auto who = caller(access_, *call);
+    return finish(call, who.ok() ? names_.remove(request->server(), request->incarnation())
+                                 : who.status());
+  }
+
+  grpc::ServerUnaryReactor* Resolve(grpc::CallbackServerContext* call,
+                                    const v1::ResolveRequest* request,
+                                    v1::ResolveReply* reply) override {
+    if (const auto who = caller(access_, *call); !who.ok()) return finish(call, who.status());
+    const auto pattern = request->names().empty()
+                             ? Result<ltm::NamePattern>(ltm::NamePattern())
+                             : ltm::NamePattern::parse(request->names());
+    if (!pattern.ok()) return finish(call, pattern.status());
+    for (const Registration& server : names_.resolve(*pattern))
+      *reply->add_servers() = to_message(server);
+    if (reply->servers_size() > 0 || request->wait_ns() <= 0 || request->names().empty())
+      return finish(call, {});
+    const std::scoped_lock lock(mutex_);
+    if (resolves_.size() >= kMostWaiting)
+      return finish(call, resource_exhausted("name system: found {} clients that wait, needs fewer",
+                                             kMostWaiting));
+    grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+    const auto wait = std::min<Duration>(Duration(request->wait_ns()), std::chrono::hours(1));
+    resolves_.push_back({call, request->names(), steady_now() + wait, reply});
+    return reactor;
+  }
+
+  grpc::ServerWriteReactor<v1::NameChanges>* Watch(grpc::CallbackServerContext* call,
+                                                   const v1::WatchRequest* request) override {
+    const NameVersion from{request->version().registry(), request->version().events()};
+    auto stream = std::make_shared<WatchStream>(names_, from);
+    stream->begin(stream);
+    if (const auto who = caller(access_, *call); !who.ok()) {
+      stream->end(who.status());
+      return stream.get();
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      if (watchers_.size() >= kMostWaiting) {
+        stream->end(resource_exhausted("name system: found {} watchers, needs fewer", kMostWaiting));
+        return stream.get();
+      }
+      watchers_.push_back(stream);
+    }
+    stream->look();
+    return stream.get();
+  }
+
+ private:
+  static grpc::ServerUnaryReactor* finish(grpc::CallbackServerContext* call, const Status& status) {
+    grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+    reactor->Finish(to_grpc(status));
+    return reactor;
+  }
+
+  void run(const std::stop_token& stop) {
+    NameVersion version;
+    while (!stop.stop_requested()) {
+      version = names_.wait_for_changes(version, steady_now() + kLookEvery, stop).version;
+      answer_resolves(steady_now(), stop.stop_requested());
+      std::vector<std::shared_ptr<WatchStream>> watchers;
+      {
+        const std::scoped_lock lock(mutex_);
+        watchers = watchers_;
+      }
+      for (const auto& watcher : watchers)
+        if (!watcher->look()) {
+          const std::scoped_lock lock(mutex_);
+          std::erase(watchers_, watcher);
+        }
+    }
+    answer_resolves(steady_now(), true);
+    for (const auto& watcher : watchers_) watcher->end(unavailable("the name system stops"));
+  }
+
+  void answer_resolves(SteadyTime now, bool is_ending) {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(resolves_, [&](WaitingResolve& waiting) {
+      const auto pattern = ltm::NamePattern::parse(waiting.memory);
+      const auto servers = pattern.ok() ? names_.resolve(*pattern) : std::vector<Registration>();
+      if (servers.empty() && now < waiting.deadline && !is_ending && !waiting.call->IsCancelled())
+        return false;
+      for (const Registration& server : servers) *waiting.reply->add_servers() = to_message(server);
+      finish(waiting.call, {});
+      return true;
+    });
+  }
+
+  NameRegistry& names_;
+  const AccessPolicy& access_;
+  std::mutex mutex_;
+  std::vector<WaitingResolve> resolves_;
+  std::vector<std::shared_ptr<WatchStream>> watchers_;
+  std::jthread thread_;  ///< The last member: ends first.
+};
+
+}  // namespace
+
+v1::ServerRecord to_message(const Registration& registration) {
+  v1::ServerRecord message;
+  message.set_server(registration.server);
+  for (const std::string& memory : registration.memories) message.add_memories(memory);
+  for (const std::string& endpoint : registration.endpoints) message.add_endpoints(endpoint);
+  message.set_incarnation(registration.incarnation);
+  return message;
+}
+
+Registration to_registration(const v1::ServerRecord& message) {
+  Registration registration;
+  registration.server = message.server();
+  registration.memories.assign(message.memories().begin(), message.memories().end());
+  registration.endpoints.assign(message.endpoints().begin(), message.endpoints().end());
+  registration.incarnation = message.incarnation();
+  return registration;
+}
+
+std::unique_ptr<grpc::Service> make_names_rpc(NameRegistry& names, const AccessPolicy& access) {
+  return std::make_unique<NamesRpc>(names, access);
+}
+
+}  // namespace engram::server

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/metrics/metric_registry.h"
+
+namespace engram::server {
+
+/// What a server counts of what it is asked.
+///
+/// Threading: thread-safe.
+struct RpcMetrics {
+  MetricRegistry registry;
+  Counter& commits = registry.counter("engram_commits_total", "Commits that came.");
+  Counter& refused_commits =
+      registry.counter("engram_commits_refused_total", "Commits that were not taken.");
+  Counter& queries = registry.counter("engram_queries_total", "Queries that came.");
+  Counter& failed_queries =
+      registry.counter("engram_queries_failed_total", "Queries that ended with an error.");
+  Counter& events = registry.counter("engram_events_told_total",
+                                     "Snapshots that were told to subscribers, once for each.");
+  Counter& lost_events = registry.counter(
+      "engram_events_lost_total", "Snapshots that slow subscribers were not told, once for each.");
+  Counter& refused_streams = registry.counter(
+      "engram_streams_refused_total", "Streams without a token that is known, or too many.");
+  Gauge& streams = registry.gauge("engram_streams", "Streams that are open.");
+};
+
+}  // namespace engram::server
