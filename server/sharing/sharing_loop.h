@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <unordered_map>
+
+#include "server/sharing/channel.h"
+#include "server/sharing/listening_socket.h"
+#include "server/sharing/sharing_server.h"
+#include "server/sharing/ticket_book.h"
+
+namespace engram::server {
+
+/// The thread of a SharingServer: one loop over all sockets, which never waits for one of them.
+///
+/// Threading: what is named public from any, the rest on its own.
+class SharingServer::Loop {
+ public:
+  Loop(SharedPool& pool, Options options, Clock clock, ListeningSocket listening, Descriptor events,
+       Descriptor wake)
+      : pool_(pool),
+        options_(std::move(options)),
+        clock_(std::move(clock)),
+        tickets_(options_.ticket_lifetime, options_.most_tickets),
+        listening_(std::move(listening)),
+        events_(std::move(events)),
+        wake_(std::move(wake)) {}
+  ~Loop();
+
+  /// Errors: kUnavailable.
+  Status start();
+
+  Result<Ticket> issue_ticket(ClientId client, std::vector<GroupId> readable);
+  [[nodiscard]] bool is_connected(ClientId client) const;
+  void disconnect(ClientId client);
+  [[nodiscard]] SharingCounters counters() const;
+
+ private:
+  /// Events carry twice the key of their connection, and one more where its process ended.
+  using Key = uint64_t;
+  static constexpr Key kListening = 0;
+
+  struct Connection {
+    Descriptor socket;
+    Descriptor process;
+    ClientId client = kServerItself;  ///< Until it is welcome: none.
+    std::set<SlabId> given;
+  };
+  struct Pending {
+    Key key;
+    Time deadline;
+  };
+
+  void run(const std::stop_token& stop);
+  [[nodiscard]] int wait_ms() const;
+  Status watch(int fd, uint64_t event);
+
+  void accept_peers();
+  void accept_peer(Descriptor socket);
+  void drop_pending(const Pending& pending);
+  void drop_late();
+
+  /// Errors: why it is to be cut off.
+  Status serve(Key key, Connection& connection);
+  Status welcome(Key key, Connection& connection, const Message& hello);
+  Status give_slab(Connection& connection, SlabId slab);
+  void watch_process(Key key, Connection& connection);
+  void close(Key key);
+  void tell_gone();
+
+  SharedPool& pool_;
+  const Options options_;
+  const Clock clock_;
+  TicketBook tickets_;
+  ListeningSocket listening_;
+  Descriptor events_;
+  Descriptor wake_;
+
+  Key last_key_ = kListening;
+  std::unordered_map<Key, Connection> connections_;
+  std::deque<Pending> pending_;  ///< In the order in which they came.
+  bool is_listening_ = true;
+  Time next_trim_{};
+
+  mutable std::mutex mutex_;
+  std::unordered_map<ClientId, int> sockets_;  ///< Of clients. Guarded by mutex_.
+
+  std::atomic<uint64_t> accepted_{0}, welcomed_{0}, refused_{0}, cut_off_{0};
+  std::jthread thread_;
+};
+
+}  // namespace engram::server
