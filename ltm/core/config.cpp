@@ -57,6 +57,9 @@ bool ConfigValue::is_list() const {
 bool ConfigValue::is_map() const {
   return node_->kind == Node::Kind::kMap;
 }
+bool ConfigValue::is_quoted() const {
+  return node_->is_quoted;
+}
 
 Result<ConfigValue> ConfigValue::read_file(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string text, read_config_text(path));

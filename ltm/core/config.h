@@ -39,6 +39,7 @@ class ConfigValue {
   [[nodiscard]] bool is_text() const;
   [[nodiscard]] bool is_list() const;
   [[nodiscard]] bool is_map() const;
+  [[nodiscard]] bool is_quoted() const;  ///< A text in quotes: never meant as a number.
 
   [[nodiscard]] Result<std::string> text() const;
   [[nodiscard]] Result<bool> boolean() const;   ///< true or false.

@@ -28,6 +28,8 @@ ConfigValue value_of(const std::string& text) {
 TEST(Config, ReadsEveryKindOfValue) {
   EXPECT_EQ(*value_of("some text").text(), "some text");
   EXPECT_EQ(*value_of("\"5\"").text(), "5");
+  EXPECT_TRUE(value_of("'5'").is_quoted());
+  EXPECT_FALSE(value_of("5").is_quoted());
   EXPECT_EQ(*value_of("true").boolean(), true);
   EXPECT_EQ(*value_of("-2.5e3").number(), -2500);
   EXPECT_EQ(*value_of("-7").integer(), -7);
