@@ -22,6 +22,8 @@ LIBRARIES = {
     "xxhash": ("xxhash.h",),
     "LibTorch": ("torch/", "ATen/", "c10/"),
     "CLI11": ("CLI/",),
+    "gRPC": ("grpcpp/", "grpc/"),
+    "protobuf": ("google/protobuf/", "engram/v1/"),
     "OpenSSL": ("openssl/",),
     "pybind11": ("pybind11/",),
 }
