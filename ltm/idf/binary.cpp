@@ -83,6 +83,36 @@ class Writer {
   std::vector<std::byte>& out_;
 };
 
+/// Fills memory that somebody else made.
+class Filler {
+ public:
+  explicit Filler(std::span<std::byte> out) : out_(out) {}
+
+  void tag(Tag value) { byte(static_cast<uint8_t>(value)); }
+  void byte(uint8_t value) { scalar(value); }
+  void varint(uint64_t value) {
+    for (; value >= 0x80; value >>= 7) byte(static_cast<uint8_t>(value | 0x80));
+    byte(static_cast<uint8_t>(value));
+  }
+  template <typename T>
+  void scalar(T value) {
+    bytes(std::as_bytes(std::span(&value, 1)));
+  }
+  void bytes(std::span<const std::byte> bytes) {
+    ENGRAM_CHECK(bytes.size() <= out_.size() - at_, "{} of {} bytes are taken", at_, out_.size());
+    if (!bytes.empty()) std::memcpy(out_.data() + at_, bytes.data(), bytes.size());
+    at_ += bytes.size();
+  }
+  void align() {
+    while (at_ != aligned(at_)) byte(0);
+  }
+  [[nodiscard]] size_t size() const { return at_; }
+
+ private:
+  std::span<std::byte> out_;
+  size_t at_ = 0;
+};
+
 /// False where `data` nests deeper than `levels` or has an ndarray of too many axes.
 template <typename Sink>
 bool write(const Data& data, int levels, Sink& sink);
@@ -326,6 +356,17 @@ Result<std::vector<std::byte>> encode(const Data& data, int max_depth) {
     return invalid_argument("IDF value: nests deeper than {} levels or has an ndarray of rank > {}",
                             max_depth, kMaxRank);
   return bytes;
+}
+
+Status encode_into(const Data& data, std::span<std::byte> out, int max_depth) {
+  ENGRAM_CHECK(max_depth <= kMaxDepth + kContainerDepth, "{} levels", max_depth);
+  Filler filler(out);
+  filler.bytes(as_bytes(kMagic));
+  if (!write(data, max_depth, filler))
+    return invalid_argument("IDF value: nests deeper than {} levels or has an ndarray of rank > {}",
+                            max_depth, kMaxRank);
+  ENGRAM_CHECK(filler.size() == out.size(), "{} of {} bytes", filler.size(), out.size());
+  return {};
 }
 
 Result<Data> decode(const Buffer& buffer, int max_depth) {

@@ -25,6 +25,10 @@ inline constexpr int kContainerDepth = 8;
 /// Source: docs/format.md, section "IDF binary form".
 Result<std::vector<std::byte>> encode(const Data& data, int max_depth = kMaxDepth);
 
+/// The same into memory of the caller, aligned to 8 bytes. Needs exactly encoded_size(data) bytes
+/// (checked).
+Status encode_into(const Data& data, std::span<std::byte> out, int max_depth = kMaxDepth);
+
 /// Reads the binary form. ndarrays view `buffer` where its start is aligned to 8 bytes (as every
 /// allocation is); they are copied otherwise.
 ///

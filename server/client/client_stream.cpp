@@ -9,10 +9,12 @@ namespace engram::server {
 
 std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Channel>& channel,
                                                  const std::string& method,
-                                                 const std::string& token, Handlers handlers) {
+                                                 const std::string& token, Handlers handlers,
+                                                 const std::string& session) {
   const std::shared_ptr<ClientStream> stream(new ClientStream(std::move(handlers)));
   stream->self_ = stream;
   if (!token.empty()) stream->context_.AddMetadata("authorization", "Bearer " + token);
+  if (!session.empty()) stream->context_.AddMetadata("engram-session", session);
   grpc::GenericStub stub{std::shared_ptr<grpc::ChannelInterface>(channel)};
   stub.PrepareBidiStreamingCall(&stream->context_, method, {}, stream.get());
   // Writes come from any thread, at any time: without a hold the call could be over before.

@@ -27,10 +27,10 @@ class ClientStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
     std::function<void(const Status&)> on_end;
   };
 
-  /// Opens the stream `method` ("/engram.v1.MemoryServer/Commit").
+  /// Opens the stream `method` ("/engram.v1.MemoryServer/Commit"). `session`: of shared memory.
   static std::shared_ptr<ClientStream> open(const std::shared_ptr<grpc::Channel>& channel,
                                             const std::string& method, const std::string& token,
-                                            Handlers handlers);
+                                            Handlers handlers, const std::string& session = {});
 
   /// Errors: kUnavailable where the stream has ended.
   Status send(grpc::ByteBuffer request);

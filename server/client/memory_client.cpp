@@ -13,6 +13,7 @@
 #include "server/client/channel.h"
 #include "server/client/client_stream.h"
 #include "server/client/remote_subscription.h"
+#include "server/client/shared_lane.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
@@ -22,6 +23,8 @@ namespace engram::server {
 namespace {
 
 constexpr auto kFirstWait = std::chrono::milliseconds(20);
+/// Where the server offered no shared memory.
+constexpr auto kShareAgainAfter = std::chrono::seconds(1);
 constexpr auto kLongestWait = std::chrono::milliseconds(500);
 
 /// Tries again until `deadline` what could not be reached.
@@ -50,8 +53,12 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     std::function<void(const Status&)> on_failure;
   };
 
-  Calls(std::shared_ptr<grpc::Channel> channel, std::string method, std::string token)
-      : channel_(std::move(channel)), method_(std::move(method)), token_(std::move(token)) {}
+  Calls(std::shared_ptr<grpc::Channel> channel, std::string method, std::string token,
+        std::string session = {})
+      : channel_(std::move(channel)),
+        method_(std::move(method)),
+        token_(std::move(token)),
+        session_(std::move(session)) {}
 
   /// `make` makes the request of its number.
   template <typename Make>
@@ -95,7 +102,8 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
          },
          [weak, generation](const Status& status) {
            if (const auto self = weak.lock()) self->fail_all(generation, status);
-         }});
+         }},
+        session_);
   }
 
   void take(grpc::ByteBuffer& bytes) {
@@ -143,6 +151,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   const std::shared_ptr<grpc::Channel> channel_;
   const std::string method_;
   const std::string token_;
+  const std::string session_;
   std::mutex mutex_;
   std::shared_ptr<ClientStream> stream_;
   uint64_t generation_ = 0;
@@ -161,6 +170,12 @@ struct Awaited {
   }
 };
 
+/// Commits over shared memory.
+struct SharedCommits {
+  std::shared_ptr<SharedLane> lane;
+  std::shared_ptr<Calls<v1::CommitReply>> calls;
+};
+
 v1::Durability to_message(CommitDurability durability) {
   return static_cast<v1::Durability>(durability);
 }
@@ -170,10 +185,91 @@ v1::Durability to_message(CommitDurability durability) {
 struct MemoryClient::State {
   ClientOptions options;
   std::string endpoint;
+  bool is_local = false;  ///< A Unix socket.
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::MemoryServer::Stub> stub;
   std::shared_ptr<Calls<v1::CommitReply>> commits;
   std::shared_ptr<Calls<v1::QueryReply>> queries;
+
+  std::mutex sharing_mutex;
+  SharedCommits sharing;
+  SteadyTime share_again{};  ///< Not before that.
+
+  /// Shared memory with the server, where both are on this host; asks for it where there is none.
+  SharedCommits shared() {
+    const std::scoped_lock lock(sharing_mutex);
+    if (sharing.lane && sharing.lane->is_alive()) return sharing;
+    if (sharing.calls) sharing.calls->close();
+    sharing = {};
+    if (!is_local || steady_now() < share_again) return {};
+    sharing.lane = SharedLane::open(*stub, options);
+    if (!sharing.lane) {
+      share_again = steady_now() + kShareAgainAfter;
+      return {};
+    }
+    sharing.calls = std::make_shared<Calls<v1::CommitReply>>(
+        channel, "/engram.v1.MemoryServer/Commit", options.token, sharing.lane->session());
+    return sharing;
+  }
+
+  /// A block to write into; nothing where there is no room.
+  std::optional<BlockRef> lease(const SharedCommits& with, const std::string& memory,
+                                size_t bytes) {
+    if (auto kept = with.lane->take_lease(memory, bytes)) return kept;
+    auto awaited = std::make_shared<Awaited<Result<BlockRef>>>();
+    v1::CommitRequest request;
+    request.set_lease_bytes(bytes);
+    request.set_lease_memory(memory);
+    with.calls->call(
+        [&request](uint64_t number) {
+          request.set_number(number);
+          return to_bytes(request);
+        },
+        {[awaited](v1::CommitReply& reply) {
+           awaited->set(reply.has_block() ? Result<BlockRef>(to_block(reply.block()))
+                                          : resource_exhausted("no block"));
+           return true;
+         },
+         [awaited](const Status& status) { awaited->set(status); }});
+    const auto leased = wait(awaited, steady_now() + options.timeout);
+    return leased.ok() ? std::optional(*leased) : std::nullopt;
+  }
+
+  /// Sends a commit through shared memory. False where that cannot be.
+  bool share(const ltm::Commit& commit, CommitDurability durability,
+             const std::function<void(const Status&)>& done) {
+    const size_t bytes = bytes_in_block(commit);
+    const auto memory = memory_of(commit);
+    if (bytes < kSharedPayloadBytes || !memory) return false;
+    const SharedCommits with = shared();
+    if (!with.lane) return false;
+    const auto block = lease(with, *memory, bytes);
+    if (!block) return false;
+    const auto out = with.lane->memory().writable(*block);
+    if (!out.ok()) return false;
+    v1::CommitRequest request;
+    request.set_durability(to_message(durability));
+    if (const Status written = write_in_block(commit, *out, request); !written.ok()) {
+      with.lane->keep_lease(*memory, *block);
+      done(written);
+      return true;
+    }
+    *request.mutable_block() = to_message(*block);
+    request.set_lease_bytes(bytes);
+    request.set_lease_memory(*memory);
+    with.calls->call(
+        [&request](uint64_t number) {
+          request.set_number(number);
+          return to_bytes(request);
+        },
+        {[done, lane = with.lane, memory = *memory](v1::CommitReply& reply) {
+           if (reply.has_block()) lane->keep_lease(memory, to_block(reply.block()));
+           done(to_status(reply.outcome()));
+           return true;
+         },
+         done});
+    return true;
+  }
 
   [[nodiscard]] Status timed_out() const {
     return unavailable("server '{}': no answer within {}", endpoint, to_string(options.timeout));
@@ -204,6 +300,10 @@ MemoryClient::MemoryClient(std::shared_ptr<State> state) : state_(std::move(stat
 
 MemoryClient::~MemoryClient() {
   state_->commits->close();
+  {
+    const std::scoped_lock lock(state_->sharing_mutex);
+    if (state_->sharing.calls) state_->sharing.calls->close();
+  }
   state_->queries->close();
 }
 
@@ -213,6 +313,7 @@ Result<std::unique_ptr<MemoryClient>> MemoryClient::connect(const std::string& e
   auto state = std::make_shared<State>();
   state->options = options;
   state->endpoint = endpoint;
+  state->is_local = place.kind() == Endpoint::Kind::kUnix && options.shares_memory;
   ENGRAM_ASSIGN_OR_RETURN(state->channel, open_channel(place, options));
   state->stub = v1::MemoryServer::NewStub(state->channel);
   state->commits = std::make_shared<Calls<v1::CommitReply>>(
@@ -224,6 +325,7 @@ Result<std::unique_ptr<MemoryClient>> MemoryClient::connect(const std::string& e
 
 void MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability,
                           std::function<void(const Status&)> done) {
+  if (state_->share(commit, durability, done)) return;
   v1::CommitRequest request;
   request.set_durability(to_message(durability));
   for (const ltm::EntityUpdate& update : commit.updates) {
@@ -336,7 +438,8 @@ Result<std::string> MemoryClient::metrics() {
 
 Result<std::unique_ptr<Subscription>> MemoryClient::subscribe(const SubscriptionOptions& options,
                                                               SubscriptionHandlers handlers) {
-  return subscribe_remotely(state_->channel, state_->options, options, std::move(handlers));
+  const auto lane = [state = state_]() { return state->shared().lane; };
+  return subscribe_remotely(state_->channel, state_->options, options, std::move(handlers), lane);
 }
 
 }  // namespace engram::server

@@ -21,6 +21,9 @@ struct ClientOptions {
   std::filesystem::path ca;     ///< PEM: who vouches for servers on other machines.
   Duration timeout = std::chrono::seconds(10);  ///< Of each call, retries included.
   int most_message_bytes = 256 << 20;
+  /// Large payloads go through shared memory where the server is reached by a Unix socket. What a
+  /// subscriber keeps of them, it keeps from the server.
+  bool shares_memory = true;
 };
 
 /// When a commit counts as done.

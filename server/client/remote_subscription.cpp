@@ -15,13 +15,19 @@ namespace engram::server {
 
 namespace {
 
+/// How late the server may learn that a block is not read any more.
+constexpr auto kReleaseEvery = std::chrono::milliseconds(20);
 constexpr auto kAgainAfter = std::chrono::milliseconds(100);
 
 class RemoteSubscription final : public Subscription {
  public:
   RemoteSubscription(std::shared_ptr<grpc::Channel> channel, ClientOptions client,
-                     const SubscriptionOptions& options, SubscriptionHandlers handlers)
-      : channel_(std::move(channel)), client_(std::move(client)), handlers_(std::move(handlers)) {
+                     const SubscriptionOptions& options, SubscriptionHandlers handlers,
+                     LaneSource lanes)
+      : channel_(std::move(channel)),
+        client_(std::move(client)),
+        handlers_(std::move(handlers)),
+        lanes_(options.with_data ? std::move(lanes) : LaneSource()) {
     for (const std::string& names : options.names) request_.add_names(names);
     request_.set_with_data(options.with_data);
     request_.set_inline_bytes(static_cast<uint32_t>(options.inline_bytes));
@@ -59,8 +65,16 @@ class RemoteSubscription final : public Subscription {
     thread_ = std::thread([this] {
       std::unique_lock lock(mutex_);
       while (!is_ending_) {
-        changed_.wait(lock, [this] { return is_ending_ || open_streams_ == 0; });
+        const bool is_due = changed_.wait_for(
+            lock, kReleaseEvery, [this] { return is_ending_ || open_streams_ == 0; });
         if (is_ending_) return;
+        if (!is_due) {
+          const auto stream = stream_;
+          lock.unlock();
+          release(stream);
+          lock.lock();
+          continue;
+        }
         if (changed_.wait_for(lock, kAgainAfter, [this] { return is_ending_; })) return;
         lock.unlock();
         open();
@@ -75,15 +89,23 @@ class RemoteSubscription final : public Subscription {
       ++open_streams_;
       lost_ = 0;
     }
+    auto lane = lanes_ ? lanes_() : nullptr;
+    v1::SubscribeRequest request = request_;
+    request.set_with_shared_memory(lane != nullptr);
+    {
+      const std::scoped_lock lock(mutex_);
+      lane_ = lane;
+    }
     auto stream = ClientStream::open(channel_, "/engram.v1.MemoryServer/Subscribe", client_.token,
                                      {[this](grpc::ByteBuffer& bytes) { take(bytes); },
-                                      [this](const Status& status) { end(status); }});
+                                      [this](const Status& status) { end(status); }},
+                                     lane ? lane->session() : "");
     {
       const std::scoped_lock lock(mutex_);
       stream_ = stream;
     }
     // Where it ended already, end() says so.
-    (void)stream->send(to_bytes(request_));
+    (void)stream->send(to_bytes(request));
   }
 
   void take(grpc::ByteBuffer& bytes) {
@@ -103,12 +125,49 @@ class RemoteSubscription final : public Subscription {
     }
     std::vector<ToldSnapshot> told;
     told.reserve(static_cast<size_t>(notification.events_size()));
+    uint64_t block_generation = 0;
+    Buffer block;
     for (v1::Snapshot& event : *notification.mutable_events()) {
-      const bool has_data = event.instances_size() > 0 && !event.instances(0).data().empty();
-      auto snapshot = take_snapshot(event, {});
+      const bool has_data = event.instances_size() > 0 && (!event.instances(0).data().empty() ||
+                                                           event.instances(0).has_shared());
+      if (event.has_block() && event.block().generation() != block_generation) {
+        // Of all events of a message that lie in one block, one lease.
+        block = readable(to_block(event.block()));
+        block_generation = event.block().generation();
+      }
+      auto snapshot = take_snapshot(event, event.has_block() ? block : Buffer());
       if (snapshot.ok()) told.push_back({*std::move(snapshot), has_data});
     }
+    block = {};
     if (!told.empty() && handlers_.on_snapshots) handlers_.on_snapshots(std::move(told));
+  }
+
+  /// Empty where it cannot be mapped: then its snapshots cannot be read.
+  Buffer readable(const BlockRef& block) {
+    std::shared_ptr<SharedLane> lane;
+    {
+      const std::scoped_lock lock(mutex_);
+      lane = lane_;
+    }
+    if (!lane) return {};
+    auto bytes = lane->memory().readable(block, block.capacity, [list = released_](const BlockRef& gone) {
+      const std::scoped_lock lock(list->mutex);
+      list->blocks.push_back(gone);
+    });
+    return bytes.ok() ? *std::move(bytes) : Buffer();
+  }
+
+  /// Tells the server which blocks are not read any more.
+  void release(const std::shared_ptr<ClientStream>& stream) {
+    std::vector<BlockRef> blocks;
+    {
+      const std::scoped_lock lock(released_->mutex);
+      blocks.swap(released_->blocks);
+    }
+    if (blocks.empty() || !stream) return;
+    v1::SubscribeRequest request;
+    for (const BlockRef& block : blocks) *request.add_released() = to_message(block);
+    (void)stream->send(to_bytes(request));
   }
 
   void end(const Status& status) {
@@ -132,12 +191,20 @@ class RemoteSubscription final : public Subscription {
   const std::shared_ptr<grpc::Channel> channel_;
   const ClientOptions client_;
   const SubscriptionHandlers handlers_;
+  const LaneSource lanes_;
+  /// Buffers may outlive the subscription.
+  struct Released {
+    std::mutex mutex;
+    std::vector<BlockRef> blocks;
+  };
+  const std::shared_ptr<Released> released_ = std::make_shared<Released>();
   v1::SubscribeRequest request_;
   uint64_t lost_ = 0;  ///< Used by one thread at a time: that of the stream.
 
   std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<ClientStream> stream_;
+  std::shared_ptr<SharedLane> lane_;
   int open_streams_ = 0;
   bool is_started_ = false;
   bool is_ending_ = false;
@@ -150,9 +217,10 @@ class RemoteSubscription final : public Subscription {
 Result<std::unique_ptr<Subscription>> subscribe_remotely(std::shared_ptr<grpc::Channel> channel,
                                                          const ClientOptions& client,
                                                          const SubscriptionOptions& options,
-                                                         SubscriptionHandlers handlers) {
-  auto subscription = std::make_unique<RemoteSubscription>(std::move(channel), client, options,
-                                                           std::move(handlers));
+                                                         SubscriptionHandlers handlers,
+                                                         LaneSource lane) {
+  auto subscription = std::make_unique<RemoteSubscription>(
+      std::move(channel), client, options, std::move(handlers), std::move(lane));
   ENGRAM_RETURN_IF_ERROR(subscription->begin());
   return std::unique_ptr<Subscription>(std::move(subscription));
 }

@@ -34,6 +34,12 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
   state->context =
       std::make_unique<RpcContext>(*state->service, std::move(access), options.threads);
   state->context->durability = options.durability;
+  for (const Endpoint& endpoint : options.rpc.endpoints) {
+    if (!options.sharing || endpoint.kind() != Endpoint::Kind::kUnix) continue;
+    ENGRAM_ASSIGN_OR_RETURN(state->context->sharing,
+                            SharedSessions::start(endpoint.path() + ".memory", *options.sharing));
+    break;
+  }
   state->rpc = make_memory_rpc(*state->context);
   ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
   if (names != nullptr) {

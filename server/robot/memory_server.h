@@ -26,6 +26,8 @@ class MemoryServer {
     MemoryService::Durability durability = MemoryService::Durability::kMemory;
     std::filesystem::path tokens;  ///< Empty: whoever can connect may do everything.
     int threads = 2;               ///< That decode and predict.
+    /// What is shared with clients of this host, beside the first Unix socket; nothing: no memory is.
+    std::optional<SharedPool::Options> sharing = SharedPool::Options{};
   };
 
   /// `names`: where it registers; may be null, else outlives it.

@@ -25,6 +25,10 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
   ENGRAM_RETURN_IF_ERROR(read_message(request, message));
   const uint64_t number = message.number();
   const Durability durability = needed(message, context_.durability);
+  if (message.updates_size() == 0 && message.lease_bytes() > 0) {
+    reply(number, {}, lease(message));
+    return {};
+  }
   context_.metrics.commits.add();
   auto admission = commit(message, durability);
   if (!admission.ok()) {
@@ -32,13 +36,14 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
     reply(number, admission.status());
     return {};
   }
-  if (durability == Durability::kMemory) reply(number, {});
+  const auto leased = lease(message);
+  if (durability == Durability::kMemory) reply(number, {}, leased);
   publish(*admission);
   if (durability == Durability::kMemory) return {};
   promise();
   context_.service.when_stored(
-      *admission, [kept = shared_from_this(), this, number](const Status& status) {
-        reply(number, status);
+      *admission, [kept = shared_from_this(), this, number, leased](const Status& status) {
+        reply(number, status, leased);
         fulfil();
       });
   return {};
@@ -46,15 +51,44 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
 
 Result<Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
   ENGRAM_RETURN_IF_ERROR(who_.take_request(steady_now()));
-  ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take_commit(message, {}));
+  ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take(message));
   for (const ltm::EntityUpdate& update : taken.commit.updates)
     ENGRAM_RETURN_IF_ERROR(who_.check(Role::kWrite, update.entity));
   return context_.service.commit(std::move(taken.commit), std::move(taken.encoded), durability);
 }
 
-void CommitStream::reply(uint64_t number, const Status& status) {
+Result<WireCommit> CommitStream::take(v1::CommitRequest& message) {
+  if (!message.has_block()) return take_commit(message, {});
+  if (!context_.sharing || sharing_ == kServerItself)
+    return failed_precondition("commit: found a block of shared memory, needs a session");
+  if (message.updates_size() == 0) return invalid_argument("commit: a block without updates");
+  ENGRAM_ASSIGN_OR_RETURN(const auto first, ltm::MemoryId::parse(message.updates(0).entity()));
+  const std::string memory = first.names().empty() ? "" : first.names()[0];
+  ENGRAM_ASSIGN_OR_RETURN(
+      const Buffer block,
+      context_.sharing->commit(sharing_, memory, to_block(message.block()), message.block_bytes()));
+  ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take_commit(message, block));
+  // Who may read the block may read all of it.
+  for (const ltm::EntityUpdate& update : taken.commit.updates)
+    if (update.entity.names()[0] != memory)
+      return invalid_argument("commit: found '{}' in a block of memory '{}'",
+                              update.entity.to_string(), memory);
+  return taken;
+}
+
+std::optional<BlockRef> CommitStream::lease(const v1::CommitRequest& message) {
+  if (message.lease_bytes() == 0 || !context_.sharing || sharing_ == kServerItself)
+    return std::nullopt;
+  // Without room the client sends plain bytes.
+  auto leased = context_.sharing->lease(sharing_, message.lease_memory(), message.lease_bytes());
+  return leased.ok() ? std::optional(*leased) : std::nullopt;
+}
+
+void CommitStream::reply(uint64_t number, const Status& status,
+                         const std::optional<BlockRef>& leased) {
   v1::CommitReply message;
   message.set_number(number);
+  if (leased) set(*message.mutable_block(), *leased);
   if (!status.ok()) *message.mutable_outcome() = to_outcome(status);
   send(to_bytes(message));
 }

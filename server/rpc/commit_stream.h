@@ -13,16 +13,20 @@ namespace engram::server {
 /// durable.
 class CommitStream final : public ReplyStream {
  public:
-  CommitStream(RpcContext& context, Identity who) : context_(context), who_(std::move(who)) {}
+  CommitStream(RpcContext& context, Identity who, ClientId sharing)
+      : context_(context), who_(std::move(who)), sharing_(sharing) {}
 
  private:
   Status on_request(grpc::ByteBuffer& request) override;
   Result<Admission> commit(v1::CommitRequest& message, MemoryService::Durability durability);
-  void reply(uint64_t number, const Status& status);
+  Result<WireCommit> take(v1::CommitRequest& message);
+  void reply(uint64_t number, const Status& status, const std::optional<BlockRef>& leased = {});
+  std::optional<BlockRef> lease(const v1::CommitRequest& message);
   void publish(const Admission& admission);
 
   RpcContext& context_;
   const Identity who_;
+  const ClientId sharing_;  ///< kServerItself where it shares no memory.
   const StreamSlot slot_{context_};
 };
 

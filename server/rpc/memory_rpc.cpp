@@ -48,7 +48,7 @@ class MemoryRpc final : public ServiceBase {
   }
 
   grpc::ServerUnaryReactor* Info(grpc::CallbackServerContext* call,
-                                 const v1::InfoRequest* /*request*/, v1::InfoReply* reply) override {
+                                 const v1::InfoRequest* request, v1::InfoReply* reply) override {
     const auto who = caller(context_.access, *call);
     if (!who.ok()) return finish(call, who.status());
     const MemoryService::Options& options = context_.service.options();
@@ -56,6 +56,11 @@ class MemoryRpc final : public ServiceBase {
     reply->set_version(ENGRAM_VERSION);
     for (const std::string& memory : options.memories) reply->add_memories(memory);
     reply->set_figures_json(figures_json(context_));
+    if (request->with_shared_memory() && context_.sharing) {
+      auto offered = context_.sharing->offer(*who);
+      // Without one it goes by plain bytes.
+      if (offered.ok()) *reply->mutable_shared_memory() = *std::move(offered);
+    }
     return finish(call, {});
   }
 
@@ -83,7 +88,11 @@ class MemoryRpc final : public ServiceBase {
           grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
                        fmt::format("found {} open streams, needs fewer", context_.most_streams)));
     }
-    auto stream = std::make_shared<Stream>(context_, *std::move(who));
+    ClientId sharing = kServerItself;
+    const auto session = call->client_metadata().find("engram-session");
+    if (context_.sharing && session != call->client_metadata().end())
+      sharing = context_.sharing->find({session->second.data(), session->second.size()});
+    auto stream = std::make_shared<Stream>(context_, *std::move(who), sharing);
     stream->begin();
     return stream.get();
   }

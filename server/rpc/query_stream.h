@@ -10,7 +10,8 @@ namespace engram::server {
 /// other threads: answers may come in another order than queries.
 class QueryStream final : public ReplyStream {
  public:
-  QueryStream(RpcContext& context, Identity who) : context_(context), who_(std::move(who)) {}
+  QueryStream(RpcContext& context, Identity who, ClientId /*sharing*/)
+      : context_(context), who_(std::move(who)) {}
 
  private:
   Status on_request(grpc::ByteBuffer& request) override;

@@ -8,6 +8,7 @@
 #include "server/access/access_policy.h"
 #include "server/events/event_hub.h"
 #include "server/rpc/rpc_metrics.h"
+#include "server/rpc/shared_sessions.h"
 #include "server/rpc/work_queue.h"
 #include "server/service/memory_service.h"
 
@@ -23,6 +24,7 @@ struct RpcContext {
   MemoryService& service;
   const AccessPolicy access;
   EventHub hub;
+  std::unique_ptr<SharedSessions> sharing;  ///< Null: nothing is shared.
   RpcMetrics metrics;
   std::atomic<int> streams{0};
   int most_streams = 4096;

@@ -38,6 +38,8 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   if (request.queue_bytes() > 0)
     bounds.bytes = std::min<size_t>(request.queue_bytes(), kMostQueuedBytes);
   with_data_ = request.with_data();
+  with_shared_memory_ =
+      request.with_shared_memory() && context_.sharing && sharing_ != kServerItself;
   if (request.inline_bytes() > 0) inline_bytes_ = request.inline_bytes();
   v1::Notification started;
   started.set_is_started(true);
@@ -65,6 +67,9 @@ void SubscribeStream::OnReadDone(bool ok) {
   Status status = read_message(request_, request);
   request_.Clear();
   if (status.ok() && !is_started_) status = start(request);
+  if (context_.sharing)
+    for (const v1::Block& block : request.released())
+      context_.sharing->release(sharing_, to_block(block));
   is_started_ = true;
   if (!status.ok()) {
     finish(status);
@@ -78,6 +83,18 @@ const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
   if (!with_data_) return event.ids_only();
   const WireBytes& data = event.with_data();
   return data.size <= inline_bytes_ ? data : event.ids_only();
+}
+
+const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& last_shared) const {
+  if (!with_data_ || !with_shared_memory_) return nullptr;
+  const WireEvent::Shared* shared = event.shared(context_.sharing->pool());
+  if (shared == nullptr) return nullptr;
+  // One lease for all events of a message that lie in the same block.
+  if (shared->block.generation == last_shared) return &shared->bytes;
+  const std::string& memory = event.snapshot->entity.names()[0];
+  if (!context_.sharing->share(shared->block, memory, sharing_).ok()) return nullptr;
+  last_shared = shared->block.generation;
+  return &shared->bytes;
 }
 
 void SubscribeStream::offer(std::span<const SharedEvent> events) {
@@ -94,9 +111,12 @@ void SubscribeStream::offer(std::span<const SharedEvent> events) {
 void SubscribeStream::write_next() {
   if (is_writing_ || is_finished_ || !queue_ || queue_->empty()) return;
   WireWriter message;
+  uint64_t last_shared = 0;
   while (!queue_->empty() && (message.size() == 0 || message.size() + queue_->next_bytes() <= kMessageBytes)) {
     const SharedEvent event = queue_->pop();
-    message.field(v1::Notification::kEventsFieldNumber, form_of(static_cast<WireEvent&>(*event)));
+    auto& told = static_cast<WireEvent&>(*event);
+    const WireBytes* shared = shared_form_of(told, last_shared);
+    message.field(v1::Notification::kEventsFieldNumber, shared ? *shared : form_of(told));
   }
   if (queue_->lost() > 0) message.field(v1::Notification::kLostFieldNumber, queue_->lost());
   written_ = message.take().to_byte_buffer();

@@ -20,8 +20,8 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
                               public EventListener,
                               public std::enable_shared_from_this<SubscribeStream> {
  public:
-  SubscribeStream(RpcContext& context, Identity who)
-      : context_(context), who_(std::move(who)) {}
+  SubscribeStream(RpcContext& context, Identity who, ClientId sharing)
+      : context_(context), who_(std::move(who)), sharing_(sharing) {}
 
   void begin();
 
@@ -35,17 +35,21 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
  private:
   Status start(const v1::SubscribeRequest& request);
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
+  /// The event in shared memory where it lies there, is large, and the subscriber may see it.
+  [[nodiscard]] const WireBytes* shared_form_of(WireEvent& event, uint64_t& last_shared) const;
   /// Needs the lock.
   void write_next();
   void finish(const Status& status);
 
   RpcContext& context_;
   const Identity who_;
+  const ClientId sharing_;  ///< kServerItself where it shares no memory.
   const StreamSlot slot_{context_};
   std::shared_ptr<SubscribeStream> self_;
   grpc::ByteBuffer request_;
   bool is_started_ = false;  ///< Used by one thread: requests come one at a time.
   bool with_data_ = false;
+  bool with_shared_memory_ = false;
   size_t inline_bytes_ = SIZE_MAX;
 
   std::mutex mutex_;

@@ -2,11 +2,23 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
+#include <vector>
 
 #include "server/events/event_hub.h"
+#include "server/sharing/shared_pool.h"
 #include "server/wire/wire_snapshot.h"
 
 namespace engram::server {
+
+[[nodiscard]] inline v1::Block block_message(const BlockRef& block) {
+  v1::Block message;
+  message.set_slab(block.slab);
+  message.set_offset(block.offset);
+  message.set_capacity(block.capacity);
+  message.set_generation(block.generation);
+  return message;
+}
 
 /// A commit's snapshot in the forms in which subscribers want it, each made once.
 ///
@@ -19,16 +31,46 @@ class WireEvent final : public CommitEvent {
     std::call_once(data_made_, [this] { data_ = to_wire(*snapshot, true); });
     return data_;
   }
+  /// Where the data lie in a block of the pool: naming it, without data.
+  struct Shared {
+    BlockRef block;
+    WireBytes bytes;
+  };
+  /// Null where they do not, or are small.
+  const Shared* shared(const SharedPool& pool) {
+    std::call_once(shared_made_, [this, &pool] { shared_ = make_shared(pool); });
+    return shared_ ? &*shared_ : nullptr;
+  }
   const WireBytes& ids_only() {
     std::call_once(ids_made_, [this] { ids_ = to_wire(*snapshot, false); });
     return ids_;
   }
 
  private:
+  /// Less is told along: naming a block costs more.
+  static constexpr size_t kSharedBytes = size_t{16} << 10;
+
+  [[nodiscard]] std::optional<Shared> make_shared(const SharedPool& pool) const {
+    size_t bytes = 0;
+    std::vector<uint64_t> offsets;
+    std::optional<BlockRef> block;
+    for (const Buffer& data : snapshot->encoded) {
+      const auto located = pool.locate(data.bytes());
+      if (!located || (block && *block != located->block)) return std::nullopt;
+      block = located->block;
+      offsets.push_back(located->offset);
+      bytes += data.size();
+    }
+    if (!block || bytes < kSharedBytes) return std::nullopt;
+    return Shared{*block, to_wire_in_block(*snapshot, block_message(*block), offsets)};
+  }
+
   std::once_flag data_made_;
   std::once_flag ids_made_;
+  std::once_flag shared_made_;
   WireBytes data_;
   WireBytes ids_;
+  std::optional<Shared> shared_;
 };
 
 }  // namespace engram::server

@@ -22,14 +22,6 @@ ltm::MeasuredError error_of(const v1::Error& message) {
   return error;
 }
 
-void set(v1::Instance& message, const ltm::InstanceMetadata& metadata) {
-  message.set_created_ns(to_ns(metadata.created));
-  message.set_sent_ns(to_ns(metadata.sent));
-  message.set_arrived_ns(to_ns(metadata.arrived));
-  message.set_provider(metadata.provider);
-  if (metadata.confidence != 1.0f) message.set_confidence(metadata.confidence);
-}
-
 ltm::InstanceMetadata metadata_of(v1::Instance& message) {
   ltm::InstanceMetadata metadata;
   metadata.created = time_from_ns(message.created_ns());
@@ -110,7 +102,7 @@ WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data) {
       append_instance(writer, rest, nullptr);
       continue;
     }
-    set(rest, snapshot.instances[i].metadata);
+    set_metadata(rest, snapshot.instances[i].metadata);
     if (!snapshot.encoded.empty()) {
       append_instance(writer, rest, &snapshot.encoded[i]);
       continue;
@@ -118,6 +110,23 @@ WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data) {
     // What is in memory was checked when it came: it nests no deeper than the form carries.
     const auto data = encoded(snapshot.instances[i].data);
     append_instance(writer, rest, data.ok() ? &*data : nullptr);
+  }
+  return writer.take();
+}
+
+WireBytes to_wire_in_block(const HeldSnapshot& snapshot, const v1::Block& block,
+                           const std::vector<uint64_t>& offsets) {
+  WireWriter writer;
+  writer.field(v1::Snapshot::kEntityFieldNumber, snapshot.entity.to_string());
+  writer.field(v1::Snapshot::kTimeNsFieldNumber, static_cast<uint64_t>(to_ns(snapshot.time)));
+  writer.field(v1::Snapshot::kBlockFieldNumber, block.SerializeAsString());
+  for (size_t i = 0; i < snapshot.instances.size(); ++i) {
+    v1::Instance instance;
+    instance.set_index(static_cast<int32_t>(i));
+    set_metadata(instance, snapshot.instances[i].metadata);
+    instance.mutable_shared()->set_offset(offsets[i]);
+    instance.mutable_shared()->set_size(snapshot.encoded[i].size());
+    append_instance(writer, instance, nullptr);
   }
   return writer.take();
 }
@@ -141,7 +150,7 @@ Result<WireBytes> to_wire(const ltm::SnapshotResult& snapshot, bool with_data,
       append_instance(writer, rest, nullptr);
       continue;
     }
-    set(rest, instance.metadata);
+    set_metadata(rest, instance.metadata);
     if (instance.error) set(*rest.mutable_error(), *instance.error);
     if (instance.bound) set(*rest.mutable_bound(), *instance.bound);
     if (bytes != nullptr) {
@@ -199,15 +208,27 @@ Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& blo
 
 Result<v1::Snapshot> to_message(const ltm::Snapshot& snapshot) {
   v1::Snapshot message;
-  message.set_entity(snapshot.entity.to_string());
-  message.set_time_ns(to_ns(snapshot.time));
+  set_head(message, snapshot);
   for (const ltm::Instance& instance : snapshot.instances) {
     v1::Instance& one = *message.add_instances();
-    set(one, instance.metadata);
+    set_metadata(one, instance.metadata);
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, idf::encode(instance.data));
     one.set_data(bytes.data(), bytes.size());
   }
   return message;
+}
+
+void set_head(v1::Snapshot& message, const ltm::Snapshot& snapshot) {
+  message.set_entity(snapshot.entity.to_string());
+  message.set_time_ns(to_ns(snapshot.time));
+}
+
+void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata) {
+  message.set_created_ns(to_ns(metadata.created));
+  message.set_sent_ns(to_ns(metadata.sent));
+  message.set_arrived_ns(to_ns(metadata.arrived));
+  message.set_provider(metadata.provider);
+  if (metadata.confidence != 1.0f) message.set_confidence(metadata.confidence);
 }
 
 v1::Outcome to_outcome(const Status& status) {

@@ -14,6 +14,10 @@ namespace engram::server {
 /// The bytes as which data came are shared.
 [[nodiscard]] WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data);
 
+/// The same with its data elsewhere: in a block, each instance from one of `offsets` on.
+[[nodiscard]] WireBytes to_wire_in_block(const HeldSnapshot& snapshot, const v1::Block& block,
+                                         const std::vector<uint64_t>& offsets);
+
 /// One moment of an answer. Without `encoded` data are encoded here; else these are the bytes of
 /// the instances.
 /// Errors: kInvalidArgument where a value nests too deep.
@@ -38,6 +42,10 @@ Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& blo
 
 /// An update as a message, data encoded.
 Result<v1::Snapshot> to_message(const ltm::Snapshot& snapshot);
+
+/// Entity and time of an update; what an instance says of itself beside its data.
+void set_head(v1::Snapshot& message, const ltm::Snapshot& snapshot);
+void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata);
 
 [[nodiscard]] v1::Outcome to_outcome(const Status& status);
 [[nodiscard]] Status to_status(const v1::Outcome& outcome);

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/shared_sessions.h"
+
+#include "server/access/token.h"
+
+namespace engram::server {
+
+namespace {
+
+/// Sessions that were offered and not begun are forgotten beyond that.
+constexpr size_t kMostSessions = 1024;
+
+}  // namespace
+
+BlockRef to_block(const v1::Block& message) {
+  return {message.slab(), message.offset(), message.capacity(), message.generation()};
+}
+
+void set(v1::Block& message, const BlockRef& block) {
+  message.set_slab(block.slab);
+  message.set_offset(block.offset);
+  message.set_capacity(block.capacity);
+  message.set_generation(block.generation);
+}
+
+Result<std::unique_ptr<SharedSessions>> SharedSessions::start(const std::filesystem::path& socket,
+                                                              const SharedPool::Options& options) {
+  std::unique_ptr<SharedSessions> sessions(new SharedSessions(socket));
+  ENGRAM_ASSIGN_OR_RETURN(sessions->pool_, SharedPool::create(options));
+  SharingServer::Options serving;
+  serving.socket = socket;
+  serving.on_closed = [self = sessions.get()](ClientId client) { self->forget(client); };
+  ENGRAM_ASSIGN_OR_RETURN(sessions->server_,
+                          SharingServer::start(*sessions->pool_, std::move(serving)));
+  return sessions;
+}
+
+SharedSessions::~SharedSessions() = default;
+
+Result<v1::SharedMemory> SharedSessions::offer(const Identity& who) {
+  ENGRAM_ASSIGN_OR_RETURN(std::string secret, make_token());
+  ClientId client = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (sessions_.size() >= kMostSessions)
+      return resource_exhausted("shared memory: found {} clients, needs fewer", sessions_.size());
+    client = ++last_client_;
+    sessions_.emplace(client, Session{secret, who});
+    by_secret_.emplace(secret, client);
+  }
+  auto ticket = server_->issue_ticket(client);
+  if (!ticket.ok()) {
+    forget(client);
+    return ticket.status();
+  }
+  v1::SharedMemory offered;
+  offered.set_socket(socket_.string());
+  offered.set_ticket(ticket->data(), ticket->size());
+  offered.set_session(std::move(secret));
+  return offered;
+}
+
+ClientId SharedSessions::find(const std::string& session) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = by_secret_.find(session);
+  return found == by_secret_.end() ? kServerItself : found->second;
+}
+
+Result<BlockRef> SharedSessions::lease(ClientId writer, const std::string& memory, size_t bytes) {
+  return pool_->lease(writer, group_of(memory), bytes);
+}
+
+Result<Buffer> SharedSessions::commit(ClientId writer, const std::string& memory,
+                                      const BlockRef& block, size_t bytes) {
+  return pool_->commit(writer, group_of(memory), block, bytes);
+}
+
+Status SharedSessions::share(const BlockRef& block, const std::string& memory, ClientId reader) {
+  Status status = pool_->share(block, reader);
+  if (status.code() != StatusCode::kFailedPrecondition) return status;
+  ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto session = sessions_.find(reader);
+    if (session == sessions_.end()) return status;
+    ENGRAM_RETURN_IF_ERROR(session->second.who.check(Role::kRead, id));
+  }
+  ENGRAM_RETURN_IF_ERROR(pool_->grant_read(reader, group_of(memory)));
+  return pool_->share(block, reader);
+}
+
+void SharedSessions::release(ClientId reader, const BlockRef& block) {
+  // One that it does not have is its own affair.
+  (void)pool_->release(reader, block);
+}
+
+GroupId SharedSessions::group_of(const std::string& memory) {
+  const std::scoped_lock lock(mutex_);
+  const auto [group, is_new] =
+      groups_.try_emplace(memory, static_cast<GroupId>(groups_.size() + 1));
+  return group->second;
+}
+
+void SharedSessions::forget(ClientId client) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = sessions_.find(client);
+  if (found == sessions_.end()) return;
+  by_secret_.erase(found->second.secret);
+  sessions_.erase(found);
+}
+
+}  // namespace engram::server

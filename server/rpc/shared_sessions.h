@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <engram/v1/memory.pb.h>
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+#include "server/access/access_policy.h"
+#include "server/sharing/shared_pool.h"
+#include "server/sharing/sharing_server.h"
+
+namespace engram::server {
+
+[[nodiscard]] BlockRef to_block(const v1::Block& message);
+void set(v1::Block& message, const BlockRef& block);
+
+/// Which client of this host shares memory with the server, and what each may read: a memory that
+/// it may read as a whole.
+///
+/// Threading: thread-safe.
+/// Source: docs/sharing.md.
+class SharedSessions {
+ public:
+  /// `socket`: where clients fetch the memory; in a folder that is the server's alone.
+  /// Errors: those of SharedPool::create and SharingServer::start.
+  static Result<std::unique_ptr<SharedSessions>> start(const std::filesystem::path& socket,
+                                                       const SharedPool::Options& options);
+  ~SharedSessions();
+
+  /// What a client needs to begin.
+  /// Errors: those of SharingServer::issue_ticket.
+  Result<v1::SharedMemory> offer(const Identity& who);
+
+  /// The client of a session; kServerItself where there is none.
+  [[nodiscard]] ClientId find(const std::string& session) const;
+
+  /// See SharedPool; a block is of one memory.
+  Result<BlockRef> lease(ClientId writer, const std::string& memory, size_t bytes);
+  Result<Buffer> commit(ClientId writer, const std::string& memory, const BlockRef& block,
+                        size_t bytes);
+  /// Lets a client read a block of a memory, if it may.
+  Status share(const BlockRef& block, const std::string& memory, ClientId reader);
+  void release(ClientId reader, const BlockRef& block);
+
+  [[nodiscard]] const SharedPool& pool() const { return *pool_; }
+
+ private:
+  struct Session {
+    std::string secret;
+    Identity who;
+  };
+
+  explicit SharedSessions(std::filesystem::path socket) : socket_(std::move(socket)) {}
+  GroupId group_of(const std::string& memory);
+  void forget(ClientId client);
+
+  const std::filesystem::path socket_;
+  std::unique_ptr<SharedPool> pool_;
+  mutable std::mutex mutex_;
+  ClientId last_client_ = 0;
+  std::map<ClientId, Session> sessions_;
+  std::unordered_map<std::string, ClientId> by_secret_;
+  std::map<std::string, GroupId> groups_;
+  std::unique_ptr<SharingServer> server_;  ///< Ends first: it calls forget().
+};
+
+}  // namespace engram::server
