@@ -18,19 +18,6 @@ constexpr size_t aligned(size_t bytes) {
 
 }  // namespace
 
-BlockRef to_block(const v1::Block& message) {
-  return {message.slab(), message.offset(), message.capacity(), message.generation()};
-}
-
-v1::Block to_message(const BlockRef& block) {
-  v1::Block message;
-  message.set_slab(block.slab);
-  message.set_offset(block.offset);
-  message.set_capacity(block.capacity);
-  message.set_generation(block.generation);
-  return message;
-}
-
 std::shared_ptr<SharedLane> SharedLane::open(v1::MemoryServer::Stub& stub,
                                              const ClientOptions& options) {
   grpc::ClientContext context;

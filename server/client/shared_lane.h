@@ -12,14 +12,12 @@
 #include "ltm/memory/commit.h"
 #include "server/client/memory_client.h"
 #include "server/sharing/sharing_client.h"
+#include "server/wire/wire_block.h"
 
 namespace engram::server {
 
 /// Payloads from here on go through shared memory where the server is on this host.
 inline constexpr size_t kSharedPayloadBytes = size_t{32} << 10;
-
-[[nodiscard]] BlockRef to_block(const v1::Block& message);
-[[nodiscard]] v1::Block to_message(const BlockRef& block);
 
 /// Memory that a client shares with its server: a session, and blocks that are leased to it.
 ///

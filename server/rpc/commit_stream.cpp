@@ -3,6 +3,7 @@
 
 #include "server/rpc/wire_event.h"
 #include "server/wire/byte_message.h"
+#include "server/wire/wire_block.h"
 
 namespace engram::server {
 
@@ -88,7 +89,7 @@ void CommitStream::reply(uint64_t number, const Status& status,
                          const std::optional<BlockRef>& leased) {
   v1::CommitReply message;
   message.set_number(number);
-  if (leased) set(*message.mutable_block(), *leased);
+  if (leased) *message.mutable_block() = to_message(*leased);
   if (!status.ok()) *message.mutable_outcome() = to_outcome(status);
   send(to_bytes(message));
 }

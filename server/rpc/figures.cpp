@@ -43,24 +43,35 @@ std::vector<Figure> figures(const MemoryService::Counters& counters) {
   return all;
 }
 
+std::vector<Figure> all_figures(RpcContext& context, const MemoryService::Counters& counters) {
+  std::vector<Figure> all = figures(counters);
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  all.push_back({"subscribers", "Subscriptions.", number(context.hub.size())});
+  if (!context.sharing) return all;
+  const PoolCounters pool = context.sharing->pool().counters();
+  all.push_back({"shared_clients", "That share memory with the server.", number(pool.clients)});
+  all.push_back({"shared_bytes", "Of all shared memory.", number(pool.slab_bytes)});
+  all.push_back({"shared_blocks", "Blocks that somebody has.", number(pool.blocks)});
+  all.push_back({"shared_reads", "Blocks that readers have.", number(pool.shares)});
+  all.push_back({"shared_exhausted", "Times that there was no room.", number(pool.exhausted)});
+  return all;
+}
+
 }  // namespace
 
 std::string figures_json(RpcContext& context) {
   const MemoryService::Counters counters = context.service.counters();
   nlohmann::ordered_json json;
-  for (const Figure& figure : figures(counters))
+  for (const Figure& figure : all_figures(context, counters))
     json[figure.name] = static_cast<uint64_t>(figure.value);
-  json["subscribers"] = context.hub.size();
   if (!counters.last_store_failure.empty())
     json["last_store_failure"] = counters.last_store_failure;
   return json.dump();
 }
 
 std::string metrics_text(RpcContext& context) {
-  for (const Figure& figure : figures(context.service.counters()))
+  for (const Figure& figure : all_figures(context, context.service.counters()))
     context.metrics.registry.gauge("engram_" + figure.name, figure.help).set(figure.value);
-  context.metrics.registry.gauge("engram_subscribers", "Subscriptions.")
-      .set(static_cast<double>(context.hub.size()));
   return context.metrics.registry.to_text();
 }
 

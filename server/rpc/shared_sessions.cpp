@@ -12,17 +12,6 @@ constexpr size_t kMostSessions = 1024;
 
 }  // namespace
 
-BlockRef to_block(const v1::Block& message) {
-  return {message.slab(), message.offset(), message.capacity(), message.generation()};
-}
-
-void set(v1::Block& message, const BlockRef& block) {
-  message.set_slab(block.slab);
-  message.set_offset(block.offset);
-  message.set_capacity(block.capacity);
-  message.set_generation(block.generation);
-}
-
 Result<std::unique_ptr<SharedSessions>> SharedSessions::start(const std::filesystem::path& socket,
                                                               const SharedPool::Options& options) {
   std::unique_ptr<SharedSessions> sessions(new SharedSessions(socket));

@@ -15,9 +15,6 @@
 
 namespace engram::server {
 
-[[nodiscard]] BlockRef to_block(const v1::Block& message);
-void set(v1::Block& message, const BlockRef& block);
-
 /// Which client of this host shares memory with the server, and what each may read: a memory that
 /// it may read as a whole.
 ///

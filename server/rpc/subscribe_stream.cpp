@@ -2,6 +2,7 @@
 #include "server/rpc/subscribe_stream.h"
 
 #include "server/wire/byte_message.h"
+#include "server/wire/wire_block.h"
 #include "server/wire/wire_status.h"
 
 namespace engram::server {

@@ -7,18 +7,10 @@
 
 #include "server/events/event_hub.h"
 #include "server/sharing/shared_pool.h"
+#include "server/wire/wire_block.h"
 #include "server/wire/wire_snapshot.h"
 
 namespace engram::server {
-
-[[nodiscard]] inline v1::Block block_message(const BlockRef& block) {
-  v1::Block message;
-  message.set_slab(block.slab);
-  message.set_offset(block.offset);
-  message.set_capacity(block.capacity);
-  message.set_generation(block.generation);
-  return message;
-}
 
 /// A commit's snapshot in the forms in which subscribers want it, each made once.
 ///
@@ -62,7 +54,7 @@ class WireEvent final : public CommitEvent {
       bytes += data.size();
     }
     if (!block || bytes < kSharedBytes) return std::nullopt;
-    return Shared{*block, to_wire_in_block(*snapshot, block_message(*block), offsets)};
+    return Shared{*block, to_wire_in_block(*snapshot, to_message(*block), offsets)};
   }
 
   std::once_flag data_made_;

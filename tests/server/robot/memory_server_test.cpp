@@ -110,10 +110,54 @@ TEST(MemoryServer, TellsIdsAloneUnlessDataAreAskedFor) {
   EXPECT_THAT(told.snapshots[0].snapshot.instances, SizeIs(1));
 }
 
+TEST(MemoryServer, TellsLargePayloadsThroughSharedMemory) {
+  RunningServer running;
+  running.start();
+  const auto producer = running.client();
+  const auto consumer = running.client();
+  Told told;
+  const auto subscription =
+      consumer->subscribe({.names = {}, .with_data = true}, told.handlers());
+  ASSERT_TRUE(subscription.ok());
+  std::vector<uint8_t> pixels(1 << 20);
+  for (int i = 1; i <= 20; ++i) {
+    std::ranges::fill(pixels, static_cast<uint8_t>(i));
+    ltm::Commit commit = RunningServer::commit(kCam, i, idf::NdArray::take({1 << 20}, pixels));
+    commit.updates.push_back(RunningServer::commit("Vision/RGB/head/other", i).updates[0]);
+    const Status status = producer->commit(commit);
+    ASSERT_TRUE(status.ok()) << status.to_string();
+  }
+  ASSERT_TRUE(told.wait_for(40));
+  {
+    const std::scoped_lock lock(told.mutex);
+    ASSERT_THAT(told.snapshots, SizeIs(40));
+    for (size_t i = 0; i < 20; ++i) {
+      const auto* array =
+          told.snapshots[2 * i].snapshot.instances[0].data.get_if<idf::NdArray>();
+      ASSERT_NE(array, nullptr);
+      ASSERT_EQ(array->bytes().size(), size_t{1} << 20);
+      EXPECT_EQ(array->bytes()[1000], static_cast<std::byte>(i + 1));
+    }
+    EXPECT_THAT(producer->info()->figures_json, HasSubstr("\"shared_reads\":20"));
+    told.snapshots.clear();
+  }
+  // What is not read any more is the server's again, soon.
+  for (int i = 0; i < 200; ++i) {
+    if (producer->info()->figures_json.find("\"shared_reads\":0") != std::string::npos) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_THAT(producer->info()->figures_json, HasSubstr("\"shared_reads\":0"));
+  // The answer to a query is the same.
+  const auto answer = consumer->query(*ltm::Query::parse(std::string(kCam) + " @ latest"));
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->entities()[0]->snapshots[0].instances[0].data,
+            idf::Data(idf::NdArray::take({1 << 20}, pixels)));
+}
+
 TEST(MemoryServer, CountsWhatASlowSubscriberLoses) {
   RunningServer running;
   running.start();
-  const auto client = running.client();
+  const auto client = running.client({.shares_memory = false});
   Told told;
   SubscriptionHandlers handlers = told.handlers();
   std::mutex gate;
