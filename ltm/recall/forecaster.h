@@ -7,15 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "ltm/recall/engine_choice.h"
 #include "ltm/recall/past_reader.h"
 
 namespace engram::ltm {
-
-/// A way to predict an entity.
-struct Engine {
-  Predictor* predictor = nullptr;  ///< Never null; who gave it owns it.
-  std::string model;               ///< "Vision/RGB/head/cam v1"; empty without one.
-};
 
 /// What is to be predicted, and from when on.
 struct Outlook {

@@ -16,7 +16,7 @@ namespace engram::server {
 class NumberSeries {
  public:
   /// Keeps the last `most_rows` rows at least, twice as many at most.
-  /// Needs at least one number and two rows (checked).
+  /// Needs two rows (checked); without numbers it is a series of moments.
   explicit NumberSeries(size_t numbers, size_t most_rows = 4096);
 
   /// Shape: row [numbers()].

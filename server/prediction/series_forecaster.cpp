@@ -4,26 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/prediction/error_bound.h"
+
 namespace engram::server {
 
 namespace {
 
-constexpr size_t kMostWindows = 512;
-/// As ltm::kBoundProbability says.
-constexpr double kBoundShare = 0.9;
 /// Measured again when so many more rows have come, relative to those that there were.
 constexpr double kMoreRows = 0.1;
-
-/// Rows of the last third from which `steps` later is known and of the same run.
-std::vector<size_t> test_rows(const NumberSeries& series, size_t first, size_t steps) {
-  std::vector<size_t> rows;
-  for (size_t row = first; row + steps < series.rows(); ++row)
-    if (series.run_start(row + steps) <= row) rows.push_back(row);
-  if (rows.size() <= kMostWindows) return rows;
-  std::vector<size_t> some;
-  for (size_t i = 0; i < kMostWindows; ++i) some.push_back(rows[i * rows.size() / kMostWindows]);
-  return some;
-}
+/// What is known of horizons is forgotten when there are more: clients may ask for any.
+constexpr size_t kMostHorizons = 64;
+/// Of a step: what is closer to a number of steps is taken as that.
+constexpr double kCloseToStep = 0.05;
 
 double mean_square(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
@@ -32,54 +24,90 @@ double mean_square(std::span<const double> a, std::span<const double> b) {
 }
 
 /// Of an engine whose predictions were that wrong.
-EngineRecord record_of(std::string_view engine, std::vector<double> mean_squares) {
-  EngineRecord record{std::string(engine), mean_squares.size()};
+SeriesRecord record_of(std::string_view engine, std::vector<double> mean_squares) {
+  SeriesRecord record{std::string(engine), mean_squares.size()};
   if (mean_squares.empty()) return record;
   double sum = 0;
   for (const double one : mean_squares) sum += one;
   record.rmse = std::sqrt(sum / static_cast<double>(mean_squares.size()));
-  std::ranges::sort(mean_squares);
-  const double rank = std::ceil(kBoundShare * static_cast<double>(mean_squares.size() + 1)) - 1;
-  const auto last = static_cast<double>(mean_squares.size() - 1);
-  record.bound_rmse = std::sqrt(mean_squares[static_cast<size_t>(std::min(rank, last))]);
+  record.bound_rmse = std::sqrt(bound_of(std::move(mean_squares)));
   return record;
 }
 
 }  // namespace
 
-SeriesForecaster::SeriesForecaster(const NumberSeries& series)
-    : series_(series), engines_(make_series_engines()) {}
+SeriesForecaster::SeriesForecaster(const NumberSeries& series, std::optional<ValueRow> meaning,
+                                   Options options)
+    : series_(series),
+      meaning_(std::move(meaning)),
+      options_(options),
+      engines_(make_series_engines()) {}
 
-std::vector<EngineRecord> SeriesForecaster::measure(size_t steps) const {
+std::vector<size_t> SeriesForecaster::test_rows(size_t steps) const {
+  std::vector<size_t> rows;
   const size_t split = series_.rows() * 2 / 3;
-  const std::vector<size_t> rows = test_rows(series_, split, steps);
-  std::vector<EngineRecord> records;
+  const size_t none_before = series_.rows() - std::min(series_.rows(), options_.last_rows);
+  for (size_t row = std::max(split - std::min(split, steps), none_before);
+       row + steps < series_.rows(); ++row)
+    if (series_.run_start(row + steps) <= row) rows.push_back(row);
+  if (rows.size() <= options_.most_predictions) return rows;
+  std::vector<size_t> some;
+  for (size_t i = 0; i < options_.most_predictions; ++i)
+    some.push_back(rows[i * rows.size() / options_.most_predictions]);
+  return some;
+}
+
+std::vector<SeriesRecord> SeriesForecaster::measure(size_t steps) const {
+  const std::vector<size_t> rows = test_rows(steps);
+  std::vector<SeriesRecord> records;
   std::vector<double> predicted(series_.numbers());
   for (const auto& engine : make_series_engines()) {
-    engine->learn(series_, split, steps);
+    engine->learn(series_, series_.rows() * 2 / 3, steps);
     std::vector<double> mean_squares;
     for (const size_t row : rows) {
+      const auto truth = series_.row(row + steps);
       engine->predict(series_, row, steps, predicted);
-      mean_squares.push_back(mean_square(predicted, series_.row(row + steps)));
+      if (meaning_) meaning_->finish(series_.row(row), predicted);
+      mean_squares.push_back(meaning_ ? meaning_->mean_square(predicted, truth)
+                                      : mean_square(predicted, truth));
     }
     records.push_back(record_of(engine->name(), std::move(mean_squares)));
   }
-  std::ranges::stable_sort(records, {}, &EngineRecord::rmse);
+  std::ranges::stable_sort(records, {}, &SeriesRecord::rmse);
   return records;
 }
 
-const SeriesForecaster::Measured& SeriesForecaster::measured(size_t steps) {
-  Measured& known = measured_[steps];
-  const auto enough = static_cast<uint64_t>(std::ceil(static_cast<double>(known.rows) * kMoreRows));
-  if (!known.records.empty() && series_.added() < known.rows + std::max<uint64_t>(enough, 1))
-    return known;
-  known = {series_.added(), measure(steps)};
-  for (const auto& engine : engines_) engine->learn(series_, series_.rows(), steps);
-  return known;
+bool SeriesForecaster::is_fresh(uint64_t rows_then) const {
+  const auto enough = static_cast<uint64_t>(std::ceil(static_cast<double>(rows_then) * kMoreRows));
+  return series_.added() < rows_then + std::max<uint64_t>(enough, 1);
 }
 
-const std::vector<EngineRecord>& SeriesForecaster::records(Duration ahead) {
-  return measured(series_.steps_in(ahead)).records;
+const std::vector<SeriesRecord>& SeriesForecaster::measured(size_t steps) {
+  if (measured_.size() >= kMostHorizons && !measured_.contains(steps)) {
+    measured_.clear();
+    learned_.clear();
+    engines_ = make_series_engines();
+  }
+  Measured& known = measured_[steps];
+  if (known.records.empty() || !is_fresh(known.rows)) known = {series_.added(), measure(steps)};
+  return known.records;
+}
+
+const std::vector<SeriesRecord>& SeriesForecaster::records(Duration ahead) {
+  return measured(series_.steps_in(ahead));
+}
+
+std::vector<double> SeriesForecaster::predicted_row(size_t engine, size_t steps) {
+  const size_t last = series_.rows() - 1;
+  std::vector<double> row(series_.row(last).begin(), series_.row(last).end());
+  if (steps == 0) return row;
+  const auto learned = learned_.find({steps, engine});
+  if (learned == learned_.end() || !is_fresh(learned->second)) {
+    engines_[engine]->learn(series_, series_.rows(), steps);
+    learned_[{steps, engine}] = series_.added();
+  }
+  engines_[engine]->predict(series_, last, steps, row);
+  return row;
 }
 
 Result<SeriesPrediction> SeriesForecaster::predict(Duration ahead, const std::string& engine) {
@@ -88,20 +116,29 @@ Result<SeriesPrediction> SeriesForecaster::predict(Duration ahead, const std::st
     return invalid_argument("series: found a horizon of {}, needs more than zero",
                             to_string(ahead));
   const size_t steps = series_.steps_in(ahead);
-  const std::vector<EngineRecord>& records = measured(steps).records;
+  const std::vector<SeriesRecord>& records = measured(steps);
   const auto record =
-      engine.empty() ? records.begin() : std::ranges::find(records, engine, &EngineRecord::engine);
+      engine.empty() ? records.begin() : std::ranges::find(records, engine, &SeriesRecord::engine);
   if (record == records.end()) {
     std::string names;
     for (const auto& known : engines_)
       names += (names.empty() ? "" : ", ") + std::string(known->name());
     return not_found("series: nothing named '{}' predicts it; there is: {}", engine, names);
   }
-  SeriesPrediction prediction{std::vector<double>(series_.numbers()), *record,
-                              series_.step() * static_cast<int64_t>(steps)};
-  const auto used =
-      std::ranges::find(engines_, record->engine, [](const auto& one) { return one->name(); });
-  (*used)->predict(series_, series_.rows() - 1, steps, prediction.values);
+  const auto used = static_cast<size_t>(
+      std::ranges::find(engines_, record->engine, [](const auto& one) { return one->name(); }) -
+      engines_.begin());
+  SeriesPrediction prediction{predicted_row(used, steps), *record};
+  // What lies beside the closest step is between it and the other neighbour.
+  const double exact =
+      series_.step() > Duration(0) ? to_seconds(ahead) / to_seconds(series_.step()) : 1.0;
+  const double beside = exact - static_cast<double>(steps);
+  if (std::abs(beside) > kCloseToStep) {
+    const auto other = predicted_row(used, beside < 0 ? steps - 1 : steps + 1);
+    for (size_t i = 0; i < other.size(); ++i)
+      prediction.values[i] += std::abs(beside) * (other[i] - prediction.values[i]);
+  }
+  if (meaning_) meaning_->finish(series_.row(series_.rows() - 1), prediction.values);
   return prediction;
 }
 

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ltm/recall/engine_choice.h"
+#include "server/prediction/member_samples.h"
+#include "server/prediction/series_forecaster.h"
+
+namespace engram::server {
+
+/// Continues the values of one instance of an entity, by each engine that there is.
+///
+/// Numbers are continued by the engines of their series, the rest of the value is copied; models
+/// continue all of it. All are measured on the same moments of the last third of what is kept, see
+/// Window. Where the layout of values changes all starts anew.
+/// Threading: one thread.
+class InstanceForecaster {
+ public:
+  /// What engines are measured on, by what a measurement costs.
+  struct Window {
+    size_t rows = 0;         ///< The last ones, of which what is needed is kept.
+    size_t predictions = 0;  ///< Most of each engine and horizon, evenly spaced.
+  };
+  static constexpr Window kOfNumbers{4096, 512};
+  static constexpr Window kOfImages{128, 128};  ///< And of large arrays.
+  static constexpr Window kOfModels{512, 64};   ///< That predict numbers.
+  static constexpr Window kOfImageModels{64, 32};
+
+  /// `inputs` outlives it.
+  explicit InstanceForecaster(const ltm::EngineChoiceInputs& inputs);
+
+  /// `time` comes after that of the last one (checked).
+  void add(Time time, const idf::Data& value);
+
+  /// How many values like this are worth adding.
+  [[nodiscard]] size_t values_wanted(const idf::Data& value) const;
+
+  /// All engines, measured that far ahead; the best first.
+  Result<std::vector<ltm::EngineRecord>> records(Duration ahead);
+
+  /// By an engine of records(). Errors: those of a model.
+  Result<ltm::Prediction> predict(Duration ahead, const ltm::EngineRecord& engine);
+
+ private:
+  struct Trial {
+    uint64_t rows = 0;  ///< NumberSeries::added() then.
+    ltm::EngineRecord record;
+  };
+
+  void start(const idf::Data& value);
+  [[nodiscard]] Window window_of(const ValueRow& rows) const;
+  [[nodiscard]] bool has_models() const;
+  [[nodiscard]] std::vector<ltm::MeasuredError> copied_errors(size_t steps) const;
+  std::vector<ltm::EngineRecord> series_records(Duration ahead);
+  [[nodiscard]] size_t row_of_value(size_t value) const {
+    return series_->rows() - values_.size() + value;
+  }
+  Result<ltm::EngineRecord> trial_record(const ltm::Engine& model, Duration ahead);
+  Result<ltm::EngineRecord> try_out(const ltm::Engine& model, Duration ahead);
+  Result<std::vector<ltm::Prediction>> predict_from(const ltm::Engine& model, size_t value,
+                                                    int steps) const;
+  Result<ltm::MeasuredError> error_of(const idf::Data& predicted, size_t from, size_t to) const;
+
+  const ltm::EngineChoiceInputs& inputs_;
+  bool has_rotations_ = true;
+  std::optional<ValueRow> rows_;
+  std::optional<MemberSamples> members_;
+  std::unique_ptr<NumberSeries> series_;  ///< At one place: the forecaster refers to it.
+  std::unique_ptr<SeriesForecaster> forecaster_;
+  Window window_;
+  std::optional<idf::SplitValue> last_;
+  std::deque<MemberSample> samples_;  ///< Of the last rows.
+  std::deque<idf::Data> values_;      ///< Of the last rows; one without a model.
+  std::map<std::pair<std::string, Duration>, Trial> trials_;  ///< By engine and horizon.
+};
+
+}  // namespace engram::server
