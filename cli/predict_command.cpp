@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <functional>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
@@ -9,6 +10,7 @@
 #include "cli/save.h"
 #include "cli/text.h"
 #include "encoders/load_model.h"
+#include "server/prediction/entity_forecaster.h"
 
 namespace engram::cli {
 
@@ -16,8 +18,10 @@ namespace {
 
 constexpr const char* kFooter =
     R"(Predicts what comes after a moment from the snapshots up to it alone: no later ones, and no later
-numbers of an entity that it links to. Every prediction tells the error to expect and a bound that
-its real error keeps with a probability of 90 %; both follow how much the last two snapshots differ.
+numbers of an entity that it links to. For each horizon the engine answers that was best on the
+entity's own past: its model, where it has one, straight lines, an autoregression or the last value
+(--list shows them, --engine names one). Every prediction tells the error to expect and a bound that
+its real error keeps with a probability of 90 %.
 Where the store knows what really came, it stands beside: errors of the prediction and of a copy of
 the last snapshot, and whether the bound held. Images: PSNR (a bound is the least), numbers: RMSE.
 With --plan predictions are told where the robot's joints are going to be, from an entity of the
@@ -30,7 +34,14 @@ Examples:
   engram predict robot.engram RobotState/Proprioception/robot/joints --compare --json
   engram predict robot.engram Vision/RGB/head/cam --every 10
   engram predict robot.engram Vision/RGB/head/cam --plan RobotState/Planning/arm/joints
-  engram predict robot.engram Vision/RGB/head/cam --list)";
+  engram predict robot.engram RobotState/Proprioception/robot/joints --horizons +1s --engine line
+  engram predict robot.engram RobotState/Proprioception/robot/joints --list --ahead 200ms,400ms,1s
+  engram predict robot.engram Vision/RGB/head/cam --list --json)";
+
+/// What --list measures where nobody says it; of entities with long steps, steps.
+constexpr std::string_view kAhead = "200ms,400ms,1s";
+constexpr std::string_view kAheadOfSlow = "1,2,5";
+constexpr Duration kSlow = std::chrono::milliseconds(250);
 
 struct PredictArguments {
   std::string store;
@@ -39,6 +50,7 @@ struct PredictArguments {
   std::string horizons = "1..3";
   std::string engine;
   std::string plan;
+  std::string ahead;
   std::string picture;
   std::string save;
   std::string from, to;
@@ -61,15 +73,21 @@ std::optional<Time> time_of(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional(*parse_time(text));
 }
 
-Status list(ltm::Recall& recall, const ltm::MemoryId& entity, const PredictArguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto engines, recall.engines(entity));
-  ENGRAM_ASSIGN_OR_RETURN(const Duration step, training::step_of(recall, entity, engines.front()));
-  show(arguments, engines_text(entity, step, engines), engines_json(entity, step, engines));
+Status list(ltm::Recall& recall, const ltm::MemoryId& entity, Duration step,
+            std::span<const Duration> horizons, const PredictArguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto models, recall.engines(entity));
+  std::vector<EnginesAhead> measured;
+  for (const Duration ahead : horizons) {
+    ENGRAM_ASSIGN_OR_RETURN(auto records, recall.records(entity, time_of(arguments.at), ahead, {}));
+    measured.push_back({ahead, std::move(records)});
+  }
+  show(arguments, engines_text(entity, step, measured, models),
+       engines_json(entity, step, measured, models));
   return {};
 }
 
-Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
-             const ltm::Recall::Outlook& outlook, const PredictArguments& arguments) {
+Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall::Outlook& outlook,
+             const PredictArguments& arguments) {
   const training::SweepOptions options{time_of(arguments.from), time_of(arguments.to),
                                        std::max<size_t>(arguments.every, 1)};
   ProgressLine progress;
@@ -77,8 +95,8 @@ Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall
       training::sweep(recall, entity, outlook, options, progress.sink(), interrupt_token());
   progress.finish();
   ENGRAM_RETURN_IF_ERROR(qualities.status());
-  show(arguments, sweep_text(entity, engine, outlook.horizons, *qualities),
-       sweep_json(entity, engine, outlook.horizons, *qualities));
+  show(arguments, sweep_text(entity, arguments.engine, outlook.horizons, *qualities),
+       sweep_json(entity, arguments.engine, outlook.horizons, *qualities));
   return {};
 }
 
@@ -94,8 +112,8 @@ Status save(const ltm::MemoryId& entity, const training::PredictedMoment& moment
   return {};
 }
 
-Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall::Engine& engine,
-               ltm::Recall::Outlook outlook, const PredictArguments& arguments) {
+Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, ltm::Recall::Outlook outlook,
+               const PredictArguments& arguments) {
   if (arguments.is_compared && !outlook.from) {
     ENGRAM_ASSIGN_OR_RETURN(outlook.from, training::last_known_from(
                                               recall, entity, std::ranges::max(outlook.horizons)));
@@ -109,12 +127,28 @@ Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Reca
   if (outlook.plan && moment.horizons.front().predicted.plan.empty())
     return not_found("entity '{}': nothing is planned after {}", outlook.plan->to_string(),
                      to_string(moment.last.time));
-  ENGRAM_ASSIGN_OR_RETURN(const Json json, moment_json(entity, engine, moment));
-  show(arguments, moment_text(entity, engine, moment), json);
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, moment_json(entity, moment));
+  show(arguments, moment_text(entity, moment), json);
   if (!arguments.save.empty()) ENGRAM_RETURN_IF_ERROR(save(entity, moment, arguments));
   if (!arguments.picture.empty())
     ENGRAM_RETURN_IF_ERROR(write_predict_picture(moment, arguments.picture));
   return {};
+}
+
+/// As the engine counts it that is named, else as the entity's model does.
+Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
+                         const std::string& engine) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto models, recall.engines(entity));
+  const auto named = std::ranges::find(models, engine, [](const ltm::Recall::Engine& model) {
+    return std::string(model.predictor->name());
+  });
+  return training::step_of(recall, entity, named != models.end() ? *named : models.front());
+}
+
+std::string horizons_text(const PredictArguments& arguments, Duration step) {
+  if (!arguments.is_list) return arguments.horizons;
+  if (!arguments.ahead.empty()) return arguments.ahead;
+  return std::string(step < kSlow ? kAhead : kAheadOfSlow);
 }
 
 ExitCode run(const PredictArguments& arguments) {
@@ -127,22 +161,21 @@ ExitCode run(const PredictArguments& arguments) {
         "one"));
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
-  ltm::Recall recall(std::move(*reader), encoders::load_model);
+  ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr,
+                     server::make_entity_forecaster);
   const ltm::MemoryId entity = *ltm::MemoryId::parse(arguments.entity);
+  const auto step = step_of(recall, entity, arguments.engine);
+  if (!step.ok()) return fail(step.status());
+  const auto horizons = parse_horizons(horizons_text(arguments, *step), *step);
+  if (!horizons.ok()) return wrong_usage(horizons.status());
   if (arguments.is_list) {
-    const Status listed = list(recall, entity, arguments);
+    const Status listed = list(recall, entity, *step, *horizons, arguments);
     return listed.ok() ? ExitCode::kDone : fail(listed);
   }
-  const auto engine = recall.engine(entity, arguments.engine);
-  if (!engine.ok()) return fail(engine.status());
-  const auto step = training::step_of(recall, entity, *engine);
-  if (!step.ok()) return fail(step.status());
-  auto horizons = parse_horizons(arguments.horizons, *step);
-  if (!horizons.ok()) return wrong_usage(horizons.status());
-  ltm::Recall::Outlook outlook{time_of(arguments.at), std::move(*horizons), arguments.engine};
+  ltm::Recall::Outlook outlook{time_of(arguments.at), *horizons, arguments.engine};
   if (!arguments.plan.empty()) outlook.plan = *ltm::MemoryId::parse(arguments.plan);
-  const Status done = is_sweep ? sweep(recall, entity, *engine, outlook, arguments)
-                               : predict(recall, entity, *engine, outlook, arguments);
+  const Status done = is_sweep ? sweep(recall, entity, outlook, arguments)
+                               : predict(recall, entity, outlook, arguments);
   return done.ok() ? ExitCode::kDone : fail(done);
 }
 
@@ -163,7 +196,8 @@ void add_predict_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--horizons", arguments->horizons,
                    "Steps ahead ('1..3', '2') or durations ('+200ms,+400ms')")
       ->capture_default_str();
-  command->add_option("--engine", arguments->engine, "What predicts (--list); else the best");
+  command->add_option("--engine", arguments->engine,
+                      "What predicts (--list); else the best for each horizon");
   command
       ->add_option("--plan", arguments->plan,
                    "Entity of planned numbers, of the same layout as what predictions start from "
@@ -183,7 +217,12 @@ void add_predict_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--from", arguments->from, "The first moment of these")->check(time_text());
   command->add_option("--to", arguments->to, "The last moment of these")->check(time_text());
   command->add_flag("--list", arguments->is_list,
-                    "What can predict the entity, and its measured errors");
+                    "What can predict the entity, its errors on the entity's own past, and which "
+                    "one answers");
+  command
+      ->add_option("--ahead", arguments->ahead,
+                   "Horizons of --list, as --horizons; else 200ms,400ms,1s")
+      ->needs("--list");
   command->add_flag("--json", arguments->is_json, "As JSON, with all predicted data");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

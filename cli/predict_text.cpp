@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/predict_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -52,15 +53,17 @@ std::string error_or_dash(const std::optional<ltm::MeasuredError>& error) {
   return error ? error_text(*error) : "-";
 }
 
-/// {"entity", "engine", "model"}.
-Json head_json(const MemoryId& entity, const Recall::Engine& engine) {
-  Json json{{"entity", entity.to_string()}, {"engine", std::string(engine.predictor->name())}};
-  if (!engine.model.empty()) json["model"] = engine.model;
-  return json;
+/// Whether all predictions are of one engine.
+bool has_one_engine(const PredictedMoment& moment) {
+  const ltm::SnapshotResult& first = moment.horizons.front().predicted;
+  return std::ranges::all_of(moment.horizons, [&first](const PredictedHorizon& horizon) {
+    return horizon.predicted.predictor == first.predictor;
+  });
 }
 
 Result<Json> horizon_json(const MemoryId& entity, const PredictedHorizon& horizon) {
   Json json{{"horizon_s", to_seconds(horizon.predicted.horizon)},
+            {"engine", horizon.predicted.predictor},
             {"expected_error", error_json(expected_of(horizon.predicted))},
             {"error_bound", bound_json(bound_of(horizon.predicted))}};
   if (horizon.actual)
@@ -121,32 +124,43 @@ Result<std::vector<Duration>> parse_horizons(const std::string& text, Duration s
   return horizons;
 }
 
-std::string engine_text(const Recall::Engine& engine) {
-  const size_t space = engine.model.rfind(' ');
-  const std::string version =
-      space == std::string::npos ? "" : engine.model.substr(space);  // " v1"
-  return std::string(engine.predictor->name()) + version;
+std::string engine_text(const std::string& engine, const std::string& model) {
+  const size_t space = model.rfind(' ');
+  return engine + (space == std::string::npos ? "" : model.substr(space));  // " v1"
 }
 
-std::string moment_text(const MemoryId& entity, const Recall::Engine& engine,
-                        const PredictedMoment& moment) {
-  TextTable table({"ahead", "moment", "expected", bound_name(), "real", "within", "copy-last"});
+std::string moment_text(const MemoryId& entity, const PredictedMoment& moment) {
+  const bool is_one = has_one_engine(moment);
+  const auto engine_of = [](const ltm::SnapshotResult& predicted) {
+    return engine_text(predicted.predictor, predicted.model);
+  };
+  std::vector<std::string> head{"ahead", "moment", "expected", bound_name(),
+                                "real",  "within", "copy-last"};
+  if (!is_one) head.insert(head.begin() + 2, "engine");
+  TextTable table(head);
   for (const PredictedHorizon& horizon : moment.horizons) {
     const auto is_within = horizon.is_within();
-    table.add({to_string(horizon.predicted.horizon), to_string(horizon.predicted.time),
-               error_text(expected_of(horizon.predicted)), error_text(bound_of(horizon.predicted)),
-               error_or_dash(horizon.error), is_within ? (*is_within ? "yes" : "no") : "-",
-               error_or_dash(horizon.copy_error)});
+    std::vector<std::string> cells{to_string(horizon.predicted.horizon),
+                                   to_string(horizon.predicted.time),
+                                   error_text(expected_of(horizon.predicted)),
+                                   error_text(bound_of(horizon.predicted)),
+                                   error_or_dash(horizon.error),
+                                   is_within ? (*is_within ? "yes" : "no") : "-",
+                                   error_or_dash(horizon.copy_error)};
+    if (!is_one) cells.insert(cells.begin() + 2, engine_of(horizon.predicted));
+    table.add(cells);
   }
-  const std::string& plan = moment.horizons.front().predicted.plan;
+  const ltm::SnapshotResult& first = moment.horizons.front().predicted;
   return fmt::format("{} from {}, predicted by {}{}\n{}", entity.to_string(),
-                     to_string(moment.last.time), engine_text(engine),
-                     plan.empty() ? "" : ", told the plan " + plan, table.to_string("  "));
+                     to_string(moment.last.time), is_one ? engine_of(first) : "the best engines",
+                     first.plan.empty() ? "" : ", told the plan " + first.plan,
+                     table.to_string("  "));
 }
 
-Result<Json> moment_json(const MemoryId& entity, const Recall::Engine& engine,
-                         const PredictedMoment& moment) {
-  Json json = head_json(entity, engine);
+Result<Json> moment_json(const MemoryId& entity, const PredictedMoment& moment) {
+  const ltm::SnapshotResult& first = moment.horizons.front().predicted;
+  Json json{{"entity", entity.to_string()}, {"engine", first.predictor}};
+  if (!first.model.empty()) json["model"] = first.model;
   json["from"] = to_string(moment.last.time);
   json["from_ns"] = to_ns(moment.last.time);
   json["predictions"] = Json::array();
@@ -157,7 +171,7 @@ Result<Json> moment_json(const MemoryId& entity, const Recall::Engine& engine,
   return json;
 }
 
-std::string sweep_text(const MemoryId& entity, const Recall::Engine& engine,
+std::string sweep_text(const MemoryId& entity, const std::string& engine,
                        std::span<const Duration> horizons,
                        std::span<const PredictionQuality> qualities) {
   TextTable table({"ahead", "predictions", "mean", "copy-last", "pooled", "copy-last",
@@ -177,13 +191,14 @@ std::string sweep_text(const MemoryId& entity, const Recall::Engine& engine,
                  number_text(model.rmse), number_text(copy_last.rmse), coverage(foresight.numbers),
                  number_text(foresight.numbers.mean_bound)});
   }
-  return fmt::format("{}, predicted by {}\n{}", entity.to_string(), engine_text(engine),
+  return fmt::format("{}, predicted by {}\n{}", entity.to_string(),
+                     engine.empty() ? "the best engine of each moment" : engine,
                      table.to_string("  "));
 }
 
-Json sweep_json(const MemoryId& entity, const Recall::Engine& engine,
+Json sweep_json(const MemoryId& entity, const std::string& engine,
                 std::span<const Duration> horizons, std::span<const PredictionQuality> qualities) {
-  Json json = head_json(entity, engine);
+  Json json{{"entity", entity.to_string()}, {"engine", engine.empty() ? "best" : engine}};
   json["horizons"] = Json::array();
   for (size_t i = 0; i < horizons.size(); ++i) {
     Json one = training::to_json(qualities[i]);
@@ -194,24 +209,55 @@ Json sweep_json(const MemoryId& entity, const Recall::Engine& engine,
 }
 
 std::string engines_text(const MemoryId& entity, Duration step,
-                         std::span<const Recall::Engine> engines) {
-  TextTable table({"engine", "conditions", "ahead", "measured predictions", "mean error"});
-  for_each_record(engines, [&](const Recall::Engine& engine, const char* conditions,
-                               const std::vector<ltm::HorizonRecord>& records) {
-    if (records.empty()) table.add({engine_text(engine), conditions, "any", "0", "-"});
-    for (const ltm::HorizonRecord& record : records)
-      table.add({engine_text(engine), conditions, to_string(step * record.steps),
-                 count_text(record.predictions), error_text(record.mean)});
+                         std::span<const EnginesAhead> measured,
+                         std::span<const Recall::Engine> models) {
+  TextTable table({"engine", "ahead", "measured predictions", "error", bound_name(), ""});
+  for (const EnginesAhead& one : measured)
+    for (const ltm::EngineRecord& record : one.records)
+      table.add({engine_text(record.engine, record.model), to_string(one.ahead),
+                 count_text(record.predictions), error_text(record.mean), error_text(record.bound),
+                 &record == &one.records.front() ? "answers" : ""});
+  std::string text = fmt::format("{}, steps of {}, measured on its own past\n{}",
+                                 entity.to_string(), to_string(step), table.to_string("  "));
+  TextTable told({"engine", "conditions", "ahead", "measured predictions", "error"});
+  bool is_any = false;
+  for_each_record(models, [&](const Recall::Engine& engine, const char* conditions,
+                              const std::vector<ltm::HorizonRecord>& records) {
+    for (const ltm::HorizonRecord& record : records) {
+      told.add({engine_text(std::string(engine.predictor->name()), engine.model), conditions,
+                to_string(step * record.steps), count_text(record.predictions),
+                error_text(record.mean)});
+      is_any = true;
+    }
   });
-  return fmt::format("{}, steps of {}\n{}", entity.to_string(), to_string(step),
-                     table.to_string("  "));
+  if (is_any)
+    text += fmt::format("\n\nas its model tells, measured when it was trained\n{}",
+                        told.to_string("  "));
+  return text;
 }
 
-Json engines_json(const MemoryId& entity, Duration step, std::span<const Recall::Engine> engines) {
+Json engines_json(const MemoryId& entity, Duration step, std::span<const EnginesAhead> measured,
+                  std::span<const Recall::Engine> models) {
   Json json{{"entity", entity.to_string()}, {"step_s", to_seconds(step)}};
-  json["engines"] = Json::array();
-  for_each_record(engines, [&](const Recall::Engine& engine, const std::string& conditions,
-                               const std::vector<ltm::HorizonRecord>& records) {
+  json["horizons"] = Json::array();
+  for (const EnginesAhead& one : measured) {
+    Json horizon{{"horizon_s", to_seconds(one.ahead)},
+                 {"answers", one.records.empty() ? "" : one.records.front().engine}};
+    horizon["engines"] = Json::array();
+    for (const ltm::EngineRecord& record : one.records) {
+      Json engine{{"engine", record.engine}};
+      if (!record.model.empty()) engine["model"] = record.model;
+      engine["measured_predictions"] = record.predictions;
+      engine["mean_error"] = error_json(record.mean);
+      engine["error_bound"] = bound_json(record.bound);
+      horizon["engines"].push_back(std::move(engine));
+    }
+    json["horizons"].push_back(std::move(horizon));
+  }
+  json["models"] = Json::array();
+  for_each_record(models, [&](const Recall::Engine& engine, const std::string& conditions,
+                              const std::vector<ltm::HorizonRecord>& records) {
+    if (records.empty()) return;
     Json one{{"engine", std::string(engine.predictor->name())}};
     if (!engine.model.empty()) one["model"] = engine.model;
     if (!conditions.empty()) {
@@ -224,7 +270,7 @@ Json engines_json(const MemoryId& entity, Duration step, std::span<const Recall:
       one["horizons"].push_back({{"steps", record.steps},
                                  {"measured_predictions", record.predictions},
                                  {"mean_error", error_json(record.mean)}});
-    json["engines"].push_back(std::move(one));
+    json["models"].push_back(std::move(one));
   });
   return json;
 }

@@ -5,6 +5,7 @@
 #include "encoders/load_model.h"
 #include "ltm/idf/layout.h"
 #include "ltm/recall/recall.h"
+#include "server/prediction/entity_forecaster.h"
 
 namespace engram::cli {
 
@@ -15,8 +16,9 @@ expression; missing ones match all. Without a selector: latest.
   latest  latest:3       the last one, the last three
   all                    every one
   TIME                   at exactly that time; a prediction where it lies after the last one
-  +200ms                 a prediction so long after the last one, with the error to expect and
-                         the bound that it keeps with a probability of 90 %
+  +200ms                 a prediction so long after the last one, by the engine that was best on
+                         the entity's own past (engram predict --list), with the error to expect
+                         and the bound that it keeps with a probability of 90 %
   nearest:TIME~50ms      the closest within a tolerance (without ~: any)
   before:TIME  at-or-before:TIME  after:TIME
   TIME..TIME             from and to, both included
@@ -29,7 +31,8 @@ TIME is '2022-02-18 13:06:56.492182', RFC 3339, or integer nanoseconds since 197
 Examples:
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram '.*/.*/.*/joints @ last:2s' --json
-  engram query robot.engram 'Vision/RGB/head/cam @ +200ms' --save future)";
+  engram query robot.engram 'Vision/RGB/head/cam @ +200ms' --save future
+  engram query robot.engram '.*/.*/.*/joints @ latest, +400ms, +1s')";
 
 struct QueryArguments {
   std::string store;
@@ -143,7 +146,8 @@ ExitCode run(const QueryArguments& arguments) {
   auto accesses = arguments.is_unnoted ? nullptr
                                        : std::make_unique<ltm::AccessLog>(
                                              arguments.store, ltm::AccessLog::Options{});
-  ltm::Recall recall(std::move(*reader), encoders::load_model, std::move(accesses));
+  ltm::Recall recall(std::move(*reader), encoders::load_model, std::move(accesses),
+                     server::make_entity_forecaster);
   ltm::Recall::Options options;
   options.prefer = arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent
                                                 : ltm::Recall::Prefer::kRecorded;

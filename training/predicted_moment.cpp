@@ -17,11 +17,27 @@ using ltm::Recall;
 using ltm::SnapshotResult;
 
 constexpr std::string_view kCopyLast = "copy-last";
+/// That the usual interval is the median of.
+constexpr size_t kStepTimes = 1000;
 
 Result<std::vector<Time>> times_of(Recall& recall, const MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(const auto* index, recall.store().index(entity));
   std::vector<Time> times;
   for (const ltm::SnapshotEntry& entry : *index) times.push_back(entry.time);
+  return times;
+}
+
+/// Of the last snapshots: a store may hold millions.
+Result<std::vector<Time>> newest_times_of(Recall& recall, const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
+  std::vector<Time> times;
+  for (std::optional<Time> at = timeline->last(); at && times.size() < kStepTimes;) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(*at));
+    if (!entry) break;
+    times.push_back(entry->time);
+    at = entry->time > Time::min() ? std::optional(entry->time - Duration(1)) : std::nullopt;
+  }
+  std::ranges::reverse(times);
   return times;
 }
 
@@ -75,7 +91,7 @@ std::optional<bool> PredictedHorizon::is_within() const {
 
 Result<Duration> step_of(Recall& recall, const MemoryId& entity, const Recall::Engine& engine) {
   if (engine.predictor->step() > Duration(0)) return engine.predictor->step();
-  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Time> times, times_of(recall, entity));
+  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Time> times, newest_times_of(recall, entity));
   return median_step(times);
 }
 

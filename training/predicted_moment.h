@@ -33,7 +33,7 @@ struct PredictedMoment {
 };
 
 /// Time between two snapshots as an engine counts it; where any will do, the median of the
-/// entity's. Zero where there is only one snapshot.
+/// entity's last ones. Zero where there is only one snapshot.
 /// Errors: those of the store.
 Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
                          const ltm::Recall::Engine& engine);

@@ -26,6 +26,7 @@ constexpr Horizon kHorizons[] = {{0.2, 0.30}, {0.4, 0.25}, {1.0, 0.10}};
 struct Arguments {
   std::filesystem::path folder;
   std::vector<std::string> prefixes{"state."};
+  std::vector<std::string> inputs;
   std::string json;
 };
 
@@ -38,8 +39,17 @@ std::span<const double> row_of(const NumberRecording& recording, size_t row) {
   return std::span(recording.rows).subspan(row * width, width);
 }
 
-/// Squared errors by engine; "auto" is what was chosen.
+/// Numbers that are predicted come before those that only are known.
+size_t measured_count(const NumberRecording& recording, const Arguments& arguments) {
+  return static_cast<size_t>(std::ranges::count_if(recording.columns, [&](const auto& column) {
+    return std::ranges::any_of(arguments.prefixes,
+                               [&](const auto& prefix) { return column.starts_with(prefix); });
+  }));
+}
+
+/// Squared errors by engine of the first `measured` numbers; "auto" is what was chosen.
 struct Errors {
+  size_t measured = 0;
   std::map<std::string, double> sums;
   double numbers = 0;
 
@@ -52,7 +62,7 @@ Status add_errors(server::SeriesForecaster& forecaster, const NumberRecording& r
                   size_t row, double horizon_s, Errors& errors) {
   const auto then = static_cast<size_t>(std::lround(horizon_s * kRowsPerSecond)) + row;
   if (then >= recording.count()) return {};
-  const auto truth = row_of(recording, then);
+  const auto truth = row_of(recording, then).first(errors.measured);
   std::vector<std::string> engines{""};
   for (const auto& record : forecaster.records(seconds(horizon_s)))
     engines.push_back(record.engine);
@@ -121,13 +131,15 @@ void show(const std::vector<Errors>& errors, nlohmann::json& json) {
 }
 
 Status run(const Arguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto recordings,
-                          read_numbers(arguments.folder, arguments.prefixes, 1));
-  std::vector<Errors> errors(std::size(kHorizons));
+  std::vector<std::string> prefixes = arguments.prefixes;
+  prefixes.insert(prefixes.end(), arguments.inputs.begin(), arguments.inputs.end());
+  ENGRAM_ASSIGN_OR_RETURN(const auto recordings, read_numbers(arguments.folder, prefixes, 1));
+  const size_t measured = measured_count(recordings[0], arguments);
+  std::vector<Errors> errors(std::size(kHorizons), Errors{measured});
   for (size_t left_out = 0; left_out < recordings.size(); ++left_out)
     ENGRAM_RETURN_IF_ERROR(add_fold(recordings, left_out, errors));
-  fmt::print("{} numbers, {} recordings, each left out in turn\n\n", recordings[0].columns.size(),
-             recordings.size());
+  fmt::print("{} numbers of {}, {} recordings, each left out in turn\n\n", measured,
+             recordings[0].columns.size(), recordings.size());
   nlohmann::json json;
   show(errors, json);
   return write_json(arguments.json, json);
@@ -143,6 +155,7 @@ int main(int count, char** values) {
   CLI::App app("How well joint positions are predicted from their past");
   app.add_option("--recordings", arguments.folder, "folder with CSV files (ENGRAM_RECORDINGS)");
   app.add_option("--prefix", arguments.prefixes, "columns that begin so")->capture_default_str();
+  app.add_option("--inputs", arguments.inputs, "columns that are known too, and not measured");
   app.add_option("--json", arguments.json, "write figures there");
   CLI11_PARSE(app, count, values);
   return exit_code("forecast_bars", run(arguments));

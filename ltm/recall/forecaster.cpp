@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace engram::ltm {
 
@@ -21,13 +22,14 @@ std::vector<idf::Data> series(const std::vector<SnapshotResult>& history, size_t
   return values;
 }
 
-/// The last snapshots of the entity up to a moment, at most `count`, in the order of time.
+/// The last snapshots of the entity up to a moment, at most `count`, those after `after` alone, in
+/// the order of time.
 Result<std::vector<SnapshotEntry>> latest(Timeline& timeline, std::optional<Time> time,
-                                          size_t count) {
+                                          size_t count, std::optional<Time> after = {}) {
   std::vector<SnapshotEntry> entries;
   while (time && entries.size() < count) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(*time));
-    if (!entry) break;
+    if (!entry || (after && entry->time <= *after)) break;
     entries.push_back(*entry);
     time = to_ns(entry->time) == INT64_MIN ? std::nullopt
                                            : std::optional(time_from_ns(to_ns(entry->time) - 1));
@@ -51,6 +53,18 @@ Result<size_t> steps_to(const Predictor& predictor, Time last, Duration horizon,
         entity.to_string(), to_string(horizon), to_string(predictor.step() * max_steps), max_steps,
         to_string(predictor.step()));
   return static_cast<size_t>(steps);
+}
+
+Status has_none_before(const MemoryId& entity, std::optional<Time> from) {
+  return not_found("entity '{}': has no snapshot at or before {}", entity.to_string(),
+                   from ? to_string(*from) : "now");
+}
+
+Snapshot to_snapshot(const MemoryId& entity, SnapshotResult read) {
+  Snapshot snapshot{entity, read.time, {}};
+  for (InstanceResult& instance : read.instances)
+    snapshot.instances.push_back({std::move(instance.data), std::move(instance.metadata)});
+  return snapshot;
 }
 
 /// Adds one instance to each of `predicted`, so many steps ahead.
@@ -104,6 +118,7 @@ Result<Engine> Forecaster::engine(const MemoryId& entity, const std::string& nam
 Result<std::vector<SnapshotResult>> Forecaster::predict(const MemoryId& entity,
                                                         const Outlook& outlook, Prefer prefer,
                                                         int max_steps) {
+  if (make_choice_ && !outlook.plan) return predict_by_choice(entity, outlook, prefer, max_steps);
   ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past_.store().timeline(entity));
   ENGRAM_ASSIGN_OR_RETURN(const Engine used, engine(entity, outlook.engine));
   Predictor& predictor = *used.predictor;
@@ -114,9 +129,7 @@ Result<std::vector<SnapshotResult>> Forecaster::predict(const MemoryId& entity,
   ENGRAM_ASSIGN_OR_RETURN(const auto entries,
                           latest(*timeline, outlook.from ? outlook.from : timeline->last(),
                                  std::max<size_t>(predictor.context(), 1)));
-  if (entries.empty())
-    return not_found("entity '{}': has no snapshot at or before {}", entity.to_string(),
-                     outlook.from ? to_string(*outlook.from) : "now");
+  if (entries.empty()) return has_none_before(entity, outlook.from);
   const Time last = entries.back().time;
   ENGRAM_ASSIGN_OR_RETURN(const auto history, read_all(entity, entries, prefer));
   std::vector<SnapshotResult> predicted;
@@ -154,22 +167,116 @@ Result<std::vector<SnapshotResult>> Forecaster::read_all(const MemoryId& entity,
   return history;
 }
 
+Result<std::vector<SnapshotResult>> Forecaster::predict_by_choice(const MemoryId& entity,
+                                                                  const Outlook& outlook,
+                                                                  Prefer prefer, int max_steps) {
+  ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, outlook.from, prefer));
+  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> models, engines(entity));
+  for (const Engine& model : models) {
+    if (!outlook.engine.empty() && outlook.engine != model.predictor->name()) continue;
+    for (const Duration horizon : outlook.horizons)
+      ENGRAM_RETURN_IF_ERROR(
+          steps_to(*model.predictor, learned->last, horizon, entity, max_steps).status());
+  }
+  return learned->choice->predict(outlook.horizons, outlook.engine);
+}
+
+Result<std::vector<EngineRecord>> Forecaster::records(const MemoryId& entity,
+                                                      std::optional<Time> from, Duration ahead,
+                                                      Prefer prefer) {
+  if (make_choice_) {
+    ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, from, prefer));
+    return learned->choice->records(ahead);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> known, engines(entity));
+  std::vector<EngineRecord> records;
+  for (const Engine& engine : known)
+    records.push_back({std::string(engine.predictor->name()), engine.model});
+  return records;
+}
+
+/// The engines of an entity, having learned from what is known up to a moment.
+Result<Forecaster::Learned*> Forecaster::learned(const MemoryId& entity, std::optional<Time> from,
+                                                 Prefer prefer) {
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past_.store().timeline(entity));
+  ENGRAM_ASSIGN_OR_RETURN(auto entries, latest(*timeline, from ? from : timeline->last(), 1));
+  if (entries.empty()) return has_none_before(entity, from);
+  const Time last = entries.front().time;
+  const bool goes_on = learned_ && learned_->entity == entity && learned_->prefer == prefer &&
+                       learned_->last <= last;
+  if (goes_on && learned_->last == last) return &*learned_;
+  ENGRAM_ASSIGN_OR_RETURN(SnapshotResult newest, past_.read(entity, entries.front(), prefer));
+  Snapshot snapshot = to_snapshot(entity, std::move(newest));
+  if (goes_on) {
+    ENGRAM_ASSIGN_OR_RETURN(entries, latest(*timeline, last, learned_->wanted + 1, learned_->last));
+  }
+  if (!goes_on || entries.size() > learned_->wanted) {
+    learned_.reset();
+    ENGRAM_ASSIGN_OR_RETURN(learned_, begun(entity, snapshot, prefer));
+    ENGRAM_ASSIGN_OR_RETURN(entries, latest(*timeline, last, learned_->wanted));
+  }
+  const Status added = add_new(*learned_, entries, std::move(snapshot));
+  if (!added.ok()) learned_.reset();
+  ENGRAM_RETURN_IF_ERROR(added);
+  return &*learned_;
+}
+
+Result<Forecaster::Learned> Forecaster::begun(const MemoryId& entity, const Snapshot& newest,
+                                              Prefer prefer) {
+  EngineChoiceInputs inputs{entity};
+  if (const idf::Type* type = past_.store().manifest().types.of_entity(entity)) inputs.type = *type;
+  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> known, engines(entity));
+  // A plain copy of the last snapshot knows nothing that others do not measure.
+  std::ranges::copy_if(known, std::back_inserter(inputs.models), [this](const Engine& engine) {
+    return engine.predictor != copy_last_.get();
+  });
+  inputs.condition_at = [this, prefer](const MemoryId& condition, Time time) {
+    return condition_at(condition, time, prefer);
+  };
+  auto choice = make_choice_(std::move(inputs));
+  const size_t wanted = std::max<size_t>(choice->snapshots_wanted(newest), 1);
+  return Learned{entity, prefer, {}, wanted, std::move(choice)};
+}
+
+/// Adds what `entries` hold, of which `newest` is the last one. Older ones that cannot be read are
+/// left out: the last one alone is needed.
+Status Forecaster::add_new(Learned& learned, std::span<const SnapshotEntry> entries,
+                           Snapshot newest) {
+  for (const SnapshotEntry& entry : entries.first(entries.size() - 1)) {
+    auto read = past_.read(learned.entity, entry, learned.prefer);
+    const StatusCode code = read.status().code();
+    if (code == StatusCode::kDataLoss || code == StatusCode::kFailedPrecondition) continue;
+    ENGRAM_RETURN_IF_ERROR(read.status());
+    ENGRAM_RETURN_IF_ERROR(learned.choice->add(to_snapshot(learned.entity, std::move(*read))));
+  }
+  learned.last = newest.time;
+  return learned.choice->add(newest);
+}
+
+/// What an entity was at a time: the first instance of its last snapshot at or before it.
+Result<std::optional<idf::Data>> Forecaster::condition_at(const MemoryId& entity, Time time,
+                                                          Prefer prefer) {
+  auto timeline = past_.store().timeline(entity);
+  if (timeline.status().code() == StatusCode::kNotFound) return std::optional<idf::Data>();
+  ENGRAM_RETURN_IF_ERROR(timeline.status());
+  ENGRAM_ASSIGN_OR_RETURN(const auto known, (*timeline)->at_or_before(time));
+  if (!known) return std::optional<idf::Data>();
+  ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, past_.read(entity, *known, prefer));
+  if (past.instances.empty()) return std::optional<idf::Data>();
+  return std::optional(std::move(past.instances.front().data));
+}
+
 /// What a predictor's condition was at the times of `entries`; empty where one is not known.
 Result<std::vector<idf::Data>> Forecaster::conditions_of(const Predictor& predictor,
                                                          std::span<const SnapshotEntry> entries,
                                                          Prefer prefer) {
   const std::optional<MemoryId> entity = predictor.condition();
   if (!entity) return std::vector<idf::Data>{};
-  auto timeline = past_.store().timeline(*entity);
-  if (timeline.status().code() == StatusCode::kNotFound) return std::vector<idf::Data>{};
-  ENGRAM_RETURN_IF_ERROR(timeline.status());
   std::vector<idf::Data> conditions;
   for (const SnapshotEntry& entry : entries) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto known, (*timeline)->at_or_before(entry.time));
+    ENGRAM_ASSIGN_OR_RETURN(auto known, condition_at(*entity, entry.time, prefer));
     if (!known) return std::vector<idf::Data>{};
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, past_.read(*entity, *known, prefer));
-    if (past.instances.empty()) return std::vector<idf::Data>{};
-    conditions.push_back(std::move(past.instances.front().data));
+    conditions.push_back(std::move(*known));
   }
   return conditions;
 }

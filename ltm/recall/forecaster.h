@@ -16,10 +16,10 @@ namespace engram::ltm {
 struct Outlook {
   /// The last moment that is known: later snapshots are not looked at. Nothing: the newest one.
   std::optional<Time> from;
-  /// From the last snapshot that is known on. At least one; each is taken as the closest number
-  /// of steps of the engine, at least one.
+  /// From the last snapshot that is known on. At least one; models take each as the closest number
+  /// of their steps, at least one.
   std::vector<Duration> horizons;
-  std::string engine;  ///< By the name of its predictor; empty: the first of engines().
+  std::string engine;  ///< By its name; empty: the best for each horizon, see records().
   /// Entity whose snapshots after the last known moment are planned values of the engine's
   /// condition (Predictor::condition), of its layout. The condition itself: what really came of
   /// it, in hindsight. Nothing: no plan is told.
@@ -28,11 +28,14 @@ struct Outlook {
 
 /// Predicts entities of a store from their past.
 ///
-/// Threading: one thread.
+/// Of the entity that was predicted last it keeps what its engines learned, and reads what came
+/// since then alone. Threading: one thread.
 class Forecaster {
  public:
-  /// `past` outlives it.
-  explicit Forecaster(PastReader& past) : past_(past) {}
+  /// `past` outlives it. Without `make_choice` there are no engines but those of engines(), and the
+  /// first of them answers; so it does where a plan is told.
+  explicit Forecaster(PastReader& past, MakeEngineChoice make_choice = {})
+      : past_(past), make_choice_(std::move(make_choice)) {}
 
   /// See Recall::engines().
   Result<std::vector<Engine>> engines(const MemoryId& entity);
@@ -45,7 +48,27 @@ class Forecaster {
   Result<std::vector<SnapshotResult>> predict(const MemoryId& entity, const Outlook& outlook,
                                               Prefer prefer, int max_steps);
 
+  /// See Recall::records().
+  Result<std::vector<EngineRecord>> records(const MemoryId& entity, std::optional<Time> from,
+                                            Duration ahead, Prefer prefer);
+
  private:
+  /// What an entity's engines learned from its snapshots up to `last`.
+  struct Learned {
+    MemoryId entity;
+    Prefer prefer = Prefer::kRecorded;
+    Time last{};
+    size_t wanted = 0;  ///< EngineChoice::snapshots_wanted().
+    std::unique_ptr<EngineChoice> choice;
+  };
+
+  Result<Learned*> learned(const MemoryId& entity, std::optional<Time> from, Prefer prefer);
+  Result<Learned> begun(const MemoryId& entity, const Snapshot& newest, Prefer prefer);
+  Status add_new(Learned& learned, std::span<const SnapshotEntry> entries, Snapshot newest);
+  Result<std::optional<idf::Data>> condition_at(const MemoryId& entity, Time time, Prefer prefer);
+  Result<std::vector<SnapshotResult>> predict_by_choice(const MemoryId& entity,
+                                                        const Outlook& outlook, Prefer prefer,
+                                                        int max_steps);
   Result<std::vector<SnapshotResult>> read_all(const MemoryId& entity,
                                                std::span<const SnapshotEntry> entries,
                                                Prefer prefer);
@@ -56,6 +79,8 @@ class Forecaster {
                                          Time last, size_t steps, Prefer prefer);
 
   PastReader& past_;
+  MakeEngineChoice make_choice_;
+  std::optional<Learned> learned_;
   std::unique_ptr<Predictor> copy_last_ = make_copy_last_predictor();
 };
 

@@ -49,8 +49,11 @@ struct Recall::State {
   Forecaster forecaster;
   std::unique_ptr<AccessLog> accesses;  ///< May be null.
 
-  State(std::unique_ptr<StoreReader> store, ModelLoader loader, std::unique_ptr<AccessLog> notes)
-      : past(std::move(store), std::move(loader)), forecaster(past), accesses(std::move(notes)) {}
+  State(std::unique_ptr<StoreReader> store, ModelLoader loader, std::unique_ptr<AccessLog> notes,
+        MakeEngineChoice make_choice)
+      : past(std::move(store), std::move(loader)),
+        forecaster(past, std::move(make_choice)),
+        accesses(std::move(notes)) {}
 
   /// The instances of a prediction without their data.
   Result<SnapshotResult> name_future(const MemoryId& entity, const SnapshotEntry& last, Time when,
@@ -97,8 +100,9 @@ struct Recall::State {
 };
 
 Recall::Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
-               std::unique_ptr<AccessLog> accesses)
-    : state_(std::make_unique<State>(std::move(store), std::move(loader), std::move(accesses))) {}
+               std::unique_ptr<AccessLog> accesses, MakeEngineChoice make_choice)
+    : state_(std::make_unique<State>(std::move(store), std::move(loader), std::move(accesses),
+                                     std::move(make_choice))) {}
 
 Recall::~Recall() = default;
 
@@ -114,6 +118,11 @@ Result<std::vector<Engine>> Recall::engines(const MemoryId& entity) {
 Result<Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
   ENGRAM_RETURN_IF_ERROR(state_->past.store().timeline(entity).status());
   return state_->forecaster.engine(entity, name);
+}
+
+Result<std::vector<EngineRecord>> Recall::records(const MemoryId& entity, std::optional<Time> from,
+                                                  Duration ahead, const Options& options) {
+  return state_->forecaster.records(entity, from, ahead, options.prefer);
 }
 
 Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity, const Outlook& outlook,

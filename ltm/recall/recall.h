@@ -26,10 +26,11 @@ class Recall {
     int max_steps = 50;
   };
 
-  /// Without a `loader` latents cannot be decoded and predictions are copies of the last snapshot.
-  /// With `accesses` every snapshot of the past whose data is in an answer is noted as read.
+  /// Without a `loader` latents cannot be decoded and no model predicts. With `accesses` every
+  /// snapshot of the past whose data is in an answer is noted as read. Without `make_choice` the
+  /// newest model predicts; where there is none, predictions are copies of the last snapshot.
   Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
-         std::unique_ptr<AccessLog> accesses = nullptr);
+         std::unique_ptr<AccessLog> accesses = nullptr, MakeEngineChoice make_choice = {});
   ~Recall();
 
   [[nodiscard]] StoreReader& store();
@@ -41,13 +42,19 @@ class Recall {
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
 
-  /// What can predict an entity, what a query would take first: its newest model, if it has one,
-  /// and a copy of the last snapshot. This owns the predictors.
+  /// What of models can predict an entity: the newest one, if it has one, and a copy of the last
+  /// snapshot, which knows how wrong that was. This owns the predictors.
   Result<std::vector<Engine>> engines(const MemoryId& entity);
 
   /// The one whose predictor has this name; empty: the first.
   /// Errors: kNotFound.
   Result<Engine> engine(const MemoryId& entity, const std::string& name);
+
+  /// Everything that can predict an entity from a moment on (nothing: the newest), and what it was
+  /// worth so far ahead on the past before it; what answers comes first.
+  /// Errors: those of predict().
+  Result<std::vector<EngineRecord>> records(const MemoryId& entity, std::optional<Time> from,
+                                            Duration ahead, const Options& options);
 
   /// One prediction per horizon, in their order.
   /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;

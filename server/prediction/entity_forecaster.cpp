@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/prediction/entity_forecaster.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -82,10 +84,19 @@ Status EntityForecaster::add(const ltm::Snapshot& snapshot) {
   return {};
 }
 
-Result<EntityForecaster::Measured> EntityForecaster::measured(Duration ahead) {
+std::vector<std::string> EntityForecaster::engines() const {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < metadata_.size(); ++i)
+    for (std::string& name : instances_[i]->engines())
+      if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  return names;
+}
+
+Result<EntityForecaster::Measured> EntityForecaster::measured(Duration ahead,
+                                                              const std::string& only) {
   Measured measured;
   for (size_t i = 0; i < metadata_.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(measured.instances.emplace_back(), instances_[i]->records(ahead));
+    ENGRAM_ASSIGN_OR_RETURN(measured.instances.emplace_back(), instances_[i]->records(ahead, only));
     for (const EngineRecord& one : measured.instances.back()) {
       const auto known = std::ranges::find(measured.pooled, one.engine, &EngineRecord::engine);
       if (known == measured.pooled.end())
@@ -101,36 +112,26 @@ Result<EntityForecaster::Measured> EntityForecaster::measured(Duration ahead) {
 
 Result<std::vector<EngineRecord>> EntityForecaster::records(Duration ahead) {
   if (!last_) return not_found("entity '{}': has no snapshot", inputs_.entity.to_string());
-  ENGRAM_ASSIGN_OR_RETURN(Measured measured, this->measured(ahead));
+  ENGRAM_ASSIGN_OR_RETURN(Measured measured, this->measured(ahead, {}));
   return std::move(measured.pooled);
 }
 
 Result<ltm::SnapshotResult> EntityForecaster::predicted(Duration ahead, const std::string& engine) {
-  ENGRAM_ASSIGN_OR_RETURN(const Measured measured, this->measured(ahead));
+  ENGRAM_ASSIGN_OR_RETURN(const Measured measured, this->measured(ahead, engine));
   ltm::SnapshotResult result;
   result.time = *last_ + ahead;
   result.source = ltm::Source::kPredicted;
   result.horizon = ahead;
-  result.predictor = "copy-last";  // Of a snapshot without instances.
-  if (measured.pooled.empty()) return result;
-  const auto used = engine.empty()
-                        ? measured.pooled.begin()
-                        : std::ranges::find(measured.pooled, engine, &EngineRecord::engine);
-  if (used == measured.pooled.end()) {
-    std::string names;
-    for (const EngineRecord& record : measured.pooled)
-      names += (names.empty() ? "" : ", ") + record.engine;
-    return not_found("entity '{}': nothing named '{}' predicts it; there is: {}",
-                     inputs_.entity.to_string(), engine, names);
-  }
-  result.predictor = used->engine;
-  result.model = used->model;
+  result.predictor = measured.pooled.empty() ? "copy-last" : measured.pooled.front().engine;
+  if (!measured.pooled.empty()) result.model = measured.pooled.front().model;
   for (size_t i = 0; i < metadata_.size(); ++i) {
-    // An instance without numbers has fewer engines than others: what they copy is its all.
-    const auto own = std::ranges::find(measured.instances[i], used->engine, &EngineRecord::engine);
-    const auto copy = std::ranges::find(measured.instances[i], "copy-last", &EngineRecord::engine);
-    const EngineRecord& record = own != measured.instances[i].end() ? *own : *copy;
-    ENGRAM_ASSIGN_OR_RETURN(ltm::Prediction one, instances_[i]->predict(ahead, record));
+    auto own = measured.instances[i];
+    auto known = std::ranges::find(own, result.predictor, &EngineRecord::engine);
+    if (known == own.end()) {  // Without numbers it has no engines of them: it is copied.
+      ENGRAM_ASSIGN_OR_RETURN(own, instances_[i]->records(ahead, "copy-last"));
+      known = own.begin();
+    }
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Prediction one, instances_[i]->predict(ahead, *known));
     ltm::InstanceMetadata metadata = metadata_[i];
     metadata.created = metadata.sent = metadata.arrived = result.time;
     result.append(std::move(one.value), metadata, one.error.expected, one.error.bound);
@@ -141,6 +142,14 @@ Result<ltm::SnapshotResult> EntityForecaster::predicted(Duration ahead, const st
 Result<std::vector<ltm::SnapshotResult>> EntityForecaster::predict(
     std::span<const Duration> horizons, const std::string& engine) {
   if (!last_) return not_found("entity '{}': has no snapshot", inputs_.entity.to_string());
+  const std::vector<std::string> known = engines();
+  if (!engine.empty() && !known.empty() && std::ranges::find(known, engine) == known.end())
+    return not_found("entity '{}': nothing named '{}' predicts it; there is: {}",
+                     inputs_.entity.to_string(), engine, fmt::join(known, ", "));
+  // The longest first: a model predicts the shorter ones on its way.
+  const Duration longest = horizons.empty() ? Duration(0) : std::ranges::max(horizons);
+  if (engine.empty() && longest > Duration(0))
+    ENGRAM_RETURN_IF_ERROR(measured(longest, engine).status());
   std::vector<ltm::SnapshotResult> results;
   for (const Duration ahead : horizons) {
     if (ahead <= Duration(0) || ahead.count() > INT64_MAX - std::max<int64_t>(0, to_ns(*last_)))

@@ -19,7 +19,8 @@ class InstanceForecaster;
 ///     ENGRAM_ASSIGN_OR_RETURN(auto predicted, forecaster.predict(horizons, ""));
 ///
 /// Adding costs microseconds for numbers and reads some 16,000 elements of images; engines learn
-/// and are measured when a prediction is asked for, again when a tenth more snapshots have come.
+/// and are measured when a prediction is asked for (up to a second for a hundred numbers or for a
+/// model), again when a tenth more snapshots have come.
 /// Engines: copy-last; for values with numbers those of make_series_engines(), which copy the rest;
 /// the entity's models. Where values have images the image error decides, among equal ones and for
 /// other values the number error. Instances are continued one by one, all by the same engine.
@@ -52,7 +53,8 @@ class EntityForecaster final : public ltm::EngineChoice {
     std::vector<std::vector<ltm::EngineRecord>> instances;
   };
 
-  Result<Measured> measured(Duration ahead);
+  Result<Measured> measured(Duration ahead, const std::string& only);
+  [[nodiscard]] std::vector<std::string> engines() const;
   Result<ltm::SnapshotResult> predicted(Duration ahead, const std::string& engine);
 
   ltm::EngineChoiceInputs inputs_;

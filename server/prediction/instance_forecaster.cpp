@@ -17,10 +17,6 @@ constexpr std::string_view kCopyLast = "copy-last";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Numbers of all rows together: with more there are fewer rows.
 constexpr size_t kMostNumbersKept = size_t{1} << 22;
-/// Tried out again when so many more values have come, relative to those that there were.
-constexpr double kMoreValues = 0.1;
-/// What is known of horizons is forgotten when there are more: clients may ask for any.
-constexpr size_t kMostTrials = 64;
 
 /// Mean and bound of one kind of error; NaN without any.
 struct Spread {
@@ -95,10 +91,10 @@ void InstanceForecaster::start(const idf::Data& value) {
   const size_t most = kMostNumbersKept / std::max<size_t>(rows_->numbers(), 1);
   series_ = std::make_unique<NumberSeries>(rows_->numbers(), std::min(kOfNumbers.rows, most));
   forecaster_ = std::make_unique<SeriesForecaster>(
-      *series_, *rows_, SeriesForecaster::Options{window_.rows, window_.predictions});
+      *series_, *rows_, SeriesForecaster::Options{window_.rows, window_.predictions, has_models()});
   samples_.clear();
   values_.clear();
-  trials_.clear();
+  model_errors_.clear();
 }
 
 void InstanceForecaster::add(Time time, const idf::Data& value) {
@@ -126,6 +122,9 @@ void InstanceForecaster::add(Time time, const idf::Data& value) {
   values_.push_back(value);
   while (samples_.size() > window_.rows) samples_.pop_front();
   while (values_.size() > (has_models() ? window_.rows : 1)) values_.pop_front();
+  const uint64_t first = series_->added() - values_.size();
+  while (!model_errors_.empty() && model_errors_.begin()->first.first < first)
+    model_errors_.erase(model_errors_.begin());
   last_ = std::move(*split);
 }
 
@@ -165,41 +164,40 @@ std::vector<EngineRecord> InstanceForecaster::series_records(Duration ahead) {
   return records;
 }
 
-Result<std::vector<EngineRecord>> InstanceForecaster::records(Duration ahead) {
+std::vector<std::string> InstanceForecaster::engines() const {
+  std::vector<std::string> names;
+  for (const ltm::Engine& model : inputs_.models)
+    if (model.predictor->name() != kCopyLast) names.emplace_back(model.predictor->name());
+  if (!rows_->has_continued()) {
+    names.emplace_back(kCopyLast);
+    return names;
+  }
+  for (const auto& engine : make_series_engines()) names.emplace_back(engine->name());
+  return names;
+}
+
+Result<std::vector<EngineRecord>> InstanceForecaster::records(Duration ahead,
+                                                              const std::string& only) {
   std::vector<EngineRecord> records;
   for (const ltm::Engine& model : inputs_.models) {
-    if (model.predictor->name() == kCopyLast) continue;
-    ENGRAM_ASSIGN_OR_RETURN(records.emplace_back(), trial_record(model, ahead));
+    const std::string_view name = model.predictor->name();
+    if (name == kCopyLast || (!only.empty() && name != only)) continue;
+    ENGRAM_ASSIGN_OR_RETURN(records.emplace_back(), model_record(model, ahead));
+    if (name == only) return records;
   }
-  const std::vector<EngineRecord> others = series_records(ahead);
-  records.insert(records.end(), others.begin(), others.end());
+  for (EngineRecord& record : series_records(ahead))
+    if (only.empty() || record.engine == only) records.push_back(std::move(record));
   return records;
 }
 
-Result<EngineRecord> InstanceForecaster::trial_record(const ltm::Engine& model, Duration ahead) {
-  if (trials_.size() >= kMostTrials) trials_.clear();
-  Trial& trial = trials_[{std::string(model.predictor->name()), ahead}];
-  const auto then = static_cast<double>(trial.rows);
-  if (!trial.record.engine.empty() &&
-      static_cast<double>(series_->added()) < then + std::max(1.0, std::ceil(then * kMoreValues)))
-    return trial.record;
-  ENGRAM_ASSIGN_OR_RETURN(trial.record, try_out(model, ahead));
-  trial.rows = series_->added();
-  return trial.record;
-}
-
-Result<EngineRecord> InstanceForecaster::try_out(const ltm::Engine& model, Duration ahead) {
-  const size_t steps = series_->steps_in(ahead);
+Result<EngineRecord> InstanceForecaster::model_record(const ltm::Engine& model, Duration ahead) {
   std::vector<MeasuredError> errors;
-  for (const size_t row : forecaster_->test_rows(steps)) {
+  for (const size_t row : forecaster_->test_rows(series_->steps_in(ahead))) {
     if (row < row_of_value(0)) continue;
-    const int ahead_steps = model_steps(*model.predictor, ahead);
-    const auto predicted = predict_from(model, row - row_of_value(0), ahead_steps);
+    const auto error = model_error(model, row, model_steps(*model.predictor, ahead));
     // Values of another layout than the model's: nothing can be told of it.
-    if (predicted.status().code() == StatusCode::kInvalidArgument) break;
-    ENGRAM_RETURN_IF_ERROR(predicted.status());
-    const auto error = error_of(predicted->back().value, row, row + steps);
-    if (!error.ok()) break;
+    if (error.status().code() == StatusCode::kInvalidArgument) break;
+    ENGRAM_RETURN_IF_ERROR(error.status());
     errors.push_back(*error);
   }
   const Spread images = spread_of(errors, &MeasuredError::image_mse);
@@ -209,6 +207,27 @@ Result<EngineRecord> InstanceForecaster::try_out(const ltm::Engine& model, Durat
                       errors.size(),
                       {images.mean, numbers.mean},
                       {images.bound, numbers.bound}};
+}
+
+/// Predicted once for all horizons up to the longest that was asked for.
+Result<MeasuredError> InstanceForecaster::model_error(const ltm::Engine& model, size_t row,
+                                                      int steps) {
+  const uint64_t forgotten = series_->added() - series_->rows();
+  const auto wanted = static_cast<size_t>(steps);
+  auto& known = model_errors_[{forgotten + row, std::string(model.predictor->name())}];
+  if (known.size() >= wanted) return known[wanted - 1];
+  known.clear();
+  ENGRAM_ASSIGN_OR_RETURN(const auto predicted, predict_from(model, row - row_of_value(0), steps));
+  std::vector<MeasuredError> errors;
+  for (size_t i = 0; i < wanted; ++i) {
+    const size_t then =
+        row + series_->steps_in(model.predictor->step() * static_cast<int64_t>(i + 1));
+    MeasuredError& error = errors.emplace_back();
+    if (then >= series_->rows() || series_->run_start(then) > row) continue;
+    ENGRAM_ASSIGN_OR_RETURN(error, error_of(predicted[i].value, row, then));
+  }
+  known = std::move(errors);
+  return known.back();
 }
 
 Result<std::vector<ltm::Prediction>> InstanceForecaster::predict_from(const ltm::Engine& model,

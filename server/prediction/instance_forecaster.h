@@ -31,7 +31,7 @@ class InstanceForecaster {
   static constexpr Window kOfNumbers{4096, 512};
   static constexpr Window kOfImages{128, 128};  ///< And of large arrays.
   static constexpr Window kOfModels{512, 64};   ///< That predict numbers.
-  static constexpr Window kOfImageModels{64, 32};
+  static constexpr Window kOfImageModels{64, 16};
 
   /// `inputs` outlives it.
   explicit InstanceForecaster(const ltm::EngineChoiceInputs& inputs);
@@ -42,18 +42,16 @@ class InstanceForecaster {
   /// How many values like this are worth adding.
   [[nodiscard]] size_t values_wanted(const idf::Data& value) const;
 
-  /// All engines, measured that far ahead; the best first.
-  Result<std::vector<ltm::EngineRecord>> records(Duration ahead);
+  /// All engines, models first, then the last value.
+  [[nodiscard]] std::vector<std::string> engines() const;
+
+  /// The same, measured that far ahead; or (not empty) the one of this name, if there is one.
+  Result<std::vector<ltm::EngineRecord>> records(Duration ahead, const std::string& only);
 
   /// By an engine of records(). Errors: those of a model.
   Result<ltm::Prediction> predict(Duration ahead, const ltm::EngineRecord& engine);
 
  private:
-  struct Trial {
-    uint64_t rows = 0;  ///< NumberSeries::added() then.
-    ltm::EngineRecord record;
-  };
-
   void start(const idf::Data& value);
   [[nodiscard]] Window window_of(const ValueRow& rows) const;
   [[nodiscard]] bool has_models() const;
@@ -62,8 +60,8 @@ class InstanceForecaster {
   [[nodiscard]] size_t row_of_value(size_t value) const {
     return series_->rows() - values_.size() + value;
   }
-  Result<ltm::EngineRecord> trial_record(const ltm::Engine& model, Duration ahead);
-  Result<ltm::EngineRecord> try_out(const ltm::Engine& model, Duration ahead);
+  Result<ltm::EngineRecord> model_record(const ltm::Engine& model, Duration ahead);
+  Result<ltm::MeasuredError> model_error(const ltm::Engine& model, size_t row, int steps);
   Result<std::vector<ltm::Prediction>> predict_from(const ltm::Engine& model, size_t value,
                                                     int steps) const;
   Result<ltm::MeasuredError> error_of(const idf::Data& predicted, size_t from, size_t to) const;
@@ -78,7 +76,8 @@ class InstanceForecaster {
   std::optional<idf::SplitValue> last_;
   std::deque<MemberSample> samples_;  ///< Of the last rows.
   std::deque<idf::Data> values_;      ///< Of the last rows; one without a model.
-  std::map<std::pair<std::string, Duration>, Trial> trials_;  ///< By engine and horizon.
+  /// Of predictions of a model from a row (counted with those that are gone), by steps from one on.
+  std::map<std::pair<uint64_t, std::string>, std::vector<ltm::MeasuredError>> model_errors_;
 };
 
 }  // namespace engram::server

@@ -94,6 +94,7 @@ std::vector<std::unique_ptr<SeriesEngine>> make_series_engines() {
   engines.push_back(make_damped_line());
   engines.push_back(make_constant_velocity());
   engines.push_back(make_autoregression());
+  engines.push_back(make_related());
   return engines;
 }
 

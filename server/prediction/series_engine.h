@@ -42,6 +42,11 @@ class SeriesEngine {
 /// horizon by ridge regression. Without enough to learn from: the last value.
 [[nodiscard]] std::unique_ptr<SeriesEngine> make_autoregression();
 
+/// The last value and a weighted sum of the last seven changes and of up to nine further features:
+/// levels and changes of this and other numbers that tell most of what comes, as far as they do so
+/// on held-out windows. With more than 96 numbers or without enough to learn from: the last value.
+[[nodiscard]] std::unique_ptr<SeriesEngine> make_related();
+
 /// One of each, the last value first.
 [[nodiscard]] std::vector<std::unique_ptr<SeriesEngine>> make_series_engines();
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "server/prediction/error_bound.h"
 
@@ -12,6 +13,8 @@ namespace {
 
 /// Measured again when so many more rows have come, relative to those that there were.
 constexpr double kMoreRows = 0.1;
+/// Of the rows that engines are measured on: before each they learn anew.
+constexpr size_t kBlocks = 3;
 /// What is known of horizons is forgotten when there are more: clients may ask for any.
 constexpr size_t kMostHorizons = 64;
 /// Of a step: what is closer to a number of steps is taken as that.
@@ -43,15 +46,27 @@ SeriesForecaster::SeriesForecaster(const NumberSeries& series, std::optional<Val
       options_(options),
       engines_(make_series_engines()) {}
 
+size_t SeriesForecaster::learned_rows() const {
+  // Where there are no numbers nothing is learned: all may be measured on.
+  return series_.numbers() == 0 ? 0 : series_.rows() * 2 / 3;
+}
+
 std::vector<size_t> SeriesForecaster::test_rows(size_t steps) const {
   std::vector<size_t> rows;
-  const size_t split = series_.rows() * 2 / 3;
+  const size_t split = learned_rows();
   const size_t none_before = series_.rows() - std::min(series_.rows(), options_.last_rows);
   for (size_t row = std::max(split - std::min(split, steps), none_before);
        row + steps < series_.rows(); ++row)
     if (series_.run_start(row + steps) <= row) rows.push_back(row);
   if (rows.size() <= options_.most_predictions) return rows;
   std::vector<size_t> some;
+  if (options_.is_anchored) {
+    const size_t every = (rows.size() - 1) / options_.most_predictions + 1;
+    const uint64_t forgotten = series_.added() - series_.rows();
+    std::ranges::copy_if(rows, std::back_inserter(some),
+                         [&](size_t row) { return (forgotten + row) % every == 0; });
+    return some;
+  }
   for (size_t i = 0; i < options_.most_predictions; ++i)
     some.push_back(rows[i * rows.size() / options_.most_predictions]);
   return some;
@@ -59,12 +74,19 @@ std::vector<size_t> SeriesForecaster::test_rows(size_t steps) const {
 
 std::vector<SeriesRecord> SeriesForecaster::measure(size_t steps) const {
   const std::vector<size_t> rows = test_rows(steps);
+  const size_t split = learned_rows();
   std::vector<SeriesRecord> records;
   std::vector<double> predicted(series_.numbers());
   for (const auto& engine : make_series_engines()) {
-    engine->learn(series_, series_.rows() * 2 / 3, steps);
     std::vector<double> mean_squares;
+    size_t learned_until = 0;
     for (const size_t row : rows) {
+      // Of each block the rows before it are known.
+      const size_t block = std::min(kBlocks - 1, (row + steps - split) * kBlocks /
+                                                     std::max<size_t>(series_.rows() - split, 1));
+      const size_t known = split + block * (series_.rows() - split) / kBlocks;
+      if (known > learned_until) engine->learn(series_, known, steps);
+      learned_until = std::max(learned_until, known);
       const auto truth = series_.row(row + steps);
       engine->predict(series_, row, steps, predicted);
       if (meaning_) meaning_->finish(series_.row(row), predicted);

@@ -28,8 +28,9 @@ struct SeriesPrediction {
 /// Continues a series by the engine that was best on its own past.
 ///
 /// For a horizon that is asked for, every engine predicts rows of the last third from what came so
-/// long before; what learns, learns from the first two thirds. Measured again when a tenth more
-/// rows have come. Nothing is done for series that nobody asks about. Threading: one thread.
+/// long before; what learns, learns from all rows before each third of these. Measured again when a
+/// tenth more rows have come. Nothing is done for series that nobody asks about. Threading: one
+/// thread.
 class SeriesForecaster {
  public:
   struct Options {
@@ -37,6 +38,9 @@ class SeriesForecaster {
     size_t last_rows = std::numeric_limits<size_t>::max();
     /// Most predictions to measure an engine and a horizon on, evenly spaced.
     size_t most_predictions = 512;
+    /// Every n-th row, whatever the horizon, instead: who predicts all horizons at once does it
+    /// from few rows. Down to half as many.
+    bool is_anchored = false;
   };
 
   /// `series` outlives it; rows may be added to it.
@@ -65,6 +69,7 @@ class SeriesForecaster {
     std::vector<SeriesRecord> records;
   };
 
+  [[nodiscard]] size_t learned_rows() const;
   [[nodiscard]] bool is_fresh(uint64_t rows_then) const;
   const std::vector<SeriesRecord>& measured(size_t steps);
   [[nodiscard]] std::vector<SeriesRecord> measure(size_t steps) const;

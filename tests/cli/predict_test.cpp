@@ -129,20 +129,55 @@ TEST_F(Predict, SavesWhatItPredicts) {
 TEST_F(Predict, ListsWhatCanPredict) {
   const RunResult shown = predict({kCamera, "--list"});
   ASSERT_EQ(shown.exit_code, 0) << shown.err;
-  for (const char* text : {"deep v1", "copy-last", "steps of 200ms", "known", "unknown", "1s"})
+  for (const char* text : {"deep v1", "copy-last", "steps of 200ms", "90 % bound", "answers",
+                           "known", "unknown", "1s", "measured when it was trained"})
     EXPECT_THAT(shown.out, HasSubstr(text));
-  const Json engines = json_of(predict({kCamera, "--list", "--json"})).at("engines");
-  ASSERT_EQ(engines.size(), 4u);
-  EXPECT_EQ(engines.at(0).at("condition"), kJoints);
-  EXPECT_EQ(engines.at(0).at("is_condition_planned"), false);
-  EXPECT_EQ(engines.at(1).at("is_condition_planned"), true);
-  EXPECT_EQ(engines.at(2).at("is_condition_known"), false);
-  EXPECT_EQ(engines.at(3).at("engine"), "copy-last");
-  ASSERT_EQ(engines.at(3).at("horizons").size(), 5u);
-  EXPECT_EQ(engines.at(0).at("horizons").at(0).at("measured_predictions"), 10);
-  EXPECT_EQ(engines.at(1).at("horizons").at(0).at("measured_predictions"), 10);
-  EXPECT_EQ(engines.at(3).at("horizons").at(0).at("measured_predictions"), 64);
-  EXPECT_GT(engines.at(3).at("horizons").at(0).at("mean_error").at("psnr_db").get<double>(), 10);
+  const Json list = json_of(predict({kCamera, "--list", "--ahead", "200ms,1s", "--json"}));
+  ASSERT_EQ(list.at("horizons").size(), 2u);
+  for (const Json& horizon : list.at("horizons")) {
+    const Json& engines = horizon.at("engines");
+    ASSERT_EQ(engines.size(), 2u) << "no numbers to continue";
+    EXPECT_EQ(engines.at(0).at("engine"), horizon.at("answers"));
+    EXPECT_GE(engines.at(0).at("mean_error").at("psnr_db").get<double>(),
+              engines.at(1).at("mean_error").at("psnr_db").get<double>());
+    EXPECT_EQ(engines.at(0).at("measured_predictions"), engines.at(1).at("measured_predictions"))
+        << "on the same moments";
+  }
+  const Json& models = list.at("models");
+  ASSERT_EQ(models.size(), 4u);
+  EXPECT_EQ(models.at(0).at("condition"), kJoints);
+  EXPECT_EQ(models.at(0).at("is_condition_planned"), false);
+  EXPECT_EQ(models.at(1).at("is_condition_planned"), true);
+  EXPECT_EQ(models.at(2).at("is_condition_known"), false);
+  EXPECT_EQ(models.at(3).at("engine"), "copy-last");
+  ASSERT_EQ(models.at(3).at("horizons").size(), 5u);
+  EXPECT_EQ(models.at(0).at("horizons").at(0).at("measured_predictions"), 10);
+  EXPECT_EQ(models.at(1).at("horizons").at(0).at("measured_predictions"), 10);
+  EXPECT_EQ(models.at(3).at("horizons").at(0).at("measured_predictions"), 64);
+  EXPECT_GT(models.at(3).at("horizons").at(0).at("mean_error").at("psnr_db").get<double>(), 10);
+}
+
+TEST_F(Predict, AnswersWithTheBestEngineOfNumbers) {
+  const Json list = json_of(predict({kJoints, "--list", "--ahead", "1..2", "--json"}));
+  const Json answer = json_of(predict({kJoints, "--horizons", "1..2", "--json"}));
+  ASSERT_EQ(list.at("horizons").size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const Json& horizon = list.at("horizons").at(i);
+    ASSERT_GE(horizon.at("engines").size(), 6u) << "the model and those of numbers";
+    double before = 0;
+    for (const Json& engine : horizon.at("engines")) {
+      EXPECT_GE(engine.at("mean_error").at("rmse").get<double>(), before);
+      before = engine.at("mean_error").at("rmse").get<double>();
+    }
+    EXPECT_EQ(answer.at("predictions").at(i).at("engine"), horizon.at("answers"));
+  }
+  const Json named =
+      json_of(predict({kJoints, "--horizons", "+300ms", "--engine", "line", "--json"}));
+  EXPECT_EQ(named.at("engine"), "line");
+  EXPECT_EQ(named.at("predictions").at(0).at("predicted").at("predictor"), "line");
+  EXPECT_TRUE(named.at("predictions").at(0).at("expected_error").contains("rmse"));
+  EXPECT_THAT(run_engram({"query", store_, kJoints + " @ +200ms"}).out,
+              HasSubstr("(" + list.at("horizons").at(0).at("answers").get<std::string>() + ")"));
 }
 
 TEST_F(Predict, FollowsAPlanAndSaysSo) {
@@ -201,7 +236,10 @@ TEST_F(Predict, RefusesWhatItCannotDo) {
   }
   EXPECT_EQ(predict({kCamera, "--horizons", "60"}).exit_code, 1) << "more than 50 steps";
   EXPECT_EQ(predict({kCamera, "--engine", "oracle"}).exit_code, 1);
-  EXPECT_THAT(predict({kCamera, "--engine", "oracle"}).err, HasSubstr("deep, copy-last"));
+  EXPECT_THAT(predict({kCamera, "--engine", "oracle"}).err, HasSubstr("'oracle' predicts it"));
+  EXPECT_THAT(predict({kCamera, "--engine", "oracle"}).err, HasSubstr("deep"));
+  EXPECT_EQ(predict({kCamera, "--ahead", "1"}).exit_code, 2) << "of --list alone";
+  EXPECT_EQ(predict({kCamera, "--list", "--ahead", "soon"}).exit_code, 2);
   EXPECT_EQ(predict({kCamera, "--at", "2001-01-01 00:00:00"}).exit_code, 1);
   EXPECT_EQ(predict({kCamera, "--compare", "--at", "2022-02-18 13:00:25.8"}).exit_code, 1);
   EXPECT_EQ(predict({kCamera, "--every", "5", "--compare"}).exit_code, 2);
@@ -210,7 +248,7 @@ TEST_F(Predict, RefusesWhatItCannotDo) {
   EXPECT_EQ(predict({"Vision"}).exit_code, 2);
 }
 
-TEST(PredictWithoutModels, CopiesAndTellsThatNothingIsKnown) {
+TEST(PredictWithoutModels, MeasuresWhatIsCopiedAndContinuesNumbers) {
   const ScratchDirectory directory;
   const std::string store = directory.path() / "robot.engram";
   ASSERT_EQ(run_engram(import_arguments(make_recording(directory.path(), 4), store)).exit_code, 0);
@@ -218,10 +256,14 @@ TEST(PredictWithoutModels, CopiesAndTellsThatNothingIsKnown) {
       json_of(run_engram({"predict", store, kCamera, "--compare", "--horizons", "1", "--json"}));
   EXPECT_EQ(answer.at("engine"), "copy-last");
   const Json& next = answer.at("predictions").at(0);
-  EXPECT_FALSE(next.at("error_bound").contains("psnr_db"));
-  EXPECT_FALSE(next.contains("within"));
+  EXPECT_TRUE(next.at("error_bound").contains("psnr_db"));
+  EXPECT_TRUE(next.contains("within"));
   EXPECT_EQ(next.at("error"), next.at("copy_last").at("error"));
-  EXPECT_THAT(run_engram({"predict", store, kCamera, "--list"}).out, HasSubstr("copy-last"));
+  const RunResult listed = run_engram({"predict", store, kJoints, "--list", "--ahead", "1..2"});
+  ASSERT_EQ(listed.exit_code, 0) << listed.err;
+  for (const char* text : {"copy-last", "line", "damped-line", "autoregression", "answers", "RMSE"})
+    EXPECT_THAT(listed.out, HasSubstr(text));
+  EXPECT_THAT(listed.out, testing::Not(HasSubstr("as its model tells")));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "server/prediction/series_engine.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/print_values.h"
 
@@ -88,7 +89,7 @@ TEST(EntityForecaster, TellsEngineHorizonAndError) {
   EXPECT_GT(next.instances[0].bound->number_mse, 0);
   const auto records = forecaster.records(5 * kStep);
   ASSERT_OK(records);
-  EXPECT_EQ(records->size(), 5u);
+  EXPECT_EQ(records->size(), make_series_engines().size());
   EXPECT_EQ(records->front().engine, "autoregression");
   EXPECT_GT(records->front().predictions, 90u);
   EXPECT_EQ(records->front().mean, next.instances[0].error);
@@ -206,7 +207,7 @@ TEST(EntityForecaster, NeverAnswersWithWhatIsNoNumber) {
                 {"q", quaternion(odd[random() % 2] + row)}};
   });
   for (const char* engine :
-       {"", "copy-last", "line", "damped-line", "constant-velocity", "autoregression"}) {
+       {"", "copy-last", "line", "damped-line", "constant-velocity", "autoregression", "related"}) {
     const ltm::SnapshotResult next = predict(forecaster, 3 * kStep, engine);
     EXPECT_TRUE(std::isfinite(next.instances[0].data.at("a")->get<double>())) << engine;
     for (const double part : next.instances[0].data.at("q")->get<NdArray>().values<double>())
@@ -226,7 +227,7 @@ TEST(EntityForecaster, MeasuresCopiedImages) {
   add(forecaster, 0, 60, [](int row) { return Dict{{"rgb", picture(row)}, {"x", 1.0 * row}}; });
   const auto records = forecaster.records(kStep);
   ASSERT_OK(records);
-  EXPECT_EQ(records->size(), 5u);
+  EXPECT_EQ(records->size(), make_series_engines().size());
   // One column of 16 comes, another goes, in one of three colours: 2 / 48 of 150 squared.
   for (const ltm::EngineRecord& record : *records)
     EXPECT_NEAR(record.mean.image_mse, 150 * 150 * 2 / 48.0, 1e-3) << record.engine;
@@ -300,7 +301,7 @@ TEST(EntityForecaster, AnswersWithTheModelWhereItsImagesAreBetter) {
   EXPECT_EQ(good.told, good.asked);
   const auto records = forecaster.records(2 * kStep);
   ASSERT_OK(records);
-  ASSERT_EQ(records->size(), 6u);
+  ASSERT_EQ(records->size(), make_series_engines().size() + 1);
   for (const ltm::EngineRecord& record : *records)
     EXPECT_EQ(record.predictions, records->front().predictions) << "on the same moments";
   const int asked = good.asked;

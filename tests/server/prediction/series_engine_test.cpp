@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 
 namespace engram::server {
@@ -65,17 +66,18 @@ TEST_P(EveryEngine, StaysFiniteWhereNumbersAreHuge) {
       EXPECT_TRUE(std::isfinite(value));
 }
 
-INSTANTIATE_TEST_SUITE_P(Series, EveryEngine, ::testing::Range<size_t>(0, 5),
+INSTANTIATE_TEST_SUITE_P(Series, EveryEngine, ::testing::Range<size_t>(0, 6),
                          [](const auto& engine) {
                            std::string name(make_series_engines()[engine.param]->name());
                            std::ranges::replace(name, '-', '_');
                            return name;
                          });
 
-TEST(SeriesEngines, AreFiveOfDifferentNames) {
+TEST(SeriesEngines, HaveDifferentNames) {
   std::set<std::string_view> names;
   for (const auto& engine : make_series_engines()) names.insert(engine->name());
-  EXPECT_EQ(names.size(), 5u);
+  EXPECT_EQ(names.size(), make_series_engines().size());
+  EXPECT_EQ(names.size(), 6u);
 }
 
 TEST(SeriesEngines, FollowALine) {
@@ -95,6 +97,30 @@ TEST(SeriesEngines, LearnWhatTurnsBack) {
   const double straight = predicted(*make_line(), series, 10)[0];
   EXPECT_LT(std::abs(learned - then), 0.05);
   EXPECT_GT(std::abs(straight - then), 0.5);
+}
+
+TEST(SeriesEngines, LearnFromOtherNumbers) {
+  // A joint that follows its command, among numbers that tell nothing.
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  NumberSeries series(10);
+  std::vector<double> row(10);
+  for (int i = 0; i < 900; ++i) {
+    row[0] += 0.1 * (row[1] - row[0]);
+    if (i % 25 == 0) row[1] = normal(random);
+    for (size_t k = 2; k < row.size(); ++k) row[k] += normal(random);
+    ASSERT_TRUE(series.add(Time(std::chrono::milliseconds(100 * i)), row).ok());
+  }
+  const auto error_of = [&](SeriesEngine& engine) {
+    engine.learn(series, 600, 5);
+    double sum = 0;
+    for (size_t from = 600; from + 5 < series.rows(); ++from) {
+      engine.predict(series, from, 5, row);
+      sum += std::pow(row[0] - series.row(from + 5)[0], 2);
+    }
+    return sum;
+  };
+  EXPECT_LT(error_of(*make_related()), 0.8 * error_of(*make_autoregression()));
 }
 
 TEST(SeriesEngines, LearnOnlyFromRowsThatTheyAreGiven) {
