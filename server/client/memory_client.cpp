@@ -3,6 +3,7 @@
 
 #include <engram/v1/memory.grpc.pb.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <future>
 #include <map>
@@ -413,6 +414,27 @@ Status MemoryClient::declare(const ltm::MemoryId& segment, const idf::Type& type
   using Method = grpc::Status (v1::MemoryServer::Stub::*)(
       grpc::ClientContext*, const v1::DeclareRequest&, v1::DeclareReply*);
   return state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Declare), request, reply);
+}
+
+Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
+    const ltm::MemoryId& entity, std::span<const Duration> horizons) {
+  v1::EnginesRequest request;
+  request.set_entity(entity.to_string());
+  for (const Duration horizon : horizons) request.add_horizons_ns(horizon.count());
+  v1::EnginesReply reply;
+  using Method = grpc::Status (v1::MemoryServer::Stub::*)(
+      grpc::ClientContext*, const v1::EnginesRequest&, v1::EnginesReply*);
+  ENGRAM_RETURN_IF_ERROR(
+      state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Engines), request, reply));
+  std::vector<std::vector<ltm::EngineRecord>> all(horizons.size());
+  for (const v1::EnginesReply::Record& record : reply.records()) {
+    const auto horizon = std::ranges::find(horizons, Duration(record.horizon_ns()));
+    if (horizon == horizons.end()) continue;
+    all[static_cast<size_t>(horizon - horizons.begin())].push_back(
+        {record.engine(), record.model(), record.predictions(), to_error(record.mean()),
+         to_error(record.bound())});
+  }
+  return all;
 }
 
 Result<ServerInfo> MemoryClient::info() {

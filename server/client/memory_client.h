@@ -12,6 +12,7 @@
 #include "ltm/memory/commit.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
+#include "ltm/recall/engine_choice.h"
 
 namespace engram::server {
 
@@ -99,6 +100,9 @@ class MemoryClient {
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
+  /// What predicts an entity, measured for each horizon; the one that answers first.
+  Result<std::vector<std::vector<ltm::EngineRecord>>> engines(
+      const ltm::MemoryId& entity, std::span<const Duration> horizons);
   Result<ServerInfo> info();
   Result<std::string> metrics();
 

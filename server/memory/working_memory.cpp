@@ -436,14 +436,23 @@ std::vector<SelectedEntity> WorkingMemory::select(const ltm::Query& query,
   return selected;
 }
 
-std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity) const {
+std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity,
+                                                   size_t most) const {
   std::vector<SharedSnapshot> all;
   const std::shared_lock lock(state_->mutex);
   const KeptEntity* kept = state_->find(entity);
   if (kept == nullptr) return all;
-  all.reserve(kept->history.size());
-  for (size_t i = 0; i < kept->history.size(); ++i) all.push_back(kept->history[i].snapshot);
+  const size_t count = std::min(most, kept->history.size());
+  all.reserve(count);
+  for (size_t i = kept->history.size() - count; i < kept->history.size(); ++i)
+    all.push_back(kept->history[i].snapshot);
   return all;
+}
+
+std::optional<idf::Type> WorkingMemory::type_of(const MemoryId& entity) const {
+  const std::shared_lock lock(state_->mutex);
+  const idf::Type* type = state_->types.of_entity(entity);
+  return type == nullptr ? std::nullopt : std::optional(*type);
 }
 
 ltm::QueryResult WorkingMemory::query(const ltm::Query& query) const {

@@ -121,9 +121,13 @@ class WorkingMemory {
   [[nodiscard]] std::vector<SelectedEntity> select(const ltm::Query& query,
                                                    const KnownElsewhere& elsewhere = {}) const;
 
-  /// All snapshots of an entity, in the order of time. Counts as no read.
-  /// Complexity: O(n).
-  [[nodiscard]] std::vector<SharedSnapshot> all_of(const ltm::MemoryId& entity) const;
+  /// The last `most` snapshots of an entity, in the order of time. Counts as no read.
+  /// Complexity: O(most).
+  [[nodiscard]] std::vector<SharedSnapshot> all_of(const ltm::MemoryId& entity,
+                                                   size_t most = SIZE_MAX) const;
+
+  /// What was declared for the entity's segment.
+  [[nodiscard]] std::optional<idf::Type> type_of(const ltm::MemoryId& entity) const;
 
   /// The same as an answer, without the moments that are to be predicted.
   [[nodiscard]] ltm::QueryResult query(const ltm::Query& query) const;

@@ -10,6 +10,7 @@
 #include "server/rpc/figures.h"
 #include "server/rpc/query_stream.h"
 #include "server/rpc/subscribe_stream.h"
+#include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
 
 namespace engram::server {
@@ -22,7 +23,22 @@ using ByteReactor = grpc::ServerBidiReactor<Bytes, Bytes>;
 using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
     v1::MemoryServer::WithRawCallbackMethod_Query<v1::MemoryServer::WithRawCallbackMethod_Subscribe<
         v1::MemoryServer::WithCallbackMethod_Declare<v1::MemoryServer::WithCallbackMethod_Info<
-            v1::MemoryServer::WithCallbackMethod_Metrics<v1::MemoryServer::Service>>>>>>;
+            v1::MemoryServer::WithCallbackMethod_Metrics<
+                v1::MemoryServer::WithCallbackMethod_Engines<v1::MemoryServer::Service>>>>>>>;
+
+constexpr int kMostHorizons = 16;
+
+void add_record(const ltm::EngineRecord& record, int64_t horizon_ns, bool is_chosen,
+                v1::EnginesReply& reply) {
+  v1::EnginesReply::Record& one = *reply.add_records();
+  one.set_engine(record.engine);
+  one.set_model(record.model);
+  one.set_horizon_ns(horizon_ns);
+  one.set_predictions(record.predictions);
+  *one.mutable_mean() = to_message(record.mean);
+  *one.mutable_bound() = to_message(record.bound);
+  one.set_is_chosen(is_chosen);
+}
 
 /// Ends a stream that is not let in.
 class RefusedStream final : public ByteReactor {
@@ -73,7 +89,37 @@ class MemoryRpc final : public ServiceBase {
     return finish(call, {});
   }
 
+  grpc::ServerUnaryReactor* Engines(grpc::CallbackServerContext* call,
+                                    const v1::EnginesRequest* request,
+                                    v1::EnginesReply* reply) override {
+    // Measuring takes up to seconds.
+    grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+    context_.work.add([this, call, request, reply, reactor] {
+      reactor->Finish(to_grpc(engines(*call, *request, *reply)));
+    });
+    return reactor;
+  }
+
  private:
+  Status engines(const grpc::CallbackServerContext& call, const v1::EnginesRequest& request,
+                 v1::EnginesReply& reply) {
+    ENGRAM_ASSIGN_OR_RETURN(const Identity who, caller(context_.access, call));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, ltm::MemoryId::parse(request.entity()));
+    if (!entity.is_entity())
+      return invalid_argument("found ID '{}', needs that of an entity", request.entity());
+    ENGRAM_RETURN_IF_ERROR(who.check(Role::kRead, entity));
+    if (request.horizons_ns_size() > kMostHorizons)
+      return invalid_argument("found {} horizons, needs at most {}", request.horizons_ns_size(),
+                              kMostHorizons);
+    for (const int64_t horizon : request.horizons_ns()) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto records,
+                              context_.service.engines(entity, Duration(horizon)));
+      for (const ltm::EngineRecord& record : records)
+        add_record(record, horizon, &record == &records.front(), reply);
+    }
+    return {};
+  }
+
   template <typename Stream>
   ByteReactor* open(grpc::CallbackServerContext* call) {
     auto who = caller(context_.access, *call);

@@ -94,6 +94,7 @@ struct WaitingResolve {
   std::string memory;
   SteadyTime deadline;
   v1::ResolveReply* reply = nullptr;
+  grpc::ServerUnaryReactor* reactor = nullptr;
 };
 
 class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
@@ -155,7 +156,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
                                              kMostWaiting));
     grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
     const auto wait = std::min<Duration>(Duration(request->wait_ns()), std::chrono::hours(1));
-    resolves_.push_back({call, request->names(), steady_now() + wait, reply});
+    resolves_.push_back({call, request->names(), steady_now() + wait, reply, reactor});
     return reactor;
   }
 
@@ -215,7 +216,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
       if (servers.empty() && now < waiting.deadline && !is_ending && !waiting.call->IsCancelled())
         return false;
       for (const Registration& server : servers) *waiting.reply->add_servers() = to_message(server);
-      finish(waiting.call, {});
+      waiting.reactor->Finish(grpc::Status::OK);
       return true;
     });
   }

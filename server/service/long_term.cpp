@@ -62,7 +62,7 @@ struct LongTerm::State {
   std::map<MemoryId, Known> known;
   uint64_t recordings = 0;
 
-  std::mutex reading;  ///< Taken before `known_mutex`.
+  std::recursive_mutex reading;  ///< Taken before `known_mutex`.
   std::unique_ptr<ltm::PastReader> past;
   uint64_t past_at = 0;  ///< Number of the last recording that it sees.
   std::map<std::filesystem::path, std::shared_ptr<ltm::LoadedModel>> models;
@@ -72,14 +72,17 @@ struct LongTerm::State {
   Counters counts;
   std::vector<MemoryId> replaced;  ///< What may be in the cache, and has been recorded anew.
 
+  Result<std::shared_ptr<ltm::LoadedModel>> model(const std::filesystem::path& path) {
+    if (const auto loaded = models.find(path); loaded != models.end()) return loaded->second;
+    ENGRAM_ASSIGN_OR_RETURN(auto loaded, loader(path));
+    return models.emplace(path, std::make_shared<ltm::LoadedModel>(std::move(loaded)))
+        .first->second;
+  }
+
   Result<ltm::LoadedModel> load(const std::filesystem::path& path) {
-    auto& model = models[path];
-    if (!model) {
-      ENGRAM_ASSIGN_OR_RETURN(auto loaded, loader(path));
-      model = std::make_shared<ltm::LoadedModel>(std::move(loaded));
-    }
     ltm::LoadedModel shared;
-    shared.encoder = std::make_unique<SharedEncoder>(model);
+    ENGRAM_ASSIGN_OR_RETURN(auto model, this->model(path));
+    shared.encoder = std::make_unique<SharedEncoder>(std::move(model));
     return shared;
   }
 
@@ -181,7 +184,7 @@ struct LongTerm::State {
   auto retried(const Read& read) -> decltype(read()) {
     auto first = read();
     if (first.ok() || first.status().code() != StatusCode::kUnavailable) return first;
-    past.reset();
+    ENGRAM_RETURN_IF_ERROR(open_past());
     return read();
   }
 };
@@ -288,6 +291,27 @@ Result<std::vector<ltm::SnapshotResult>> LongTerm::newest(const MemoryId& entity
   };
   const std::scoped_lock lock(state_->reading);
   return state_->retried(read);
+}
+
+Result<std::vector<ltm::Engine>> LongTerm::engines(const MemoryId& entity) {
+  const std::scoped_lock lock(state_->reading);
+  std::vector<ltm::Engine> engines;
+  const ltm::Manifest& manifest = state_->past->store().manifest();
+  const ltm::ModelInfo* newest = manifest.newest_model(entity);
+  if (newest == nullptr || !state_->loader) return engines;
+  ENGRAM_ASSIGN_OR_RETURN(const auto model, state_->model(state_->options.store / newest->file));
+  if (model->predictor) engines.push_back({model->predictor.get(), newest->name()});
+  if (model->copy_last) engines.push_back({model->copy_last.get(), ""});
+  return engines;
+}
+
+LongTerm::ModelLock LongTerm::lock_models() {
+  return ModelLock(state_->reading);
+}
+
+ltm::SegmentTypes LongTerm::types() {
+  const std::scoped_lock lock(state_->reading);
+  return state_->past->store().manifest().types;
 }
 
 LongTerm::Counters LongTerm::counters() const {

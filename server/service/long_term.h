@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "ltm/memory/query.h"
+#include "ltm/recall/engine_choice.h"
 #include "ltm/recall/model.h"
 #include "ltm/recording/recorder.h"
 #include "server/service/served.h"
@@ -67,6 +69,16 @@ class LongTerm {
   /// The last `most` snapshots of the entity that are not after `until`, in the order of time.
   Result<std::vector<ltm::SnapshotResult>> newest(const ltm::MemoryId& entity, Time until,
                                                   size_t most);
+
+  /// The newest model of the entity and what it measured of copies, as long as this lives. Who
+  /// predicts by them holds lock_models(): decoding uses the same networks.
+  Result<std::vector<ltm::Engine>> engines(const ltm::MemoryId& entity);
+
+  using ModelLock = std::unique_lock<std::recursive_mutex>;
+  [[nodiscard]] ModelLock lock_models();
+
+  /// Of all sessions: as they were declared last.
+  [[nodiscard]] ltm::SegmentTypes types();
 
   [[nodiscard]] Counters counters() const;
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "ltm/core/log.h"
+#include "server/service/predictions.h"
 
 namespace engram::server {
 
@@ -18,6 +19,15 @@ namespace {
 
 /// Most that is handed over at once. Unit: bytes.
 constexpr size_t kHandedOver = size_t{32} << 20;
+
+/// A moment that would be predicted, without its data.
+ServedSnapshot named(Time moment) {
+  ServedSnapshot snapshot;
+  snapshot.answer.time = moment;
+  snapshot.answer.source = ltm::Source::kPredicted;
+  snapshot.answer.instances.push_back({0, {}, {}});
+  return snapshot;
+}
 
 struct Waiter {
   uint64_t queued = 0;
@@ -47,10 +57,11 @@ struct MemoryService::State {
   const Clock clock;
   std::unique_ptr<WorkingMemory> memory;
   std::unique_ptr<LongTerm> store;  ///< May be null.
+  std::unique_ptr<Predictions> predictions;
 
   std::atomic<uint64_t> queries{0};
   std::atomic<uint64_t> queries_of_store{0};
-  std::atomic<uint64_t> predictions{0};
+  std::atomic<uint64_t> counts_of_predictions{0};
   std::atomic<bool> is_closed{false};
   std::shared_mutex admitting;  ///< Shared by commits, taken alone by the end.
 
@@ -117,20 +128,6 @@ struct MemoryService::State {
     }
   }
 
-  Result<ltm::SnapshotResult> predict(const MemoryId& entity, Time when,
-                                      const std::string& engine) {
-    ++predictions;
-    const auto all = memory->all_of(entity);
-    if (all.empty()) return not_found("'{}': nothing in working memory", entity.to_string());
-    if (!engine.empty() && engine != "copy-last") return not_found("no engine '{}'", engine);
-    ServedSnapshot last = serve(all.back(), {}, false);
-    last.answer.source = ltm::Source::kPredicted;
-    last.answer.predictor = "copy-last";
-    last.answer.horizon = when - last.answer.time;
-    last.answer.time = when;
-    return std::move(last.answer);
-  }
-
   [[nodiscard]] KnownElsewhere elsewhere() const {
     if (!store) return {};
     return [this](const MemoryId& entity) { return store->known_until(entity); };
@@ -164,6 +161,10 @@ Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& option
     ENGRAM_ASSIGN_OR_RETURN(state->store,
                             LongTerm::open(*options.store, std::move(loader), clock));
   }
+  if (state->store)
+    for (const auto& [segment, type] : state->store->types().all())
+      ENGRAM_RETURN_IF_ERROR(state->memory->declare(segment, type));
+  state->predictions = std::make_unique<Predictions>(*state->memory, state->store.get());
   State& running = *state;
   state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
   return std::unique_ptr<MemoryService>(new MemoryService(std::move(state)));
@@ -263,12 +264,24 @@ Result<ServedAnswer> MemoryService::query(const ltm::Query& query, const std::st
       future = std::move(one.future);
       answer.entities.push_back(std::move(one.entity));
     }
-    for (const Time when : future) {
-      ENGRAM_ASSIGN_OR_RETURN(auto predicted, state.predict(entity, when, engine));
-      answer.entities.back().snapshots.push_back({std::move(predicted), nullptr});
+    if (future.empty()) continue;
+    state.counts_of_predictions += future.size();
+    if (query.is_ids_only()) {
+      for (const Time moment : future) answer.entities.back().snapshots.push_back(named(moment));
+      continue;
     }
+    ENGRAM_ASSIGN_OR_RETURN(auto predicted,
+                            state.predictions->predict(entity, future, engine,
+                                                       state.options.furthest_prediction));
+    for (ltm::SnapshotResult& one : predicted)
+      answer.entities.back().snapshots.push_back({std::move(one), nullptr});
   }
   return answer;
+}
+
+Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& entity,
+                                                              Duration ahead) {
+  return state_->predictions->records(entity, ahead);
 }
 
 MemoryService::Counters MemoryService::counters() const {
@@ -277,7 +290,7 @@ MemoryService::Counters MemoryService::counters() const {
   if (state_->store) counters.store = state_->store->counters();
   counters.queries = state_->queries;
   counters.queries_of_store = state_->queries_of_store;
-  counters.predictions = state_->predictions;
+  counters.predictions = state_->counts_of_predictions;
   const std::scoped_lock lock(state_->mutex);
   counters.store_failures = state_->store_failures;
   counters.last_store_failure = state_->last_store_failure;

@@ -85,6 +85,9 @@ class MemoryService {
   /// prediction is asked too far ahead.
   Result<ServedAnswer> query(const ltm::Query& query, const std::string& engine = {});
 
+  /// What predicts an entity, measured that far ahead; the one that answers first.
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead);
+
   [[nodiscard]] Counters counters() const;
 
   /// See WorkingMemory::set_limits.

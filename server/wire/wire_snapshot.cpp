@@ -10,18 +10,6 @@ namespace engram::server {
 
 namespace {
 
-void set(v1::Error& message, const ltm::MeasuredError& error) {
-  if (!std::isnan(error.image_mse)) message.set_image_mse(error.image_mse);
-  if (!std::isnan(error.number_mse)) message.set_number_mse(error.number_mse);
-}
-
-ltm::MeasuredError error_of(const v1::Error& message) {
-  ltm::MeasuredError error;
-  if (message.has_image_mse()) error.image_mse = message.image_mse();
-  if (message.has_number_mse()) error.number_mse = message.number_mse();
-  return error;
-}
-
 ltm::InstanceMetadata metadata_of(v1::Instance& message) {
   ltm::InstanceMetadata metadata;
   metadata.created = time_from_ns(message.created_ns());
@@ -151,8 +139,8 @@ Result<WireBytes> to_wire(const ltm::SnapshotResult& snapshot, bool with_data,
       continue;
     }
     set_metadata(rest, instance.metadata);
-    if (instance.error) set(*rest.mutable_error(), *instance.error);
-    if (instance.bound) set(*rest.mutable_bound(), *instance.bound);
+    if (instance.error) *rest.mutable_error() = to_message(*instance.error);
+    if (instance.bound) *rest.mutable_bound() = to_message(*instance.bound);
     if (bytes != nullptr) {
       append_instance(writer, rest, &(*bytes)[i]);
       continue;
@@ -199,8 +187,8 @@ Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& blo
       ENGRAM_ASSIGN_OR_RETURN(one.data, idf::decode(bytes));
       one.metadata = metadata_of(instance);
     }
-    if (instance.has_error()) one.error = error_of(instance.error());
-    if (instance.has_bound()) one.bound = error_of(instance.bound());
+    if (instance.has_error()) one.error = to_error(instance.error());
+    if (instance.has_bound()) one.bound = to_error(instance.bound());
     answer.instances.push_back(std::move(one));
   }
   return answer;
@@ -229,6 +217,20 @@ void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata) 
   message.set_arrived_ns(to_ns(metadata.arrived));
   message.set_provider(metadata.provider);
   if (metadata.confidence != 1.0f) message.set_confidence(metadata.confidence);
+}
+
+v1::Error to_message(const ltm::MeasuredError& error) {
+  v1::Error message;
+  if (!std::isnan(error.image_mse)) message.set_image_mse(error.image_mse);
+  if (!std::isnan(error.number_mse)) message.set_number_mse(error.number_mse);
+  return message;
+}
+
+ltm::MeasuredError to_error(const v1::Error& message) {
+  ltm::MeasuredError error;
+  if (message.has_image_mse()) error.image_mse = message.image_mse();
+  if (message.has_number_mse()) error.number_mse = message.number_mse();
+  return error;
 }
 
 v1::Outcome to_outcome(const Status& status) {

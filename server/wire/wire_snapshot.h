@@ -47,6 +47,9 @@ Result<v1::Snapshot> to_message(const ltm::Snapshot& snapshot);
 void set_head(v1::Snapshot& message, const ltm::Snapshot& snapshot);
 void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata);
 
+[[nodiscard]] v1::Error to_message(const ltm::MeasuredError& error);
+[[nodiscard]] ltm::MeasuredError to_error(const v1::Error& message);
+
 [[nodiscard]] v1::Outcome to_outcome(const Status& status);
 [[nodiscard]] Status to_status(const v1::Outcome& outcome);
 

@@ -154,6 +154,42 @@ TEST(MemoryServer, TellsLargePayloadsThroughSharedMemory) {
             idf::Data(idf::NdArray::take({1 << 20}, pixels)));
 }
 
+TEST(MemoryServer, PredictsWhatComesByTheBestEngine) {
+  RunningServer running;
+  running.with_store();
+  running.options.service.memory.all.snapshots = 40;  // The rest is in the store.
+  running.start();
+  const auto client = running.client();
+  const auto at = [](int i) { return int64_t{1'000'000'000} * 100 + int64_t{100'000'000} * i; };
+  for (int i = 0; i < 100; ++i) {
+    const idf::Data value = idf::Dict{{"x", 0.5 * i}, {"name", "cup"}};
+    ASSERT_TRUE(client->commit(RunningServer::commit("Robot/a/b/c", at(i), value)).ok());
+  }
+  const auto answer = client->query(*ltm::Query::parse("Robot/a/b/c @ +400ms"));
+  ASSERT_TRUE(answer.ok()) << answer.status().to_string();
+  const ltm::SnapshotResult& predicted = answer->entities()[0]->snapshots[0];
+  EXPECT_EQ(predicted.source, ltm::Source::kPredicted);
+  EXPECT_EQ(to_ns(predicted.time), at(103));
+  EXPECT_NEAR(predicted.instances[0].data.at("x")->get<double>(), 0.5 * 103, 1e-6);
+  EXPECT_EQ(predicted.instances[0].data.at("name")->get<std::string>(), "cup");
+  EXPECT_NE(predicted.predictor, "copy-last");
+  ASSERT_TRUE(predicted.instances[0].error);
+  EXPECT_NEAR(predicted.instances[0].error->number_mse, 0, 1e-6);
+  const auto copied = client->query(*ltm::Query::parse("Robot/a/b/c @ +400ms"), "copy-last");
+  ASSERT_TRUE(copied.ok());
+  EXPECT_NEAR(copied->entities()[0]->snapshots[0].instances[0].data.at("x")->get<double>(), 49.5,
+              1e-9);
+  EXPECT_EQ(client->query(*ltm::Query::parse("Robot/a/b/c @ +400ms"), "magic").status().code(),
+            StatusCode::kNotFound);
+  EXPECT_EQ(client->query(*ltm::Query::parse("Robot/a/b/c @ +400h")).status().code(),
+            StatusCode::kInvalidArgument);
+  const std::vector<Duration> horizons{std::chrono::milliseconds(400)};
+  const auto engines = client->engines(*ltm::MemoryId::parse("Robot/a/b/c"), horizons);
+  ASSERT_TRUE(engines.ok()) << engines.status().to_string();
+  ASSERT_GT((*engines)[0].size(), 3u);
+  EXPECT_EQ((*engines)[0][0].engine, predicted.predictor);
+}
+
 TEST(MemoryServer, CountsWhatASlowSubscriberLoses) {
   RunningServer running;
   running.start();
