@@ -128,7 +128,11 @@ TEST_F(Journey, PredictsTheFuture) {
   for (const Json& entity : answer.at("entities")) {
     const Json& snapshot = entity.at("snapshots").at(0);
     EXPECT_EQ(snapshot.at("source"), "predicted");
-    EXPECT_EQ(snapshot.at("predictor"), "deep");
+    // Numbers are answered by whatever was best on these few.
+    if (entity.at("id") == kCamera) {
+      EXPECT_EQ(snapshot.at("predictor"), "deep");
+    }
+    EXPECT_NE(snapshot.at("predictor"), "");
     EXPECT_DOUBLE_EQ(snapshot.at("horizon_s").get<double>(), 0.2);
     EXPECT_THAT(snapshot.at("id").get<std::string>(), HasSubstr("2022-02-18 13:00:12.000000"));
   }
