@@ -7,11 +7,29 @@
 
 namespace engram::server {
 
+std::shared_ptr<void> OpenStreams::enter() {
+  {
+    const std::scoped_lock lock(state_->mutex);
+    ++state_->count;
+  }
+  const auto leave = [state = state_](void*) {
+    const std::scoped_lock lock(state->mutex);
+    --state->count;
+    state->changed.notify_all();
+  };
+  return {nullptr, leave};
+}
+
+void OpenStreams::wait() {
+  std::unique_lock lock(state_->mutex);
+  state_->changed.wait(lock, [this] { return state_->count == 0; });
+}
+
 std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Channel>& channel,
                                                  const std::string& method,
-                                                 const std::string& token, Handlers handlers,
-                                                 const std::string& session) {
-  const std::shared_ptr<ClientStream> stream(new ClientStream(std::move(handlers)));
+                                                 const std::string& token, OpenStreams& streams,
+                                                 Handlers handlers, const std::string& session) {
+  const std::shared_ptr<ClientStream> stream(new ClientStream(streams, std::move(handlers)));
   stream->self_ = stream;
   if (!token.empty()) stream->context_.AddMetadata("authorization", "Bearer " + token);
   if (!session.empty()) stream->context_.AddMetadata("engram-session", session);

@@ -5,6 +5,7 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
 
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -14,6 +15,30 @@
 #include "ltm/core/status.h"
 
 namespace engram::server {
+
+/// The streams of one owner, to wait for the end of the last one.
+///
+/// A stream keeps its channel until it is destroyed, by one of gRPC's threads. Were that the last
+/// to know the channel, gRPC would end its threads from within one of them and free their queue
+/// twice (1.51): who owns a channel waits here before letting go of it.
+/// Threading: thread-safe; wait() not by a handler of one of the streams.
+class OpenStreams {
+ public:
+  /// To be kept by a stream as long as it is there.
+  [[nodiscard]] std::shared_ptr<void> enter();
+
+  /// Until all are destroyed.
+  void wait();
+
+ private:
+  struct State {
+    std::mutex mutex;
+    std::condition_variable changed;
+    size_t count = 0;
+  };
+
+  const std::shared_ptr<State> state_ = std::make_shared<State>();
+};
 
 /// The client's end of a stream of requests and replies, in bytes.
 ///
@@ -27,10 +52,12 @@ class ClientStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
     std::function<void(const Status&)> on_end;
   };
 
-  /// Opens the stream `method` ("/engram.v1.MemoryServer/Commit"). `session`: of shared memory.
+  /// Opens the stream `method` ("/engram.v1.MemoryServer/Commit"), one of `streams`. `session`: of
+  /// shared memory.
   static std::shared_ptr<ClientStream> open(const std::shared_ptr<grpc::Channel>& channel,
                                             const std::string& method, const std::string& token,
-                                            Handlers handlers, const std::string& session = {});
+                                            OpenStreams& streams, Handlers handlers,
+                                            const std::string& session = {});
 
   /// Errors: kUnavailable where the stream has ended.
   Status send(grpc::ByteBuffer request);
@@ -45,8 +72,10 @@ class ClientStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
   void OnDone(const grpc::Status& status) override;
 
  private:
-  explicit ClientStream(Handlers handlers) : handlers_(std::move(handlers)) {}
+  ClientStream(OpenStreams& streams, Handlers handlers)
+      : entered_(streams.enter()), handlers_(std::move(handlers)) {}
 
+  const std::shared_ptr<void> entered_;  ///< The first member: goes after the context.
   Handlers handlers_;
   grpc::ClientContext context_;
   std::shared_ptr<ClientStream> self_;

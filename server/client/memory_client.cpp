@@ -83,13 +83,16 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     pending_.erase(number);
   }
 
+  /// Ends the stream, and waits until nothing of it is left.
   void close() {
     std::shared_ptr<ClientStream> stream;
     {
       const std::scoped_lock lock(mutex_);
-      stream = stream_;
+      stream = std::move(stream_);
     }
     if (stream) stream->cancel();
+    stream.reset();
+    streams_.wait();
   }
 
  private:
@@ -97,7 +100,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     const uint64_t generation = ++generation_;
     const std::weak_ptr<Calls> weak = this->weak_from_this();
     stream_ = ClientStream::open(
-        channel_, method_, token_,
+        channel_, method_, token_, streams_,
         {[weak](grpc::ByteBuffer& bytes) {
            if (const auto self = weak.lock()) self->take(bytes);
          },
@@ -153,6 +156,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   const std::string method_;
   const std::string token_;
   const std::string session_;
+  OpenStreams streams_;
   std::mutex mutex_;
   std::shared_ptr<ClientStream> stream_;
   uint64_t generation_ = 0;
@@ -270,6 +274,9 @@ struct MemoryClient::State {
          },
          done});
     return true;
+  /// Until when what could not be reached is tried again.
+  [[nodiscard]] SteadyTime last_try(SteadyTime deadline) const {
+    return options.tries_again ? deadline : steady_now();
   }
 
   [[nodiscard]] Status timed_out() const {
@@ -287,7 +294,7 @@ struct MemoryClient::State {
 
   template <typename Request, typename Reply, typename Method>
   Status call(Method method, const Request& request, Reply& reply) {
-    return retried(steady_now() + options.timeout, [&]() -> Status {
+    return retried(last_try(steady_now() + options.timeout), [&]() -> Status {
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + options.timeout);
       if (!options.token.empty()) context.AddMetadata("authorization", "Bearer " + options.token);
@@ -351,7 +358,7 @@ void MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability
 
 Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability) {
   const SteadyTime deadline = steady_now() + state_->options.timeout;
-  const Status status = retried(deadline, [&]() -> Status {
+  const Status status = retried(state_->last_try(deadline), [&]() -> Status {
     auto awaited = std::make_shared<Awaited<Status>>();
     this->commit(commit, durability, [awaited](const Status& done) { awaited->set(done); });
     return state_->wait(awaited, deadline);
@@ -401,7 +408,7 @@ Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std:
         {take, [awaited](const Status& status) { awaited->set(status); }});
     return state_->wait(awaited, deadline);
   };
-  Answer answer = retried(deadline, ask);
+  Answer answer = retried(state_->last_try(deadline), ask);
   return answer.ok() ? std::move(answer) : Answer(answer.status().with_context(state_->endpoint));
 }
 

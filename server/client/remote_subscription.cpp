@@ -42,8 +42,8 @@ class RemoteSubscription final : public Subscription {
     changed_.notify_all();
     if (thread_.joinable()) thread_.join();
     if (stream_) stream_->cancel();
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return open_streams_ == 0; });
+    stream_.reset();
+    streams_.wait();
   }
 
   /// Waits for the server's word that it has begun.
@@ -88,6 +88,7 @@ class RemoteSubscription final : public Subscription {
       const std::scoped_lock lock(mutex_);
       ++open_streams_;
       lost_ = 0;
+      is_telling_ = false;
     }
     auto lane = lanes_ ? lanes_() : nullptr;
     v1::SubscribeRequest request = request_;
@@ -97,6 +98,7 @@ class RemoteSubscription final : public Subscription {
       lane_ = lane;
     }
     auto stream = ClientStream::open(channel_, "/engram.v1.MemoryServer/Subscribe", client_.token,
+                                     streams_,
                                      {[this](grpc::ByteBuffer& bytes) { take(bytes); },
                                       [this](const Status& status) { end(status); }},
                                      lane ? lane->session() : "");
@@ -115,6 +117,7 @@ class RemoteSubscription final : public Subscription {
       {
         const std::scoped_lock lock(mutex_);
         is_started_ = true;
+        is_telling_ = true;
       }
       changed_.notify_all();
       return;
@@ -171,18 +174,14 @@ class RemoteSubscription final : public Subscription {
   }
 
   void end(const Status& status) {
-    bool is_first = false;
+    bool is_loss = false;
     {
       const std::scoped_lock lock(mutex_);
-      is_first = !is_started_ && status.code() != StatusCode::kUnavailable;
-      if (is_first) is_lasting_ = status;
-      if (is_ending_ || is_first) {
-        --open_streams_;
-        changed_.notify_all();
-        return;
-      }
+      if (!is_started_ && status.code() != StatusCode::kUnavailable) is_lasting_ = status;
+      // Told once: what comes between the loss and the next beginning is lost anyway.
+      is_loss = is_telling_ && !is_ending_;
     }
-    if (handlers_.on_interrupted) handlers_.on_interrupted(status);
+    if (is_loss && handlers_.on_interrupted) handlers_.on_interrupted(status);
     const std::scoped_lock lock(mutex_);
     --open_streams_;
     changed_.notify_all();
@@ -201,12 +200,14 @@ class RemoteSubscription final : public Subscription {
   v1::SubscribeRequest request_;
   uint64_t lost_ = 0;  ///< Used by one thread at a time: that of the stream.
 
+  OpenStreams streams_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<ClientStream> stream_;
   std::shared_ptr<SharedLane> lane_;
   int open_streams_ = 0;
-  bool is_started_ = false;
+  bool is_started_ = false;  ///< The server said so, at any time.
+  bool is_telling_ = false;  ///< And on this stream.
   bool is_ending_ = false;
   Status is_lasting_;  ///< Why it will not begin.
   std::thread thread_;
