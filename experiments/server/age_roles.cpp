@@ -136,8 +136,13 @@ class MemoryRole final : public AgeRole {
 
 class RelayConsumer final : public AgeRole {
  public:
+  server::OpenStreams streams;
   std::shared_ptr<server::ClientStream> stream;
-  ~RelayConsumer() override { stream->cancel(); }
+  ~RelayConsumer() override {
+    stream->cancel();
+    stream.reset();
+    streams.wait();
+  }
 };
 
 /// Of a commit's snapshots: when the last of a batch is there.
@@ -206,9 +211,16 @@ class MemoryConsumer final : public AgeRole {
 
 class StreamProducer final : public AgeProducer {
  public:
-  explicit StreamProducer(std::shared_ptr<server::ClientStream> stream)
-      : stream_(std::move(stream)) {}
-  ~StreamProducer() override { stream_->cancel(); }
+  explicit StreamProducer(const std::shared_ptr<grpc::Channel>& channel)
+      : channel_(channel),
+        stream_(server::ClientStream::open(
+            channel, "/engram.v1.MemoryServer/Commit", "", streams_,
+            {[](Bytes& /*bytes*/) {}, [](const Status& /*status*/) {}})) {}
+  ~StreamProducer() override {
+    stream_->cancel();
+    stream_.reset();
+    streams_.wait();
+  }
 
   Result<int64_t> send(const ltm::Commit& commit) override {
     const int64_t began = steady_ns();
@@ -221,6 +233,8 @@ class StreamProducer final : public AgeProducer {
   }
 
  private:
+  std::shared_ptr<grpc::Channel> channel_;
+  server::OpenStreams streams_;
   std::shared_ptr<server::ClientStream> stream_;
 };
 
@@ -284,7 +298,7 @@ Result<std::unique_ptr<AgeRole>> start_consumer(AgeWay way, const std::string& e
     ENGRAM_ASSIGN_OR_RETURN(const auto channel, channel_to(endpoint));
     auto consumer = std::make_unique<RelayConsumer>();
     consumer->stream = server::ClientStream::open(
-        channel, "/engram.v1.MemoryServer/Subscribe", "",
+        channel, "/engram.v1.MemoryServer/Subscribe", "", consumer->streams,
         {[on_age = std::move(on_age)](Bytes& bytes) { measure(bytes, on_age); },
          [](const Status& /*status*/) {}});
     return std::unique_ptr<AgeRole>(std::move(consumer));
@@ -300,10 +314,7 @@ Result<std::unique_ptr<AgeProducer>> start_producer(AgeWay way, const std::strin
     return std::unique_ptr<AgeProducer>(std::make_unique<MemoryProducer>(std::move(client)));
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto channel, channel_to(endpoint));
-  auto stream = server::ClientStream::open(
-      channel, "/engram.v1.MemoryServer/Commit", "",
-      {[](Bytes& /*bytes*/) {}, [](const Status& /*status*/) {}});
-  return std::unique_ptr<AgeProducer>(std::make_unique<StreamProducer>(std::move(stream)));
+  return std::unique_ptr<AgeProducer>(std::make_unique<StreamProducer>(channel));
 }
 
 }  // namespace engram::experiments

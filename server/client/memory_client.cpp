@@ -274,6 +274,8 @@ struct MemoryClient::State {
          },
          done});
     return true;
+  }
+
   /// Until when what could not be reached is tried again.
   [[nodiscard]] SteadyTime last_try(SteadyTime deadline) const {
     return options.tries_again ? deadline : steady_now();
