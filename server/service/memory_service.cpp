@@ -161,9 +161,9 @@ Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& option
     ENGRAM_ASSIGN_OR_RETURN(state->store,
                             LongTerm::open(*options.store, std::move(loader), clock));
   }
-  if (state->store)
-    for (const auto& [segment, type] : state->store->types().all())
-      ENGRAM_RETURN_IF_ERROR(state->memory->declare(segment, type));
+  const auto types = state->store ? state->store->types() : ltm::SegmentTypes();
+  for (const auto& [segment, type] : types.all())
+    ENGRAM_RETURN_IF_ERROR(state->memory->declare(segment, type));
   state->predictions = std::make_unique<Predictions>(*state->memory, state->store.get());
   State& running = *state;
   state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
