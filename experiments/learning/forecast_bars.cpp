@@ -135,7 +135,7 @@ Status run(const Arguments& arguments) {
   prefixes.insert(prefixes.end(), arguments.inputs.begin(), arguments.inputs.end());
   ENGRAM_ASSIGN_OR_RETURN(const auto recordings, read_numbers(arguments.folder, prefixes, 1));
   const size_t measured = measured_count(recordings[0], arguments);
-  std::vector<Errors> errors(std::size(kHorizons), Errors{measured});
+  std::vector<Errors> errors(std::size(kHorizons), Errors{measured, {}});
   for (size_t left_out = 0; left_out < recordings.size(); ++left_out)
     ENGRAM_RETURN_IF_ERROR(add_fold(recordings, left_out, errors));
   fmt::print("{} numbers of {}, {} recordings, each left out in turn\n\n", measured,

@@ -2,6 +2,7 @@
 // How much older data grow on their way through the memory than on other ways, each in processes
 // of its own.
 #include <fcntl.h>
+#include <malloc.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -350,4 +351,9 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace engram::experiments
 
-int main(int argc, char** argv) { return engram::experiments::run(argc, argv); }
+int main(int argc, char** argv) {
+  // Else glibc maps and unmaps memory for each large message, on every way.
+  ::mallopt(M_MMAP_THRESHOLD, 256 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 512 << 20);
+  return engram::experiments::run(argc, argv);
+}

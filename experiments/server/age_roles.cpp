@@ -3,10 +3,8 @@
 
 #include <engram/v1/memory.grpc.pb.h>
 
-#include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <thread>
 
 #include "server/client/channel.h"
 #include "server/client/client_stream.h"
@@ -159,7 +157,6 @@ class MemoryConsumer final : public AgeRole {
         subscription_, client_->subscribe({.names = {"Bench"}, .with_data = !with_query,
                                            .queue_bound = 100'000},
                                           std::move(handlers)));
-    if (with_query) thread_ = std::jthread([this](const std::stop_token& stop) { ask(stop); });
     return {};
   }
 
@@ -171,42 +168,34 @@ class MemoryConsumer final : public AgeRole {
           on_age_(steady_ns() - made_ns(one.snapshot.instances.front().data));
         continue;
       }
-      const std::scoped_lock lock(mutex_);
       asked_.push_back(one.snapshot.id());
-      if (asked_.size() % batch_ == 0) changed_.notify_one();
+      if (asked_.size() == batch_) ask();
     }
   }
 
   /// Asks for a whole batch in one query.
-  void ask(const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      std::vector<ltm::MemoryId> ids;
-      {
-        std::unique_lock lock(mutex_);
-        if (!changed_.wait(lock, stop, [this] { return asked_.size() >= batch_; })) return;
-        ids.swap(asked_);
-      }
-      std::string text;
-      for (const ltm::MemoryId& id : ids)
-        text += fmt::format("{}{} @ {}", text.empty() ? "" : " ; ", id.entity().to_string(),
-                            to_ns(*id.time()));
-      const auto query = ltm::Query::parse(text);
-      const auto answer = client_->query(*query);
-      if (!answer.ok() || answer->snapshot_count() != ids.size()) continue;
-      on_age_(steady_ns() -
-              made_ns(answer->entities().back()->snapshots.back().instances.front().data));
-    }
+  void ask() {
+    std::vector<ltm::MemoryId> ids;
+    ids.swap(asked_);
+    std::string text;
+    for (const ltm::MemoryId& id : ids)
+      text += fmt::format("{}{} @ {}", text.empty() ? "" : " ; ", id.entity().to_string(),
+                          to_ns(*id.time()));
+    const auto query = ltm::Query::parse(text);
+    if (!query.ok()) return;
+    client_->query(*query, "", [this, count = ids.size()](Result<ltm::QueryResult> answer) {
+      if (!answer.ok() || answer->snapshot_count() != count) return;
+      const ltm::EntityResult& last = *answer->entities().back();
+      on_age_(steady_ns() - made_ns(last.snapshots.back().instances.front().data));
+    });
   }
 
   const size_t batch_;
   const std::function<void(int64_t)> on_age_;
   size_t come_ = 0;
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::vector<ltm::MemoryId> asked_;
+  std::vector<ltm::MemoryId> asked_;  ///< Handlers come one at a time.
   std::unique_ptr<server::MemoryClient> client_;
   std::unique_ptr<server::Subscription> subscription_;
-  std::jthread thread_;
 };
 
 class StreamProducer final : public AgeProducer {

@@ -181,6 +181,21 @@ struct SharedCommits {
   std::shared_ptr<Calls<v1::CommitReply>> calls;
 };
 
+/// Adds a part of an answer to those before it.
+Status take_part(v1::QueryReply& reply, ltm::QueryResult& answer) {
+  ENGRAM_RETURN_IF_ERROR(to_status(reply.outcome()));
+  for (v1::EntityAnswer& entity : *reply.mutable_entities()) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::parse(entity.entity()));
+    if (!id.is_entity()) return data_loss("answer: '{}' is no entity", entity.entity());
+    ltm::EntityResult& one = answer.add_entity(id);
+    for (v1::Snapshot& snapshot : *entity.mutable_snapshots()) {
+      ENGRAM_ASSIGN_OR_RETURN(auto taken, take_answer(snapshot, {}));
+      one.add(std::move(taken));
+    }
+  }
+  return {};
+}
+
 v1::Durability to_message(CommitDurability durability) {
   return static_cast<v1::Durability>(durability);
 }
@@ -368,46 +383,35 @@ Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durabili
   return status.ok() ? status : status.with_context(state_->endpoint);
 }
 
-Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine) {
-  using Answer = Result<ltm::QueryResult>;
-  struct Parts {
-    explicit Parts(bool is_ids_only) : result(is_ids_only) {}
-    ltm::QueryResult result;
-  };
-  const SteadyTime deadline = steady_now() + state_->options.timeout;
+void MemoryClient::query(const ltm::Query& query, const std::string& engine,
+                         std::function<void(Result<ltm::QueryResult>)> done) {
   v1::QueryRequest request;
   request.set_query(query.to_string());
   request.set_engine(engine);
+  auto parts = std::make_shared<ltm::QueryResult>(query.is_ids_only());
+  const auto take = [done, parts](v1::QueryReply& reply) {
+    const Status taken = take_part(reply, *parts);
+    if (!taken.ok()) {
+      done(taken);
+      return true;
+    }
+    if (reply.is_last()) done(std::move(*parts));
+    return reply.is_last();
+  };
+  state_->queries->call(
+      [&request](uint64_t number) {
+        request.set_number(number);
+        return to_bytes(request);
+      },
+      {take, [done](const Status& status) { done(status); }});
+}
+
+Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine) {
+  using Answer = Result<ltm::QueryResult>;
+  const SteadyTime deadline = steady_now() + state_->options.timeout;
   const auto ask = [&]() -> Answer {
     auto awaited = std::make_shared<Awaited<Answer>>();
-    auto parts = std::make_shared<Parts>(query.is_ids_only());
-    const auto take = [awaited, parts](v1::QueryReply& reply) {
-      const auto taken = [&]() -> Status {
-        ENGRAM_RETURN_IF_ERROR(to_status(reply.outcome()));
-        for (v1::EntityAnswer& entity : *reply.mutable_entities()) {
-          ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::parse(entity.entity()));
-          if (!id.is_entity()) return data_loss("answer: '{}' is no entity", entity.entity());
-          ltm::EntityResult& one = parts->result.add_entity(id);
-          for (v1::Snapshot& snapshot : *entity.mutable_snapshots()) {
-            ENGRAM_ASSIGN_OR_RETURN(auto answer, take_answer(snapshot, {}));
-            one.add(std::move(answer));
-          }
-        }
-        return {};
-      }();
-      if (!taken.ok()) {
-        awaited->set(taken);
-        return true;
-      }
-      if (reply.is_last()) awaited->set(std::move(parts->result));
-      return reply.is_last();
-    };
-    state_->queries->call(
-        [&request](uint64_t number) {
-          request.set_number(number);
-          return to_bytes(request);
-        },
-        {take, [awaited](const Status& status) { awaited->set(status); }});
+    this->query(query, engine, [awaited](Answer answer) { awaited->set(std::move(answer)); });
     return state_->wait(awaited, deadline);
   };
   Answer answer = retried(state_->last_try(deadline), ask);

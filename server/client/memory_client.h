@@ -100,6 +100,10 @@ class MemoryClient {
   /// `engine`: of predictions; empty: the best.
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
 
+  /// The same without waiting or trying again; `done` is called by a thread of the client.
+  void query(const ltm::Query& query, const std::string& engine,
+             std::function<void(Result<ltm::QueryResult>)> done);
+
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
   /// What predicts an entity, measured for each horizon; the one that answers first.
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(

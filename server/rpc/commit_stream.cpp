@@ -38,8 +38,11 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
     return {};
   }
   const auto leased = lease(message);
+  // One subscriber is told at once; more would keep the writer waiting.
+  const bool is_told_first = context_.hub.size() <= 1;
+  if (is_told_first) publish(*admission);
   if (durability == Durability::kMemory) reply(number, {}, leased);
-  publish(*admission);
+  if (!is_told_first) publish(*admission);
   if (durability == Durability::kMemory) return {};
   promise();
   context_.service.when_stored(
