@@ -4,9 +4,16 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
+#include <string>
+
+#include "ltm/core/time.h"
+
 namespace engram::log {
 
 namespace {
+
+std::atomic<Form> form{Form::kText};
 
 spdlog::logger& logger() {
   static const auto instance = [] {
@@ -28,7 +35,46 @@ spdlog::level::level_enum spdlog_level(Level level) {
   return spdlog::level::off;
 }
 
+std::string_view name_of(Level level) {
+  switch (level) {
+    case Level::kDebug:
+      return "debug";
+    case Level::kInfo:
+      return "info";
+    case Level::kWarning:
+      return "warning";
+    default:
+      return "error";
+  }
+}
+
+/// A text within quotes.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string json_line(Level level, std::string_view message) {
+  std::string time = to_string(system_now());
+  time[time.find(' ')] = 'T';
+  return fmt::format(R"({{"time":"{}Z","level":"{}","message":"{}"}})", time, name_of(level),
+                     escaped(message));
+}
+
 }  // namespace
+
+void set_form(Form wanted) {
+  form = wanted;
+  logger().set_pattern(wanted == Form::kJson ? "%v" : "%^%l%$: %v");
+}
 
 void set_level(Level level) { logger().set_level(spdlog_level(level)); }
 
@@ -43,6 +89,11 @@ Level level() {
   }
 }
 
-void write(Level level, std::string_view message) { logger().log(spdlog_level(level), "{}", message); }
+void write(Level level, std::string_view message) {
+  if (form == Form::kJson)
+    logger().log(spdlog_level(level), "{}", json_line(level, message));
+  else
+    logger().log(spdlog_level(level), "{}", message);
+}
 
 }  // namespace engram::log

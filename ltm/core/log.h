@@ -16,6 +16,12 @@ void set_level(Level level);
 
 [[nodiscard]] Level level();
 
+/// "error: ..." for people, or an object of time, level and message for programs.
+enum class Form { kText, kJson };
+
+/// Default: kText. Threading: thread-safe.
+void set_form(Form form);
+
 /// Writes one line to stderr. stdout belongs to results.
 /// Threading: thread-safe.
 void write(Level level, std::string_view message);

@@ -22,5 +22,16 @@ TEST(Log, WritesToStderrWhatReachesTheLevel) {
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
 }
 
+TEST(Log, WritesAnObjectPerLineForPrograms) {
+  ::testing::internal::CaptureStderr();
+  set_form(Form::kJson);
+  warning("a \"quoted\" \\ and\nmore");
+  set_form(Form::kText);
+  const std::string line = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(line, ::testing::MatchesRegex(
+                        R"(\{"time":"[0-9-]+T[0-9:.]+Z","level":"warning","message":.*\}\n)"));
+  EXPECT_THAT(line, ::testing::HasSubstr(R"("a \"quoted\" \\ and\u000amore")"));
+}
+
 }  // namespace
 }  // namespace engram::log
