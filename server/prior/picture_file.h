@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: PNG and JPEG files.
-
 #include <span>
 
 #include "ltm/idf/ndarray.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what people write for values of a type.
-
 #include "ltm/idf/type.h"
 
 namespace engram::server {

@@ -8,6 +8,8 @@
 namespace engram::server {
 
 struct MemoryServer::State {
+  std::vector<Endpoint> reached_at;
+  uint64_t started = 0;
   std::unique_ptr<MemoryService> service;
   std::unique_ptr<RpcContext> context;
   std::unique_ptr<grpc::Service> rpc;
@@ -26,6 +28,8 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
                                                           ltm::ModelLoader loader,
                                                           NamesClient* names) {
   auto state = std::make_unique<State>();
+  state->reached_at = options.reached_at;
+  state->started = static_cast<uint64_t>(to_ns(system_now()));
   auto access = AccessPolicy::everyone();
   if (!options.tokens.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(access, AccessPolicy::read_file(options.tokens));
@@ -42,13 +46,10 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
   }
   state->rpc = make_memory_rpc(*state->context);
   ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
-  if (names != nullptr) {
-    const auto started = static_cast<uint64_t>(to_ns(system_now()));
-    state->registrar = std::make_unique<Registrar>(
-        *names, Registration{options.service.name, options.service.memories,
-                             state->server->endpoints(), started});
-  }
-  return std::unique_ptr<MemoryServer>(new MemoryServer(std::move(state)));
+  auto server = std::unique_ptr<MemoryServer>(new MemoryServer(std::move(state)));
+  if (names != nullptr)
+    server->state_->registrar = std::make_unique<Registrar>(*names, server->registration());
+  return server;
 }
 
 std::vector<std::string> MemoryServer::endpoints() const {
@@ -57,6 +58,15 @@ std::vector<std::string> MemoryServer::endpoints() const {
 
 MemoryService& MemoryServer::service() {
   return *state_->service;
+}
+
+Registration MemoryServer::registration() const {
+  const MemoryService::Options& options = state_->service->options();
+  Registration said{options.name, options.memories, {}, state_->started};
+  for (const Endpoint& endpoint : state_->reached_at)
+    said.endpoints.push_back(endpoint.to_string());
+  if (said.endpoints.empty()) said.endpoints = endpoints();
+  return said;
 }
 
 Status MemoryServer::commit(ltm::Commit commit) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/names/registration.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/rpc_server.h"
 #include "server/service/memory_service.h"
@@ -25,7 +26,9 @@ class MemoryServer {
     RpcServer::Options rpc;
     MemoryService::Durability durability = MemoryService::Durability::kMemory;
     std::filesystem::path tokens;  ///< Empty: whoever can connect may do everything.
-    int threads = 2;               ///< That decode and predict.
+    /// What the name system tells others; empty: where it listens.
+    std::vector<Endpoint> reached_at;
+    int threads = 2;  ///< That decode and predict.
     /// What is shared with clients of this host, beside the first Unix socket; nothing: no memory is.
     std::optional<SharedPool::Options> sharing = SharedPool::Options{};
   };
@@ -40,6 +43,9 @@ class MemoryServer {
 
   [[nodiscard]] std::vector<std::string> endpoints() const;
   [[nodiscard]] MemoryService& service();
+
+  /// What a name system is told of it.
+  [[nodiscard]] Registration registration() const;
 
   /// Commits what this process itself knows, and tells subscribers.
   Status commit(ltm::Commit commit);

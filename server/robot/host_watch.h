@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/host/host_reader.h"
+#include "server/host/limit_governor.h"
+#include "server/robot/memory_server.h"
+
+namespace engram::server {
+
+/// Looks at the machine now and then: commits how it is to the System State memory, and lets the
+/// working memories of servers shrink and grow with the RAM that is there.
+///
+/// Threading: one thread.
+/// Source: docs/working_memory.md, section "How much of the machine".
+class HostWatch {
+ public:
+  struct Watched {
+    MemoryServer* server = nullptr;  ///< Outlives this.
+    MemoryLimits limits;             ///< As configured; with bytes.
+    uint64_t least_bytes = 0;
+    bool has_system_state = false;  ///< One of them at most.
+  };
+  struct Options {
+    HostReader::Options reader;
+    std::string host;  ///< Name of the machine.
+  };
+
+  /// Declares the type of System State.
+  /// Errors: those of LimitGovernor::create and MemoryService::declare.
+  static Result<HostWatch> create(const Options& options, const std::vector<Watched>& watched);
+
+  /// Reads once. What cannot be read or committed is logged when it begins, not again and again.
+  void look(SteadyTime now);
+
+ private:
+  struct Governed {
+    Watched watched;
+    LimitGovernor governor;
+  };
+
+  HostWatch(const Options& options, ltm::MemoryId entity);
+  void govern(Governed& governed, SteadyTime now, const HostState& host);
+  Status commit(const HostState& host);
+  [[nodiscard]] RamLimit limit_of_all() const;
+
+  HostReader reader_;
+  ltm::MemoryId entity_;
+  std::vector<Governed> governed_;
+  std::string last_problem_;
+};
+
+}  // namespace engram::server

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/robot/robot.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "ltm/core/file.h"
+#include "ltm/core/log.h"
+#include "server/client/names_client.h"
+#include "server/robot/default_endpoint.h"
+#include "server/robot/host_watch.h"
+#include "server/robot/names_server.h"
+#include "server/robot/prior_commits.h"
+
+namespace engram::server {
+
+namespace {
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "localhost";
+  return name.data();
+}
+
+Result<std::unique_ptr<NamesClient>> names_elsewhere(const NamesConfig& names) {
+  ClientOptions options{.ca = names.ca};
+  if (!names.token.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(names.token));
+    options.token = as_text(text.bytes());
+    options.token.erase(options.token.find_last_not_of("\r\n") + 1);
+  }
+  return NamesClient::connect(names.at->to_string(), options);
+}
+
+}  // namespace
+
+struct Robot::State {
+  RobotConfig config;
+  Surroundings surroundings;
+  std::unique_ptr<NamesServer> names_server;
+  std::unique_ptr<NamesClient> names_client;
+  std::vector<std::unique_ptr<MemoryServer>> servers;
+  std::optional<HostWatch> watch;
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::jthread thread;  ///< The last member: ends first.
+
+  Status start_names() {
+    if (!config.names) return {};
+    if (config.names->at) {
+      ENGRAM_ASSIGN_OR_RETURN(names_client, names_elsewhere(*config.names));
+      return {};
+    }
+    NamesServer::Options options;
+    options.rpc.endpoints = config.names->listen;
+    options.rpc.security = config.security;
+    options.tokens = config.security.tokens;
+    for (const Endpoint& endpoint : options.rpc.endpoints)
+      ENGRAM_RETURN_IF_ERROR(prepare_folder(endpoint));
+    ENGRAM_ASSIGN_OR_RETURN(names_server, NamesServer::start(options));
+    return {};
+  }
+
+  Status start_server(const ServerConfig& server) {
+    const std::string& name = server.options.service.name;
+    for (const Endpoint& endpoint : server.options.rpc.endpoints)
+      ENGRAM_RETURN_IF_ERROR(prepare_folder(endpoint));
+    auto started = MemoryServer::start(server.options, surroundings.loader, names_client.get());
+    if (!started.ok()) return started.status().with_context(fmt::format("server '{}'", name));
+    servers.push_back(*std::move(started));
+    if (const auto store = servers.back()->service().counters().store;
+        store && store->lost_frames > 0)
+      log::warning(
+          "server '{}': {} places in the journal of its store were damaged before; what "
+          "was there is lost",
+          name, store->lost_frames);
+    if (!server.prior.empty()) {
+      const auto prior = commit_prior(*servers.back(), server.prior);
+      if (!prior.ok()) return prior.status().with_context(fmt::format("server '{}'", name));
+      log::info("server '{}': {} entities of prior knowledge, {} of them new or changed", name,
+                prior->entities, prior->entities - prior->known);
+    }
+    if (names_server) return names_server->registry().add(servers.back()->registration()).status();
+    return {};
+  }
+
+  Status start_watch() {
+    HostWatch::Options options;
+    options.reader.root = surroundings.host_root;
+    options.host = surroundings.host.empty() ? host_name() : surroundings.host;
+    std::vector<HostWatch::Watched> watched;
+    for (size_t i = 0; i < servers.size(); ++i) {
+      const ServerConfig& server = config.servers[i];
+      if (server.options.service.store)
+        options.reader.disks.push_back(server.options.service.store->store);
+      watched.push_back({servers[i].get(), server.options.service.memory.all, server.least_bytes,
+                         config.system_state == i});
+    }
+    ENGRAM_ASSIGN_OR_RETURN(watch, HostWatch::create(options, watched));
+    return {};
+  }
+
+  /// The name system of this process hears of its servers without a network.
+  void keep_registered() {
+    if (!names_server) return;
+    for (const auto& server : servers) {
+      const Registration said = server->registration();
+      NameRegistry& registry = names_server->registry();
+      auto heard = registry.heartbeat(said.server, said.incarnation);
+      if (!heard.ok()) heard = registry.add(said);
+      if (!heard.ok()) log::warning("{}", heard.status().message());
+    }
+  }
+
+  void run(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      keep_registered();
+      watch->look(steady_now());
+      std::unique_lock lock(mutex);
+      wake.wait_for(lock, stop, surroundings.interval, [] { return false; });
+    }
+  }
+
+  void stop_thread() {
+    thread.request_stop();
+    if (thread.joinable()) thread.join();
+  }
+};
+
+Robot::Robot(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Robot::~Robot() {
+  for (const Ended& ended : stop())
+    if (!ended.status.ok()) log::warning("server '{}': {}", ended.server, ended.status.to_string());
+}
+
+Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Surroundings surroundings) {
+  auto state = std::make_unique<State>();
+  state->config = config;
+  state->surroundings = std::move(surroundings);
+  ENGRAM_RETURN_IF_ERROR(state->start_names());
+  for (const ServerConfig& server : config.servers)
+    ENGRAM_RETURN_IF_ERROR(state->start_server(server));
+  ENGRAM_RETURN_IF_ERROR(state->start_watch());
+  State& running = *state;
+  state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  return std::unique_ptr<Robot>(new Robot(std::move(state)));
+}
+
+std::vector<Robot::Served> Robot::servers() const {
+  std::vector<Served> all;
+  for (const auto& server : state_->servers) {
+    const MemoryService::Options& options = server->service().options();
+    all.push_back({options.name, options.memories, server->endpoints(),
+                   options.store ? options.store->store : std::filesystem::path()});
+  }
+  return all;
+}
+
+std::vector<std::string> Robot::names() const {
+  return state_->names_server ? state_->names_server->endpoints() : std::vector<std::string>();
+}
+
+std::vector<Robot::Ended> Robot::stop() {
+  state_->stop_thread();
+  std::vector<Ended> all;
+  for (const auto& server : state_->servers) {
+    const Registration said = server->registration();
+    // One that has left already is fine too.
+    if (state_->names_server)
+      (void)state_->names_server->registry().remove(said.server, said.incarnation).ok();
+    Status status = server->stop();
+    all.push_back({said.server, std::move(status), server->service().counters()});
+  }
+  state_->servers.clear();
+  state_->watch.reset();
+  state_->names_server.reset();
+  return all;
+}
+
+}  // namespace engram::server

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/robot/robot_config.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "ltm/core/config.h"
+#include "ltm/filter/config_choice.h"
+#include "ltm/recording/presets.h"
+#include "ltm/recording/recording_config.h"
+#include "server/robot/default_endpoint.h"
+
+namespace engram::server {
+
+using ltm::Choice;
+using ltm::MemoryId;
+using ltm::read_choice;
+
+namespace {
+
+constexpr const char* kSystemState = "SystemState";
+
+constexpr std::array<Choice<StoreMode>, 3> kModes{{{"what-leaves", StoreMode::kWhatLeaves},
+                                                   {"everything", StoreMode::kEverything},
+                                                   {"latest", StoreMode::kLatest}}};
+
+constexpr std::array<Choice<MemoryService::Durability>, 2> kDurabilities{
+    {{"memory", MemoryService::Durability::kMemory},
+     {"journal", MemoryService::Durability::kJournal}}};
+
+/// Reads one configuration: what stands elsewhere in it is known to all its parts.
+class RobotReader {
+ public:
+  explicit RobotReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
+  Result<RobotConfig> read(const ConfigValue& file) {
+    ENGRAM_ASSIGN_OR_RETURN(ConfigMap top, file.map());
+    ENGRAM_RETURN_IF_ERROR(read_security(top));
+    ENGRAM_RETURN_IF_ERROR(read_names(top));
+    ENGRAM_RETURN_IF_ERROR(read_servers(top));
+    ENGRAM_RETURN_IF_ERROR(read_system_state(top));
+    ENGRAM_RETURN_IF_ERROR(top.finish());
+    if (robot_.servers.empty() && (!robot_.names || robot_.names->listen.empty()))
+      return file.error("found neither 'servers' nor 'names' that listen, needs one of them");
+    return std::move(robot_);
+  }
+
+ private:
+  Status read_path(ConfigMap& map, std::string_view key, std::filesystem::path& out) const {
+    std::string text;
+    ENGRAM_RETURN_IF_ERROR(map.read(key, text, &ConfigValue::text));
+    if (!text.empty()) out = directory_ / text;
+    return {};
+  }
+
+  /// A number of things, at least one.
+  static Status read_count(ConfigMap& map, std::string_view key, std::optional<size_t>& out) {
+    const auto value = map.find(key);
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t count, value->integer());
+    if (count < 1) return value->error(fmt::format("found {}, needs at least 1", count));
+    out = static_cast<size_t>(count);
+    return {};
+  }
+
+  static Status read_limits(ConfigMap& map, MemoryLimits& limits) {
+    ENGRAM_RETURN_IF_ERROR(read_count(map, "snapshots", limits.snapshots));
+    ENGRAM_RETURN_IF_ERROR(map.read("bytes", limits.bytes, &ConfigValue::bytes));
+    ENGRAM_RETURN_IF_ERROR(map.read("age", limits.age, &ConfigValue::duration));
+    const Status status = limits.validate();
+    return status.ok() ? status : map.value().error(status);
+  }
+
+  static Status read_endpoints(ConfigMap& map, std::string_view key, std::vector<Endpoint>& out) {
+    const auto value = map.find(key);
+    if (!value) return {};
+    std::vector<ConfigValue> values{*value};
+    if (!value->is_text()) {
+      ENGRAM_ASSIGN_OR_RETURN(values, value->list());
+    }
+    for (const ConfigValue& each : values) {
+      ENGRAM_ASSIGN_OR_RETURN(const std::string text, each.text());
+      auto endpoint = Endpoint::parse(text);
+      if (!endpoint.ok()) return each.error(endpoint.status());
+      out.push_back(*std::move(endpoint));
+    }
+    if (out.empty()) return value->error("found an empty list, needs endpoints");
+    return {};
+  }
+
+  Status read_security(ConfigMap& top) {
+    const auto value = top.find("security");
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
+    ListenPolicy::Options& security = robot_.security;
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "certificate", security.certificate));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "key", security.key));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "client_ca", security.client_ca));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "tokens", security.tokens));
+    return map.finish();
+  }
+
+  Status read_names(ConfigMap& top) {
+    const auto value = top.find("names");
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
+    NamesConfig names;
+    ENGRAM_RETURN_IF_ERROR(read_endpoints(map, "listen", names.listen));
+    std::vector<Endpoint> at;
+    ENGRAM_RETURN_IF_ERROR(read_endpoints(map, "at", at));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "token", names.token));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "ca", names.ca));
+    ENGRAM_RETURN_IF_ERROR(map.finish());
+    if (names.listen.empty() == at.empty() || at.size() > 1)
+      return value->error(
+          "needs either 'listen', where a name system of this process listens, or 'at', where "
+          "another one does");
+    if (!at.empty()) names.at = at.front();
+    if (at.empty() && (!names.token.empty() || !names.ca.empty()))
+      return value->error("'token' and 'ca' are for a name system elsewhere ('at')");
+    robot_.names = std::move(names);
+    return {};
+  }
+
+  static Status read_segments(ConfigMap& map, std::vector<SegmentLimits>& segments) {
+    const auto value = map.find("segments");
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
+    for (const ConfigValue& each : values) {
+      ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, each.map());
+      ENGRAM_ASSIGN_OR_RETURN(const ConfigValue match, entry.require("match"));
+      ENGRAM_ASSIGN_OR_RETURN(const std::string text, match.text());
+      auto id = MemoryId::parse(text);
+      if (!id.ok()) return match.error(id.status());
+      if (id->names().empty() || id->time())
+        return match.error(fmt::format("found '{}', needs a memory, segment or entity", text));
+      SegmentLimits segment{*std::move(id), {}};
+      ENGRAM_RETURN_IF_ERROR(read_limits(entry, segment.limits));
+      ENGRAM_RETURN_IF_ERROR(entry.finish());
+      if (!segment.limits.snapshots && !segment.limits.bytes && !segment.limits.age)
+        return each.error("has no limit, needs bytes, snapshots or age");
+      segments.push_back(std::move(segment));
+    }
+    return {};
+  }
+
+  static Status read_working_memory(ConfigMap& map, ServerConfig& server) {
+    WorkingMemory::Options& memory = server.options.service.memory;
+    ENGRAM_RETURN_IF_ERROR(read_segments(map, memory.segments));
+    const auto value = map.find("working_memory");
+    if (value) {
+      ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, value->map());
+      ENGRAM_RETURN_IF_ERROR(read_limits(entry, memory.all));
+      ENGRAM_RETURN_IF_ERROR(entry.read("least", server.least_bytes, &ConfigValue::bytes));
+      ENGRAM_RETURN_IF_ERROR(entry.read("waiting", memory.most_waiting_bytes, &ConfigValue::bytes));
+      ENGRAM_RETURN_IF_ERROR(
+          entry.read("read_half_life", memory.read_half_life, &ConfigValue::duration));
+      if (entry.find("least") &&
+          (server.least_bytes == 0 || server.least_bytes > *memory.all.bytes))
+        return entry.find("least")->error(
+            fmt::format("found {} bytes, needs more than 0 and at most the {} of 'bytes'",
+                        server.least_bytes, *memory.all.bytes));
+      ENGRAM_RETURN_IF_ERROR(entry.finish());
+    }
+    server.least_bytes = std::min<uint64_t>(server.least_bytes, *memory.all.bytes);
+    return {};
+  }
+
+  Status read_recording(ConfigMap& map, LongTerm::Options& store) const {
+    const auto preset = map.find("preset");
+    const auto file = map.find("recording");
+    if (preset && file) return preset->error("stands beside 'recording', needs one of them");
+    if (preset) {
+      ENGRAM_ASSIGN_OR_RETURN(const std::string name, preset->text());
+      const auto yaml = ltm::recording_preset(name);
+      if (!yaml.ok()) return preset->error(yaml.status());
+      ENGRAM_ASSIGN_OR_RETURN(store.recording,
+                              ltm::parse_recording_config(*yaml, fmt::format("preset '{}'", name)));
+    }
+    if (!file) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const std::string path, file->text());
+    auto recording = ltm::read_recording_config(directory_ / path);
+    if (!recording.ok()) return file->error(recording.status());
+    store.recording = *std::move(recording);
+    return {};
+  }
+
+  /// What needs a store.
+  Status read_store(ConfigMap& map, MemoryService::Options& service) const {
+    std::filesystem::path path;
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "store", path));
+    if (path.empty()) {
+      for (const std::string_view key : {"recording", "preset", "decoded", "prefer"})
+        if (const auto value = map.find(key)) return value->error("needs a 'store' beside it");
+      service.memory.mode = StoreMode::kLatest;
+    } else {
+      LongTerm::Options& store = service.store.emplace();
+      store.store = std::move(path);
+      ENGRAM_RETURN_IF_ERROR(read_recording(map, store));
+      ENGRAM_RETURN_IF_ERROR(map.read("decoded", store.most_decoded_bytes, &ConfigValue::bytes));
+      ENGRAM_RETURN_IF_ERROR(
+          read_choice(map, "prefer", store.prefers_latents,
+                      std::array<Choice<bool>, 2>{{{"recorded", false}, {"latents", true}}}));
+    }
+    ENGRAM_RETURN_IF_ERROR(read_choice(map, "mode", service.memory.mode, kModes));
+    if (!service.store && service.memory.mode != StoreMode::kLatest)
+      return map.find("mode")->error("needs a 'store' beside it, or the mode 'latest'");
+    return map.read("latest_every", service.memory.store_interval, &ConfigValue::duration);
+  }
+
+  Status read_memories(ConfigMap& map, const std::string& server,
+                       std::vector<std::string>& memories) {
+    const auto value = map.find("memories");
+    if (!value) {
+      if (robot_.names)
+        return map.value().error(
+            "has no key 'memories', needs one: the name system tells others which server has "
+            "which memory");
+      return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
+    for (const ConfigValue& each : values) {
+      ENGRAM_ASSIGN_OR_RETURN(std::string name, each.text());
+      if (const auto id = MemoryId::from_names({name}); !id.ok()) return each.error(id.status());
+      const auto [known, is_new] = servers_of_memories_.emplace(name, server);
+      if (!is_new)
+        return each.error(
+            fmt::format("memory '{}' is that of server '{}' already", name, known->second));
+      memories.push_back(std::move(name));
+    }
+    if (memories.empty()) return value->error("found an empty list, needs names of memories");
+    return {};
+  }
+
+  Status read_listen(ConfigMap& map, MemoryServer::Options& options) const {
+    std::vector<Endpoint>& endpoints = options.rpc.endpoints;
+    ENGRAM_RETURN_IF_ERROR(read_endpoints(map, "listen", endpoints));
+    ENGRAM_RETURN_IF_ERROR(read_endpoints(map, "reached_at", options.reached_at));
+    if (endpoints.empty()) {
+      auto endpoint = default_endpoint(options.service.name);
+      if (!endpoint.ok()) return map.value().error(endpoint.status());
+      endpoints.push_back(*std::move(endpoint));
+    }
+    const bool is_anywhere = std::ranges::any_of(endpoints, [](const Endpoint& endpoint) {
+      return endpoint.kind() == Endpoint::Kind::kTcp &&
+             (endpoint.host() == "0.0.0.0" || endpoint.host() == "::");
+    });
+    if (robot_.names && is_anywhere && options.reached_at.empty())
+      return map.find("listen")->error(
+          "tells nobody which machine this is, needs 'reached_at' for the name system");
+    return {};
+  }
+
+  Status read_threads(ConfigMap& map, int& threads) const {
+    constexpr int64_t kMostThreads = 64;
+    const auto value = map.find("threads");
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t count, value->integer());
+    if (count < 1 || count > kMostThreads)
+      return value->error(fmt::format("found {}, needs 1 to {}", count, kMostThreads));
+    threads = static_cast<int>(count);
+    return {};
+  }
+
+  Result<ServerConfig> read_server(const ConfigValue& value, bool is_only_one) {
+    ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+    ServerConfig server;
+    MemoryServer::Options& options = server.options;
+    MemoryService::Options& service = options.service;
+    if (!is_only_one) {
+      ENGRAM_RETURN_IF_ERROR(map.require("name").status());
+    }
+    ENGRAM_RETURN_IF_ERROR(map.read("name", service.name, &ConfigValue::text));
+    if (!names_.insert(service.name).second)
+      return map.find("name")->error(fmt::format("there is a server '{}' already", service.name));
+    ENGRAM_RETURN_IF_ERROR(read_memories(map, service.name, service.memories));
+    ENGRAM_RETURN_IF_ERROR(read_listen(map, options));
+    ENGRAM_RETURN_IF_ERROR(read_store(map, service));
+    ENGRAM_RETURN_IF_ERROR(read_choice(map, "durability", options.durability, kDurabilities));
+    if (options.durability == MemoryService::Durability::kJournal && !service.store)
+      return map.find("durability")->error("needs a 'store' beside it");
+    ENGRAM_RETURN_IF_ERROR(read_working_memory(map, server));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "prior", server.prior));
+    ENGRAM_RETURN_IF_ERROR(
+        map.read("furthest_prediction", service.furthest_prediction, &ConfigValue::duration));
+    ENGRAM_RETURN_IF_ERROR(read_threads(map, options.threads));
+    ENGRAM_RETURN_IF_ERROR(map.finish());
+    if (const Status status = service.validate(); !status.ok()) return value.error(status);
+    options.rpc.security = robot_.security;
+    options.tokens = robot_.security.tokens;
+    return server;
+  }
+
+  Status read_servers(ConfigMap& top) {
+    const auto value = top.find("servers");
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
+    for (const ConfigValue& each : values) {
+      ENGRAM_ASSIGN_OR_RETURN(ServerConfig server, read_server(each, values.size() == 1));
+      robot_.servers.push_back(std::move(server));
+    }
+    return {};
+  }
+
+  /// Who has it where nobody says: the server of that memory, else one of any memory, else the
+  /// first one, unless others may have it whom the name system knows.
+  [[nodiscard]] std::optional<size_t> usual_system_state() const {
+    if (const auto known = servers_of_memories_.find(kSystemState);
+        known != servers_of_memories_.end())
+      return index_of(known->second);
+    for (size_t i = 0; i < robot_.servers.size(); ++i)
+      if (robot_.servers[i].options.service.memories.empty()) return i;
+    if (robot_.servers.empty() || (robot_.names && robot_.names->at)) return std::nullopt;
+    return 0;
+  }
+
+  [[nodiscard]] std::optional<size_t> index_of(const std::string& server) const {
+    for (size_t i = 0; i < robot_.servers.size(); ++i)
+      if (robot_.servers[i].options.service.name == server) return i;
+    return std::nullopt;
+  }
+
+  Status read_system_state(ConfigMap& top) {
+    const auto value = top.find("system_state");
+    robot_.system_state = usual_system_state();
+    if (value) {
+      ENGRAM_ASSIGN_OR_RETURN(const std::string text, value->text());
+      if (text == "false") {
+        robot_.system_state.reset();
+      } else if (text == "true") {
+        if (robot_.servers.empty()) return value->error("needs a server that has it");
+        if (!robot_.system_state) robot_.system_state = 0;
+      } else {
+        robot_.system_state = index_of(text);
+        if (!robot_.system_state)
+          return value->error(
+              fmt::format("found '{}', needs true, false or the name of a server", text));
+        const auto known = servers_of_memories_.find(kSystemState);
+        if (known != servers_of_memories_.end() && known->second != text)
+          return value->error(
+              fmt::format("memory '{}' is that of server '{}'", kSystemState, known->second));
+      }
+    }
+    if (!robot_.system_state) return {};
+    auto& memories = robot_.servers[*robot_.system_state].options.service.memories;
+    if (!memories.empty() && std::ranges::find(memories, kSystemState) == memories.end())
+      memories.emplace_back(kSystemState);
+    return {};
+  }
+
+  const std::filesystem::path directory_;
+  RobotConfig robot_;
+  std::set<std::string> names_;
+  std::map<std::string, std::string> servers_of_memories_;
+};
+
+}  // namespace
+
+Result<RobotConfig> robot_of_store(const std::filesystem::path& store) {
+  ServerConfig server;
+  server.options.service.store.emplace().store = store;
+  ENGRAM_ASSIGN_OR_RETURN(Endpoint endpoint, default_endpoint(server.options.service.name));
+  server.options.rpc.endpoints.push_back(std::move(endpoint));
+  RobotConfig robot;
+  robot.servers.push_back(std::move(server));
+  robot.system_state = 0;
+  return robot;
+}
+
+Result<RobotConfig> parse_robot_config(std::string_view text, const std::string& name,
+                                       const std::filesystem::path& directory) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue file, ConfigValue::parse(text, name));
+  return RobotReader(directory).read(file);
+}
+
+Result<RobotConfig> read_robot_config(const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue file, ConfigValue::read_file(path));
+  return RobotReader(path.parent_path()).read(file);
+}
+
+std::string_view to_string(StoreMode mode) {
+  for (const Choice<StoreMode>& choice : kModes)
+    if (choice.value == mode) return choice.word;
+  return "";
+}
+
+}  // namespace engram::server

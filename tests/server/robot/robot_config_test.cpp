@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/robot/robot_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::server {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+Result<RobotConfig> parse(std::string_view text) {
+  return parse_robot_config(text, "robot.yaml", "/etc/engram");
+}
+
+std::string problem(std::string_view text) {
+  const auto config = parse(text);
+  EXPECT_EQ(config.status().code(), StatusCode::kInvalidArgument) << text;
+  return std::string(config.status().message());
+}
+
+TEST(RobotConfig, NeedsNoMoreThanAStore) {
+  const auto config = parse("servers: [{store: robot.engram}]");
+  ASSERT_TRUE(config.ok()) << config.status().to_string();
+  ASSERT_THAT(config->servers, SizeIs(1));
+  const MemoryServer::Options& options = config->servers[0].options;
+  EXPECT_EQ(options.service.name, "engram");
+  EXPECT_THAT(options.service.memories, IsEmpty());
+  ASSERT_TRUE(options.service.store);
+  EXPECT_EQ(options.service.store->store, "/etc/engram/robot.engram");
+  EXPECT_EQ(options.service.memory.mode, StoreMode::kWhatLeaves);
+  EXPECT_EQ(options.durability, MemoryService::Durability::kMemory);
+  ASSERT_THAT(options.rpc.endpoints, SizeIs(1));
+  EXPECT_THAT(options.rpc.endpoints[0].path(), HasSubstr("/engram.sock"));
+  EXPECT_EQ(config->system_state, 0u);
+}
+
+TEST(RobotConfig, IsThatOfAStoreWithoutAFile) {
+  const auto given = robot_of_store("robot.engram");
+  const auto read = parse_robot_config("servers: [{store: robot.engram}]", "robot.yaml", "");
+  ASSERT_TRUE(given.ok() && read.ok());
+  const MemoryServer::Options& a = given->servers[0].options;
+  const MemoryServer::Options& b = read->servers[0].options;
+  EXPECT_EQ(a.service.store->store, b.service.store->store);
+  EXPECT_EQ(a.rpc.endpoints, b.rpc.endpoints);
+  EXPECT_EQ(a.service.name, b.service.name);
+  EXPECT_EQ(given->system_state, read->system_state);
+  EXPECT_EQ(given->servers[0].least_bytes, read->servers[0].least_bytes);
+}
+
+TEST(RobotConfig, ReadsEveryKey) {
+  const ScratchDirectory folder;
+  const std::string recording = "preset: balanced\n";
+  overwrite_file(folder / "recording.yaml", std::as_bytes(std::span(recording)));
+  const auto config = parse_robot_config(R"(
+security: {certificate: server.pem, key: server.key, client_ca: clients.pem, tokens: tokens.yaml}
+names: {at: 'names.local:50050', token: mine.token, ca: ca.pem}
+system_state: vision
+servers:
+  - name: vision
+    memories: [Vision]
+    listen: ['unix:/run/engram/vision.sock', '0.0.0.0:50051']
+    reached_at: 'head.local:50051'
+    store: vision.engram
+    recording: recording.yaml
+    mode: everything
+    durability: journal
+    working_memory: {bytes: 1GiB, snapshots: 1000, age: 10min, least: 64MiB, waiting: 128MiB,
+                     read_half_life: 5min}
+    segments:
+      - {match: Vision/RGB, snapshots: 300, bytes: 256MiB, age: 1min}
+    decoded: 32MiB
+    prefer: latents
+    prior: prior
+    furthest_prediction: 5s
+    threads: 3
+  - name: scratch
+    memories: [Scratch]
+    listen: 'unix:/run/engram/scratch.sock'
+    latest_every: 5s
+)",
+                                         "robot.yaml", folder.path());
+  ASSERT_TRUE(config.ok()) << config.status().to_string();
+  EXPECT_EQ(config->names->at->to_string(), "names.local:50050");
+  EXPECT_EQ(config->names->token, folder / "mine.token");
+  EXPECT_EQ(config->security.client_ca, folder / "clients.pem");
+  EXPECT_EQ(config->system_state, 0u);
+  const ServerConfig& vision = config->servers[0];
+  EXPECT_EQ(vision.prior, folder / "prior");
+  EXPECT_EQ(vision.least_bytes, uint64_t{64} << 20);
+  EXPECT_EQ(vision.options.tokens, folder / "tokens.yaml");
+  EXPECT_EQ(vision.options.rpc.security.key, folder / "server.key");
+  EXPECT_EQ(vision.options.rpc.endpoints[1].to_string(), "0.0.0.0:50051");
+  EXPECT_EQ(vision.options.reached_at[0].to_string(), "head.local:50051");
+  EXPECT_EQ(vision.options.durability, MemoryService::Durability::kJournal);
+  EXPECT_EQ(vision.options.threads, 3);
+  const MemoryService::Options& service = vision.options.service;
+  EXPECT_THAT(service.memories, ElementsAre("Vision", "SystemState"));
+  EXPECT_EQ(service.furthest_prediction, std::chrono::seconds(5));
+  EXPECT_TRUE(service.store->prefers_latents);
+  EXPECT_EQ(service.store->most_decoded_bytes, size_t{32} << 20);
+  EXPECT_THAT(service.store->recording.rules, SizeIs(1));
+  const WorkingMemory::Options& memory = service.memory;
+  EXPECT_EQ(memory.mode, StoreMode::kEverything);
+  EXPECT_EQ(memory.all.bytes, size_t{1} << 30);
+  EXPECT_EQ(memory.all.snapshots, 1000u);
+  EXPECT_EQ(memory.all.age, std::chrono::minutes(10));
+  EXPECT_EQ(memory.most_waiting_bytes, size_t{128} << 20);
+  EXPECT_EQ(memory.read_half_life, std::chrono::minutes(5));
+  ASSERT_THAT(memory.segments, SizeIs(1));
+  EXPECT_EQ(memory.segments[0].segment.to_string(), "Vision/RGB");
+  EXPECT_EQ(memory.segments[0].limits.snapshots, 300u);
+  const MemoryService::Options& scratch = config->servers[1].options.service;
+  EXPECT_FALSE(scratch.store);
+  EXPECT_EQ(scratch.memory.mode, StoreMode::kLatest);
+  EXPECT_EQ(scratch.memory.store_interval, std::chrono::seconds(5));
+}
+
+TEST(RobotConfig, NamesFileLineAndKeyOfWhatIsWrong) {
+  EXPECT_THAT(problem("servers:\n  - {store: a, mod: latest}"),
+              HasSubstr("robot.yaml:2: 'servers[0].mod': unknown key; did you mean 'mode'?"));
+  EXPECT_THAT(problem("servers:\n  - {store: a, mode: newest}"), HasSubstr("what-leaves"));
+  EXPECT_THAT(problem("servers: [{listen: 'unix:relative'}]"), HasSubstr("absolute path"));
+  EXPECT_THAT(problem("servers: [{store: a, working_memory: {bytes: 0B}}]"), HasSubstr("0 bytes"));
+  EXPECT_THAT(problem("servers: [{store: a, working_memory: {bytes: 1MiB, least: 2MiB}}]"),
+              HasSubstr("'servers[0].working_memory.least'"));
+  EXPECT_THAT(problem("servers: [{store: a, working_memory: {snapshots: -1}}]"),
+              HasSubstr("at least 1"));
+  EXPECT_THAT(problem("servers: [{store: a, segments: [{match: Vision}]}]"), HasSubstr("no limit"));
+  EXPECT_THAT(problem("servers: [{store: a, threads: 0}]"), HasSubstr("1 to 64"));
+  EXPECT_THAT(problem("servers: [{store: a, memories: []}]"), HasSubstr("empty list"));
+  EXPECT_THAT(problem("servers: [{store: a, preset: tiny}]"), HasSubstr("balanced"));
+  EXPECT_THAT(problem("servers: [{store: a, preset: small, recording: b.yaml}]"),
+              HasSubstr("one of them"));
+  EXPECT_THAT(problem("servers: [{store: a, recording: none.yaml}]"), HasSubstr("none.yaml"));
+  EXPECT_THAT(problem("servers: [{name: a/b, store: a}]"), HasSubstr("'listen'"));
+}
+
+TEST(RobotConfig, RefusesWhatNeedsAStoreWithoutOne) {
+  EXPECT_THAT(problem("servers: [{mode: everything}]"), HasSubstr("'store'"));
+  EXPECT_THAT(problem("servers: [{durability: journal}]"), HasSubstr("'store'"));
+  EXPECT_THAT(problem("servers: [{preset: small}]"), HasSubstr("'store'"));
+}
+
+TEST(RobotConfig, RefusesServersThatCannotBeToldApart) {
+  EXPECT_THAT(problem("servers: [{store: a}, {store: b}]"), HasSubstr("'name'"));
+  EXPECT_THAT(problem("servers: [{name: a, store: a}, {name: a, store: b}]"),
+              HasSubstr("a server 'a' already"));
+  EXPECT_THAT(problem("servers: [{name: a, memories: [Vision]}, {name: b, memories: [Vision]}]"),
+              HasSubstr("memory 'Vision' is that of server 'a'"));
+}
+
+TEST(RobotConfig, TellsTheNameSystemWhatItNeeds) {
+  EXPECT_THAT(problem("names: {listen: 'unix:/n', at: 'unix:/m'}"), HasSubstr("either 'listen'"));
+  EXPECT_THAT(problem("names: {}\nservers: [{store: a}]"), HasSubstr("either 'listen'"));
+  EXPECT_THAT(problem("names: {listen: 'unix:/n'}\nservers: [{store: a}]"),
+              HasSubstr("'memories'"));
+  EXPECT_THAT(problem("names: {listen: 'unix:/n'}\n"
+                      "servers: [{memories: [A], listen: '0.0.0.0:1'}]"),
+              HasSubstr("'reached_at'"));
+  EXPECT_THAT(problem("names: {listen: 'unix:/n', token: t}"), HasSubstr("elsewhere"));
+  EXPECT_THAT(problem(""), HasSubstr("neither"));
+  EXPECT_TRUE(parse("names: {listen: 'unix:/n'}").ok());
+}
+
+TEST(RobotConfig, GivesTheStateOfTheSystemToOneServer) {
+  const auto holder = [](std::string_view text) {
+    const auto config = parse(text);
+    EXPECT_TRUE(config.ok()) << config.status().to_string();
+    return config.ok() ? config->system_state : std::nullopt;
+  };
+  EXPECT_EQ(holder("servers: [{name: a, memories: [A]}, {name: b, memories: [B, SystemState]}]"),
+            1);
+  EXPECT_EQ(holder("servers: [{name: a, memories: [A]}, {name: b}]"), 1);
+  EXPECT_EQ(holder("servers: [{name: a, memories: [A]}, {name: b, memories: [B]}]"), 0);
+  EXPECT_EQ(holder("system_state: b\nservers: [{name: a}, {name: b}]"), 1);
+  EXPECT_EQ(holder("system_state: false\nservers: [{name: a}]"), std::nullopt);
+  // Another process may have it already.
+  EXPECT_EQ(holder("names: {at: 'unix:/n'}\nservers: [{memories: [A]}]"), std::nullopt);
+  EXPECT_EQ(holder("system_state: true\nnames: {at: 'unix:/n'}\nservers: [{memories: [A]}]"), 0);
+  EXPECT_THAT(problem("system_state: c\nservers: [{name: a}]"), HasSubstr("name of a server"));
+}
+
+}  // namespace
+}  // namespace engram::server
