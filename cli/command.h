@@ -38,6 +38,9 @@ void add_check_command(CLI::App& app, ExitCode& exit_code);
 void add_recover_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
 
+/// serve, mns, commit and watch; none where the program is built without servers.
+void add_server_commands(CLI::App& app, ExitCode& exit_code);
+
 /// Reads the arguments and runs the command that they name, which sets `exit_code`. Returns it, or
 /// kWrongUsage after telling what is wrong with the arguments.
 ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code);

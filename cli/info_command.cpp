@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cli/command.h"
+#include "cli/remote.h"
 #include "cli/text.h"
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
@@ -16,10 +17,14 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   engram info robot.engram
   engram info robot.engram --json | jq '.entities[].stored_bytes'
+  engram info --server 127.0.0.1:50051
+  engram info --server unix:/run/engram/vision.sock --metrics
+  engram info --names unix:/run/engram/names.sock
 
 raw      bytes of the plain values: as they came (offered) and after the filters (kept)
 stored   their recorded form: segments and journal; the codecs are those of the newest segments
-latent   their form as latents; the model that decodes them counts beside)";
+latent   their form as latents; the model that decodes them counts beside
+Of a server: what it has in memory, what came and went; of a name system: the servers that it knows.)";
 
 /// A figure per snapshot, or nothing where there are none.
 double each(uint64_t total, uint64_t count) {
@@ -152,7 +157,24 @@ void print_types(const ltm::SegmentTypes& types) {
     print(fmt::format("  {}  {}", segment.to_string(), to_string(type)));
 }
 
-ExitCode run(const std::string& store, bool is_json) {
+struct InfoArguments {
+  std::string store;
+  RemoteArguments remote;
+  bool is_json = false;
+  bool is_metrics = false;
+};
+
+ExitCode run(const InfoArguments& arguments) {
+  const std::string& store = arguments.store;
+  const bool is_json = arguments.is_json;
+  if (const Status named = check_source(store, arguments.remote); !named.ok())
+    return wrong_usage(named);
+  if (store.empty())
+    return show_server(arguments.remote, arguments.is_metrics ? ServerFigures::kMetrics
+                                         : is_json            ? ServerFigures::kJson
+                                                              : ServerFigures::kText);
+  if (arguments.is_metrics)
+    return wrong_usage(invalid_argument("--metrics is of a server, not of a store"));
   auto reader = ltm::StoreReader::open(store);
   if (!reader.ok()) return fail(reader.status());
   const ltm::Manifest& manifest = (*reader)->manifest();
@@ -198,13 +220,16 @@ ExitCode run(const std::string& store, bool is_json) {
 }  // namespace
 
 void add_info_command(CLI::App& app, ExitCode& exit_code) {
-  const auto store = std::make_shared<std::string>();
-  const auto is_json = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("info", "Show what a store holds");
+  const auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* command = app.add_subcommand("info", "Show what a store holds, or what a server counts");
   command->footer(kFooter);
-  command->add_option("store", *store, "Store")->required();
-  command->add_flag("--json", *is_json, "As JSON");
-  command->callback([store, is_json, &exit_code] { exit_code = run(*store, *is_json); });
+  command->add_option("store", arguments->store, "Store; none where a server is asked");
+  add_remote_options(*command, arguments->remote);
+  command->add_flag("--json", arguments->is_json, "As JSON");
+  if (has_servers())
+    command->add_flag("--metrics", arguments->is_metrics, "Of a server, as text for Prometheus")
+        ->excludes("--json");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace engram::cli

@@ -28,6 +28,9 @@ constexpr const char* kFooter = R"(Examples:
   engram compact robot.engram
   engram idf generate kitchen.xml --cpp generated
   engram check robot.engram
+  engram serve robot.engram
+  engram commit Objects/Things/kitchen/cup --data '{"height": 0.11}'
+  engram watch Vision Objects
 
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
@@ -66,6 +69,7 @@ ExitCode run(int argc, char** argv) {
   add_compact_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_idf_command(app, exit_code);
+  add_server_commands(app, exit_code);
   add_check_command(app, exit_code);
   add_recover_command(app, exit_code);
   return run_command(app, argc, argv, exit_code);

@@ -7,6 +7,8 @@
 #include "cli/predict_picture.h"
 #include "cli/predict_text.h"
 #include "cli/progress_line.h"
+#include "cli/remote.h"
+#include "cli/result_text.h"
 #include "cli/save.h"
 #include "cli/text.h"
 #include "encoders/load_model.h"
@@ -36,7 +38,8 @@ Examples:
   engram predict robot.engram Vision/RGB/head/cam --plan RobotState/Planning/arm/joints
   engram predict robot.engram RobotState/Proprioception/robot/joints --horizons +1s --engine line
   engram predict robot.engram RobotState/Proprioception/robot/joints --list --ahead 200ms,400ms,1s
-  engram predict robot.engram Vision/RGB/head/cam --list --json)";
+  engram predict robot.engram Vision/RGB/head/cam --list --json
+  engram predict --server 127.0.0.1:50051 Vision/RGB/head/cam --horizons +200ms,+400ms)";
 
 /// What --list measures where nobody says it; of entities with long steps, steps.
 constexpr std::string_view kAhead = "200ms,400ms,1s";
@@ -46,6 +49,7 @@ constexpr Duration kSlow = std::chrono::milliseconds(250);
 struct PredictArguments {
   std::string store;
   std::string entity;
+  RemoteArguments remote;
   std::string at;
   std::string horizons = "1..3";
   std::string engine;
@@ -151,10 +155,63 @@ std::string horizons_text(const PredictArguments& arguments, Duration step) {
   return std::string(step < kSlow ? kAhead : kAheadOfSlow);
 }
 
-ExitCode run(const PredictArguments& arguments) {
+/// The median step between the newest snapshots that a server has.
+Result<Duration> step_at_server(const RemoteArguments& remote, const ltm::MemoryId& entity) {
+  constexpr int64_t kSnapshots = 21;
+  const auto result =
+      query_server(remote, ltm::Query::of_entity(entity, ltm::select::Latest{kSnapshots}));
+  ENGRAM_RETURN_IF_ERROR(result.status());
+  std::vector<Duration> steps;
+  const ltm::EntityResult* found = result->find_entity(entity);
+  for (size_t i = 1; found != nullptr && i < found->snapshots.size(); ++i)
+    steps.push_back(found->snapshots[i].time - found->snapshots[i - 1].time);
+  if (steps.empty())
+    return not_found("entity '{}' has too few snapshots to know its step: needs --horizons +200ms",
+                     entity.to_string());
+  const auto middle = steps.begin() + static_cast<ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return *middle;
+}
+
+ExitCode run_remote(const PredictArguments& arguments, const ltm::MemoryId& entity) {
+  Duration step{};
+  if (arguments.horizons.find('+') == std::string::npos) {
+    const auto known = step_at_server(arguments.remote, entity);
+    if (!known.ok()) return fail(known.status());
+    step = *known;
+  }
+  const auto horizons = parse_horizons(arguments.horizons, step);
+  if (!horizons.ok()) return wrong_usage(horizons.status());
+  ltm::QueryResult all;
+  for (const Duration horizon : *horizons) {
+    auto result =
+        query_server(arguments.remote, ltm::Query::of_entity(entity, ltm::select::Ahead{horizon}),
+                     arguments.engine);
+    if (!result.ok()) return fail(result.status());
+    if (const Status merged = all.merge(*std::move(result)); !merged.ok()) return fail(merged);
+  }
+  return show_result(all, arguments.save, arguments.is_json);
+}
+
+ExitCode run(PredictArguments arguments) {
+  // One text alone is the entity, of a server.
+  if (arguments.entity.empty()) std::swap(arguments.store, arguments.entity);
+  if (arguments.entity.empty()) return wrong_usage(invalid_argument("entity is required"));
+  if (const std::string wrong = entity_text()(arguments.entity); !wrong.empty())
+    return wrong_usage(invalid_argument("entity: {}", wrong));
+  if (const Status named = check_source(arguments.store, arguments.remote); !named.ok())
+    return wrong_usage(named);
   const bool is_sweep = arguments.every > 0 || !arguments.from.empty() || !arguments.to.empty();
   const bool is_moment = !arguments.at.empty() || arguments.is_compared ||
                          !arguments.picture.empty() || !arguments.save.empty();
+  if (arguments.store.empty()) {
+    if (is_sweep || arguments.is_list || !arguments.plan.empty() || !arguments.at.empty() ||
+        arguments.is_compared || !arguments.picture.empty())
+      return wrong_usage(invalid_argument(
+          "a server predicts from now: --at, --plan, --compare, --picture, --list, --every, --from "
+          "and --to are of stores"));
+    return run_remote(arguments, *ltm::MemoryId::parse(arguments.entity));
+  }
   if (is_sweep && is_moment)
     return wrong_usage(invalid_argument(
         "--every, --from and --to are of many moments: --at, --compare, --picture and --save of "
@@ -186,10 +243,9 @@ void add_predict_command(CLI::App& app, ExitCode& exit_code) {
   CLI::App* command =
       app.add_subcommand("predict", "Predict from any moment, and compare with what came");
   command->footer(kFooter);
-  command->add_option("store", arguments->store, "Store")->required();
-  command->add_option("entity", arguments->entity, "Memory/Core/Provider/Entity")
-      ->required()
-      ->check(entity_text());
+  command->add_option("store", arguments->store, "Store; none where a server is asked");
+  command->add_option("entity", arguments->entity, "Memory/Core/Provider/Entity");
+  add_remote_options(*command, arguments->remote);
   command->add_option("--at", arguments->at, "The last moment that is known; else the newest one")
       ->check(time_text());
   command

@@ -87,6 +87,61 @@ RunResult run(const std::vector<std::string>& arguments, int kill_after_ms,
 
 }  // namespace
 
+struct RunningEngram::State {
+  Pipe out, err;
+  pid_t child = -1;
+  RunResult result;
+  bool has_out = true;
+  bool has_err = true;
+
+  /// False when both are closed.
+  bool read_some() {
+    std::array<pollfd, 2> ready{{{has_out ? out.ends[0] : -1, POLLIN, 0},
+                                 {has_err ? err.ends[0] : -1, POLLIN, 0}}};
+    ::poll(ready.data(), ready.size(), 50);
+    if (has_out) has_out = drain(ready[0], result.out);
+    if (has_err) has_err = drain(ready[1], result.err);
+    return has_out || has_err;
+  }
+};
+
+RunningEngram::RunningEngram(const std::vector<std::string>& arguments)
+    : state_(std::make_unique<State>()) {
+  state_->child = start(arguments, state_->out, state_->err);
+  state_->out.close_writer();
+  state_->err.close_writer();
+}
+
+RunningEngram::~RunningEngram() {
+  if (state_->child > 0) end(SIGKILL);
+}
+
+bool RunningEngram::wait_for(const std::string& text) {
+  const auto begin = WallClock::now();
+  while (WallClock::now() - begin < std::chrono::seconds(30)) {
+    if (state_->result.out.find(text) != std::string::npos ||
+        state_->result.err.find(text) != std::string::npos)
+      return true;
+    if (!state_->read_some()) return false;
+  }
+  return false;
+}
+
+const std::string& RunningEngram::out() const {
+  return state_->result.out;
+}
+
+RunResult RunningEngram::end(int signal) {
+  if (signal != 0) ::kill(state_->child, signal);
+  while (state_->read_some()) {
+  }
+  int status = 0;
+  ::waitpid(state_->child, &status, 0);
+  state_->child = -1;
+  state_->result.exit_code = WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+  return state_->result;
+}
+
 RunResult run_engram(const std::vector<std::string>& arguments) { return run(arguments, -1, ""); }
 
 RunResult run_engram_and_kill(const std::vector<std::string>& arguments, int milliseconds,

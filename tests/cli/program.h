@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,29 @@ RunResult run_engram(const std::vector<std::string>& arguments);
 /// holds `until`, whichever comes first; exit_code says whether it was done before.
 RunResult run_engram_and_kill(const std::vector<std::string>& arguments, int milliseconds,
                               const std::string& until = "");
+
+/// A program that runs beside the test. Killed when this goes.
+class RunningEngram {
+ public:
+  explicit RunningEngram(const std::vector<std::string>& arguments);
+  ~RunningEngram();
+  RunningEngram(const RunningEngram&) = delete;
+  RunningEngram& operator=(const RunningEngram&) = delete;
+
+  /// Waits until stdout or stderr holds `text`; false where the program ended before, or did not
+  /// say so within 30 s.
+  bool wait_for(const std::string& text);
+
+  /// What it wrote to stdout until the last call of wait_for.
+  [[nodiscard]] const std::string& out() const;
+
+  /// Waits for its end, of itself or by a signal (0: none); see RunResult.
+  RunResult end(int signal);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// A short rendered recording in `directory`, made once per process: {video, table}.
 struct Recording {

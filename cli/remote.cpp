@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/remote.h"
+
+#include <algorithm>
+
+#include "cli/remote_client.h"
+#include "cli/text.h"
+
+namespace engram::cli {
+
+using server::Registration;
+
+namespace {
+
+/// Names of the memories that a query asks for, as patterns.
+std::vector<std::string> memories_of(const ltm::Query& query) {
+  std::vector<std::string> names;
+  for (const ltm::MemoryQuery& memory : query.memories()) names.push_back(memory.name.to_string());
+  return names;
+}
+
+std::string memories_text(const std::vector<std::string>& memories) {
+  return memories.empty() ? "all memories" : fmt::format("{}", fmt::join(memories, ", "));
+}
+
+ExitCode show_names(const RemoteArguments& arguments, ServerFigures form) {
+  if (form == ServerFigures::kMetrics)
+    return wrong_usage(invalid_argument("--metrics is of a server: needs --server"));
+  auto servers = known_servers(arguments, "");
+  if (!servers.ok()) return fail(servers.status());
+  std::ranges::sort(*servers, {}, &Registration::server);
+  if (form == ServerFigures::kJson) {
+    Json json = Json::array();
+    for (const Registration& one : *servers)
+      json.push_back(
+          {{"server", one.server}, {"memories", one.memories}, {"endpoints", one.endpoints}});
+    print_json({{"servers", std::move(json)}});
+    return ExitCode::kDone;
+  }
+  print(fmt::format("Name system at {}: {} servers", arguments.names, servers->size()));
+  for (const Registration& one : *servers)
+    print(fmt::format("  {}: {} at {}", one.server, memories_text(one.memories),
+                      fmt::join(one.endpoints, ", ")));
+  return ExitCode::kDone;
+}
+
+/// "waiting bytes" for "memory_waiting_bytes".
+std::string label(std::string name, std::string_view start) {
+  name.erase(0, start.size());
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+std::string figure_text(const std::string& name, const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_number_unsigned()) return value.dump();
+  const auto number = value.get<uint64_t>();
+  return name.ends_with("bytes") ? bytes_text(static_cast<double>(number)) : count_text(number);
+}
+
+void print_figures(const Json& figures) {
+  constexpr std::string_view kMemory = "memory_";
+  constexpr std::string_view kStore = "store_";
+  const auto print_part = [&figures](const std::string& title, std::string_view start) {
+    TextTable table({title, ""});
+    bool has_any = false;
+    for (const auto& [name, value] : figures.items()) {
+      const bool is_rest = !name.starts_with(kMemory) && !name.starts_with(kStore);
+      if (start.empty() ? !is_rest : !name.starts_with(start)) continue;
+      table.add({label(name, start), figure_text(name, value)});
+      has_any = true;
+    }
+    if (has_any) print("\n" + table.to_string("  "));
+  };
+  print_part("working memory", kMemory);
+  print_part("store", kStore);
+  print_part("asked", "");
+}
+
+}  // namespace
+
+Result<ltm::QueryResult> query_server(const RemoteArguments& arguments, const ltm::Query& query,
+                                      const std::string& engine) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto clients, open_clients(arguments, memories_of(query)));
+  ltm::QueryResult all(query.is_ids_only());
+  std::optional<Status> unknown;
+  bool is_known = false;
+  for (const auto& client : clients) {
+    auto result = client->query(query, engine);
+    if (!result.ok() && result.status().code() == StatusCode::kNotFound) {
+      unknown = result.status();
+      continue;
+    }
+    ENGRAM_RETURN_IF_ERROR(result.status());
+    ENGRAM_RETURN_IF_ERROR(all.merge(*std::move(result)));
+    is_known = true;
+  }
+  if (!is_known && unknown) return *unknown;
+  return all;
+}
+
+ExitCode show_server(const RemoteArguments& arguments, ServerFigures form) {
+  if (!arguments.names.empty()) return show_names(arguments, form);
+  const auto client = open_client(arguments, "");
+  if (!client.ok()) return fail(client.status());
+  if (form == ServerFigures::kMetrics) {
+    const auto metrics = (*client)->metrics();
+    if (!metrics.ok()) return fail(metrics.status());
+    fmt::print("{}", *metrics);
+    return ExitCode::kDone;
+  }
+  const auto info = (*client)->info();
+  if (!info.ok()) return fail(info.status());
+  const Json figures = Json::parse(info->figures_json, nullptr, false);
+  if (figures.is_discarded())
+    return fail(data_loss("server '{}': its figures are no JSON", info->server));
+  if (form == ServerFigures::kJson) {
+    print_json({{"server", info->server},
+                {"version", info->version},
+                {"memories", info->memories},
+                {"figures", figures}});
+    return ExitCode::kDone;
+  }
+  print(fmt::format("Server {}, engram {}: {}", info->server, info->version,
+                    memories_text(info->memories)));
+  print_figures(figures);
+  return ExitCode::kDone;
+}
+
+}  // namespace engram::cli

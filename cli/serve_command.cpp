@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <condition_variable>
+#include <mutex>
+
+#include "cli/interrupt.h"
+#include "cli/server_commands.h"
+#include "cli/text.h"
+#include "encoders/load_model.h"
+#include "ltm/core/log.h"
+#include "server/robot/robot.h"
+
+namespace engram::cli {
+
+using server::Endpoint;
+using server::Robot;
+using server::RobotConfig;
+
+namespace {
+
+constexpr const char* kServeFooter =
+    R"(Serves what a store holds, and what comes, until Ctrl-C or SIGTERM; then everything that is in
+memory goes to the store. A second Ctrl-C ends it at once. What is served, where, and with which
+limits, is that of robot.yaml (docs/server.md), or of one server of all memories.
+
+Examples:
+  engram serve robot.engram
+  engram serve robot.engram --listen 127.0.0.1:50051 --durability journal
+  engram serve robot.engram --prior prior --bytes 2GiB --mode everything
+  engram serve --config robot.yaml --log json
+Then, elsewhere:
+  engram commit Objects/Things/kitchen/cup --data '{"height": 0.11}'
+  engram query 'Objects @ latest'
+  engram info)";
+
+constexpr const char* kMnsFooter =
+    R"(Tells which server has which memory, until Ctrl-C or SIGTERM. Servers of other processes find it
+with 'names: {at: ENDPOINT}' in their robot.yaml, programs and commands with --names ENDPOINT.
+
+Examples:
+  engram mns --listen unix:/run/engram/names.sock
+  engram mns --listen 0.0.0.0:50050 --certificate server.pem --key server.key --tokens tokens.yaml
+  engram info --names unix:/run/engram/names.sock)";
+
+struct ServeArguments {
+  std::string store;
+  std::string config;
+  std::vector<std::string> listen;
+  std::vector<std::string> memories;
+  std::string name = "engram";
+  std::string mode = "what-leaves";
+  std::string durability = "memory";
+  std::string bytes;
+  std::string recording;
+  std::string preset;
+  std::string prior;
+  server::ListenPolicy::Options security;
+  bool has_no_system_state = false;
+  bool is_json = false;
+};
+
+/// A text in quotes for robot.yaml.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
+  return out + "'";
+}
+
+std::string quoted(const std::vector<std::string>& texts) {
+  std::string out;
+  for (const std::string& text : texts) out += (out.empty() ? "" : ", ") + quoted(text);
+  return "[" + out + "]";
+}
+
+std::string security_yaml(const server::ListenPolicy::Options& security) {
+  std::string text;
+  const auto add = [&text](const char* key, const std::filesystem::path& value) {
+    if (!value.empty()) text += fmt::format("  {}: {}\n", key, quoted(value.string()));
+  };
+  add("certificate", security.certificate);
+  add("key", security.key);
+  add("client_ca", security.client_ca);
+  add("tokens", security.tokens);
+  return text.empty() ? "" : "security:\n" + text;
+}
+
+/// What robot.yaml would say: checked in the same way.
+std::string yaml_of(const ServeArguments& arguments) {
+  std::string text = security_yaml(arguments.security);
+  if (arguments.has_no_system_state) text += "system_state: false\n";
+  text += "servers:\n  - name: " + quoted(arguments.name) + "\n";
+  const auto add = [&text](const char* key, const std::string& value) {
+    if (!value.empty()) text += fmt::format("    {}: {}\n", key, quoted(value));
+  };
+  add("store", arguments.store);
+  add("mode", arguments.mode);
+  add("durability", arguments.durability);
+  add("recording", arguments.recording);
+  add("preset", arguments.preset);
+  add("prior", arguments.prior);
+  if (!arguments.bytes.empty())
+    text += fmt::format("    working_memory: {{bytes: {}}}\n", quoted(arguments.bytes));
+  if (!arguments.listen.empty()) text += "    listen: " + quoted(arguments.listen) + "\n";
+  if (!arguments.memories.empty()) text += "    memories: " + quoted(arguments.memories) + "\n";
+  return text;
+}
+
+std::string memories_text(const std::vector<std::string>& memories) {
+  return memories.empty() ? "all memories" : fmt::format("{}", fmt::join(memories, ", "));
+}
+
+Json served_json(const Robot& robot) {
+  Json servers = Json::array();
+  for (const Robot::Served& served : robot.servers())
+    servers.push_back({{"server", served.name},
+                       {"memories", served.memories},
+                       {"endpoints", served.endpoints},
+                       {"store", served.store.string()}});
+  return {{"servers", std::move(servers)}, {"names", robot.names()}};
+}
+
+void tell_served(const Robot& robot, bool is_json) {
+  if (is_json) {
+    print_now(served_json(robot).dump());
+    return;
+  }
+  if (!robot.names().empty())
+    print_now(fmt::format("Name system listens at {}", fmt::join(robot.names(), ", ")));
+  for (const Robot::Served& served : robot.servers())
+    print_now(fmt::format(
+        "Server {} listens at {}: {}, {}", served.name, fmt::join(served.endpoints, ", "),
+        memories_text(served.memories),
+        served.store.empty() ? "no store" : fmt::format("store {}", served.store.string())));
+}
+
+void wait_for_the_end() {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock lock(mutex);
+  wake.wait(lock, interrupt_token(), [] { return false; });
+}
+
+/// Says what became of it; false where something is lost.
+bool tell_ended(const Robot::Ended& ended) {
+  const server::MemoryCounters& memory = ended.counters.memory;
+  log::info("server '{}' stopped: {} snapshots came, the store got {}", ended.server,
+            count_text(memory.committed), count_text(memory.stored));
+  if (memory.dropped > 0)
+    log::warning("server '{}': {} snapshots left memory and were not stored, as its mode says",
+                 ended.server, count_text(memory.dropped));
+  if (!ended.status.ok()) log::warning("server '{}': {}", ended.server, ended.status.message());
+  return ended.status.ok();
+}
+
+ExitCode run_robot(const RobotConfig& config, bool is_json) {
+  Robot::Surroundings surroundings;
+  surroundings.loader = encoders::load_model;
+  auto robot = Robot::start(config, std::move(surroundings));
+  if (!robot.ok()) return fail(robot.status());
+  tell_served(**robot, is_json);
+  wait_for_the_end();
+  log::info("stopping");
+  bool is_whole = true;
+  for (const Robot::Ended& ended : (*robot)->stop()) is_whole = tell_ended(ended) && is_whole;
+  return is_whole ? ExitCode::kDone : ExitCode::kDoneWithLoss;
+}
+
+ExitCode serve(const ServeArguments& arguments) {
+  if (arguments.config.empty() && arguments.store.empty())
+    return wrong_usage(invalid_argument("needs a store, or --config robot.yaml"));
+  const auto config = arguments.config.empty()
+                          ? server::parse_robot_config(yaml_of(arguments), "arguments", "")
+                          : server::read_robot_config(arguments.config);
+  if (!config.ok()) return wrong_usage(config.status());
+  return run_robot(*config, arguments.is_json);
+}
+
+ExitCode serve_names(const ServeArguments& arguments) {
+  const auto config = server::parse_robot_config(
+      security_yaml(arguments.security) + "names: {listen: " + quoted(arguments.listen) + "}",
+      "arguments", "");
+  if (!config.ok()) return wrong_usage(config.status());
+  return run_robot(*config, arguments.is_json);
+}
+
+void add_log_option(CLI::App& command) {
+  command
+      .add_option_function<std::string>(
+          "--log",
+          [](const std::string& form) {
+            log::set_form(form == "json" ? log::Form::kJson : log::Form::kText);
+          },
+          "Form of messages on stderr: text, or a line of JSON each")
+      ->check(CLI::IsMember({"text", "json"}));
+}
+
+void add_security_options(CLI::App& command, server::ListenPolicy::Options& security) {
+  const auto add = [&command](const char* name, std::filesystem::path& file, const char* help) {
+    command.add_option(name, file, help)->group("Needed to listen to the network (docs/access.md)");
+  };
+  add("--certificate", security.certificate, "PEM file");
+  add("--key", security.key, "PEM file of the certificate's key");
+  add("--client-ca", security.client_ca, "PEM file: who vouches for clients");
+  add("--tokens", security.tokens, "Who may do what (YAML)");
+}
+
+/// What stands in robot.yaml, and is said here too.
+std::string said_twice(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() > 0 && name != "--config" && name != "--log" && name != "--json")
+      return name;
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command = app.add_subcommand("serve", "Serve a store to programs, until it is stopped");
+  command->footer(kServeFooter);
+  command->add_option("store", arguments->store, "Store; made where there is none");
+  command->add_option("--config", arguments->config,
+                      "robot.yaml: one or several servers, in place of all that is said here");
+  const auto add = [command](const char* name, auto& value, const char* help) {
+    return command->add_option(name, value, help);
+  };
+  add("--listen", arguments->listen,
+      "Endpoints: HOST:PORT (port 0: any) or unix:PATH; else a socket of this user");
+  add("--memories", arguments->memories, "Names of the memories that it takes; else any");
+  add("--name", arguments->name, "Of the server")->capture_default_str();
+  add("--mode", arguments->mode, "What the store gets")
+      ->check(CLI::IsMember({"what-leaves", "everything", "latest"}))
+      ->capture_default_str();
+  add("--durability", arguments->durability,
+      "When commits count as done that do not say: in memory, or when they survive kill -9")
+      ->check(CLI::IsMember({"memory", "journal"}))
+      ->capture_default_str();
+  add("--bytes", arguments->bytes, "Most of working memory, as in 2GiB; else 512MiB");
+  add("--recording", arguments->recording, "Filters and codecs (docs/recording.md)");
+  add("--preset", arguments->preset, "The same, by name: recorder, balanced, small");
+  add("--prior", arguments->prior, "Directory of prior knowledge (docs/prior.md)");
+  command->add_flag("--no-system-state", arguments->has_no_system_state,
+                    "Do not note how busy the machine is");
+  add_security_options(*command, arguments->security);
+  add_log_option(*command);
+  command->add_flag("--json", arguments->is_json, "Tell as JSON where it listens");
+  command->callback([arguments, command, &exit_code] {
+    const std::string twice = arguments->config.empty() ? "" : said_twice(*command);
+    exit_code = twice.empty() ? serve(*arguments)
+                              : wrong_usage(invalid_argument(
+                                    "found {} beside --config, needs it in that file", twice));
+  });
+}
+
+void add_mns_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command = app.add_subcommand("mns", "Run a Memory Name System, until it is stopped");
+  command->footer(kMnsFooter);
+  command->add_option("--listen", arguments->listen, "Endpoints: HOST:PORT or unix:PATH")
+      ->required();
+  add_security_options(*command, arguments->security);
+  add_log_option(*command);
+  command->add_flag("--json", arguments->is_json, "Tell as JSON where it listens");
+  command->callback([arguments, &exit_code] { exit_code = serve_names(*arguments); });
+}
+
+}  // namespace engram::cli

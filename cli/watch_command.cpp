@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+#include "cli/interrupt.h"
+#include "cli/remote_client.h"
+#include "cli/result_text.h"
+#include "cli/server_commands.h"
+#include "cli/text.h"
+#include "ltm/core/log.h"
+#include "ltm/idf/json.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(Prints a line for each snapshot that is committed from now on, until Ctrl-C: its ID, and with --data
+what it holds. NAMES are those of queries, Memory/Core/Provider/Entity, each a name or a regular
+expression; missing ones match all. Where this is too slow for what comes, it says how many
+snapshots it was not told of, and ends with exit code 3.
+
+Examples:
+  engram watch
+  engram watch Vision 'Robot/.*/.*/joints' --data
+  engram watch --server 127.0.0.1:50051 Vision --count 10 --json
+  engram watch Vision --data --json | engram commit --server 10.0.0.2:50051 --lines -)";
+
+/// What waits to be printed. Larger ones wait at the server, which bounds them.
+constexpr size_t kMostWaiting = 4096;
+
+struct WatchArguments {
+  RemoteArguments remote;
+  std::vector<std::string> names;
+  uint64_t count = 0;
+  bool with_data = false;
+  bool is_json = false;
+};
+
+Result<Json> line_json(const ltm::Snapshot& snapshot, bool with_data) {
+  Json json{{"id", snapshot.id().to_string()}, {"time_ns", to_ns(snapshot.time)}};
+  if (!with_data) {
+    json["instance_count"] = snapshot.instances.size();
+    return json;
+  }
+  json["instances"] = Json::array();
+  for (const ltm::Instance& instance : snapshot.instances) {
+    ENGRAM_ASSIGN_OR_RETURN(Json data, idf::to_json(instance.data));
+    json["instances"].push_back({{"created_ns", to_ns(instance.metadata.created)},
+                                 {"provider", instance.metadata.provider},
+                                 {"confidence", instance.metadata.confidence},
+                                 {"data", std::move(data)}});
+  }
+  return json;
+}
+
+Result<std::string> line_of(const ltm::Snapshot& snapshot, const WatchArguments& arguments) {
+  if (arguments.is_json) {
+    ENGRAM_ASSIGN_OR_RETURN(const Json json, line_json(snapshot, arguments.with_data));
+    return json.dump();
+  }
+  std::string text = snapshot.id().to_string();
+  if (arguments.with_data) text += "  " + content_text(snapshot);
+  return text;
+}
+
+/// What servers told and was not printed yet.
+class Inbox {
+ public:
+  server::SubscriptionHandlers handlers() {
+    return {[this](std::vector<server::ToldSnapshot> told) { put(std::move(told)); },
+            [this](uint64_t lost) { lose(lost); },
+            [](const Status& status) {
+              log::warning("{}; what came meanwhile was not told", status.message());
+            }};
+  }
+
+  /// Nothing where a stop is asked for.
+  std::optional<ltm::Snapshot> next(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) return std::nullopt;
+    ltm::Snapshot snapshot = std::move(waiting_.front());
+    waiting_.pop_front();
+    return snapshot;
+  }
+
+  [[nodiscard]] uint64_t lost() const {
+    const std::scoped_lock lock(mutex_);
+    return lost_;
+  }
+
+ private:
+  void put(std::vector<server::ToldSnapshot> told) {
+    const std::scoped_lock lock(mutex_);
+    for (server::ToldSnapshot& one : told) waiting_.push_back(std::move(one.snapshot));
+    for (; waiting_.size() > kMostWaiting; ++lost_) waiting_.pop_front();
+    changed_.notify_one();
+  }
+
+  void lose(uint64_t count) {
+    const std::scoped_lock lock(mutex_);
+    lost_ += count;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<ltm::Snapshot> waiting_;
+  uint64_t lost_ = 0;
+};
+
+/// The memory that names begin with, as a pattern.
+Result<std::string> memory_of(const std::string& names) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse(names));
+  return query.memories().front().name.to_string();
+}
+
+ExitCode print_all(Inbox& inbox, const WatchArguments& arguments) {
+  for (uint64_t shown = 0; arguments.count == 0 || shown < arguments.count; ++shown) {
+    const auto snapshot = inbox.next(interrupt_token());
+    if (!snapshot) break;
+    const auto line = line_of(*snapshot, arguments);
+    if (!line.ok()) return fail(line.status());
+    print_now(*line);
+  }
+  if (inbox.lost() == 0) return ExitCode::kDone;
+  log::warning("{} snapshots were not told: they came faster than they were read",
+               count_text(inbox.lost()));
+  return ExitCode::kDoneWithLoss;
+}
+
+ExitCode run(const WatchArguments& arguments) {
+  if (const Status named = check_source("", arguments.remote); !named.ok())
+    return wrong_usage(named);
+  std::vector<std::string> memories;
+  for (const std::string& names : arguments.names) {
+    auto memory = memory_of(names);
+    if (!memory.ok()) return wrong_usage(memory.status());
+    memories.push_back(*std::move(memory));
+  }
+  if (memories.empty()) memories.emplace_back();
+  const auto clients = open_clients(arguments.remote, memories);
+  if (!clients.ok()) return fail(clients.status());
+  Inbox inbox;
+  std::vector<std::unique_ptr<server::Subscription>> subscriptions;
+  for (const auto& client : *clients) {
+    auto subscription = client->subscribe(
+        {.names = arguments.names, .with_data = arguments.with_data}, inbox.handlers());
+    if (!subscription.ok()) return fail(subscription.status());
+    subscriptions.push_back(*std::move(subscription));
+  }
+  log::info("watching");
+  return print_all(inbox, arguments);
+}
+
+}  // namespace
+
+void add_watch_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<WatchArguments>();
+  CLI::App* command = app.add_subcommand("watch", "Print what is committed to a server");
+  command->footer(kFooter);
+  command->add_option("names", arguments->names, "Entities, as in queries; else all");
+  command->add_flag("--data", arguments->with_data, "What they hold, too");
+  command->add_option("--count", arguments->count, "End after so many snapshots");
+  command->add_flag("--json", arguments->is_json, "A line of JSON each");
+  add_remote_options(*command, arguments->remote);
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli

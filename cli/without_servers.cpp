@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stands for what talks over networks where the program is built without (ENGRAM_SERVER).
+#include "cli/remote.h"
+
+namespace engram::cli {
+
+bool has_servers() {
+  return false;
+}
+
+void add_remote_options(CLI::App& /*command*/, RemoteArguments& /*arguments*/) {}
+
+Status check_source(const std::string& store, const RemoteArguments& /*arguments*/) {
+  return store.empty() ? invalid_argument("store is required") : Status();
+}
+
+Result<ltm::QueryResult> query_server(const RemoteArguments& /*arguments*/,
+                                      const ltm::Query& /*query*/, const std::string& /*engine*/) {
+  return failed_precondition("this program was built without servers");
+}
+
+ExitCode show_server(const RemoteArguments& /*arguments*/, ServerFigures /*form*/) {
+  return fail(failed_precondition("this program was built without servers"));
+}
+
+void add_server_commands(CLI::App& /*app*/, ExitCode& /*exit_code*/) {}
+
+}  // namespace engram::cli

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// Servers as people start them and talk to them: by the program itself.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+using Json = nlohmann::json;
+
+constexpr const char* kCup = "Objects/Things/kitchen/cup";
+
+class Server : public ::testing::Test {
+ protected:
+  Server() {
+    // What the person who runs the tests has set is not meant.
+    ::unsetenv("ENGRAM_SERVER");
+    ::unsetenv("ENGRAM_TOKEN");
+    ::setenv("XDG_RUNTIME_DIR", directory_.path().c_str(), 1);
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    overwrite_file(directory_ / name, std::as_bytes(std::span(text)));
+  }
+
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (directory_ / name).string();
+  }
+  [[nodiscard]] std::string at(const std::string& name) const { return "unix:" + path(name); }
+
+  static RunResult commit(const std::string& entity, const std::string& data,
+                          const std::string& time, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all{"commit", entity, "--data", data, "--time", time};
+    all.insert(all.end(), more.begin(), more.end());
+    return run_engram(all);
+  }
+
+  static Json json_of(const RunResult& result) {
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(result.out, nullptr, false);
+  }
+
+  ScratchDirectory directory_;
+};
+
+TEST_F(Server, KeepsWhatItAcknowledgedAsDurableWhenItIsKilled) {
+  const std::vector<std::string> serve{"serve", path("robot.engram"), "--no-system-state"};
+  {
+    RunningEngram server(serve);
+    ASSERT_TRUE(server.wait_for("listens at " + at("engram.sock")));
+    EXPECT_EQ(commit(kCup, "{\"height\": 1}", "1000", {"--durability", "journal"}).exit_code, 0);
+    EXPECT_EQ(commit(kCup, "{\"height\": 2}", "2000", {"--durability", "journal"}).exit_code, 0);
+    EXPECT_EQ(server.end(SIGKILL).exit_code, -SIGKILL);
+  }
+  RunningEngram again(serve);
+  ASSERT_TRUE(again.wait_for("listens at"));
+  const Json all = json_of(run_engram({"query", std::string(kCup) + " @ all", "--json"}));
+  const Json& snapshots = all.at("entities").at(0).at("snapshots");
+  ASSERT_THAT(snapshots, SizeIs(2));
+  EXPECT_EQ(snapshots[1].at("instances")[0].at("data").at("height"), 2);
+  const RunResult ended = again.end(SIGTERM);
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("stopped"));
+  const RunResult none = run_engram({"info"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("ENGRAM_SERVER"));
+}
+
+TEST_F(Server, IsAskedAndWatchedAndCounts) {
+  RunningEngram server({"serve", path("robot.engram"), "--listen", "127.0.0.1:0", "--json", "--log",
+                        "json", "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("\"endpoints\""));
+  ASSERT_TRUE(server.wait_for("}\n"));
+  // The system chose the port.
+  const Json served = Json::parse(server.out());
+  const auto endpoint = served.at("servers").at(0).at("endpoints").at(0).get<std::string>();
+  ::setenv("ENGRAM_SERVER", endpoint.c_str(), 1);
+  RunningEngram watch({"watch", "Objects", "--data", "--json", "--count", "2"});
+  ASSERT_TRUE(watch.wait_for("watching"));
+  ASSERT_EQ(commit("Robot/Joints/arm/left", "[1, 2]", "500").exit_code, 0);
+  const RunResult first = commit(kCup, "{\"height\": 0.25}", "1000");
+  EXPECT_EQ(first.out, std::string(kCup) + "/1970-01-01 00:00:00.000001\n");
+  ASSERT_EQ(commit(kCup, "{\"height\": 0.5}", "2000").exit_code, 0);
+  const RunResult watched = watch.end(0);
+  EXPECT_EQ(watched.exit_code, 0) << watched.err;
+  EXPECT_THAT(watched.out, HasSubstr("\"data\":{\"height\":0.25}"));
+  EXPECT_THAT(watched.out, Not(HasSubstr("Joints")));
+
+  // What was watched can be committed, here to where it came from.
+  write("lines.jsonl", watched.out + "{\"entity\": \"" + kCup +
+                           "\", \"time\": 3000, \"data\": {\"height\": 0.75}}\n");
+  const Json many = json_of(run_engram({"commit", "--lines", path("lines.jsonl"), "--json"}));
+  EXPECT_EQ(many.at("committed"), 3);
+
+  const RunResult shown = run_engram({"query", "Objects @ all"});
+  EXPECT_THAT(shown.out, HasSubstr("{\"height\":0.75}"));
+  EXPECT_EQ(run_engram({"query", "?ids Objects @ latest"}).out,
+            std::string(kCup) + "/1970-01-01 00:00:00.000003/0\n");
+  const Json ahead = json_of(run_engram({"predict", kCup, "--horizons", "1..2", "--json"}));
+  const Json& predicted = ahead.at("entities").at(0).at("snapshots");
+  ASSERT_THAT(predicted, SizeIs(2));
+  EXPECT_EQ(predicted[1].at("source"), "predicted");
+  EXPECT_EQ(predicted[1].at("time_ns"), 5000);
+
+  const Json info = json_of(run_engram({"info", "--json"}));
+  EXPECT_EQ(info.at("figures").at("memory_snapshots"), 4);
+  EXPECT_THAT(run_engram({"info"}).out, HasSubstr("working memory"));
+  EXPECT_THAT(run_engram({"info", "--metrics"}).out, HasSubstr("\nengram_memory_snapshots 4\n"));
+  const RunResult ended = server.end(SIGTERM);
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.err, HasSubstr("\"level\":\"info\",\"message\":\"server 'engram' stopped"));
+}
+
+TEST_F(Server, IsFoundByTheNameSystem) {
+  RunningEngram names({"mns", "--listen", at("n")});
+  ASSERT_TRUE(names.wait_for("Name system listens"));
+  write("robot.yaml", "names: {at: '" + at("n") + "'}\nservers:\n" +
+                          "  - {name: a, memories: [Objects], listen: '" + at("a") + "'}\n" +
+                          "  - {name: b, memories: [Robot], listen: '" + at("b") + "'}\n");
+  RunningEngram server({"serve", "--config", path("robot.yaml")});
+  ASSERT_TRUE(server.wait_for("Server b listens"));
+  write("lines.jsonl",
+        "{\"entity\": \"Objects/a/b/c\", \"data\": 1}\n\n"
+        "{\"entity\": \"Robot/a/b/c\", \"data\": 2}\n");
+  // Servers need a moment to be registered.
+  for (int i = 0; i < 50; ++i)
+    if (const RunResult known = run_engram({"info", "--names", at("n"), "--json"});
+        Json::parse(known.out, nullptr, false).at("servers").size() == 2)
+      break;
+  EXPECT_EQ(run_engram({"commit", "--lines", path("lines.jsonl"), "--names", at("n")}).out,
+            "2 snapshots committed\n");
+  const RunResult all = run_engram({"query", ".* @ latest", "--names", at("n")});
+  EXPECT_THAT(all.out, HasSubstr("Objects/a/b/c"));
+  EXPECT_THAT(all.out, HasSubstr("Robot/a/b/c"));
+  EXPECT_EQ(run_engram({"query", "Grasp @ latest", "--names", at("n")}).exit_code, 1);
+}
+
+TEST_F(Server, TakesTypesAndRefusesWhatBreaksThem) {
+  write("cup.xml", R"(<AronTypeDefinition><GenerateTypes><Object name="kitchen::Cup">
+    <ObjectChild key="height"><Float32 unit="m" min="0" /></ObjectChild>
+    <ObjectChild key="middle"><Matrix rows="3" cols="1" type="float32" /></ObjectChild>
+    </Object></GenerateTypes></AronTypeDefinition>)");
+  RunningEngram server({"serve", path("robot.engram"), "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("listens at"));
+  const RunResult typed =
+      commit(kCup, "{\"height\": 0.5, \"middle\": [[1], [2], [3]]}", "1000", {"--type", path("cup.xml")});
+  EXPECT_EQ(typed.exit_code, 0) << typed.err;
+  const RunResult broken = commit(kCup, "{\"width\": 1}", "2000");
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_THAT(broken.err, HasSubstr("height"));
+}
+
+TEST_F(Server, SaysWhatIsWrongWithArgumentsAndLines) {
+  EXPECT_EQ(run_engram({"serve"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"serve", "a", "--config", "robot.yaml"}).exit_code, 2);
+  EXPECT_THAT(run_engram({"serve", "a", "--config", "robot.yaml"}).err, HasSubstr("store"));
+  EXPECT_EQ(run_engram({"info", "a", "--server", at("s")}).exit_code, 2);
+  EXPECT_THAT(run_engram({"info", "--server", at("s")}).err, HasSubstr("no server listens"));
+  EXPECT_THAT(run_engram({"query", "Objects", "--server", "unix:s"}).err, HasSubstr("absolute"));
+  EXPECT_EQ(run_engram({"commit", kCup, "--server", at("s")}).exit_code, 2);
+  write("robot.yaml", "servers: [{store: a, mod: latest}]");
+  const RunResult config = run_engram({"serve", "--config", path("robot.yaml")});
+  EXPECT_EQ(config.exit_code, 2);
+  EXPECT_THAT(config.err, HasSubstr("did you mean 'mode'"));
+  const RunResult open = run_engram({"serve", path("s"), "--listen", "0.0.0.0:0"});
+  EXPECT_EQ(open.exit_code, 1);
+  EXPECT_THAT(open.err, HasSubstr("TLS certificate"));
+
+  RunningEngram server({"serve", path("robot.engram"), "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("listens at"));
+  write("lines.jsonl", "{\"entity\": \"Objects/a/b/c\", \"data\": 1}\n{\"entity\": \"Objects\"}\n");
+  const RunResult lines = run_engram({"commit", "--lines", path("lines.jsonl")});
+  EXPECT_EQ(lines.exit_code, 1);
+  EXPECT_THAT(lines.err, HasSubstr("line 2 (1 snapshots before it were taken)"));
+}
+
+}  // namespace
+}  // namespace engram::cli
