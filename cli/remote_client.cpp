@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/remote_client.h"
 
+#include <stdlib.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -88,6 +90,8 @@ Status check_source(const std::string& store, const RemoteArguments& arguments) 
 }
 
 Result<server::ClientOptions> client_options(const RemoteArguments& arguments) {
+  // What goes wrong there comes back as a status; gRPC would tell it on stderr too, for each try.
+  ::setenv("GRPC_VERBOSITY", "NONE", 0);
   server::ClientOptions options;
   options.token = from_environment("ENGRAM_TOKEN");
   if (!arguments.token.empty()) {

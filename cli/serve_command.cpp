@@ -142,8 +142,12 @@ void wait_for_the_end() {
 /// Says what became of it; false where something is lost.
 bool tell_ended(const Robot::Ended& ended) {
   const server::MemoryCounters& memory = ended.counters.memory;
-  log::info("server '{}' stopped: {} snapshots came, the store got {}", ended.server,
-            count_text(memory.committed), count_text(memory.stored));
+  log::info("server '{}' stopped: {} snapshots came{}, the store was given {}", ended.server,
+            count_text(memory.committed),
+            memory.superseded > 0
+                ? fmt::format(", {} of them in place of others", count_text(memory.superseded))
+                : "",
+            count_text(memory.stored));
   if (memory.dropped > 0)
     log::warning("server '{}': {} snapshots left memory and were not stored, as its mode says",
                  ended.server, count_text(memory.dropped));
@@ -226,8 +230,12 @@ void add_serve_command(CLI::App& app, ExitCode& exit_code) {
     return command->add_option(name, value, help);
   };
   add("--listen", arguments->listen,
-      "Endpoints: HOST:PORT (port 0: any) or unix:PATH; else a socket of this user");
-  add("--memories", arguments->memories, "Names of the memories that it takes; else any");
+      "Endpoint: HOST:PORT (port 0: any) or unix:PATH, may be said several times; else a socket of "
+      "this user")
+      ->allow_extra_args(false);
+  add("--memory", arguments->memories,
+      "Name of a memory that it takes, may be said several times; else any")
+      ->allow_extra_args(false);
   add("--name", arguments->name, "Of the server")->capture_default_str();
   add("--mode", arguments->mode, "What the store gets")
       ->check(CLI::IsMember({"what-leaves", "everything", "latest"}))
@@ -257,7 +265,10 @@ void add_mns_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command = app.add_subcommand("mns", "Run a Memory Name System, until it is stopped");
   command->footer(kMnsFooter);
-  command->add_option("--listen", arguments->listen, "Endpoints: HOST:PORT or unix:PATH")
+  command
+      ->add_option("--listen", arguments->listen,
+                   "Endpoint: HOST:PORT or unix:PATH, may be said several times")
+      ->allow_extra_args(false)
       ->required();
   add_security_options(*command, arguments->security);
   add_log_option(*command);

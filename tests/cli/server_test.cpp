@@ -152,8 +152,8 @@ TEST_F(Server, TakesTypesAndRefusesWhatBreaksThem) {
     </Object></GenerateTypes></AronTypeDefinition>)");
   RunningEngram server({"serve", path("robot.engram"), "--no-system-state"});
   ASSERT_TRUE(server.wait_for("listens at"));
-  const RunResult typed =
-      commit(kCup, "{\"height\": 0.5, \"middle\": [[1], [2], [3]]}", "1000", {"--type", path("cup.xml")});
+  const RunResult typed = commit(kCup, "{\"height\": 0.5, \"middle\": [[1], [2], [3]]}", "1000",
+                                 {"--type", path("cup.xml")});
   EXPECT_EQ(typed.exit_code, 0) << typed.err;
   const RunResult broken = commit(kCup, "{\"width\": 1}", "2000");
   EXPECT_EQ(broken.exit_code, 1);
@@ -161,6 +161,8 @@ TEST_F(Server, TakesTypesAndRefusesWhatBreaksThem) {
 }
 
 TEST_F(Server, SaysWhatIsWrongWithArgumentsAndLines) {
+  for (const char* command : {"serve", "mns", "commit", "watch"})
+    EXPECT_THAT(run_engram({command, "--help"}).out, HasSubstr("Examples:")) << command;
   EXPECT_EQ(run_engram({"serve"}).exit_code, 2);
   EXPECT_EQ(run_engram({"serve", "a", "--config", "robot.yaml"}).exit_code, 2);
   EXPECT_THAT(run_engram({"serve", "a", "--config", "robot.yaml"}).err, HasSubstr("store"));

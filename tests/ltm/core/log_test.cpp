@@ -29,7 +29,7 @@ TEST(Log, WritesAnObjectPerLineForPrograms) {
   set_form(Form::kText);
   const std::string line = ::testing::internal::GetCapturedStderr();
   EXPECT_THAT(line, ::testing::MatchesRegex(
-                        R"(\{"time":"[0-9-]+T[0-9:.]+Z","level":"warning","message":.*\}\n)"));
+                        R"(\{"time":"[0-9-]+T[0-9:.]+Z","level":"warning","message":.*\}[[:space:]])"));
   EXPECT_THAT(line, ::testing::HasSubstr(R"("a \"quoted\" \\ and\u000amore")"));
 }
 
