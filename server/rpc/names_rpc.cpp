@@ -3,6 +3,7 @@
 
 #include <engram/v1/names.grpc.pb.h>
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <mutex>
@@ -91,10 +92,10 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
 /// A client that waits for a memory.
 struct WaitingResolve {
   grpc::CallbackServerContext* call = nullptr;
+  grpc::ServerUnaryReactor* reactor = nullptr;  ///< A call gives it out once.
   std::string memory;
   SteadyTime deadline;
   v1::ResolveReply* reply = nullptr;
-  grpc::ServerUnaryReactor* reactor = nullptr;
 };
 
 class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
@@ -109,12 +110,9 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
                                      const v1::ServerRecord* request,
                                      v1::RegisterReply* reply) override {
     const auto added = [&]() -> Result<Lease> {
-      ENGRAM_ASSIGN_OR_RETURN(const Identity who, caller(access_, *call));
+      ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(*call));
       const Registration registration = to_registration(*request);
-      for (const std::string& memory : registration.memories) {
-        ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
-        ENGRAM_RETURN_IF_ERROR(who.check(Role::kWrite, id));
-      }
+      ENGRAM_RETURN_IF_ERROR(check_writes(who, registration.memories));
       return names_.add(registration);
     }();
     if (added.ok()) reply->set_heartbeat_interval_ns(added->heartbeat_interval.count());
@@ -124,30 +122,30 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
   grpc::ServerUnaryReactor* Heartbeat(grpc::CallbackServerContext* call,
                                       const v1::HeartbeatRequest* request,
                                       v1::HeartbeatReply* /*reply*/) override {
-    const auto who = caller(access_, *call);
-    return finish(call, who.ok()
-                            ? names_.heartbeat(request->server(), request->incarnation()).status()
-                            : who.status());
+    const auto kept = [&]() -> Status {
+      ENGRAM_RETURN_IF_ERROR(check_speaks_for(*call, request->server()));
+      return names_.heartbeat(request->server(), request->incarnation()).status();
+    };
+    return finish(call, kept());
   }
 
   grpc::ServerUnaryReactor* Unregister(grpc::CallbackServerContext* call,
                                        const v1::UnregisterRequest* request,
                                        v1::UnregisterReply* /*reply*/) override {
-    const auto who = caller(access_, *call);
-    return finish(call, who.ok() ? names_.remove(request->server(), request->incarnation())
-                                 : who.status());
+    const auto removed = [&]() -> Status {
+      ENGRAM_RETURN_IF_ERROR(check_speaks_for(*call, request->server()));
+      return names_.remove(request->server(), request->incarnation());
+    };
+    return finish(call, removed());
   }
 
   grpc::ServerUnaryReactor* Resolve(grpc::CallbackServerContext* call,
                                     const v1::ResolveRequest* request,
                                     v1::ResolveReply* reply) override {
-    if (const auto who = caller(access_, *call); !who.ok()) return finish(call, who.status());
-    const auto pattern = request->names().empty()
-                             ? Result<ltm::NamePattern>(ltm::NamePattern())
-                             : ltm::NamePattern::parse(request->names());
-    if (!pattern.ok()) return finish(call, pattern.status());
-    for (const Registration& server : names_.resolve(*pattern))
-      *reply->add_servers() = to_message(server);
+    if (const auto who = let_in(*call); !who.ok()) return finish(call, who.status());
+    const auto servers = resolve(request->names());
+    if (!servers.ok()) return finish(call, servers.status());
+    for (const Registration& server : *servers) *reply->add_servers() = to_message(server);
     if (reply->servers_size() > 0 || request->wait_ns() <= 0 || request->names().empty())
       return finish(call, {});
     const std::scoped_lock lock(mutex_);
@@ -156,7 +154,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
                                              kMostWaiting));
     grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
     const auto wait = std::min<Duration>(Duration(request->wait_ns()), std::chrono::hours(1));
-    resolves_.push_back({call, request->names(), steady_now() + wait, reply, reactor});
+    resolves_.push_back({call, reactor, request->names(), steady_now() + wait, reply});
     return reactor;
   }
 
@@ -165,14 +163,15 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     const NameVersion from{request->version().registry(), request->version().events()};
     auto stream = std::make_shared<WatchStream>(names_, from);
     stream->begin(stream);
-    if (const auto who = caller(access_, *call); !who.ok()) {
+    if (const auto who = let_in(*call); !who.ok()) {
       stream->end(who.status());
       return stream.get();
     }
     {
       const std::scoped_lock lock(mutex_);
       if (watchers_.size() >= kMostWaiting) {
-        stream->end(resource_exhausted("name system: found {} watchers, needs fewer", kMostWaiting));
+        stream->end(
+            resource_exhausted("name system: found {} watchers, needs fewer", kMostWaiting));
         return stream.get();
       }
       watchers_.push_back(stream);
@@ -186,6 +185,35 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
     reactor->Finish(to_grpc(status));
     return reactor;
+  }
+
+  /// Those of a memory; all for an empty text, servers without named memories too.
+  Result<std::vector<Registration>> resolve(const std::string& memory) {
+    if (memory.empty()) return names_.resolve(ltm::MemoryId());
+    ENGRAM_ASSIGN_OR_RETURN(const auto pattern, ltm::NamePattern::parse(memory));
+    return names_.resolve(pattern);
+  }
+
+  Result<Identity> let_in(const grpc::CallbackServerContext& call) const {
+    ENGRAM_ASSIGN_OR_RETURN(Identity who, caller(access_, call));
+    ENGRAM_RETURN_IF_ERROR(who.take_request(steady_now()));
+    return who;
+  }
+
+  static Status check_writes(const Identity& who, const std::vector<std::string>& memories) {
+    for (const std::string& memory : memories) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
+      ENGRAM_RETURN_IF_ERROR(who.check(Role::kWrite, id));
+    }
+    return {};
+  }
+
+  /// Who may not register a server may not keep it or send it away either.
+  Status check_speaks_for(const grpc::CallbackServerContext& call, const std::string& server) {
+    ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));
+    const auto all = names_.resolve(ltm::MemoryId());
+    const auto known = std::ranges::find(all, server, &Registration::server);
+    return known == all.end() ? Status() : check_writes(who, known->memories);
   }
 
   void run(const std::stop_token& stop) {
@@ -211,8 +239,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
   void answer_resolves(SteadyTime now, bool is_ending) {
     const std::scoped_lock lock(mutex_);
     std::erase_if(resolves_, [&](WaitingResolve& waiting) {
-      const auto pattern = ltm::NamePattern::parse(waiting.memory);
-      const auto servers = pattern.ok() ? names_.resolve(*pattern) : std::vector<Registration>();
+      const auto servers = resolve(waiting.memory).value_or({});
       if (servers.empty() && now < waiting.deadline && !is_ending && !waiting.call->IsCancelled())
         return false;
       for (const Registration& server : servers) *waiting.reply->add_servers() = to_message(server);
