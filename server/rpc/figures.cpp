@@ -36,6 +36,7 @@ std::vector<Figure> figures(const MemoryService::Counters& counters) {
   if (!counters.store) return all;
   const LongTerm::Counters& store = *counters.store;
   all.push_back({"store_recorded", "Snapshots that the online phase took.", number(store.recorded)});
+  all.push_back({"store_refused", "That it will never take.", number(store.refused)});
   all.push_back({"store_decoded", "Snapshots decoded from the store.", number(store.decoded)});
   all.push_back({"store_from_decoded", "Found decoded already.", number(store.from_decoded)});
   all.push_back({"store_decoded_bytes", "Bytes kept decoded.", number(store.decoded_bytes)});

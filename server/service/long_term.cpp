@@ -6,6 +6,7 @@
 #include <mutex>
 #include <shared_mutex>
 
+#include "ltm/idf/binary.h"
 #include "ltm/recall/past_reader.h"
 #include "server/service/decoded_cache.h"
 #include "server/service/joined_moments.h"
@@ -45,11 +46,23 @@ void leave_instances(ltm::SnapshotResult& snapshot, const std::vector<int32_t>& 
   });
 }
 
+/// About what a moment costs beside its values.
+constexpr size_t kMomentBytes = 256;
+
+size_t bytes_of(const ltm::SnapshotResult& snapshot) {
+  size_t bytes = kMomentBytes;
+  for (const ltm::InstanceResult& instance : snapshot.instances)
+    bytes += idf::encoded_size(instance.data);
+  return bytes;
+}
+
 }  // namespace
 
 struct LongTerm::State {
   State(Options given, ltm::ModelLoader model_loader)
-      : options(std::move(given)), loader(std::move(model_loader)), cache(options.most_decoded_bytes) {}
+      : options(std::move(given)),
+        loader(std::move(model_loader)),
+        cache(options.most_decoded_bytes) {}
 
   Options options;
   ltm::ModelLoader loader;
@@ -153,7 +166,7 @@ struct LongTerm::State {
   }
 
   Result<Answer> answer(const ltm::Query& query, const MemoryId& entity,
-                        std::span<const SharedSnapshot> held) {
+                        std::span<const SharedSnapshot> held, size_t& most_bytes) {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * stored, timeline(entity));
     JoinedMoments moments(held, stored);
     ENGRAM_ASSIGN_OR_RETURN(auto selection,
@@ -173,10 +186,35 @@ struct LongTerm::State {
                                                    ? name(entity, *stored, selected.time)
                                                    : read(entity, *stored, selected.time));
         leave_instances(served.answer, selected.instances);
+        const size_t bytes = bytes_of(served.answer);
+        if (bytes > most_bytes)
+          return resource_exhausted(
+              "'{}' asks for more than the {} bytes that an answer may have: found {} moments of "
+              "'{}', needs fewer, or IDs alone",
+              query.to_string(), options.most_answer_bytes, selection.size(), entity.to_string());
+        most_bytes -= bytes;
       }
       if (!served.answer.instances.empty()) answer.entity.snapshots.push_back(std::move(served));
     }
     return answer;
+  }
+
+  /// All at once; where one of them cannot be stored at all, each alone.
+  Status record(std::span<const SharedSnapshot> snapshots, std::vector<Refused>& refused) {
+    ltm::Commit all;
+    for (const SharedSnapshot& snapshot : snapshots) all.updates.push_back(*snapshot);
+    const Status together = recorder->commit(all);
+    if (together.code() != StatusCode::kInvalidArgument) return together;
+    for (const SharedSnapshot& snapshot : snapshots) {
+      ltm::Commit one;
+      one.updates.push_back(*snapshot);
+      const Status alone = recorder->commit(one);
+      if (alone.code() == StatusCode::kInvalidArgument)
+        refused.push_back({snapshot, alone});
+      else
+        ENGRAM_RETURN_IF_ERROR(alone);
+    }
+    return {};
   }
 
   /// Once more with the store as it is now, where a consolidation or a sealing changed it.
@@ -195,8 +233,8 @@ LongTerm::~LongTerm() = default;
 Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, ltm::ModelLoader loader,
                                                  Clock clock) {
   auto state = std::make_unique<State>(options, std::move(loader));
-  ENGRAM_ASSIGN_OR_RETURN(auto recorder, ltm::Recorder::open(options.store, options.recording,
-                                                             std::move(clock)));
+  ENGRAM_ASSIGN_OR_RETURN(auto recorder,
+                          ltm::Recorder::open(options.store, options.recording, std::move(clock)));
   state->recorder.emplace(std::move(recorder));
   state->counts.lost_frames = state->recorder->lost_frames();
   ENGRAM_RETURN_IF_ERROR(state->open_past());
@@ -213,16 +251,16 @@ Status LongTerm::declare(const MemoryId& segment, const idf::Type& type) {
   return state_->recorder->declare(segment, type);
 }
 
-Status LongTerm::record(std::span<const SharedSnapshot> snapshots) {
+Status LongTerm::record(std::span<const SharedSnapshot> snapshots, std::vector<Refused>& refused) {
   const std::scoped_lock lock(state_->writing);
   if (state_->is_closed) return failed_precondition("store: is closed");
   // Of one entity and time the last one counts; a commit has each once.
-  std::vector<ltm::Commit> commits(1);
+  std::vector<std::vector<SharedSnapshot>> commits(1);
   std::map<MemoryId, size_t> next;
   for (const SharedSnapshot& snapshot : snapshots) {
     size_t& at = next[snapshot->id()];
     if (at == commits.size()) commits.emplace_back();
-    commits[at++].updates.push_back(*snapshot);
+    commits[at++].push_back(snapshot);
   }
   {
     // Before it can be found, so that nobody takes an older state of the store for the newest.
@@ -233,8 +271,7 @@ Status LongTerm::record(std::span<const SharedSnapshot> snapshots) {
       entity.until = std::max(entity.until.value_or(snapshot->time), snapshot->time);
     }
   }
-  for (const ltm::Commit& commit : commits)
-    ENGRAM_RETURN_IF_ERROR(state_->recorder->commit(commit));
+  for (const auto& commit : commits) ENGRAM_RETURN_IF_ERROR(state_->record(commit, refused));
   {
     const std::unique_lock known(state_->known_mutex);
     ++state_->recordings;
@@ -244,7 +281,8 @@ Status LongTerm::record(std::span<const SharedSnapshot> snapshots) {
   const std::scoped_lock counting(state_->counting);
   if (state_->counts.decoded_bytes > 0)
     for (const auto& [id, count] : next) state_->replaced.push_back(id);
-  state_->counts.recorded += snapshots.size();
+  state_->counts.recorded += snapshots.size() - refused.size();
+  state_->counts.refused += refused.size();
   return {};
 }
 
@@ -269,9 +307,13 @@ std::vector<MemoryId> LongTerm::matching(const ltm::Query& query) const {
 }
 
 Result<LongTerm::Answer> LongTerm::answer(const ltm::Query& query, const MemoryId& entity,
-                                          std::span<const SharedSnapshot> held) {
+                                          std::span<const SharedSnapshot> held,
+                                          size_t& most_bytes) {
   const std::scoped_lock lock(state_->reading);
-  return state_->retried([&] { return state_->answer(query, entity, held); });
+  return state_->retried([&, before = most_bytes] {
+    most_bytes = before;
+    return state_->answer(query, entity, held, most_bytes);
+  });
 }
 
 Result<std::vector<ltm::SnapshotResult>> LongTerm::newest(const MemoryId& entity, Time until,

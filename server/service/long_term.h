@@ -29,13 +29,22 @@ class LongTerm {
     /// Decoded snapshots that are kept for the next reader. Unit: plain bytes.
     size_t most_decoded_bytes = size_t{64} << 20;
     bool prefers_latents = false;
+    /// Of one answer, decoded: who asks for more is told to ask for less. Unit: plain bytes.
+    size_t most_answer_bytes = size_t{512} << 20;
+  };
+
+  /// A snapshot that the store will never take, and why.
+  struct Refused {
+    SharedSnapshot snapshot;
+    Status status;
   };
 
   struct Counters {
-    uint64_t recorded = 0;  ///< Snapshots that the online phase took.
-    uint64_t opened = 0;    ///< Times that the store was read anew.
-    uint64_t decoded = 0;   ///< Snapshots.
-    uint64_t from_decoded = 0;  ///< That had been decoded before.
+    uint64_t recorded = 0;       ///< Snapshots that the online phase took.
+    uint64_t refused = 0;        ///< That it will never take.
+    uint64_t opened = 0;         ///< Times that the store was read anew.
+    uint64_t decoded = 0;        ///< Snapshots.
+    uint64_t from_decoded = 0;   ///< That had been decoded before.
     uint64_t decoded_bytes = 0;  ///< That are kept.
     uint64_t lost_frames = 0;    ///< Damaged in an earlier session.
   };
@@ -48,8 +57,11 @@ class LongTerm {
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
 
-  /// After ok they survive `kill -9` as far as the filters keep them.
-  Status record(std::span<const SharedSnapshot> snapshots);
+  /// After ok they survive `kill -9` as far as the filters keep them, but for those that are told
+  /// as `refused`: their segment's type, which may be younger than they are, has no place for their
+  /// values. They hold up no others.
+  /// Errors: those of ltm::Recorder::commit where the disk fails; all may be tried again.
+  Status record(std::span<const SharedSnapshot> snapshots, std::vector<Refused>& refused);
 
   /// No snapshot of the entity that is here is later. Nothing where none is. Complexity: O(log n).
   [[nodiscard]] std::optional<Time> known_until(const ltm::MemoryId& entity) const;
@@ -63,8 +75,10 @@ class LongTerm {
     ServedEntity entity;
     std::vector<Time> future;  ///< Moments that are to be predicted.
   };
+  /// `most_bytes`: of what is decoded; less what it took.
+  /// Errors: kResourceExhausted where it does not suffice; those of ltm::PastReader.
   Result<Answer> answer(const ltm::Query& query, const ltm::MemoryId& entity,
-                        std::span<const SharedSnapshot> held);
+                        std::span<const SharedSnapshot> held, size_t& most_bytes);
 
   /// The last `most` snapshots of the entity that are not after `until`, in the order of time.
   Result<std::vector<ltm::SnapshotResult>> newest(const ltm::MemoryId& entity, Time until,

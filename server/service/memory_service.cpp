@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
 #include <future>
 #include <mutex>
 #include <shared_mutex>
@@ -20,6 +21,9 @@ namespace {
 /// Most that is handed over at once. Unit: bytes.
 constexpr size_t kHandedOver = size_t{32} << 20;
 
+/// Snapshots that the store refused, which those who wait for them may still ask about.
+constexpr size_t kMostRefused = 4096;
+
 /// A moment that would be predicted, without its data.
 ServedSnapshot named(Time moment) {
   ServedSnapshot snapshot;
@@ -30,8 +34,13 @@ ServedSnapshot named(Time moment) {
 }
 
 struct Waiter {
-  uint64_t queued = 0;
+  Admission admission;
   std::function<void(const Status&)> done;
+};
+
+struct RefusedSnapshot {
+  std::weak_ptr<const HeldSnapshot> snapshot;
+  Status status;
 };
 
 }  // namespace
@@ -68,16 +77,18 @@ struct MemoryService::State {
   mutable std::mutex mutex;
   std::condition_variable_any wake;
   std::vector<Waiter> waiters;
+  std::deque<RefusedSnapshot> refused;  ///< The last ones.
   uint64_t store_failures = 0;
   std::string last_store_failure;
-  std::jthread thread;  ///< The last member: ends first.
+  bool has_handed_over_all = false;  ///< Nobody tells waiters any more.
+  std::jthread thread;               ///< The last member: ends first.
 
   /// Hands over all that waits; tells those who wait for it.
   Status hand_over() {
     Status status;
     while (status.ok()) {
       const auto sink = [this](std::span<const SharedSnapshot> snapshots) {
-        return store ? store->record(snapshots) : Status();
+        return store ? record(snapshots) : Status();
       };
       const auto stored = memory->store(sink, kHandedOver);
       if (!stored.ok()) status = stored.status();
@@ -88,28 +99,51 @@ struct MemoryService::State {
     return status;
   }
 
+  Status record(std::span<const SharedSnapshot> snapshots) {
+    std::vector<LongTerm::Refused> never;
+    ENGRAM_RETURN_IF_ERROR(store->record(snapshots, never));
+    const std::scoped_lock lock(mutex);
+    for (LongTerm::Refused& one : never) {
+      log::warning("server '{}': '{}' is lost to the store: {}", options.name,
+                 one.snapshot->id().to_string(), one.status.message());
+      last_store_failure = one.status.message();
+      refused.push_back({one.snapshot, std::move(one.status)});
+      if (refused.size() > kMostRefused) refused.pop_front();
+    }
+    return {};
+  }
+
+  /// What became of a commit that the online phase took. Needs the lock.
+  [[nodiscard]] Status outcome(const Admission& admission) const {
+    for (const RefusedSnapshot& one : refused)
+      for (const SharedSnapshot& snapshot : admission.snapshots)
+        if (!one.snapshot.owner_before(snapshot) && !snapshot.owner_before(one.snapshot))
+          return one.status;
+    return {};
+  }
+
   void tell(const Status& status) {
     const uint64_t taken = memory->taken();
-    std::vector<Waiter> told;
+    std::vector<std::pair<Waiter, Status>> told;
     {
       const std::scoped_lock lock(mutex);
       if (!status.ok()) {
         ++store_failures;
         if (last_store_failure != status.message())
           log::warning("server '{}': {} snapshots wait, and could not be stored: {}", options.name,
-                     memory->counters().waiting, status.to_string());
+                       memory->counters().waiting, status.to_string());
         last_store_failure = status.message();
       }
-      const auto is_told = [&](const Waiter& waiter) {
-        return !status.ok() || waiter.queued <= taken;
-      };
-      const auto rest = std::stable_partition(waiters.begin(), waiters.end(),
-                                              [&](const Waiter& waiter) { return !is_told(waiter); });
-      told.assign(std::make_move_iterator(rest), std::make_move_iterator(waiters.end()));
-      waiters.erase(rest, waiters.end());
+      std::erase_if(waiters, [&](Waiter& waiter) {
+        const bool is_taken = waiter.admission.queued <= taken;
+        if (!is_taken && status.ok()) return false;
+        Status outcome =
+            is_taken ? this->outcome(waiter.admission) : status.with_context("not stored yet");
+        told.emplace_back(std::move(waiter), std::move(outcome));
+        return true;
+      });
     }
-    for (const Waiter& waiter : told)
-      waiter.done(waiter.queued <= taken ? Status() : status.with_context("not stored yet"));
+    for (const auto& [waiter, outcome] : told) waiter.done(outcome);
   }
 
   void run(const std::stop_token& stop) {
@@ -158,8 +192,7 @@ Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& option
   auto state = std::make_unique<State>(options, clock);
   ENGRAM_ASSIGN_OR_RETURN(state->memory, WorkingMemory::create(options.memory, clock));
   if (options.store) {
-    ENGRAM_ASSIGN_OR_RETURN(state->store,
-                            LongTerm::open(*options.store, std::move(loader), clock));
+    ENGRAM_ASSIGN_OR_RETURN(state->store, LongTerm::open(*options.store, std::move(loader), clock));
   }
   const auto types = state->store ? state->store->types() : ltm::SegmentTypes();
   for (const auto& [segment, type] : types.all())
@@ -176,7 +209,8 @@ const MemoryService::Options& MemoryService::options() const {
 
 Status MemoryService::owns(const MemoryId& id) const {
   const auto& memories = state_->options.memories;
-  if (memories.empty() || id.names().empty() || std::ranges::find(memories, id.names()[0]) != memories.end())
+  if (memories.empty() || id.names().empty() ||
+      std::ranges::find(memories, id.names()[0]) != memories.end())
     return {};
   return not_found("server '{}' has no memory '{}'; it has: {}", state_->options.name,
                    id.names()[0], fmt::join(memories, ", "));
@@ -193,7 +227,8 @@ Result<Admission> MemoryService::commit(ltm::Commit commit,
                                         Durability durability) {
   const std::shared_lock admitting(state_->admitting);
   if (state_->is_closed) return unavailable("server '{}' is stopping", state_->options.name);
-  for (const ltm::EntityUpdate& update : commit.updates) ENGRAM_RETURN_IF_ERROR(owns(update.entity));
+  for (const ltm::EntityUpdate& update : commit.updates)
+    ENGRAM_RETURN_IF_ERROR(owns(update.entity));
   return state_->memory->admit(std::move(commit), std::move(encoded),
                                durability == Durability::kJournal);
 }
@@ -205,11 +240,21 @@ void MemoryService::when_stored(const Admission& admission,
                              state_->options.name));
     return;
   }
+  const uint64_t taken = state_->memory->taken();
+  std::optional<Status> outcome;
   {
     const std::scoped_lock lock(state_->mutex);
-    state_->waiters.push_back({admission.queued, std::move(done)});
+    if (admission.queued <= taken)
+      outcome = state_->outcome(admission);
+    else if (state_->has_handed_over_all)
+      outcome = unavailable("server '{}' has stopped", state_->options.name);
+    else
+      state_->waiters.push_back({admission, std::move(done)});
   }
-  state_->wake.notify_one();
+  if (outcome)
+    done(*outcome);
+  else
+    state_->wake.notify_one();
 }
 
 Status MemoryService::wait_stored(const Admission& admission) {
@@ -251,6 +296,7 @@ Result<ServedAnswer> MemoryService::query(const ltm::Query& query, const std::st
   entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
   if (entities.empty())
     return not_found("server '{}': no entity matches '{}'", state.options.name, query.to_string());
+  size_t most_bytes = state.store ? state.options.store->most_answer_bytes : 0;
   for (const MemoryId& entity : entities) {
     const auto known = std::ranges::find(selected, entity, &SelectedEntity::entity);
     std::vector<Time> future;
@@ -260,7 +306,7 @@ Result<ServedAnswer> MemoryService::query(const ltm::Query& query, const std::st
     } else {
       // What leaves memory from here on is in the store when that is read.
       const auto held = state.memory->all_of(entity);
-      ENGRAM_ASSIGN_OR_RETURN(auto one, state.store->answer(query, entity, held));
+      ENGRAM_ASSIGN_OR_RETURN(auto one, state.store->answer(query, entity, held, most_bytes));
       future = std::move(one.future);
       answer.entities.push_back(std::move(one.entity));
     }
@@ -306,14 +352,18 @@ Status MemoryService::close() {
   if (state.is_closed.exchange(true)) return {};
   state.thread.request_stop();
   state.thread.join();
-  {
-    const std::unique_lock last_commits(state.admitting);
-  }
+  { const std::unique_lock last_commits(state.admitting); }
   state.memory->release_all();
-  const Status status = state.hand_over();
+  Status status = state.hand_over();
+  {
+    const std::scoped_lock lock(state.mutex);
+    state.has_handed_over_all = true;
+  }
+  // For those who began to wait after the last ones were told.
+  state.tell(status.ok() ? Status() : status);
   if (!status.ok())
-    return status.with_context(fmt::format("{} snapshots of working memory are lost",
-                                           state.memory->counters().waiting));
+    return status.with_context(
+        fmt::format("{} snapshots of working memory are lost", state.memory->counters().waiting));
   return state.store ? state.store->close() : Status();
 }
 

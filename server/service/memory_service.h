@@ -71,7 +71,8 @@ class MemoryService {
                            Durability durability = Durability::kMemory);
 
   /// Calls `done` once, from any thread, when the online phase has what was queued until then, or
-  /// could not take it: then it still waits, and is tried again.
+  /// could not take it: then it still waits, and is tried again; kInvalidArgument where the store
+  /// will never take it.
   void when_stored(const Admission& admission, std::function<void(const Status&)> done);
 
   /// The same, waiting.

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/long_term.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::server {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr const char* kEntity = "A/b/c/d";
+
+class LongTermTest : public ::testing::Test {
+ protected:
+  LongTermTest() {
+    options.store = folder / "store.engram";
+    options.recording.store.min_free_bytes = 0;
+    options.recording.store.durability = ltm::Durability::kNone;
+  }
+
+  void open() {
+    auto opened = LongTerm::open(options, nullptr);
+    ASSERT_OK(opened);
+    store = *std::move(opened);
+  }
+
+  static SharedSnapshot snapshot(int64_t at, idf::Data data, const std::string& entity = kEntity) {
+    HeldSnapshot held;
+    held.entity = *ltm::MemoryId::parse(entity);
+    held.time = time_from_ns(at);
+    held.instances.push_back({std::move(data), {}});
+    return std::make_shared<const HeldSnapshot>(std::move(held));
+  }
+
+  std::vector<LongTerm::Refused> record(const std::vector<SharedSnapshot>& snapshots) {
+    std::vector<LongTerm::Refused> refused;
+    EXPECT_OK(store->record(snapshots, refused));
+    return refused;
+  }
+
+  Result<std::vector<int64_t>> ask(const std::string& selector,
+                                   const std::vector<SharedSnapshot>& held = {}) {
+    const auto query = *ltm::Query::parse(std::string(kEntity) + " @ " + selector);
+    size_t most_bytes = options.most_answer_bytes;
+    ENGRAM_ASSIGN_OR_RETURN(const auto answer,
+                            store->answer(query, *ltm::MemoryId::parse(kEntity), held, most_bytes));
+    std::vector<int64_t> times;
+    for (const ServedSnapshot& one : answer.entity.snapshots)
+      times.push_back(to_ns(one.answer.time));
+    return times;
+  }
+
+  ScratchDirectory folder;
+  LongTerm::Options options;
+  std::unique_ptr<LongTerm> store;
+};
+
+TEST_F(LongTermTest, AnswersFromTheStoreAndFromWhatIsHeld) {
+  open();
+  record({snapshot(1, int64_t{1}), snapshot(2, int64_t{2})});
+  const std::vector<SharedSnapshot> held = {snapshot(2, int64_t{2}), snapshot(3, int64_t{3})};
+  EXPECT_THAT(*ask("all", held), ElementsAre(1, 2, 3));
+  EXPECT_THAT(*ask("latest:2"), ElementsAre(1, 2));
+  EXPECT_EQ(store->known_until(*ltm::MemoryId::parse(kEntity)), time_from_ns(2));
+  EXPECT_EQ(store->known_until(*ltm::MemoryId::parse("A/b/c/x")), std::nullopt);
+}
+
+TEST_F(LongTermTest, KnowsAtOnceWhatWasRecorded) {
+  open();
+  for (int64_t at = 1; at <= 20; ++at) {
+    record({snapshot(at, at)});
+    ASSERT_THAT(*ask("all"), SizeIs(static_cast<size_t>(at)));
+  }
+}
+
+TEST_F(LongTermTest, TellsTheLastOfOneTime) {
+  open();
+  record({snapshot(1, int64_t{1}), snapshot(1, int64_t{2})});
+  ASSERT_THAT(*ask("latest"), ElementsAre(1));
+  record({snapshot(1, int64_t{3})});
+  const auto newest = store->newest(*ltm::MemoryId::parse(kEntity), time_from_ns(9), 5);
+  ASSERT_OK(newest);
+  ASSERT_THAT(*newest, SizeIs(1));
+  EXPECT_EQ((*newest)[0].instances[0].data, idf::Data(int64_t{3})) << "not what was decoded before";
+}
+
+TEST_F(LongTermTest, DecodesOnce) {
+  open();
+  record({snapshot(1, int64_t{1}), snapshot(2, int64_t{2})});
+  ASSERT_THAT(*ask("all"), SizeIs(2));
+  ASSERT_THAT(*ask("all"), SizeIs(2));
+  EXPECT_EQ(store->counters().decoded, 2u);
+  EXPECT_EQ(store->counters().from_decoded, 2u);
+}
+
+TEST_F(LongTermTest, RefusesWhatIsNotOfItsTypeAndStoresTheRest) {
+  open();
+  ASSERT_OK(store->declare(*ltm::MemoryId::parse("T/b"), idf::Type::int64()));
+  const auto refused =
+      record({snapshot(1, int64_t{1}), snapshot(1, std::string("a text"), "T/b/c/d"),
+              snapshot(2, int64_t{2}), snapshot(3, int64_t{5}, "T/b/c/d")});
+  ASSERT_THAT(refused, SizeIs(1));
+  EXPECT_EQ(refused[0].snapshot->id().entity().to_string(), "T/b/c/d");
+  EXPECT_EQ(refused[0].status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(*ask("all"), ElementsAre(1, 2));
+  EXPECT_EQ(store->counters().recorded, 3u);
+  EXPECT_EQ(store->counters().refused, 1u);
+}
+
+TEST_F(LongTermTest, RefusesAnswersThatAreTooLarge) {
+  options.most_answer_bytes = 50'000;
+  open();
+  for (int64_t at = 1; at <= 10; ++at) record({snapshot(at, std::string(10'000, 'x'))});
+  EXPECT_THAT(*ask("latest:4"), SizeIs(4));
+  const auto all = ask("all");
+  EXPECT_EQ(all.status().code(), StatusCode::kResourceExhausted);
+  EXPECT_THAT(all.status().message(), HasSubstr("50000 bytes"));
+}
+
+TEST_F(LongTermTest, TakesNothingAfterTheEnd) {
+  open();
+  record({snapshot(1, int64_t{1})});
+  ASSERT_OK(store->close());
+  ASSERT_OK(store->close());
+  std::vector<LongTerm::Refused> refused;
+  const std::vector<SharedSnapshot> more = {snapshot(2, int64_t{2})};
+  EXPECT_EQ(store->record(more, refused).code(), StatusCode::kFailedPrecondition);
+  EXPECT_THAT(*ask("all"), ElementsAre(1));
+  store.reset();
+  open();
+  EXPECT_THAT(*ask("all"), ElementsAre(1));
+  EXPECT_THAT(refused, IsEmpty());
+}
+
+}  // namespace
+}  // namespace engram::server
