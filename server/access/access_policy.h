@@ -78,6 +78,9 @@ class AccessPolicy {
   static Result<AccessPolicy> parse(const ConfigValue& config,
                                     const std::filesystem::path& directory, SteadyTime now);
 
+  /// True of everyone(): callers cannot be told apart.
+  [[nodiscard]] bool is_everyone() const { return everyone_ != nullptr; }
+
   /// Errors: kFailedPrecondition where there is no such token.
   Result<Identity> authenticate(std::string_view token) const;
 

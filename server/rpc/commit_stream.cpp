@@ -23,7 +23,10 @@ Durability needed(const v1::CommitRequest& request, Durability by_default) {
 
 Status CommitStream::on_request(grpc::ByteBuffer& request) {
   v1::CommitRequest message;
-  ENGRAM_RETURN_IF_ERROR(read_message(request, message));
+  if (Status status = read_message(request, message); !status.ok()) {
+    context_.metrics.broken_requests.add();
+    return status;
+  }
   const uint64_t number = message.number();
   const Durability durability = needed(message, context_.durability);
   if (message.updates_size() == 0 && message.lease_bytes() > 0) {
@@ -54,7 +57,10 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
 }
 
 Result<Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
-  ENGRAM_RETURN_IF_ERROR(who_.take_request(steady_now()));
+  if (Status status = who_.take_request(steady_now()); !status.ok()) {
+    context_.metrics.refused_rates.add();
+    return status;
+  }
   ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take(message));
   for (const ltm::EntityUpdate& update : taken.commit.updates)
     ENGRAM_RETURN_IF_ERROR(who_.check(Role::kWrite, update.entity));

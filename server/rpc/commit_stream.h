@@ -27,7 +27,7 @@ class CommitStream final : public ReplyStream {
   RpcContext& context_;
   const Identity who_;
   const ClientId sharing_;  ///< kServerItself where it shares no memory.
-  const StreamSlot slot_{context_};
+  const StreamSlot slot_{context_, who_};
 };
 
 }  // namespace engram::server

@@ -51,7 +51,9 @@ class MemoryRpc final : public ServiceBase {
  public:
   explicit MemoryRpc(RpcContext& context) : context_(context) {}
 
-  ByteReactor* Commit(grpc::CallbackServerContext* call) override { return open<CommitStream>(call); }
+  ByteReactor* Commit(grpc::CallbackServerContext* call) override {
+    return open<CommitStream>(call);
+  }
   ByteReactor* Query(grpc::CallbackServerContext* call) override { return open<QueryStream>(call); }
   ByteReactor* Subscribe(grpc::CallbackServerContext* call) override {
     return open<SubscribeStream>(call);
@@ -65,7 +67,7 @@ class MemoryRpc final : public ServiceBase {
 
   grpc::ServerUnaryReactor* Info(grpc::CallbackServerContext* call,
                                  const v1::InfoRequest* request, v1::InfoReply* reply) override {
-    const auto who = caller(context_.access, *call);
+    const auto who = let_in(*call);
     if (!who.ok()) return finish(call, who.status());
     const MemoryService::Options& options = context_.service.options();
     reply->set_server(options.name);
@@ -83,8 +85,7 @@ class MemoryRpc final : public ServiceBase {
   grpc::ServerUnaryReactor* Metrics(grpc::CallbackServerContext* call,
                                     const v1::MetricsRequest* /*request*/,
                                     v1::MetricsReply* reply) override {
-    const auto who = caller(context_.access, *call);
-    if (!who.ok()) return finish(call, who.status());
+    if (const auto who = let_in(*call); !who.ok()) return finish(call, who.status());
     reply->set_text(metrics_text(context_));
     return finish(call, {});
   }
@@ -128,11 +129,9 @@ class MemoryRpc final : public ServiceBase {
       return new RefusedStream(
           grpc::Status(grpc::StatusCode::UNAUTHENTICATED, who.status().message()));
     }
-    if (context_.streams >= context_.most_streams) {
+    if (Status status = check_room(*who); !status.ok()) {
       context_.metrics.refused_streams.add();
-      return new RefusedStream(
-          grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
-                       fmt::format("found {} open streams, needs fewer", context_.most_streams)));
+      return new RefusedStream(to_grpc(status));
     }
     ClientId sharing = kServerItself;
     const auto session = call->client_metadata().find("engram-session");
@@ -143,17 +142,45 @@ class MemoryRpc final : public ServiceBase {
     return stream.get();
   }
 
+  Status check_room(const Identity& who) {
+    if (context_.streams >= context_.most_streams)
+      return resource_exhausted("found {} open streams, needs fewer", context_.most_streams);
+    if (context_.access.is_everyone()) return {};
+    const std::scoped_lock lock(context_.counting);
+    const auto known = context_.streams_of.find(who.name());
+    if (known == context_.streams_of.end() || known->second < context_.most_streams_of_one)
+      return {};
+    return resource_exhausted("found {} open streams of '{}', needs fewer", known->second,
+                              who.name());
+  }
+
   static grpc::ServerUnaryReactor* finish(grpc::CallbackServerContext* call, const Status& status) {
     grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
     reactor->Finish(to_grpc(status));
     return reactor;
   }
 
+  /// Who makes a call that is no stream, and may make one more.
+  Result<Identity> let_in(const grpc::CallbackServerContext& call) {
+    auto who = caller(context_.access, call);
+    if (!who.ok()) {
+      context_.metrics.refused_calls.add();
+      return who.status();
+    }
+    if (Status status = who->take_request(steady_now()); !status.ok()) {
+      context_.metrics.refused_rates.add();
+      return status;
+    }
+    return who;
+  }
+
   Status declare(const grpc::CallbackServerContext& call, const v1::DeclareRequest& request) {
-    ENGRAM_ASSIGN_OR_RETURN(const Identity who, caller(context_.access, call));
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId segment,
-                            ltm::MemoryId::parse(request.segment()));
-    ENGRAM_RETURN_IF_ERROR(who.check(Role::kWrite, segment));
+    ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId segment, ltm::MemoryId::parse(request.segment()));
+    if (Status status = who.check(Role::kWrite, segment); !status.ok()) {
+      context_.metrics.refused_calls.add();
+      return status;
+    }
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data data,
                             idf::decode(Buffer::copy(as_bytes(request.type()))));
     ENGRAM_ASSIGN_OR_RETURN(const idf::Type type, idf::type_from_data(data));

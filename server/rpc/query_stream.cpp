@@ -18,10 +18,14 @@ constexpr size_t kPartBytes = size_t{1} << 20;
 
 Status QueryStream::on_request(grpc::ByteBuffer& request) {
   v1::QueryRequest message;
-  ENGRAM_RETURN_IF_ERROR(read_message(request, message));
+  if (Status status = read_message(request, message); !status.ok()) {
+    context_.metrics.broken_requests.add();
+    return status;
+  }
   const uint64_t number = message.number();
   context_.metrics.queries.add();
   if (Status status = who_.take_request(steady_now()); !status.ok()) {
+    context_.metrics.refused_rates.add();
     answer(number, std::move(status));
     return {};
   }
@@ -37,12 +41,30 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
     }
   }
   promise();
-  context_.work.add([kept = shared_from_this(), this, number, query = *std::move(query),
-                     engine = message.engine()] {
-    answer(number, context_.service.query(query, engine));
-    fulfil();
-  });
+  {
+    const std::scoped_lock lock(asking_);
+    asked_.push_back({number, *std::move(query), message.engine()});
+  }
+  answer_next();
   return {};
+}
+
+void QueryStream::answer_next() {
+  // Asked without the lock: who sends takes them in the other order.
+  if (!has_room()) return;
+  const std::scoped_lock lock(asking_);
+  if (is_answering_ || asked_.empty()) return;
+  is_answering_ = true;
+  context_.work.add([kept = shared_from_this(), this, asked = std::move(asked_.front())] {
+    answer(asked.number, context_.service.query(asked.query, asked.engine));
+    {
+      const std::scoped_lock answered(asking_);
+      is_answering_ = false;
+    }
+    fulfil();
+    answer_next();
+  });
+  asked_.pop_front();
 }
 
 void QueryStream::answer(uint64_t number, Result<ServedAnswer> answer) {

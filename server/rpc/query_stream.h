@@ -7,7 +7,8 @@
 namespace engram::server {
 
 /// Answers the queries of one reader. What working memory knows is answered at once, the rest by
-/// other threads: answers may come in another order than queries.
+/// other threads, one after the other and as fast as the answers are read: they may come in another
+/// order than queries.
 class QueryStream final : public ReplyStream {
  public:
   QueryStream(RpcContext& context, Identity who, ClientId /*sharing*/)
@@ -15,11 +16,24 @@ class QueryStream final : public ReplyStream {
 
  private:
   Status on_request(grpc::ByteBuffer& request) override;
+  void on_sent() override { answer_next(); }
   void answer(uint64_t number, Result<ServedAnswer> answer);
+  /// Lets another thread answer what waits, where that may be.
+  void answer_next();
+
+  struct Asked {
+    uint64_t number = 0;
+    ltm::Query query;
+    std::string engine;
+  };
 
   RpcContext& context_;
   const Identity who_;
-  const StreamSlot slot_{context_};
+  const StreamSlot slot_{context_, who_};
+
+  std::mutex asking_;
+  std::deque<Asked> asked_;  ///< For other threads. Each is promised.
+  bool is_answering_ = false;
 };
 
 }  // namespace engram::server

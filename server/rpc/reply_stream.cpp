@@ -26,11 +26,14 @@ void ReplyStream::OnReadDone(bool ok) {
 }
 
 void ReplyStream::OnWriteDone(bool ok) {
-  const std::scoped_lock lock(mutex_);
-  is_writing_ = false;
-  written_.Clear();
-  if (!ok) is_broken_ = true;
-  go_on();
+  {
+    const std::scoped_lock lock(mutex_);
+    is_writing_ = false;
+    written_.Clear();
+    if (!ok) is_broken_ = true;
+    go_on();
+  }
+  on_sent();
 }
 
 void ReplyStream::OnCancel() {
@@ -61,6 +64,12 @@ void ReplyStream::send(grpc::ByteBuffer reply) {
   waiting_bytes_ += reply.Length();
   waiting_.push_back(std::move(reply));
   go_on();
+}
+
+bool ReplyStream::has_room() {
+  const std::scoped_lock lock(mutex_);
+  return !is_broken_ && !is_finished_ && waiting_.size() < kMostReplies &&
+         waiting_bytes_ < kMostReplyBytes;
 }
 
 void ReplyStream::end(const Status& status) {

@@ -37,6 +37,11 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   virtual Status on_request(grpc::ByteBuffer& request) = 0;
   /// The stream has ended; nothing is sent any more.
   virtual void on_end() {}
+  /// A reply has gone: has_room() may be true now.
+  virtual void on_sent() {}
+
+  /// Few enough replies wait for more of them to be made.
+  [[nodiscard]] bool has_room();
 
   /// One reply more, or fewer, will come later: the stream does not end before.
   void promise();

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "server/access/access_policy.h"
@@ -28,6 +30,10 @@ struct RpcContext {
   RpcMetrics metrics;
   std::atomic<int> streams{0};
   int most_streams = 4096;
+  /// Of one token, so that others still find room.
+  int most_streams_of_one = 1024;
+  std::mutex counting;
+  std::map<std::string, int> streams_of;  ///< By the names of tokens. Guarded by `counting`.
   MemoryService::Durability durability = MemoryService::Durability::kMemory;
   WorkQueue work;  ///< What takes longer than a stream's thread should. Ends first.
 };
@@ -35,19 +41,25 @@ struct RpcContext {
 /// Counts a stream as long as it lives.
 class StreamSlot {
  public:
-  explicit StreamSlot(RpcContext& context) : context_(context) {
-    ++context_.streams;
-    context_.metrics.streams.add(1);
+  StreamSlot(RpcContext& context, const Identity& who) : context_(context), name_(who.name()) {
+    count(1);
   }
-  ~StreamSlot() {
-    --context_.streams;
-    context_.metrics.streams.add(-1);
-  }
+  ~StreamSlot() { count(-1); }
   StreamSlot(const StreamSlot&) = delete;
   StreamSlot& operator=(const StreamSlot&) = delete;
 
  private:
+  void count(int more) {
+    context_.streams += more;
+    context_.metrics.streams.add(more);
+    const std::scoped_lock lock(context_.counting);
+    int& of_one = context_.streams_of[name_];
+    of_one += more;
+    if (of_one == 0) context_.streams_of.erase(name_);
+  }
+
   RpcContext& context_;
+  const std::string name_;
 };
 
 }  // namespace engram::server

@@ -22,6 +22,12 @@ struct RpcMetrics {
       "engram_events_lost_total", "Snapshots that slow subscribers were not told, once for each.");
   Counter& refused_streams = registry.counter(
       "engram_streams_refused_total", "Streams without a token that is known, or too many.");
+  Counter& broken_requests = registry.counter(
+      "engram_requests_broken_total", "Requests that are no message: they end their stream.");
+  Counter& refused_rates = registry.counter("engram_requests_over_rate_total",
+                                            "Requests beyond the rate of their token.");
+  Counter& refused_calls = registry.counter(
+      "engram_calls_refused_total", "Calls without a token that is known, or that may do this.");
   Gauge& streams = registry.gauge("engram_streams", "Streams that are open.");
 };
 

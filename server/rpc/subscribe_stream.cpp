@@ -67,6 +67,7 @@ void SubscribeStream::OnReadDone(bool ok) {
   v1::SubscribeRequest request;
   Status status = read_message(request_, request);
   request_.Clear();
+  if (!status.ok()) context_.metrics.broken_requests.add();
   if (status.ok() && !is_started_) status = start(request);
   if (context_.sharing)
     for (const v1::Block& block : request.released())

@@ -44,7 +44,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   RpcContext& context_;
   const Identity who_;
   const ClientId sharing_;  ///< kServerItself where it shares no memory.
-  const StreamSlot slot_{context_};
+  const StreamSlot slot_{context_, who_};
   std::shared_ptr<SubscribeStream> self_;
   grpc::ByteBuffer request_;
   bool is_started_ = false;  ///< Used by one thread: requests come one at a time.
