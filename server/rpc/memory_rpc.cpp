@@ -104,7 +104,7 @@ class MemoryRpc final : public ServiceBase {
  private:
   Status engines(const grpc::CallbackServerContext& call, const v1::EnginesRequest& request,
                  v1::EnginesReply& reply) {
-    ENGRAM_ASSIGN_OR_RETURN(const Identity who, caller(context_.access, call));
+    ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, ltm::MemoryId::parse(request.entity()));
     if (!entity.is_entity())
       return invalid_argument("found ID '{}', needs that of an entity", request.entity());
