@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/client/robot_memory.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "server/client/robot_servers.h"
+#include "server/client/robot_subscription.h"
+
+namespace engram::server {
+
+namespace {
+
+constexpr auto kFirstWait = std::chrono::milliseconds(50);
+constexpr auto kLongestWait = std::chrono::milliseconds(300);
+
+/// The server is gone, stops, or is not the one that has the memory.
+bool is_lost(const Status& status) {
+  return status.code() == StatusCode::kUnavailable || status.code() == StatusCode::kCancelled;
+}
+
+std::string told_by(const ServerOutcome& outcome) {
+  return outcome.server.empty()
+             ? outcome.status.message()
+             : fmt::format("server '{}': {}", outcome.server, outcome.status.message());
+}
+
+/// All failures as one: the first one's code.
+Status joined(const std::vector<ServerOutcome>& outcomes) {
+  std::vector<std::string> messages;
+  std::optional<StatusCode> code;
+  for (const ServerOutcome& outcome : outcomes) {
+    if (outcome.status.ok()) continue;
+    if (!code) code = outcome.status.code();
+    messages.push_back(told_by(outcome));
+  }
+  return code ? Status(*code, fmt::format("{}", fmt::join(messages, "; "))) : Status();
+}
+
+/// Waits longer each time; false where `deadline` comes first.
+class Patience {
+ public:
+  explicit Patience(SteadyTime deadline) : deadline_(deadline) {}
+
+  bool wait() {
+    if (steady_now() + next_ >= deadline_) return false;
+    std::this_thread::sleep_for(next_);
+    next_ = std::min<Duration>(2 * next_, kLongestWait);
+    return true;
+  }
+
+ private:
+  SteadyTime deadline_;
+  Duration next_ = kFirstWait;
+};
+
+/// Calls `work(i)` for each i below `count`, at once.
+template <typename Work>
+void at_once(size_t count, const Work& work) {
+  std::vector<std::jthread> threads;
+  for (size_t i = 1; i < count; ++i) threads.emplace_back([&work, i] { work(i); });
+  if (count > 0) work(0);
+}
+
+using Updates = std::vector<const ltm::EntityUpdate*>;
+
+/// What of a commit goes to one server.
+struct CommitPart {
+  Registration server;
+  Updates updates;
+};
+
+/// By the names of servers.
+using CommitParts = std::map<std::string, CommitPart>;
+
+/// What several servers still owe.
+struct Owed {
+  std::mutex mutex;
+  std::condition_variable changed;
+  size_t count = 0;
+  std::vector<Status> statuses;
+
+  void set(size_t index, const Status& status) {
+    const std::scoped_lock lock(mutex);
+    statuses[index] = status;
+    --count;
+    changed.notify_all();
+  }
+};
+
+/// A question to several servers, and what they have said so far.
+struct Asking {
+  std::map<std::string, Registration> servers;  ///< All that were to be asked.
+  std::map<std::string, Result<ltm::QueryResult>> answers;
+
+  /// Has to be asked, or asked again.
+  [[nodiscard]] bool is_open(const std::string& server) const {
+    const auto found = answers.find(server);
+    return found == answers.end() || is_lost(found->second.status());
+  }
+};
+
+}  // namespace
+
+struct RobotMemory::State {
+  std::unique_ptr<RobotServers> servers;
+
+  [[nodiscard]] SteadyTime deadline() const { return steady_now() + servers->options().timeout; }
+
+  /// What is known may be old where it tells all that is asked for.
+  Status learn(const ltm::Query& query) {
+    bool is_known = !servers->all().empty();
+    for (const ltm::MemoryQuery& memory : query.memories())
+      is_known = is_known && memory.name.kind() == ltm::NamePattern::Kind::kName &&
+                 servers->holder(memory.name.text()).has_value();
+    const Status status = is_known ? Status() : servers->renew(RobotServers::kFreshFor);
+    return servers->all().empty() ? status : Status();
+  }
+
+  // Of commits.
+
+  /// Which updates go to which server; those of memories that nobody has go to "".
+  [[nodiscard]] CommitParts split(const Updates& updates) const {
+    CommitParts parts;
+    for (const ltm::EntityUpdate* update : updates) {
+      const auto holder = servers->holder(update->entity.names()[0]);
+      CommitPart& part = parts[holder ? holder->server : std::string()];
+      if (holder) part.server = *holder;
+      part.updates.push_back(update);
+    }
+    return parts;
+  }
+
+  [[nodiscard]] Status nobody_has(const CommitPart& part) const {
+    const std::string& memory = part.updates[0]->entity.names()[0];
+    const std::string last = servers->last_holder(memory);
+    if (last.empty()) return not_found("no server has memory '{}'", memory);
+    return unavailable("no server has memory '{}'; server '{}', which had it, is gone", memory,
+                       last);
+  }
+
+  /// Sends all parts, and waits for all of them.
+  std::vector<ServerOutcome> send(const CommitParts& parts, CommitDurability durability,
+                                  SteadyTime deadline) {
+    auto owed = std::make_shared<Owed>();
+    owed->count = parts.size();
+    owed->statuses.assign(
+        parts.size(), unavailable("no answer within {}", to_string(servers->options().timeout)));
+    std::vector<std::shared_ptr<MemoryClient>> clients(parts.size());
+    size_t index = 0;
+    for (const auto& [server, part] : parts) {
+      const size_t at = index++;
+      if (server.empty()) {
+        owed->set(at, nobody_has(part));
+        continue;
+      }
+      auto client = servers->client(part.server);
+      if (!client.ok()) {
+        owed->set(at, client.status());
+        continue;
+      }
+      clients[at] = *std::move(client);
+      ltm::Commit commit;
+      for (const ltm::EntityUpdate* update : part.updates) commit.updates.push_back(*update);
+      clients[at]->commit(commit, durability,
+                          [owed, at](const Status& status) { owed->set(at, status); });
+    }
+    std::vector<ServerOutcome> outcomes;
+    std::unique_lock lock(owed->mutex);
+    owed->changed.wait_until(lock, deadline, [&owed] { return owed->count == 0; });
+    index = 0;
+    for (const auto& [server, part] : parts) {
+      const Status& status = owed->statuses[index];
+      outcomes.push_back({server, status});
+      if (is_lost(status)) servers->drop(server, clients[index].get());
+      ++index;
+    }
+    return outcomes;
+  }
+
+  Status commit(const ltm::Commit& commit, CommitDurability durability,
+                std::vector<ServerOutcome>& outcomes) {
+    ENGRAM_RETURN_IF_ERROR(commit.check());
+    const SteadyTime deadline = this->deadline();
+    Patience patience(deadline);
+    Updates rest;
+    for (const ltm::EntityUpdate& update : commit.updates) rest.push_back(&update);
+    for (;;) {
+      CommitParts parts = split(rest);
+      if (parts.contains({})) {
+        (void)servers->renew(RobotServers::kFreshFor);
+        parts = split(rest);
+      }
+      rest.clear();
+      std::vector<ServerOutcome> failed;
+      for (ServerOutcome& outcome : send(parts, durability, deadline)) {
+        // One that says that it has no such memory may have given it away.
+        if (!is_lost(outcome.status) && outcome.status.code() != StatusCode::kNotFound) {
+          outcomes.push_back(std::move(outcome));
+          continue;
+        }
+        const Updates& again = parts.at(outcome.server).updates;
+        rest.insert(rest.end(), again.begin(), again.end());
+        failed.push_back(std::move(outcome));
+      }
+      if (!failed.empty() && patience.wait()) {
+        (void)servers->renew(kFirstWait);
+        continue;
+      }
+      outcomes.insert(outcomes.end(), failed.begin(), failed.end());
+      return joined(outcomes);
+    }
+  }
+
+  // Of queries.
+
+  /// One that was to be asked and is gone is still owed, unless others have its memories now.
+  void find_servers(const ltm::Query& query, Asking& asking) const {
+    std::map<std::string, Registration> found;
+    for (Registration& server : servers->holders(query)) {
+      const std::string name = server.server;
+      found.emplace(name, std::move(server));
+    }
+    for (auto& [name, server] : asking.servers) {
+      const auto is_elsewhere = [this](const std::string& memory) {
+        return servers->holder(memory).has_value();
+      };
+      if (found.contains(name) || std::ranges::all_of(server.memories, is_elsewhere)) continue;
+      found.emplace(name, std::move(server));
+    }
+    asking.servers = std::move(found);
+  }
+
+  Result<ltm::QueryResult> ask(const Registration& server, const ltm::Query& query,
+                               const std::string& engine) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto client, servers->client(server));
+    auto answer = client->query(query, engine);
+    if (is_lost(answer.status())) servers->drop(server.server, client.get());
+    return answer;
+  }
+
+  void ask_open(const ltm::Query& query, const std::string& engine, Asking& asking) {
+    std::vector<const Registration*> open;
+    for (const auto& [name, server] : asking.servers)
+      if (asking.is_open(name)) open.push_back(&server);
+    std::vector<Result<ltm::QueryResult>> answers(open.size(), cancelled("not asked"));
+    at_once(open.size(), [&](size_t i) { answers[i] = ask(*open[i], query, engine); });
+    for (size_t i = 0; i < open.size(); ++i)
+      asking.answers.insert_or_assign(open[i]->server, std::move(answers[i]));
+  }
+
+  /// Asks until all have answered, or there is no time left.
+  Result<RobotAnswer> query(const ltm::Query& query, const std::string& engine, bool is_patient) {
+    Patience patience(deadline());
+    ENGRAM_RETURN_IF_ERROR(learn(query));
+    Asking asking;
+    for (int round = 0;; ++round) {
+      const std::vector<Registration> before = servers->all();
+      find_servers(query, asking);
+      ask_open(query, engine, asking);
+      bool is_any_open = !nobody_has(query).empty();
+      bool has_answer = false;
+      for (const auto& [name, server] : asking.servers) {
+        is_any_open = is_any_open || asking.is_open(name);
+        has_answer = has_answer || asking.answers.at(name).ok();
+      }
+      if (has_answer && !is_any_open) break;
+      if (is_any_open && ((!is_patient && round > 0) || !patience.wait())) break;
+      // What nobody has may have moved, or arrived, since servers were found.
+      (void)servers->renew(is_any_open ? Duration(kFirstWait) : Duration(0));
+      if (is_any_open) continue;
+      if (servers->all() == before || round > 0) break;
+      asking = {};
+    }
+    return united(query, std::move(asking), !is_patient);
+  }
+
+  [[nodiscard]] Result<RobotAnswer> united(const ltm::Query& query, Asking asking,
+                                           bool is_partial) const {
+    RobotAnswer answer{ltm::QueryResult(query.is_ids_only()), {}};
+    std::vector<ServerOutcome> failed;
+    std::vector<ServerOutcome> without;
+    bool has_answer = false;
+    for (const auto& [name, server] : asking.servers) {
+      auto& one = asking.answers.at(name);
+      if (one.ok()) {
+        has_answer = true;
+        ENGRAM_RETURN_IF_ERROR(answer.result.merge(*std::move(one)));
+      } else if (one.status().code() == StatusCode::kNotFound) {
+        without.push_back({name, one.status()});
+      } else {
+        (is_lost(one.status()) ? answer.missing : failed).push_back({name, one.status()});
+      }
+    }
+    for (ServerOutcome& gone : nobody_has(query)) answer.missing.push_back(std::move(gone));
+    if (!failed.empty()) return joined(failed);
+    const bool is_enough = is_partial && (has_answer || !without.empty());
+    if (!answer.missing.empty() && !is_enough) return joined(answer.missing);
+    if (has_answer || !answer.missing.empty()) return answer;
+    if (!without.empty()) return joined(without);
+    return not_found("no server has what '{}' asks for", query.to_string());
+  }
+
+  [[nodiscard]] std::vector<ServerOutcome> nobody_has(const ltm::Query& query) const {
+    std::vector<ServerOutcome> gone;
+    for (const auto& [memory, server] : servers->gone(query))
+      gone.push_back({server, unavailable("is gone, and nobody else has memory '{}'", memory)});
+    return gone;
+  }
+};
+
+RobotMemory::RobotMemory(std::shared_ptr<State> state) : state_(std::move(state)) {}
+RobotMemory::~RobotMemory() = default;
+
+Result<std::unique_ptr<RobotMemory>> RobotMemory::connect(const std::string& names,
+                                                          const ClientOptions& options) {
+  auto state = std::make_shared<State>();
+  ENGRAM_ASSIGN_OR_RETURN(state->servers, RobotServers::connect(names, options));
+  return std::unique_ptr<RobotMemory>(new RobotMemory(std::move(state)));
+}
+
+Status RobotMemory::commit(const ltm::Commit& commit, CommitDurability durability,
+                           std::vector<ServerOutcome>* outcomes) {
+  std::vector<ServerOutcome> all;
+  const Status status = state_->commit(commit, durability, all);
+  if (outcomes != nullptr) *outcomes = std::move(all);
+  return status;
+}
+
+Result<ltm::QueryResult> RobotMemory::query(const ltm::Query& query, const std::string& engine) {
+  ENGRAM_ASSIGN_OR_RETURN(RobotAnswer answer, state_->query(query, engine, true));
+  return std::move(answer.result);
+}
+
+Result<RobotAnswer> RobotMemory::query_reachable(const ltm::Query& query,
+                                                 const std::string& engine) {
+  return state_->query(query, engine, false);
+}
+
+Status RobotMemory::declare(const ltm::MemoryId& segment, const idf::Type& type) {
+  if (segment.names().empty()) return invalid_argument("found no segment, needs one to declare");
+  Patience patience(state_->deadline());
+  for (;;) {
+    auto holder = state_->servers->holder(segment.names()[0]);
+    if (!holder) {
+      (void)state_->servers->renew(RobotServers::kFreshFor);
+      holder = state_->servers->holder(segment.names()[0]);
+    }
+    Status status = not_found("no server has memory '{}'", segment.names()[0]);
+    if (holder) {
+      auto client = state_->servers->client(*holder);
+      status = client.ok() ? (*client)->declare(segment, type) : client.status();
+      if (is_lost(status) && client.ok()) state_->servers->drop(holder->server, client->get());
+    }
+    const bool is_again = is_lost(status) || status.code() == StatusCode::kNotFound;
+    if (!is_again || !patience.wait()) return status;
+    (void)state_->servers->renew(kFirstWait);
+  }
+}
+
+Result<std::unique_ptr<Subscription>> RobotMemory::subscribe(const SubscriptionOptions& options,
+                                                             SubscriptionHandlers handlers) {
+  return subscribe_to_robot(*state_->servers, state_, options, std::move(handlers));
+}
+
+Status RobotMemory::wait_for_memory(const std::string& name, Duration timeout) {
+  Patience patience(steady_now() + timeout);
+  for (;;) {
+    Status status = state_->servers->renew();
+    if (const auto holder = state_->servers->holder(name)) {
+      const auto client = state_->servers->client(*holder);
+      const auto info = client.ok() ? (*client)->info() : client.status();
+      if (info.ok()) return {};
+      status = info.status();
+      if (client.ok()) state_->servers->drop(holder->server, client->get());
+    } else if (status.ok()) {
+      status = not_found("no server has it");
+    }
+    if (!patience.wait())
+      return unavailable("memory '{}' is not there after {}: {}", name, to_string(timeout),
+                         status.message());
+  }
+}
+
+Result<std::vector<RobotServer>> RobotMemory::info() {
+  const Status renewed = state_->servers->renew();
+  if (!renewed.ok()) return renewed;
+  std::vector<RobotServer> servers;
+  for (Registration& one : state_->servers->all())
+    servers.push_back({std::move(one), unavailable("not asked")});
+  at_once(servers.size(), [&](size_t i) {
+    const auto client = state_->servers->client(servers[i].registration);
+    servers[i].info = client.ok() ? (*client)->info() : client.status();
+    if (client.ok() && is_lost(servers[i].info.status()))
+      state_->servers->drop(servers[i].registration.server, client->get());
+  });
+  return servers;
+}
+
+}  // namespace engram::server

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "server/client/robot_servers.h"
+
+namespace engram::server {
+
+/// See RobotMemory::subscribe. `owner` keeps `servers` as long as the subscription lives.
+Result<std::unique_ptr<Subscription>> subscribe_to_robot(RobotServers& servers,
+                                                         std::shared_ptr<void> owner,
+                                                         const SubscriptionOptions& options,
+                                                         SubscriptionHandlers handlers);
+
+}  // namespace engram::server
