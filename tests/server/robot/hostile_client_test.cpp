@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clients that mean harm: each time another one is served all along, and counters say what was
+// refused.
+#include <engram/v1/memory.grpc.pb.h>
+#include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "ltm/idf/binary.h"
+#include "server/client/client_stream.h"
+#include "server/wire/byte_message.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/server/access/secret_file.h"
+#include "tests/server/robot/running_server.h"
+
+namespace engram::server {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::RunningServer;
+
+constexpr const char* kCommits = "/engram.v1.MemoryServer/Commit";
+constexpr const char* kQueries = "/engram.v1.MemoryServer/Query";
+constexpr const char* kSubscriptions = "/engram.v1.MemoryServer/Subscribe";
+
+/// What this process has in RAM.
+size_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  size_t all = 0;
+  size_t resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// A connection that may say anything.
+class RawSocket {
+ public:
+  explicit RawSocket(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  }
+  ~RawSocket() { ::close(socket_); }
+  RawSocket(const RawSocket&) = delete;
+  RawSocket& operator=(const RawSocket&) = delete;
+
+  /// False where the server has hung up, or reads no more.
+  bool say(const std::string& bytes) {
+    const timeval patience{1, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof(patience));
+    size_t sent = 0;
+    while (sent < bytes.size()) {
+      const ssize_t count = ::send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      if (count <= 0) return false;
+      sent += static_cast<size_t>(count);
+    }
+    return true;
+  }
+
+ private:
+  int socket_;
+};
+
+const std::string kPreface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
+
+/// An HTTP/2 frame.
+std::string frame(uint8_t type, uint8_t flags, uint32_t stream, const std::string& payload) {
+  const auto size = static_cast<uint32_t>(payload.size());
+  std::string made;
+  for (const int shift : {16, 8, 0}) made += static_cast<char>(size >> shift & 0xff);
+  made += static_cast<char>(type);
+  made += static_cast<char>(flags);
+  for (const int shift : {24, 16, 8, 0}) made += static_cast<char>(stream >> shift & 0xff);
+  return made + payload;
+}
+
+std::string random_bytes(std::mt19937& random, size_t count) {
+  std::string made(count, '\0');
+  for (char& byte : made) byte = static_cast<char>(random());
+  return made;
+}
+
+/// A server, and somebody who uses it all along.
+class HostileClient : public ::testing::Test {
+ protected:
+  void SetUp() override { running.with_store(); }
+
+  void TearDown() override {
+    if (!running.server) return;
+    expect_served();
+    user_.request_stop();
+    if (user_.joinable()) user_.join();
+    EXPECT_GT(served_, 0);
+  }
+
+  void start() {
+    running.start();
+    good_ = running.client({.token = good_token});
+    user_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        serve_once();
+        std::this_thread::sleep_for(milliseconds(5));
+      }
+    });
+  }
+
+  void serve_once() {
+    const int64_t at = ++last_;
+    const Status status = good_->commit(RunningServer::commit("Good/b/c/d", at));
+    EXPECT_OK(status);
+    const auto found =
+        good_->query(*ltm::Query::parse(fmt::format("Good/b/c/d @ at-or-before:{}", at)));
+    EXPECT_OK(found);
+    if (status.ok() && found.ok()) ++served_;
+  }
+
+  /// Somebody who comes now is served within seconds.
+  void expect_served() {
+    const auto begun = steady_now();
+    const auto newcomer = running.client({.token = good_token});
+    EXPECT_OK(newcomer->commit(RunningServer::commit("Good/b/c/new", ++last_)));
+    EXPECT_OK(newcomer->query(*ltm::Query::parse("Good/b/c/new")));
+    EXPECT_LT(steady_now() - begun, seconds(5));
+  }
+
+  [[nodiscard]] std::shared_ptr<grpc::Channel> channel() const {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    arguments.SetMaxSendMessageSize(-1);
+    return grpc::CreateCustomChannel(running.endpoint(), grpc::InsecureChannelCredentials(),
+                                     arguments);
+  }
+
+  [[nodiscard]] std::string socket_path() const { return running.endpoint().substr(5); }
+
+  /// A figure of the server.
+  double metric(const std::string& name) {
+    const auto text = good_->metrics();
+    EXPECT_OK(text);
+    const auto at = text->find("\n" + name + " ");
+    return at == std::string::npos ? -1 : std::stod(text->substr(at + name.size() + 2));
+  }
+
+  void write_tokens(const std::string& rest_of_bad) {
+    running.options.tokens = testing::write_secret(
+        running.folder / "tokens.yaml",
+        fmt::format("tokens:\n"
+                    "  - name: good\n    token_sha256: {}\n    role: write\n    memories: all\n"
+                    "  - name: bad\n    token_sha256: {}\n    role: write\n    memories: [Bad]\n{}",
+                    to_hex(hash_token(good_token)), to_hex(hash_token(bad_token)), rest_of_bad));
+  }
+
+  RunningServer running;
+  std::string good_token;
+  const std::string bad_token = std::string(40, 'b');
+
+ private:
+  std::unique_ptr<MemoryClient> good_;
+  std::atomic<int64_t> last_{0};
+  std::atomic<int> served_{0};
+  std::jthread user_;
+};
+
+/// Streams of raw messages, and how they ended.
+class RawStreams {
+ public:
+  ~RawStreams() {
+    for (const auto& stream : all_) stream->cancel();
+    all_.clear();
+    streams_.wait();
+  }
+
+  ClientStream& open(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+                     const std::string& token = {}) {
+    all_.push_back(ClientStream::open(channel, method, token, streams_,
+                                      {[this](grpc::ByteBuffer& /*reply*/) { ++replies; },
+                                       [this](const Status& status) {
+                                         if (status.code() == StatusCode::kInvalidArgument)
+                                           ++refused;
+                                         if (status.code() == StatusCode::kResourceExhausted)
+                                           ++exhausted;
+                                         ++ended;
+                                       }}));
+    return *all_.back();
+  }
+
+  /// Waits until `count` reaches `needed`.
+  static bool reaches(const std::atomic<int>& count, int needed) {
+    for (int i = 0; i < 2000 && count < needed; ++i) std::this_thread::sleep_for(milliseconds(5));
+    return count >= needed;
+  }
+
+  std::atomic<int> replies{0};
+  std::atomic<int> ended{0};
+  std::atomic<int> refused{0};    ///< Ended with kInvalidArgument.
+  std::atomic<int> exhausted{0};  ///< With kResourceExhausted.
+
+ private:
+  OpenStreams streams_;
+  std::vector<std::shared_ptr<ClientStream>> all_;
+};
+
+grpc::ByteBuffer raw(const std::string& bytes) {
+  const grpc::Slice slice(bytes);
+  return {&slice, 1};
+}
+
+TEST_F(HostileClient, SaysGarbage) {
+  start();
+  std::mt19937 random(1);
+  for (int i = 0; i < 40; ++i) {
+    RawSocket socket(socket_path());
+    if (i % 2 == 0) socket.say(kPreface);
+    socket.say(random_bytes(random, 1 << 14));
+  }
+}
+
+TEST_F(HostileClient, SaysHalfOfAFrame) {
+  start();
+  std::vector<std::unique_ptr<RawSocket>> open;
+  for (size_t length = 0; length < 60; ++length) {
+    const std::string all = kPreface + frame(4, 0, 0, "") + frame(1, 0, 1, std::string(40, '\x82'));
+    open.push_back(std::make_unique<RawSocket>(socket_path()));
+    open.back()->say(all.substr(0, length));
+  }
+  expect_served();
+}
+
+/// gRPC before 1.53 keeps all of them until they end (CVE-2023-33953), and gives them back when the
+/// connection closes: docs/access.md says who may connect at all.
+TEST_F(HostileClient, SendsEndlessHeaders) {
+  start();
+  RawSocket socket(socket_path());
+  socket.say(kPreface + frame(4, 0, 0, ""));
+  // A literal header of 16 KB, again and again, in frames that go on and on.
+  std::string field = std::string("\x00\x01x\x7f\x81\x7f", 6) + std::string(16'384, 'v');
+  field.resize(16'384);
+  bool goes_on = socket.say(frame(1, 0, 1, field));
+  for (size_t sent = 0; goes_on && sent < size_t{32} << 20; sent += field.size())
+    goes_on = socket.say(frame(9, 0, 1, field));
+  expect_served();
+}
+
+TEST_F(HostileClient, OpensAndForgetsStreamsAtOnce) {
+  start();
+  RawSocket socket(socket_path());
+  socket.say(kPreface + frame(4, 0, 0, ""));
+  std::string resets;
+  for (uint32_t stream = 1; stream < 20'000; stream += 2) {
+    resets += frame(1, 4, stream, "\x83\x86\x44\x05/a/b/c");
+    resets += frame(3, 0, stream, std::string("\0\0\0\x08", 4));
+  }
+  socket.say(resets);
+}
+
+TEST_F(HostileClient, SendsMessagesThatAreTooLarge) {
+  start();
+  const auto hostile = running.client();
+  const idf::Data large = std::string(size_t{80} << 20, 'x');
+  const Status status = hostile->commit(RunningServer::commit("Bad/b/c/d", 1, large));
+  EXPECT_EQ(status.code(), StatusCode::kResourceExhausted) << status.to_string();
+  EXPECT_OK(hostile->commit(RunningServer::commit("Bad/b/c/d", 2)));  // On another stream.
+}
+
+TEST_F(HostileClient, SendsWhatIsNoMessage) {
+  start();
+  std::mt19937 random(2);
+  RawStreams streams;
+  const auto on = channel();
+  int count = 0;
+  for (const char* method : {kCommits, kQueries, kSubscriptions})
+    for (int i = 0; i < 10; ++i, ++count)
+      EXPECT_OK(streams.open(on, method).send(raw("\xff\xff" + random_bytes(random, 1000))));
+  EXPECT_TRUE(RawStreams::reaches(streams.ended, count));
+  EXPECT_EQ(streams.refused, count);
+  EXPECT_EQ(metric("engram_requests_broken_total"), count);
+}
+
+TEST_F(HostileClient, SendsCommitsThatCannotBe) {
+  start();
+  std::mt19937 random(3);
+  RawStreams streams;
+  ClientStream& commits = streams.open(channel(), kCommits);
+  idf::Data deep = int64_t{1};
+  for (int i = 0; i < 20; ++i) deep = idf::List{std::move(deep)};
+  const auto good = *idf::encode(deep);
+  constexpr int kCount = 2000;
+  for (int i = 0; i < kCount; ++i) {
+    v1::CommitRequest request;
+    v1::Snapshot& update = *request.add_updates();
+    update.set_entity(i % 50 == 0 ? std::string(size_t{1} << 16, '/') : "Bad/b/c/d");
+    update.set_time_ns(static_cast<int64_t>(random()) << 31);
+    std::string data(as_text(std::span(good)));
+    for (int k = 0; k < 1 + i % 8; ++k) data[random() % data.size()] = static_cast<char>(random());
+    if (i % 7 == 0) data += data;
+    if (i % 11 == 0) update.add_instances()->mutable_shared()->set_size(random());
+    if (i % 13 == 0) update.mutable_block()->set_slab(random());
+    update.add_instances()->set_data(data);
+    request.set_lease_bytes(i % 17 == 0 ? UINT64_MAX : 0);
+    request.set_durability(static_cast<v1::Durability>(random() % 5));
+    EXPECT_OK(commits.send(to_bytes(request)));
+  }
+  EXPECT_TRUE(RawStreams::reaches(streams.replies, kCount)) << streams.replies;
+  EXPECT_GT(metric("engram_commits_refused_total"), kCount / 2);
+}
+
+TEST_F(HostileClient, NestsAsDeepAsItCan) {
+  start();
+  RawStreams streams;
+  ClientStream& commits = streams.open(channel(), kCommits);
+  // The form of a list of one, again and again: that of two lists, without that of one.
+  const auto one = *idf::encode(idf::List{int64_t{1}});
+  const auto two = *idf::encode(idf::List{idf::List{int64_t{1}}});
+  const std::string inner(as_text(std::span(one)));
+  const std::string prefix =
+      std::string(as_text(std::span(two))).substr(0, two.size() - one.size());
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += prefix;
+  v1::CommitRequest request;
+  request.add_updates()->set_entity("Bad/b/c/d");
+  request.mutable_updates(0)->add_instances()->set_data(deep + inner);
+  EXPECT_OK(commits.send(to_bytes(request)));
+  EXPECT_TRUE(RawStreams::reaches(streams.replies, 1));
+  EXPECT_EQ(metric("engram_commits_refused_total"), 1);
+}
+
+/// Asks again and again for what is large, and never reads an answer.
+TEST_F(HostileClient, NeverReadsItsAnswers) {
+  start();
+  const idf::Data large = std::string(size_t{2} << 20, 'x');
+  ASSERT_OK(running.client()->commit(RunningServer::commit("Bad/b/c/d", 1, large)));
+  const auto stub = v1::MemoryServer::NewStub(channel());
+  const size_t before = resident_bytes();
+  for (const char* engine : {"", "copy-last"}) {
+    grpc::ClientContext context;
+    const auto stream = stub->Query(&context);
+    std::atomic<int> written{0};
+    std::jthread asks([&] {
+      v1::QueryRequest request;
+      request.set_query("Bad/b/c/d");
+      request.set_engine(engine);
+      while (written < 100'000 && stream->Write(request)) ++written;
+    });
+    std::this_thread::sleep_for(seconds(1));
+    expect_served();
+    // A thousand answers would be two gigabytes.
+    EXPECT_LT(resident_bytes(), before + (size_t{300} << 20));
+    context.TryCancel();
+    asks.join();
+    EXPECT_GT(written, 10);
+  }
+}
+
+TEST_F(HostileClient, SubscribesAndNeverReads) {
+  start();
+  const auto stub = v1::MemoryServer::NewStub(channel());
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
+  std::vector<std::unique_ptr<grpc::ClientReaderWriter<v1::SubscribeRequest, v1::Notification>>>
+      all;
+  for (int i = 0; i < 20; ++i) {
+    contexts.push_back(std::make_unique<grpc::ClientContext>());
+    all.push_back(stub->Subscribe(contexts.back().get()));
+    v1::SubscribeRequest request;
+    request.set_with_data(true);
+    request.set_queue_bytes(size_t{8} << 20);
+    ASSERT_TRUE(all.back()->Write(request));
+  }
+  std::this_thread::sleep_for(milliseconds(300));
+  const size_t before = resident_bytes();
+  running.options.service.memory.all.bytes = size_t{8} << 20;
+  const auto writer = running.client();
+  const idf::Data large = std::string(size_t{1} << 20, 'x');
+  for (int64_t at = 1; at <= 100; ++at)
+    ASSERT_OK(writer->commit(RunningServer::commit("Bad/b/c/d", at, large)));
+  EXPECT_GT(metric("engram_events_lost_total"), 20 * 50);
+  EXPECT_LT(resident_bytes(), before + (size_t{700} << 20));
+  for (const auto& context : contexts) context->TryCancel();
+}
+
+TEST_F(HostileClient, OpensThousandsOfStreams) {
+  good_token = std::string(40, 'g');
+  write_tokens("");
+  start();
+  RawStreams streams;
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  constexpr int kStreams = 2000;
+  for (int i = 0; i < kStreams; ++i) {
+    if (i % 200 == 0) channels.push_back(channel());
+    (void)streams.open(channels.back(), kSubscriptions, bad_token)
+        .send(to_bytes(v1::SubscribeRequest()));
+  }
+  EXPECT_TRUE(RawStreams::reaches(streams.exhausted, kStreams - 1024)) << streams.exhausted;
+  EXPECT_TRUE(RawStreams::reaches(streams.replies, 1024)) << streams.replies;
+  EXPECT_EQ(metric("engram_streams_refused_total"), kStreams - 1024);
+  expect_served();
+}
+
+TEST_F(HostileClient, HasNoTokenOrAWrongOne) {
+  good_token = std::string(40, 'g');
+  write_tokens("");
+  start();
+  for (const std::string& token :
+       {std::string(), std::string("wrong"), std::string(100'000, 'x')}) {
+    const auto hostile = running.client({.token = token, .timeout = milliseconds(500)});
+    EXPECT_FALSE(hostile->commit(RunningServer::commit("Good/b/c/d", -1)).ok());
+    EXPECT_FALSE(hostile->query(*ltm::Query::parse("Good @ all")).ok());
+    EXPECT_FALSE(hostile->info().ok());
+    EXPECT_FALSE(hostile->declare(*ltm::MemoryId::parse("Good/b"), idf::Type::int64()).ok());
+  }
+  EXPECT_GE(metric("engram_streams_refused_total"), 4);
+  EXPECT_GE(metric("engram_calls_refused_total"), 4);
+  const auto foreign = running.client({.token = bad_token});
+  EXPECT_FAILS(foreign->commit(RunningServer::commit("Good/b/c/d", -1)),
+               StatusCode::kFailedPrecondition, "bad");
+  EXPECT_OK(foreign->commit(RunningServer::commit("Bad/b/c/d", 1)));
+  const auto seen = foreign->query(*ltm::Query::parse(".* @ all"));
+  ASSERT_OK(seen);
+  EXPECT_FALSE(seen->contains(*ltm::MemoryId::parse("Good")));
+}
+
+TEST_F(HostileClient, AsksMoreOftenThanItMay) {
+  good_token = std::string(40, 'g');
+  write_tokens("    rate: 20Hz\n");
+  start();
+  const auto hostile = running.client({.token = bad_token});
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    const StatusCode commit = hostile->commit(RunningServer::commit("Bad/b/c/d", i)).code();
+    const StatusCode query = hostile->query(*ltm::Query::parse("Bad")).status().code();
+    const StatusCode info = hostile->info().status().code();
+    for (const StatusCode code : {commit, query, info})
+      if (code == StatusCode::kResourceExhausted) ++refused;
+  }
+  EXPECT_GT(refused, 500);
+  EXPECT_EQ(metric("engram_requests_over_rate_total"), refused);
+}
+
+}  // namespace
+}  // namespace engram::server
