@@ -175,13 +175,23 @@ Result<Duration> step_at_server(const RemoteArguments& remote, const ltm::Memory
 
 ExitCode run_remote(const PredictArguments& arguments, const ltm::MemoryId& entity) {
   Duration step{};
-  if (arguments.horizons.find('+') == std::string::npos) {
+  if (arguments.is_list || arguments.horizons.find('+') == std::string::npos) {
     const auto known = step_at_server(arguments.remote, entity);
     if (!known.ok()) return fail(known.status());
     step = *known;
   }
-  const auto horizons = parse_horizons(arguments.horizons, step);
+  const auto horizons = parse_horizons(horizons_text(arguments, step), step);
   if (!horizons.ok()) return wrong_usage(horizons.status());
+  if (arguments.is_list) {
+    auto records = engines_at_server(arguments.remote, entity, *horizons);
+    if (!records.ok()) return fail(records.status());
+    std::vector<EnginesAhead> measured;
+    for (size_t i = 0; i < horizons->size(); ++i)
+      measured.push_back({(*horizons)[i], std::move((*records)[i])});
+    show(arguments, engines_text(entity, step, measured, {}),
+         engines_json(entity, step, measured, {}));
+    return ExitCode::kDone;
+  }
   ltm::QueryResult all;
   for (const Duration horizon : *horizons) {
     auto result =
@@ -205,10 +215,10 @@ ExitCode run(PredictArguments arguments) {
   const bool is_moment = !arguments.at.empty() || arguments.is_compared ||
                          !arguments.picture.empty() || !arguments.save.empty();
   if (arguments.store.empty()) {
-    if (is_sweep || arguments.is_list || !arguments.plan.empty() || !arguments.at.empty() ||
+    if (is_sweep || !arguments.plan.empty() || !arguments.at.empty() ||
         arguments.is_compared || !arguments.picture.empty())
       return wrong_usage(invalid_argument(
-          "a server predicts from now: --at, --plan, --compare, --picture, --list, --every, --from "
+          "a server predicts from now: --at, --plan, --compare, --picture, --every, --from "
           "and --to are of stores"));
     return run_remote(arguments, *ltm::MemoryId::parse(arguments.entity));
   }

@@ -99,6 +99,13 @@ Result<ltm::QueryResult> query_server(const RemoteArguments& arguments, const lt
   return all;
 }
 
+Result<std::vector<std::vector<ltm::EngineRecord>>> engines_at_server(
+    const RemoteArguments& arguments, const ltm::MemoryId& entity,
+    std::span<const Duration> horizons) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto client, open_client(arguments, entity.names()[0]));
+  return client->engines(entity, horizons);
+}
+
 ExitCode show_server(const RemoteArguments& arguments, ServerFigures form) {
   if (!arguments.names.empty()) return show_names(arguments, form);
   const auto client = open_client(arguments, "");

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "cli/command.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
+#include "ltm/recall/engine_choice.h"
 
 namespace engram::cli {
 
@@ -33,6 +36,11 @@ void add_remote_options(CLI::App& command, RemoteArguments& arguments);
 /// `engine`: of predictions; empty: the best.
 Result<ltm::QueryResult> query_server(const RemoteArguments& arguments, const ltm::Query& query,
                                       const std::string& engine = {});
+
+/// What predicts an entity at its server, measured for each horizon; the one that answers first.
+Result<std::vector<std::vector<ltm::EngineRecord>>> engines_at_server(
+    const RemoteArguments& arguments, const ltm::MemoryId& entity,
+    std::span<const Duration> horizons);
 
 enum class ServerFigures { kText, kJson, kMetrics };
 

@@ -19,6 +19,12 @@ Result<ltm::QueryResult> query_server(const RemoteArguments& /*arguments*/,
   return failed_precondition("this program was built without servers");
 }
 
+Result<std::vector<std::vector<ltm::EngineRecord>>> engines_at_server(
+    const RemoteArguments& /*arguments*/, const ltm::MemoryId& /*entity*/,
+    std::span<const Duration> /*horizons*/) {
+  return failed_precondition("this program was built without servers");
+}
+
 ExitCode show_server(const RemoteArguments& /*arguments*/, ServerFigures /*form*/) {
   return fail(failed_precondition("this program was built without servers"));
 }
