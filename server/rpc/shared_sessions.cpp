@@ -9,6 +9,8 @@ namespace {
 
 /// Sessions that were offered and not begun are forgotten beyond that.
 constexpr size_t kMostSessions = 1024;
+/// Of a commit: larger ones could not be sent to clients elsewhere (ClientOptions).
+constexpr size_t kMostBlockBytes = size_t{256} << 20;
 
 }  // namespace
 
@@ -56,6 +58,9 @@ ClientId SharedSessions::find(const std::string& session) const {
 }
 
 Result<BlockRef> SharedSessions::lease(ClientId writer, const std::string& memory, size_t bytes) {
+  if (bytes > kMostBlockBytes)
+    return resource_exhausted("shared memory: found {} bytes, needs at most {}", bytes,
+                              kMostBlockBytes);
   return pool_->lease(writer, group_of(memory), bytes);
 }
 

@@ -264,11 +264,22 @@ TEST_F(HostileClient, OpensAndForgetsStreamsAtOnce) {
 
 TEST_F(HostileClient, SendsMessagesThatAreTooLarge) {
   start();
-  const auto hostile = running.client();
+  const auto hostile = running.client({.shares_memory = false});
   const idf::Data large = std::string(size_t{80} << 20, 'x');
   const Status status = hostile->commit(RunningServer::commit("Bad/b/c/d", 1, large));
   EXPECT_EQ(status.code(), StatusCode::kResourceExhausted) << status.to_string();
   EXPECT_OK(hostile->commit(RunningServer::commit("Bad/b/c/d", 2)));  // On another stream.
+}
+
+TEST_F(HostileClient, WritesWhatIsTooLargeForSharedMemory) {
+  start();
+  const auto hostile = running.client();
+  const idf::Data large = std::string(size_t{80} << 20, 'x');
+  EXPECT_OK(hostile->commit(RunningServer::commit("Bad/b/c/d", 1, large)));
+  const idf::Data larger = std::string(size_t{300} << 20, 'x');
+  const Status status = hostile->commit(RunningServer::commit("Bad/b/c/d", 2, larger));
+  EXPECT_EQ(status.code(), StatusCode::kResourceExhausted) << status.to_string();
+  EXPECT_OK(hostile->commit(RunningServer::commit("Bad/b/c/d", 3)));
 }
 
 TEST_F(HostileClient, SendsWhatIsNoMessage) {
