@@ -135,6 +135,21 @@ TEST(NamesRpc, LetsGoOfWatchersThatAreGone) {
   }
 }
 
+TEST(NamesRpc, KeepsClientsThatAskWhetherItIsThere) {
+  RunningNames names;
+  names.start();
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1100);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  const auto channel =
+      grpc::CreateCustomChannel(names.endpoint(), grpc::InsecureChannelCredentials(), arguments);
+  ASSERT_TRUE(channel->WaitForConnected(std::chrono::system_clock::now() + seconds(5)));
+  const auto state = GRPC_CHANNEL_READY;
+  EXPECT_FALSE(channel->WaitForStateChange(state, std::chrono::system_clock::now() + seconds(7)))
+      << "sent away";
+}
+
 TEST(NamesRpc, LetsOnlyThoseSpeakForAServerWhoMayWriteItsMemories) {
   RunningNames names;
   const std::string reader(40, 'r');
