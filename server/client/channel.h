@@ -2,6 +2,11 @@
 #pragma once
 
 #include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+
+#include <functional>
+#include <future>
+#include <memory>
 
 #include "server/access/endpoint.h"
 #include "server/client/memory_client.h"
@@ -12,5 +17,19 @@ namespace engram::server {
 /// Errors: those of reading the CA file.
 Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
                                                     const ClientOptions& options);
+
+/// Makes a call of a stub's async interface, and waits for its end. By gRPC's threads, which work
+/// on the connection all the time: blocking calls work on it only while they last, and those that
+/// fail at once, again and again, would never see a handshake through.
+template <typename Async, typename Request, typename Reply>
+grpc::Status wait_for_call(Async* async,
+                           void (Async::*method)(grpc::ClientContext*, const Request*, Reply*,
+                                                 std::function<void(grpc::Status)>),
+                           grpc::ClientContext& context, const Request& request, Reply& reply) {
+  const auto ended = std::make_shared<std::promise<grpc::Status>>();
+  (async->*method)(&context, &request, &reply,
+                   [ended](grpc::Status status) { ended->set_value(std::move(status)); });
+  return ended->get_future().get();
+}
 
 }  // namespace engram::server

@@ -164,6 +164,8 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   std::map<uint64_t, std::pair<uint64_t, Pending>> pending_;
 };
 
+using Async = v1::MemoryServer::StubInterface::async_interface;
+
 /// What a blocked caller waits for. Shared with handlers that may come too late.
 template <typename Value>
 struct Awaited {
@@ -309,13 +311,16 @@ struct MemoryClient::State {
     return future.get();
   }
 
-  template <typename Request, typename Reply, typename Method>
-  Status call(Method method, const Request& request, Reply& reply) {
+  template <typename Request, typename Reply>
+  Status call(void (Async::*method)(grpc::ClientContext*, const Request*, Reply*,
+                                    std::function<void(grpc::Status)>),
+              const Request& request, Reply& reply) {
     return retried(last_try(steady_now() + options.timeout), [&]() -> Status {
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + options.timeout);
       if (!options.token.empty()) context.AddMetadata("authorization", "Bearer " + options.token);
-      const grpc::Status status = ((*stub).*method)(&context, request, &reply);
+      const grpc::Status status =
+          wait_for_call<Async>(stub->async(), method, context, request, reply);
       return status.ok() ? Status() : to_status(status).with_context(endpoint);
     });
   }
@@ -424,9 +429,7 @@ Status MemoryClient::declare(const ltm::MemoryId& segment, const idf::Type& type
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, idf::encode(idf::to_data(type)));
   request.set_type(bytes.data(), bytes.size());
   v1::DeclareReply reply;
-  using Method = grpc::Status (v1::MemoryServer::Stub::*)(
-      grpc::ClientContext*, const v1::DeclareRequest&, v1::DeclareReply*);
-  return state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Declare), request, reply);
+  return state_->call(&Async::Declare, request, reply);
 }
 
 Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
@@ -452,10 +455,7 @@ Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
 
 Result<ServerInfo> MemoryClient::info() {
   v1::InfoReply reply;
-  using Method = grpc::Status (v1::MemoryServer::Stub::*)(grpc::ClientContext*,
-                                                          const v1::InfoRequest&, v1::InfoReply*);
-  ENGRAM_RETURN_IF_ERROR(state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Info),
-                                      v1::InfoRequest(), reply));
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Info, v1::InfoRequest(), reply));
   return ServerInfo{reply.server(),
                     reply.version(),
                     {reply.memories().begin(), reply.memories().end()},
@@ -464,10 +464,7 @@ Result<ServerInfo> MemoryClient::info() {
 
 Result<std::string> MemoryClient::metrics() {
   v1::MetricsReply reply;
-  using Method = grpc::Status (v1::MemoryServer::Stub::*)(
-      grpc::ClientContext*, const v1::MetricsRequest&, v1::MetricsReply*);
-  ENGRAM_RETURN_IF_ERROR(state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Metrics),
-                                      v1::MetricsRequest(), reply));
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Metrics, v1::MetricsRequest(), reply));
   return reply.text();
 }
 

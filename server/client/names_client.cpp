@@ -16,6 +16,8 @@ namespace engram::server {
 
 namespace {
 
+using Async = v1::MemoryNameSystem::StubInterface::async_interface;
+
 /// Of a heartbeat: longer would cost the next one.
 constexpr auto kHeartbeatTimeout = std::chrono::milliseconds(800);
 constexpr auto kTryAgainAfter = std::chrono::milliseconds(200);
@@ -48,6 +50,13 @@ struct NamesClient::State {
     if (!options.token.empty()) context.AddMetadata("authorization", "Bearer " + options.token);
   }
 
+  template <typename Request, typename Reply>
+  Status call(void (Async::*method)(grpc::ClientContext*, const Request*, Reply*,
+                                    std::function<void(grpc::Status)>),
+              grpc::ClientContext& context, const Request& request, Reply& reply) const {
+    return told(wait_for_call<Async>(stub->async(), method, context, request, reply));
+  }
+
   [[nodiscard]] Status told(const grpc::Status& status) const {
     return status.ok() ? Status()
                        : to_status(status).with_context(fmt::format("name system '{}'", endpoint));
@@ -72,8 +81,7 @@ Result<Duration> NamesClient::add(const Registration& registration) {
   grpc::ClientContext context;
   state_->prepare(context, kHeartbeatTimeout);
   v1::RegisterReply reply;
-  ENGRAM_RETURN_IF_ERROR(
-      state_->told(state_->stub->Register(&context, to_message(registration), &reply)));
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Register, context, to_message(registration), reply));
   return Duration(reply.heartbeat_interval_ns());
 }
 
@@ -84,7 +92,7 @@ Status NamesClient::heartbeat(const std::string& server, uint64_t incarnation) {
   request.set_server(server);
   request.set_incarnation(incarnation);
   v1::HeartbeatReply reply;
-  return state_->told(state_->stub->Heartbeat(&context, request, &reply));
+  return state_->call(&Async::Heartbeat, context, request, reply);
 }
 
 Status NamesClient::remove(const std::string& server, uint64_t incarnation) {
@@ -94,7 +102,7 @@ Status NamesClient::remove(const std::string& server, uint64_t incarnation) {
   request.set_server(server);
   request.set_incarnation(incarnation);
   v1::UnregisterReply reply;
-  return state_->told(state_->stub->Unregister(&context, request, &reply));
+  return state_->call(&Async::Unregister, context, request, reply);
 }
 
 Result<std::vector<Registration>> NamesClient::resolve(const std::string& memory, Duration wait) {
@@ -105,7 +113,7 @@ Result<std::vector<Registration>> NamesClient::resolve(const std::string& memory
   request.set_names(memory);
   request.set_wait_ns(wait.count());
   v1::ResolveReply reply;
-  ENGRAM_RETURN_IF_ERROR(state_->told(state_->stub->Resolve(&context, request, &reply)));
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Resolve, context, request, reply));
   std::vector<Registration> servers;
   for (const v1::ServerRecord& server : reply.servers()) servers.push_back(to_registration(server));
   return servers;
