@@ -111,14 +111,20 @@ struct RobotMemory::State {
 
   [[nodiscard]] SteadyTime deadline() const { return steady_now() + servers->options().timeout; }
 
-  /// What is known may be old where it tells all that is asked for.
-  Status learn(const ltm::Query& query) {
-    bool is_known = !servers->all().empty();
+  /// What is known may be old where it tells all that is asked for. A name system that knows no
+  /// server has just begun.
+  Status learn(const ltm::Query& query, Patience& patience) {
+    bool is_known = true;
     for (const ltm::MemoryQuery& memory : query.memories())
       is_known = is_known && memory.name.kind() == ltm::NamePattern::Kind::kName &&
                  servers->holder(memory.name.text()).has_value();
-    const Status status = is_known ? Status() : servers->renew(RobotServers::kFreshFor);
-    return servers->all().empty() ? status : Status();
+    for (Status status; !is_known;) {
+      status = servers->renew(RobotServers::kFreshFor);
+      if (!servers->all().empty()) break;
+      if (status.ok()) status = unavailable("the name system knows no server");
+      if (!patience.wait()) return status;
+    }
+    return {};
   }
 
   // Of commits.
@@ -136,6 +142,7 @@ struct RobotMemory::State {
   }
 
   [[nodiscard]] Status nobody_has(const CommitPart& part) const {
+    if (servers->all().empty()) ENGRAM_RETURN_IF_ERROR(servers->renew(RobotServers::kFreshFor));
     const std::string& memory = part.updates[0]->entity.names()[0];
     const std::string last = servers->last_holder(memory);
     if (last.empty()) return not_found("no server has memory '{}'", memory);
@@ -256,7 +263,7 @@ struct RobotMemory::State {
   /// Asks until all have answered, or there is no time left.
   Result<RobotAnswer> query(const ltm::Query& query, const std::string& engine, bool is_patient) {
     Patience patience(deadline());
-    ENGRAM_RETURN_IF_ERROR(learn(query));
+    ENGRAM_RETURN_IF_ERROR(learn(query, patience));
     Asking asking;
     for (int round = 0;; ++round) {
       const std::vector<Registration> before = servers->all();

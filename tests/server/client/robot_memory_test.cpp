@@ -149,6 +149,17 @@ TEST_F(RobotMemoryTest, ServersRegisterAgainWhenTheNameSystemStartsOver) {
   ASSERT_OK(newcomer->commit(SmallRobot::commit({"A/b/c/d", "B/b/c/d"}, 2)));
 }
 
+TEST_F(RobotMemoryTest, NewcomersWaitForTheNameSystem) {
+  ASSERT_OK(client->commit(SmallRobot::commit({"A/b/c/d"}, 1)));
+  robot.names.stop();
+  std::jthread later([this] {
+    std::this_thread::sleep_for(milliseconds(500));
+    robot.names.start();
+  });
+  const auto newcomer = robot.client();
+  EXPECT_OK(SmallRobot::ask(*newcomer, ".* @ all"));
+}
+
 TEST_F(RobotMemoryTest, SeesServersThatArrive) {
   ASSERT_OK(client->commit(SmallRobot::commit({"A/b/c/d"}, 1)));
   ASSERT_THAT(*ask(".* @ all"), SizeIs(1));
@@ -204,7 +215,8 @@ TEST(RobotMemory, SaysThatItCannotReachTheNameSystem) {
   ASSERT_OK(client);
   EXPECT_FAILS(SmallRobot::ask(**client, ".* @ all"), StatusCode::kUnavailable, "name system");
   EXPECT_FALSE((*client)->info().ok());
-  EXPECT_FALSE((*client)->commit(SmallRobot::commit({"A/b/c/d"}, 1)).ok());
+  EXPECT_FAILS((*client)->commit(SmallRobot::commit({"A/b/c/d"}, 1)), StatusCode::kUnavailable,
+               "name system");
   EXPECT_FALSE(RobotMemory::connect("no endpoint", options).ok());
 }
 
