@@ -21,7 +21,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults fuzz check-headers clean \
         experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
-        latent-trial training-speed learning-bars
+        latent-trial training-speed learning-bars age-bars
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -39,6 +39,7 @@ help:
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
 	@echo "make learning-bars   what learning reaches on recordings, hours (RECORDINGS, BARS=options)"
 	@echo "make forecast-bars   how well joints are predicted from their past (RECORDINGS)"
+	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
@@ -109,6 +110,9 @@ forecast-bars: experiments
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
+
+age-bars: experiments
+	$(MEASURE) server/age_bars --json age_bars.json $(BARS)
 
 learning-bars: build
 	experiments/learning/learning_bars.py build/release/bin/engram "$(RECORDINGS)" build/learning_bars \
