@@ -438,10 +438,7 @@ Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
   request.set_entity(entity.to_string());
   for (const Duration horizon : horizons) request.add_horizons_ns(horizon.count());
   v1::EnginesReply reply;
-  using Method = grpc::Status (v1::MemoryServer::Stub::*)(
-      grpc::ClientContext*, const v1::EnginesRequest&, v1::EnginesReply*);
-  ENGRAM_RETURN_IF_ERROR(
-      state_->call(static_cast<Method>(&v1::MemoryServer::Stub::Engines), request, reply));
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Engines, request, reply));
   std::vector<std::vector<ltm::EngineRecord>> all(horizons.size());
   for (const v1::EnginesReply::Record& record : reply.records()) {
     const auto horizon = std::ranges::find(horizons, Duration(record.horizon_ns()));

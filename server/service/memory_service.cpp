@@ -34,6 +34,7 @@ ServedSnapshot named(Time moment) {
 }
 
 struct Waiter {
+  uint64_t number = 0;
   Admission admission;
   std::function<void(const Status&)> done;
 };
@@ -77,6 +78,7 @@ struct MemoryService::State {
   mutable std::mutex mutex;
   std::condition_variable_any wake;
   std::vector<Waiter> waiters;
+  uint64_t last_waiter = 0;
   std::deque<RefusedSnapshot> refused;  ///< The last ones.
   uint64_t store_failures = 0;
   std::string last_store_failure;
@@ -86,6 +88,11 @@ struct MemoryService::State {
   /// Hands over all that waits; tells those who wait for it.
   Status hand_over() {
     Status status;
+    // Who comes while this fails is told of the next try.
+    const uint64_t until = [this] {
+      const std::scoped_lock lock(mutex);
+      return last_waiter;
+    }();
     while (status.ok()) {
       const auto sink = [this](std::span<const SharedSnapshot> snapshots) {
         return store ? record(snapshots) : Status();
@@ -93,9 +100,9 @@ struct MemoryService::State {
       const auto stored = memory->store(sink, kHandedOver);
       if (!stored.ok()) status = stored.status();
       if (stored.ok() && *stored == 0) break;
-      tell(status);
+      tell(status, until);
     }
-    tell(status);
+    tell(status, until);
     return status;
   }
 
@@ -122,7 +129,7 @@ struct MemoryService::State {
     return {};
   }
 
-  void tell(const Status& status) {
+  void tell(const Status& status, uint64_t until) {
     const uint64_t taken = memory->taken();
     std::vector<std::pair<Waiter, Status>> told;
     {
@@ -136,7 +143,7 @@ struct MemoryService::State {
       }
       std::erase_if(waiters, [&](Waiter& waiter) {
         const bool is_taken = waiter.admission.queued <= taken;
-        if (!is_taken && status.ok()) return false;
+        if (!is_taken && (status.ok() || waiter.number > until)) return false;
         Status outcome =
             is_taken ? this->outcome(waiter.admission) : status.with_context("not stored yet");
         told.emplace_back(std::move(waiter), std::move(outcome));
@@ -249,7 +256,7 @@ void MemoryService::when_stored(const Admission& admission,
     else if (state_->has_handed_over_all)
       outcome = unavailable("server '{}' has stopped", state_->options.name);
     else
-      state_->waiters.push_back({admission, std::move(done)});
+      state_->waiters.push_back({++state_->last_waiter, admission, std::move(done)});
   }
   if (outcome)
     done(*outcome);
@@ -360,7 +367,7 @@ Status MemoryService::close() {
     state.has_handed_over_all = true;
   }
   // For those who began to wait after the last ones were told.
-  state.tell(status.ok() ? Status() : status);
+  state.tell(status, UINT64_MAX);
   if (!status.ok())
     return status.with_context(
         fmt::format("{} snapshots of working memory are lost", state.memory->counters().waiting));
