@@ -25,6 +25,9 @@ struct Stream {
       begun = i;
       ASSERT_OK(service->commit(ServedMemory::commit(entity, i * 10, i * 10)));
       committed = i;
+      // Not faster than the store: what is asked for is always on its way.
+      while (service->counters().memory.waiting > 20)
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
   }
 };
