@@ -10,7 +10,7 @@ DEMO_SECONDS ?= 60
 DEMO_PRESET ?= release
 # Options of the measurements of the store, such as BARS="--seconds 5".
 BARS ?=
-# How long each fuzzer searches.
+# How long each fuzzer searches, and the soak lasts.
 SECONDS ?= 600
 # How many processes `make crash` and `make crash-night` kill.
 KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,300)
@@ -19,8 +19,8 @@ VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo bench crash crash-night faults fuzz check-headers clean \
-        experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
+.PHONY: help packages build test demo bench crash crash-night faults soak server-cut fuzz \
+        check-headers clean experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
         latent-trial training-speed learning-bars age-bars
 
 help:
@@ -32,6 +32,8 @@ help:
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
 	@echo "make crash-night     kill nightly jobs at random moments, look for what they lost (KILLS=100)"
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
+	@echo "make soak    kill servers, clients and the name system at random moments (SECONDS=600)"
+	@echo "make server-cut      cut a server off the network: how soon do clients go on? (needs root)"
 	@echo "make recorder-bars   does the recorder keep up with a robot? (RECORDINGS, BARS=options)"
 	@echo "make store-scale     does a store of ten million snapshots stay quick?"
 	@echo "make store-readers   do readers in several threads get in each other's way?"
@@ -80,6 +82,14 @@ crash-night: build/dev/build.ninja packages
 faults: build/dev/build.ninja packages
 	cmake --build --preset dev --target faults_test
 	TMPDIR=$$(test -d /dev/shm && echo /dev/shm || echo /tmp) ENGRAM_FAULTS_ALL=1 build/dev/bin/faults_test
+
+soak: build/dev/build.ninja packages
+	cmake --build --preset dev --target soak_server
+	experiments/soak.sh $(SECONDS)
+
+server-cut: build/dev/build.ninja packages
+	cmake --build --preset dev --target server_cut
+	experiments/server_cut.sh build/dev/bin/server_cut
 
 # Measurements of the store, docs/store_bars.md: a project of its own that uses what is installed.
 experiments: build/store/build.ninja packages
