@@ -38,6 +38,11 @@ void Process::start() {
   if (pid_ > 0) return;
   // Nothing is left behind where the parent is killed.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // One that is told to end before it listens is told when it does.
+  sigset_t term;
+  ::sigemptyset(&term);
+  ::sigaddset(&term, SIGTERM);
+  ::sigprocmask(SIG_BLOCK, &term, nullptr);
   if (::getppid() == parent) ::execv("/proc/self/exe", arguments.data());
   ::_exit(127);
 }

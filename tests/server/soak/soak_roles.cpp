@@ -28,6 +28,11 @@ void listen_to_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { is_told_to_end = true; };
   ::sigaction(SIGTERM, &action, nullptr);
+  // Held back since before this program began: see Process::start.
+  sigset_t term;
+  ::sigemptyset(&term);
+  ::sigaddset(&term, SIGTERM);
+  ::sigprocmask(SIG_UNBLOCK, &term, nullptr);
 }
 
 void wait_for_end() {
