@@ -28,8 +28,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr AgeWay kWays[] = {AgeWay::kDirect, AgeWay::kRelay, AgeWay::kMemory,
-                            AgeWay::kMemoryQuery};
+constexpr AgeWay kWays[] = {AgeWay::kDirect, AgeWay::kRelay, AgeWay::kMemory, AgeWay::kMemoryQuery};
 
 struct Arguments {
   int samples = 1000;
@@ -39,6 +38,7 @@ struct Arguments {
   std::vector<int> batches{1, 20, 50, 100};
   std::vector<std::string> objects{"simple", "moderate", "complex"};
   std::string json;
+  bool is_tuned = false;
   // Of a child:
   std::string role;
   std::string endpoint;
@@ -67,11 +67,20 @@ class Child {
     ::posix_spawn_file_actions_adddup2(&actions, in[0], 0);
     ::posix_spawn_file_actions_adddup2(&actions, out[1], 1);
     if (ages_fd >= 0) ::posix_spawn_file_actions_adddup2(&actions, ages_fd, kAges);
-    std::vector<std::string> words = {"/proc/self/exe", "--role", role, "--endpoint", endpoint,
-                                      "--way", std::to_string(static_cast<int>(way)), "--object",
-                                      std::to_string(static_cast<int>(object)), "--batch",
-                                      std::to_string(batch), "--entries",
+    std::vector<std::string> words = {"/proc/self/exe",
+                                      "--role",
+                                      role,
+                                      "--endpoint",
+                                      endpoint,
+                                      "--way",
+                                      std::to_string(static_cast<int>(way)),
+                                      "--object",
+                                      std::to_string(static_cast<int>(object)),
+                                      "--batch",
+                                      std::to_string(batch),
+                                      "--entries",
                                       std::to_string(arguments.entries)};
+    if (arguments.is_tuned) words.emplace_back("--tuned");
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -131,8 +140,7 @@ Chain start_chain(const Arguments& arguments, const std::string& folder, AgeWay 
   const auto start = [&](const char* role, int fd) {
     return std::make_unique<Child>(arguments, role, endpoint, way, object, batch, fd);
   };
-  if (way != AgeWay::kDirect)
-    chain.middle = start(way == AgeWay::kRelay ? "relay" : "memory", -1);
+  if (way != AgeWay::kDirect) chain.middle = start(way == AgeWay::kRelay ? "relay" : "memory", -1);
   chain.consumer = start("consumer", ages[1]);
   chain.producer = start("producer", ages[0]);
   ::close(ages[0]);
@@ -160,15 +168,17 @@ void sample(Child& producer, int count, Found* found) {
 
 std::map<AgeWay, Found> measure(const Arguments& arguments, const std::string& folder,
                                 AgeObject object, int batch) {
-  std::map<AgeWay, Chain> chains;
-  for (const AgeWay way : kWays) {
-    chains[way] = start_chain(arguments, folder, way, object, batch);
-    sample(*chains[way].producer, arguments.warm_up, nullptr);
-  }
   std::map<AgeWay, Found> found;
-  for (int round = 0; round < arguments.rounds; ++round)
+  for (int round = 0; round < arguments.rounds; ++round) {
+    // New ones each round: on which cores threads end up lasts as long as they do.
+    std::map<AgeWay, Chain> chains;
+    for (const AgeWay way : kWays) {
+      chains[way] = start_chain(arguments, folder, way, object, batch);
+      sample(*chains[way].producer, arguments.warm_up, nullptr);
+    }
     for (const AgeWay way : kWays)
       sample(*chains[way].producer, arguments.samples / arguments.rounds, &found[way]);
+  }
   return found;
 }
 
@@ -200,7 +210,7 @@ json measure_subscribers(const Arguments& arguments, const std::string& folder) 
     const double time = median(times);
     const double bar = count == 2 ? 1.1 : 1.6;
     std::cout << fmt::format("  {:>2}  {:8.1f} us  {:5.2f} x{}\n", count, time / 1e3, time / one,
-                             count == 1                 ? ""
+                             count == 1          ? ""
                              : time / one <= bar ? fmt::format("  reached ({:.1f})", bar)
                                                  : fmt::format("  MISSED ({:.1f})", bar));
     result[std::to_string(count)] = time;
@@ -272,7 +282,9 @@ void wait_for_end() {
   }
 }
 
-void say_ready() { std::cout << "ready" << std::endl; }
+void say_ready() {
+  std::cout << "ready" << std::endl;
+}
 
 void produce(const Arguments& arguments, bool is_paced) {
   const auto way = static_cast<AgeWay>(arguments.way);
@@ -285,14 +297,15 @@ void produce(const Arguments& arguments, bool is_paced) {
     json ages = json::array();
     json sends = json::array();
     for (int i = std::stoi(line); i > 0; --i) {
-      const auto sent =
-          (*producer)->send(make_commit(object, arguments.batch, system_now(), steady_ns()));
-      if (!sent.ok()) die(sent.status());
-      sends.push_back(*sent);
+      const ltm::Commit commit = make_commit(object, arguments.batch, system_now(), steady_ns());
       if (is_paced) {
+        const auto time = (*producer)->acknowledged(commit);
+        if (!time.ok()) die(time.status());
+        sends.push_back(*time);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         continue;
       }
+      if (const Status sent = (*producer)->send(commit); !sent.ok()) die(sent);
       int64_t age = 0;
       if (::read(Child::kAges, &age, sizeof(age)) != sizeof(age)) die(unavailable("no consumer"));
       ages.push_back(age);
@@ -304,6 +317,7 @@ void produce(const Arguments& arguments, bool is_paced) {
 int run_role(const Arguments& arguments) {
   log::set_level(log::Level::kError);
   const auto way = static_cast<AgeWay>(arguments.way);
+  if (arguments.is_tuned) tune_plain_grpc();
   if (arguments.role == "producer" || arguments.role == "pacer") {
     produce(arguments, arguments.role == "pacer");
     return 0;
@@ -334,6 +348,8 @@ int run(int argc, char** argv) {
   app.add_option("--batches", arguments.batches, "Objects in one commit")->capture_default_str();
   app.add_option("--objects", arguments.objects, "simple, moderate, complex")
       ->capture_default_str();
+  app.add_flag("--tuned", arguments.is_tuned,
+               "Direct and relay with as few polling threads as the memory, not as gRPC is");
   app.add_option("--json", arguments.json, "Write the figures there");
   app.add_option("--role", arguments.role)->group("");
   app.add_option("--endpoint", arguments.endpoint)->group("");

@@ -2,13 +2,16 @@
 #include "server/age_roles.h"
 
 #include <engram/v1/memory.grpc.pb.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/server_builder.h>
 
 #include <deque>
 #include <mutex>
 
-#include "server/client/channel.h"
+#include "ltm/core/log.h"
 #include "server/client/client_stream.h"
 #include "server/client/memory_client.h"
+#include "server/polling/polling_threads.h"
 #include "server/robot/memory_server.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_snapshot.h"
@@ -114,17 +117,18 @@ class ServiceRole final : public AgeRole {
                                                 std::unique_ptr<grpc::Service> service) {
     auto role = std::make_unique<ServiceRole>();
     role->service_ = std::move(service);
-    server::RpcServer::Options options;
-    ENGRAM_ASSIGN_OR_RETURN(const auto place, server::Endpoint::parse(endpoint));
-    options.endpoints = {place};
-    ENGRAM_ASSIGN_OR_RETURN(role->server_,
-                            server::RpcServer::start(options, {role->service_.get()}));
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(endpoint, grpc::InsecureServerCredentials());
+    builder.SetMaxReceiveMessageSize(-1);
+    builder.RegisterService(role->service_.get());
+    role->server_ = builder.BuildAndStart();
+    if (!role->server_) return unavailable("'{}' cannot be listened on", endpoint);
     return std::unique_ptr<AgeRole>(std::move(role));
   }
 
  private:
   std::unique_ptr<grpc::Service> service_;
-  std::unique_ptr<server::RpcServer> server_;
+  std::unique_ptr<grpc::Server> server_;
 };
 
 class MemoryRole final : public AgeRole {
@@ -154,9 +158,9 @@ class MemoryConsumer final : public AgeRole {
     server::SubscriptionHandlers handlers;
     handlers.on_snapshots = [this](std::vector<server::ToldSnapshot> told) { take(told); };
     ENGRAM_ASSIGN_OR_RETURN(
-        subscription_, client_->subscribe({.names = {"Bench"}, .with_data = !with_query,
-                                           .queue_bound = 100'000},
-                                          std::move(handlers)));
+        subscription_,
+        client_->subscribe({.names = {"Bench"}, .with_data = !with_query, .queue_bound = 100'000},
+                           std::move(handlers)));
     return {};
   }
 
@@ -211,14 +215,15 @@ class StreamProducer final : public AgeProducer {
     streams_.wait();
   }
 
-  Result<int64_t> send(const ltm::Commit& commit) override {
-    const int64_t began = steady_ns();
+  Status send(const ltm::Commit& commit) override {
     v1::CommitRequest request;
     for (const ltm::EntityUpdate& update : commit.updates) {
       ENGRAM_ASSIGN_OR_RETURN(*request.add_updates(), server::to_message(update));
     }
-    ENGRAM_RETURN_IF_ERROR(stream_->send(server::to_bytes(request)));
-    return steady_ns() - began;
+    return stream_->send(server::to_bytes(request));
+  }
+  Result<int64_t> acknowledged(const ltm::Commit& /*commit*/) override {
+    return failed_precondition("a stream acknowledges nothing");
   }
 
  private:
@@ -231,7 +236,13 @@ class MemoryProducer final : public AgeProducer {
  public:
   explicit MemoryProducer(std::unique_ptr<server::MemoryClient> client)
       : client_(std::move(client)) {}
-  Result<int64_t> send(const ltm::Commit& commit) override {
+  Status send(const ltm::Commit& commit) override {
+    client_->commit(commit, server::CommitDurability::kServerDefault, [](const Status& status) {
+      if (!status.ok()) log::warning("commit: {}", status.to_string());
+    });
+    return {};
+  }
+  Result<int64_t> acknowledged(const ltm::Commit& commit) override {
     const int64_t began = steady_ns();
     ENGRAM_RETURN_IF_ERROR(client_->commit(commit));
     return steady_ns() - began;
@@ -241,21 +252,30 @@ class MemoryProducer final : public AgeProducer {
   std::unique_ptr<server::MemoryClient> client_;
 };
 
-Result<std::shared_ptr<grpc::Channel>> channel_to(const std::string& endpoint) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto place, server::Endpoint::parse(endpoint));
-  return server::open_channel(place, {});
+std::shared_ptr<grpc::Channel> channel_to(const std::string& endpoint) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  return grpc::CreateCustomChannel(endpoint, grpc::InsecureChannelCredentials(), arguments);
 }
 
 }  // namespace
 
 const char* to_string(AgeWay way) {
   switch (way) {
-    case AgeWay::kDirect: return "direct";
-    case AgeWay::kRelay: return "relay";
-    case AgeWay::kMemory: return "memory, data told";
-    case AgeWay::kMemoryQuery: return "memory, IDs told, query";
+    case AgeWay::kDirect:
+      return "direct";
+    case AgeWay::kRelay:
+      return "relay";
+    case AgeWay::kMemory:
+      return "memory, data told";
+    case AgeWay::kMemoryQuery:
+      return "memory, IDs told, query";
   }
   return "";
+}
+
+void tune_plain_grpc() {
+  server::PollingThreads::of_process();
 }
 
 Result<std::unique_ptr<AgeRole>> start_memory(const std::string& endpoint, int entries) {
@@ -284,7 +304,7 @@ Result<std::unique_ptr<AgeRole>> start_consumer(AgeWay way, const std::string& e
   if (way == AgeWay::kDirect)
     return ServiceRole::start(endpoint, std::make_unique<DirectService>(std::move(on_age)));
   if (way == AgeWay::kRelay) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto channel, channel_to(endpoint));
+    const auto channel = channel_to(endpoint);
     auto consumer = std::make_unique<RelayConsumer>();
     consumer->stream = server::ClientStream::open(
         channel, "/engram.v1.MemoryServer/Subscribe", "", consumer->streams,
@@ -302,8 +322,7 @@ Result<std::unique_ptr<AgeProducer>> start_producer(AgeWay way, const std::strin
     ENGRAM_ASSIGN_OR_RETURN(auto client, server::MemoryClient::connect(endpoint));
     return std::unique_ptr<AgeProducer>(std::make_unique<MemoryProducer>(std::move(client)));
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto channel, channel_to(endpoint));
-  return std::unique_ptr<AgeProducer>(std::make_unique<StreamProducer>(channel));
+  return std::unique_ptr<AgeProducer>(std::make_unique<StreamProducer>(channel_to(endpoint)));
 }
 
 }  // namespace engram::experiments

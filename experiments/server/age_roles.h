@@ -19,6 +19,9 @@ enum class AgeWay {
 
 [[nodiscard]] const char* to_string(AgeWay way);
 
+/// Lets ways without the memory, which are plain gRPC, use its polling threads.
+void tune_plain_grpc();
+
 /// Keeps on serving until it is destroyed.
 class AgeRole {
  public:
@@ -37,8 +40,10 @@ Result<std::unique_ptr<AgeRole>> start_consumer(AgeWay way, const std::string& e
 class AgeProducer {
  public:
   virtual ~AgeProducer() = default;
-  /// Sends a commit. Where it is acknowledged, waits for that; returns how long it took. Unit: ns.
-  virtual Result<int64_t> send(const ltm::Commit& commit) = 0;
+  /// Sends a commit, and does not wait for its acknowledgement.
+  virtual Status send(const ltm::Commit& commit) = 0;
+  /// How long a commit takes until it is acknowledged; needs kMemory. Unit: ns.
+  virtual Result<int64_t> acknowledged(const ltm::Commit& commit) = 0;
 };
 
 Result<std::unique_ptr<AgeProducer>> start_producer(AgeWay way, const std::string& endpoint);

@@ -6,17 +6,20 @@
 
 #include "ltm/core/file.h"
 #include "server/access/listen_policy.h"
+#include "server/polling/polling_threads.h"
 
 namespace engram::server {
 
 Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
                                                     const ClientOptions& options) {
+  PollingThreads::of_process();
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(options.most_message_bytes);
   arguments.SetMaxSendMessageSize(options.most_message_bytes);
   // A server that starts over, or a network that comes back, is found within a second.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
-  // How long a try may take: a TLS handshake of a busy machine needs more than the wait between two.
+  // How long a try may take: a TLS handshake of a busy machine needs more than the wait between
+  // two.
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
   // One that vanished without a word is noticed within seconds.

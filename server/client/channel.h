@@ -10,6 +10,7 @@
 
 #include "server/access/endpoint.h"
 #include "server/client/memory_client.h"
+#include "server/polling/polling_threads.h"
 
 namespace engram::server {
 
@@ -27,6 +28,7 @@ grpc::Status wait_for_call(Async* async,
                                                  std::function<void(grpc::Status)>),
                            grpc::ClientContext& context, const Request& request, Reply& reply) {
   const auto ended = std::make_shared<std::promise<grpc::Status>>();
+  const BlockingScope blocking;
   (async->*method)(&context, &request, &reply,
                    [ended](grpc::Status status) { ended->set_value(std::move(status)); });
   return ended->get_future().get();

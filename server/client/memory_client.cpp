@@ -15,6 +15,7 @@
 #include "server/client/client_stream.h"
 #include "server/client/remote_subscription.h"
 #include "server/client/shared_lane.h"
+#include "server/polling/polling_threads.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
@@ -99,15 +100,15 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   void open() {
     const uint64_t generation = ++generation_;
     const std::weak_ptr<Calls> weak = this->weak_from_this();
-    stream_ = ClientStream::open(
-        channel_, method_, token_, streams_,
-        {[weak](grpc::ByteBuffer& bytes) {
-           if (const auto self = weak.lock()) self->take(bytes);
-         },
-         [weak, generation](const Status& status) {
-           if (const auto self = weak.lock()) self->fail_all(generation, status);
-         }},
-        session_);
+    stream_ = ClientStream::open(channel_, method_, token_, streams_,
+                                 {[weak](grpc::ByteBuffer& bytes) {
+                                    if (const auto self = weak.lock()) self->take(bytes);
+                                  },
+                                  [weak, generation](const Status& status) {
+                                    if (const auto self = weak.lock())
+                                      self->fail_all(generation, status);
+                                  }},
+                                 session_);
   }
 
   void take(grpc::ByteBuffer& bytes) {
@@ -305,6 +306,7 @@ struct MemoryClient::State {
   /// Waits for at most what is left.
   template <typename Value>
   Value wait(const std::shared_ptr<Awaited<Value>>& awaited, SteadyTime deadline) {
+    const BlockingScope blocking;
     auto future = awaited->promise.get_future();
     if (future.wait_until(deadline) == std::future_status::ready) return future.get();
     awaited->set(timed_out());

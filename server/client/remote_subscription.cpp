@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "server/client/client_stream.h"
+#include "server/polling/polling_threads.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_snapshot.h"
 
@@ -48,6 +49,7 @@ class RemoteSubscription final : public Subscription {
 
   /// Waits for the server's word that it has begun.
   Status begin() {
+    const BlockingScope blocking;
     open();
     keep_alive();
     std::unique_lock lock(mutex_);
@@ -65,8 +67,8 @@ class RemoteSubscription final : public Subscription {
     thread_ = std::thread([this] {
       std::unique_lock lock(mutex_);
       while (!is_ending_) {
-        const bool is_due = changed_.wait_for(
-            lock, kReleaseEvery, [this] { return is_ending_ || open_streams_ == 0; });
+        const bool is_due = changed_.wait_for(lock, kReleaseEvery,
+                                              [this] { return is_ending_ || open_streams_ == 0; });
         if (is_ending_) return;
         if (!is_due) {
           const auto stream = stream_;
@@ -97,11 +99,11 @@ class RemoteSubscription final : public Subscription {
       const std::scoped_lock lock(mutex_);
       lane_ = lane;
     }
-    auto stream = ClientStream::open(channel_, "/engram.v1.MemoryServer/Subscribe", client_.token,
-                                     streams_,
-                                     {[this](grpc::ByteBuffer& bytes) { take(bytes); },
-                                      [this](const Status& status) { end(status); }},
-                                     lane ? lane->session() : "");
+    auto stream =
+        ClientStream::open(channel_, "/engram.v1.MemoryServer/Subscribe", client_.token, streams_,
+                           {[this](grpc::ByteBuffer& bytes) { take(bytes); },
+                            [this](const Status& status) { end(status); }},
+                           lane ? lane->session() : "");
     {
       const std::scoped_lock lock(mutex_);
       stream_ = stream;
@@ -131,8 +133,8 @@ class RemoteSubscription final : public Subscription {
     uint64_t block_generation = 0;
     Buffer block;
     for (v1::Snapshot& event : *notification.mutable_events()) {
-      const bool has_data = event.instances_size() > 0 && (!event.instances(0).data().empty() ||
-                                                           event.instances(0).has_shared());
+      const bool has_data = event.instances_size() > 0 &&
+                            (!event.instances(0).data().empty() || event.instances(0).has_shared());
       if (event.has_block() && event.block().generation() != block_generation) {
         // Of all events of a message that lie in one block, one lease.
         block = readable(to_block(event.block()));
@@ -153,10 +155,11 @@ class RemoteSubscription final : public Subscription {
       lane = lane_;
     }
     if (!lane) return {};
-    auto bytes = lane->memory().readable(block, block.capacity, [list = released_](const BlockRef& gone) {
-      const std::scoped_lock lock(list->mutex);
-      list->blocks.push_back(gone);
-    });
+    auto bytes =
+        lane->memory().readable(block, block.capacity, [list = released_](const BlockRef& gone) {
+          const std::scoped_lock lock(list->mutex);
+          list->blocks.push_back(gone);
+        });
     return bytes.ok() ? *std::move(bytes) : Buffer();
   }
 
@@ -220,8 +223,8 @@ Result<std::unique_ptr<Subscription>> subscribe_remotely(std::shared_ptr<grpc::C
                                                          const SubscriptionOptions& options,
                                                          SubscriptionHandlers handlers,
                                                          LaneSource lane) {
-  auto subscription = std::make_unique<RemoteSubscription>(
-      std::move(channel), client, options, std::move(handlers), std::move(lane));
+  auto subscription = std::make_unique<RemoteSubscription>(std::move(channel), client, options,
+                                                           std::move(handlers), std::move(lane));
   ENGRAM_RETURN_IF_ERROR(subscription->begin());
   return std::unique_ptr<Subscription>(std::move(subscription));
 }

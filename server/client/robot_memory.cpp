@@ -10,6 +10,7 @@
 
 #include "server/client/robot_servers.h"
 #include "server/client/robot_subscription.h"
+#include "server/polling/polling_threads.h"
 
 namespace engram::server {
 
@@ -48,6 +49,7 @@ class Patience {
 
   bool wait() {
     if (steady_now() + next_ >= deadline_) return false;
+    const BlockingScope blocking;
     std::this_thread::sleep_for(next_);
     next_ = std::min<Duration>(2 * next_, kLongestWait);
     return true;
@@ -61,6 +63,7 @@ class Patience {
 /// Calls `work(i)` for each i below `count`, at once.
 template <typename Work>
 void at_once(size_t count, const Work& work) {
+  const BlockingScope blocking;
   std::vector<std::jthread> threads;
   for (size_t i = 1; i < count; ++i) threads.emplace_back([&work, i] { work(i); });
   if (count > 0) work(0);

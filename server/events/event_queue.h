@@ -36,8 +36,8 @@ class EventQueue {
   /// Since it was made.
   [[nodiscard]] uint64_t lost() const { return lost_; }
 
-  /// Of the oldest. Needs one.
-  [[nodiscard]] size_t next_bytes() const { return waiting_.front().bytes; }
+  /// The oldest. Needs one.
+  [[nodiscard]] const Event& next() const { return waiting_.front().event; }
 
   /// Takes the oldest. Needs one.
   Event pop() {

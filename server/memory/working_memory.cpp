@@ -8,6 +8,7 @@
 #include <random>
 #include <shared_mutex>
 #include <unordered_map>
+#include <utility>
 
 #include "ltm/memory/links.h"
 #include "ltm/recall/select.h"
@@ -162,7 +163,8 @@ struct WorkingMemory::State {
   std::unordered_map<MemoryId, KeptEntity*> by_id;
   std::deque<LimitedPart> parts;  ///< The first: all.
   std::deque<Waiting> waiting;
-  uint64_t queued = 0;  ///< That ever waited.
+  std::vector<SharedSnapshot> gone;  ///< To be freed without the lock, see take_gone().
+  uint64_t queued = 0;               ///< That ever waited.
   MemoryCounters counts;
   mutable std::atomic<uint64_t> reads{0};
   std::minstd_rand random;
@@ -235,6 +237,7 @@ struct WorkingMemory::State {
     if (must_store()) queue(entry);
     if (entry.is_queued) return;  // Leaves when it is stored.
     ++(entry.is_stored ? counts.left : counts.dropped);
+    gone.push_back(entry.snapshot);
     entity.history.erase(entity.history.leaving() - 1);
     --counts.snapshots;
     forget_if_empty(entity);
@@ -254,6 +257,8 @@ struct WorkingMemory::State {
     }
     return *best;
   }
+
+  std::vector<SharedSnapshot> take_gone() { return std::exchange(gone, {}); }
 
   void keep_limits(Time now) {
     for (LimitedPart& part : parts)
@@ -278,7 +283,8 @@ struct WorkingMemory::State {
         options.mode == StoreMode::kLatest &&
         (entity.last_queued == Time::min() || now - entity.last_queued >= options.store_interval);
     if (is_due) entity.last_queued = now;
-    if (to_store || options.mode == StoreMode::kEverything || is_due || (placed.is_leaving && must_store()))
+    if (to_store || options.mode == StoreMode::kEverything || is_due ||
+        (placed.is_leaving && must_store()))
       queue(added);
     const bool is_newest = placed.index + 1 == entity.history.size();
     if (arrival.has_links && is_newest) link(entity, arrival.links);
@@ -397,6 +403,7 @@ Result<Admission> WorkingMemory::admit(ltm::Commit commit, std::vector<std::vect
   for (Arrival& arrival : arrivals) state.put(std::move(arrival), now, to_store);
   state.keep_limits(now);
   admission.queued = state.queued;
+  admission.gone = state.take_gone();
   return admission;
 }
 
@@ -436,8 +443,7 @@ std::vector<SelectedEntity> WorkingMemory::select(const ltm::Query& query,
   return selected;
 }
 
-std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity,
-                                                   size_t most) const {
+std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity, size_t most) const {
   std::vector<SharedSnapshot> all;
   const std::shared_lock lock(state_->mutex);
   const KeptEntity* kept = state_->find(entity);
@@ -506,6 +512,7 @@ Result<size_t> WorkingMemory::store(const Sink& sink, size_t most_bytes) {
 void WorkingMemory::expire() {
   State& state = *state_;
   const Time now = state.clock();
+  std::vector<SharedSnapshot> gone;
   const std::unique_lock lock(state.mutex);
   for (LimitedPart& part : state.parts) {
     if (!part.limits.age) continue;
@@ -519,20 +526,25 @@ void WorkingMemory::expire() {
       while (state.find(id) == entity && is_old(*entity)) state.choose_oldest(*entity);
     }
   }
+  gone = state.take_gone();
 }
 
 void WorkingMemory::release_all() {
+  std::vector<SharedSnapshot> gone;
   const std::unique_lock lock(state_->mutex);
   LimitedPart& all = state_->parts.front();
   while (!all.members.empty()) state_->choose_oldest(*all.members.back());
+  gone = state_->take_gone();
 }
 
 Status WorkingMemory::set_limits(const MemoryLimits& all) {
   ENGRAM_RETURN_IF_ERROR(all.validate());
   const Time now = state_->clock();
+  std::vector<SharedSnapshot> gone;
   const std::unique_lock lock(state_->mutex);
   state_->parts.front().limits = all;
   state_->keep_limits(now);
+  gone = state_->take_gone();
   return {};
 }
 

@@ -46,6 +46,8 @@ struct Admission {
   std::vector<SharedSnapshot> snapshots;  ///< As they are in memory now, in the order of updates.
   /// What WorkingMemory::taken() reaches when the online phase has all that waits now.
   uint64_t queued = 0;
+  /// What left memory for it: freed with this, and not while others wait for the memory.
+  std::vector<SharedSnapshot> gone;
 };
 
 /// The snapshots of one entity that a query asks for.

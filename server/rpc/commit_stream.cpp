@@ -13,9 +13,12 @@ using Durability = MemoryService::Durability;
 
 Durability needed(const v1::CommitRequest& request, Durability by_default) {
   switch (request.durability()) {
-    case v1::MEMORY: return Durability::kMemory;
-    case v1::JOURNAL: return Durability::kJournal;
-    default: return by_default;
+    case v1::MEMORY:
+      return Durability::kMemory;
+    case v1::JOURNAL:
+      return Durability::kJournal;
+    default:
+      return by_default;
   }
 }
 
@@ -48,6 +51,7 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
   if (!is_told_first) publish(*admission);
   if (durability == Durability::kMemory) return {};
   promise();
+  admission->gone.clear();
   context_.service.when_stored(
       *admission, [kept = shared_from_this(), this, number, leased](const Status& status) {
         reply(number, status, leased);

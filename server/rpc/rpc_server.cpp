@@ -14,6 +14,7 @@
 #include <mutex>
 
 #include "ltm/core/file.h"
+#include "server/polling/polling_threads.h"
 
 namespace engram::server {
 
@@ -82,13 +83,15 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   });
+  PollingThreads::of_process();
   auto state = std::make_unique<State>();
   state->options = options;
   state->ports.resize(options.endpoints.size());
   grpc::ServerBuilder builder;
   for (size_t i = 0; i < options.endpoints.size(); ++i) {
     const Endpoint& endpoint = options.endpoints[i];
-    if (endpoint.kind() == Endpoint::Kind::kUnix) ENGRAM_RETURN_IF_ERROR(make_room(endpoint.path()));
+    if (endpoint.kind() == Endpoint::Kind::kUnix)
+      ENGRAM_RETURN_IF_ERROR(make_room(endpoint.path()));
     ENGRAM_ASSIGN_OR_RETURN(auto security, credentials(endpoint, policy));
     builder.AddListeningPort(endpoint.to_string(), std::move(security), &state->ports[i]);
   }
@@ -123,8 +126,9 @@ std::vector<std::string> RpcServer::endpoints() const {
       all.push_back(endpoint.to_string());
       continue;
     }
-    const std::string host =
-        endpoint.host().find(':') != std::string::npos ? fmt::format("[{}]", endpoint.host()) : endpoint.host();
+    const std::string host = endpoint.host().find(':') != std::string::npos
+                                 ? fmt::format("[{}]", endpoint.host())
+                                 : endpoint.host();
     all.push_back(fmt::format("{}:{}", host, state_->ports[i]));
   }
   return all;

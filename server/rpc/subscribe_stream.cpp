@@ -87,6 +87,20 @@ const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
   return data.size <= inline_bytes_ ? data : event.ids_only();
 }
 
+size_t SubscribeStream::kept_bytes(const WireEvent& event) const {
+  constexpr size_t kEventBytes = 256;
+  if (!with_data_) return kEventBytes;
+  size_t bytes = kEventBytes;
+  for (const Buffer& data : event.snapshot->encoded) bytes += data.size();
+  return event.snapshot->encoded.empty() ? bytes + event.snapshot->raw_bytes() : bytes;
+}
+
+size_t SubscribeStream::told_bytes(WireEvent& event) const {
+  const WireEvent::Shared* shared =
+      with_data_ && with_shared_memory_ ? event.shared(context_.sharing->pool()) : nullptr;
+  return shared != nullptr ? shared->bytes.size : form_of(event).size;
+}
+
 const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& last_shared) const {
   if (!with_data_ || !with_shared_memory_) return nullptr;
   const WireEvent::Shared* shared = event.shared(context_.sharing->pool());
@@ -104,7 +118,7 @@ void SubscribeStream::offer(std::span<const SharedEvent> events) {
   if (is_finished_) return;
   const uint64_t lost = queue_->lost();
   for (const SharedEvent& event : events)
-    queue_->push(event, form_of(static_cast<WireEvent&>(*event)).size);
+    queue_->push(event, kept_bytes(static_cast<const WireEvent&>(*event)));
   context_.metrics.events.add(events.size());
   if (queue_->lost() > lost) context_.metrics.lost_events.add(queue_->lost() - lost);
   write_next();
@@ -114,11 +128,12 @@ void SubscribeStream::write_next() {
   if (is_writing_ || is_finished_ || !queue_ || queue_->empty()) return;
   WireWriter message;
   uint64_t last_shared = 0;
-  while (!queue_->empty() && (message.size() == 0 || message.size() + queue_->next_bytes() <= kMessageBytes)) {
-    const SharedEvent event = queue_->pop();
-    auto& told = static_cast<WireEvent&>(*event);
+  while (!queue_->empty()) {
+    auto& told = static_cast<WireEvent&>(*queue_->next());
+    if (message.size() > 0 && message.size() + told_bytes(told) > kMessageBytes) break;
     const WireBytes* shared = shared_form_of(told, last_shared);
     message.field(v1::Notification::kEventsFieldNumber, shared ? *shared : form_of(told));
+    queue_->pop();
   }
   if (queue_->lost() > 0) message.field(v1::Notification::kLostFieldNumber, queue_->lost());
   written_ = message.take().to_byte_buffer();

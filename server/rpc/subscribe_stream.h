@@ -35,6 +35,10 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
  private:
   Status start(const v1::SubscribeRequest& request);
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
+  /// What it takes in a message.
+  [[nodiscard]] size_t told_bytes(WireEvent& event) const;
+  /// What it keeps in memory as long as it waits.
+  [[nodiscard]] size_t kept_bytes(const WireEvent& event) const;
   /// The event in shared memory where it lies there, is large, and the subscriber may see it.
   [[nodiscard]] const WireBytes* shared_form_of(WireEvent& event, uint64_t& last_shared) const;
   /// Needs the lock.

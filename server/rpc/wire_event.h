@@ -20,8 +20,9 @@ class WireEvent final : public CommitEvent {
   using CommitEvent::CommitEvent;
 
   const WireBytes& with_data() {
-    std::call_once(data_made_, [this] { data_ = to_wire(*snapshot, true); });
-    return data_;
+    const std::scoped_lock lock(mutex_);
+    if (!data_) data_ = to_wire(*snapshot, true);
+    return *data_;
   }
   /// Where the data lie in a block of the pool: naming it, without data.
   struct Shared {
@@ -30,12 +31,14 @@ class WireEvent final : public CommitEvent {
   };
   /// Null where they do not, or are small.
   const Shared* shared(const SharedPool& pool) {
-    std::call_once(shared_made_, [this, &pool] { shared_ = make_shared(pool); });
-    return shared_ ? &*shared_ : nullptr;
+    const std::scoped_lock lock(mutex_);
+    if (!shared_) shared_ = make_shared(pool);
+    return *shared_ ? &**shared_ : nullptr;
   }
   const WireBytes& ids_only() {
-    std::call_once(ids_made_, [this] { ids_ = to_wire(*snapshot, false); });
-    return ids_;
+    const std::scoped_lock lock(mutex_);
+    if (!ids_) ids_ = to_wire(*snapshot, false);
+    return *ids_;
   }
 
  private:
@@ -57,12 +60,11 @@ class WireEvent final : public CommitEvent {
     return Shared{*block, to_wire_in_block(*snapshot, to_message(*block), offsets)};
   }
 
-  std::once_flag data_made_;
-  std::once_flag ids_made_;
-  std::once_flag shared_made_;
-  WireBytes data_;
-  WireBytes ids_;
-  std::optional<Shared> shared_;
+  // Not call_once(), which enters the kernel.
+  std::mutex mutex_;
+  std::optional<WireBytes> data_;
+  std::optional<WireBytes> ids_;
+  std::optional<std::optional<Shared>> shared_;
 };
 
 }  // namespace engram::server

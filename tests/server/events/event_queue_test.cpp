@@ -36,7 +36,7 @@ TEST(EventQueue, LosesTheOldestWhereTheyAreTooLarge) {
   queue.push(3, 50);
   EXPECT_EQ(queue.lost(), 1u);
   EXPECT_EQ(queue.bytes(), 80u);
-  EXPECT_EQ(queue.next_bytes(), 30u);
+  EXPECT_EQ(queue.next(), 2);
 }
 
 TEST(EventQueue, KeepsTheNewestHoweverLargeItIs) {
