@@ -7,6 +7,7 @@
 #include <shared_mutex>
 
 #include "ltm/idf/binary.h"
+#include "ltm/recall/access_log.h"
 #include "ltm/recall/past_reader.h"
 #include "server/service/decoded_cache.h"
 #include "server/service/joined_moments.h"
@@ -62,7 +63,8 @@ struct LongTerm::State {
   State(Options given, ltm::ModelLoader model_loader)
       : options(std::move(given)),
         loader(std::move(model_loader)),
-        cache(options.most_decoded_bytes) {}
+        cache(options.most_decoded_bytes),
+        accesses(options.store, {}) {}
 
   Options options;
   ltm::ModelLoader loader;
@@ -80,6 +82,7 @@ struct LongTerm::State {
   uint64_t past_at = 0;  ///< Number of the last recording that it sees.
   std::map<std::filesystem::path, std::shared_ptr<ltm::LoadedModel>> models;
   DecodedCache cache;
+  ltm::AccessLog accesses;  ///< Of what was read from here.
 
   mutable std::mutex counting;
   Counters counts;
@@ -310,10 +313,14 @@ Result<LongTerm::Answer> LongTerm::answer(const ltm::Query& query, const MemoryI
                                           std::span<const SharedSnapshot> held,
                                           size_t& most_bytes) {
   const std::scoped_lock lock(state_->reading);
-  return state_->retried([&, before = most_bytes] {
+  auto answer = state_->retried([&, before = most_bytes] {
     most_bytes = before;
     return state_->answer(query, entity, held, most_bytes);
   });
+  if (answer.ok() && !query.is_ids_only())
+    for (const ServedSnapshot& snapshot : answer->entity.snapshots)
+      if (!snapshot.held) state_->accesses.note(entity, snapshot.answer.time);
+  return answer;
 }
 
 Result<std::vector<ltm::SnapshotResult>> LongTerm::newest(const MemoryId& entity, Time until,

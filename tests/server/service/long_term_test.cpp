@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ltm/recall/access_log.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 
@@ -89,6 +90,22 @@ TEST_F(LongTermTest, TellsTheLastOfOneTime) {
   ASSERT_OK(newest);
   ASSERT_THAT(*newest, SizeIs(1));
   EXPECT_EQ((*newest)[0].instances[0].data, idf::Data(int64_t{3})) << "not what was decoded before";
+}
+
+TEST_F(LongTermTest, NotesWhatWasReadFromIt) {
+  open();
+  record({snapshot(1, int64_t{1}), snapshot(2, int64_t{2}), snapshot(3, int64_t{3})});
+  ASSERT_THAT(*ask("all", {snapshot(3, int64_t{3})}), ElementsAre(1, 2, 3));
+  ASSERT_THAT(*ask("1"), ElementsAre(1));
+  ASSERT_OK(store->close());
+  store.reset();
+  const ltm::AccessTable reads = ltm::read_accesses(options.store);
+  const auto count = [&](int64_t at) {
+    return reads.find(*ltm::MemoryId::parse(kEntity), time_from_ns(at)).count;
+  };
+  EXPECT_EQ(count(1), 2u);
+  EXPECT_EQ(count(2), 1u);
+  EXPECT_EQ(count(3), 0u) << "it was read from memory";
 }
 
 TEST_F(LongTermTest, DecodesOnce) {
