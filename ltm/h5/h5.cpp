@@ -40,8 +40,7 @@ Result<File> File::create(const std::filesystem::path& path) {
   // Before the lock, so that it goes after it: its destructor takes the lock itself.
   auto state = std::make_unique<State>();
   state->path = path;
-  const std::scoped_lock lock(library_mutex());
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const LibraryLock lock;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // The 1.10 format spends far fewer bytes per dataset than the default of 1.8 and older.
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
@@ -57,15 +56,14 @@ Result<File> File::open(const std::filesystem::path& path) {
   // Before the lock, so that it goes after it: its destructor takes the lock itself.
   auto state = std::make_unique<State>();
   state->path = path;
-  const std::scoped_lock lock(library_mutex());
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const LibraryLock lock;
   state->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!state->file.valid()) return data_loss("'{}': is damaged or no HDF5 file", path.string());
   return File(std::move(state));
 }
 
 Status File::close() {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   state_->open_datasets.clear();
   if (H5Fflush(state_->file, H5F_SCOPE_GLOBAL) < 0) return state_->write_failed("/");
   if (!state_->file.finish()) return state_->write_failed("/");

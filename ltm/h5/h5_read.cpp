@@ -21,12 +21,12 @@ bool read_number(hid_t attribute, hid_t type, H5T_class_t type_class, void* valu
 }  // namespace
 
 Result<bool> File::exists(const std::string& path) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   return state_->look_up(path);
 }
 
 Result<bool> File::is_group(const std::string& path) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   H5O_info_t info{};
   if (H5Oget_info_by_name2(state_->file, path.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
     ENGRAM_RETURN_IF_ERROR(state_->check_exists(path));
@@ -36,7 +36,7 @@ Result<bool> File::is_group(const std::string& path) const {
 }
 
 Result<std::vector<std::string>> File::list(const std::string& group) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_RETURN_IF_ERROR(state_->check_exists(group));
   std::vector<std::string> names;
   const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
@@ -51,14 +51,14 @@ Result<std::vector<std::string>> File::list(const std::string& group) const {
 }
 
 Result<DatasetInfo> File::info(const std::string& path) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const State::OpenDataset* opened, state_->kept_open(path));
   return opened->info;
 }
 
 Result<std::vector<std::byte>> File::read(const std::string& path, Type type,
                                           uint64_t max_bytes) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
   ENGRAM_ASSIGN_OR_RETURN(const DatasetInfo info, state_->info(path, dataset));
   if (info.type != type) return state_->broken(path, "has another element type than needed");
@@ -74,7 +74,7 @@ Result<std::vector<std::byte>> File::read(const std::string& path, Type type,
 
 Result<std::vector<std::byte>> File::read_rows(const std::string& path, Type type, uint64_t first,
                                                uint64_t count) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const State::OpenDataset* opened, state_->kept_open(path));
   const Handle& dataset = opened->handle;
   const DatasetInfo& info = opened->info;
@@ -98,7 +98,7 @@ Result<std::vector<std::byte>> File::read_rows(const std::string& path, Type typ
 }
 
 Result<std::vector<std::string>> File::read_strings(const std::string& path) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const Handle dataset, state_->open_dataset(path));
   const Handle stored(H5Dget_type(dataset), H5Tclose);
   const Handle space(H5Dget_space(dataset), H5Sclose);
@@ -124,7 +124,7 @@ Result<std::vector<std::string>> File::read_strings(const std::string& path) con
 
 Result<std::string> File::string_attribute(const std::string& object,
                                            const std::string& name) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, state_->open_attribute(object, name));
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
@@ -139,7 +139,7 @@ Result<std::string> File::string_attribute(const std::string& object,
 }
 
 Result<int64_t> File::int_attribute(const std::string& object, const std::string& name) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, state_->open_attribute(object, name));
   int64_t value = 0;
   if (!read_number(attribute, H5T_NATIVE_INT64, H5T_INTEGER, &value))
@@ -148,7 +148,7 @@ Result<int64_t> File::int_attribute(const std::string& object, const std::string
 }
 
 Result<double> File::double_attribute(const std::string& object, const std::string& name) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, state_->open_attribute(object, name));
   double value = 0;
   if (!read_number(attribute, H5T_NATIVE_DOUBLE, H5T_FLOAT, &value))
@@ -157,7 +157,7 @@ Result<double> File::double_attribute(const std::string& object, const std::stri
 }
 
 Result<uint64_t> File::storage_bytes(const std::string& path) const {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   ENGRAM_RETURN_IF_ERROR(state_->check_exists(path));
   uint64_t total = 0;
   const auto add = [](hid_t root, const char* name, const H5O_info_t* info, void* out) -> herr_t {

@@ -18,12 +18,14 @@ std::optional<Type> type_of(hid_t h5_type) {
 
 }  // namespace
 
-std::mutex& library_mutex() {
+LibraryLock::LibraryLock() {
   static std::mutex mutex;
   // A file that could not be written to the end (a full disk) stays half-open inside HDF5, whose
   // clean-up at exit then crashes. We close all that we open.
   [[maybe_unused]] static const herr_t is_unregistered = H5dont_atexit();
-  return mutex;
+  lock_ = std::unique_lock(mutex);
+  // Kept by thread: errors are told by status, not printed.
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
 hid_t memory_type(Type type) {
@@ -59,7 +61,7 @@ Handle without_times(hid_t property_class) {
 }
 
 File::State::~State() {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   open_datasets.clear();
   file = Handle();
 }

@@ -14,8 +14,15 @@
 
 namespace engram::h5 {
 
-/// HDF5 keeps global state; one lock serialises all our calls, whatever the library's build.
-std::mutex& library_mutex();
+/// HDF5 keeps global state; one lock serialises all our calls, whatever the library's build. In the
+/// thread that has it HDF5 prints nothing.
+class LibraryLock {
+ public:
+  LibraryLock();
+
+ private:
+  std::unique_lock<std::mutex> lock_;
+};
 
 /// Closes an HDF5 identifier when it goes.
 class Handle {

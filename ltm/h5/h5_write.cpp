@@ -52,7 +52,7 @@ Handle creation_list(Storage storage, size_t element_bytes, std::span<const uint
 }  // namespace
 
 Status File::make_group(const std::string& path) {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   return state_->make_groups(path);
 }
 
@@ -62,7 +62,7 @@ Status File::write(const std::string& path, Type type, std::span<const uint64_t>
   for (const uint64_t size : shape) needed *= size;
   ENGRAM_CHECK(needed == bytes.size(), "'{}' has {} bytes, its shape {}", path, bytes.size(),
                needed);
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   const std::vector<hsize_t> sizes(shape.begin(), shape.end());
   const Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr),
                      H5Sclose);
@@ -80,7 +80,7 @@ Status File::write(const std::string& path, Type type, std::span<const uint64_t>
 }
 
 Status File::write_strings(const std::string& path, std::span<const std::string> values) {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   size_t longest = 1;
   for (const std::string& value : values) {
     if (value.find('\0') != std::string::npos)
@@ -107,7 +107,7 @@ Status File::write_strings(const std::string& path, std::span<const std::string>
 
 Status File::write_attribute(const std::string& object, const std::string& name,
                              std::string_view value) {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   // Fixed length: variable-length attributes would add a heap of their own to each file.
   const Handle type = string_type(value.size());
   const std::string padded = value.empty() ? std::string(1, '\0') : std::string(value);
@@ -115,12 +115,12 @@ Status File::write_attribute(const std::string& object, const std::string& name,
 }
 
 Status File::write_attribute(const std::string& object, const std::string& name, int64_t value) {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   return state_->write_attribute(object, name, H5T_NATIVE_INT64, &value);
 }
 
 Status File::write_attribute(const std::string& object, const std::string& name, double value) {
-  const std::scoped_lock lock(library_mutex());
+  const LibraryLock lock;
   return state_->write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
 }
 

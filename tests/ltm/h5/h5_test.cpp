@@ -2,6 +2,7 @@
 #include "ltm/h5/h5.h"
 
 #include <numeric>
+#include <thread>
 
 #include "ltm/core/file.h"
 #include "tests/ltm/expect_status.h"
@@ -159,6 +160,15 @@ TEST(H5, NamesWhatIsMissingOrOfAnotherKind) {
   EXPECT_FAILS(file->string_attribute("/group", "int"), StatusCode::kDataLoss, "no string");
   EXPECT_FAILS(file->int_attribute("/group", "double"), StatusCode::kDataLoss, "not one number");
   EXPECT_FAILS(file->storage_bytes("/x"), StatusCode::kNotFound, "'/x'");
+}
+
+TEST(H5, PrintsNothingInWhicheverThreadItFails) {
+  const ScratchDirectory scratch;
+  ASSERT_OK(write(scratch / "a.h5", example_content(5)));
+  const auto file = File::open(scratch / "a.h5");
+  ::testing::internal::CaptureStderr();
+  std::thread([&] { EXPECT_FALSE(file->info("/x/y").ok()); }).join();
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(H5, TellsGroupsFromDatasets) {
