@@ -6,6 +6,7 @@
 #include <string>
 
 #include "ltm/idf/json.h"
+#include "ltm/memory/augmentation_json.h"
 
 namespace engram::cli {
 
@@ -52,6 +53,7 @@ Result<ltm::Instance> read_instance(const Json& json, Time created) {
   if (const Json* confidence = find(json, "confidence");
       confidence != nullptr && confidence->is_number())
     instance.metadata.confidence = confidence->get<float>();
+  ENGRAM_RETURN_IF_ERROR(ltm::read_augmentation(json, instance.metadata));
   return instance;
 }
 

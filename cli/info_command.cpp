@@ -63,6 +63,7 @@ Json entity_json(const ltm::EntitySummary& summary, const ltm::StoredForms& form
             {"snapshots", summary.snapshots},
             {"recorded_snapshots", summary.recorded_snapshots},
             {"latent_snapshots", summary.latent_snapshots},
+            {"augmented_snapshots", summary.augmented_snapshots},
             {"offered_snapshots", summary.offered},
             {"first_ns", to_ns(summary.first)},
             {"last_ns", to_ns(summary.last)},
@@ -119,6 +120,9 @@ void print_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& for
   print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
                     count_text(summary.snapshots), count_text(summary.offered),
                     count_text(summary.recorded_snapshots), count_text(summary.latent_snapshots)));
+  if (summary.augmented_snapshots > 0)
+    print(fmt::format("  augmented  {}: made of others, never perceived",
+                      count_text(summary.augmented_snapshots)));
   std::string reasons;
   for (const auto& [filter, count] : summary.dropped_by)
     reasons += fmt::format("{}{} by {}", reasons.empty() ? "" : ", ", count_text(count), filter);

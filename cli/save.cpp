@@ -8,6 +8,7 @@
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
+#include "ltm/memory/augmentation_json.h"
 #include "ltm/store/segment_format.h"
 #include "training/metrics.h"
 
@@ -83,6 +84,7 @@ Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResul
     Json entry{{"created_ns", to_ns(instance.metadata.created)},
                {"provider", instance.metadata.provider},
                {"confidence", instance.metadata.confidence}};
+    entry.update(ltm::augmentation_json(instance.metadata));
     if (instance.error) {
       const char* name = recalled.source == ltm::Source::kPredicted ? "expected_error" : "error";
       entry[name] = error_json(*instance.error);

@@ -10,6 +10,7 @@
 #include "cli/text.h"
 #include "ltm/core/log.h"
 #include "ltm/idf/json.h"
+#include "ltm/memory/augmentation_json.h"
 
 namespace engram::cli {
 
@@ -47,10 +48,12 @@ Result<Json> line_json(const ltm::Snapshot& snapshot, bool with_data) {
   json["instances"] = Json::array();
   for (const ltm::Instance& instance : snapshot.instances) {
     ENGRAM_ASSIGN_OR_RETURN(Json data, idf::to_json(instance.data));
-    json["instances"].push_back({{"created_ns", to_ns(instance.metadata.created)},
-                                 {"provider", instance.metadata.provider},
-                                 {"confidence", instance.metadata.confidence},
-                                 {"data", std::move(data)}});
+    Json entry{{"created_ns", to_ns(instance.metadata.created)},
+               {"provider", instance.metadata.provider},
+               {"confidence", instance.metadata.confidence}};
+    entry.update(ltm::augmentation_json(instance.metadata));
+    entry["data"] = std::move(data);
+    json["instances"].push_back(std::move(entry));
   }
   return json;
 }

@@ -6,6 +6,7 @@
 
 #include "datasets/export_names.h"
 #include "ltm/idf/json.h"
+#include "ltm/memory/augmentation_json.h"
 #include "ltm/memory/utf8.h"
 
 namespace engram::datasets {
@@ -78,6 +79,7 @@ Json instance_json(const ltm::InstanceResult& instance, const std::vector<ImageF
             {"arrived_ns", to_ns(metadata.arrived)},
             {"provider", provider_of(metadata, report)},
             {"confidence", metadata.confidence}};
+  json.update(ltm::augmentation_json(metadata));
   if (instance.error) json["error"] = error_json(*instance.error);
   json["data"] = data_json(instance, files, report);
   return json;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/memory/snapshot.h"
 
+#include <algorithm>
+
 #include "ltm/idf/binary.h"
 #include "ltm/memory/data_fields.h"
 
@@ -19,11 +21,14 @@ Result<Instance> instance_from(const idf::Data& data) {
 }  // namespace
 
 idf::Data InstanceMetadata::to_data() const {
-  return idf::Dict{{"created", to_ns(created)},
-                   {"sent", to_ns(sent)},
-                   {"arrived", to_ns(arrived)},
-                   {"provider", provider},
-                   {"confidence", confidence}};
+  idf::Dict dict{{"created", to_ns(created)},
+                 {"sent", to_ns(sent)},
+                 {"arrived", to_ns(arrived)},
+                 {"provider", provider},
+                 {"confidence", confidence}};
+  if (origin.depth() > 0) dict.set("origin", origin.to_data());
+  if (!recipe.empty()) dict.set("recipe", recipe);
+  return dict;
 }
 
 Result<InstanceMetadata> InstanceMetadata::from_data(const idf::Data& data) {
@@ -37,7 +42,19 @@ Result<InstanceMetadata> InstanceMetadata::from_data(const idf::Data& data) {
   if (!(confidence >= 0 && confidence <= 1))
     return invalid_argument("metadata: confidence is {}, needs 0 to 1", confidence);
   metadata.confidence = static_cast<float>(confidence);
+  if (fields.has("origin")) {
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data* origin, fields.data("origin"));
+    ENGRAM_ASSIGN_OR_RETURN(metadata.origin, MemoryId::from_data(*origin));
+  }
+  if (fields.has("recipe")) {
+    ENGRAM_ASSIGN_OR_RETURN(metadata.recipe, fields.text("recipe"));
+  }
   return metadata;
+}
+
+bool Snapshot::is_augmented() const {
+  return std::ranges::any_of(
+      instances, [](const Instance& instance) { return instance.metadata.is_augmented(); });
 }
 
 size_t Snapshot::raw_bytes() const {

@@ -12,11 +12,18 @@ namespace engram::ltm {
 
 /// What is known about one datum beside its value.
 struct InstanceMetadata {
-  Time created{};   ///< When the producer measured it.
-  Time sent{};      ///< When the producer handed it over.
-  Time arrived{};   ///< When the memory took it.
+  Time created{};  ///< When the producer measured it.
+  Time sent{};     ///< When the producer handed it over.
+  Time arrived{};  ///< When the memory took it.
   std::string provider;
   float confidence = 1.0f;  ///< 0..1.
+  /// The instance that this was made of by changing it on purpose; empty: nobody changed it.
+  MemoryId origin{};
+  /// How it was changed: a recipe as JSON (docs/augmentation.md); empty: nobody changed it.
+  std::string recipe{};
+
+  /// Whether it must not be taken for what was perceived.
+  [[nodiscard]] bool is_augmented() const { return !recipe.empty() || origin.depth() > 0; }
 
   [[nodiscard]] idf::Data to_data() const;
 
@@ -42,6 +49,9 @@ struct Snapshot {
   std::vector<Instance> instances;
 
   [[nodiscard]] MemoryId id() const { return entity.at(time); }
+
+  /// Whether any of its instances is.
+  [[nodiscard]] bool is_augmented() const;
 
   /// Bytes of the plain values, in IDF's binary form: what "raw bytes" counts everywhere.
   [[nodiscard]] size_t raw_bytes() const;

@@ -36,6 +36,10 @@ Result<SnapshotResult> PastReader::name(const MemoryId& entity, const SnapshotEn
   SnapshotResult named;
   named.time = entry.time;
   named.source = is_latent ? Source::kReconstructed : Source::kRecorded;
+  if (!is_latent) {
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_augmented, store_->is_augmented(entity, entry));
+    if (is_augmented) named.source = Source::kAugmented;
+  }
   for (size_t i = 0; i < count; ++i) named.append({}, {});
   return named;
 }
@@ -52,6 +56,7 @@ Result<SnapshotResult> PastReader::read_recorded(const MemoryId& entity,
   ENGRAM_ASSIGN_OR_RETURN(Snapshot snapshot, store_->read_recorded(entity, entry));
   SnapshotResult recalled;
   recalled.time = snapshot.time;
+  if (snapshot.is_augmented()) recalled.source = Source::kAugmented;
   for (Instance& instance : snapshot.instances)
     recalled.append(std::move(instance.data), instance.metadata);
   return recalled;

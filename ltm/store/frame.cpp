@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/frame.h"
 
+#include <algorithm>
+
 #include "ltm/codec/group_codec.h"
 #include "ltm/codec/zstd.h"
 #include "ltm/idf/binary.h"
@@ -132,6 +134,11 @@ Result<PackedInstance> instance_from_data(const Data& data) {
   return instance;
 }
 
+/// Of an instance as it stands in a frame.
+bool is_augmented(const Data& instance) {
+  return instance.at("metadata/recipe") != nullptr || instance.at("metadata/origin") != nullptr;
+}
+
 Result<FrameHead> head_from_data(const Data& data) {
   DictReader reader(data);
   FrameHead head;
@@ -140,7 +147,9 @@ Result<FrameHead> head_from_data(const Data& data) {
   head.raw_bytes = reader.count("raw_bytes");
   head.dropped = reader.count("dropped");
   head.dropped_bytes = reader.count("dropped_bytes");
-  head.instances = reader.get<List>("instances").size();
+  const auto instances = reader.get<List>("instances");
+  head.instances = instances.size();
+  head.is_augmented = std::ranges::any_of(instances, is_augmented);
   ENGRAM_RETURN_IF_ERROR(reader.status());
   ENGRAM_ASSIGN_OR_RETURN(head.entity, MemoryId::parse(entity));
   if (!head.entity.is_entity()) return data_loss("journal frame: '{}' is no entity", entity);
@@ -150,11 +159,7 @@ Result<FrameHead> head_from_data(const Data& data) {
 }  // namespace
 
 Data metadata_to_data(const InstanceMetadata& metadata) {
-  return Dict{{"created", to_ns(metadata.created)},
-              {"sent", to_ns(metadata.sent)},
-              {"arrived", to_ns(metadata.arrived)},
-              {"provider", metadata.provider},
-              {"confidence", metadata.confidence}};
+  return metadata.to_data();
 }
 
 Result<InstanceMetadata> metadata_from_data(const Data& data) {
@@ -165,7 +170,12 @@ Result<InstanceMetadata> metadata_from_data(const Data& data) {
   metadata.arrived = time_from_ns(reader.get<int64_t>("arrived"));
   metadata.provider = reader.get<std::string>("provider");
   metadata.confidence = reader.get<float>("confidence");
+  const std::string origin = data.at("origin") == nullptr ? "" : reader.get<std::string>("origin");
+  if (data.at("recipe") != nullptr) metadata.recipe = reader.get<std::string>("recipe");
   ENGRAM_RETURN_IF_ERROR(reader.status());
+  const auto id = MemoryId::parse(origin);
+  if (!id.ok()) return data_loss("journal frame: origin: {}", id.status().message());
+  metadata.origin = *id;
   return metadata;
 }
 

@@ -27,6 +27,7 @@ struct FrameHead {
   uint64_t dropped = 0;
   uint64_t dropped_bytes = 0;
   size_t instances = 0;
+  bool is_augmented = false;  ///< Any of them is.
 };
 Result<FrameHead> decode_frame_head(const Buffer& payload);
 

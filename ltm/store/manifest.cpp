@@ -76,6 +76,7 @@ Json to_json(const SegmentEntity& entity, SegmentKind kind) {
             {"dropped", entity.dropped},
             {"dropped_bytes", entity.dropped_bytes}};
   if (kind == SegmentKind::kLatent) json["latent"] = to_json(entity.latent);
+  if (entity.augmented > 0) json["augmented"] = entity.augmented;
   return json;
 }
 
@@ -91,6 +92,7 @@ SegmentEntity segment_entity_from(const Json& json) {
                        json.at("dropped_bytes"),
                        {}};
   if (json.contains("latent")) entity.latent = latent_from(json.at("latent"));
+  entity.augmented = json.value("augmented", uint64_t{0});
   return entity;
 }
 

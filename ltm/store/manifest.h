@@ -39,6 +39,7 @@ struct SegmentEntity {
   uint64_t dropped = 0;           ///< Snapshots that the online filters dropped in this span.
   uint64_t dropped_bytes = 0;     ///< Their plain bytes.
   LatentSums latent;              ///< Only in latent segments.
+  uint64_t augmented = 0;         ///< Of the snapshots, those that were made of others.
 };
 
 struct SegmentInfo {

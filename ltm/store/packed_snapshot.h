@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct PackedSnapshot {
   uint64_t raw_bytes = 0;      ///< Of the plain values.
   uint64_t dropped = 0;        ///< Snapshots of this entity that filters dropped since the last.
   uint64_t dropped_bytes = 0;  ///< Their plain bytes.
+
+  /// Whether any of its instances is.
+  [[nodiscard]] bool is_augmented() const {
+    return std::ranges::any_of(
+        instances, [](const auto& instance) { return instance.metadata.is_augmented(); });
+  }
 };
 
 /// Errors: kDataLoss where media do not decode.

@@ -107,13 +107,14 @@ class SegmentCheck {
       add(entity.to_string(), fmt::format("{} more snapshots are damaged", damaged_ - told));
   }
 
-  Status check(const SegmentEntity& seen, const RowSpan& span) {
+  Status check(SegmentEntity& seen, const RowSpan& span) {
     if (seen.snapshots > 0 && span.time < seen.last)
       return data_loss("row {} runs backwards in time", span.first);
     if (segment_.kind == SegmentKind::kLatent) return reader_.read_latent(seen.id, span).status();
     ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, reader_.read_recorded(seen.id, span));
     for (const PackedInstance& instance : packed.instances)
       report_.media += instance.value.media.size();
+    seen.augmented += packed.is_augmented() ? 1 : 0;
     links_.add(packed, types_, segment_.file);
     return options_.is_deep ? unpack(packed, decoder_).status() : Status();
   }
@@ -128,6 +129,9 @@ class SegmentCheck {
           fmt::format("has snapshots from {} to {}, the manifest says from {} to {}",
                       to_string(seen.first), to_string(seen.last), to_string(told.first),
                       to_string(told.last)));
+    else if (told.augmented != seen.augmented)
+      add(told.id.to_string(), fmt::format("has {} augmented snapshots, the manifest says {}",
+                                           seen.augmented, told.augmented));
   }
 
   void check_model(const SegmentEntity& entity) {

@@ -2,6 +2,7 @@
 #include "ltm/store/segment_reader.h"
 
 #include <limits>
+#include <map>
 
 #include "ltm/idf/json.h"
 #include "ltm/store/segment_format.h"
@@ -25,6 +26,7 @@ struct SegmentReader::State {
   SegmentValueReader values{source};
   SegmentMediaReader media{source};
   LatentCodeReader codes{source};
+  std::map<std::string, bool> augmented;  ///< Whether any row is, by the path of metadata.
 
   State(h5::File file, File raw) : source(std::move(file), std::move(raw)) {}
 
@@ -55,7 +57,34 @@ struct SegmentReader::State {
     if (provider < 0 || static_cast<size_t>(provider) >= names->size())
       return source.broken(base + "/provider", fmt::format("row {} names no provider", row));
     result.provider = (*names)[static_cast<size_t>(provider)];
+    ENGRAM_RETURN_IF_ERROR(read_augmented(base, row, result));
     return result;
+  }
+
+  /// Whether any row of an entity is augmented, asked of the file once.
+  Result<bool> has_augmented(const std::string& base) {
+    const auto known = augmented.find(base);
+    if (known != augmented.end()) return known->second;
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, source.file().exists(base + "/recipe"));
+    return augmented.emplace(base, is_there).first->second;
+  }
+
+  /// Of a text per row; empty behind the last one.
+  Result<std::string> row_text(const std::string& path, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto* texts, source.strings(path));
+    return row < texts->size() ? (*texts)[row] : std::string();
+  }
+
+  Status read_augmented(const std::string& base, uint64_t row, InstanceMetadata& metadata) {
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_any, has_augmented(base));
+    if (!is_any) return {};
+    ENGRAM_ASSIGN_OR_RETURN(metadata.recipe, row_text(base + "/recipe", row));
+    ENGRAM_ASSIGN_OR_RETURN(const std::string origin, row_text(base + "/origin", row));
+    if (origin.empty()) return {};
+    const auto id = MemoryId::parse(origin);
+    if (!id.ok()) return source.broken(base + "/origin", id.status().message());
+    metadata.origin = *id;
+    return {};
   }
 
   Result<PackedInstance> instance(const std::string& group, uint64_t row, Time time) {

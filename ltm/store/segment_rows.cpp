@@ -28,6 +28,11 @@ void RowColumns::append(Time time, size_t instance, const InstanceMetadata& meta
   const auto [known, is_new] = provider_index_.emplace(metadata.provider, providers_.size());
   if (is_new) providers_.push_back(metadata.provider);
   provider_.push_back(static_cast<int32_t>(known->second));
+  if (!metadata.is_augmented()) return;
+  origins_.resize(rows());
+  recipes_.resize(rows());
+  origins_.back() = metadata.origin.to_string();
+  recipes_.back() = metadata.recipe;
 }
 
 Status RowColumns::write(h5::File& file, const std::string& group) const {
@@ -39,7 +44,14 @@ Status RowColumns::write(h5::File& file, const std::string& group) const {
   ENGRAM_RETURN_IF_ERROR(write_times(file, metadata + "/arrived", arrived_));
   ENGRAM_RETURN_IF_ERROR(write_row_column(file, metadata + "/confidence", confidences_));
   ENGRAM_RETURN_IF_ERROR(write_row_column(file, metadata + "/provider", provider_));
+  ENGRAM_RETURN_IF_ERROR(write_augmented(file, metadata));
   return file.write_strings(metadata + "/providers", providers_);
+}
+
+Status RowColumns::write_augmented(h5::File& file, const std::string& metadata) const {
+  if (recipes_.empty()) return {};
+  ENGRAM_RETURN_IF_ERROR(file.write_strings(metadata + "/origin", origins_));
+  return file.write_strings(metadata + "/recipe", recipes_);
 }
 
 Status RowColumns::write_times(h5::File& file, const std::string& path,

@@ -31,6 +31,9 @@ class RowColumns {
   [[nodiscard]] size_t rows() const { return timestamps_.size(); }
 
  private:
+  /// Nothing where no row is augmented.
+  Status write_augmented(h5::File& file, const std::string& metadata) const;
+
   /// Nothing where they are the times of the snapshots.
   Status write_times(h5::File& file, const std::string& path,
                      const std::vector<int64_t>& times) const;
@@ -40,6 +43,8 @@ class RowColumns {
   std::vector<float> confidences_;
   std::vector<std::string> providers_;
   std::unordered_map<std::string, size_t> provider_index_;
+  /// Up to the last augmented row, empty where a row is not.
+  std::vector<std::string> origins_, recipes_;
 };
 
 /// What the online filters did, per row; a snapshot's figures stand at its first row.

@@ -71,6 +71,7 @@ class Describer {
   Status read_recorded(SegmentEntity& part, const RowSpan& span) {
     ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, reader_.read_recorded(part.id, span));
     part.raw_bytes += packed.raw_bytes;
+    part.augmented += packed.is_augmented() ? 1 : 0;
     part.dropped += packed.dropped;
     part.dropped_bytes += packed.dropped_bytes;
     return {};

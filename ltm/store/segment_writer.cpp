@@ -115,6 +115,7 @@ SegmentEntity summarise(const MemoryId& id, const RecordedEntity& recorded) {
   for (const PackedSnapshot& snapshot : recorded.snapshots) {
     entity.rows += snapshot.instances.size();
     entity.raw_bytes += snapshot.raw_bytes;
+    entity.augmented += snapshot.is_augmented() ? 1 : 0;
     entity.dropped += snapshot.dropped;
     entity.dropped_bytes += snapshot.dropped_bytes;
   }

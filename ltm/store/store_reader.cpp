@@ -206,6 +206,7 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
       (segment.kind == SegmentKind::kLatent ? summary.latent_bytes : summary.stored_bytes) +=
           part.stored_bytes;
       summary.raw_bytes += part.raw_bytes;
+      summary.augmented_snapshots += part.augmented;
       summary.offered += part.dropped;
       summary.offered_bytes += part.dropped_bytes;
       summary.latent.model_version =
@@ -221,6 +222,7 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
       frames != state_->journal_entries.end()) {
     for (const JournalEntry& entry : frames->second) {
       summary.raw_bytes += entry.head.raw_bytes;
+      summary.augmented_snapshots += entry.head.is_augmented ? 1 : 0;
       summary.offered += entry.head.dropped;
       summary.offered_bytes += entry.head.dropped_bytes;
       summary.stored_bytes += entry.frame_bytes;
@@ -308,6 +310,18 @@ Result<StoredForms> StoreReader::newest_forms(const MemoryId& entity) {
 Result<Snapshot> StoreReader::read_recorded(const MemoryId& entity, const SnapshotEntry& entry) {
   ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
   return unpack(packed, state_->decoder);
+}
+
+Result<bool> StoreReader::is_augmented(const MemoryId& entity, const SnapshotEntry& entry) {
+  const SnapshotEntry::Location& at = *entry.recorded;
+  if (at.rows > 0) {
+    // Segments say how many are: mostly none or all.
+    const SegmentEntity* part = state_->manifest.segments[at.source].find(entity);
+    if (part == nullptr || part->augmented == 0) return false;
+    if (part->augmented == part->snapshots) return true;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
+  return packed.is_augmented();
 }
 
 Result<LatentSnapshot> StoreReader::read_latent(const MemoryId& entity,

@@ -23,6 +23,7 @@ struct EntitySummary {
   Time last{};
   uint64_t recorded_snapshots = 0;
   uint64_t latent_snapshots = 0;
+  uint64_t augmented_snapshots = 0;  ///< Made of others; later updates of one time count again.
   uint64_t raw_bytes = 0;      ///< Plain bytes of the snapshots that were kept.
   uint64_t offered = 0;        ///< Snapshots that came in, dropped ones included.
   uint64_t offered_bytes = 0;  ///< Their plain bytes.
@@ -83,6 +84,10 @@ class StoreReader {
   /// Decodes the recorded form. Needs `entry.recorded` (checked).
   /// Errors: kDataLoss naming the segment and the row.
   Result<Snapshot> read_recorded(const MemoryId& entity, const SnapshotEntry& entry);
+
+  /// Whether the recorded form was made of another snapshot by changing it on purpose. Needs
+  /// `entry.recorded` (checked). Errors: as read_packed.
+  Result<bool> is_augmented(const MemoryId& entity, const SnapshotEntry& entry);
 
   /// Reads the latents. Needs `entry.latent` (checked).
   /// Errors: kDataLoss naming the segment and the row.

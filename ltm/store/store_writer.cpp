@@ -19,6 +19,13 @@ namespace engram::ltm {
 
 namespace {
 
+/// Which text of the metadata cannot be stored; empty: none.
+std::string_view text_with_zero_byte(const InstanceMetadata& metadata) {
+  if (metadata.provider.find('\0') != std::string::npos) return "provider's name";
+  if (metadata.recipe.find('\0') != std::string::npos) return "recipe";
+  return metadata.origin.to_string().find('\0') != std::string::npos ? "origin" : "";
+}
+
 /// Removes what killed processes left behind: temporary files, and published files that no
 /// manifest names.
 Status remove_leftovers(const std::filesystem::path& store) {
@@ -242,10 +249,10 @@ Status StoreWriter::append(const std::vector<PackedSnapshot>& snapshots,
     if (snapshot.instances.empty())
       return invalid_argument("commit: snapshot '{}' has no instances, needs at least one",
                               snapshot.entity.at(snapshot.time).to_string());
-    for (const PackedInstance& instance : snapshot.instances)
-      if (instance.metadata.provider.find('\0') != std::string::npos)
-        return invalid_argument("commit: snapshot '{}': its provider's name has a zero byte",
-                                snapshot.entity.at(snapshot.time).to_string());
+    for (const auto& [value, metadata] : snapshot.instances)
+      if (const std::string_view found = text_with_zero_byte(metadata); !found.empty())
+        return invalid_argument("commit: snapshot '{}': its {} has a zero byte",
+                                snapshot.entity.at(snapshot.time).to_string(), found);
     ENGRAM_ASSIGN_OR_RETURN(auto payload, encode_frame(snapshot));
     payloads.push_back(std::move(payload));
   }

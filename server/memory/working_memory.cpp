@@ -470,6 +470,7 @@ ltm::QueryResult WorkingMemory::query(const ltm::Query& query) const {
       const auto& asked = entity.instances[i];
       ltm::SnapshotResult one;
       one.time = snapshot.time;
+      if (snapshot.is_augmented()) one.source = ltm::Source::kAugmented;
       for (size_t k = 0; k < snapshot.instances.size(); ++k) {
         const auto index = static_cast<int32_t>(k);
         if (!asked.empty() && !std::ranges::binary_search(asked, index)) continue;

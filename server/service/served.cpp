@@ -18,6 +18,7 @@ ServedSnapshot serve(SharedSnapshot held, const std::vector<int32_t>& instances,
                      bool is_ids_only) {
   ServedSnapshot served;
   served.answer.time = held->time;
+  if (held->is_augmented()) served.answer.source = ltm::Source::kAugmented;
   for (size_t i = 0; i < held->instances.size(); ++i) {
     const auto index = static_cast<int32_t>(i);
     if (!instances.empty() && !std::ranges::binary_search(instances, index)) continue;

@@ -10,13 +10,16 @@ namespace engram::server {
 
 namespace {
 
-ltm::InstanceMetadata metadata_of(v1::Instance& message) {
+Result<ltm::InstanceMetadata> metadata_of(v1::Instance& message) {
   ltm::InstanceMetadata metadata;
   metadata.created = time_from_ns(message.created_ns());
   metadata.sent = time_from_ns(message.sent_ns());
   metadata.arrived = time_from_ns(message.arrived_ns());
   metadata.provider = std::move(*message.mutable_provider());
   if (message.has_confidence()) metadata.confidence = message.confidence();
+  metadata.recipe = std::move(*message.mutable_recipe());
+  if (message.origin().empty()) return metadata;
+  ENGRAM_ASSIGN_OR_RETURN(metadata.origin, ltm::MemoryId::parse(message.origin()));
   return metadata;
 }
 
@@ -70,7 +73,7 @@ Result<ltm::Snapshot> take_update(v1::Snapshot& message, const Buffer& block,
       if (!data.ok()) return data.status().with_context(snapshot.id().to_string());
       taken.data = *std::move(data);
     }
-    taken.metadata = metadata_of(instance);
+    ENGRAM_ASSIGN_OR_RETURN(taken.metadata, metadata_of(instance));
     snapshot.instances.push_back(std::move(taken));
     if (encoded != nullptr) encoded->push_back(*std::move(bytes));
   }
@@ -185,7 +188,7 @@ Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& blo
     one.index = instance.index();
     if (!bytes.empty()) {
       ENGRAM_ASSIGN_OR_RETURN(one.data, idf::decode(bytes));
-      one.metadata = metadata_of(instance);
+      ENGRAM_ASSIGN_OR_RETURN(one.metadata, metadata_of(instance));
     }
     if (instance.has_error()) one.error = to_error(instance.error());
     if (instance.has_bound()) one.bound = to_error(instance.bound());
@@ -217,6 +220,8 @@ void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata) 
   message.set_arrived_ns(to_ns(metadata.arrived));
   message.set_provider(metadata.provider);
   if (metadata.confidence != 1.0f) message.set_confidence(metadata.confidence);
+  if (metadata.origin.depth() > 0) message.set_origin(metadata.origin.to_string());
+  if (!metadata.recipe.empty()) message.set_recipe(metadata.recipe);
 }
 
 v1::Error to_message(const ltm::MeasuredError& error) {
