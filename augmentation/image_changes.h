@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "augmentation/image_change.h"
+
+// Private to this room: what the registry is made of.
+
+namespace engram::augmentation {
+
+std::unique_ptr<const ImageChange> make_recolour();
+std::unique_ptr<const ImageChange> make_replace();
+std::unique_ptr<const ImageChange> make_shift();
+std::unique_ptr<const ImageChange> make_rotate();
+std::unique_ptr<const ImageChange> make_occlude();
+std::unique_ptr<const ImageChange> make_brightness();
+std::unique_ptr<const ImageChange> make_contrast();
+std::unique_ptr<const ImageChange> make_temperature();
+std::unique_ptr<const ImageChange> make_blur();
+std::unique_ptr<const ImageChange> make_noise();
+
+/// Largest seed: every JSON reader keeps such numbers.
+inline constexpr int64_t kMostSeed = (int64_t{1} << 48) - 1;
+
+/// Up to `most` at full strength, both signs.
+[[nodiscard]] inline int64_t draw_around_zero(Random& random, int64_t most, int strength_percent) {
+  const int64_t reach = most * strength_percent / 100;
+  return random.between(-reach, reach);
+}
+
+}  // namespace engram::augmentation

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "augmentation/store/augment_store.h"
+
+#include <algorithm>
+
+#include "datasets/export_walk.h"
+#include "ltm/recording/recorder.h"
+#include "ltm/store/manifest.h"
+#include "ltm/store/store_reader.h"
+
+namespace engram::augmentation {
+
+namespace {
+
+constexpr const char* kProvider = "augmentation";
+
+/// A seed for each purpose: the sequences have nothing in common.
+enum class Purpose : uint64_t { kRecipe = 1, kNoise = 2 };
+
+uint64_t seed_of(uint64_t seed, Purpose purpose, int copy, int64_t moment) {
+  uint64_t mixed = random_at(seed, static_cast<uint64_t>(purpose));
+  mixed = random_at(mixed, static_cast<uint64_t>(copy));
+  return random_at(mixed, static_cast<uint64_t>(moment));
+}
+
+/// Towards minus infinity.
+int64_t floored(int64_t value, int64_t divisor) {
+  return value / divisor - (value % divisor < 0 ? 1 : 0);
+}
+
+std::vector<ChangeChoice> choices_of(const AugmentOptions& options) {
+  if (!options.changes.empty()) return options.changes;
+  return usual_changes(options.strength_percent,
+                       options.mask_entity || !options.members.labels.empty());
+}
+
+/// Walks over one store and writes the other.
+class Augmentation {
+ public:
+  Augmentation(ltm::StoreReader& reader, ltm::Recorder& recorder, const AugmentOptions& options,
+               const ProgressSink& progress, const std::stop_token& stop)
+      : reader_(reader), recorder_(recorder), options_(options), progress_(progress), stop_(stop) {}
+
+  Status declare(const std::vector<ltm::MemoryId>& entities) {
+    const ltm::SegmentTypes types = reader_.manifest().types.of_entities(entities);
+    for (const auto& [segment, type] : types.all())
+      ENGRAM_RETURN_IF_ERROR(recorder_.declare(segment, type));
+    return {};
+  }
+
+  Result<AugmentedEntity> run(const ltm::MemoryId& entity) {
+    AugmentedEntity report;
+    report.entity = entity;
+    if (options_.mask_entity == entity) {
+      report.skipped_reason = "its images are the mask";
+      return report;
+    }
+    type_ = reader_.manifest().types.of_entity(entity);
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t total, timeline->count());
+    ENGRAM_ASSIGN_OR_RETURN(
+        auto walk, datasets::SnapshotWalk::create(*timeline, options_.query.snapshots_of(entity)));
+    uint64_t seen = 0;
+    while (!stop_.stop_requested()) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto step, walk.next());
+      if (!step || step->is_future) break;
+      ENGRAM_RETURN_IF_ERROR(add(entity, *step, report));
+      if (progress_)
+        progress_({"augment " + entity.to_string(), ++seen, total, to_string(step->entry.time)});
+    }
+    if (report.snapshots == 0) report.skipped_reason = reason_of(report);
+    if (const auto counted = recorder_.counters().find(entity);
+        counted != recorder_.counters().end())
+      report.stored_bytes = counted->second.stored_bytes;
+    return report;
+  }
+
+ private:
+  [[nodiscard]] std::string reason_of(const AugmentedEntity& report) const {
+    if (report.without_mask > 0) return "the entity of the mask has nothing at these moments";
+    return report.left_out > 0 ? "no recorded snapshot with images" : "no snapshot matches";
+  }
+
+  Status add(const ltm::MemoryId& entity, const datasets::SnapshotWalk::Step& step,
+             AugmentedEntity& report) {
+    if (!step.entry.recorded) return ++report.left_out, Status();
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot origin, reader_.read_recorded(entity, step.entry));
+    const auto has_image = [&](const ltm::Instance& one) {
+      return has_images(idf::Layout::of(one.data)) ||
+             (type_ != nullptr && has_images(idf::Layout::of(one.data, *type_)));
+    };
+    if (origin.is_augmented() || !std::ranges::all_of(origin.instances, has_image))
+      return ++report.left_out, Status();
+    std::optional<idf::NdArray> labels;
+    if (options_.mask_entity) {
+      ENGRAM_ASSIGN_OR_RETURN(labels, labels_at(origin.time));
+      if (!labels) return ++report.left_out, ++report.without_mask, Status();
+    }
+    ltm::EntityUpdate update{entity, origin.time, {}};
+    for (int copy = 0; copy < options_.copies; ++copy)
+      ENGRAM_RETURN_IF_ERROR(append(origin, step.instances, labels, copy, update));
+    ++report.snapshots;
+    report.instances += update.instances.size();
+    return recorder_.commit({{std::move(update)}});
+  }
+
+  /// Adds one copy of all instances that are asked for.
+  Status append(const ltm::Snapshot& origin, const std::vector<int32_t>& asked,
+                const std::optional<idf::NdArray>& labels, int copy, ltm::EntityUpdate& update) {
+    const Recipe recipe = recipe_at(options_, origin.time, copy);
+    for (size_t i = 0; i < origin.instances.size(); ++i) {
+      const auto index = static_cast<int32_t>(i);
+      if (!asked.empty() && !std::ranges::binary_search(asked, index)) continue;
+      const ltm::MemoryId id = origin.id().instance(index);
+      auto data = augmented(origin.instances[i].data, type_, recipe, options_.members, labels);
+      if (!data.ok()) return data.status().with_context(id.to_string());
+      ltm::InstanceMetadata metadata = origin.instances[i].metadata;
+      metadata.provider = kProvider;
+      metadata.origin = id;
+      ENGRAM_ASSIGN_OR_RETURN(metadata.recipe, recipe.to_text());
+      update.instances.push_back({*std::move(data), std::move(metadata)});
+    }
+    return {};
+  }
+
+  /// Nothing where the entity of the mask has nothing at this very moment.
+  Result<std::optional<idf::NdArray>> labels_at(Time time) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(*options_.mask_entity));
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(time));
+    if (!entry || entry->time != time || !entry->recorded) return std::optional<idf::NdArray>();
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot found,
+                            reader_.read_recorded(*options_.mask_entity, *entry));
+    for (const ltm::Instance& instance : found.instances) {
+      const idf::Layout layout = idf::Layout::of(instance.data);
+      for (const idf::TensorMember& member : layout.members())
+        if (member.kind == idf::MemberKind::kImage && member.shape[2] == 1)
+          return std::optional(instance.data.at(member.path)->get<idf::NdArray>());
+    }
+    return invalid_argument("{}: found no uint8 or uint16 [H, W, 1] in it, needs one as the mask",
+                            found.id().to_string());
+  }
+
+  ltm::StoreReader& reader_;
+  ltm::Recorder& recorder_;
+  const AugmentOptions& options_;
+  const ProgressSink& progress_;
+  const std::stop_token& stop_;
+  const idf::Type* type_ = nullptr;  ///< Of the entity at hand; may be null.
+};
+
+std::vector<ltm::MemoryId> matching(const ltm::StoreReader& reader, const ltm::Query& query) {
+  std::vector<ltm::MemoryId> entities;
+  for (const ltm::MemoryId& entity : reader.entities())
+    if (query.matches(entity)) entities.push_back(entity);
+  return entities;
+}
+
+}  // namespace
+
+Status AugmentOptions::validate() const {
+  if (query.is_ids_only())
+    return invalid_argument("query '{}' asks for IDs alone: needs data", query.to_string());
+  if (copies < 1 || copies > kMostCopies)
+    return invalid_argument("copies: found {}, needs 1 to {}", copies, kMostCopies);
+  if (strength_percent < 1 || strength_percent > 100)
+    return invalid_argument("strength: found {}, needs 1 to 100", strength_percent);
+  if (hold < Duration::zero())
+    return invalid_argument("time that a recipe holds: found {}, needs 0 or more", to_string(hold));
+  if (label < 0 || label > 65535)
+    return invalid_argument("label: found {}, needs 0 (any) to 65535", label);
+  if (mask_entity && !mask_entity->is_entity())
+    return invalid_argument("mask '{}' is no entity: needs four names", mask_entity->to_string());
+  for (const ChangeChoice& choice : changes)
+    if (choice.kind->needs_mask() && !mask_entity && members.labels.empty())
+      return invalid_argument("change '{}': needs to be told where the object is (a mask)",
+                              choice.kind->name());
+  return {};
+}
+
+Recipe recipe_at(const AugmentOptions& options, Time time, int copy) {
+  const int64_t hold = std::max<int64_t>(1, options.hold.count());
+  const int64_t part = floored(to_ns(time), hold);
+  Random random(seed_of(options.seed, Purpose::kRecipe, copy, part));
+  return with_seed(draw_recipe(choices_of(options), options.label, random),
+                   seed_of(options.seed, Purpose::kNoise, copy, to_ns(time)));
+}
+
+Result<AugmentReport> augment_store(const std::filesystem::path& from,
+                                    const std::filesystem::path& to, const AugmentOptions& options,
+                                    const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(from));
+  const auto entities = matching(*reader, options.query);
+  if (entities.empty())
+    return not_found("store '{}': none of its {} entities matches '{}'", from.string(),
+                     reader->entities().size(), options.query.to_string());
+  if (options.mask_entity) ENGRAM_RETURN_IF_ERROR(reader->timeline(*options.mask_entity).status());
+  if (!ltm::is_store_absent(to))
+    return already_exists("'{}' is there already: needs a new place", to.string());
+  ltm::Recorder::Options recording;
+  recording.pack.image_codec = options.image_codec;
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Recorder recorder, ltm::Recorder::open(to, recording));
+  Augmentation augmentation(*reader, recorder, options, progress, stop);
+  ENGRAM_RETURN_IF_ERROR(augmentation.declare(entities));
+  AugmentReport report;
+  report.damaged_places = reader->damaged_places();
+  for (const ltm::MemoryId& entity : entities) {
+    ENGRAM_ASSIGN_OR_RETURN(AugmentedEntity one, augmentation.run(entity));
+    report.entities.push_back(std::move(one));
+  }
+  report.is_cancelled = stop.stop_requested();
+  ENGRAM_RETURN_IF_ERROR(recorder.close());
+  return report;
+}
+
+}  // namespace engram::augmentation
