@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 /// Adds a command to the program; running it sets `exit_code`.
 void add_import_command(CLI::App& app, ExitCode& exit_code);
 void add_info_command(CLI::App& app, ExitCode& exit_code);
+void add_augment_command(CLI::App& app, ExitCode& exit_code);
 void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
 void add_models_command(CLI::App& app, ExitCode& exit_code);

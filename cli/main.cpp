@@ -16,6 +16,7 @@ constexpr const char* kFooter = R"(Examples:
       --state-entity RobotState/Proprioception/robot/joints --rate 5 robot.engram
   engram info robot.engram
   engram consolidate robot.engram --budget 2m
+  engram augment robot.engram --out changed.engram
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
   engram ls robot.engram Vision/RGB/head/cam
@@ -57,6 +58,7 @@ ExitCode run(int argc, char** argv) {
   auto exit_code = ExitCode::kDone;
   add_import_command(app, exit_code);
   add_info_command(app, exit_code);
+  add_augment_command(app, exit_code);
   add_consolidate_command(app, exit_code);
   add_models_command(app, exit_code);
   add_crossval_command(app, exit_code);

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "augmentation/store/augment_store.h"
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "cli/text.h"
+#include "ltm/core/log.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(Makes a new store of changed snapshots, for training beside the real ones:
+  engram consolidate STORE --augmented NEW
+Each has the entity and the time of the one that it was made of, a link to it and its recipe, and is
+never taken for a real one: queries answer "augmented", and no model encodes it. Copies are further
+instances of the same moment. The same seed makes the same images, on every machine.
+
+Changes, each with a strength of 1 to 100 behind a colon, as in rotate:30:
+  brightness contrast temperature   the light
+  noise blur                        the sensor
+  shift rotate                      the view; labels, depth and --points move along
+  occlude                           something plain in front
+  recolour replace                  an object, with --mask or --mask-member
+Without --changes: all of them that can be made.
+
+Examples:
+  engram augment robot.engram --out changed.engram
+  engram augment robot.engram 'Vision/.*/.*/cam @ last:1h' --copies 3 --seed 7 --out changed.engram
+  engram augment robot.engram --changes brightness,contrast:30,shift --out changed.engram
+  engram augment robot.engram 'Vision/RGB' --mask Vision/Segmentation/head/objects --label 3 \
+      --changes recolour,replace --out changed.engram)";
+
+struct AugmentArguments {
+  std::string store;
+  std::string query = "@ all";
+  std::string out;
+  std::vector<std::string> changes;
+  std::string hold = "4s";
+  std::string mask;
+  std::string mask_member;
+  augmentation::AugmentOptions options;
+  bool is_json = false;
+};
+
+Result<augmentation::AugmentOptions> options_of(const AugmentArguments& arguments) {
+  augmentation::AugmentOptions options = arguments.options;
+  // Where nobody says which snapshots, the latest one would be few.
+  const bool has_selector = arguments.query.find('@') != std::string::npos;
+  ENGRAM_ASSIGN_OR_RETURN(options.query,
+                          ltm::Query::parse(arguments.query + (has_selector ? "" : " @ all")));
+  ENGRAM_ASSIGN_OR_RETURN(options.hold, parse_duration(arguments.hold));
+  if (!arguments.mask.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(options.mask_entity, ltm::MemoryId::parse(arguments.mask));
+  }
+  if (!arguments.mask_member.empty()) options.members.labels.push_back(arguments.mask_member);
+  for (const std::string& text : arguments.changes) {
+    ENGRAM_ASSIGN_OR_RETURN(options.changes.emplace_back(),
+                            augmentation::parse_change_choice(text, options.strength_percent));
+  }
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  return options;
+}
+
+Json report_json(const augmentation::AugmentReport& report, const AugmentArguments& arguments) {
+  Json entities = Json::array();
+  for (const augmentation::AugmentedEntity& entity : report.entities) {
+    Json json{{"id", entity.entity.to_string()},     {"snapshots", entity.snapshots},
+              {"instances", entity.instances},       {"left_out", entity.left_out},
+              {"without_mask", entity.without_mask}, {"stored_bytes", entity.stored_bytes}};
+    if (!entity.skipped_reason.empty()) json["skipped_reason"] = entity.skipped_reason;
+    entities.push_back(std::move(json));
+  }
+  return {{"store", arguments.store},
+          {"out", arguments.out},
+          {"source", ltm::to_string(ltm::Source::kAugmented)},
+          {"seed", arguments.options.seed},
+          {"copies", arguments.options.copies},
+          {"damaged_journal_places", report.damaged_places},
+          {"is_cancelled", report.is_cancelled},
+          {"entities", std::move(entities)}};
+}
+
+void print_report(const augmentation::AugmentReport& report, const AugmentArguments& arguments) {
+  print(fmt::format("Augmented store {}", arguments.out));
+  for (const augmentation::AugmentedEntity& entity : report.entities) {
+    print("\n" + entity.entity.to_string());
+    if (!entity.skipped_reason.empty()) {
+      print("  skipped    " + entity.skipped_reason);
+      continue;
+    }
+    print(fmt::format("  made       {} of {} snapshots", count_text(entity.instances),
+                      count_text(entity.snapshots)));
+    if (entity.left_out > 0)
+      print(fmt::format("  left out   {}{}", count_text(entity.left_out),
+                        entity.without_mask > 0 ? ", where nothing tells the object" : ""));
+    print("  stored     " + bytes_text(static_cast<double>(entity.stored_bytes)));
+  }
+}
+
+ExitCode run(const AugmentArguments& arguments) {
+  const auto options = options_of(arguments);
+  if (!options.ok()) return wrong_usage(options.status());
+  ProgressLine progress;
+  const auto report = augmentation::augment_store(arguments.store, arguments.out, *options,
+                                                  progress.sink(), interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  if (arguments.is_json)
+    print_json(report_json(*report, arguments));
+  else
+    print_report(*report, arguments);
+  if (report->is_cancelled) return fail(cancelled("augment was stopped; what is there is whole"));
+  if (report->damaged_places == 0) return ExitCode::kDone;
+  log::warning("store '{}': {} damaged places in its journals; what was there is not augmented",
+               arguments.store, report->damaged_places);
+  return ExitCode::kDoneWithLoss;
+}
+
+}  // namespace
+
+void add_augment_command(CLI::App& app, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<AugmentArguments>();
+  augmentation::AugmentOptions& options = arguments->options;
+  CLI::App* command = app.add_subcommand("augment", "Make changed snapshots to train on");
+  command->footer(kFooter);
+  command->add_option("store", arguments->store, "Store")->required();
+  command
+      ->add_option("query", arguments->query,
+                   "NAMES @ SELECTOR, see 'engram query --help'; without @: all")
+      ->capture_default_str();
+  command->add_option("-o,--out", arguments->out, "The new store")->required();
+  command->add_option("--copies", options.copies, "Changed snapshots per snapshot")
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of all chance")->capture_default_str();
+  command->add_option("--changes", arguments->changes, "NAME or NAME:STRENGTH, see below")
+      ->delimiter(',');
+  command->add_option("--strength", options.strength_percent, "Of changes without their own")
+      ->capture_default_str();
+  command
+      ->add_option("--hold", arguments->hold,
+                   "Snapshots of so long a time share a recipe, but for its noise; 0s: none do")
+      ->check(duration_text())
+      ->capture_default_str();
+  command->add_option("--mask", arguments->mask,
+                      "Entity whose image tells which object is seen, at the same moment");
+  command->add_option("--mask-member", arguments->mask_member,
+                      "Member of the values that tells it");
+  command->add_option("--label", options.label, "The object to change; 0: all that have a label")
+      ->capture_default_str();
+  command->add_option("--points", options.members.points,
+                      "Members that are places in the image, x and y in pixels: they move along");
+  command->add_option("--image-codec", options.image_codec, "How images are stored")
+      ->capture_default_str();
+  command->add_flag("--json", arguments->is_json, "Report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace engram::cli
