@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "augmentation/store/augment_store.h"
+#include "augmentation/store/change_examples.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/picture.h"
 #include "cli/progress_line.h"
 #include "cli/text.h"
 #include "ltm/core/log.h"
@@ -29,7 +31,8 @@ Examples:
   engram augment robot.engram --out changed.engram
   engram augment robot.engram 'Vision/.*/.*/cam @ last:1h' --copies 3 --seed 7 --out changed.engram
   engram augment robot.engram --changes brightness,contrast:30,shift --out changed.engram
-  engram augment robot.engram 'Vision/RGB' --mask Vision/Segmentation/head/objects --label 3 \
+  engram augment robot.engram Vision/RGB --picture changes.png --out changed.engram
+  engram augment robot.engram Vision/RGB --mask Vision/Segmentation/head/objects --label 3 \
       --changes recolour,replace --out changed.engram)";
 
 struct AugmentArguments {
@@ -41,8 +44,30 @@ struct AugmentArguments {
   std::string mask;
   std::string mask_member;
   augmentation::AugmentOptions options;
+  std::string picture;
   bool is_json = false;
 };
+
+/// Rows of changes; the first column is as it was recorded.
+Status write_examples(const AugmentArguments& arguments,
+                      const augmentation::AugmentOptions& options) {
+  constexpr size_t kEach = 4;
+  ENGRAM_ASSIGN_OR_RETURN(const auto examples,
+                          augmentation::change_examples(arguments.store, options, kEach));
+  std::vector<PictureRow> rows;
+  for (const augmentation::ChangeExample& example : examples) {
+    PictureRow& row = rows.emplace_back(PictureRow{example.change, {}});
+    std::vector<const idf::Data*> values{&example.before};
+    for (const idf::Data& value : example.after) values.push_back(&value);
+    for (const idf::Data* value : values) {
+      const idf::NdArray* image = first_image(*value);
+      if (image == nullptr)
+        return invalid_argument("--picture: found no image of 8 bits to show, needs one");
+      row.images.push_back(*image);
+    }
+  }
+  return write_contact_sheet(arguments.picture, rows, {"recorded", "1", "2", "3", "4"});
+}
 
 Result<augmentation::AugmentOptions> options_of(const AugmentArguments& arguments) {
   augmentation::AugmentOptions options = arguments.options;
@@ -111,6 +136,10 @@ ExitCode run(const AugmentArguments& arguments) {
     print_json(report_json(*report, arguments));
   else
     print_report(*report, arguments);
+  if (!arguments.picture.empty()) {
+    const Status shown = write_examples(arguments, *options);
+    if (!shown.ok()) return fail(shown);
+  }
   if (report->is_cancelled) return fail(cancelled("augment was stopped; what is there is whole"));
   if (report->damaged_places == 0) return ExitCode::kDone;
   log::warning("store '{}': {} damaged places in its journals; what was there is not augmented",
@@ -153,6 +182,8 @@ void add_augment_command(CLI::App& app, ExitCode& exit_code) {
                       "Members that are places in the image, x and y in pixels: they move along");
   command->add_option("--image-codec", options.image_codec, "How images are stored")
       ->capture_default_str();
+  command->add_option("--picture", arguments->picture,
+                      "PNG that shows each change by itself on the newest snapshot");
   command->add_flag("--json", arguments->is_json, "Report as JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -175,7 +175,8 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
-  add_training_options(*command, arguments->learning, options.train, "all entities together",
+  add_training_options(*command, arguments->learning, options.train, options.augmented,
+                       "all entities together",
                        "Least PSNR of every image, dB, else that of the camera's noise; with "
                        "latents alone the mean to aim at");
   arguments->psnr = command->get_option("--psnr");

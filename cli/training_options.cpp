@@ -6,8 +6,8 @@
 namespace engram::cli {
 
 void add_training_options(CLI::App& command, TrainingArguments& arguments,
-                          training::TrainOptions& options, const std::string& budget_of,
-                          const std::string& psnr_of) {
+                          training::TrainOptions& options, std::filesystem::path& augmented,
+                          const std::string& budget_of, const std::string& psnr_of) {
   command.add_option("--budget", arguments.budget, "Training time of " + budget_of)
       ->check(duration_text())
       ->capture_default_str();
@@ -23,6 +23,12 @@ void add_training_options(CLI::App& command, TrainingArguments& arguments,
       .add_option("--varied", options.varied_share,
                   "Share of training on images as another view would show them, where there are "
                   "several: more carries over to new places, less knows old ones better")
+      ->capture_default_str();
+  command.add_option("--augmented", augmented,
+                     "Store that 'engram augment' made of this one: trained on too, never encoded");
+  command
+      .add_option("--augmented-share", options.augmented_share,
+                  "Share of training on augmented snapshots")
       ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads of the networks")
       ->capture_default_str();

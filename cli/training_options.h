@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "cli/command.h"
@@ -14,11 +15,12 @@ struct TrainingArguments {
   int steps = 0;  ///< Zero: the budget counts.
 };
 
-/// Adds --budget, --steps, --seed, --psnr, --width and --threads. Both outlive the command.
+/// Adds --budget, --steps, --seed, --psnr, --width, --varied, --augmented, --augmented-share and
+/// --threads. Both outlive the command.
 /// `budget_of` tells whose time the budget is, `psnr_of` what the PSNR is.
 void add_training_options(CLI::App& command, TrainingArguments& arguments,
-                          training::TrainOptions& options, const std::string& budget_of,
-                          const std::string& psnr_of);
+                          training::TrainOptions& options, std::filesystem::path& augmented,
+                          const std::string& budget_of, const std::string& psnr_of);
 
 /// Takes over what add_training_options could not write into the options itself.
 /// Errors: kInvalidArgument.

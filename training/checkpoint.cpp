@@ -94,6 +94,8 @@ uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& o) {
   for (const Time time : source.times) text += fmt::format(" {}", to_ns(time));
   if (source.previous)
     text += fmt::format(" v{} {}", source.previous->version, source.previous->checksum);
+  if (source.augmented)
+    text += fmt::format(" augmented {} {}", source.augmented->identity, o.augmented_share);
   for (const bool is_known : source.is_known) text += is_known ? " 1" : " 0";
   return ltm::checksum(as_bytes(text));
 }

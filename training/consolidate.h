@@ -25,6 +25,8 @@ struct ConsolidateOptions {
   /// Queries without selectors ("Vision/.*"); an entity that any of them matches is taken. Empty:
   /// every entity.
   std::vector<std::string> entities;
+  /// A store of augmented snapshots that are trained on too, at train.augmented_share; empty: none.
+  std::filesystem::path augmented;
   /// Entities with fewer recorded snapshots are skipped: a model would cost more than it saves.
   size_t min_snapshots = 16;
   /// Also trains where every recorded snapshot has latents already.

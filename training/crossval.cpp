@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/crossval.h"
+#include "training/augmented_source.h"
 
 #include <algorithm>
 #include <set>
@@ -164,6 +165,10 @@ class Crossval {
     TrainOptions options = options_.train;
     options.variant = variant;
     TrainingSource source = EntitySource::values(reader_, entity_, plan_.layout(), trained);
+    if (!options_.augmented.empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(source.augmented,
+                              find_augmented(options_.augmented, entity_, source, stop_));
+    }
     ENGRAM_RETURN_IF_ERROR(add_condition(reader_, entity_, trained.back(), source));
     return train_model(source, options, file, progress, stop_).status();
   }

@@ -25,6 +25,9 @@ struct CrossvalOptions {
   std::vector<encoders::TrainingVariant> variants{encoders::TrainingVariant::kRateAware};
   /// A query without selectors that matches one entity.
   std::string entity;
+  /// A store of augmented snapshots: those that were made of what a fold trains on are trained on
+  /// too, at train.augmented_share; empty: none.
+  std::filesystem::path augmented;
   /// Steps of refining the latents that are measured (latent_refinement.h).
   int refine_steps = 0;
   /// Latents are measured alone and, beside that, with residuals where an image's PSNR is less

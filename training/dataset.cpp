@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "training/augmented_rows.h"
 #include "training/scenes.h"
 
 namespace engram::training {
@@ -229,6 +230,17 @@ encoders::Parts Dataset::batch(const encoders::NetworkShape& shape, const Tensor
   return parts;
 }
 
+encoders::Parts Dataset::augmented_batch(const encoders::NetworkShape& shape,
+                                         const Tensor& indices) const {
+  encoders::Parts parts;
+  parts.scene = torch::zeros({indices.size(0)}, torch::kLong);
+  for (size_t i = 0; i < augmented->images.size(); ++i)
+    parts.images.push_back(encoders::to_grey_levels(plan.images()[i], shape.images[i],
+                                                    augmented->images[i].index_select(0, indices)));
+  if (augmented->numbers.defined()) parts.numbers = augmented->numbers.index_select(0, indices);
+  return parts;
+}
+
 Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
                              const encoders::DeepModel* start, const std::stop_token& stop) {
   std::vector<Sequence> sequences = cut_sequences(source.times);
@@ -240,6 +252,10 @@ Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& o
   ENGRAM_ASSIGN_OR_RETURN(
       Dataset data, Loader(source, start, stop).load(std::move(sequences), options.memory_bytes));
   data.left_out_sequences = left_out;
+  if (!source.augmented || options.augmented_share <= 0 || data.images.empty()) return data;
+  ENGRAM_ASSIGN_OR_RETURN(AugmentedRows rows,
+                          read_augmented(source, data, options.memory_bytes, stop));
+  if (rows.size() > 0) data.augmented = std::move(rows);
   return data;
 }
 

@@ -10,6 +10,7 @@
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/publish.h"
+#include "training/augmented_source.h"
 #include "training/condition_source.h"
 #include "training/entity_encoding.h"
 #include "training/entity_source.h"
@@ -83,6 +84,7 @@ Status EntityJob::skip_for_want_of_time(std::string reason) {
 Status EntityJob::train_and_publish(const Allotment& time) {
   if (options_.reuses_models) return encode_with_newest();
   ENGRAM_RETURN_IF_ERROR(choose_form());
+  ENGRAM_RETURN_IF_ERROR(find_augmented_values());
   remove_stale_checkpoints(options_.job.is_fresh);
   ENGRAM_ASSIGN_OR_RETURN(bool is_made, make(train_, time));
   if (is_made && representation_.kind == Representation::kAuto && video_is_cheaper()) {
@@ -124,12 +126,21 @@ std::optional<Allotment> EntityJob::second_allotment(const Allotment& first) con
 
 TrainingSource EntityJob::source() {
   TrainingSource source = EntitySource::values(reader_, entity_, layout_, entries_);
+  source.augmented = augmented_;
   const ltm::ModelInfo* newest = reader_.manifest().newest_model(entity_);
   if (newest == nullptr || options_.starts_anew) return source;
   source.previous = {reader_.path() / newest->file, newest->version, newest->checksum};
   for (const ltm::SnapshotEntry& entry : entries_)
     source.is_known.push_back(version_of(entry) == newest->version);
   return source;
+}
+
+Status EntityJob::find_augmented_values() {
+  if (options_.augmented.empty()) return {};
+  ENGRAM_ASSIGN_OR_RETURN(augmented_,
+                          find_augmented(options_.augmented, entity_, source(), pace_.stop()));
+  if (augmented_->origins.empty() && augmented_->left_out == 0) augmented_.reset();
+  return {};
 }
 
 Status EntityJob::train(const TrainOptions& options, const Allotment& time,

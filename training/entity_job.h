@@ -72,6 +72,8 @@ class EntityJob {
   /// Removes checkpoints that nothing goes on from.
   void remove_stale_checkpoints(bool are_all_stale);
   [[nodiscard]] TrainingSource source();
+  /// Finds what is trained on beside the recorded snapshots, where that was asked for.
+  Status find_augmented_values();
   Result<std::shared_ptr<encoders::DeepModel>> train_new(const TrainOptions& options,
                                                          const Allotment& time);
   /// Trains a model and codes all snapshots with it. False where it has to be skipped.
@@ -122,6 +124,7 @@ class EntityJob {
   idf::Layout layout_;
   double plain_bytes_ = 0;
   std::vector<ltm::SnapshotEntry> entries_;
+  std::optional<AugmentedValues> augmented_;
   std::vector<ltm::LatentSnapshot> latents_;
   std::shared_ptr<encoders::DeepModel> model_;  ///< That was made.
   std::optional<ltm::TemporaryFile> file_;      ///< Its file, to be published.

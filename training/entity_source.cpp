@@ -38,11 +38,18 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
   bool has_news = false;
   for (const ltm::SnapshotEntry& entry : *index) {
     if (!entry.recorded || entry.recorded->rows == 0) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_augmented, reader.is_augmented(entity, entry));
+    if (is_augmented) {
+      ++source.augmented;
+      continue;
+    }
     recorded.push_back(entry);
     has_news = has_news || !entry.latent;
   }
   if (recorded.size() < least) {
     source.missing = fmt::format("{} recorded snapshots, needs {}", recorded.size(), least);
+    if (source.augmented > 0)
+      source.missing += fmt::format("; {} are augmented, which no model encodes", source.augmented);
     return source;
   }
   if (needs_news && !has_news) {

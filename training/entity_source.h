@@ -21,6 +21,7 @@ struct EntitySource {
   std::vector<ltm::SnapshotEntry> entries;
   idf::Layout layout;
   uint64_t left_behind = 0;    ///< Recorded snapshots of another layout.
+  uint64_t augmented = 0;      ///< Left out: they are trained on beside others, never encoded.
   uint64_t new_snapshots = 0;  ///< Of `entries`, those without latents.
   uint64_t plain_bytes = 0;    ///< Of `entries`.
   std::string missing;         ///< Why there are not enough; else empty.

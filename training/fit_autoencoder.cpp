@@ -38,6 +38,12 @@ RowSampler make_sampler(const Dataset& data) {
   return {data.sequences, first_held_out, data.is_known};
 }
 
+/// The same for augmented rows: what was made of those is kept apart, too.
+std::optional<RowSampler> make_augmented_sampler(const Dataset& data) {
+  if (!data.augmented) return std::nullopt;
+  return RowSampler(data.augmented->sequences, data.augmented->first_held_out);
+}
+
 /// Consecutive rows of a batch.
 struct Batch {
   std::vector<int64_t> rows;  ///< [chunks, kChunk + 1]
@@ -152,12 +158,21 @@ class ChunkViews {
     for (const auto& of_chunks : backgrounds) backgrounds_.push_back(torch::cat(of_chunks));
   }
 
+  /// Of augmented rows: each chunk is seen on the background of its own run.
+  ChunkViews(const AugmentedRows& augmented, const Tensor& rows)
+      : scene_(torch::full({rows.size(0) / (kChunk + 1)}, -1, torch::kLong)) {
+    const Tensor runs =
+        augmented.sequence.index_select(0, rows.unflatten(0, {-1, kChunk + 1}).select(1, 0));
+    for (const Tensor& background : augmented.backgrounds)
+      backgrounds_.push_back(background.index_select(0, runs));
+  }
+
   /// With the weights as they are now: one row per chunk.
   [[nodiscard]] encoders::Views look(encoders::DeepModel& model) const {
     return model.autoencoder->look(scene_, backgrounds_);
   }
 
-  /// One where a row is as it was recorded, zero where it is varied. [chunks * kChunk]
+  /// One where a row is as it was recorded, else zero. [chunks * kChunk]
   [[nodiscard]] Tensor recorded() const {
     return scene_.ge(0).to(torch::kFloat32).repeat_interleave(kChunk);
   }
@@ -253,23 +268,34 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   const int64_t chunks = std::max<int64_t>(1, options.batch_size / kChunk);
   const double size = size_in_usual_images(model.autoencoder->shape);
   ErrorPrice price(options.psnr_db, regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
-  RowSampler sampler = make_sampler(data);
+  RowSampler real_sampler = make_sampler(data);
+  std::optional<RowSampler> augmented_sampler = make_augmented_sampler(data);
   // What was asked for is the quality of what is stored: of images as they were recorded.
-  const double recorded_share = data.coded_backgrounds.empty() ? 1 : 1 - options.varied_share;
+  const double real_share = data.augmented ? 1 - options.augmented_share : 1;
+  const double recorded_share =
+      (data.coded_backgrounds.empty() ? 1 : 1 - options.varied_share) * real_share;
   const double recent = kRecent * (recorded_share > 0 ? std::max(recorded_share, 0.25) : 1);
   WeightedMean loss_mean(kRecent), psnr(recent), bytes(recent);
   FitState state{model, optimiser, now, price.state()};
-  for (const auto& more : {sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
+  for (const auto& more : {real_sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
     state.numbers.insert(state.numbers.end(), more.begin(), more.end());
+  if (augmented_sampler)
+    for (double* number : augmented_sampler->state()) state.numbers.push_back(number);
   ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++now.step) {
     ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
     if (share >= 1.0) break;
     const std::clock_t start = std::clock();
     set_rate(optimiser, share);
+    const bool is_augmented =
+        augmented_sampler && torch::rand({1}).item<double>() < options.augmented_share;
+    RowSampler& sampler = is_augmented ? *augmented_sampler : real_sampler;
     const Batch batch = draw(sampler, chunks);
-    auto values = data.batch(model.autoencoder->shape, torch::tensor(batch.rows, torch::kLong));
-    const ChunkViews views(model, data, options.varied_share, values);
+    const Tensor rows = torch::tensor(batch.rows, torch::kLong);
+    const auto& shape = model.autoencoder->shape;
+    auto values = is_augmented ? data.augmented_batch(shape, rows) : data.batch(shape, rows);
+    const ChunkViews views = is_augmented ? ChunkViews(*data.augmented, rows)
+                                          : ChunkViews(model, data, options.varied_share, values);
     // What predictions are measured on must not teach the prior: it only tells what latents cost.
     std::optional<Frozen> frozen;
     if (batch.is_held_out) frozen.emplace(*model.dynamics);

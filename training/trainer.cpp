@@ -118,6 +118,10 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
   else if (data.size() < source.times.size())
     report.notes.push_back(fmt::format("{} of {} snapshots fit into memory, in evenly spaced runs",
                                        data.size(), source.times.size()));
+  if (source.augmented)
+    report.notes.push_back(fmt::format(
+        "{} augmented values were trained on, too; {} were made of what is not trained on",
+        data.augmented ? data.augmented->size() : 0, source.augmented->left_out));
   if (make_windows(data.sequences, 1).held_out.empty())
     report.notes.push_back("no recording is long enough to test predictions: they copy the last");
 }
@@ -179,6 +183,7 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   report.snapshots = source.times.size();
   report.used_snapshots = data.size();
   report.sequences = data.sequences.size() + data.left_out_sequences;
+  report.augmented = data.augmented ? data.augmented->size() : 0;
   report.autoencoder_steps = coded.step;
   report.dynamics_steps = checkpoints.predicted.step + motion.step;
   report.final_loss = coded.loss;
@@ -264,6 +269,9 @@ Status TrainOptions::validate() const {
                             encoders::kMostBlockRows);
   if (!(varied_share >= 0 && varied_share <= 1))
     return invalid_argument("share of varied images: found {}, needs 0 to 1", varied_share);
+  if (!(augmented_share >= 0 && augmented_share < 1))
+    return invalid_argument("share of augmented values: found {}, needs 0 to below 1",
+                            augmented_share);
   if (threads < 1) return invalid_argument("threads: found {}, needs at least 1", threads);
   if (hold_out_recordings < 0)
     return invalid_argument("recordings to leave out: found {}, needs 0 or more",

@@ -25,6 +25,18 @@ struct PreviousModel {
   uint64_t checksum = 0;
 };
 
+/// Values that were made of those that are trained on, by changing them on purpose: they are
+/// trained on too, and never encoded, measured or counted as real ones.
+struct AugmentedValues {
+  /// Per run of consecutive values that were changed alike: which of the source's times each was
+  /// made of, one after the other.
+  std::vector<std::vector<size_t>> origins;
+  /// Value `index` of run `run`.
+  std::function<Result<idf::Data>(size_t run, size_t index)> read;
+  size_t left_out = 0;    ///< Values that were made of others.
+  uint64_t identity = 0;  ///< The same for the same values alone.
+};
+
 /// What one model is trained on: values of one layout, in the order of time.
 struct TrainingSource {
   std::string entity;
@@ -44,6 +56,9 @@ struct TrainingSource {
   /// Beside `times`: which of them that model has latents of. Where training starts from it, they
   /// are told again beside the others, see RowSampler. Empty: none.
   std::vector<bool> is_known;
+
+  /// Trained on beside the others, at TrainOptions::augmented_share.
+  std::optional<AugmentedValues> augmented;
 };
 
 /// How one model is trained. Written into the model file.
@@ -76,6 +91,8 @@ struct TrainOptions {
   /// Share of training on images as another view would show them (view_change.h), where there is
   /// more than one scene: more carries over better to new places, less knows old ones better.
   double varied_share = 0.1;
+  /// Share of training on augmented values, where there are any.
+  double augmented_share = 0.5;
   /// Threads of the networks. Whether two processes of one thread are quicker: parallel_speed.h.
   int threads = 2;
   /// Most bytes of decoded values to hold; beyond it evenly spaced snapshots are used.
@@ -106,6 +123,7 @@ struct TrainReport {
   size_t snapshots = 0;       ///< That were offered.
   size_t used_snapshots = 0;  ///< That the autoencoder was trained on.
   size_t sequences = 0;       ///< Recordings, left-out ones included.
+  size_t augmented = 0;       ///< Augmented values that the autoencoder was trained on, too.
   int started_from = 0;       ///< Version of the model that training went on from; 0: of none.
   int64_t autoencoder_steps = 0;
   int64_t dynamics_steps = 0;

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "augmentation/store/origin_reader.h"
 #include "datasets/export_walk.h"
 #include "ltm/recording/recorder.h"
 #include "ltm/store/manifest.h"
-#include "ltm/store/store_reader.h"
 
 namespace engram::augmentation {
 
@@ -28,18 +28,17 @@ int64_t floored(int64_t value, int64_t divisor) {
   return value / divisor - (value % divisor < 0 ? 1 : 0);
 }
 
-std::vector<ChangeChoice> choices_of(const AugmentOptions& options) {
-  if (!options.changes.empty()) return options.changes;
-  return usual_changes(options.strength_percent,
-                       options.mask_entity || !options.members.labels.empty());
-}
-
 /// Walks over one store and writes the other.
 class Augmentation {
  public:
   Augmentation(ltm::StoreReader& reader, ltm::Recorder& recorder, const AugmentOptions& options,
                const ProgressSink& progress, const std::stop_token& stop)
-      : reader_(reader), recorder_(recorder), options_(options), progress_(progress), stop_(stop) {}
+      : reader_(reader),
+        origins_(reader, options),
+        recorder_(recorder),
+        options_(options),
+        progress_(progress),
+        stop_(stop) {}
 
   Status declare(const std::vector<ltm::MemoryId>& entities) {
     const ltm::SegmentTypes types = reader_.manifest().types.of_entities(entities);
@@ -55,7 +54,7 @@ class Augmentation {
       report.skipped_reason = "its images are the mask";
       return report;
     }
-    type_ = reader_.manifest().types.of_entity(entity);
+    type_ = origins_.type_of(entity);
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t total, timeline->count());
     ENGRAM_ASSIGN_OR_RETURN(
@@ -83,22 +82,17 @@ class Augmentation {
 
   Status add(const ltm::MemoryId& entity, const datasets::SnapshotWalk::Step& step,
              AugmentedEntity& report) {
-    if (!step.entry.recorded) return ++report.left_out, Status();
-    ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot origin, reader_.read_recorded(entity, step.entry));
-    const auto has_image = [&](const ltm::Instance& one) {
-      return has_images(idf::Layout::of(one.data)) ||
-             (type_ != nullptr && has_images(idf::Layout::of(one.data, *type_)));
-    };
-    if (origin.is_augmented() || !std::ranges::all_of(origin.instances, has_image))
-      return ++report.left_out, Status();
-    std::optional<idf::NdArray> labels;
-    if (options_.mask_entity) {
-      ENGRAM_ASSIGN_OR_RETURN(labels, labels_at(origin.time));
-      if (!labels) return ++report.left_out, ++report.without_mask, Status();
+    OriginReader::Missing missing{};
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, origins_.read(entity, step.entry, missing));
+    if (!found) {
+      ++report.left_out;
+      report.without_mask += missing == OriginReader::Missing::kMask ? 1 : 0;
+      return {};
     }
+    const ltm::Snapshot& origin = found->snapshot;
     ltm::EntityUpdate update{entity, origin.time, {}};
     for (int copy = 0; copy < options_.copies; ++copy)
-      ENGRAM_RETURN_IF_ERROR(append(origin, step.instances, labels, copy, update));
+      ENGRAM_RETURN_IF_ERROR(append(origin, step.instances, found->labels, copy, update));
     ++report.snapshots;
     report.instances += update.instances.size();
     return recorder_.commit({{std::move(update)}});
@@ -123,37 +117,14 @@ class Augmentation {
     return {};
   }
 
-  /// Nothing where the entity of the mask has nothing at this very moment.
-  Result<std::optional<idf::NdArray>> labels_at(Time time) {
-    ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(*options_.mask_entity));
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(time));
-    if (!entry || entry->time != time || !entry->recorded) return std::optional<idf::NdArray>();
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot found,
-                            reader_.read_recorded(*options_.mask_entity, *entry));
-    for (const ltm::Instance& instance : found.instances) {
-      const idf::Layout layout = idf::Layout::of(instance.data);
-      for (const idf::TensorMember& member : layout.members())
-        if (member.kind == idf::MemberKind::kImage && member.shape[2] == 1)
-          return std::optional(instance.data.at(member.path)->get<idf::NdArray>());
-    }
-    return invalid_argument("{}: found no uint8 or uint16 [H, W, 1] in it, needs one as the mask",
-                            found.id().to_string());
-  }
-
   ltm::StoreReader& reader_;
+  OriginReader origins_;
   ltm::Recorder& recorder_;
   const AugmentOptions& options_;
   const ProgressSink& progress_;
   const std::stop_token& stop_;
   const idf::Type* type_ = nullptr;  ///< Of the entity at hand; may be null.
 };
-
-std::vector<ltm::MemoryId> matching(const ltm::StoreReader& reader, const ltm::Query& query) {
-  std::vector<ltm::MemoryId> entities;
-  for (const ltm::MemoryId& entity : reader.entities())
-    if (query.matches(entity)) entities.push_back(entity);
-  return entities;
-}
 
 }  // namespace
 
@@ -188,13 +159,8 @@ Recipe recipe_at(const AugmentOptions& options, Time time, int copy) {
 Result<AugmentReport> augment_store(const std::filesystem::path& from,
                                     const std::filesystem::path& to, const AugmentOptions& options,
                                     const ProgressSink& progress, const std::stop_token& stop) {
-  ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(from));
-  const auto entities = matching(*reader, options.query);
-  if (entities.empty())
-    return not_found("store '{}': none of its {} entities matches '{}'", from.string(),
-                     reader->entities().size(), options.query.to_string());
-  if (options.mask_entity) ENGRAM_RETURN_IF_ERROR(reader->timeline(*options.mask_entity).status());
+  ENGRAM_ASSIGN_OR_RETURN(const auto entities, entities_of(*reader, options));
   if (!ltm::is_store_absent(to))
     return already_exists("'{}' is there already: needs a new place", to.string());
   ltm::Recorder::Options recording;

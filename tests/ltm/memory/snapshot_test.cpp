@@ -34,6 +34,26 @@ TEST(Snapshot, ReadsBackItsDataInBothForms) {
   EXPECT_EQ(*Snapshot::from_data(*idf::from_json_text(*json)), snapshot);
 }
 
+TEST(Snapshot, IsAugmentedWhereAnyInstanceIs) {
+  Snapshot snapshot = random_snapshot(7);
+  EXPECT_FALSE(snapshot.is_augmented());
+  snapshot.instances.push_back({idf::Data(1), {}});
+  snapshot.instances.back().metadata.origin = *MemoryId::parse("a/b/c/d/2022-02-18 13:06:56/0");
+  EXPECT_TRUE(snapshot.is_augmented());
+  snapshot.instances.back().metadata.recipe = R"({"version":1,"changes":[]})";
+  EXPECT_EQ(*Snapshot::from_data(snapshot.to_data()), snapshot);
+  snapshot.instances.back().metadata.origin = {};
+  EXPECT_TRUE(snapshot.is_augmented());
+  idf::Data data = snapshot.to_data();
+  data.at("instances")
+      ->get_if<idf::List>()
+      ->back()
+      .at("metadata")
+      ->get_if<idf::Dict>()
+      ->set("origin", "a//b");
+  EXPECT_FAILS(Snapshot::from_data(data), StatusCode::kInvalidArgument, "a//b");
+}
+
 TEST(Snapshot, RefusesDataThatIsNone) {
   const idf::Data good = random_snapshot(6).to_data();
   const auto changed = [&good](std::string_view path, idf::Data value) {

@@ -32,6 +32,21 @@ TEST(Frame, GivesBackTheSnapshot) {
   EXPECT_EQ(*unpacked, snapshot);
 }
 
+TEST(Frame, GivesBackWhatInstancesWereMadeOf) {
+  Snapshot snapshot = stereo_snapshot();
+  const auto head_of = [](const Snapshot& of) {
+    return decode_frame_head(Buffer::take(*encode_frame(pack_snapshot(of))));
+  };
+  EXPECT_FALSE(head_of(snapshot)->is_augmented);
+  snapshot.instances[1].metadata.origin = example_entity().at(example_time(2)).instance(0);
+  snapshot.instances[1].metadata.recipe = R"({"version":1,"changes":[]})";
+  EXPECT_TRUE(head_of(snapshot)->is_augmented);
+  const auto decoded = decode_frame(Buffer::take(*encode_frame(pack_snapshot(snapshot))));
+  ASSERT_OK(decoded);
+  EXPECT_TRUE(decoded->is_augmented());
+  EXPECT_EQ(*unpack(*decoded), snapshot);
+}
+
 TEST(Frame, GivesBackRandomValues) {
   RandomValues random(11);
   for (int i = 0; i < 300; ++i) {

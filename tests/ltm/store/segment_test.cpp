@@ -46,6 +46,19 @@ TEST(Segment, GivesBackStereoInstances) {
   expect_round_trip(entities);
 }
 
+TEST(Segment, GivesBackWhatInstancesWereMadeOf) {
+  Entities entities;
+  for (int64_t i = 0; i < 10; ++i) {
+    Snapshot snapshot{example_entity(), example_time(i), {{robot_value(i), example_metadata(i)}}};
+    if (i % 3 == 1) {
+      snapshot.instances[0].metadata.origin = example_entity("cam").at(example_time(i)).instance(0);
+      snapshot.instances[0].metadata.recipe = "{\"version\":1,\"n\":" + std::to_string(i) + "}";
+    }
+    entities[example_entity()].push_back(snapshot);
+  }
+  expect_round_trip(entities);
+}
+
 TEST(Segment, GivesBackRowsOfDifferingLayout) {
   RandomValues random(21);
   Entities entities;

@@ -25,6 +25,10 @@ ltm::Snapshot example(RandomValues& random) {
     instance.metadata.sent = time_from_ns(-5);
     instance.metadata.arrived = time_from_ns(7);
     instance.metadata.provider = "someone";
+    if (count == 2) {
+      instance.metadata.origin = *ltm::MemoryId::parse("a/b/c/d/2022-02-18 13:06:56/0");
+      instance.metadata.recipe = "{}";
+    }
     instance.metadata.confidence = count == 1 ? 1.0f : 0.25f;
     snapshot.instances.push_back(std::move(instance));
   }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "augmentation/store/origin_reader.h"
+
+#include <algorithm>
+
+namespace engram::augmentation {
+
+const idf::Type* OriginReader::type_of(const ltm::MemoryId& entity) const {
+  return reader_.manifest().types.of_entity(entity);
+}
+
+Result<std::optional<Origin>> OriginReader::read(const ltm::MemoryId& entity,
+                                                 const ltm::SnapshotEntry& entry,
+                                                 Missing& missing) {
+  missing = Missing::kImages;
+  if (!entry.recorded) return std::optional<Origin>();
+  Origin origin;
+  ENGRAM_ASSIGN_OR_RETURN(origin.snapshot, reader_.read_recorded(entity, entry));
+  const idf::Type* type = type_of(entity);
+  const auto has_image = [&](const ltm::Instance& one) {
+    return has_images(idf::Layout::of(one.data)) ||
+           (type != nullptr && has_images(idf::Layout::of(one.data, *type)));
+  };
+  if (origin.snapshot.is_augmented() || !std::ranges::all_of(origin.snapshot.instances, has_image))
+    return std::optional<Origin>();
+  if (!options_.mask_entity) return std::optional(std::move(origin));
+  missing = Missing::kMask;
+  ENGRAM_ASSIGN_OR_RETURN(origin.labels, labels_at(origin.snapshot.time));
+  return origin.labels ? std::optional(std::move(origin)) : std::nullopt;
+}
+
+/// Nothing where the entity of the mask has nothing at this very moment.
+Result<std::optional<idf::NdArray>> OriginReader::labels_at(Time time) {
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(*options_.mask_entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(time));
+  if (!entry || entry->time != time || !entry->recorded) return std::optional<idf::NdArray>();
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot found,
+                          reader_.read_recorded(*options_.mask_entity, *entry));
+  for (const ltm::Instance& instance : found.instances) {
+    const idf::Layout layout = idf::Layout::of(instance.data);
+    for (const idf::TensorMember& member : layout.members())
+      if (member.kind == idf::MemberKind::kImage && member.shape[2] == 1)
+        return std::optional(instance.data.at(member.path)->get<idf::NdArray>());
+  }
+  return invalid_argument("{}: found no uint8 or uint16 [H, W, 1] in it, needs one as the mask",
+                          found.id().to_string());
+}
+
+std::vector<ChangeChoice> choices_of(const AugmentOptions& options) {
+  if (!options.changes.empty()) return options.changes;
+  return usual_changes(options.strength_percent,
+                       options.mask_entity || !options.members.labels.empty());
+}
+
+Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader,
+                                               const AugmentOptions& options) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  std::vector<ltm::MemoryId> entities;
+  for (const ltm::MemoryId& entity : reader.entities())
+    if (options.query.matches(entity)) entities.push_back(entity);
+  if (entities.empty())
+    return not_found("store '{}': none of its {} entities matches '{}'", reader.path().string(),
+                     reader.entities().size(), options.query.to_string());
+  if (options.mask_entity) ENGRAM_RETURN_IF_ERROR(reader.timeline(*options.mask_entity).status());
+  return entities;
+}
+
+}  // namespace engram::augmentation
