@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/store/augment_store.h"
-#include "augmentation/store/change_examples.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/picture.h"
 #include "cli/progress_line.h"
 #include "cli/text.h"
 #include "ltm/core/log.h"
+#include "training/augment/augment_store.h"
+#include "training/augment/change_examples.h"
 
 namespace engram::cli {
 
@@ -43,19 +43,18 @@ struct AugmentArguments {
   std::string hold = "4s";
   std::string mask;
   std::string mask_member;
-  augmentation::AugmentOptions options;
+  training::AugmentOptions options;
   std::string picture;
   bool is_json = false;
 };
 
 /// Rows of changes; the first column is as it was recorded.
-Status write_examples(const AugmentArguments& arguments,
-                      const augmentation::AugmentOptions& options) {
+Status write_examples(const AugmentArguments& arguments, const training::AugmentOptions& options) {
   constexpr size_t kEach = 4;
   ENGRAM_ASSIGN_OR_RETURN(const auto examples,
-                          augmentation::change_examples(arguments.store, options, kEach));
+                          training::change_examples(arguments.store, options, kEach));
   std::vector<PictureRow> rows;
-  for (const augmentation::ChangeExample& example : examples) {
+  for (const training::ChangeExample& example : examples) {
     PictureRow& row = rows.emplace_back(PictureRow{example.change, {}});
     std::vector<const idf::Data*> values{&example.before};
     for (const idf::Data& value : example.after) values.push_back(&value);
@@ -69,8 +68,8 @@ Status write_examples(const AugmentArguments& arguments,
   return write_contact_sheet(arguments.picture, rows, {"recorded", "1", "2", "3", "4"});
 }
 
-Result<augmentation::AugmentOptions> options_of(const AugmentArguments& arguments) {
-  augmentation::AugmentOptions options = arguments.options;
+Result<training::AugmentOptions> options_of(const AugmentArguments& arguments) {
+  training::AugmentOptions options = arguments.options;
   // Where nobody says which snapshots, the latest one would be few.
   const bool has_selector = arguments.query.find('@') != std::string::npos;
   ENGRAM_ASSIGN_OR_RETURN(options.query,
@@ -88,9 +87,9 @@ Result<augmentation::AugmentOptions> options_of(const AugmentArguments& argument
   return options;
 }
 
-Json report_json(const augmentation::AugmentReport& report, const AugmentArguments& arguments) {
+Json report_json(const training::AugmentReport& report, const AugmentArguments& arguments) {
   Json entities = Json::array();
-  for (const augmentation::AugmentedEntity& entity : report.entities) {
+  for (const training::AugmentedEntity& entity : report.entities) {
     Json json{{"id", entity.entity.to_string()},     {"snapshots", entity.snapshots},
               {"instances", entity.instances},       {"left_out", entity.left_out},
               {"without_mask", entity.without_mask}, {"stored_bytes", entity.stored_bytes}};
@@ -107,9 +106,9 @@ Json report_json(const augmentation::AugmentReport& report, const AugmentArgumen
           {"entities", std::move(entities)}};
 }
 
-void print_report(const augmentation::AugmentReport& report, const AugmentArguments& arguments) {
+void print_report(const training::AugmentReport& report, const AugmentArguments& arguments) {
   print(fmt::format("Augmented store {}", arguments.out));
-  for (const augmentation::AugmentedEntity& entity : report.entities) {
+  for (const training::AugmentedEntity& entity : report.entities) {
     print("\n" + entity.entity.to_string());
     if (!entity.skipped_reason.empty()) {
       print("  skipped    " + entity.skipped_reason);
@@ -128,8 +127,8 @@ ExitCode run(const AugmentArguments& arguments) {
   const auto options = options_of(arguments);
   if (!options.ok()) return wrong_usage(options.status());
   ProgressLine progress;
-  const auto report = augmentation::augment_store(arguments.store, arguments.out, *options,
-                                                  progress.sink(), interrupt_token());
+  const auto report = training::augment_store(arguments.store, arguments.out, *options,
+                                              progress.sink(), interrupt_token());
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
@@ -151,7 +150,7 @@ ExitCode run(const AugmentArguments& arguments) {
 
 void add_augment_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<AugmentArguments>();
-  augmentation::AugmentOptions& options = arguments->options;
+  training::AugmentOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand("augment", "Make changed snapshots to train on");
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store")->required();

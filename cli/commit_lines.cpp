@@ -91,6 +91,9 @@ Result<ltm::EntityUpdate> parse_commit_line(std::string_view line, Time now) {
   for (const Json& each : *instances) {
     ENGRAM_ASSIGN_OR_RETURN(update.instances.emplace_back(), read_instance(each, update.time));
   }
+  if (const Json* source = find(json, "source");
+      source != nullptr && *source == "augmented" && !update.is_augmented())
+    return invalid_argument("says it is augmented, needs instances with 'origin' or 'recipe'");
   return update;
 }
 

@@ -6,10 +6,10 @@
 
 #include <set>
 
-#include "augmentation/store/augment_store.h"
 #include "ltm/core/file.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/training/recorded_scene.h"
+#include "training/augment/augment_store.h"
 #include "training/augmented_rows.h"
 
 namespace engram::training {
@@ -28,11 +28,11 @@ class AugmentedSource : public ::testing::Test {
  protected:
   void SetUp() override {
     record(real_.path(), kEntity.to_string(), 0, kCount);
-    augmentation::AugmentOptions options;
+    training::AugmentOptions options;
     options.query = *ltm::Query::parse("@ all");
     options.copies = 2;
     options.hold = std::chrono::seconds(2);  // 10 snapshots.
-    ASSERT_OK(augmentation::augment_store(real_.path(), augmented_.path(), options, {}, {}));
+    ASSERT_OK(training::augment_store(real_.path(), augmented_.path(), options, {}, {}));
   }
 
   Result<AugmentedValues> find(const TrainingSource& source) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/store/augment_store.h"
+#include "training/augment/augment_store.h"
 
 #include <algorithm>
 
-#include "augmentation/store/origin_reader.h"
 #include "datasets/export_walk.h"
 #include "ltm/recording/recorder.h"
 #include "ltm/store/manifest.h"
+#include "training/augment/origin_reader.h"
 
-namespace engram::augmentation {
+namespace engram::training {
 
 namespace {
 
@@ -18,9 +18,9 @@ constexpr const char* kProvider = "augmentation";
 enum class Purpose : uint64_t { kRecipe = 1, kNoise = 2 };
 
 uint64_t seed_of(uint64_t seed, Purpose purpose, int copy, int64_t moment) {
-  uint64_t mixed = random_at(seed, static_cast<uint64_t>(purpose));
-  mixed = random_at(mixed, static_cast<uint64_t>(copy));
-  return random_at(mixed, static_cast<uint64_t>(moment));
+  uint64_t mixed = augmentation::random_at(seed, static_cast<uint64_t>(purpose));
+  mixed = augmentation::random_at(mixed, static_cast<uint64_t>(copy));
+  return augmentation::random_at(mixed, static_cast<uint64_t>(moment));
 }
 
 /// Towards minus infinity.
@@ -101,12 +101,13 @@ class Augmentation {
   /// Adds one copy of all instances that are asked for.
   Status append(const ltm::Snapshot& origin, const std::vector<int32_t>& asked,
                 const std::optional<idf::NdArray>& labels, int copy, ltm::EntityUpdate& update) {
-    const Recipe recipe = recipe_at(options_, origin.time, copy);
+    const augmentation::Recipe recipe = recipe_at(options_, origin.time, copy);
     for (size_t i = 0; i < origin.instances.size(); ++i) {
       const auto index = static_cast<int32_t>(i);
       if (!asked.empty() && !std::ranges::binary_search(asked, index)) continue;
       const ltm::MemoryId id = origin.id().instance(index);
-      auto data = augmented(origin.instances[i].data, type_, recipe, options_.members, labels);
+      auto data = augmentation::augmented(origin.instances[i].data, type_, recipe, options_.members,
+                                          labels);
       if (!data.ok()) return data.status().with_context(id.to_string());
       ltm::InstanceMetadata metadata = origin.instances[i].metadata;
       metadata.provider = kProvider;
@@ -141,19 +142,20 @@ Status AugmentOptions::validate() const {
     return invalid_argument("label: found {}, needs 0 (any) to 65535", label);
   if (mask_entity && !mask_entity->is_entity())
     return invalid_argument("mask '{}' is no entity: needs four names", mask_entity->to_string());
-  for (const ChangeChoice& choice : changes)
+  for (const augmentation::ChangeChoice& choice : changes)
     if (choice.kind->needs_mask() && !mask_entity && members.labels.empty())
       return invalid_argument("change '{}': needs to be told where the object is (a mask)",
                               choice.kind->name());
   return {};
 }
 
-Recipe recipe_at(const AugmentOptions& options, Time time, int copy) {
+augmentation::Recipe recipe_at(const AugmentOptions& options, Time time, int copy) {
   const int64_t hold = std::max<int64_t>(1, options.hold.count());
   const int64_t part = floored(to_ns(time), hold);
-  Random random(seed_of(options.seed, Purpose::kRecipe, copy, part));
-  return with_seed(draw_recipe(choices_of(options), options.label, random),
-                   seed_of(options.seed, Purpose::kNoise, copy, to_ns(time)));
+  augmentation::Random random(seed_of(options.seed, Purpose::kRecipe, copy, part));
+  return augmentation::with_seed(
+      augmentation::draw_recipe(choices_of(options), options.label, random),
+      seed_of(options.seed, Purpose::kNoise, copy, to_ns(time)));
 }
 
 Result<AugmentReport> augment_store(const std::filesystem::path& from,
@@ -179,4 +181,4 @@ Result<AugmentReport> augment_store(const std::filesystem::path& from,
   return report;
 }
 
-}  // namespace engram::augmentation
+}  // namespace engram::training

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/store/augment_store.h"
+#include "training/augment/augment_store.h"
 
 #include "ltm/idf/type_xml.h"
 #include "ltm/recall/recall.h"
@@ -10,7 +10,7 @@
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 
-namespace engram::augmentation {
+namespace engram::training {
 namespace {
 
 using ltm::MemoryId;
@@ -33,12 +33,14 @@ class AugmentStore : public testing::Test {
     ASSERT_OK(recorder);
     for (int i = 0; i < kSnapshots; ++i) {
       const ltm::InstanceMetadata metadata{time_of(i), time_of(i), time_of(i), "camera", 0.5f};
-      ltm::Commit commit{{{camera_, time_of(i), {{example_value(), metadata}}},
+      ltm::Commit commit{{{camera_, time_of(i), {{augmentation::example_value(), metadata}}},
                           {joints_, time_of(i), {{idf::Dict{{"x", 1.0 * i}}, metadata}}}}};
       // Only some moments were segmented.
       if (i % 2 == 0)
         commit.updates.push_back(
-            {objects_, time_of(i), {{idf::Dict{{"labels", example_labels(32, 48)}}, metadata}}});
+            {objects_,
+             time_of(i),
+             {{idf::Dict{{"labels", augmentation::example_labels(32, 48)}}, metadata}}});
       ASSERT_OK(recorder->commit(commit));
     }
     ASSERT_OK(recorder->close());
@@ -92,10 +94,11 @@ TEST_F(AugmentStore, MakesSnapshotsThatNameTheirOriginAndRecipe) {
       EXPECT_EQ(instance.metadata.provider, "augmentation");
       EXPECT_EQ(instance.metadata.confidence, 0.5f);
       // The recipe alone makes the same bytes again.
-      const auto recipe = Recipe::parse(instance.metadata.recipe);
+      const auto recipe = augmentation::Recipe::parse(instance.metadata.recipe);
       ASSERT_OK(recipe);
       EXPECT_EQ(*recipe, recipe_at(options, time_of(i), copy));
-      EXPECT_EQ(*augmented(example_value(), nullptr, *recipe, {}), instance.data);
+      EXPECT_EQ(*augmentation::augmented(augmentation::example_value(), nullptr, *recipe, {}),
+                instance.data);
     }
   }
 }
@@ -114,20 +117,21 @@ TEST_F(AugmentStore, MakesTheSameAgainAndAnotherWithAnotherSeed) {
 
 TEST_F(AugmentStore, HoldsARecipeButForItsNoise) {
   AugmentOptions options;
-  options.changes = {*parse_change_choice("noise", 50)};
+  options.changes = {*augmentation::parse_change_choice("noise", 50)};
   options.hold = std::chrono::seconds(100);
-  const Recipe one = recipe_at(options, time_of(0), 0);
-  const Recipe next = recipe_at(options, time_of(1), 0);
+  const augmentation::Recipe one = recipe_at(options, time_of(0), 0);
+  const augmentation::Recipe next = recipe_at(options, time_of(1), 0);
   EXPECT_NE(one, next);
-  EXPECT_EQ(with_seed(one, 0), with_seed(next, 0));
-  EXPECT_NE(with_seed(one, 0), with_seed(recipe_at(options, time_of(0), 1), 0));
+  EXPECT_EQ(augmentation::with_seed(one, 0), augmentation::with_seed(next, 0));
+  EXPECT_NE(augmentation::with_seed(one, 0),
+            augmentation::with_seed(recipe_at(options, time_of(0), 1), 0));
   options.hold = Duration::zero();
-  EXPECT_NE(with_seed(recipe_at(options, time_of(0), 0), 0),
-            with_seed(recipe_at(options, time_of(1), 0), 0));
+  EXPECT_NE(augmentation::with_seed(recipe_at(options, time_of(0), 0), 0),
+            augmentation::with_seed(recipe_at(options, time_of(1), 0), 0));
   // Times before 1970 are moments, too.
   options.hold = std::chrono::seconds(1);
-  EXPECT_NE(with_seed(recipe_at(options, time_from_ns(-1), 0), 0),
-            with_seed(recipe_at(options, time_from_ns(1), 0), 0));
+  EXPECT_NE(augmentation::with_seed(recipe_at(options, time_from_ns(-1), 0), 0),
+            augmentation::with_seed(recipe_at(options, time_from_ns(1), 0), 0));
 }
 
 TEST_F(AugmentStore, TellsTheSourceWhereOnlyIdsAreAsked) {
@@ -145,7 +149,7 @@ TEST_F(AugmentStore, NeverReplacesWhatWasRecorded) {
   for (int i = 0; i < kSnapshots; ++i) {
     const ltm::SnapshotResult* one = both.find_snapshot(camera_.at(time_of(i)));
     EXPECT_EQ(one->source, Source::kRecorded);
-    EXPECT_EQ(one->instances.front().data, example_value());
+    EXPECT_EQ(one->instances.front().data, augmentation::example_value());
   }
 }
 
@@ -179,7 +183,7 @@ TEST_F(AugmentStore, ChangesObjectsWhereAnotherEntityTellsThem) {
   AugmentOptions options = options_of("Vision @ all");
   options.mask_entity = objects_;
   options.label = 3;
-  options.changes = {*parse_change_choice("recolour", 100)};
+  options.changes = {*augmentation::parse_change_choice("recolour", 100)};
   const auto report = augment(options);
   ASSERT_OK(report);
   EXPECT_EQ(report->entities[0].snapshots, kSnapshots / 2);
@@ -187,8 +191,8 @@ TEST_F(AugmentStore, ChangesObjectsWhereAnotherEntityTellsThem) {
   EXPECT_EQ(report->entities[1].skipped_reason, "its images are the mask");
   const ltm::QueryResult answer = query("Vision/RGB @ latest");
   const idf::Data& changed = answer.find_entity(camera_)->snapshots.front().instances.front().data;
-  const idf::NdArray image = example_image(32, 48);
-  const idf::NdArray objects = example_labels(32, 48);
+  const idf::NdArray image = augmentation::example_image(32, 48);
+  const idf::NdArray objects = augmentation::example_labels(32, 48);
   const auto before = image.values<uint8_t>();
   const auto after = changed.at("image")->get<idf::NdArray>().values<uint8_t>();
   const auto labels = objects.values<uint8_t>();
@@ -208,7 +212,7 @@ TEST_F(AugmentStore, RefusesWhatCannotBe) {
   options.copies = 0;
   EXPECT_FAILS(augment(options), StatusCode::kInvalidArgument, "copies: found 0, needs 1 to 64");
   options = options_of("Vision/RGB @ all");
-  options.changes = {*parse_change_choice("replace", 50)};
+  options.changes = {*augmentation::parse_change_choice("replace", 50)};
   EXPECT_FAILS(augment(options), StatusCode::kInvalidArgument, "where the object is");
   options.mask_entity = id_of("Vision/Segmentation/head/nothing");
   EXPECT_FAILS(augment(options), StatusCode::kNotFound, "nothing");
@@ -218,4 +222,4 @@ TEST_F(AugmentStore, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace engram::augmentation
+}  // namespace engram::training

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/store/origin_reader.h"
+#include "training/augment/origin_reader.h"
 
 #include <algorithm>
 
-namespace engram::augmentation {
+namespace engram::training {
 
 const idf::Type* OriginReader::type_of(const ltm::MemoryId& entity) const {
   return reader_.manifest().types.of_entity(entity);
@@ -18,8 +18,8 @@ Result<std::optional<Origin>> OriginReader::read(const ltm::MemoryId& entity,
   ENGRAM_ASSIGN_OR_RETURN(origin.snapshot, reader_.read_recorded(entity, entry));
   const idf::Type* type = type_of(entity);
   const auto has_image = [&](const ltm::Instance& one) {
-    return has_images(idf::Layout::of(one.data)) ||
-           (type != nullptr && has_images(idf::Layout::of(one.data, *type)));
+    return augmentation::has_images(idf::Layout::of(one.data)) ||
+           (type != nullptr && augmentation::has_images(idf::Layout::of(one.data, *type)));
   };
   if (origin.snapshot.is_augmented() || !std::ranges::all_of(origin.snapshot.instances, has_image))
     return std::optional<Origin>();
@@ -46,10 +46,10 @@ Result<std::optional<idf::NdArray>> OriginReader::labels_at(Time time) {
                           found.id().to_string());
 }
 
-std::vector<ChangeChoice> choices_of(const AugmentOptions& options) {
+std::vector<augmentation::ChangeChoice> choices_of(const AugmentOptions& options) {
   if (!options.changes.empty()) return options.changes;
-  return usual_changes(options.strength_percent,
-                       options.mask_entity || !options.members.labels.empty());
+  return augmentation::usual_changes(options.strength_percent,
+                                     options.mask_entity || !options.members.labels.empty());
 }
 
 Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader,
@@ -65,4 +65,4 @@ Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader,
   return entities;
 }
 
-}  // namespace engram::augmentation
+}  // namespace engram::training

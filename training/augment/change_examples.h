@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "augmentation/store/augment_store.h"
+#include "training/augment/augment_store.h"
 
-namespace engram::augmentation {
+namespace engram::training {
 
 /// One value, and what a change by itself makes of it.
 struct ChangeExample {
@@ -21,4 +21,4 @@ struct ChangeExample {
 Result<std::vector<ChangeExample>> change_examples(const std::filesystem::path& store,
                                                    const AugmentOptions& options, size_t each);
 
-}  // namespace engram::augmentation
+}  // namespace engram::training

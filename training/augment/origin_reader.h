@@ -3,12 +3,12 @@
 
 #include <optional>
 
-#include "augmentation/store/augment_store.h"
 #include "ltm/store/store_reader.h"
+#include "training/augment/augment_store.h"
 
 // Private to this room.
 
-namespace engram::augmentation {
+namespace engram::training {
 
 /// What augmented snapshots are made of: a recorded snapshot, and where its objects are.
 struct Origin {
@@ -43,11 +43,11 @@ class OriginReader {
 };
 
 /// What recipes are drawn from.
-[[nodiscard]] std::vector<ChangeChoice> choices_of(const AugmentOptions& options);
+[[nodiscard]] std::vector<augmentation::ChangeChoice> choices_of(const AugmentOptions& options);
 
 /// The entities that are changed.
 /// Errors: kNotFound where there is none, or no entity of the mask; those of validate().
 Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader,
                                                const AugmentOptions& options);
 
-}  // namespace engram::augmentation
+}  // namespace engram::training

@@ -13,14 +13,14 @@
 #include "ltm/memory/memory_id.h"
 #include "ltm/memory/query.h"
 
-namespace engram::augmentation {
+namespace engram::training {
 
 /// Which snapshots are changed, how, and how often.
 struct AugmentOptions {
   /// What is changed; more time is more snapshots.
   ltm::Query query;
-  /// What recipes are drawn from. Empty: usual_changes.
-  std::vector<ChangeChoice> changes;
+  /// What recipes are drawn from. Empty: augmentation::usual_changes.
+  std::vector<augmentation::ChangeChoice> changes;
   /// Of changes that are not named themselves.
   int strength_percent = 50;
   /// Changed snapshots per snapshot: further instances of the same moment. 1 to kMostCopies.
@@ -30,7 +30,7 @@ struct AugmentOptions {
   /// keeps moving. Zero: each has its own.
   Duration hold = std::chrono::seconds(4);
   /// Members of the values that are labels or points.
-  SceneMembers members;
+  augmentation::SceneMembers members;
   /// An entity whose first image tells, at the same moment, which object is seen; empty: none.
   std::optional<ltm::MemoryId> mask_entity;
   /// The object to recolour or replace, as labels have it; 0: everything that has one.
@@ -62,7 +62,7 @@ struct AugmentReport {
 
 /// The recipe of copy `copy` of what was seen at `time`. Depends on nothing else.
 /// Source: docs/augmentation.md, section "Recipes".
-[[nodiscard]] Recipe recipe_at(const AugmentOptions& options, Time time, int copy);
+[[nodiscard]] augmentation::Recipe recipe_at(const AugmentOptions& options, Time time, int copy);
 
 /// Makes a new store of changed snapshots. Each keeps its entity, time and metadata, and names the
 /// instance that it was made of and the recipe; instance i of copy k is number k n + i of n.
@@ -73,4 +73,4 @@ Result<AugmentReport> augment_store(const std::filesystem::path& from,
                                     const std::filesystem::path& to, const AugmentOptions& options,
                                     const ProgressSink& progress, const std::stop_token& stop);
 
-}  // namespace engram::augmentation
+}  // namespace engram::training

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/store/change_examples.h"
+#include "training/augment/change_examples.h"
 
-#include "augmentation/store/origin_reader.h"
+#include "training/augment/origin_reader.h"
 
-namespace engram::augmentation {
+namespace engram::training {
 
 namespace {
 
@@ -38,16 +38,17 @@ Result<std::vector<ChangeExample>> change_examples(const std::filesystem::path& 
     ENGRAM_ASSIGN_OR_RETURN(const auto origin, newest_of(*reader, origins, entity));
     if (!origin) continue;
     std::vector<ChangeExample> examples;
-    for (const ChangeChoice& choice : choices_of(options)) {
+    for (const augmentation::ChangeChoice& choice : choices_of(options)) {
       const idf::Data& before = origin->snapshot.instances.front().data;
       ChangeExample& example =
           examples.emplace_back(ChangeExample{std::string(choice.kind->name()), before, {}});
-      Random random(options.seed);
+      augmentation::Random random(options.seed);
       while (example.after.size() < each) {
-        const Recipe recipe = draw_recipe({&choice, 1}, options.label, random);
-        ENGRAM_ASSIGN_OR_RETURN(
-            example.after.emplace_back(),
-            augmented(before, origins.type_of(entity), recipe, options.members, origin->labels));
+        const augmentation::Recipe recipe =
+            augmentation::draw_recipe({&choice, 1}, options.label, random);
+        ENGRAM_ASSIGN_OR_RETURN(example.after.emplace_back(),
+                                augmentation::augmented(before, origins.type_of(entity), recipe,
+                                                        options.members, origin->labels));
       }
     }
     return examples;
@@ -56,4 +57,4 @@ Result<std::vector<ChangeExample>> change_examples(const std::filesystem::path& 
                    store.string(), options.query.to_string());
 }
 
-}  // namespace engram::augmentation
+}  // namespace engram::training
