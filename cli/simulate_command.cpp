@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command.h"
 #include "cli/progress_line.h"
+#include "cli/simulate_kitchen.h"
 #include "datasets/scene.h"
 
 namespace engram::cli {
@@ -47,6 +48,7 @@ void add_simulate_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   scene->add_option("--seed", options.seed, "Same seed, same bytes")->capture_default_str();
   scene->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  add_kitchen_command(*simulate, exit_code);
 }
 
 }  // namespace engram::cli

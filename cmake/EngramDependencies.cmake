@@ -43,3 +43,16 @@ if(ENGRAM_LEARNING)
       "    apt-get install libopenblas0-pthread")
   endif()
 endif()
+
+if(ENGRAM_KITCHEN)
+  # Debian's mujocoConfig.cmake names a folder that Debian does not have.
+  find_library(ENGRAM_MUJOCO mujoco)
+  find_path(ENGRAM_MUJOCO_HEADERS mujoco/mujoco.h)
+  pkg_check_modules(egl QUIET IMPORTED_TARGET egl)
+  if(NOT ENGRAM_MUJOCO OR NOT ENGRAM_MUJOCO_HEADERS OR NOT egl_FOUND)
+    message(WARNING
+      "The simulated kitchen is left out: MuJoCo or EGL is missing. Install them:\n"
+      "    apt-get install libmujoco-dev libegl-dev")
+    set(ENGRAM_KITCHEN OFF)
+  endif()
+endif()

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/simulate_kitchen.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <sstream>
+
+#include "cli/child_process.h"
+#include "cli/consolidate_jobs.h"
+#include "cli/interrupt.h"
+#include "cli/progress_line.h"
+#include "cli/shared_progress.h"
+#include "cli/text.h"
+#include "datasets/kitchen/kitchen.h"
+#include "ltm/recording/recording_config.h"
+
+namespace engram::cli {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  engram simulate kitchen kitchen.engram --seed 3
+  engram simulate kitchen kitchen.engram --fast --seconds 20
+  engram simulate kitchen --folder episodes --seed 1..5 --jobs 2
+  engram query kitchen.engram 'Skills/Actions @ all'
+
+A humanoid brings objects from a counter to a table and back (docs/kitchen.md). Seeds are recorded
+into one store, one after the other, or each into a store kitchen-SEED.engram of a folder, by several
+processes. Unless --start says otherwise seed 1 begins at 2026-01-01 08:00 and each one an hour later.
+Equal options give equal snapshots. Everything is kept without loss unless --config or --preset says
+otherwise (docs/recording.md).)";
+
+struct KitchenArguments {
+  datasets::KitchenOptions options;
+  std::string store;
+  std::string folder;
+  std::string seeds = "1";
+  std::string start;
+  std::string config;
+  std::string preset = "recorder";
+  std::string progress = "text";
+  int jobs = 1;
+  bool is_fast = false;
+};
+
+/// "3", "1..5", or several of these with commas between them.
+Result<std::vector<uint64_t>> read_seeds(const std::string& text) {
+  constexpr unsigned long long kMost = 1'000'000;
+  std::vector<uint64_t> seeds;
+  std::stringstream parts(text + ",");
+  for (std::string part; std::getline(parts, part, ',');) {
+    unsigned long long first = 0;
+    unsigned long long last = 0;
+    int used = 0;
+    if (std::sscanf(part.c_str(), "%llu%n", &first, &used) != 1) used = -1;
+    last = first;
+    if (used >= 0 && static_cast<size_t>(used) < part.size() &&
+        std::sscanf(part.c_str(), "%llu..%llu%n", &first, &last, &used) != 2)
+      used = -1;
+    if (used < 0 || static_cast<size_t>(used) != part.size() || first > last || last > kMost ||
+        first < 1)
+      return invalid_argument("--seed '{}': needs numbers from 1 to {}, as in 3, 1..5 or 1,4", text,
+                              kMost);
+    for (unsigned long long seed = first; seed <= last; ++seed) seeds.push_back(seed);
+  }
+  return seeds;
+}
+
+Result<ltm::Recorder::Options> recorder_options(const KitchenArguments& arguments) {
+  if (!arguments.config.empty()) return ltm::read_recording_config(arguments.config);
+  ENGRAM_ASSIGN_OR_RETURN(const std::string_view yaml, ltm::recording_preset(arguments.preset));
+  return ltm::parse_recording_config(yaml, "preset " + arguments.preset);
+}
+
+std::string store_of(const KitchenArguments& arguments, uint64_t seed) {
+  if (arguments.folder.empty()) return arguments.store;
+  return (std::filesystem::path(arguments.folder) / fmt::format("kitchen-{}.engram", seed))
+      .string();
+}
+
+Result<datasets::KitchenSummary> record(const KitchenArguments& arguments,
+                                        const datasets::KitchenOptions& options,
+                                        const ProgressSink& progress) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Recorder::Options recording, recorder_options(arguments));
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Recorder recorder,
+                          ltm::Recorder::open(store_of(arguments, options.seed), recording));
+  for (const auto& [segment, type] : datasets::kitchen_types())
+    ENGRAM_RETURN_IF_ERROR(recorder.declare(segment, type));
+  const std::stop_token stop = interrupt_token();
+  const auto sink = [&](const ltm::Commit& commit) -> Status {
+    if (stop.stop_requested())
+      return cancelled("kitchen: stopped; what was recorded is in the store");
+    return recorder.commit(commit);
+  };
+  ENGRAM_ASSIGN_OR_RETURN(const datasets::KitchenSummary summary,
+                          datasets::simulate_kitchen(options, sink, progress));
+  ENGRAM_RETURN_IF_ERROR(recorder.close());
+  return summary;
+}
+
+void print_summary(const std::string& store, const datasets::KitchenOptions& options,
+                   const datasets::KitchenSummary& summary) {
+  print(
+      fmt::format("{}: seed {}, {} stereo images in {:g} s, {}/s plain; actions: {} succeeded, {} "
+                  "failed, {} stopped",
+                  store, options.seed, summary.images, options.seconds,
+                  bytes_text(static_cast<double>(summary.raw_bytes) / options.seconds),
+                  summary.succeeded, summary.failed, summary.stopped));
+  std::fflush(stdout);
+}
+
+ProgressForm form_of(const KitchenArguments& arguments) {
+  return arguments.progress == "json"   ? ProgressForm::kJson
+         : arguments.progress == "none" ? ProgressForm::kNone
+                                        : ProgressForm::kText;
+}
+
+/// All seeds in this process.
+ExitCode run_here(const KitchenArguments& arguments, const std::vector<uint64_t>& seeds) {
+  for (const uint64_t seed : seeds) {
+    datasets::KitchenOptions options = arguments.options;
+    options.seed = seed;
+    if (arguments.start.empty()) options.start += std::chrono::hours(seed - 1);
+    ProgressLine progress(form_of(arguments));
+    const auto summary = record(arguments, options, progress.sink());
+    progress.finish();
+    if (!summary.ok()) return fail(summary.status());
+    print_summary(store_of(arguments, seed), options, *summary);
+  }
+  return ExitCode::kDone;
+}
+
+/// Every process has every so-manieth seed.
+ExitCode run_children_for(const KitchenArguments& arguments, const std::vector<uint64_t>& seeds,
+                          const std::vector<std::string>& same) {
+  const size_t count = std::min(seeds.size(), static_cast<size_t>(arguments.jobs));
+  ProgressLine line(form_of(arguments));
+  SharedProgress progress(count, line);
+  std::vector<ChildProcess> children;
+  for (size_t i = 0; i < count; ++i) {
+    std::string own;
+    for (size_t k = i; k < seeds.size(); k += count)
+      own += (own.empty() ? "" : ",") + std::to_string(seeds[k]);
+    std::vector<std::string> all{"/proc/self/exe", "simulate", "kitchen"};
+    all.insert(all.end(), same.begin(), same.end());
+    for (const std::string& more :
+         {"--seed=" + own, std::string("--jobs=1"), std::string("--progress=json")})
+      all.push_back(more);
+    children.push_back({all, [&progress, &arguments, i](const std::string& text) {
+                          progress.tell(i, text, arguments.progress == "json");
+                        }});
+  }
+  const Status run = run_children(children, interrupt_token());
+  line.finish();
+  if (!run.ok()) return fail(run);
+  bool are_done = true;
+  for (const ChildProcess& child : children) {
+    fmt::print("{}", child.output);
+    are_done = are_done && child.exit_code == 0;
+  }
+  return are_done ? ExitCode::kDone : ExitCode::kFailed;
+}
+
+ExitCode run(KitchenArguments arguments, const std::vector<std::string>& same) {
+  const auto seeds = read_seeds(arguments.seeds);
+  if (!seeds.ok()) return wrong_usage(seeds.status());
+  if (arguments.store.empty() == arguments.folder.empty())
+    return wrong_usage(invalid_argument("needs a STORE or --folder, and not both"));
+  if (arguments.jobs > 1 && arguments.folder.empty())
+    return wrong_usage(
+        invalid_argument("--jobs {}: one process records into a store at a time; "
+                         "needs --folder",
+                         arguments.jobs));
+  if (arguments.is_fast) {
+    const auto fast = datasets::KitchenOptions::fast();
+    arguments.options.width = fast.width;
+    arguments.options.height = fast.height;
+    arguments.options.is_fine = fast.is_fine;
+  }
+  if (!arguments.start.empty()) {
+    const auto start = parse_time(arguments.start);
+    if (!start.ok()) return wrong_usage(start.status());
+    arguments.options.start = *start;
+  }
+  if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
+  if (const auto recording = recorder_options(arguments); !recording.ok())
+    return wrong_usage(recording.status());
+  if (!arguments.folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(arguments.folder, error);
+    if (error) return fail(unavailable("--folder '{}': {}", arguments.folder, error.message()));
+  }
+  watch_for_interrupts();
+  if (arguments.jobs > 1 && seeds->size() > 1) return run_children_for(arguments, *seeds, same);
+  return run_here(arguments, *seeds);
+}
+
+}  // namespace
+
+void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
+  const auto arguments = std::make_shared<KitchenArguments>();
+  CLI::App* kitchen =
+      simulate.add_subcommand("kitchen", "Record a humanoid that picks and places in a kitchen");
+  kitchen->footer(kFooter);
+  datasets::KitchenOptions& options = arguments->options;
+  kitchen->add_option("store", arguments->store, "Store to record into, made if missing");
+  kitchen->add_option("--folder", arguments->folder, "Folder for a store of each seed");
+  kitchen->add_option("--seed", arguments->seeds, "Same seed, same recording: 3, 1..5, 1,4")
+      ->capture_default_str();
+  kitchen->add_option("--seconds", options.seconds, "Length of each")->capture_default_str();
+  kitchen->add_option("--start", arguments->start, "Time of the first snapshot")
+      ->check(time_text());
+  kitchen->add_option("--width", options.width, "Pixels")->capture_default_str();
+  kitchen->add_option("--height", options.height, "Pixels")->capture_default_str();
+  kitchen->add_flag("--fast", arguments->is_fast,
+                    "128 x 128 pixels without smooth edges and shadows, for tests");
+  kitchen->add_flag("--depth", options.records_depth, "Depth of the left camera too");
+  kitchen->add_option("--jobs", arguments->jobs, "Processes, with --folder")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  auto* preset = kitchen->add_option("--preset", arguments->preset, "recorder, balanced or small")
+                     ->capture_default_str();
+  kitchen->add_option("--config", arguments->config, "Recording configuration, YAML")
+      ->check(CLI::ExistingFile)
+      ->excludes(preset);
+  kitchen->add_option("--progress", arguments->progress, "text, json (a line each) or none")
+      ->check(CLI::IsMember({"text", "json", "none"}))
+      ->capture_default_str();
+  kitchen->callback([arguments, kitchen, &exit_code] {
+    exit_code = run(*arguments, arguments_of(*kitchen, {"--seed", "--jobs", "--progress"}));
+  });
+}
+
+}  // namespace engram::cli

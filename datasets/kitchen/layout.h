@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: what differs between recordings before anything moves.
+
+#include <cstdint>
+#include <vector>
+
+#include "datasets/kitchen/things.h"
+
+namespace engram::datasets::kitchen {
+
+/// One object of a recording.
+struct Thing {
+  const ThingClass* type = nullptr;  ///< Of all_thing_classes().
+  Surface surface = Surface::kCounter;
+  int slot = 0;
+  double forward_m = 0;  ///< From the middle of the slot, away from who stands before it.
+  double turn_rad = 0;   ///< From the direction away from who stands before it, to the left.
+};
+
+struct Lighting {
+  double lamp = 0.6;      ///< 0.4 (evening) to 0.8.
+  double daylight = 0.5;  ///< 0.2 (dull) to 0.6.
+  double warmth = 0.5;    ///< 0 white to 1 warm.
+  double lamp_x_m = 0;    ///< Frame: world.
+  double lamp_y_m = 0;
+};
+
+/// Objects where they stand at the start, the light, and colours of the furniture.
+struct Layout {
+  uint64_t seed = 1;
+  std::vector<Thing> things;  ///< 7 to 9.
+  Lighting light;
+  double wood_tone = 0;   ///< -1 (dark) to 1 (light).
+  int cupboard_tone = 0;  ///< 0 to 2.
+};
+
+[[nodiscard]] Layout make_layout(uint64_t seed);
+
+}  // namespace engram::datasets::kitchen

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/kitchen/model_text.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace engram::datasets::kitchen {
+
+void ModelText::add_material(const std::string& name, cv::Mat pixels, bool is_cube, double repeat_x,
+                             double repeat_y, const std::string& attributes) {
+  assets += fmt::format(
+      R"(<texture name="{0}" type="{1}" builtin="flat" width="{2}" height="{3}"/>
+<material name="{0}" texture="{0}" texrepeat="{4} {5}" {6}/>
+)",
+      name, is_cube ? "cube" : "2d", pixels.cols, pixels.rows, repeat_x, repeat_y, attributes);
+  textures.push_back({name, is_cube, std::move(pixels)});
+}
+
+std::string document_of(const ModelText& text, const DrawingSize& size, const Layout& layout) {
+  const Lighting& light = layout.light;
+  const double ambient = 0.26 + 0.12 * light.daylight;
+  // Both images of the stereo pair are drawn side by side.
+  return fmt::format(
+      R"(<mujoco model="kitchen">
+<compiler angle="radian" autolimits="true" inertiafromgeom="true"/>
+<option timestep="0.002" cone="elliptic" impratio="3"/>
+<size nconmax="600" njmax="3000"/>
+<statistic extent="1" center="0 0.5 0.8"/>
+<visual>
+  <global offwidth="{}" offheight="{}"/>
+  <quality shadowsize="{}" offsamples="{}"/>
+  <map znear="0.03" zfar="12" shadowscale="0.9"/>
+  <headlight ambient="{} {} {}" diffuse="0.14 0.14 0.14" specular="0 0 0"/>
+</visual>
+<default>
+  <geom contype="0" conaffinity="0" density="400"/>
+  <default class="solid"><geom contype="1" conaffinity="1" group="3"/></default>
+</default>
+<asset>
+{}</asset>
+<worldbody>
+{}</worldbody>
+<equality>
+{}</equality>
+</mujoco>
+)",
+      2 * size.width, size.height, size.shadow_map > 0 ? size.shadow_map : 64, size.samples,
+      ambient, ambient, ambient * (1.0 - 0.12 * light.warmth), text.assets, text.bodies,
+      text.constraints);
+}
+
+}  // namespace engram::datasets::kitchen

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: what is recorded of a world.
+
+#include <optional>
+#include <string>
+
+#include "datasets/kitchen/kitchen.h"
+#include "datasets/kitchen/kitchen_types.h"
+#include "datasets/kitchen/renderer.h"
+#include "datasets/kitchen/script.h"
+
+namespace engram::datasets::kitchen {
+
+/// Turns what a world is like into snapshots and hands over those of one time together.
+///
+/// Threading: one thread. World, renderer and sink outlive it.
+class Reporter {
+ public:
+  Reporter(const KitchenOptions& options, const DrawingSize& size, const World& world,
+           Renderer& renderer, CommitSink sink);
+
+  /// Joints and platform at 1 / kPeriod.
+  static constexpr int kRate_hz = 100;
+  static constexpr int kImageEvery = 5;     ///< 20 Hz.
+  static constexpr int kObjectsEvery = 20;  ///< 5 Hz.
+
+  /// Of a sample: 0 is the start.
+  [[nodiscard]] Time time_of(uint64_t sample) const;
+
+  /// What is known before anything moves. At time_of(0).
+  void report_prior(const Layout& layout);
+
+  /// Words, plans and actions at the time of the sample that is recorded next; they give back
+  /// their IDs, for links. Actions have object poses of their time beside them.
+  ltm::MemoryId report_speech(uint64_t sample, const std::string& speaker, const std::string& text);
+  ltm::MemoryId report_plan(uint64_t sample, const ::kitchen::Plan& plan);
+  ltm::MemoryId report_action(uint64_t sample, const ::kitchen::Action& action);
+
+  /// Joints, platform, and where they are due images and objects; commits them with what was
+  /// reported since the last call. The world is refreshed.
+  Status record(uint64_t sample);
+
+  [[nodiscard]] uint64_t raw_bytes() const { return raw_bytes_; }
+
+ private:
+  void add(ltm::MemoryId entity, uint64_t sample, std::vector<idf::Data> values,
+           std::string_view provider);
+  void add_images(uint64_t sample);
+  void add_objects(uint64_t sample);
+  void add_robot(uint64_t sample);
+
+  KitchenOptions options_;
+  DrawingSize size_;
+  const World& world_;
+  Renderer& renderer_;
+  CommitSink sink_;
+  ltm::Commit pending_;
+  bool objects_are_due_ = false;
+  uint64_t raw_bytes_ = 0;
+};
+
+}  // namespace engram::datasets::kitchen

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/kitchen/stance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace engram::datasets::kitchen {
+
+namespace {
+
+constexpr double kDistance_m = 0.62;  ///< From the platform's middle to what it reaches for.
+constexpr double kBack_m = 0.12;
+constexpr double kAside_m = 0.025;
+constexpr double kCarryAhead_m = 0.40;
+constexpr double kCarryAside_m = 0.20;
+constexpr double kCarryLeast_z_m = 1.02;
+constexpr double kUpright = 0.95;  ///< Of the z axis.
+
+}  // namespace
+
+Eigen::Vector3d standing_at(const Eigen::Vector3d& point, Surface surface, double left_m) {
+  const SurfacePlace& place = place_of(surface);
+  Eigen::Vector3d at = point - kDistance_m * ahead(place) - left_m * leftward(place);
+  at.z() = place.heading_rad;
+  return at;
+}
+
+Pose before(const Pose& at, Side side) {
+  // The palm looks along y times -sign.
+  return at * Eigen::Translation3d(-kBack_m, sign_of(side) * kAside_m, 0);
+}
+
+Pose carrying_pose(const RobotVector& robot, Side side, const Pose& pose_world_hand) {
+  const Eigen::AngleAxisd turn(robot[2], Eigen::Vector3d::UnitZ());
+  Pose pose = pose_world_hand;
+  pose.translation() =
+      turn * Eigen::Vector3d(kCarryAhead_m, sign_of(side) * kCarryAside_m, 0) +
+      Eigen::Vector3d(robot[0], robot[1], std::max(pose.translation().z() + 0.04, kCarryLeast_z_m));
+  return pose;
+}
+
+Pose standing_thing(const Eigen::Vector3d& foot, const ThingClass& type,
+                    const Pose& pose_thing_hand, double heading_rad) {
+  const Eigen::Vector3d along = pose_thing_hand.linear().col(0);
+  Pose pose = Pose::Identity();
+  pose.linear() =
+      Eigen::AngleAxisd(heading_rad - std::atan2(along.y(), along.x()), Eigen::Vector3d::UnitZ())
+          .toRotationMatrix();
+  pose.translation() = foot + Eigen::Vector3d(0, 0, 0.5 * type.size_m.z() + 0.003);
+  return pose;
+}
+
+bool is_upright(const Pose& pose) {
+  return pose.linear()(2, 2) > kUpright;
+}
+
+}  // namespace engram::datasets::kitchen

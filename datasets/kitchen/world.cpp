@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/kitchen/world.h"
+
+#include <algorithm>
+#include <cstring>
+#include <opencv2/core.hpp>
+
+namespace engram::datasets::kitchen {
+
+namespace {
+
+// How stiffly joints follow. Unit: 1/s^2 and 1/s; critically damped.
+constexpr double kStiffness = 1600;
+constexpr double kDamping = 80;
+
+Eigen::Vector3d vector(const mjtNum* from) {
+  return {from[0], from[1], from[2]};
+}
+
+Pose pose(const mjtNum* position, const mjtNum* rotation) {
+  Pose result = Pose::Identity();
+  result.translation() = vector(position);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      result.linear()(row, column) = rotation[3 * row + column];
+  return result;
+}
+
+}  // namespace
+
+Pose pose_of(const mjData& data, int body) {
+  return pose(data.xpos + 3 * body, data.xmat + 9 * body);
+}
+
+namespace {
+
+/// MuJoCo's files in memory; large, so it lives on the heap.
+struct Files {
+  Files() : vfs(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs.get()); }
+  ~Files() { mj_deleteVFS(vfs.get()); }
+  std::unique_ptr<mjVFS> vfs;
+};
+
+Result<Model> compile(const std::string& document) {
+  constexpr const char* kName = "kitchen.xml";
+  const Files files;
+  const int at = mj_makeEmptyFileVFS(files.vfs.get(), kName, static_cast<int>(document.size()));
+  if (at < 0) return unavailable("kitchen: MuJoCo takes no model of {} bytes", document.size());
+  std::memcpy(files.vfs->filedata[at], document.data(), document.size());
+  std::array<char, 1000> error{};
+  Model model(mj_loadXML(kName, files.vfs.get(), error.data(), static_cast<int>(error.size())));
+  if (model == nullptr) return unavailable("kitchen: MuJoCo refuses the model: {}", error.data());
+  return model;
+}
+
+/// MuJoCo compiled plain pictures of the same sizes.
+void fill_textures(const std::vector<Texture>& textures, mjModel& model) {
+  for (const Texture& texture : textures) {
+    const int id = mj_name2id(&model, mjOBJ_TEXTURE, texture.name.c_str());
+    ENGRAM_CHECK(id >= 0, "no texture '{}'", texture.name);
+    const cv::Mat& pixels = texture.pixels;
+    ENGRAM_CHECK(model.tex_width[id] == pixels.cols && model.tex_height[id] == pixels.rows &&
+                     pixels.isContinuous(),
+                 "texture '{}': {} x {}", texture.name, model.tex_width[id], model.tex_height[id]);
+    std::memcpy(model.tex_rgb + model.tex_adr[id], pixels.data, pixels.total() * 3);
+  }
+}
+
+}  // namespace
+
+Result<World> World::create(const Layout& layout, const DrawingSize& size) {
+  World world;
+  world.layout_ = layout;
+  ModelText text;
+  try {
+    add_room(layout, text);
+    add_robot(text);
+    add_things(layout, text);
+  } catch (const cv::Exception& error) {
+    return resource_exhausted("kitchen: cannot paint: {}", error.what());
+  }
+  ENGRAM_ASSIGN_OR_RETURN(world.model_, compile(document_of(text, size, layout)));
+  mjModel* model = world.model_.get();
+  fill_textures(text.textures, *model);
+  world.data_.reset(mj_makeData(model));
+  if (world.data_ == nullptr) return resource_exhausted("kitchen: no memory for its state");
+  for (int i = 0; i < kRobotJoints; ++i) {
+    const std::string& name = joint_names().at(static_cast<size_t>(i));
+    const int joint = mj_name2id(model, mjOBJ_JOINT, name.c_str());
+    ENGRAM_CHECK(joint >= 0, "the model has no joint '{}'", name);
+    world.dofs_.at(static_cast<size_t>(i)) = model->jnt_dofadr[joint];
+    // The robot comes first in the model: each of its joints has one coordinate.
+    ENGRAM_CHECK(model->jnt_dofadr[joint] == model->jnt_qposadr[joint], "joint '{}'", name);
+  }
+  for (const Thing& thing : layout.things)
+    world.bodies_.push_back(mj_name2id(model, mjOBJ_BODY, std::string(thing.type->name).c_str()));
+  world.torques_.resize(static_cast<size_t>(model->nv));
+  world.accelerations_.resize(static_cast<size_t>(model->nv));
+  world.place_robot(resting_pose());
+  return world;
+}
+
+void World::set_robot(const RobotVector& robot, mjData& state) const {
+  for (int i = 0; i < kRobotJoints; ++i) state.qpos[dof(i)] = robot[i];
+}
+
+void World::place_robot(const RobotVector& robot) {
+  set_robot(robot, *data_);
+  for (const int dof : dofs_) data_->qvel[dof] = 0;
+  mj_forward(model_.get(), data_.get());
+}
+
+void World::refresh() {
+  mj_kinematics(model_.get(), data_.get());
+  mj_comPos(model_.get(), data_.get());
+  mj_camlight(model_.get(), data_.get());
+}
+
+std::pair<double, double> World::range(int joint) const {
+  const int id = model_->dof_jntid[dof(joint)];
+  if (model_->jnt_limited[id] == 0) return {-1e3, 1e3};
+  return {model_->jnt_range[2 * id], model_->jnt_range[2 * id + 1]};
+}
+
+void World::step(const Motion& wanted) {
+  const mjModel* model = model_.get();
+  mjData* data = data_.get();
+  mj_step1(model, data);
+  std::fill(accelerations_.begin(), accelerations_.end(), 0);
+  for (int i = 0; i < kRobotJoints; ++i) {
+    const int dof = dofs_[static_cast<size_t>(i)];
+    accelerations_[static_cast<size_t>(dof)] = wanted.acceleration[i] +
+                                               kDamping * (wanted.velocity[i] - data->qvel[dof]) +
+                                               kStiffness * (wanted.position[i] - data->qpos[dof]);
+  }
+  mj_mulM(model, data, torques_.data(), accelerations_.data());
+  for (const int dof : dofs_)
+    data->qfrc_applied[dof] =
+        torques_[static_cast<size_t>(dof)] + data->qfrc_bias[dof] - data->qfrc_passive[dof];
+  mj_step2(model, data);
+}
+
+RobotVector World::positions() const {
+  RobotVector result;
+  for (int i = 0; i < kRobotJoints; ++i) result[i] = data_->qpos[dofs_[static_cast<size_t>(i)]];
+  return result;
+}
+
+RobotVector World::velocities() const {
+  RobotVector result;
+  for (int i = 0; i < kRobotJoints; ++i) result[i] = data_->qvel[dofs_[static_cast<size_t>(i)]];
+  return result;
+}
+
+Pose World::body_pose(const std::string& name) const {
+  const int body = mj_name2id(model_.get(), mjOBJ_BODY, name.c_str());
+  ENGRAM_CHECK(body >= 0, "the model has no body '{}'", name);
+  return pose_of(*data_, body);
+}
+
+Pose World::thing_pose(size_t thing) const {
+  return pose_of(*data_, bodies_.at(thing));
+}
+
+Pose World::hand_pose(Side side) const {
+  return body_pose(std::string(to_string(side)) + "_hand");
+}
+
+Pose World::camera_pose(Side side) const {
+  const int camera = mj_name2id(model_.get(), mjOBJ_CAMERA, std::string(to_string(side)).c_str());
+  ENGRAM_CHECK(camera >= 0, "the model has no camera '{}'", to_string(side));
+  // MuJoCo's cameras have y up and look backwards.
+  Pose result = pose(data_->cam_xpos + 3 * camera, data_->cam_xmat + 9 * camera);
+  result.linear() = result.linear() * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  return result;
+}
+
+int World::weld(Side side, size_t thing) const {
+  const std::string name =
+      std::string(to_string(side)) + ":" + std::string(layout_.things.at(thing).type->name);
+  const int id = mj_name2id(model_.get(), mjOBJ_EQUALITY, name.c_str());
+  ENGRAM_CHECK(id >= 0, "the model has no link '{}'", name);
+  return id;
+}
+
+void World::hold(Side side, size_t thing) {
+  const Pose pose_hand_thing = hand_pose(side).inverse() * thing_pose(thing);
+  const Eigen::Quaterniond turn(pose_hand_thing.linear());
+  const int id = weld(side, thing);
+  mjtNum* numbers = model_->eq_data + mjNEQDATA * id;
+  std::fill(numbers, numbers + 3, 0);  // The thing's own middle.
+  for (int i = 0; i < 3; ++i) numbers[3 + i] = pose_hand_thing.translation()[i];
+  numbers[6] = turn.w();
+  numbers[7] = turn.x();
+  numbers[8] = turn.y();
+  numbers[9] = turn.z();
+  model_->eq_active[id] = 1;
+  held_[index(side)] = thing;
+}
+
+void World::release(Side side) {
+  std::optional<size_t>& thing = held_[index(side)];
+  if (!thing) return;
+  model_->eq_active[weld(side, *thing)] = 0;
+  thing.reset();
+}
+
+bool World::is_in_sight(size_t thing) const {
+  const Pose eye = camera_pose(Side::kLeft);
+  const Eigen::Vector3d to = thing_pose(thing).translation() - eye.translation();
+  const double distance = to.norm();
+  // Nothing of the robot collides; only what does is asked (group 3).
+  constexpr std::array<mjtByte, mjNGROUP> kSolid{0, 0, 0, 1, 0, 0};
+  int geom = -1;
+  const double hit = mj_ray(model_.get(), data_.get(), eye.translation().data(), to.data(),
+                            kSolid.data(), 1, -1, &geom);
+  return geom >= 0 && hit <= 1 && distance > 0 && model_->geom_bodyid[geom] == bodies_.at(thing);
+}
+
+}  // namespace engram::datasets::kitchen

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: the kitchen that moves.
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/kitchen/layout.h"
+#include "datasets/kitchen/model_text.h"
+#include "datasets/kitchen/robot.h"
+#include "ltm/core/status.h"
+
+namespace engram::datasets::kitchen {
+
+struct ModelDeleter {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+};
+struct DataDeleter {
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+using Model = std::unique_ptr<mjModel, ModelDeleter>;
+using State = std::unique_ptr<mjData, DataDeleter>;
+
+/// What the robot's joints are to do. Unit: rad and m, per second, per second squared.
+struct Motion {
+  RobotVector position = RobotVector::Zero();
+  RobotVector velocity = RobotVector::Zero();
+  RobotVector acceleration = RobotVector::Zero();
+};
+
+/// Poses of parts take their coordinates to world.
+using Pose = Eigen::Isometry3d;
+
+[[nodiscard]] Pose pose_of(const mjData& data, int body);
+
+/// Physics of the room, the robot and the things of one layout.
+///
+/// The robot follows a motion by computed torques; nothing of it collides. Things fall, rest on
+/// furniture and each other, and are held by a rigid link to a hand.
+/// Threading: one thread.
+class World {
+ public:
+  /// Errors: kUnavailable with MuJoCo's words where it refuses the model.
+  static Result<World> create(const Layout& layout, const DrawingSize& size);
+
+  /// Puts the robot there at once, at rest.
+  void place_robot(const RobotVector& pose);
+
+  /// Goes on by one time step, kStep_s.
+  void step(const Motion& wanted);
+  static constexpr double kStep_s = 0.002;
+
+  /// Poses of parts are those of now from then on; step() leaves them behind.
+  void refresh();
+
+  [[nodiscard]] RobotVector positions() const;
+  [[nodiscard]] RobotVector velocities() const;
+
+  [[nodiscard]] Pose body_pose(const std::string& name) const;
+  [[nodiscard]] Pose thing_pose(size_t thing) const;
+  [[nodiscard]] Pose hand_pose(Side side) const;
+  /// x right, y down, z forward.
+  [[nodiscard]] Pose camera_pose(Side side) const;
+
+  /// Fixes a thing to a hand as they are now.
+  void hold(Side side, size_t thing);
+  void release(Side side);
+  [[nodiscard]] std::optional<size_t> held(Side side) const { return held_[index(side)]; }
+
+  /// Whether nothing but the robot's arms stands between the left camera and the middle of a thing.
+  [[nodiscard]] bool is_in_sight(size_t thing) const;
+
+  /// Place of a joint of a RobotVector in MuJoCo's vectors, and how far it goes (the platform: as
+  /// far as it likes).
+  [[nodiscard]] int dof(int joint) const { return dofs_.at(static_cast<size_t>(joint)); }
+  [[nodiscard]] std::pair<double, double> range(int joint) const;
+  /// Writes the robot's coordinates into a state of the same model.
+  void set_robot(const RobotVector& pose, mjData& state) const;
+
+  [[nodiscard]] const mjModel& model() const { return *model_; }
+  [[nodiscard]] mjData& data() const { return *data_; }
+  [[nodiscard]] const Layout& layout() const { return layout_; }
+
+ private:
+  World() = default;
+
+  static size_t index(Side side) { return side == Side::kLeft ? 0 : 1; }
+  [[nodiscard]] int weld(Side side, size_t thing) const;
+
+  Layout layout_;
+  Model model_;
+  State data_;
+  std::array<int, kRobotJoints> dofs_{};       ///< Of RobotVector, in qvel; also in qpos.
+  std::vector<int> bodies_;                    ///< Of the things.
+  std::array<std::optional<size_t>, 2> held_;  ///< By side.
+  std::vector<mjtNum> torques_;
+  std::vector<mjtNum> accelerations_;
+};
+
+}  // namespace engram::datasets::kitchen
