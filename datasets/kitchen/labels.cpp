@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -58,6 +60,31 @@ void paint_band(cv::Mat& face, const ThingClass& type) {
   write(face, type.label, 0.48, 0.74, scalar(type.colour) * 0.75);
 }
 
+/// Bends a face of a cube so that it looks straight around a cylinder, which OpenGL projects the
+/// cube onto from its axis.
+void wrap(cv::Mat& face) {
+  const double half = 0.5 * (face.cols - 1);
+  cv::Mat from_x(face.size(), CV_32FC1);
+  cv::Mat from_y(face.size(), CV_32FC1);
+  for (int y = 0; y < face.rows; ++y)
+    for (int x = 0; x < face.cols; ++x) {
+      const double across = (x - half) / half;
+      from_x.at<float>(y, x) =
+          static_cast<float>(half + half * std::atan(across) * 4 / std::numbers::pi);
+      from_y.at<float>(y, x) =
+          static_cast<float>(half + (y - half) / std::sqrt(1 + across * across));
+    }
+  cv::Mat wrapped;
+  cv::remap(face, wrapped, from_x, from_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  wrapped.copyTo(face);
+}
+
+void turn(cv::Mat& face, cv::RotateFlags how) {
+  cv::Mat turned;
+  cv::rotate(face, turned, how);
+  turned.copyTo(face);
+}
+
 }  // namespace
 
 cv::Mat paint_thing(const ThingClass& type, int side, uint64_t seed) {
@@ -85,6 +112,11 @@ cv::Mat paint_thing(const ThingClass& type, int side, uint64_t seed) {
       cv::circle(face, {side / 2, side / 2}, side * 2 / 5, cv::Scalar(150, 152, 156), side / 40,
                  cv::LINE_AA);
     }
+    if (type.shape != Shape::kBox && !is_end) wrap(face);
+    // OpenGL looks at the faces of a cube with another way up.
+    if (i == 0) turn(face, cv::ROTATE_90_COUNTERCLOCKWISE);
+    if (i == 1) turn(face, cv::ROTATE_90_CLOCKWISE);
+    if (i == 2) turn(face, cv::ROTATE_180);
   }
   return faces;
 }

@@ -90,7 +90,7 @@ std::string arm(const std::string& side, double left) {
 std::string head() {
   std::string text = fmt::format(
       R"(<body name="neck" pos="0 0 0.52">
-<joint name="neck_yaw" axis="0 0 1" range="-1.5 1.5" armature="0.05"/>
+<joint name="neck_yaw" axis="0 0 1" range="-1.1 1.1" armature="0.05"/>
 <geom type="cylinder" fromto="0 0 -0.04 0 0 0.07" size="0.042" {0}/>
 <body name="head" pos="0 0 {1}">
 <joint name="neck_pitch" axis="0 1 0" range="-0.6 1.3" armature="0.05"/>

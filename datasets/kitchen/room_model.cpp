@@ -45,7 +45,7 @@ void add_materials(const Layout& layout, ModelText& text) {
                     R"(specular="0.15" shininess="0.3")");
   text.add_material("tiles", paint_wall_tiles(512, seed + 1), false, 6, 1,
                     R"(specular="0.4" shininess="0.6")");
-  text.add_material("plaster", paint_plaster(256, cv::Scalar(226, 214, 192), seed + 2), false, 4, 3,
+  text.add_material("plaster", paint_plaster(256, cv::Scalar(208, 194, 168), seed + 2), false, 4, 3,
                     R"(specular="0" shininess="0")");
   text.add_material("table_wood", paint_wood(512, 6, layout.wood_tone, seed + 3), false, 1, 1,
                     R"(specular="0.25" shininess="0.4")");
@@ -55,14 +55,14 @@ void add_materials(const Layout& layout, ModelText& text) {
                     R"(specular="0.35" shininess="0.6")");
   text.add_material("door", paint_door(256, door, seed + 6), false, 1, 1, R"(specular="0.2")");
   text.add_material("garden", paint_garden(512, seed + 7), false, 1, 1,
-                    R"(emission="0.55" specular="0")");
+                    R"(emission="0.38" specular="0")");
   text.add_material("stove", paint_stove(256), false, 1, 1, R"(specular="0.7" shininess="0.9")");
   text.add_material("cloth", paint_cloth(256, seed + 8), false, 2, 4, R"(specular="0")");
   text.add_material("steel", paint_brushed_steel(256, seed + 9), false, 1, 1,
                     R"(specular="0.6" shininess="0.7")");
   text.assets +=
       R"(<material name="dark_steel" rgba="0.32 0.33 0.35 1" specular="0.6" shininess="0.7"/>
-<material name="frame" rgba="0.93 0.92 0.89 1" specular="0.2"/>
+<material name="frame" rgba="0.80 0.79 0.75 1" specular="0.2"/>
 <material name="oven" rgba="0.09 0.09 0.1 1" specular="0.8" shininess="0.8"/>
 <material name="kick" rgba="0.16 0.15 0.15 1" specular="0"/>
 )";

@@ -73,14 +73,14 @@ cv::Mat paint_wood(int side, int boards, double tone, uint64_t seed) {
 
 cv::Mat paint_floor_tiles(int side, uint64_t seed) {
   Random random(seed);
-  cv::Mat image(side, side, CV_8UC3, rgb(150, 142, 130));
+  cv::Mat image(side, side, CV_8UC3, rgb(112, 104, 95));
   constexpr int kTiles = 4;
   const int joint = std::max(1, side / 128);
   for (int i = 0; i < kTiles; ++i)
     for (int j = 0; j < kTiles; ++j) {
       const bool is_dark = (i + j) % 2 == 1;
       const cv::Scalar colour =
-          lighter(is_dark ? rgb(158, 128, 102) : rgb(206, 190, 166), random.between(-7, 7));
+          lighter(is_dark ? rgb(136, 108, 86) : rgb(184, 168, 146), random.between(-7, 7));
       cv::rectangle(image, {side * j / kTiles + joint, side * i / kTiles + joint},
                     {side * (j + 1) / kTiles - joint, side * (i + 1) / kTiles - joint}, colour,
                     cv::FILLED);
@@ -99,7 +99,7 @@ cv::Mat paint_wall_tiles(int side, uint64_t seed) {
   for (int i = 0; i < kRows; ++i)
     for (int j = -1; j <= kColumns; ++j) {
       const int left = j * width + (i % 2) * width / 2;
-      const cv::Scalar colour = lighter(rgb(222, 232, 226), random.between(-9, 5));
+      const cv::Scalar colour = lighter(rgb(208, 222, 216), random.between(-9, 5));
       const cv::Point first{left + joint, side * i / kRows + joint};
       const cv::Point last{left + width - joint, side * (i + 1) / kRows - joint};
       cv::rectangle(image, first, last, colour, cv::FILLED);
