@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "ltm/core/status.h"
+#include "ltm/core/time.h"
+
+namespace engram::augmentation {
+
+/// A child process that reads lines and answers with lines. Ends it when it goes.
+///
+/// Threading: one thread.
+class LineProcess {
+ public:
+  LineProcess() = default;
+  LineProcess(const LineProcess&) = delete;
+  LineProcess& operator=(const LineProcess&) = delete;
+  ~LineProcess();
+
+  /// `arguments`: the program first, looked for on the path.
+  /// Errors: kNotFound where there is no such program; kUnavailable.
+  Status start(const std::vector<std::string>& arguments);
+
+  /// Errors: kUnavailable with its last words where it has ended.
+  Status write_line(const std::string& line);
+
+  /// The next line of its stdout or stderr, without its end.
+  /// Errors: kUnavailable with its last words where it has ended, or says nothing for so long.
+  Result<std::string> read_line(Duration patience);
+
+ private:
+  [[nodiscard]] std::string last_words() const;
+
+  std::string program_;
+  pid_t pid_ = -1;
+  int in_ = -1;  ///< A socket: writing to a dead process raises no signal.
+  int out_ = -1;
+  std::string buffer_;
+  std::deque<std::string> said_;  ///< The last lines.
+};
+
+}  // namespace engram::augmentation
