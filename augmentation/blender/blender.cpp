@@ -56,7 +56,8 @@ json to_json(const SceneLamp& lamp) {
           {"pose", lamp.pose},
           {"strength", lamp.strength},
           {"size", lamp.size},
-          {"colour", lamp.colour}};
+          {"colour", lamp.colour},
+          {"casts_shadow", lamp.casts_shadow}};
 }
 
 Result<std::filesystem::path> make_folder() {

@@ -20,8 +20,10 @@ class Blender {
   struct Options {
     /// Empty: what ENGRAM_BLENDER names, else "blender" on the path.
     std::string program;
-    int samples = 64;     ///< Most per pixel. 1 to 4096.
-    double noise = 0.02;  ///< Where a pixel varies less it gets no more samples.
+    int samples = 64;  ///< Most per pixel. 1 to 4096.
+    /// Where a pixel varies less it gets no more samples, which is quicker; but a change then shows
+    /// in the noise around it. 0: all pixels get all.
+    double noise = 0;
     int threads = 2;
     Duration patience = std::chrono::minutes(5);  ///< With one scene.
   };

@@ -131,31 +131,35 @@ def picture_places(mesh, shape):
                                        shape["repeat"][1] * (0.5 + 0.5 * point[1]))
 
 
-def material_of(shape, textures):
+def material_of(shape, textures, ambient):
     material = bpy.data.materials.new("part")
     material.use_nodes = True
+    material.cycles.sample_as_light = False
     nodes, links = material.node_tree.nodes, material.node_tree.links
     surface = nodes["Principled BSDF"]
     surface.inputs["Roughness"].default_value = shape["roughness"]
     surface.inputs["Specular"].default_value = 0.5 * (1 - shape["roughness"])
     colour = [linear(c) for c in shape["colour"]] + [1.0]
     surface.inputs["Base Color"].default_value = colour
-    surface.inputs["Emission"].default_value = colour
-    surface.inputs["Emission Strength"].default_value = shape["emission"]
+    # Light from everywhere, which nothing shades, is light of its own that only the camera sees.
+    own = [c * (linear(a) + shape["emission"]) for c, a in zip(colour, ambient)] + [1.0]
+    surface.inputs["Emission"].default_value = own
+    path = nodes.new("ShaderNodeLightPath")
+    links.new(path.outputs["Is Camera Ray"], surface.inputs["Emission Strength"])
     if shape["texture"] >= 0:
         picture = nodes.new("ShaderNodeTexImage")
         picture.image = bpy.data.images.load(textures[shape["texture"]], check_existing=True)
-        tint = nodes.new("ShaderNodeMixRGB")
-        tint.blend_type = "MULTIPLY"
-        tint.inputs["Fac"].default_value = 1.0
-        tint.inputs["Color2"].default_value = colour
-        links.new(picture.outputs["Color"], tint.inputs["Color1"])
-        links.new(tint.outputs["Color"], surface.inputs["Base Color"])
-        links.new(tint.outputs["Color"], surface.inputs["Emission"])
+        for socket, factor in (("Base Color", colour), ("Emission", own)):
+            tint = nodes.new("ShaderNodeMixRGB")
+            tint.blend_type = "MULTIPLY"
+            tint.inputs["Fac"].default_value = 1.0
+            tint.inputs["Color2"].default_value = factor
+            links.new(picture.outputs["Color"], tint.inputs["Color1"])
+            links.new(tint.outputs["Color"], surface.inputs[socket])
     return material
 
 
-def add_shape(scene, shape, textures):
+def add_shape(scene, shape, textures, ambient):
     make = box_mesh if shape["kind"] == "box" else lambda half: round_mesh(shape["kind"], half)
     corners, faces = make(shape["half"])
     mesh = bpy.data.meshes.new("part")
@@ -168,7 +172,7 @@ def add_shape(scene, shape, textures):
             polygon.use_smooth = True
     if shape["texture"] >= 0:
         picture_places(mesh, shape)
-    mesh.materials.append(material_of(shape, textures))
+    mesh.materials.append(material_of(shape, textures, ambient))
     part = bpy.data.objects.new("part", mesh)
     part.matrix_world = matrix(shape["pose"])
     scene.collection.objects.link(part)
@@ -183,6 +187,7 @@ def add_lamp(scene, lamp):
         light.angle = lamp["size"]
     else:
         light.shadow_soft_size = lamp["size"]
+    light.cycles.cast_shadow = lamp["casts_shadow"]
     part = bpy.data.objects.new("lamp", light)
     part.matrix_world = matrix(lamp["pose"])
     scene.collection.objects.link(part)
@@ -220,16 +225,16 @@ def render(job):
     scene.render.threads_mode = "FIXED"
     scene.render.threads = job["threads"]
     scene.cycles.samples = job["samples"]
-    scene.cycles.use_adaptive_sampling = True
+    scene.cycles.use_adaptive_sampling = job["noise"] > 0
     scene.cycles.adaptive_threshold = job["noise"]
     scene.cycles.adaptive_min_samples = min(16, job["samples"])
     world = bpy.data.worlds.new("world")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = \
-        [linear(c) for c in job["ambient"]] + [1.0]
+        [0.0, 0.0, 0.0, 1.0]
     scene.world = world
     for shape in job["shapes"]:
-        add_shape(scene, shape, job["textures"])
+        add_shape(scene, shape, job["textures"], job["ambient"])
     for lamp in job["lamps"]:
         add_lamp(scene, lamp)
     set_camera(scene, job["camera"])

@@ -63,6 +63,7 @@ struct SceneLamp {
   double strength = 100;
   double size = 0.3;  ///< Radius in m, or angle in rad of a sun: larger ones have softer shadows.
   std::array<double, 3> colour{1, 1, 1};
+  bool casts_shadow = true;
 };
 
 /// What is to be seen at one moment, by one camera.
@@ -70,7 +71,8 @@ struct Scene {
   SceneCamera camera;
   std::vector<SceneShape> shapes;
   std::vector<SceneLamp> lamps;
-  std::array<double, 3> ambient{0.3, 0.3, 0.3};  ///< Light from everywhere.
+  /// sRGB of a white surface in the light from everywhere, which nothing shades.
+  std::array<double, 3> ambient{0.3, 0.3, 0.3};
   /// Shape: uint8 [height, width, 3], RGB.
   std::vector<idf::NdArray> textures;
 

@@ -101,7 +101,8 @@ TEST_F(BlenderTest, ChangesTheRecolouredThingAlone) {
     if (before[at] == after[at] && before[at + 1] == after[at + 1]) continue;
     ++changed;
     // The can is 0.23 m from corner to corner, 2.4 m away.
-    EXPECT_THAT(std::hypot(i % 160 - middle[0], i / 160 - middle[1]), Lt(12)) << i;
+    EXPECT_THAT(std::hypot(i % 160 - middle[0], i / 160 - middle[1]), Lt(12))
+        << i % 160 << ", " << i / 160 << ": " << int(before[at]) << " to " << int(after[at]);
   }
   EXPECT_GT(changed, 60);
 }
