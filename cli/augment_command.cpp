@@ -48,24 +48,33 @@ struct AugmentArguments {
   bool is_json = false;
 };
 
-/// Rows of changes; the first column is as it was recorded.
+/// The first 8-bit image of each value.
+Result<std::vector<idf::NdArray>> images_of(const std::vector<idf::Data>& values) {
+  std::vector<idf::NdArray> images;
+  for (const idf::Data& value : values) {
+    const idf::NdArray* image = first_image(value);
+    if (image == nullptr)
+      return invalid_argument("--picture: found no image of 8 bits to show, needs one");
+    images.push_back(*image);
+  }
+  return images;
+}
+
+/// A row for what was recorded, then one for each change.
 Status write_examples(const AugmentArguments& arguments, const training::AugmentOptions& options) {
   constexpr size_t kEach = 4;
   ENGRAM_ASSIGN_OR_RETURN(const auto examples,
                           training::change_examples(arguments.store, options, kEach));
   std::vector<PictureRow> rows;
   for (const training::ChangeExample& example : examples) {
-    PictureRow& row = rows.emplace_back(PictureRow{example.change, {}});
-    std::vector<const idf::Data*> values{&example.before};
-    for (const idf::Data& value : example.after) values.push_back(&value);
-    for (const idf::Data* value : values) {
-      const idf::NdArray* image = first_image(*value);
-      if (image == nullptr)
-        return invalid_argument("--picture: found no image of 8 bits to show, needs one");
-      row.images.push_back(*image);
-    }
+    ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(example.after));
+    rows.push_back({example.change, std::move(images)});
   }
-  return write_contact_sheet(arguments.picture, rows, {"recorded", "1", "2", "3", "4"});
+  // As many images as the others have: the first row says how many columns there are.
+  const std::vector<idf::Data> before(kEach, examples.front().before);
+  ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(before));
+  rows.insert(rows.begin(), {"recorded", std::move(images)});
+  return write_contact_sheet(arguments.picture, rows, {});
 }
 
 Result<training::AugmentOptions> options_of(const AugmentArguments& arguments) {

@@ -118,10 +118,14 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
   else if (data.size() < source.times.size())
     report.notes.push_back(fmt::format("{} of {} snapshots fit into memory, in evenly spaced runs",
                                        data.size(), source.times.size()));
-  if (source.augmented)
+  if (source.augmented) {
+    const size_t used = data.augmented ? data.augmented->size() : 0;
+    size_t others = source.augmented->left_out;
+    for (const auto& run : source.augmented->origins) others += run.size();
     report.notes.push_back(fmt::format(
-        "{} augmented values were trained on, too; {} were made of what is not trained on",
-        data.augmented ? data.augmented->size() : 0, source.augmented->left_out));
+        "{} augmented values were trained on, too; {} were made of what is not trained on", used,
+        others - used));
+  }
   if (make_windows(data.sequences, 1).held_out.empty())
     report.notes.push_back("no recording is long enough to test predictions: they copy the last");
 }

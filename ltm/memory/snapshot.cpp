@@ -44,7 +44,9 @@ Result<InstanceMetadata> InstanceMetadata::from_data(const idf::Data& data) {
   metadata.confidence = static_cast<float>(confidence);
   if (fields.has("origin")) {
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data* origin, fields.data("origin"));
-    ENGRAM_ASSIGN_OR_RETURN(metadata.origin, MemoryId::from_data(*origin));
+    auto id = MemoryId::from_data(*origin);
+    if (!id.ok()) return id.status().with_context("metadata: origin");
+    metadata.origin = *std::move(id);
   }
   if (fields.has("recipe")) {
     ENGRAM_ASSIGN_OR_RETURN(metadata.recipe, fields.text("recipe"));

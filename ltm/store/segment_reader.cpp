@@ -65,8 +65,9 @@ struct SegmentReader::State {
   Result<bool> has_augmented(const std::string& base) {
     const auto known = augmented.find(base);
     if (known != augmented.end()) return known->second;
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, source.file().exists(base + "/recipe"));
-    return augmented.emplace(base, is_there).first->second;
+    ENGRAM_ASSIGN_OR_RETURN(const bool has_recipes, source.file().exists(base + "/recipe"));
+    ENGRAM_ASSIGN_OR_RETURN(const bool has_origins, source.file().exists(base + "/origin"));
+    return augmented.emplace(base, has_recipes || has_origins).first->second;
   }
 
   /// Of a text per row; empty behind the last one.
