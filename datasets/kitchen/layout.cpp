@@ -41,8 +41,8 @@ Layout make_layout(uint64_t seed) {
                              .forward_m = random.between(-kForward_m, kForward_m),
                              .turn_rad = random.between(-kTurn_rad, kTurn_rad)});
   }
-  layout.light = {.lamp = random.between(0.35, 0.62),
-                  .daylight = random.between(0.15, 0.42),
+  layout.light = {.lamp = random.between(0.50, 0.68),
+                  .daylight = random.between(0.2, 0.45),
                   .warmth = random.between(0, 1),
                   .lamp_x_m = random.between(-0.9, 0.3),
                   .lamp_y_m = random.between(0.2, 0.8)};

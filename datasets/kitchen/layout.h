@@ -20,8 +20,8 @@ struct Thing {
 };
 
 struct Lighting {
-  double lamp = 0.5;      ///< 0.35 (evening) to 0.62.
-  double daylight = 0.3;  ///< 0.15 (dull) to 0.42.
+  double lamp = 0.6;      ///< 0.5 to 0.68.
+  double daylight = 0.3;  ///< 0.2 (dull) to 0.45.
   double warmth = 0.5;    ///< 0 white to 1 warm.
   double lamp_x_m = 0;    ///< Frame: world.
   double lamp_y_m = 0;

@@ -19,7 +19,7 @@ void ModelText::add_material(const std::string& name, cv::Mat pixels, bool is_cu
 
 std::string document_of(const ModelText& text, const DrawingSize& size, const Layout& layout) {
   const Lighting& light = layout.light;
-  const double ambient = 0.24 + 0.10 * light.daylight;
+  const double ambient = 0.33 + 0.20 * light.daylight;
   // Both images of the stereo pair are drawn side by side.
   return fmt::format(
       R"(<mujoco model="kitchen">
@@ -30,8 +30,8 @@ std::string document_of(const ModelText& text, const DrawingSize& size, const La
 <visual>
   <global offwidth="{}" offheight="{}"/>
   <quality shadowsize="{}" offsamples="{}"/>
-  <map znear="0.03" zfar="12" shadowscale="0.9"/>
-  <headlight ambient="{} {} {}" diffuse="0.10 0.10 0.10" specular="0 0 0"/>
+  <map znear="0.03" zfar="12" shadowscale="0.85"/>
+  <headlight ambient="{} {} {}" diffuse="0.14 0.14 0.14" specular="0 0 0"/>
 </visual>
 <default>
   <geom contype="0" conaffinity="0" density="400"/>

@@ -71,6 +71,8 @@ void add_materials(const Layout& layout, ModelText& text) {
 void add_walls(ModelText& text) {
   text.bodies += R"(<geom type="plane" size="3.4 2.8 0.1" material="floor"/>
 )";
+  text.bodies += R"(<geom type="box" pos="0 -0.3 2.63" size="3.2 2.4 0.03" rgba="0.84 0.82 0.78 1"/>
+)";
   constexpr const char* kPlaster = R"(material="plaster")";
   add_box(text, 0, kWall_y + 0.05, 1.3, 3.2, 1.3, 0.05, kPlaster, kFacesRobot);
   add_box(text, -2.95, -0.3, 1.3, 2.3, 1.3, 0.05, kPlaster, kFacesRight);
@@ -200,7 +202,7 @@ void add_table(ModelText& text) {
 void add_lights(const Lighting& light, ModelText& text) {
   const double warm = light.warmth;
   text.bodies += fmt::format(
-      R"(<light name="lamp" pos="{} {} 2.75" dir="0 0.12 -1" castshadow="true" cutoff="80" exponent="0.6"
+      R"(<light name="lamp" pos="{} {} 2.5" dir="0 0.12 -1" castshadow="true" cutoff="72" exponent="0.4"
  diffuse="{} {} {}" specular="0.35 0.33 0.3" ambient="0 0 0"/>
 <light name="window" directional="true" castshadow="false" pos="0 3 2" dir="0.15 -0.7 -0.7"
  diffuse="{} {} {}" specular="0.2 0.2 0.2" ambient="0 0 0"/>
