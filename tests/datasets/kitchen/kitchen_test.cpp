@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/kitchen/kitchen.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "datasets/kitchen/kitchen_types.h"
+#include "ltm/memory/links.h"
+#include "ltm/recording/recorder.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::datasets {
+namespace {
+
+using ::kitchen::Outcome;
+
+KitchenOptions tiny(uint64_t seed, double seconds) {
+  KitchenOptions options = KitchenOptions::fast();
+  options.seed = seed;
+  options.seconds = seconds;
+  options.width = options.height = 32;
+  return options;
+}
+
+std::vector<ltm::Commit> recorded(const KitchenOptions& options) {
+  std::vector<ltm::Commit> commits;
+  const auto summary = simulate_kitchen(options,
+                                        [&](const ltm::Commit& commit) {
+                                          commits.push_back(commit);
+                                          return Status();
+                                        },
+                                        {});
+  EXPECT_OK(summary);
+  return commits;
+}
+
+TEST(Kitchen, GivesEqualCommitsForEqualSeeds) {
+  KitchenOptions options = KitchenOptions::fast();
+  options.seconds = 4;
+  options.records_depth = true;
+  const std::vector<ltm::Commit> first = recorded(options);
+  EXPECT_TRUE(first == recorded(options));
+  ++options.seed;
+  EXPECT_FALSE(first == recorded(options));
+}
+
+TEST(Kitchen, RecordsAtTheRatesThatItPromises) {
+  const std::vector<ltm::Commit> commits = recorded(tiny(5, 3));
+  EXPECT_EQ(commits.size(), 300u);
+  std::map<std::string, int> snapshots;
+  for (const ltm::Commit& commit : commits) {
+    EXPECT_OK(commit.check());
+    for (const ltm::EntityUpdate& update : commit.updates) {
+      ++snapshots[update.entity.to_string()];
+      EXPECT_EQ(update.instances.size(), update.entity.names()[1] == "RGB" ? 2u : 1u);
+    }
+  }
+  EXPECT_EQ(snapshots["RobotState/Proprioception/robot/joints"], 300);
+  EXPECT_EQ(snapshots["RobotState/Localization/robot/platform"], 300);
+  EXPECT_EQ(snapshots["Vision/RGB/head/stereo"], 60);
+  int objects = 0;
+  for (const auto& [name, count] : snapshots)
+    if (name.starts_with("Objects/Instances/")) {
+      ++objects;
+      EXPECT_GE(count, 15) << name;
+    }
+  EXPECT_GE(objects, 7);
+}
+
+TEST(Kitchen, MakesAboutAsManyBytesAsARobotDoes) {
+  KitchenOptions options;
+  options.seconds = 1;
+  options.is_fine = false;
+  const auto summary = simulate_kitchen(options, [](const ltm::Commit&) { return Status(); }, {});
+  ASSERT_OK(summary);
+  EXPECT_NEAR(static_cast<double>(summary->raw_bytes), 35.665e6, 0.2 * 35.665e6);
+}
+
+/// A recording with a failed grasp and an action that is stopped, in a store too.
+class KitchenEpisode : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = new ScratchDirectory();
+    auto recorder = ltm::Recorder::open(scratch_->path() / "kitchen.engram", {});
+    ASSERT_OK(recorder);
+    for (const auto& [segment, type] : kitchen_types()) ASSERT_OK(recorder->declare(segment, type));
+    const auto summary = simulate_kitchen(
+        tiny(1, 38),
+        [&](const ltm::Commit& commit) {
+          for (const ltm::EntityUpdate& update : commit.updates)
+            for (size_t i = 0; i < update.instances.size(); ++i)
+              values_[update.id().instance(static_cast<int32_t>(i))] = update.instances[i].data;
+          return recorder->commit(commit);
+        },
+        {});
+    ASSERT_OK(summary);
+    summary_ = *summary;
+    for (const auto& [entity, counters] : recorder->counters()) {
+      EXPECT_EQ(counters.reinterpreted, 0u) << entity.to_string();
+      EXPECT_EQ(counters.kept, counters.offered) << entity.to_string();
+    }
+    ASSERT_OK(recorder->close());
+  }
+  static void TearDownTestSuite() {
+    delete scratch_;
+    values_.clear();
+  }
+
+  template <typename T>
+  static T value(const ltm::MemoryId& id) {
+    const auto found = values_.find(id);
+    EXPECT_TRUE(found != values_.end()) << id.to_string();
+    return found == values_.end() ? T() : T::from_idf(found->second).value();
+  }
+
+  static std::vector<::kitchen::Action> ended_actions() {
+    std::vector<::kitchen::Action> actions;
+    for (const auto& [id, data] : values_)
+      if (id.names()[0] == "Skills") {
+        actions.push_back(::kitchen::Action::from_idf(data).value());
+        if (actions.back().outcome == Outcome::RUNNING) actions.pop_back();
+      }
+    return actions;
+  }
+
+  static inline ScratchDirectory* scratch_ = nullptr;
+  static inline KitchenSummary summary_;
+  static inline std::map<ltm::MemoryId, idf::Data> values_;
+};
+
+TEST_F(KitchenEpisode, HasActionsThatSucceedFailAndAreStopped) {
+  EXPECT_GE(summary_.succeeded, 8);
+  EXPECT_GE(summary_.failed, 1);
+  EXPECT_GE(summary_.stopped, 1);
+  std::map<Outcome, int> outcomes;
+  for (const auto& action : ended_actions()) ++outcomes[action.outcome];
+  EXPECT_EQ(outcomes[Outcome::SUCCESS], summary_.succeeded);
+  EXPECT_EQ(outcomes[Outcome::FAILURE], summary_.failed);
+  EXPECT_EQ(outcomes[Outcome::STOP], summary_.stopped);
+}
+
+TEST_F(KitchenEpisode, OutcomesAreWhatThePhysicsDid) {
+  int picks = 0;
+  int places = 0;
+  for (const ::kitchen::Action& action : ended_actions()) {
+    ASSERT_TRUE(action.ended && action.object_before && action.object_after);
+    EXPECT_GT(*action.ended, action.started);
+    const auto before = value<::kitchen::ObjectInstance>(*action.object_before);
+    const auto after = value<::kitchen::ObjectInstance>(*action.object_after);
+    const auto moved = after.pose_world_object.position - before.pose_world_object.position;
+    const bool succeeded = action.outcome == Outcome::SUCCESS;
+    if (action.skill == "pick") {
+      EXPECT_EQ(succeeded, moved.z() > 0.08) << action.reason;
+      EXPECT_EQ(succeeded, after.held_by == action.hand) << action.reason;
+      EXPECT_TRUE(before.held_by.empty());
+      ++picks;
+    } else if (action.skill == "place") {
+      const auto surface = value<::kitchen::Surface>(
+          action.surface->at(time_from_ns(to_ns(KitchenOptions().start))).instance(0));
+      const auto on =
+          surface.pose_world_surface.isometry().inverse() * after.pose_world_object.position;
+      const bool stands = std::abs(on.x()) < 0.5 * surface.depth &&
+                          std::abs(on.y()) < 0.5 * surface.width && on.z() > 0 && on.z() < 0.2;
+      EXPECT_EQ(succeeded, stands) << action.reason;
+      EXPECT_TRUE(after.held_by.empty());
+      EXPECT_EQ(before.held_by, action.hand);
+      ++places;
+    }
+    if (action.outcome == Outcome::STOP) {
+      ASSERT_TRUE(action.stopped_by);
+      EXPECT_EQ(value<::kitchen::Speech>(*action.stopped_by).text, "Stop!");
+    }
+  }
+  EXPECT_GE(picks, 3);
+  EXPECT_GE(places, 2);
+}
+
+TEST_F(KitchenEpisode, LinksLeadToWhatWasRecorded) {
+  size_t checked = 0;
+  for (const auto& [id, data] : values_)
+    for (const ltm::Link& link : ltm::find_links(data)) {
+      EXPECT_TRUE(values_.contains(link.id)) << id.to_string() << " -> " << link.id.to_string();
+      ++checked;
+    }
+  EXPECT_GT(checked, 4000u);
+}
+
+TEST(Kitchen, TellsWhatIsWrongWithItsOptions) {
+  KitchenOptions options = KitchenOptions::fast();
+  options.width = 127;
+  const CommitSink none = [](const ltm::Commit&) { return Status(); };
+  EXPECT_FAILS(simulate_kitchen(options, none, {}), StatusCode::kInvalidArgument, "127 x 128");
+  options = KitchenOptions::fast();
+  options.seconds = 0.5;
+  EXPECT_FAILS(simulate_kitchen(options, none, {}), StatusCode::kInvalidArgument, "0.5 seconds");
+}
+
+TEST(Kitchen, EndsWithTheErrorOfWhoTakesIt) {
+  int count = 0;
+  const CommitSink failing = [&](const ltm::Commit&) {
+    return ++count == 7 ? unavailable("the disk is gone") : Status();
+  };
+  EXPECT_FAILS(simulate_kitchen(tiny(1, 5), failing, {}), StatusCode::kUnavailable, "disk is gone");
+  EXPECT_EQ(count, 7);
+}
+
+}  // namespace
+}  // namespace engram::datasets
