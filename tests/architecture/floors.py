@@ -26,12 +26,16 @@ LIBRARIES = {
     "protobuf": ("google/protobuf/", "engram/v1/"),
     "OpenSSL": ("openssl/",),
     "pybind11": ("pybind11/",),
+    "MuJoCo": ("mujoco/",),
+    "EGL": ("EGL/",),
 }
 # These stay where they are, whoever may include the room.
 CONFINED = {
     "hdf5": {"ltm/h5"},
     "LibTorch": {"encoders", "training"},
     "CLI11": {"cli"},
+    "MuJoCo": {"datasets/kitchen", "datasets"},
+    "EGL": {"datasets/kitchen", "datasets"},
 }
 SYSTEM = re.compile(
     r"^([a-z0-9_]+|sys/.*|linux/.*|netinet/.*|arpa/.*"
