@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// `engram simulate kitchen`.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "tests/cli/program.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// By path, without the manifest, which names the store by chance.
+std::map<std::string, std::string> files_of(const std::filesystem::path& store) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(store)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "MANIFEST.json") continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    files[entry.path().lexically_relative(store)] = {std::istreambuf_iterator<char>(file), {}};
+  }
+  return files;
+}
+
+TEST(SimulateKitchen, RecordsSeedsInProcessesBesideEachOtherAndEqualSeedsEqually) {
+  const ScratchDirectory directory;
+  const std::string folder = directory / "episodes";
+  const RunResult both = run_engram({"simulate", "kitchen", "--folder", folder, "--seed", "1,2",
+                                     "--jobs", "2", "--fast", "--seconds", "2"});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_THAT(both.out, HasSubstr("kitchen-1.engram: seed 1, 40 stereo images in 2 s"));
+  EXPECT_THAT(both.out, HasSubstr("kitchen-2.engram: seed 2"));
+
+  const std::string alone = directory / "alone.engram";
+  ASSERT_EQ(run_engram({"simulate", "kitchen", alone, "--seed", "2", "--fast", "--seconds", "2"})
+                .exit_code,
+            0);
+  const auto files = files_of(alone);
+  EXPECT_GE(files.size(), 1u);
+  EXPECT_TRUE(files == files_of(folder + "/kitchen-2.engram"));
+  EXPECT_FALSE(files == files_of(folder + "/kitchen-1.engram"));
+
+  const RunResult checked = run_engram({"check", alone});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  const RunResult asked = run_engram({"query", alone, "Speech @ all", "--json"});
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+  EXPECT_THAT(asked.out, HasSubstr("2026-01-01 09:00:00.5"));
+}
+
+TEST(SimulateKitchen, SaysWhatIsWrong) {
+  const ScratchDirectory directory;
+  const std::string store = directory / "k.engram";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "needs a STORE or --folder"},
+      {{store, "--seed", "5..1"}, "--seed '5..1'"},
+      {{store, "--seed", "0"}, "--seed '0'"},
+      {{store, "--seed", "1x"}, "--seed '1x'"},
+      {{store, "--seed", "1..2", "--jobs", "2"}, "needs --folder"},
+      {{store, "--width", "33"}, "33 x 480"},
+      {{store, "--preset", "huge"}, "huge"}};
+  for (const auto& [more, message] : cases) {
+    std::vector<std::string> arguments{"simulate", "kitchen"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const RunResult result = run_engram(arguments);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_FALSE(std::filesystem::exists(store));
+  }
+}
+
+}  // namespace
+}  // namespace engram::cli
