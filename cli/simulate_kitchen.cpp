@@ -26,10 +26,10 @@ constexpr const char* kFooter = R"(Examples:
   engram query kitchen.engram 'Skills/Actions @ all'
 
 A humanoid brings objects from a counter to a table and back (docs/kitchen.md). Seeds are recorded
-into one store, one after the other, or each into a store kitchen-SEED.engram of a folder, by several
-processes. Unless --start says otherwise seed 1 begins at 2026-01-01 08:00 and each one an hour later.
-Equal options give equal snapshots. Everything is kept without loss unless --config or --preset says
-otherwise (docs/recording.md).)";
+into one store, one after the other, or each into a store kitchen-SEED.engram of a folder, by
+several processes. Unless --start says otherwise seed 1 begins at 2026-01-01 08:00 and each one an
+hour later. Equal options give equal snapshots. Everything is kept without loss unless --config or
+--preset says otherwise (docs/recording.md).)";
 
 struct KitchenArguments {
   datasets::KitchenOptions options;
@@ -131,7 +131,7 @@ ExitCode run_here(const KitchenArguments& arguments, const std::vector<uint64_t>
   return ExitCode::kDone;
 }
 
-/// Every process has every so-manieth seed.
+/// Seeds are dealt out to processes in turn.
 ExitCode run_children_for(const KitchenArguments& arguments, const std::vector<uint64_t>& seeds,
                           const std::vector<std::string>& same) {
   const size_t count = std::min(seeds.size(), static_cast<size_t>(arguments.jobs));

@@ -19,6 +19,11 @@ constexpr double kTask_s = 17;        ///< What one takes, about; none begins la
 constexpr double kLookAhead_s = 0.5;  ///< How long the neck takes to follow.
 constexpr double kSpeed_m_s = 0.45;   ///< Means, on the way.
 constexpr double kTurn_rad_s = 0.55;
+constexpr double kBeside_m = 0.19;  ///< From the middle of the robot to what a hand takes.
+constexpr double kLift_m = 0.14;
+constexpr double kLifted_m = 0.08;  ///< What counts as lifted.
+constexpr double kShort_m = 0.07;
+constexpr double kPlaced_m = 0.04;  ///< What counts as placed.
 
 constexpr int kStepsPerSample = static_cast<int>(1.0 / (Reporter::kRate_hz * World::kStep_s) + 0.5);
 
@@ -132,10 +137,10 @@ Status Episode::perform(const Task& task) {
   const ltm::MemoryId command = reporter_.report_speech(sample_, "Ada", task.words);
   plan(task, command);
   ENGRAM_RETURN_IF_ERROR(look(task));
-  ENGRAM_RETURN_IF_ERROR(navigate(task, task.from, 0.19));
+  ENGRAM_RETURN_IF_ERROR(navigate(task, task.from));
   ENGRAM_ASSIGN_OR_RETURN(bool has_it, pick(task, task.fault));
   if (!has_it && !is_over() && is_upright(world_.thing_pose(task.thing))) {
-    ENGRAM_RETURN_IF_ERROR(navigate(task, task.from, 0.19));
+    ENGRAM_RETURN_IF_ERROR(navigate(task, task.from));
     ENGRAM_ASSIGN_OR_RETURN(has_it, pick(task, std::nullopt));
   }
   if (!has_it) {
@@ -144,7 +149,7 @@ Status Episode::perform(const Task& task) {
     reporter_.report_speech(sample_, "robot", "I could not take it.");
     return rest_arm(task.hand, 1.2);
   }
-  ENGRAM_RETURN_IF_ERROR(navigate(task, task.to, 0.19));
+  ENGRAM_RETURN_IF_ERROR(navigate(task, task.to));
   ENGRAM_ASSIGN_OR_RETURN(const bool stands, place(task));
   if (stands)
     script_.done(task);
@@ -163,12 +168,12 @@ Status Episode::look(const Task& task) {
   return {};
 }
 
-Status Episode::navigate(const Task& task, Surface to, double side_m) {
+Status Episode::navigate(const Task& task, Surface to) {
   Running running = begin(task, "navigate", to);
   const bool carries = world_.held(task.hand).has_value();
   const Eigen::Vector3d point =
       carries ? slot_point(task.to, task.slot) : world_.thing_pose(task.thing).translation();
-  Eigen::Vector3d goal = standing_at(point, to, sign_of(task.hand) * side_m);
+  Eigen::Vector3d goal = standing_at(point, to, sign_of(task.hand) * kBeside_m);
   const RobotVector now = trajectory_.goal();
   goal[2] = now[2] + std::remainder(goal[2] - now[2], 2 * std::numbers::pi);
   const double way_m = (goal - now.head<3>()).head<2>().norm();
@@ -191,18 +196,10 @@ Result<bool> Episode::pick(const Task& task, std::optional<GraspFault> fault) {
   const ThingClass& type = *world_.layout().things[task.thing].type;
   const Grasp grasp = grasp_of(type, thing, side, place_of(task.from).heading_rad);
   Pose at = thing * grasp.pose_thing_hand;
-  if (fault == GraspFault::kShort) at = at * Eigen::Translation3d(-0.07, 0, 0);
+  if (fault == GraspFault::kShort) at = at * Eigen::Translation3d(-kShort_m, 0, 0);
   move_hand(side, before(at, side), 1.5);
   if (task.is_stopped && fault == task.fault && !has_stopped_) {
-    has_stopped_ = true;
-    ENGRAM_RETURN_IF_ERROR(wait(0.9));
-    const ltm::MemoryId words = reporter_.report_speech(sample_, "Ada", "Stop!");
-    trajectory_.stop(now_s());
-    ENGRAM_RETURN_IF_ERROR(wait(0.4));
-    end(running, Outcome::STOP, "told to stop", words);
-    ENGRAM_RETURN_IF_ERROR(wait(1.0));
-    reporter_.report_speech(sample_, "Ada", "All right, go on.");
-    ENGRAM_RETURN_IF_ERROR(wait(0.3));
+    ENGRAM_RETURN_IF_ERROR(stop_reach(running));
     return pick(task, fault);
   }
   ENGRAM_RETURN_IF_ERROR(wait(1.5));
@@ -218,7 +215,7 @@ Result<bool> Episode::pick(const Task& task, std::optional<GraspFault> fault) {
   const double away_m = (world_.hand_pose(side).translation() - wanted).norm();
   if (away_m < kHoldsWithin_m) world_.hold(side, task.thing);
   Pose up = at;
-  up.translation().z() += 0.14;
+  up.translation().z() += kLift_m;
   move_hand(side, up, 1.0);
   if (fault == GraspFault::kSlip) {
     ENGRAM_RETURN_IF_ERROR(wait(0.4));
@@ -226,7 +223,7 @@ Result<bool> Episode::pick(const Task& task, std::optional<GraspFault> fault) {
   }
   ENGRAM_RETURN_IF_ERROR(wait(1.0));
   const double lifted_m = world_.thing_pose(task.thing).translation().z() - thing.translation().z();
-  const bool has_it = world_.held(side) == task.thing && lifted_m > 0.08;
+  const bool has_it = world_.held(side) == task.thing && lifted_m > kLifted_m;
   end(running, has_it ? Outcome::SUCCESS : Outcome::FAILURE,
       away_m < kHoldsWithin_m
           ? fmt::format("lifted {:.3f} m", lifted_m)
@@ -237,10 +234,27 @@ Result<bool> Episode::pick(const Task& task, std::optional<GraspFault> fault) {
     ENGRAM_RETURN_IF_ERROR(wait(0.6));
     return true;
   }
-  move_joints(hand_joints(side), open_hand(), 0.5);
-  move_hand(side, before(up, side), 0.8);
-  ENGRAM_RETURN_IF_ERROR(wait(0.8));
+  ENGRAM_RETURN_IF_ERROR(open_and_draw_back(side));
   return false;
+}
+
+Status Episode::stop_reach(Running& running) {
+  has_stopped_ = true;
+  ENGRAM_RETURN_IF_ERROR(wait(0.9));
+  const ltm::MemoryId words = reporter_.report_speech(sample_, "Ada", "Stop!");
+  trajectory_.stop(now_s());
+  ENGRAM_RETURN_IF_ERROR(wait(0.4));
+  end(running, Outcome::STOP, "told to stop", words);
+  ENGRAM_RETURN_IF_ERROR(wait(1.0));
+  if (!is_over()) reporter_.report_speech(sample_, "Ada", "All right, go on.");
+  return wait(0.3);
+}
+
+Status Episode::open_and_draw_back(Side side) {
+  move_joints(hand_joints(side), open_hand(), 0.5);
+  ENGRAM_RETURN_IF_ERROR(wait(0.5));
+  move_hand(side, before(world_.hand_pose(side), side), 0.8);
+  return wait(0.8);
 }
 
 Result<bool> Episode::place(const Task& task) {
@@ -253,20 +267,17 @@ Result<bool> Episode::place(const Task& task) {
                                    place_of(task.to).heading_rad);
   const Pose at = goal * pose_thing_hand;
   Pose above = at;
-  above.translation().z() += 0.14;
+  above.translation().z() += kLift_m;
   move_hand(side, above, 1.4);
   ENGRAM_RETURN_IF_ERROR(wait(1.4));
   move_hand(side, at, 0.9);
   ENGRAM_RETURN_IF_ERROR(wait(1.0));
   if (is_over()) return false;
   world_.release(side);
-  move_joints(hand_joints(side), open_hand(), 0.5);
-  ENGRAM_RETURN_IF_ERROR(wait(0.5));
-  move_hand(side, before(world_.hand_pose(side), side), 0.8);
-  ENGRAM_RETURN_IF_ERROR(wait(0.8));
+  ENGRAM_RETURN_IF_ERROR(open_and_draw_back(side));
   const Pose now = world_.thing_pose(task.thing);
   const double away_m = (now.translation() - goal.translation()).norm();
-  const bool stands = is_upright(now) && away_m < 0.04;
+  const bool stands = is_upright(now) && away_m < kPlaced_m;
   end(running, stands ? Outcome::SUCCESS : Outcome::FAILURE,
       fmt::format("{} {:.3f} m from its place", is_upright(now) ? "stands" : "lies", away_m));
   ENGRAM_RETURN_IF_ERROR(rest_arm(side, 1.2));

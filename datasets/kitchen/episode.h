@@ -3,9 +3,8 @@
 
 // Private to this room: what the robot does in a recording.
 
-#include <functional>
+#include <optional>
 #include <string>
-#include <variant>
 
 #include "datasets/kitchen/reach.h"
 #include "datasets/kitchen/reporter.h"
@@ -42,16 +41,21 @@ class Episode {
     Eigen::Vector3d point{0, 0, 0};
   };
 
+  /// Lets the world move for so long, rounded up to whole images.
   Status wait(double seconds);
   [[nodiscard]] bool is_over() const { return sample_ >= samples_; }
   [[nodiscard]] double now_s() const;
+  /// Turns the neck after what the cameras follow.
   void follow();
 
   Status perform(const Task& task);
   Status look(const Task& task);
-  Status navigate(const Task& task, Surface to, double side_m);
+  Status navigate(const Task& task, Surface to);
   Result<bool> pick(const Task& task, std::optional<GraspFault> fault);
   Result<bool> place(const Task& task);
+  /// Somebody stops a reach that has begun, and lets it go on.
+  Status stop_reach(Running& running);
+  Status open_and_draw_back(Side side);
   Status rest_arm(Side side, double seconds);
 
   void move_joints(const std::vector<int>& joints, const std::vector<double>& to, double seconds);

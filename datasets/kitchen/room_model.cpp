@@ -202,8 +202,8 @@ void add_table(ModelText& text) {
 void add_lights(const Lighting& light, ModelText& text) {
   const double warm = light.warmth;
   text.bodies += fmt::format(
-      R"(<light name="lamp" pos="{} {} 2.5" dir="0 0.12 -1" castshadow="true" cutoff="72" exponent="0.4"
- diffuse="{} {} {}" specular="0.35 0.33 0.3" ambient="0 0 0"/>
+      R"(<light name="lamp" pos="{} {} 2.5" dir="0 0.12 -1" castshadow="true"
+ cutoff="72" exponent="0.4" diffuse="{} {} {}" specular="0.35 0.33 0.3" ambient="0 0 0"/>
 <light name="window" directional="true" castshadow="false" pos="0 3 2" dir="0.15 -0.7 -0.7"
  diffuse="{} {} {}" specular="0.2 0.2 0.2" ambient="0 0 0"/>
 )",

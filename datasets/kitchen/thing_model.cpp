@@ -63,7 +63,8 @@ void add_things(const Layout& layout, ModelText& text) {
     text.bodies += fmt::format(
         R"(<body name="{0}" pos="{1:.5f} {2:.5f} {3:.5f}" euler="0 0 {4:.5f}">
 <freejoint name="{0}"/>
-<geom class="solid" type="box" size="{5} {6} {7}" mass="{8}" friction="0.9 0.01 0.001" solref="0.008 1"/>
+<geom class="solid" type="box" size="{5} {6} {7}" mass="{8}"
+ friction="0.9 0.01 0.001" solref="0.008 1"/>
 {9}
 </body>
 )",
