@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "augmentation/augment.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/store_reader.h"
+#include "training/sequences.h"
 
 namespace engram::training {
 
@@ -34,6 +36,7 @@ class Collector {
   Collector(ltm::StoreReader& reader, const ltm::MemoryId& entity, const TrainingSource& source)
       : reader_(reader), entity_(entity), store_(reader.path().string()) {
     for (size_t i = 0; i < source.times.size(); ++i) origins_.emplace(source.times[i], i);
+    for (const Sequence& recording : cut_sequences(source.times)) starts_.insert(recording.first);
   }
 
   Status add(const ltm::SnapshotEntry& entry) {
@@ -73,7 +76,8 @@ class Collector {
                           metadata.recipe);
     Found found{entry, instance, origin->second, shared_part(metadata.recipe)};
     auto& runs = copies_[instance];
-    const bool goes_on = !runs.empty() && runs.back().back().origin + 1 == found.origin &&
+    const bool goes_on = !runs.empty() && !starts_.contains(found.origin) &&
+                         runs.back().back().origin + 1 == found.origin &&
                          !found.recipe.changes.empty() && runs.back().back().recipe == found.recipe;
     if (!goes_on) runs.emplace_back();
     runs.back().push_back(std::move(found));
@@ -83,6 +87,7 @@ class Collector {
   const ltm::MemoryId& entity_;
   std::string store_;
   std::map<Time, size_t> origins_;
+  std::set<size_t> starts_;                                   ///< Where recordings begin.
   std::map<size_t, std::vector<std::vector<Found>>> copies_;  ///< By index of the instance.
   size_t left_out_ = 0;
   std::string names_;  ///< Everything that makes these values what they are.

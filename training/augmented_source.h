@@ -13,7 +13,7 @@ namespace engram::training {
 
 /// The augmented instances of a store that were made of what `source` trains on: what was made of
 /// anything else, such as a recording that is left out of training, would tell what is measured.
-/// Runs end where the recipe changes, or where one is missing. `source` has its layout; values of
+/// Runs end where the recipe changes, where one is missing, and where a recording ends. `source` has its layout; values of
 /// another one are left out, too.
 /// Nothing where the store does not know the entity.
 /// Errors: kInvalidArgument where the store has real snapshots of it; kCancelled; those of the

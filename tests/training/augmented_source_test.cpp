@@ -72,6 +72,15 @@ TEST_F(AugmentedSource, LeavesOutWhatWasMadeOfOthersThanThoseTrainedOn) {
     for (const size_t origin : run) EXPECT_LT(origin, source.times.size());
 }
 
+TEST_F(AugmentedSource, EndsRunsWhereRecordingsEnd) {
+  TrainingSource source = engram::testing::scene_source(kCount);
+  source.times.erase(source.times.begin() + 13, source.times.begin() + 16);
+  const auto values = find(source);
+  ASSERT_OK(values);
+  for (const auto& run : values->origins)
+    EXPECT_EQ(run.front() < 13, run.back() < 13) << run.front() << " to " << run.back();
+}
+
 TEST_F(AugmentedSource, RefusesAStoreOfRealSnapshots) {
   EXPECT_FAILS(find_augmented(real_.path(), kEntity, engram::testing::scene_source(kCount), {}),
                StatusCode::kInvalidArgument, "is not augmented");
