@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "cli/child_process.h"
 #include "cli/consolidate_jobs.h"
@@ -116,14 +117,25 @@ ProgressForm form_of(const KitchenArguments& arguments) {
                                         : ProgressForm::kText;
 }
 
+/// Progress of one of several recordings as that of all.
+ProgressSink part_of(ProgressSink all, uint64_t part, uint64_t parts) {
+  if (!all) return all;
+  return [all = std::move(all), part, parts](Progress progress) {
+    progress.done += part * progress.total;
+    progress.total *= parts;
+    all(progress);
+  };
+}
+
 /// All seeds in this process.
 ExitCode run_here(const KitchenArguments& arguments, const std::vector<uint64_t>& seeds) {
-  for (const uint64_t seed : seeds) {
+  ProgressLine progress(form_of(arguments));
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    const uint64_t seed = seeds[i];
     datasets::KitchenOptions options = arguments.options;
     options.seed = seed;
     if (arguments.start.empty()) options.start += std::chrono::hours(seed - 1);
-    ProgressLine progress(form_of(arguments));
-    const auto summary = record(arguments, options, progress.sink());
+    const auto summary = record(arguments, options, part_of(progress.sink(), i, seeds.size()));
     progress.finish();
     if (!summary.ok()) return fail(summary.status());
     print_summary(store_of(arguments, seed), options, *summary);
