@@ -36,7 +36,11 @@ double with_encoding_margin(double seconds) {
 Status EntityJob::choose_bound() {
   const bool has_images = std::ranges::any_of(
       layout_.members(), [](const auto& member) { return member.kind == idf::MemberKind::kImage; });
-  if (!has_images) return {};
+  if (!has_images) {
+    // Of numbers there is one form.
+    representation_.kind = Representation::kLatents;
+    return {};
+  }
   if (representation_.bound_db == 0) {
     NoiseFloor floor;
     const size_t step = std::max<size_t>(1, entries_.size() / kNoisePairs);

@@ -300,6 +300,31 @@ TEST(Consolidate, KeepsTinyImagesWithinTheBoundOrLeavesThemRecorded) {
   }
 }
 
+TEST(Consolidate, TakesNumbersAloneWithEveryRepresentation) {
+  for (const Representation kind : {Representation::kAuto, Representation::kCorrected}) {
+    const ScratchPath store("numbers_alone");
+    {
+      auto recorder = ltm::Recorder::open(store.path(), {});
+      ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+      for (int i = 0; i < 60; ++i) {
+        const auto at = static_cast<float>(i);
+        const idf::Dict joints{
+            {"joints", idf::NdArray::take<float>({2}, {std::sin(0.1f * at), std::cos(0.1f * at)})}};
+        const Time time(std::chrono::milliseconds(200 * i));
+        ASSERT_TRUE(recorder->commit({{{id("Test/Joints/sim/arm"), time, {{joints, {}}}}}}).ok());
+      }
+      ASSERT_TRUE(recorder->close().ok());
+    }
+    auto chosen = quick_consolidation();
+    chosen.representation.kind = kind;
+    chosen.force = true;
+    const auto report = consolidate(store.path(), chosen, {}, {});
+    ASSERT_TRUE(report.ok()) << report.status().to_string();
+    EXPECT_EQ(report->entities[0].skipped_reason, "");
+    EXPECT_EQ(report->entities[0].snapshots, 60u);
+  }
+}
+
 TEST(Consolidate, SkipsSmallEntitiesAndTakesOnlyThoseAskedFor) {
   const ScratchPath store("filter");
   record(store.path(), "Test/Scene/sim/large", 0, 17);
