@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/kitchen/kitchen_scene.h"
 
-#include <datasets/kitchen/kitchen_types.h>
-
 #include <optional>
 
 #include "datasets/kitchen/entities.h"
+#include "datasets/kitchen/kitchen_types.h"
 #include "datasets/kitchen/world.h"
 
 namespace engram::datasets {

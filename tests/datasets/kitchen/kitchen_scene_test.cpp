@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/kitchen/kitchen_scene.h"
 
-#include <datasets/kitchen/kitchen_types.h>
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -11,6 +10,7 @@
 
 #include "augmentation/blender/blender.h"
 #include "datasets/kitchen/kitchen.h"
+#include "datasets/kitchen/kitchen_types.h"
 #include "ltm/typed/image.h"
 #include "tests/ltm/expect_status.h"
 
