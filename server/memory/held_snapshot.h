@@ -13,6 +13,14 @@ namespace engram::server {
 struct HeldSnapshot : ltm::Snapshot {
   /// The data of each instance in IDF's binary form; empty where it did not come so.
   std::vector<Buffer> encoded;
+
+  /// Of its data: as it came, else as values.
+  [[nodiscard]] size_t plain_bytes() const {
+    if (encoded.empty()) return raw_bytes();
+    size_t bytes = 0;
+    for (const Buffer& data : encoded) bytes += data.size();
+    return bytes;
+  }
 };
 
 /// A snapshot that is shared with whoever reads it, and never changes.

@@ -12,6 +12,7 @@
 
 #include "ltm/memory/links.h"
 #include "ltm/recall/select.h"
+#include "server/memory/history_moments.h"
 #include "server/memory/kept_entity.h"
 
 namespace engram::server {
@@ -23,53 +24,6 @@ namespace {
 
 /// Entities that are compared for one that leaves.
 constexpr size_t kCompared = 16;
-
-/// The times of an entity's snapshots in working memory, and whether an answer was asked for that
-/// those up to `elsewhere`, which are not all here, could change.
-class HistoryMoments final : public ltm::Moments {
- public:
-  HistoryMoments(const EntityHistory& history, std::optional<Time> elsewhere)
-      : history_(history), elsewhere_(elsewhere) {}
-
-  [[nodiscard]] bool reaches_elsewhere() const { return reaches_elsewhere_; }
-
-  [[nodiscard]] std::optional<Time> first() const override {
-    if (elsewhere_) reaches_elsewhere_ = true;
-    return time_of(0);
-  }
-  [[nodiscard]] std::optional<Time> last() const override {
-    return unless_earlier(time_of(history_.size() - 1));
-  }
-  Result<std::optional<Time>> at_or_after(Time time) override {
-    if (elsewhere_ && time <= *elsewhere_) reaches_elsewhere_ = true;
-    return time_of(history_.lower_bound(time));
-  }
-  Result<std::optional<Time>> at_or_before(Time time) override {
-    const size_t index = history_.lower_bound(time);
-    const bool is_it = index < history_.size() && history_[index].time == time;
-    return unless_earlier(time_of(is_it ? index : index - 1));
-  }
-  Result<std::optional<Time>> nth(uint64_t index) override {
-    if (elsewhere_) reaches_elsewhere_ = true;
-    return index < history_.size() ? time_of(static_cast<size_t>(index)) : std::nullopt;
-  }
-
- private:
-  /// Nothing before the first and behind the last.
-  [[nodiscard]] std::optional<Time> time_of(size_t index) const {
-    return index < history_.size() ? std::optional(history_[index].time) : std::nullopt;
-  }
-
-  /// A later one could lie elsewhere.
-  [[nodiscard]] std::optional<Time> unless_earlier(std::optional<Time> time) const {
-    if (elsewhere_ && (!time || *time < *elsewhere_)) reaches_elsewhere_ = true;
-    return time;
-  }
-
-  const EntityHistory& history_;
-  const std::optional<Time> elsewhere_;
-  mutable bool reaches_elsewhere_ = false;
-};
 
 /// A snapshot on its way in.
 struct Arrival {
@@ -111,23 +65,7 @@ Result<size_t> reinterpret(HeldSnapshot& held, const idf::Type* type,
   return lost;
 }
 
-size_t plain_bytes(const HeldSnapshot& held) {
-  if (held.encoded.empty()) return held.raw_bytes();
-  size_t bytes = 0;
-  for (const Buffer& data : held.encoded) bytes += data.size();
-  return bytes;
-}
-
 }  // namespace
-
-Status MemoryLimits::validate() const {
-  if (snapshots && *snapshots == 0)
-    return invalid_argument("limits: found 0 snapshots, needs more");
-  if (bytes && *bytes == 0) return invalid_argument("limits: found 0 bytes, needs more");
-  if (age && *age <= Duration(0))
-    return invalid_argument("limits: found an age of {}, needs more", to_string(*age));
-  return {};
-}
 
 Status WorkingMemory::Options::validate() const {
   ENGRAM_RETURN_IF_ERROR(all.validate());
@@ -381,7 +319,7 @@ Result<Admission> WorkingMemory::admit(ltm::Commit commit, std::vector<std::vect
       ENGRAM_ASSIGN_OR_RETURN(const size_t cast, reinterpret(held, type, state.types));
       reinterpreted += cast;
       for (ltm::Instance& instance : held.instances) instance.metadata.arrived = now;
-      const size_t bytes = plain_bytes(held) + kSnapshotOverhead;
+      const size_t bytes = held.plain_bytes() + kSnapshotOverhead;
       arrivals.push_back({std::make_shared<const HeldSnapshot>(std::move(held)), bytes, {}, false});
       find_links(arrivals.back(), type);
     }

@@ -50,14 +50,14 @@ class CallsOfNothing {
   grpc::GenericStub stub_{grpc::CreateCustomChannel("nowhere", nullptr, grpc::ChannelArguments())};
 };
 
+}  // namespace
+
 /// Lives as long as the process: gRPC joins its threads with the last channel, and one of them
 /// could be held then.
-CallsOfNothing& calls_of_nothing() {
+void PollingThreads::call(std::function<void()> back) {
   static CallsOfNothing* const calls = new CallsOfNothing;
-  return *calls;
+  calls->call(std::move(back));
 }
-
-}  // namespace
 
 struct PollingThreads::State : std::enable_shared_from_this<State> {
   mutable std::mutex mutex;
@@ -94,7 +94,7 @@ struct PollingThreads::State : std::enable_shared_from_this<State> {
     is_holding = true;
     is_asked = true;
     lock.unlock();
-    calls_of_nothing().call([self = shared_from_this()] { self->be_held(); });
+    call([self = shared_from_this()] { self->be_held(); });
     lock.lock();
   }
 
@@ -102,7 +102,7 @@ struct PollingThreads::State : std::enable_shared_from_this<State> {
   bool keeps_up(std::unique_lock<std::mutex>& lock, Duration time) {
     const uint64_t number = ++asked_at_last;
     lock.unlock();
-    calls_of_nothing().call([self = shared_from_this(), number] {
+    call([self = shared_from_this(), number] {
       const std::scoped_lock answering(self->mutex);
       self->answered = std::max(self->answered, number);
       self->changed.notify_all();
@@ -115,15 +115,31 @@ struct PollingThreads::State : std::enable_shared_from_this<State> {
     std::unique_lock lock(mutex);
     while (!is_ending) {
       if (is_holding && !is_asked && !keeps_up(lock, kKeepsUp)) let_all_work();
-      if (!is_holding && held == 0 && blocked == 0 && steady_now() >= all_until) hold_one(lock);
+      const bool all_work = !is_holding && !is_asked && held == 0 && blocked == 0;
+      if (all_work && steady_now() >= all_until) hold_one(lock);
       changed.wait_for(lock, kTick, [this] { return is_ending; });
     }
+  }
+
+  void end() {
+    {
+      const std::scoped_lock lock(mutex);
+      is_ending = true;
+    }
+    changed.notify_all();
+    released.notify_all();
+    if (keeper.joinable()) keeper.join();
   }
 };
 
 PollingThreads& PollingThreads::of_process() {
-  static PollingThreads threads;
-  return threads;
+  // Blocking handlers may still ask for it while the process ends: only the keeper ends before.
+  static PollingThreads* const threads = new PollingThreads;
+  struct KeeperEnd {
+    ~KeeperEnd() { threads->state_->end(); }
+  };
+  static const KeeperEnd at_end;
+  return *threads;
 }
 
 PollingThreads::PollingThreads() : state_(std::make_shared<State>()) {
@@ -132,14 +148,9 @@ PollingThreads::PollingThreads() : state_(std::make_shared<State>()) {
   state.keeper = std::thread([&state] { state.keep(); });
 }
 
-PollingThreads::~PollingThreads() {
-  {
-    const std::scoped_lock lock(state_->mutex);
-    state_->is_ending = true;
-  }
-  state_->changed.notify_all();
-  state_->released.notify_all();
-  if (state_->keeper.joinable()) state_->keeper.join();
+int PollingThreads::blocked() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->blocked;
 }
 
 int PollingThreads::held() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 
 namespace engram::server {
@@ -23,11 +24,17 @@ class PollingThreads {
   /// How many are held at this moment.
   [[nodiscard]] int held() const;
 
+  /// How many wait in handlers, and said so.
+  [[nodiscard]] int blocked() const;
+
+  /// Calls back in one of them.
+  static void call(std::function<void()> back);
+
  private:
   friend class BlockingScope;
 
   PollingThreads();
-  ~PollingThreads();
+  ~PollingThreads() = default;
 
   struct State;
   std::shared_ptr<State> state_;

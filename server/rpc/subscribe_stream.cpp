@@ -90,9 +90,7 @@ const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
 size_t SubscribeStream::kept_bytes(const WireEvent& event) const {
   constexpr size_t kEventBytes = 256;
   if (!with_data_) return kEventBytes;
-  size_t bytes = kEventBytes;
-  for (const Buffer& data : event.snapshot->encoded) bytes += data.size();
-  return event.snapshot->encoded.empty() ? bytes + event.snapshot->raw_bytes() : bytes;
+  return kEventBytes + event.snapshot->plain_bytes();
 }
 
 size_t SubscribeStream::told_bytes(WireEvent& event) const {

@@ -2,12 +2,8 @@
 #include "server/polling/polling_threads.h"
 
 #include <gmock/gmock.h>
-#include <grpcpp/create_channel.h>
-#include <grpcpp/generic/generic_stub.h>
-#include <grpcpp/support/byte_buffer.h>
 
 #include <future>
-#include <memory>
 #include <thread>
 
 #include "ltm/core/time.h"
@@ -19,25 +15,6 @@ using namespace std::chrono_literals;
 using testing::Eq;
 
 constexpr auto kSoon = 10s;
-
-/// Calls without a connection, which gRPC answers in its threads.
-class Calls {
- public:
-  void call(std::function<void()> back) {
-    struct Call {
-      grpc::ClientContext context;
-      grpc::Slice nothing;
-      grpc::ByteBuffer request{&nothing, 1};
-      grpc::ByteBuffer reply;
-    };
-    auto call = std::make_shared<Call>();
-    stub_.UnaryCall(&call->context, "/engram/Test", {}, &call->request, &call->reply,
-                    [call, back = std::move(back)](const grpc::Status&) { back(); });
-  }
-
- private:
-  grpc::GenericStub stub_{grpc::CreateCustomChannel("nowhere", nullptr, grpc::ChannelArguments())};
-};
 
 bool comes_true(const std::function<bool()>& condition) {
   for (const SteadyTime until = steady_now() + kSoon; steady_now() < until;) {
@@ -55,13 +32,12 @@ class PollingThreadsTest : public testing::Test {
   }
 
   PollingThreads& threads_ = PollingThreads::of_process();
-  Calls calls_;
 };
 
 TEST_F(PollingThreadsTest, HoldsOneWhileTheOtherAnswers) {
   for (int i = 0; i < 100; ++i) {
     std::promise<void> answered;
-    calls_.call([&] { answered.set_value(); });
+    PollingThreads::call([&] { answered.set_value(); });
     ASSERT_THAT(answered.get_future().wait_for(kSoon), Eq(std::future_status::ready));
   }
 }
@@ -69,27 +45,24 @@ TEST_F(PollingThreadsTest, HoldsOneWhileTheOtherAnswers) {
 TEST_F(PollingThreadsTest, AHandlerThatWaitsForAnotherIsNotWaitedForForever) {
   std::promise<void> first;
   std::promise<bool> second;
-  calls_.call(
+  PollingThreads::call(
       [&] { second.set_value(first.get_future().wait_for(kSoon) == std::future_status::ready); });
-  calls_.call([&] { first.set_value(); });
+  PollingThreads::call([&] { first.set_value(); });
   EXPECT_TRUE(second.get_future().get());
   EXPECT_TRUE(comes_true([this] { return threads_.held() == 1; }));
 }
 
-TEST_F(PollingThreadsTest, AHandlerThatSaysThatItWaitsIsWaitedForAtOnce) {
-  std::promise<Duration> waited;
-  // By now the thread that works has answered: it is known as one of them.
-  calls_.call([&] {
-    std::promise<void> inner;
-    const SteadyTime began = steady_now();
-    {
-      const BlockingScope blocking;
-      calls_.call([&] { inner.set_value(); });
-      inner.get_future().wait_for(kSoon);
-    }
-    waited.set_value(steady_now() - began);
+TEST_F(PollingThreadsTest, AHandlerThatSaysThatItWaitsLetsAllWork) {
+  std::promise<int> blocked;
+  std::promise<int> held;
+  PollingThreads::call([&] {
+    const BlockingScope blocking;
+    blocked.set_value(threads_.blocked());
+    held.set_value(comes_true([this] { return threads_.held() == 0; }) ? 0 : threads_.held());
   });
-  EXPECT_LT(waited.get_future().get(), kSoon);
+  EXPECT_THAT(blocked.get_future().get(), Eq(1));
+  EXPECT_THAT(held.get_future().get(), Eq(0));
+  EXPECT_TRUE(comes_true([this] { return threads_.blocked() == 0; }));
 }
 
 }  // namespace

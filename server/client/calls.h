@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: requests and their replies on a stream.
+
+#include <grpcpp/channel.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/client/client_stream.h"
+#include "server/wire/byte_message.h"
+
+namespace engram::server {
+
+/// One kind of stream of a client: opened when it is needed, each request with its reply.
+template <typename Reply>
+class Calls : public std::enable_shared_from_this<Calls<Reply>> {
+ public:
+  /// Takes a reply; true where it was the last one of its request.
+  struct Pending {
+    std::function<bool(Reply&)> on_reply;
+    std::function<void(const Status&)> on_failure;
+  };
+
+  Calls(std::shared_ptr<grpc::Channel> channel, std::string method, std::string token,
+        std::string session = {})
+      : channel_(std::move(channel)),
+        method_(std::move(method)),
+        token_(std::move(token)),
+        session_(std::move(session)) {}
+
+  /// `make` makes the request of its number.
+  template <typename Make>
+  void call(const Make& make, Pending pending) {
+    std::shared_ptr<ClientStream> stream;
+    uint64_t number = 0;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!stream_ || !stream_->is_open()) open();
+      stream = stream_;
+      number = ++numbers_;
+      pending_.emplace(number, std::pair(generation_, std::move(pending)));
+    }
+    const Status sent = stream->send(make(number));
+    if (!sent.ok()) fail_one(number, sent);
+  }
+
+  /// Lets go of a request that nobody waits for any more.
+  void forget(uint64_t number) {
+    const std::scoped_lock lock(mutex_);
+    pending_.erase(number);
+  }
+
+  /// Ends the stream, and waits until nothing of it is left.
+  void close() {
+    std::shared_ptr<ClientStream> stream;
+    {
+      const std::scoped_lock lock(mutex_);
+      stream = std::move(stream_);
+    }
+    if (stream) stream->cancel();
+    stream.reset();
+    streams_.wait();
+  }
+
+ private:
+  void open() {
+    const uint64_t generation = ++generation_;
+    const std::weak_ptr<Calls> weak = this->weak_from_this();
+    stream_ = ClientStream::open(channel_, method_, token_, streams_,
+                                 {[weak](grpc::ByteBuffer& bytes) {
+                                    if (const auto self = weak.lock()) self->take(bytes);
+                                  },
+                                  [weak, generation](const Status& status) {
+                                    if (const auto self = weak.lock())
+                                      self->fail_all(generation, status);
+                                  }},
+                                 session_);
+  }
+
+  void take(grpc::ByteBuffer& bytes) {
+    Reply reply;
+    // A reply that cannot be read is answered by the timeout.
+    if (!read_message(bytes, reply).ok()) return;
+    Pending pending;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = pending_.find(reply.number());
+      if (found == pending_.end()) return;
+      pending = found->second.second;
+    }
+    if (pending.on_reply(reply)) forget(reply.number());
+  }
+
+  void fail_one(uint64_t number, const Status& status) {
+    Pending failed;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = pending_.find(number);
+      if (found == pending_.end()) return;
+      failed = std::move(found->second.second);
+      pending_.erase(found);
+    }
+    failed.on_failure(status);
+  }
+
+  void fail_all(uint64_t generation, const Status& status) {
+    std::vector<Pending> failed;
+    {
+      const std::scoped_lock lock(mutex_);
+      for (auto one = pending_.begin(); one != pending_.end();) {
+        if (one->second.first > generation) {
+          ++one;
+          continue;
+        }
+        failed.push_back(std::move(one->second.second));
+        one = pending_.erase(one);
+      }
+    }
+    for (const Pending& one : failed) one.on_failure(status);
+  }
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::string method_;
+  const std::string token_;
+  const std::string session_;
+  OpenStreams streams_;
+  std::mutex mutex_;
+  std::shared_ptr<ClientStream> stream_;
+  uint64_t generation_ = 0;
+  uint64_t numbers_ = 0;
+  std::map<uint64_t, std::pair<uint64_t, Pending>> pending_;
+};
+
+}  // namespace engram::server
