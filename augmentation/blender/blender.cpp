@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "augmentation/blender/line_process.h"
 #include "augmentation/blender/render_script.h"
@@ -58,6 +59,13 @@ json to_json(const SceneLamp& lamp) {
           {"size", lamp.size},
           {"colour", lamp.colour},
           {"casts_shadow", lamp.casts_shadow}};
+}
+
+/// Nothing where it says something else.
+std::optional<std::string> said_text(const json& said, const char* name) {
+  const auto value = said.find(name);
+  if (value == said.end() || !value->is_string()) return std::nullopt;
+  return value->get<std::string>();
 }
 
 Result<std::filesystem::path> make_folder() {
@@ -127,6 +135,10 @@ Result<std::unique_ptr<Blender>> Blender::start(const Options& options) {
   if (options.samples < 1 || options.samples > 4096)
     return invalid_argument("Blender: found {} samples per pixel, needs 1 to 4096",
                             options.samples);
+  if (!(options.noise >= 0))
+    return invalid_argument("Blender: found a noise of {}, needs 0 or more", options.noise);
+  if (options.threads < 1)
+    return invalid_argument("Blender: found {} threads, needs 1 or more", options.threads);
   auto state = std::make_unique<State>();
   state->options = options;
   ENGRAM_ASSIGN_OR_RETURN(state->folder, make_folder());
@@ -147,7 +159,7 @@ Result<std::unique_ptr<Blender>> Blender::start(const Options& options) {
   ENGRAM_RETURN_IF_ERROR(started);
   auto ready = state->answer(kStart);
   if (!ready.ok()) return ready.status().with_context("Blender does not start");
-  state->version = ready->value("ready", "");
+  state->version = said_text(*ready, "ready").value_or("");
   return std::unique_ptr<Blender>(new Blender(std::move(state)));
 }
 
@@ -174,8 +186,9 @@ Result<idf::NdArray> Blender::render(const Scene& scene) {
   std::filesystem::remove(file, ignored);
   ENGRAM_RETURN_IF_ERROR(state.process.write_line(job.dump()));
   ENGRAM_ASSIGN_OR_RETURN(const json answer, state.answer(state.options.patience));
-  if (answer.value("number", -1) != state.number || answer.contains("error"))
-    return unavailable("Blender: {}", answer.value("error", answer.dump()));
+  const auto number = answer.find("number");
+  if (number == answer.end() || *number != json(state.number) || answer.contains("error"))
+    return unavailable("Blender: {}", said_text(answer, "error").value_or(answer.dump()));
   return read_image(file, scene.camera);
 }
 
