@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "cli/augment_picture.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
-#include "cli/picture.h"
 #include "cli/progress_line.h"
+#include "cli/scene_sources.h"
 #include "cli/text.h"
 #include "ltm/core/log.h"
 #include "training/augment/augment_store.h"
-#include "training/augment/change_examples.h"
+#include "training/augment/render_store.h"
 
 namespace engram::cli {
 
@@ -27,13 +28,22 @@ Changes, each with a strength of 1 to 100 behind a colon, as in rotate:30:
   recolour replace                  an object, with --mask or --mask-member
 Without --changes: all of them that can be made.
 
+With --render moments are rebuilt from all that is remembered of them, and rendered anew by Blender
+(3.4; Debian: apt install blender), in these ways:
+  original    as it was               recolour    a thing has another colour
+  view        the camera moved        replace     a thing stands where another one stood
+  light       other lamps             all         all of these
+Stores of "engram simulate kitchen" can be rebuilt.
+
 Examples:
   engram augment robot.engram --out changed.engram
   engram augment robot.engram 'Vision/.*/.*/cam @ last:1h' --copies 3 --seed 7 --out changed.engram
   engram augment robot.engram --changes brightness,contrast:30,shift --out changed.engram
   engram augment robot.engram Vision/RGB --picture changes.png --out changed.engram
   engram augment robot.engram Vision/RGB --mask Vision/Segmentation/head/objects --label 3 \
-      --changes recolour,replace --out changed.engram)";
+      --changes recolour,replace --out changed.engram
+  engram augment kitchen.engram Vision/RGB --render all --render-every 2s --out rendered.engram
+  engram augment kitchen.engram Vision/RGB#0 --render view,light --picture seen.png --out new.engram)";
 
 struct AugmentArguments {
   std::string store;
@@ -44,38 +54,14 @@ struct AugmentArguments {
   std::string mask;
   std::string mask_member;
   training::AugmentOptions options;
+  std::vector<std::string> render;
+  std::string render_every = "1s";
+  training::RenderOptions render_options;
   std::string picture;
   bool is_json = false;
+
+  [[nodiscard]] bool is_rendering() const { return !render.empty(); }
 };
-
-/// The first 8-bit image of each value.
-Result<std::vector<idf::NdArray>> images_of(const std::vector<idf::Data>& values) {
-  std::vector<idf::NdArray> images;
-  for (const idf::Data& value : values) {
-    const idf::NdArray* image = first_image(value);
-    if (image == nullptr)
-      return invalid_argument("--picture: found no image of 8 bits to show, needs one");
-    images.push_back(*image);
-  }
-  return images;
-}
-
-/// A row for what was recorded, then one for each change.
-Status write_examples(const AugmentArguments& arguments, const training::AugmentOptions& options) {
-  constexpr size_t kEach = 4;
-  ENGRAM_ASSIGN_OR_RETURN(const auto examples,
-                          training::change_examples(arguments.store, options, kEach));
-  std::vector<PictureRow> rows;
-  for (const training::ChangeExample& example : examples) {
-    ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(example.after));
-    rows.push_back({example.change, std::move(images)});
-  }
-  // As many images as the others have: the first row says how many columns there are.
-  const std::vector<idf::Data> before(kEach, examples.front().before);
-  ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(before));
-  rows.insert(rows.begin(), {"recorded", std::move(images)});
-  return write_contact_sheet(arguments.picture, rows, {});
-}
 
 Result<training::AugmentOptions> options_of(const AugmentArguments& arguments) {
   training::AugmentOptions options = arguments.options;
@@ -96,12 +82,42 @@ Result<training::AugmentOptions> options_of(const AugmentArguments& arguments) {
   return options;
 }
 
+Result<training::RenderOptions> render_options_of(const AugmentArguments& arguments,
+                                                  const training::AugmentedStoreOptions& common) {
+  training::RenderOptions options = arguments.render_options;
+  static_cast<training::AugmentedStoreOptions&>(options) = common;
+  ENGRAM_ASSIGN_OR_RETURN(options.every, parse_duration(arguments.render_every));
+  if (arguments.render != std::vector<std::string>{"all"}) {
+    options.kinds.clear();
+    for (const std::string& text : arguments.render) {
+      ENGRAM_ASSIGN_OR_RETURN(options.kinds.emplace_back(), augmentation::parse_scene_change(text));
+    }
+  }
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  return options;
+}
+
+Result<training::AugmentReport> render(const AugmentArguments& arguments,
+                                       const training::RenderOptions& options,
+                                       const ProgressSink& progress) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto scenes, make_scene_source());
+  return training::render_store(arguments.store, arguments.out, options, *scenes, progress,
+                                interrupt_token());
+}
+
+/// Why snapshots were left out, where there is more to say.
+std::string left_out_text(const training::AugmentedEntity& entity) {
+  if (entity.without_mask > 0) return ", where nothing tells the object";
+  return entity.without_scene > 0 ? ", where not all that was there is known" : "";
+}
+
 Json report_json(const training::AugmentReport& report, const AugmentArguments& arguments) {
   Json entities = Json::array();
   for (const training::AugmentedEntity& entity : report.entities) {
     Json json{{"id", entity.entity.to_string()},     {"snapshots", entity.snapshots},
               {"instances", entity.instances},       {"left_out", entity.left_out},
-              {"without_mask", entity.without_mask}, {"stored_bytes", entity.stored_bytes}};
+              {"without_mask", entity.without_mask}, {"without_scene", entity.without_scene},
+              {"stored_bytes", entity.stored_bytes}};
     if (!entity.skipped_reason.empty()) json["skipped_reason"] = entity.skipped_reason;
     entities.push_back(std::move(json));
   }
@@ -126,33 +142,60 @@ void print_report(const training::AugmentReport& report, const AugmentArguments&
     print(fmt::format("  made       {} of {} snapshots", count_text(entity.instances),
                       count_text(entity.snapshots)));
     if (entity.left_out > 0)
-      print(fmt::format("  left out   {}{}", count_text(entity.left_out),
-                        entity.without_mask > 0 ? ", where nothing tells the object" : ""));
+      print(fmt::format("  left out   {}{}", count_text(entity.left_out), left_out_text(entity)));
     print("  stored     " + bytes_text(static_cast<double>(entity.stored_bytes)));
   }
+}
+
+Status write_picture(const AugmentArguments& arguments, const training::AugmentOptions& options) {
+  if (arguments.picture.empty()) return {};
+  if (arguments.is_rendering())
+    return write_rendered_examples(arguments.store, arguments.out, arguments.picture);
+  return write_change_examples(arguments.store, options, arguments.picture);
 }
 
 ExitCode run(const AugmentArguments& arguments) {
   const auto options = options_of(arguments);
   if (!options.ok()) return wrong_usage(options.status());
+  Result<training::RenderOptions> rendering = training::RenderOptions();
+  if (arguments.is_rendering()) rendering = render_options_of(arguments, *options);
+  if (!rendering.ok()) return wrong_usage(rendering.status());
   ProgressLine progress;
-  const auto report = training::augment_store(arguments.store, arguments.out, *options,
-                                              progress.sink(), interrupt_token());
+  const auto report = arguments.is_rendering()
+                          ? render(arguments, *rendering, progress.sink())
+                          : training::augment_store(arguments.store, arguments.out, *options,
+                                                    progress.sink(), interrupt_token());
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
     print_json(report_json(*report, arguments));
   else
     print_report(*report, arguments);
-  if (!arguments.picture.empty()) {
-    const Status shown = write_examples(arguments, *options);
-    if (!shown.ok()) return fail(shown);
-  }
+  if (const Status shown = write_picture(arguments, *options); !shown.ok()) return fail(shown);
   if (report->is_cancelled) return fail(cancelled("augment was stopped; what is there is whole"));
   if (report->damaged_places == 0) return ExitCode::kDone;
   log::warning("store '{}': {} damaged places in its journals; what was there is not augmented",
                arguments.store, report->damaged_places);
   return ExitCode::kDoneWithLoss;
+}
+
+void add_render_options(CLI::App& command, AugmentArguments& arguments) {
+  training::RenderOptions& options = arguments.render_options;
+  CLI::Option* render = command.add_option("--render", arguments.render,
+                                           "Render moments anew in these ways, see below");
+  render->delimiter(',');
+  for (const char* other : {"--changes", "--mask", "--mask-member", "--label", "--points"})
+    render->excludes(command.get_option(other));
+  const auto add = [&](const char* name, auto& value, const char* about) {
+    return command.add_option(name, value, about)->needs(render)->capture_default_str();
+  };
+  add("--render-every", arguments.render_every, "At least so long between moments of an entity")
+      ->check(duration_text());
+  add("--render-width", options.width, "Pixels; images that are wider are enlarged from it");
+  add("--render-samples", options.blender.samples, "Most samples per pixel");
+  add("--render-noise", options.blender.noise,
+      "Pixels that vary less get fewer samples; 0: all get all, and a change shows nowhere else");
+  add("--render-threads", options.blender.threads, "Of Blender");
 }
 
 }  // namespace
@@ -190,8 +233,10 @@ void add_augment_command(CLI::App& app, ExitCode& exit_code) {
                       "Members that are places in the image, x and y in pixels: they move along");
   command->add_option("--image-codec", options.image_codec, "How images are stored")
       ->capture_default_str();
+  add_render_options(*command, *arguments);
   command->add_option("--picture", arguments->picture,
-                      "PNG that shows each change by itself on the newest snapshot");
+                      "PNG that shows each change by itself on the newest snapshot, or what was "
+                      "rendered of some moments");
   command->add_flag("--json", arguments->is_json, "Report as JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -83,6 +83,28 @@ TEST_F(Augment, IsTrainedOnBesideRealOnes) {
   EXPECT_EQ(Json::parse(trained.out).at("entities")[0].at("snapshots"), 40);
 }
 
+TEST_F(Augment, RendersMomentsAnew) {
+  const std::string kitchen = directory_->path() / "kitchen.engram";
+  ASSERT_EQ(
+      run_engram({"simulate", "kitchen", kitchen, "--fast", "--seconds", "3"}).exit_code, 0);
+  const std::string rendered = directory_->path() / "rendered.engram";
+  const std::string picture = directory_->path() / "rendered.png";
+  const RunResult made = run_engram({"augment", kitchen, "Vision/RGB @ all#0", "--render",
+                                     "original,light", "--render-samples", "2", "--out", rendered,
+                                     "--picture", picture, "--json"});
+  if (made.err.find("found no program") != std::string::npos) GTEST_SKIP() << made.err;
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Json report = Json::parse(made.out);
+  EXPECT_EQ(report.at("entities")[0].at("snapshots"), 3);
+  EXPECT_EQ(report.at("entities")[0].at("instances"), 6);
+  EXPECT_GT(std::filesystem::file_size(picture), 1000u);
+  const RunResult checked = run_engram({"check", rendered});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  const RunResult asked = run_engram({"query", rendered, "Vision @ all", "--json"});
+  EXPECT_THAT(asked.out, HasSubstr("scene_light"));
+  EXPECT_THAT(asked.out, HasSubstr("augmented"));
+}
+
 TEST_F(Augment, SaysWhatIsWrong) {
   const auto fails = [](const std::vector<std::string>& arguments, int code, const char* message) {
     const RunResult result = run_engram(arguments);
@@ -93,6 +115,9 @@ TEST_F(Augment, SaysWhatIsWrong) {
   fails({"augment", store_, "--out", changed_}, 1, "needs a new place");
   fails({"augment", store_, "--out", other, "--changes", "blurr"}, 2, "did you mean 'blur'");
   fails({"augment", store_, "--out", other, "--changes", "recolour"}, 2, "where the object is");
+  fails({"augment", store_, "--out", other, "--render", "fog"}, 2, "'fog'");
+  fails({"augment", store_, "--out", other, "--render", "all", "--changes", "blur"}, 2, "excludes");
+  fails({"augment", store_, "--out", other, "--render-width", "64"}, 2, "--render");
   fails({"augment", store_, "Audio", "--out", other}, 1, "matches 'Audio");
   fails({"augment", store_, "--out", other, "--copies", "0"}, 2, "needs 1 to 64");
   fails({"consolidate", store_, "--augmented", store_, "--steps", "5", "--force"}, 1,

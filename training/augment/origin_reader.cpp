@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "training/augment/snapshot_changer.h"
+
 namespace engram::training {
 
 const idf::Type* OriginReader::type_of(const ltm::MemoryId& entity) const {
@@ -55,12 +57,7 @@ std::vector<augmentation::ChangeChoice> choices_of(const AugmentOptions& options
 Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader,
                                                const AugmentOptions& options) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
-  std::vector<ltm::MemoryId> entities;
-  for (const ltm::MemoryId& entity : reader.entities())
-    if (options.query.matches(entity)) entities.push_back(entity);
-  if (entities.empty())
-    return not_found("store '{}': none of its {} entities matches '{}'", reader.path().string(),
-                     reader.entities().size(), options.query.to_string());
+  ENGRAM_ASSIGN_OR_RETURN(auto entities, entities_of(reader, options.query));
   if (options.mask_entity) ENGRAM_RETURN_IF_ERROR(reader.timeline(*options.mask_entity).status());
   return entities;
 }
