@@ -45,11 +45,11 @@ json to_json(const SceneCamera& camera) {
 }
 
 json to_json(const SceneShape& shape) {
-  return {{"kind", word(shape.kind)},  {"half", shape.half},
-          {"pose", shape.pose},        {"colour", shape.colour},
-          {"texture", shape.texture},  {"way", shape.way == TextureWay::kCube ? "cube" : "plane"},
-          {"repeat", shape.repeat},    {"roughness", shape.roughness},
-          {"emission", shape.emission}};
+  return {{"kind", word(shape.kind)},   {"half", shape.half},
+          {"pose", shape.pose},         {"colour", shape.colour},
+          {"texture", shape.texture},   {"way", shape.way == TextureWay::kCube ? "cube" : "plane"},
+          {"repeat", shape.repeat},     {"roughness", shape.roughness},
+          {"emission", shape.emission}, {"is_seen", shape.is_seen}};
 }
 
 json to_json(const SceneLamp& lamp) {
@@ -58,7 +58,8 @@ json to_json(const SceneLamp& lamp) {
           {"strength", lamp.strength},
           {"size", lamp.size},
           {"colour", lamp.colour},
-          {"casts_shadow", lamp.casts_shadow}};
+          {"casts_shadow", lamp.casts_shadow},
+          {"falls_off", lamp.falls_off}};
 }
 
 /// Nothing where it says something else.

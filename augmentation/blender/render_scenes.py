@@ -175,6 +175,7 @@ def add_shape(scene, shape, textures, ambient):
     mesh.materials.append(material_of(shape, textures, ambient))
     part = bpy.data.objects.new("part", mesh)
     part.matrix_world = matrix(shape["pose"])
+    part.visible_camera = shape["is_seen"]
     scene.collection.objects.link(part)
 
 
@@ -188,6 +189,12 @@ def add_lamp(scene, lamp):
     else:
         light.shadow_soft_size = lamp["size"]
     light.cycles.cast_shadow = lamp["casts_shadow"]
+    if kind == "POINT" and not lamp["falls_off"]:
+        light.use_nodes = True
+        nodes, links = light.node_tree.nodes, light.node_tree.links
+        falloff = nodes.new("ShaderNodeLightFalloff")
+        falloff.inputs["Strength"].default_value = 1.0
+        links.new(falloff.outputs["Constant"], nodes["Emission"].inputs["Strength"])
     part = bpy.data.objects.new("lamp", light)
     part.matrix_world = matrix(lamp["pose"])
     scene.collection.objects.link(part)

@@ -50,6 +50,7 @@ struct SceneShape {
   std::array<double, 2> repeat{1, 1};
   double roughness = 0.6;  ///< 0: a mirror, 1: dull.
   double emission = 0;     ///< Light of its own, times its colour.
+  bool is_seen = true;     ///< By the camera; it casts shadows all the same.
 };
 
 enum class LampKind {
@@ -64,6 +65,8 @@ struct SceneLamp {
   double size = 0.3;  ///< Radius in m, or angle in rad of a sun: larger ones have softer shadows.
   std::array<double, 3> colour{1, 1, 1};
   bool casts_shadow = true;
+  /// False: a point lights everything as it lights what is 1 m away, as simulators' lights do.
+  bool falls_off = true;
 };
 
 /// What is to be seen at one moment, by one camera.

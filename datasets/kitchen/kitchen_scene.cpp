@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/kitchen/kitchen_scene.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "datasets/kitchen/entities.h"
@@ -21,9 +22,10 @@ using augmentation::TextureWay;
 /// MuJoCo draws geoms of the first groups; the others are what touches.
 constexpr int kDrawnGroups = 3;
 
-/// Of Blender's lamps, by what MuJoCo calls diffuse light of 1.
-constexpr double kLamp_W = 130;
-constexpr double kWindow_W_m2 = 0.9;
+/// Of Blender's lamps, by what MuJoCo calls diffuse light of 1: what came nearest to recorded
+/// images.
+constexpr double kLamp_W = 16;
+constexpr double kWindow_W_m2 = 3.6;
 
 PartPose to_part(const Eigen::Isometry3d& pose) {
   PartPose part{};
@@ -97,13 +99,13 @@ void set_look(const mjModel& model, int geom, SceneShape& shape) {
 void add_lamps(const kitchen::Lighting& light, Scene& scene) {
   const std::array<double, 3> warm{1, 1 - 0.04 * light.warmth, 1 - 0.14 * light.warmth};
   scene.lamps.push_back({LampKind::kPoint, at(light.lamp_x_m, light.lamp_y_m, 2.5),
-                         kLamp_W * light.lamp, 0.12, warm});
+                         kLamp_W * light.lamp, 0.12, warm, true, false});
   // From the window, past the walls: it shades nothing, as when it was recorded.
   const Eigen::Isometry3d window(Eigen::Quaterniond::FromTwoVectors(
       -Eigen::Vector3d::UnitZ(), Eigen::Vector3d(0.15, -0.7, -0.7)));
   scene.lamps.push_back(
       {LampKind::kSun, to_part(window), kWindow_W_m2 * light.daylight, 0, {0.92, 0.96, 1}, false});
-  const double ambient = 0.34 + 0.10 * light.daylight;
+  const double ambient = std::min(1.0, 0.68 + 0.20 * light.daylight);
   scene.ambient = {ambient, ambient, ambient * (1 - 0.12 * light.warmth)};
 }
 
@@ -190,6 +192,8 @@ struct KitchenScenes::State {
       SceneShape shape;
       if (model.geom_group[geom] >= kDrawnGroups || !set_form(model, geom, shape)) continue;
       shape.thing = thing_of(geom);
+      // A camera that stands elsewhere must not be in the head that carries it.
+      shape.is_seen = model.geom_bodyid[geom] != model.cam_bodyid[0];
       shape.pose = to_part(pose_of_geom(world->data(), geom));
       set_look(model, geom, shape);
       scene.shapes.push_back(std::move(shape));

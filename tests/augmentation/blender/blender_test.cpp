@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -105,6 +106,38 @@ TEST_F(BlenderTest, ChangesTheRecolouredThingAlone) {
         << i % 160 << ", " << i / 160 << ": " << int(before[at]) << " to " << int(after[at]);
   }
   EXPECT_GT(changed, 60);
+}
+
+TEST_F(BlenderTest, HidesAShapeAndLeavesItsShadow) {
+  Scene table = some_scene();
+  std::erase_if(table.shapes, [](const SceneShape& shape) { return !shape.thing.empty(); });
+  Scene hidden = some_scene();
+  for (SceneShape& shape : hidden.shapes) shape.is_seen = shape.thing.empty();
+  const auto alone = render(table);
+  const auto shaded = render(hidden);
+  // Nothing is brighter than the table alone, and some of it is darker.
+  int darker = 0;
+  for (size_t i = 0; i < alone.size(); ++i) {
+    ASSERT_LE(shaded[i], alone[i] + 3);
+    darker += shaded[i] + 10 < alone[i] ? 1 : 0;
+  }
+  EXPECT_GT(darker, 300);
+}
+
+TEST_F(BlenderTest, LightsWithAndWithoutFallingOff) {
+  // A white floor 1 m and 2 m below the lamp.
+  const auto brightest = [](double height, bool falls_off) {
+    Scene scene = some_scene();
+    scene.shapes = {{"", ShapeKind::kBox, {2, 2, 0.01}, at(0, 0, -0.01), {1, 1, 1}}};
+    scene.lamps = {{LampKind::kPoint, at(0, 0, height), 2, 0.05}};
+    scene.lamps[0].falls_off = falls_off;
+    scene.ambient = {0, 0, 0};
+    const auto pixels = render(scene);
+    return *std::ranges::max_element(pixels);
+  };
+  EXPECT_NEAR(brightest(1, false), brightest(1, true), 2);
+  EXPECT_NEAR(brightest(2, false), brightest(1, false), 4);
+  EXPECT_LT(brightest(2, true), brightest(1, true) * 0.7);
 }
 
 TEST_F(BlenderTest, RefusesWhatIsNoScene) {
