@@ -2,9 +2,9 @@
 # Everything from a bare Debian 12: `make demo` shows it, `make test` proves it.
 
 # Where the demo looks for recordings: pairs NAME.mp4 and NAME.csv in any folder below.
-# Empty, or a folder that is missing: a rendered scene.
+# Empty, or a folder that is missing: a simulated kitchen.
 RECORDINGS ?= ../shared/data
-# Time that the demo trains, the length of a rendered scene, and the build that it shows.
+# Time that the demo trains, the length of a simulated recording, and the build that it shows.
 DEMO_BUDGET ?= 150s
 DEMO_SECONDS ?= 60
 DEMO_PRESET ?= release

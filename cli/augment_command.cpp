@@ -42,7 +42,7 @@ Examples:
   engram augment robot.engram Vision/RGB --picture changes.png --out changed.engram
   engram augment robot.engram Vision/RGB --mask Vision/Segmentation/head/objects --label 3 \
       --changes recolour,replace --out changed.engram
-  engram augment kitchen.engram Vision/RGB --render all --render-every 2s --out rendered.engram
+  engram augment kitchen.engram Vision/RGB --render all --render-every 1min --out rendered.engram
   engram augment kitchen.engram Vision/RGB#0 --render view,light --picture seen.png --out new.engram)";
 
 struct AugmentArguments {
@@ -55,7 +55,7 @@ struct AugmentArguments {
   std::string mask_member;
   training::AugmentOptions options;
   std::vector<std::string> render;
-  std::string render_every = "1s";
+  std::string render_every = "20s";
   training::RenderOptions render_options;
   std::string picture;
   bool is_json = false;
@@ -189,7 +189,8 @@ void add_render_options(CLI::App& command, AugmentArguments& arguments) {
   const auto add = [&](const char* name, auto& value, const char* about) {
     return command.add_option(name, value, about)->needs(render)->capture_default_str();
   };
-  add("--render-every", arguments.render_every, "At least so long between moments of an entity")
+  add("--render-every", arguments.render_every,
+      "Of each period of so long a time the first --hold is rendered; 0s: everything")
       ->check(duration_text());
   add("--render-width", options.width, "Pixels; images that are wider are enlarged from it");
   add("--render-samples", options.blender.samples, "Most samples per pixel");

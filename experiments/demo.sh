@@ -25,25 +25,20 @@ pairs() {
   done
 }
 
-mkdir -p "$dir"
-if [ -n "$recordings" ] && [ -d "$recordings" ] && [ -n "$(pairs "$recordings")" ]; then
-  pairs "$recordings" > "$dir/recordings.txt"
-  size=128x128
-else
-  [ -z "$recordings" ] || [ -d "$recordings" ] || echo "No recordings in '$recordings': a scene is rendered."
-  say "No recordings: render a scene with a robot arm"
-  run simulate scene --seconds "$seconds" --seed 1 \
-    --width 128 --height 128 --video "$dir/scene.mp4" --table "$dir/scene.csv"
-  printf '%s\t%s\n' "$dir/scene.mp4" "$dir/scene.csv" > "$dir/recordings.txt"
-  size=128x128
-fi
+# What is remembered where there are no recordings: a simulated kitchen, or a drawn scene where the
+# program is built without.
+without_recordings() {
+  [ -z "$recordings" ] || [ -d "$recordings" ] || echo "No recordings in '$recordings'."
+  if ! "$engram" simulate --help | grep -q 'built without'; then
+    echo "kitchen of $seconds s"
+    return
+  fi
+  "$engram" simulate scene --seconds "$seconds" --seed 1 --width 128 --height 128 \
+    --video "$dir/scene.mp4" --table "$dir/scene.csv" >&2
+  printf '%s\t%s\n' "$dir/scene.mp4" "$dir/scene.csv"
+}
 
-# The same recordings and budget: the memory is there already.
-wanted="$(cat "$dir/recordings.txt") $budget $size"
-if [ -d "$store" ] && [ "$(cat "$dir/done.txt" 2>/dev/null)" = "$wanted" ]; then
-  say "The memory of the last run is used again (remove $dir to start afresh)"
-else
-  rm -rf "$store" "$dir/done.txt"
+import_recordings() {
   say "1. Import: filter to 5 Hz, compress, journal, segments"
   minute=0
   tab=$(printf '\t')
@@ -53,10 +48,37 @@ else
     if head -n 1 "$table" | grep -q '^frame_index,'; then skip="--skip-column frame_index"; fi
     # shellcheck disable=SC2086  # two arguments or none
     run import --video "$video" --table "$table" --entity $camera --state-entity $joints \
-      --size $size --rate 5 $skip \
+      --size 128x128 --rate 5 $skip \
       --start "$(printf '2022-02-18T13:%02d:00Z' $minute)" "$store"
     minute=$((minute + 1))
   done < "$dir/recordings.txt"
+}
+
+record_kitchen() {
+  say "1. Record a humanoid in a kitchen: physics, images, joints, objects, plans, actions, words"
+  run simulate kitchen "$store" --fast --seconds "$seconds" --seed 1 \
+    --config "$(dirname "$0")/demo_kitchen.yaml"
+}
+
+mkdir -p "$dir"
+if [ -n "$recordings" ] && [ -d "$recordings" ] && [ -n "$(pairs "$recordings")" ]; then
+  pairs "$recordings" > "$dir/recordings.txt"
+else
+  without_recordings > "$dir/recordings.txt"
+fi
+is_kitchen=
+if grep -q '^kitchen' "$dir/recordings.txt"; then
+  is_kitchen=yes
+  camera=Vision/RGB/head/stereo
+fi
+
+# The same recordings and budget: the memory is there already.
+wanted="$(cat "$dir/recordings.txt") $budget"
+if [ -d "$store" ] && [ "$(cat "$dir/done.txt" 2>/dev/null)" = "$wanted" ]; then
+  say "The memory of the last run is used again (remove $dir to start afresh)"
+else
+  rm -rf "$store" "$dir/done.txt"
+  if [ -n "$is_kitchen" ]; then record_kitchen; else import_recordings; fi
 
   say "2. What the memory holds"
   run info "$store"
@@ -70,6 +92,10 @@ say "4. The past, from whichever form holds it"
 run info "$store"
 run query "$store" "$camera @ latest:3" --save "$dir/latest"
 run query "$store" "$camera @ latest:3" --prefer latent --save "$dir/reconstructed"
+
+if [ -n "$is_kitchen" ]; then
+  run query "$store" 'Speech/Commands/human/text @ all; Skills/Actions/robot/place @ latest'
+fi
 
 say "5. The future"
 run query "$store" "$camera @ +200ms" --save "$dir/future"

@@ -36,13 +36,13 @@ class SceneRenderer final : public SnapshotChanger {
 
   std::string begin(const ltm::MemoryId& entity) override {
     entity_ = entity;
-    next_.reset();
+    last_period_.reset();
     return {};
   }
 
   Status change(const datasets::SnapshotWalk::Step& step, ltm::EntityUpdate& update,
                 AugmentedEntity& report) override {
-    if (next_ && step.entry.time < *next_) return {};
+    if (!is_chosen(step.entry.time)) return {};
     if (!step.entry.recorded) {
       ++report.left_out;
       return {};
@@ -64,11 +64,18 @@ class SceneRenderer final : public SnapshotChanger {
     for (int copy = 0; copy < options_.copies; ++copy)
       for (const SceneChangeKind kind : options_.kinds)
         ENGRAM_RETURN_IF_ERROR(append(origin, asked, remembered, kind, copy, update));
-    next_ = origin.time + options_.every;
+    last_period_ = part_of(origin.time, options_.every);
     return {};
   }
 
  private:
+  [[nodiscard]] bool is_chosen(Time time) const {
+    if (options_.every == Duration::zero()) return true;
+    const int64_t period = part_of(time, options_.every);
+    return period != last_period_ ||
+           time - time_from_ns(period * options_.every.count()) < options_.hold;
+  }
+
   /// Adds one image for each of the instances, all changed alike.
   Status append(const ltm::Snapshot& origin, const std::vector<int32_t>& asked,
                 const std::vector<RememberedScene>& remembered, SceneChangeKind kind, int copy,
@@ -108,7 +115,7 @@ class SceneRenderer final : public SnapshotChanger {
   datasets::SceneSource& scenes_;
   Blender& blender_;
   ltm::MemoryId entity_;
-  std::optional<Time> next_;  ///< Before it nothing is rendered.
+  std::optional<int64_t> last_period_;  ///< In which something was rendered.
 };
 
 }  // namespace

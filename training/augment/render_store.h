@@ -19,8 +19,10 @@ namespace engram::training {
 struct RenderOptions : AugmentedStoreOptions {
   /// Each makes one image of each that was recorded, in this order. Not empty.
   std::vector<augmentation::SceneChangeKind> kinds = augmentation::all_scene_changes();
-  /// At least so long between moments of an entity that are rendered.
-  Duration every = std::chrono::seconds(1);
+  /// Of each period of so long a time, counted from 1970, what begins it is rendered: all moments
+  /// of `hold`, as training learns from those that follow each other, or else the first one. Zero:
+  /// everything.
+  Duration every = std::chrono::seconds(20);
   /// Wider images are rendered so wide, and enlarged to what was recorded. 16 to 4096.
   int width = 320;
   augmentation::Blender::Options blender;

@@ -109,12 +109,14 @@ class RenderStore : public testing::Test {
 
 TEST_F(RenderStore, MakesEachKindOfEachEyeAndNamesOriginAndRecipe) {
   options_.every = std::chrono::seconds(2);
+  options_.hold = std::chrono::seconds(1);
   const auto report = render();
   if (report.status().code() == StatusCode::kNotFound) GTEST_SKIP() << report.status().to_string();
   ASSERT_OK(report);
   ASSERT_EQ(report->entities.size(), 1u);
-  // Moments 0, 4 and 8 of 0 to 9: every 2 s, and none is lost to one that nobody remembers.
+  // Moments 0, 1, 4, 5, 8 and 9 of 0 to 9, and nobody remembers the odd ones.
   EXPECT_EQ(report->entities[0].snapshots, 3u);
+  EXPECT_EQ(report->entities[0].without_scene, 3u);
   EXPECT_EQ(report->entities[0].instances, 3u * 5 * 2);
   const ltm::QueryResult answer = everything();
   const ltm::EntityResult* camera = answer.find_entity(camera_);
@@ -149,11 +151,13 @@ TEST_F(RenderStore, MakesEachKindOfEachEyeAndNamesOriginAndRecipe) {
 
 TEST_F(RenderStore, MakesTheSameAgain) {
   options_.kinds = {SceneChangeKind::kRecolour, SceneChangeKind::kLight};
+  options_.hold = Duration::zero();
   options_.every = std::chrono::seconds(3);
   const auto first = render("first");
   if (first.status().code() == StatusCode::kNotFound) GTEST_SKIP() << first.status().to_string();
   ASSERT_OK(first);
   ASSERT_OK(render("again"));
+  EXPECT_EQ(first->entities[0].snapshots, 3u);
   EXPECT_EQ(everything("first"), everything("again"));
 }
 
