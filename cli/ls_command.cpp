@@ -4,7 +4,7 @@
 
 #include "cli/command.h"
 #include "cli/text.h"
-#include "datasets/export_walk.h"
+#include "datasets/recordings/snapshot_walk.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::cli {

@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/export.h"
 
-#include "datasets/export_walk.h"
+#include "datasets/recordings/merged_snapshots.h"
 #include "ltm/core/file.h"
 
 namespace engram::datasets {
 
 namespace {
-
-/// The entities that a query asks for.
-std::vector<ltm::MemoryId> matching(const ltm::StoreReader& store, const ltm::Query& query) {
-  std::vector<ltm::MemoryId> ids;
-  for (const ltm::MemoryId& id : store.entities())
-    if (query.matches(id)) ids.push_back(id);
-  return ids;
-}
-
-/// A query of exactly one snapshot.
-Result<ltm::Query> query_of(const ltm::MemoryId& entity, const SnapshotWalk::Step& step) {
-  const auto& names = entity.names();
-  std::array<ltm::NamePattern, ltm::MemoryId::kNameLevels> patterns;
-  for (size_t i = 0; i < names.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(patterns[i], ltm::NamePattern::name(names[i]));
-  }
-  const ltm::SnapshotQuery wanted{ltm::select::At{step.entry.time}, step.instances};
-  return ltm::Query::create(
-      {{patterns[0], {{patterns[1], {{patterns[2], {{patterns[3], {wanted}}}}}}}}});
-}
 
 class Exporter {
  public:
@@ -55,12 +35,8 @@ class Exporter {
 
  private:
   Status add(const ltm::MemoryId& entity, const SnapshotWalk::Step& step) {
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, query_of(entity, step));
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, recall_.query(query, options_));
-    const ltm::EntityResult* found = answer.find_entity(entity);
-    if (found == nullptr) return {};
-    for (const ltm::SnapshotResult& snapshot : found->snapshots)
-      ENGRAM_RETURN_IF_ERROR(sink_.add(snapshot));
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, recalled_snapshot(recall_, entity, step, options_));
+    if (found) ENGRAM_RETURN_IF_ERROR(sink_.add(*found));
     return {};
   }
 
@@ -87,13 +63,7 @@ Status prepare_export(const std::filesystem::path& directory, bool may_have_file
 Status export_snapshots(ltm::Recall& recall, const ltm::Query& query,
                         const ltm::Recall::Options& options, SnapshotSink& sink,
                         const ProgressSink& progress, const std::stop_token& stop) {
-  if (query.is_ids_only())
-    return invalid_argument("query '{}' asks for IDs alone: an export needs data",
-                            query.to_string());
-  const std::vector<ltm::MemoryId> entities = matching(recall.store(), query);
-  if (entities.empty() && !recall.store().entities().empty())
-    return not_found("store '{}': no entity matches '{}'", recall.store().path().string(),
-                     query.to_string());
+  ENGRAM_ASSIGN_OR_RETURN(const auto entities, exported_entities(recall, query));
   Exporter exporter(recall, options, sink, progress, stop);
   for (const ltm::MemoryId& entity : entities) {
     if (stop.stop_requested()) break;

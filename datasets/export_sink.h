@@ -4,27 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "datasets/recordings/export_report.h"
 #include "ltm/core/status.h"
 #include "ltm/memory/result.h"
 
 namespace engram::datasets {
-
-/// What was written, and what could not be.
-struct ExportReport {
-  uint64_t snapshots = 0;  ///< That were handed over.
-  uint64_t instances = 0;
-  uint64_t files = 0;
-  uint64_t bytes = 0;
-  /// What the format cannot carry, in words ("lists and texts"), and how often that was met.
-  std::map<std::string, uint64_t, std::less<>> not_carried;
-
-  friend bool operator==(const ExportReport&, const ExportReport&) = default;
-};
 
 /// Writes snapshots in one format below one directory. Every file appears under its name only once
 /// it is whole.

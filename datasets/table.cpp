@@ -279,8 +279,8 @@ Status Table::Builder::read_header() {
       return broken(fmt::format("there is no column '{}' to leave out", name));
   cells_in_row_ = cells.size();
   for (size_t i = 0; i < cells.size(); ++i) {
-    const bool is_skipped = std::ranges::find(options_.skip_columns, cells[i]) !=
-                            options_.skip_columns.end();
+    const bool is_skipped =
+        std::ranges::find(options_.skip_columns, cells[i]) != options_.skip_columns.end();
     if (i == time_index_ || is_skipped) continue;
     cell_of_column_.push_back(i);
     ENGRAM_RETURN_IF_ERROR(add_column(std::move(cells[i])));
@@ -304,8 +304,9 @@ Status Table::Builder::add_time(std::string_view cell) {
 Status Table::Builder::add_number(TableColumn& column, std::string_view cell) const {
   const std::string_view text = without_plus(trimmed(cell));
   if (const auto whole = parse_whole<int64_t>(text); whole && !is_exact_double(*whole))
-    return broken_cell(column.name,
-                       fmt::format("found {}, needs a number that a double holds exactly", shown(cell)));
+    return broken_cell(
+        column.name,
+        fmt::format("found {}, needs a number that a double holds exactly", shown(cell)));
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error == std::errc::result_out_of_range)

@@ -16,9 +16,9 @@ namespace engram::datasets {
 ///
 /// Colours are BT.709, limited range, and the file says so. Equal images and options give equal
 /// bytes. The file appears under its name only once it is closed.
-/// Time: image i lies exactly i * rate_denominator / rate_numerator seconds after the first, or, with
-/// `has_times`, where the caller puts it, to 1/90000 s.
-/// Threading: one thread; the encoder starts its own.
+/// Time: image i lies exactly i * rate_denominator / rate_numerator seconds after the first, or,
+/// with `has_times`, where the caller puts it, to 1/90000 s. Threading: one thread; the encoder
+/// starts its own.
 class VideoWriter {
  public:
   struct Options {

@@ -7,7 +7,7 @@
 #include <stop_token>
 
 #include "augmentation/recipe.h"
-#include "datasets/export_walk.h"
+#include "datasets/recordings/snapshot_walk.h"
 #include "ltm/core/progress.h"
 #include "ltm/memory/snapshot.h"
 #include "ltm/recording/recorder.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/export_walk.h"
+#include "datasets/recordings/snapshot_walk.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/recordings/import_recording.h"
+
+#include <set>
+
+namespace engram::datasets {
+
+namespace {
+
+constexpr uint64_t kValuesPerProgress = 16;
+
+class Import {
+ public:
+  Import(RecordingReader& reader, std::string_view format, ltm::Recorder& recorder,
+         const ProgressSink& progress)
+      : reader_(reader), format_(format), recorder_(recorder), progress_(progress) {}
+
+  Status run(const std::stop_token& stop) {
+    while (true) {
+      if (stop.stop_requested()) {
+        report_.is_cancelled = true;
+        break;
+      }
+      ENGRAM_ASSIGN_OR_RETURN(auto moment, reader_.next());
+      if (!moment) break;
+      if (moment->commit.updates.empty() && !moment->begins) continue;
+      ENGRAM_RETURN_IF_ERROR(take(*std::move(moment)));
+    }
+    tell(true);
+    return {};
+  }
+
+  [[nodiscard]] const RecordingImportReport& report() const { return report_; }
+
+ private:
+  Status take(RecordingReader::Moment moment) {
+    if (moment.begins) ENGRAM_RETURN_IF_ERROR(begin(*moment.begins, moment.commit));
+    for (const ltm::EntityUpdate& update : moment.commit.updates)
+      ENGRAM_RETURN_IF_ERROR(check_is_new(update.entity, update.time));
+    for (const ltm::EntityUpdate& update : moment.commit.updates) {
+      if (!report_.first) report_.first = update.time;
+      report_.last = update.time;
+      ++report_.values;
+    }
+    ENGRAM_RETURN_IF_ERROR(recorder_.commit(std::move(moment.commit)));
+    tell(false);
+    return {};
+  }
+
+  /// Keeps the description of an episode and, before the first one, those of the streams.
+  Status begin(const RecordingEpisode& episode, const ltm::Commit& first) {
+    ++report_.episodes;
+    const Time time =
+        first.updates.empty() ? episode.start : std::min(episode.start, first.updates[0].time);
+    ltm::Commit commit;
+    const auto add = [&](const ltm::MemoryId& entity, idf::Data value) -> Status {
+      ENGRAM_RETURN_IF_ERROR(check_is_new(entity, time));
+      ltm::InstanceMetadata metadata{
+          .created = time, .sent = time, .arrived = time, .provider = "import"};
+      commit.updates.push_back({entity, time, {{std::move(value), std::move(metadata)}}});
+      return {};
+    };
+    ENGRAM_RETURN_IF_ERROR(add(episode_entity(format_), episode.to_data()));
+    if (report_.episodes == 1)
+      for (const RecordingStream& stream : reader_.streams())
+        ENGRAM_RETURN_IF_ERROR(add(stream_entity(format_, stream.entity), stream.to_data()));
+    return recorder_.commit(std::move(commit));
+  }
+
+  /// Fails where the store has something of an entity that is not of this import, from here on.
+  Status check_is_new(const ltm::MemoryId& entity, Time time) {
+    if (!checked_.insert(entity).second) return {};
+    const std::optional<Time> last = recorder_.last_time(entity);
+    if (!last || *last < time) return {};
+    const auto fits = std::chrono::ceil<std::chrono::seconds>(*last + Duration(1));
+    return failed_precondition(
+        "entity '{}': has a snapshot at {}, the import would begin at {}; needs a start of {} or "
+        "later",
+        entity.to_string(), to_string(*last), to_string(time), to_string(Time(fits)));
+  }
+
+  void tell(bool is_last) const {
+    if (!progress_ || (!is_last && report_.values % kValuesPerProgress != 0)) return;
+    progress_({.what = fmt::format("import {}", format_),
+               .done = report_.values,
+               .total = reader_.total(),
+               .detail = report_.last ? to_string(*report_.last) : ""});
+  }
+
+  RecordingReader& reader_;
+  std::string_view format_;
+  ltm::Recorder& recorder_;
+  const ProgressSink& progress_;
+  std::set<ltm::MemoryId> checked_;
+  RecordingImportReport report_;
+};
+
+}  // namespace
+
+Result<RecordingImportReport> import_recording(RecordingReader& reader, std::string_view format,
+                                               ltm::Recorder& recorder,
+                                               const ProgressSink& progress,
+                                               const std::stop_token& stop) {
+  Import import(reader, format, recorder, progress);
+  if (const Status status = import.run(stop); !status.ok())
+    return status.with_context(
+        fmt::format("import stopped after {} values, which stay", import.report().values));
+  RecordingImportReport report = import.report();
+  report.reading = reader.report();
+  return report;
+}
+
+}  // namespace engram::datasets
