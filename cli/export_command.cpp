@@ -4,6 +4,7 @@
 #include "cli/progress_line.h"
 #include "cli/text.h"
 #include "datasets/export.h"
+#include "datasets/formats.h"
 #include "encoders/load_model.h"
 #include "ltm/core/log.h"
 
@@ -20,6 +21,8 @@ constexpr const char* kFooter = R"(Formats:
           begins <member>.part2.mp4
   armarx  <entity>/<time in microseconds>/<instance>/<member>.png and data.json with all else
 <entity> is Memory/Core/Provider/Entity. In names / % # leading dots and control characters are %XX.
+Whole recordings, which "engram import --from" reads too, are one file or folder (docs/formats.md); what
+the format cannot hold is listed before anything is written, with --dry-run without writing.
 
 Examples:
   engram export robot.engram --to jsonl -o out
@@ -33,9 +36,30 @@ struct ExportArguments {
   std::string directory;
   std::string prefer = "recorded";
   datasets::ExportOptions options;
+  datasets::WritingOptions writing;
+  bool is_dry = false;
   bool is_forced = false;
   bool is_json = false;
 };
+
+ltm::Recall::Prefer prefer_of(const ExportArguments& arguments) {
+  return arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent
+                                      : ltm::Recall::Prefer::kRecorded;
+}
+
+ExitCode warn_of_damage(const ExportArguments& arguments, uint64_t places) {
+  log::warning("store '{}': {} damaged places in its journals; what was there is not exported",
+               arguments.store, places);
+  return ExitCode::kDoneWithLoss;
+}
+
+/// Those of files per entity, and those of whole recordings that can be written.
+std::vector<std::string> format_names() {
+  std::vector<std::string> names(datasets::kExportFormats.begin(), datasets::kExportFormats.end());
+  for (const auto& format : datasets::all_recording_formats())
+    if (format->can_write()) names.emplace_back(format->name());
+  return names;
+}
 
 Json report_json(const datasets::ExportReport& report) {
   Json left_out = Json::object();
@@ -58,7 +82,49 @@ void print_report(const datasets::ExportReport& report, const ExportArguments& a
     print(fmt::format("  {:>10}  {}", count_text(count), what));
 }
 
+/// Writes one file or folder of a format of whole recordings.
+Result<datasets::ExportReport> write_recording(const ExportArguments& arguments,
+                                               const datasets::RecordingFormat& format,
+                                               ltm::Recall& recall, const ltm::Query& query) {
+  datasets::WritingOptions options = arguments.writing;
+  options.recall.prefer = prefer_of(arguments);
+  ENGRAM_ASSIGN_OR_RETURN(const auto not_held, format.not_held(recall, query, options));
+  for (const auto& [what, count] : not_held)
+    log::warning("{} does not hold: {} ({} entities)", format.name(), what, count);
+  if (arguments.is_dry) {
+    datasets::ExportReport report;
+    report.not_carried = not_held;
+    return report;
+  }
+  std::error_code error;
+  if (std::filesystem::exists(arguments.directory, error))
+    return already_exists("'{}' is there already: needs a new place", arguments.directory);
+  ProgressLine progress;
+  auto report =
+      format.write(recall, query, arguments.directory, options, progress.sink(), interrupt_token());
+  progress.finish();
+  return report;
+}
+
+ExitCode run_recording(const ExportArguments& arguments, const datasets::RecordingFormat& format) {
+  const auto query = ltm::Query::parse(arguments.query);
+  if (!query.ok()) return wrong_usage(query.status());
+  auto reader = ltm::StoreReader::open(arguments.store);
+  if (!reader.ok()) return fail(reader.status());
+  const uint64_t damaged = (*reader)->damaged_places();
+  ltm::Recall recall(std::move(*reader), encoders::load_model);
+  const auto report = write_recording(arguments, format, recall, *query);
+  if (!report.ok()) return fail(report.status());
+  if (arguments.is_json)
+    print_json(report_json(*report));
+  else
+    print_report(*report, arguments);
+  return damaged == 0 ? ExitCode::kDone : warn_of_damage(arguments, damaged);
+}
+
 ExitCode run(const ExportArguments& arguments) {
+  if (const auto format = datasets::find_recording_format(arguments.format); format.ok())
+    return run_recording(arguments, **format);
   const auto query = ltm::Query::parse(arguments.query);
   if (!query.ok()) return wrong_usage(query.status());
   if (const Status valid = arguments.options.validate(); !valid.ok()) return wrong_usage(valid);
@@ -75,8 +141,7 @@ ExitCode run(const ExportArguments& arguments) {
   if (!sink.ok()) return wrong_usage(sink.status());
   ltm::Recall recall(std::move(*reader), encoders::load_model);
   ltm::Recall::Options options;
-  options.prefer =
-      arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent : ltm::Recall::Prefer::kRecorded;
+  options.prefer = prefer_of(arguments);
   ProgressLine progress;
   const Status done = datasets::export_snapshots(recall, *query, options, **sink, progress.sink(),
                                                  interrupt_token());
@@ -87,10 +152,7 @@ ExitCode run(const ExportArguments& arguments) {
   else
     print_report((*sink)->report(), arguments);
   if (!done.ok()) return fail(done);
-  if (damaged == 0) return ExitCode::kDone;
-  log::warning("store '{}': {} damaged places in its journals; what was there is not exported",
-               arguments.store, damaged);
-  return ExitCode::kDoneWithLoss;
+  return damaged == 0 ? ExitCode::kDone : warn_of_damage(arguments, damaged);
 }
 
 }  // namespace
@@ -104,9 +166,10 @@ void add_export_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command->add_option("--to", arguments->format, "Format")
       ->required()
-      ->check(CLI::IsMember(std::vector<std::string>(datasets::kExportFormats.begin(),
-                                                     datasets::kExportFormats.end())));
-  command->add_option("-o,--out", arguments->directory, "Directory, made where it is missing")
+      ->check(CLI::IsMember(format_names()));
+  command
+      ->add_option("-o,--out", arguments->directory,
+                   "Directory, made where it is missing; whole recordings: the new file")
       ->required();
   command->add_flag("--force", arguments->is_forced, "Write into a directory that has files");
   command
@@ -117,6 +180,15 @@ void add_export_command(CLI::App& app, ExitCode& exit_code) {
                     "mp4: colour at full resolution; browsers do not play it");
   command->add_option("--crf", arguments->options.crf, "mp4: quality, 0 (best) to 51")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--jpeg-quality", arguments->writing.jpeg_quality,
+          "Whole recordings: images as JPEG of this quality where the format can; 0: without "
+          "loss")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  command->add_flag("--dry-run", arguments->is_dry,
+                    "Whole recordings: only tell what the format cannot hold");
   command->add_option("--prefer", arguments->prefer, "Which form is taken where both are there")
       ->check(CLI::IsMember({"recorded", "latent"}))
       ->capture_default_str();

@@ -2,13 +2,15 @@
 #include <map>
 
 #include "cli/command.h"
+#include "cli/import_report.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/text.h"
+#include "cli/type_options.h"
+#include "datasets/formats.h"
 #include "datasets/video_reader.h"
 #include "datasets/video_table.h"
 #include "ltm/core/log.h"
-#include "ltm/idf/type_xml.h"
 #include "ltm/recording/recording_config.h"
 
 namespace engram::cli {
@@ -16,6 +18,9 @@ namespace engram::cli {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
+  engram import --from recording.mcap --dry-run
+  engram import --from recording.mcap robot.engram
+  engram import --from demos.hdf5 --episodes demo_0,demo_1 --start '2022-02-18 13:00' robot.engram
   engram import --video V.mp4 --table T.csv --entity Vision/RGB/head/cam \
       --state-entity RobotState/Proprioception/robot/joints robot.engram
   engram import --video V.mp4 --entity Vision/RGB/head/cam --size 128x128 --rate 5 \
@@ -26,7 +31,10 @@ constexpr const char* kFooter = R"(Examples:
   engram import --print-preset balanced > mine.yaml
   engram import --video V.mp4 --entity Vision/RGB/head/cam --config mine.yaml robot.engram
 
-Every frame becomes a snapshot {"image", "state"}, every row of the table a snapshot of its
+Recordings (--from) come in whole, nothing is thinned unless --rate, --preset or --config say so; what
+a format holds that a memory cannot is counted at the end (docs/formats.md).
+
+Of a video every frame becomes a snapshot {"image", "state"}, every row of the table a snapshot of its
 columns ("a.b" becomes {"a": {"b": ...}}) with a link to its image; each links to the nearest of
 the other that came in. With --type values are stored as a segment's type has them, and refused where
 they break it. Without --start the recording begins when the video says it was made, else
@@ -35,6 +43,11 @@ at 1970-01-01. Entities are filtered to --rate each; --all keeps everything. Wit
 
 struct ImportArguments {
   std::string store;
+  std::string from;
+  std::string format = "auto";
+  datasets::ReadingOptions reading;
+  std::string episode_gap = "10s";
+  bool is_dry = false;
   std::string video;
   std::string table;
   std::string entity;
@@ -44,8 +57,7 @@ struct ImportArguments {
   std::string time_column;
   std::string time_unit = "s";
   std::vector<std::string> skip_columns;
-  std::vector<std::string> type_files;
-  std::vector<std::string> types;  ///< "SEGMENT=NAME".
+  TypeArguments types;
   std::string size;
   std::string config;
   std::string preset;
@@ -53,6 +65,7 @@ struct ImportArguments {
   std::string durability = "interval";
   double rate_hz = 5;
   bool keeps_all = false;
+  bool has_rate = false;
   bool crops_square = false;
   bool is_json = false;
 };
@@ -108,189 +121,135 @@ Result<ltm::Recorder::Options> recorder_options(const ImportArguments& arguments
     ENGRAM_ASSIGN_OR_RETURN(
         options, ltm::parse_recording_config(yaml, fmt::format("preset '{}'", arguments.preset)));
   } else {
-    if (!arguments.keeps_all) options.max_rate_hz = arguments.rate_hz;
+    // Whole recordings lose nothing unless somebody asks for it.
+    const bool thins = arguments.from.empty() ? !arguments.keeps_all : arguments.has_rate;
+    if (thins) options.max_rate_hz = arguments.rate_hz;
     options.pack.image_codec = arguments.image_codec;
   }
   options.store.durability = kLevels.at(arguments.durability);
   return options;
 }
 
-struct DeclaredType {
-  ltm::MemoryId segment;
-  idf::Type type;
-};
+Result<const datasets::RecordingFormat*> format_of(const ImportArguments& arguments) {
+  if (arguments.format == "auto") return datasets::recognised_format(arguments.from);
+  return datasets::find_recording_format(arguments.format);
+}
 
-/// "Vision/RGB=robot::View": a segment, and a type of the files.
-Result<DeclaredType> read_type(const std::string& text, const std::vector<idf::TypeFile>& files) {
-  const size_t equals = text.rfind('=');
-  if (equals == std::string::npos)
-    return invalid_argument("--type '{}': needs SEGMENT=NAME, as in Vision/RGB=robot::View", text);
-  ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId segment, ltm::MemoryId::parse(text.substr(0, equals)));
-  std::string known;
-  for (const idf::TypeFile& file : files) {
-    if (const idf::Type* type = file.find(text.substr(equals + 1)))
-      return DeclaredType{std::move(segment), *type};
-    for (const idf::Type& type : file.types) known += fmt::format(" {}", type.name());
+Result<datasets::ReadingOptions> reading_options(const ImportArguments& arguments) {
+  datasets::ReadingOptions options = arguments.reading;
+  ENGRAM_ASSIGN_OR_RETURN(options.episode_gap, parse_duration(arguments.episode_gap));
+  if (!arguments.start.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(options.start, parse_time(arguments.start));
   }
-  return invalid_argument("--type '{}': no such type in the --types files; they have:{}", text,
-                          known.empty() ? " none" : known);
+  return options;
 }
 
-Result<std::vector<DeclaredType>> read_types(const ImportArguments& arguments) {
-  std::vector<idf::TypeFile> files;
-  for (const std::string& path : arguments.type_files) {
-    ENGRAM_ASSIGN_OR_RETURN(idf::TypeFile file, idf::read_type_file(path));
-    files.push_back(std::move(file));
+/// What is in a recording, without a store.
+void print_streams(const datasets::RecordingFormat& format, const datasets::RecordingReader& reader,
+                   bool is_json) {
+  if (is_json) {
+    Json streams = Json::array();
+    for (const datasets::RecordingStream& stream : reader.streams())
+      streams.push_back({{"name", stream.name},
+                         {"entity", stream.entity.to_string()},
+                         {"values", stream.values}});
+    print_json({{"format", format.name()}, {"streams", std::move(streams)}});
+    return;
   }
-  std::vector<DeclaredType> types;
-  for (const std::string& text : arguments.types) {
-    ENGRAM_ASSIGN_OR_RETURN(DeclaredType type, read_type(text, files));
-    types.push_back(std::move(type));
-  }
-  return types;
-}
-
-Status declare(ltm::Recorder& recorder, const std::vector<DeclaredType>& types) {
-  for (const DeclaredType& each : types)
-    ENGRAM_RETURN_IF_ERROR(recorder.declare(each.segment, each.type));
-  return {};
-}
-
-Json filter_json(const ltm::FilterCounters& counters) {
-  return {{"filter", counters.filter},
-          {"offered", counters.offered},
-          {"offered_bytes", counters.offered_bytes},
-          {"kept", counters.kept},
-          {"dropped_by", counters.dropped_by},
-          {"dropped_bytes", counters.dropped_bytes},
-          {"held", counters.held.snapshots},
-          {"held_bytes", counters.held.bytes}};
-}
-
-Json entity_json(const ltm::MemoryId& id, const ltm::RecordingCounters& counters) {
-  Json filters = Json::array();
-  for (const ltm::FilterCounters& filter : counters.filters) filters.push_back(filter_json(filter));
-  return {{"entity", id.to_string()},
-          {"rule", counters.rule},
-          {"offered", counters.offered},
-          {"kept", counters.kept},
-          {"dropped_by", counters.dropped_by},
-          {"held", counters.held.snapshots},
-          {"held_bytes", counters.held.bytes},
-          {"late", counters.late},
-          {"failed", counters.failed},
-          {"filters", std::move(filters)},
-          {"reinterpreted", counters.reinterpreted},
-          {"offered_bytes", counters.offered_bytes},
-          {"kept_bytes", counters.kept_bytes},
-          {"stored_bytes", counters.stored_bytes}};
-}
-
-Json report_json(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
-  Json entities = Json::array();
-  for (const auto& [id, counters] : recorder.counters())
-    entities.push_back(entity_json(id, counters));
-  return {{"frames", report.frames},
-          {"rows", report.rows},
-          {"damaged_frames", report.damaged_frames},
-          {"duplicate_frames", report.duplicate_frames},
-          {"rows_outside_video", report.rows_outside_video},
-          {"cancelled", report.is_cancelled},
-          {"damaged_journal_places", recorder.lost_frames()},
-          {"entities", std::move(entities)}};
-}
-
-/// "frequency 120 (rate 120), similarity 12 (similar 12)"; "0" where nothing was dropped.
-std::string dropped_text(const ltm::RecordingCounters& counters) {
-  std::string text;
-  for (const ltm::FilterCounters& filter : counters.filters) {
-    if (filter.dropped() == 0) continue;
-    std::string reasons;
-    for (const auto& [reason, count] : filter.dropped_by)
-      reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", reason, count_text(count));
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", filter.filter, reasons);
-  }
-  return text.empty() ? "0" : text;
-}
-
-void print_filters(const ltm::MemoryId& id, const ltm::RecordingCounters& counters) {
-  if (!counters.rule.empty())
-    print(fmt::format("{}: rule '{}', dropped by {}", id.to_string(), counters.rule,
-                      dropped_text(counters)));
-  if (counters.held.snapshots > 0)
-    print(fmt::format("{}: {} snapshots ({}) were still held by filters", id.to_string(),
-                      count_text(counters.held.snapshots),
-                      bytes_text(static_cast<double>(counters.held.bytes))));
-  if (counters.late > 0)
-    print(fmt::format("{}: {} snapshots came late, past the filters", id.to_string(),
-                      count_text(counters.late)));
-  if (counters.failed > 0)
-    print(fmt::format("{}: {} snapshots could not be stored", id.to_string(),
-                      count_text(counters.failed)));
-}
-
-void print_report(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
-  TextTable table({"entity", "offered", "kept", "dropped", "raw", "kept raw", "journal"});
-  for (const auto& [id, counters] : recorder.counters()) {
-    uint64_t total = 0;
-    for (const auto& [filter, count] : counters.dropped_by) total += count;
-    std::string dropped = count_text(total);
-    for (const auto& [filter, count] : counters.dropped_by) dropped += " " + filter;
-    table.add({id.to_string(), count_text(counters.offered), count_text(counters.kept), dropped,
-               bytes_text(static_cast<double>(counters.offered_bytes)),
-               bytes_text(static_cast<double>(counters.kept_bytes)),
-               bytes_text(static_cast<double>(counters.stored_bytes))});
-  }
+  TextTable table({"in the " + std::string(format.name()), "becomes", "values"});
+  for (const datasets::RecordingStream& stream : reader.streams())
+    table.add({stream.name, stream.entity.to_string(),
+               stream.values > 0 ? count_text(stream.values) : "-"});
   print(table.to_string());
-  for (const auto& [id, counters] : recorder.counters()) print_filters(id, counters);
-  for (const auto& [id, counters] : recorder.counters())
-    if (counters.reinterpreted > 0)
-      print(fmt::format("{}: {} values were cast to their segment's type ({})", id.to_string(),
-                        count_text(counters.reinterpreted), counters.last_reinterpretation));
-  if (report.first && report.last)
-    print(fmt::format("{} to {}", to_string(*report.first), to_string(*report.last)));
-  if (report.duplicate_frames > 0)
-    print(fmt::format("{} frames repeat the one before exactly",
-                      count_text(report.duplicate_frames)));
-  if (report.rows_outside_video > 0)
-    print(fmt::format("{} rows lie outside of the video", count_text(report.rows_outside_video)));
 }
 
-ExitCode run(const ImportArguments& arguments) {
-  auto options = import_options(arguments);
-  if (!options.ok()) return wrong_usage(options.status());
-  const auto recording = recorder_options(arguments);
-  if (!recording.ok()) return wrong_usage(recording.status());
-  if (const Status status = recording->validate(); !status.ok()) return wrong_usage(status);
-  const auto types = read_types(arguments);
-  if (!types.ok()) return wrong_usage(types.status());
-  const auto start = start_of(arguments);
-  if (!start.ok()) return fail(start.status());
-  options->start = *start;
-  auto recorder = ltm::Recorder::open(arguments.store, *recording);
-  if (!recorder.ok()) return fail(recorder.status());
-  if (const Status status = declare(*recorder, *types); !status.ok()) return fail(status);
-  ProgressLine progress;
-  const auto report =
-      datasets::import_video_table(*options, *recorder, progress.sink(), interrupt_token());
-  progress.finish();
-  // What was committed before an error stays, and is sealed like the rest.
-  const Status closed = recorder->close();
+Result<ltm::Recorder> open_recorder(const ImportArguments& arguments,
+                                    const ltm::Recorder::Options& recording,
+                                    const std::vector<DeclaredType>& types) {
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Recorder recorder, ltm::Recorder::open(arguments.store, recording));
+  ENGRAM_RETURN_IF_ERROR(declare(recorder, types));
+  return recorder;
+}
+
+/// Seals what came in, before an error too, and says what it was.
+template <typename Report>
+ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
+                const Result<Report>& report) {
+  const Status closed = recorder.close();
   if (!report.ok()) fail(report.status());
   if (!closed.ok()) fail(closed);
   if (!report.ok() || !closed.ok()) return ExitCode::kFailed;
   if (arguments.is_json)
-    print_json(report_json(*report, *recorder));
+    print_json(import_json(*report, recorder));
   else
-    print_report(*report, *recorder);
+    print_import(*report, recorder);
   if (report->is_cancelled) return fail(cancelled("import was stopped; what was committed stays"));
-  if (recorder->lost_frames() > 0)
-    log::warning("store '{}': {} damaged places in the journal of an earlier session",
-                 arguments.store, recorder->lost_frames());
-  if (report->damaged_frames > 0)
-    log::warning("video '{}': {} damaged frames", arguments.video, report->damaged_frames);
-  return recorder->lost_frames() + report->damaged_frames > 0 ? ExitCode::kDoneWithLoss
-                                                              : ExitCode::kDone;
+  if (recorder.lost_frames() == 0) return ExitCode::kDone;
+  log::warning("store '{}': {} damaged places in the journal of an earlier session",
+               arguments.store, recorder.lost_frames());
+  return ExitCode::kDoneWithLoss;
+}
+
+ExitCode run_recording(const ImportArguments& arguments, const ltm::Recorder::Options& recording,
+                       const std::vector<DeclaredType>& types) {
+  const auto options = reading_options(arguments);
+  if (!options.ok()) return wrong_usage(options.status());
+  const auto format = format_of(arguments);
+  if (!format.ok()) return fail(format.status());
+  auto reader = (*format)->open(arguments.from, *options);
+  if (!reader.ok()) return fail(reader.status());
+  if (arguments.is_dry) {
+    print_streams(**format, **reader, arguments.is_json);
+    return ExitCode::kDone;
+  }
+  if (arguments.store.empty()) return wrong_usage(invalid_argument("import: needs a STORE"));
+  auto recorder = open_recorder(arguments, recording, types);
+  if (!recorder.ok()) return fail(recorder.status());
+  ProgressLine progress;
+  const auto report = datasets::import_recording(**reader, (*format)->name(), *recorder,
+                                                 progress.sink(), interrupt_token());
+  progress.finish();
+  const ExitCode code = finish(arguments, *recorder, report);
+  if (!report.ok() || code != ExitCode::kDone) return code;
+  const datasets::ReadingReport& reading = report->reading;
+  if (reading.damaged > 0)
+    log::warning("'{}': {} damaged values are missing", arguments.from, reading.damaged);
+  if (!reading.truncated_at.empty())
+    log::warning("'{}' ends early: {}", arguments.from, reading.truncated_at);
+  const bool has_loss = reading.damaged > 0 || !reading.truncated_at.empty();
+  return has_loss ? ExitCode::kDoneWithLoss : code;
+}
+
+ExitCode run_video(const ImportArguments& arguments, const ltm::Recorder::Options& recording,
+                   const std::vector<DeclaredType>& types) {
+  auto options = import_options(arguments);
+  if (!options.ok()) return wrong_usage(options.status());
+  const auto start = start_of(arguments);
+  if (!start.ok()) return fail(start.status());
+  options->start = *start;
+  auto recorder = open_recorder(arguments, recording, types);
+  if (!recorder.ok()) return fail(recorder.status());
+  ProgressLine progress;
+  const auto report =
+      datasets::import_video_table(*options, *recorder, progress.sink(), interrupt_token());
+  progress.finish();
+  const ExitCode code = finish(arguments, *recorder, report);
+  if (!report.ok() || report->damaged_frames == 0) return code;
+  log::warning("video '{}': {} damaged frames", arguments.video, report->damaged_frames);
+  return code == ExitCode::kDone ? ExitCode::kDoneWithLoss : code;
+}
+
+ExitCode run(const ImportArguments& arguments) {
+  const auto recording = recorder_options(arguments);
+  if (!recording.ok()) return wrong_usage(recording.status());
+  if (const Status status = recording->validate(); !status.ok()) return wrong_usage(status);
+  const auto types = read_types(arguments.types);
+  if (!types.ok()) return wrong_usage(types.status());
+  if (!arguments.from.empty()) return run_recording(arguments, *recording, *types);
+  if (arguments.video.empty() || arguments.entity.empty())
+    return wrong_usage(invalid_argument("import: needs --from, or --video and --entity"));
+  if (arguments.store.empty()) return wrong_usage(invalid_argument("import: needs a STORE"));
+  return run_video(arguments, *recording, *types);
 }
 
 /// Prints a preset and ends the program, before other arguments are asked for.
@@ -329,25 +288,48 @@ void add_recording_options(CLI::App& command, ImportArguments& arguments) {
       ->trigger_on_parse();
 }
 
+/// What whole recordings are read with.
+void add_reading_options(CLI::App& command, ImportArguments& arguments) {
+  CLI::Option* from =
+      command.add_option("--from", arguments.from, "A recording: file or folder, see below");
+  const auto add = [&](const char* name, auto& value, const char* about) {
+    return command.add_option(name, value, about)->needs(from)->capture_default_str();
+  };
+  add("--format", arguments.format, "Its format, or auto");
+  add("--provider", arguments.reading.provider, "Third name of the entities that are made");
+  add("--episodes", arguments.reading.episodes, "Names of the episodes to take; else all")
+      ->delimiter(',');
+  add("--episode-gap", arguments.episode_gap,
+      "Between episodes, where the file does not say when they were")
+      ->check(duration_text());
+  add("--value-rate", arguments.reading.rate_hz,
+      "Values a second, where the file does not say; 0: it must");
+  command.add_flag("--dry-run", arguments.is_dry, "Only list what is in the recording")
+      ->needs(from);
+}
+
 }  // namespace
 
 void add_import_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ImportArguments>();
-  CLI::App* command = app.add_subcommand("import", "Record a video and a table into a store");
+  CLI::App* command = app.add_subcommand("import", "Record what other programs recorded");
   command->footer(kFooter);
-  command->add_option("store", arguments->store, "Store; made where it does not exist")->required();
-  command->add_option("--video", arguments->video, "Video, any codec that FFmpeg decodes")
-      ->required();
+  command->add_option("store", arguments->store, "Store; made where it does not exist");
+  add_reading_options(*command, *arguments);
+  CLI::Option* video =
+      command->add_option("--video", arguments->video, "Video, any codec that FFmpeg decodes")
+          ->excludes("--from");
   CLI::Option* table = command->add_option("--table", arguments->table, "CSV of numbers over time");
+  table->needs(video);
   command->add_option("--entity", arguments->entity, "Entity of the images")
-      ->required()
+      ->needs(video)
       ->check(entity_text());
   CLI::Option* state =
       command->add_option("--state-entity", arguments->state_entity, "Entity of the table's rows")
           ->check(entity_text());
   table->needs(state);
   state->needs(table);
-  command->add_option("--start", arguments->start, "When the video began")->check(time_text());
+  command->add_option("--start", arguments->start, "When the recording began")->check(time_text());
   command->add_option("--size", arguments->size, "Scale images to WIDTHxHEIGHT, area-averaged");
   command->add_flag("--crop-square", arguments->crops_square, "Cut out the centre square first");
   command->add_option("--time-column", arguments->time_column,
@@ -357,10 +339,7 @@ void add_import_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command->add_option("--skip-column", arguments->skip_columns,
                       "Leave a column of the table out; may be given again");
-  command->add_option("--types", arguments->type_files,
-                      "XML type description (docs/idf.md); may be given again");
-  command->add_option("--type", arguments->types,
-                      "SEGMENT=NAME: the type of a core or provider segment; may be given again");
+  add_type_options(*command, arguments->types);
   command
       ->add_option("--table-offset", arguments->table_offset,
                    "Added to the table's times to get the video's")
@@ -368,7 +347,10 @@ void add_import_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   add_recording_options(*command, *arguments);
   command->add_flag("--json", arguments->is_json, "Report as JSON");
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command->callback([arguments, command, &exit_code] {
+    arguments->has_rate = command->count("--rate") > 0;
+    exit_code = run(*arguments);
+  });
 }
 
 }  // namespace engram::cli
