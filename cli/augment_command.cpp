@@ -183,7 +183,7 @@ void add_render_options(CLI::App& command, AugmentArguments& arguments) {
   training::RenderOptions& options = arguments.render_options;
   CLI::Option* render = command.add_option("--render", arguments.render,
                                            "Render moments anew in these ways, see below");
-  render->delimiter(',');
+  render->allow_extra_args(false)->delimiter(',');
   for (const char* other : {"--changes", "--mask", "--mask-member", "--label", "--points"})
     render->excludes(command.get_option(other));
   const auto add = [&](const char* name, auto& value, const char* about) {
@@ -216,6 +216,7 @@ void add_augment_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command->add_option("--seed", options.seed, "Seed of all chance")->capture_default_str();
   command->add_option("--changes", arguments->changes, "NAME or NAME:STRENGTH, see below")
+      ->allow_extra_args(false)
       ->delimiter(',');
   command->add_option("--strength", options.strength_percent, "Of changes without their own")
       ->capture_default_str();

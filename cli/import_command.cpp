@@ -8,7 +8,7 @@
 #include "cli/text.h"
 #include "cli/type_options.h"
 #include "datasets/formats.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 #include "datasets/video_table.h"
 #include "ltm/core/log.h"
 #include "ltm/recording/recording_config.h"
@@ -298,6 +298,7 @@ void add_reading_options(CLI::App& command, ImportArguments& arguments) {
   add("--format", arguments.format, "Its format, or auto");
   add("--provider", arguments.reading.provider, "Third name of the entities that are made");
   add("--episodes", arguments.reading.episodes, "Names of the episodes to take; else all")
+      ->allow_extra_args(false)
       ->delimiter(',');
   add("--episode-gap", arguments.episode_gap,
       "Between episodes, where the file does not say when they were")

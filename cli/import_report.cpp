@@ -117,6 +117,7 @@ Json import_json(const datasets::RecordingImportReport& report, const ltm::Recor
           {"values", report.values},
           {"not_carried", std::move(not_carried)},
           {"damaged", report.reading.damaged},
+          {"duplicate_images", report.reading.duplicate_images},
           {"truncated_at", report.reading.truncated_at},
           {"cancelled", report.is_cancelled},
           {"damaged_journal_places", recorder.lost_frames()},
@@ -138,6 +139,9 @@ void print_import(const datasets::RecordingImportReport& report, const ltm::Reco
   print_span(report.first, report.last);
   print(fmt::format("{} values of {} episodes", count_text(report.values),
                     count_text(report.episodes)));
+  if (report.reading.duplicate_images > 0)
+    print(fmt::format("{} images repeat the one before exactly",
+                      count_text(report.reading.duplicate_images)));
   if (!report.reading.not_carried.empty()) print("Not as it was:");
   for (const auto& [what, count] : report.reading.not_carried)
     print(fmt::format("  {:>10}  {}", count_text(count), what));

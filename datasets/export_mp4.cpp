@@ -7,7 +7,7 @@
 #include "datasets/export_formats.h"
 #include "datasets/export_images.h"
 #include "datasets/export_names.h"
-#include "datasets/video_writer.h"
+#include "datasets/media/video_writer.h"
 #include "ltm/core/file.h"
 
 namespace engram::datasets {

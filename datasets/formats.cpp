@@ -3,6 +3,8 @@
 
 #include <fmt/ranges.h>
 
+#include "datasets/lerobot/lerobot_format.h"
+
 namespace engram::datasets {
 
 namespace {
@@ -18,6 +20,7 @@ std::string known_formats() {
 const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats() {
   static const auto formats = [] {
     std::vector<std::unique_ptr<const RecordingFormat>> all;
+    all.push_back(make_lerobot_format());
     return all;
   }();
   return formats;

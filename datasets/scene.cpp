@@ -9,7 +9,7 @@
 
 #include "datasets/scene_painter.h"
 #include "datasets/scene_plan.h"
-#include "datasets/video_writer.h"
+#include "datasets/media/video_writer.h"
 #include "ltm/core/file.h"
 
 namespace engram::datasets {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 
 namespace engram::datasets {
 

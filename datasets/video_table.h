@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <string>
 
-#include "datasets/table.h"
+#include "datasets/media/table.h"
 #include "ltm/core/progress.h"
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"

@@ -12,7 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "augmentation/blender/line_process.h"
+#include "ltm/core/line_process.h"
 #include "augmentation/blender/render_script.h"
 
 namespace engram::augmentation {

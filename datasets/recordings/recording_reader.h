@@ -62,6 +62,8 @@ struct ReadingReport {
   std::map<std::string, uint64_t, std::less<>> not_carried;
   /// Values that could not be read, and are missing.
   uint64_t damaged = 0;
+  /// Images that repeat the one before exactly; they came in.
+  uint64_t duplicate_images = 0;
   /// Where the file ends before it should: file, offset and what was expected; empty: it does not.
   std::string truncated_at;
 

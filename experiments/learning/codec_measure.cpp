@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <span>
 
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 #include "ltm/codec/group_codec.h"
 #include "store/measure.h"
 #include "training/quality/ssim.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "learning/number_data.h"
 
-#include "datasets/table.h"
+#include "datasets/media/table.h"
 #include "store/measure.h"
 
 namespace engram::experiments {

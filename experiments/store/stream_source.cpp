@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "datasets/scene.h"
-#include "datasets/table.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/table.h"
+#include "datasets/media/video_reader.h"
 #include "store/measure.h"
 
 namespace engram::experiments {

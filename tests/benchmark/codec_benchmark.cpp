@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "datasets/scene.h"
-#include "datasets/table.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/table.h"
+#include "datasets/media/video_reader.h"
 #include "ltm/codec/codec.h"
 #include "ltm/codec/column_codec.h"
 #include "ltm/codec/group_codec.h"

@@ -12,8 +12,8 @@
 #include <random>
 
 #include "datasets/scene.h"
-#include "datasets/table.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/table.h"
+#include "datasets/media/video_reader.h"
 #include "ltm/recording/recorder.h"
 #include "ltm/recording/recording_config.h"
 #include "ltm/store/store_reader.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 #include "ltm/codec/png.h"
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"

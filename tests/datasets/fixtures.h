@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/video_reader.h"
-#include "datasets/video_writer.h"
+#include "datasets/media/video_reader.h"
+#include "datasets/media/video_writer.h"
 #include "ltm/core/file.h"
 #include "tests/ltm/scratch_directory.h"
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/table.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/table.h"
+#include "datasets/media/video_reader.h"
 #include "tests/datasets/fixtures.h"
 
 namespace engram::datasets {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/blender/line_process.h"
+#include "ltm/core/line_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 
 extern char** environ;
 
-namespace engram::augmentation {
+namespace engram {
 
 namespace {
 
@@ -108,4 +108,4 @@ std::string LineProcess::last_words() const {
   return said_.empty() ? "" : fmt::format("; its last words: {}", fmt::join(said_, " | "));
 }
 
-}  // namespace engram::augmentation
+}  // namespace engram

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/video_file.h"
+#include "datasets/media/video_file.h"
 
 #include <algorithm>
 #include <cerrno>

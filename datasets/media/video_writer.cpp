@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/video_writer.h"
+#include "datasets/media/video_writer.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
-#include "datasets/libav.h"
+#include "datasets/media/libav.h"
 #include "ltm/core/file.h"
 
 namespace engram::datasets {

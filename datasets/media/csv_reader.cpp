@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/csv_reader.h"
+#include "datasets/media/csv_reader.h"
 
 #include <array>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 
 #include <gtest/gtest.h>
 

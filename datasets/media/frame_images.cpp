@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/frame_images.h"
+#include "datasets/media/frame_images.h"
 
 #include <algorithm>
 #include <array>

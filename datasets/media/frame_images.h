@@ -5,8 +5,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "datasets/libav.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/libav.h"
+#include "datasets/media/video_reader.h"
 
 namespace engram::datasets {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/libav.h"
+#include "datasets/media/libav.h"
 
 #include <string_view>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <utility>
 
-#include "datasets/frame_images.h"
-#include "datasets/video_file.h"
+#include "datasets/media/frame_images.h"
+#include "datasets/media/video_file.h"
 
 namespace engram::datasets {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/table.h"
+#include "datasets/media/table.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "datasets/csv_reader.h"
+#include "datasets/media/csv_reader.h"
 
 namespace engram::datasets {
 

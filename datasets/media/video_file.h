@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "datasets/libav.h"
-#include "datasets/video_reader.h"
+#include "datasets/media/libav.h"
+#include "datasets/media/video_reader.h"
 
 namespace engram::datasets {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/video_writer.h"
+#include "datasets/media/video_writer.h"
 
 #include <gtest/gtest.h>
 
-#include "datasets/video_reader.h"
+#include "datasets/media/video_reader.h"
 #include "tests/datasets/fixtures.h"
 
 namespace engram::datasets {

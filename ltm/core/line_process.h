@@ -10,7 +10,7 @@
 #include "ltm/core/status.h"
 #include "ltm/core/time.h"
 
-namespace engram::augmentation {
+namespace engram {
 
 /// A child process that reads lines and answers with lines. Ends it when it goes.
 ///
@@ -44,4 +44,4 @@ class LineProcess {
   std::deque<std::string> said_;  ///< The last lines.
 };
 
-}  // namespace engram::augmentation
+}  // namespace engram

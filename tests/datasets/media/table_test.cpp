@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/table.h"
+#include "datasets/media/table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "augmentation/blender/line_process.h"
+#include "ltm/core/line_process.h"
 
 #include <gmock/gmock.h>
 
 #include "tests/ltm/expect_status.h"
 
-namespace engram::augmentation {
+namespace engram {
 namespace {
 
 using namespace std::chrono_literals;
@@ -38,4 +38,4 @@ TEST(LineProcess, SaysWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace engram::augmentation
+}  // namespace engram

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+namespace engram::datasets::lerobot {
+
+/// parquet_to_csv.py.
+[[nodiscard]] std::string_view parquet_script();
+
+}  // namespace engram::datasets::lerobot
