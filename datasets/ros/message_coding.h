@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "datasets/ros/message_definition.h"
+#include "ltm/idf/data.h"
+
+namespace engram::datasets::ros {
+
+/// A message as a dict of its fields.
+///
+/// int8 to int32 and uint16 are int32; uint32 and int64 are int64; uint64 is an ndarray of one
+/// element; arrays of numbers are ndarrays, of bool as uint8, all others lists. Text that is no
+/// UTF-8 is an ndarray of bytes. A time of ROS 1 is {"sec", "nsec"}.
+/// Errors: kDataLoss naming the offset, what was found and what was needed. Memory: bounded by the
+/// bytes, whatever lengths they state.
+Result<idf::Data> decode_fields(const MessageDefinition& definition, Serialization serialization,
+                                std::span<const std::byte> bytes);
+
+/// The same the other way. Numbers may be of any kind that holds the same value.
+/// Errors: kInvalidArgument naming the path where a member is missing, unknown or does not fit.
+Result<std::vector<std::byte>> encode_fields(const MessageDefinition& definition,
+                                             Serialization serialization, const idf::Data& value);
+
+/// Of an array of plain numbers.
+[[nodiscard]] idf::ElementType element_type(FieldKind kind);
+
+}  // namespace engram::datasets::ros
