@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/lerobot/lerobot_format.h"
+#include "datasets/mcap/mcap_format.h"
 
 namespace engram::datasets {
 
@@ -21,6 +22,7 @@ const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats
   static const auto formats = [] {
     std::vector<std::unique_ptr<const RecordingFormat>> all;
     all.push_back(make_lerobot_format());
+    all.push_back(make_mcap_format());
     return all;
   }();
   return formats;

@@ -14,6 +14,8 @@ LIBRARIES = {
     "nlohmann/json": ("nlohmann/",),
     "pugixml": ("pugixml.hpp",),
     "re2": ("re2/",),
+    "zlib": ("zlib.h",),
+    "lz4": ("lz4frame.h",),
     "zstd": ("zstd.h", "zdict.h"),
     "OpenCV": ("opencv2/",),
     "Eigen": ("Eigen/",),

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/mcap/file_window.h"
+#include "datasets/mcap/records.h"
+#include "datasets/recordings/recording_reader.h"
+
+namespace engram::datasets::mcap {
+
+/// A chunk, or messages that lie one behind the other outside of chunks.
+struct Region {
+  uint64_t offset = 0;
+  uint64_t length = 0;
+  uint64_t start_time = 0;  ///< Unit: ns.
+  uint64_t messages = 0;    ///< As indexes say; 0: they do not.
+  bool is_chunk = false;
+};
+
+/// Everything that a file says of itself: where its messages lie, and what they are.
+///
+/// Memory: about 40 bytes per chunk, or MiB of messages outside of chunks, and the descriptions.
+struct FileMap {
+  HeaderRecord header;
+  std::map<uint16_t, SchemaRecord> schemas;
+  std::map<uint16_t, ChannelRecord> channels;
+  std::vector<MetadataRecord> metadata;
+  std::vector<Region> regions;  ///< In the order of the file.
+  std::optional<StatisticsRecord> statistics;
+  std::map<uint16_t, size_t> first_region;  ///< That has a message of a channel.
+};
+
+/// The messages of a region, once it is in memory.
+struct LoadedRegion {
+  struct Entry {
+    uint64_t time;
+    uint64_t offset;  ///< Of the record, in `bytes`.
+  };
+  Buffer bytes;
+  std::vector<Entry> entries;  ///< In the order of the file.
+  std::vector<SchemaRecord> schemas;
+  std::vector<ChannelRecord> channels;
+};
+
+/// Reads and checks one region.
+/// Errors: kDataLoss naming file, offset, what was found and what was needed.
+Result<LoadedRegion> load_region(FileWindow& file, const Region& region);
+
+/// The content of the message at `entry`, which load_region found.
+[[nodiscard]] MessageRecord message_at(const LoadedRegion& loaded,
+                                       const LoadedRegion::Entry& entry);
+
+/// Walks over all records; what is missing or damaged is told in `report`. Chunks are opened only
+/// where the summary does not say what is in them.
+/// Errors: kInvalidArgument where it is no MCAP file; kDataLoss where it has no header.
+Result<FileMap> map_file(FileWindow& file, ReadingReport& report);
+
+}  // namespace engram::datasets::mcap

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/mcap/mcap_reader.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "ltm/memory/utf8.h"
+
+namespace engram::datasets::mcap {
+
+namespace {
+
+constexpr uint64_t kMostTime = std::numeric_limits<int64_t>::max();
+
+/// "camera.image" of "/camera/image".
+std::string entity_name(std::string_view topic, uint16_t id) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  if (topic.empty() || !ltm::is_utf8(topic)) return fmt::format("channel_{}", id);
+  std::string name(topic);
+  std::ranges::replace(name, '/', '.');
+  return name;
+}
+
+idf::Dict texts_value(const std::map<std::string, std::string>& texts, ReadingReport& report) {
+  idf::Dict value;
+  for (const auto& [key, text] : texts) {
+    if (ltm::is_utf8(key))
+      value.set(key, text_value(text));
+    else
+      ++report.not_carried["keys of metadata that are no UTF-8"];
+  }
+  return value;
+}
+
+/// The entity that a channel of ours was made of; empty where it is none, or one of descriptions.
+ltm::MemoryId own_entity(const ChannelRecord& channel) {
+  const auto own = channel.metadata.find(kEntityKey);
+  if (own == channel.metadata.end()) return {};
+  const auto entity = ltm::MemoryId::parse(own->second);
+  const bool is_usable = entity.ok() && entity->is_entity() && entity->names()[0] != "Recording";
+  return is_usable ? *entity : ltm::MemoryId();
+}
+
+}  // namespace
+
+idf::Data text_value(const std::string& text) {
+  if (ltm::is_utf8(text)) return text;
+  return idf::NdArray::take<uint8_t>({static_cast<int64_t>(text.size())},
+                                     {text.begin(), text.end()});
+}
+
+std::string text_of(const idf::Data* value) {
+  if (value == nullptr) return {};
+  if (const auto* text = value->get_if<std::string>()) return *text;
+  if (const auto* bytes = value->get_if<idf::NdArray>())
+    return std::string(as_text(bytes->bytes()));
+  return {};
+}
+
+Result<std::unique_ptr<RecordingReader>> McapReader::open(const std::filesystem::path& path,
+                                                          const ReadingOptions& options) {
+  if (!options.episodes.empty())
+    return invalid_argument(
+        "'{}': an MCAP file is one recording without a name, episode '{}' was "
+        "asked for",
+        path.string(), options.episodes.front());
+  const auto provider = ltm::MemoryId::from_names({"Data", "mcap", options.provider});
+  if (!provider.ok()) return provider.status().with_context("provider");
+  ENGRAM_ASSIGN_OR_RETURN(FileWindow file, FileWindow::open(path));
+  std::unique_ptr<McapReader> reader(new McapReader(std::move(file), options));
+  ENGRAM_RETURN_IF_ERROR(reader->prepare());
+  return std::unique_ptr<RecordingReader>(std::move(reader));
+}
+
+Status McapReader::prepare() {
+  ENGRAM_ASSIGN_OR_RETURN(map_, map_file(file_, report_));
+  ENGRAM_RETURN_IF_ERROR(add_channels());
+  loaded_ = {};
+  for (const Region& region : map_.regions) total_ += region.messages;
+  messages_ = std::make_unique<OrderedMessages>(file_, std::move(map_.regions));
+  map_.regions.clear();
+  return {};
+}
+
+Status McapReader::add_channels() {
+  for (const auto& [id, channel] : map_.channels) {
+    const auto schema = map_.schemas.find(channel.schema_id);
+    const SchemaRecord* found = schema == map_.schemas.end() ? nullptr : &schema->second;
+    ChannelCoder coder = ChannelCoder::create(channel, found);
+    std::optional<idf::Data> first;
+    if (coder.ros_type() != nullptr && coder.ros_type()->is_image()) {
+      auto value = first_value(id, coder);
+      if (!value.ok() && value.status().code() == StatusCode::kUnavailable) return value.status();
+      if (value.ok()) first = *std::move(value);
+    }
+    ros::SegmentNames segment{"Data", "mcap"};
+    if (coder.ros_type() != nullptr)
+      segment = coder.ros_type()->segment(first ? &*first : nullptr).value_or(segment);
+    ltm::MemoryId entity = own_entity(channel);
+    if (!entity.is_entity() || !entities_.insert(entity).second)
+      entity = free_entity(segment, entity_name(channel.topic, id));
+    channels_.emplace(id, Channel{entity, std::move(coder), std::nullopt, std::nullopt});
+    describe(channel, found);
+  }
+  return {};
+}
+
+ltm::MemoryId McapReader::free_entity(const ros::SegmentNames& segment, std::string name) {
+  for (int i = 1;; ++i) {
+    const std::string unique = i == 1 ? name : fmt::format("{}_{}", name, i);
+    auto entity =
+        ltm::MemoryId::from_names({segment.memory, segment.segment, options_.provider, unique});
+    ENGRAM_CHECK(entity.ok(), "{}", entity.status().message());
+    if (entities_.insert(*entity).second) return *entity;
+  }
+}
+
+void McapReader::describe(const ChannelRecord& channel, const SchemaRecord* schema) {
+  RecordingStream stream;
+  stream.entity = channels_.at(channel.id).entity;
+  stream.name = channel.topic;
+  if (!ltm::is_utf8(channel.topic)) {
+    stream.name = fmt::format("channel_{}", channel.id);
+    ++report_.not_carried["topics that are no UTF-8, renamed"];
+  }
+  if (map_.statistics) {
+    const auto count = map_.statistics->channel_message_counts.find(channel.id);
+    if (count != map_.statistics->channel_message_counts.end()) stream.values = count->second;
+  }
+  stream.attributes = {{"message_encoding", text_value(channel.message_encoding)},
+                       {"metadata", texts_value(channel.metadata, report_)}};
+  if (schema != nullptr)
+    stream.attributes.set("schema", idf::Dict{{"name", text_value(schema->name)},
+                                              {"encoding", text_value(schema->encoding)},
+                                              {"data", text_value(schema->data)}});
+  const std::string& problem = channels_.at(channel.id).coder.problem();
+  if (!problem.empty() && ltm::is_utf8(problem)) stream.attributes.set("kept_as_bytes", problem);
+  streams_.push_back(std::move(stream));
+}
+
+Result<idf::Data> McapReader::first_value(uint16_t id, const ChannelCoder& coder) {
+  const auto found = map_.first_region.find(id);
+  if (found == map_.first_region.end()) return not_found("channel {} has no message", id);
+  if (loaded_index_ != found->second) {
+    loaded_index_.reset();
+    ENGRAM_ASSIGN_OR_RETURN(loaded_, load_region(file_, map_.regions[found->second]));
+    loaded_index_ = found->second;
+  }
+  for (const auto& entry : loaded_.entries) {
+    const MessageRecord message = message_at(loaded_, entry);
+    if (message.channel_id == id) return coder.decode(message.data);
+  }
+  return not_found("channel {} has no message where its index says", id);
+}
+
+Time McapReader::shifted(uint64_t ns) {
+  const auto time = static_cast<int64_t>(std::min(ns, kMostTime));
+  if (!shift_ns_) {
+    shift_ns_ = 0;
+    if (options_.start) shift_ns_ = to_ns(*options_.start) - time;
+  }
+  int64_t moved = 0;
+  if (__builtin_add_overflow(time, *shift_ns_, &moved)) moved = time;
+  return time_from_ns(moved);
+}
+
+void McapReader::watch_sequence(Channel& channel, uint32_t sequence) {
+  if (channel.sequence && sequence != *channel.sequence + 1 &&
+      (sequence != 0 || *channel.sequence != 0))
+    ++report_.not_carried["sequence numbers that do not count on"];
+  channel.sequence = sequence;
+}
+
+std::optional<ltm::EntityUpdate> McapReader::update_of(Channel& channel,
+                                                       const MessageRecord& message) {
+  watch_sequence(channel, message.sequence);
+  auto value = message.log_time > kMostTime
+                   ? data_loss("log time {} is after the year 2262", message.log_time)
+                   : channel.coder.decode(message.data);
+  if (!value.ok()) {
+    ++report_.damaged;
+    constexpr size_t kMostNotes = 40;
+    if (report_.not_carried.size() < kMostNotes)
+      ++report_.not_carried[fmt::format("messages of '{}': {}", channel.entity.to_string(),
+                                        value.status().message())];
+    return std::nullopt;
+  }
+  ltm::EntityUpdate update{channel.entity, shifted(message.log_time), {}};
+  ltm::InstanceMetadata metadata{.created = shifted(message.publish_time),
+                                 .sent = shifted(message.publish_time),
+                                 .arrived = update.time,
+                                 .provider = "import"};
+  if (const auto stamp = ros::header_stamp(*value); stamp && to_ns(*stamp) >= 0)
+    metadata.created = shifted(static_cast<uint64_t>(to_ns(*stamp)));
+  update.instances.push_back({*std::move(value), std::move(metadata)});
+  put_in_order(channel, message.log_time, update);
+  return update;
+}
+
+void McapReader::put_in_order(Channel& channel, uint64_t log_time, ltm::EntityUpdate& update) {
+  const bool repeats = channel.last_log_time == log_time;
+  channel.last_log_time = log_time;
+  Time time = std::max(update.time, last_);
+  if (time == last_ && at_last_.contains(update.entity)) time = time_from_ns(to_ns(last_) + 1);
+  if (time != update.time)
+    ++report_.not_carried[repeats ? "repeated times, moved by 1 ns"
+                                  : "times moved behind those before them"];
+  if (time != last_) at_last_.clear();
+  at_last_.insert(update.entity);
+  last_ = update.time = time;
+}
+
+Result<std::optional<ltm::EntityUpdate>> McapReader::pull() {
+  while (true) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto message, messages_->next(report_));
+    if (!message) return std::optional<ltm::EntityUpdate>();
+    const auto channel = channels_.find(message->channel_id);
+    if (channel == channels_.end()) {
+      ++report_.damaged;
+      ++report_.not_carried["messages of channels that the file does not describe"];
+      continue;
+    }
+    if (auto update = update_of(channel->second, *message)) return update;
+  }
+}
+
+RecordingEpisode McapReader::episode(Time start) {
+  RecordingEpisode episode{"mcap", "", start, {}};
+  idf::List metadata;
+  for (const MetadataRecord& record : map_.metadata)
+    metadata.push_back(idf::Dict{{"name", text_value(record.name)},
+                                 {"metadata", texts_value(record.metadata, report_)}});
+  episode.attributes = {{"profile", text_value(map_.header.profile)},
+                        {"library", text_value(map_.header.library)},
+                        {"metadata", std::move(metadata)}};
+  return episode;
+}
+
+Result<std::optional<RecordingReader::Moment>> McapReader::next() {
+  if (!waiting_) {
+    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull());
+  }
+  Moment moment;
+  if (!has_begun_ && (waiting_ || !streams_.empty() || !map_.metadata.empty()))
+    moment.begins = episode(waiting_ ? waiting_->time : options_.start.value_or(Time{}));
+  has_begun_ = true;
+  if (!waiting_) return moment.begins ? std::optional(std::move(moment)) : std::nullopt;
+  const Time time = waiting_->time;
+  while (waiting_ && waiting_->time == time) {
+    moment.commit.updates.push_back(*std::move(waiting_));
+    waiting_.reset();
+    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull());
+  }
+  return std::optional(std::move(moment));
+}
+
+}  // namespace engram::datasets::mcap

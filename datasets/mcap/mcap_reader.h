@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <map>
+#include <memory>
+#include <set>
+
+#include "datasets/mcap/channel_coder.h"
+#include "datasets/mcap/ordered_messages.h"
+#include "datasets/recordings/recording_format.h"
+
+namespace engram::datasets::mcap {
+
+/// Text as a value: bytes where it is no UTF-8.
+[[nodiscard]] idf::Data text_value(const std::string& text);
+/// The same the other way; empty for other values.
+[[nodiscard]] std::string text_of(const idf::Data* value);
+
+/// Reads one MCAP file.
+///
+/// A moment is at the log time; `created` is the stamp of a message's header, else its publish
+/// time. What has no summary, or ends early, is read as far as it goes.
+/// Memory: that of OrderedMessages and one moment.
+class McapReader final : public RecordingReader {
+ public:
+  static Result<std::unique_ptr<RecordingReader>> open(const std::filesystem::path& path,
+                                                       const ReadingOptions& options);
+
+  [[nodiscard]] const std::vector<RecordingStream>& streams() const override { return streams_; }
+  [[nodiscard]] uint64_t total() const override { return total_; }
+  Result<std::optional<Moment>> next() override;
+
+ private:
+  struct Channel {
+    ltm::MemoryId entity;
+    ChannelCoder coder;
+    std::optional<uint64_t> last_log_time;
+    std::optional<uint32_t> sequence;
+  };
+
+  McapReader(FileWindow file, const ReadingOptions& options)
+      : file_(std::move(file)), options_(options) {}
+
+  Status prepare();
+  Status add_channels();
+  void describe(const ChannelRecord& channel, const SchemaRecord* schema);
+  ltm::MemoryId free_entity(const ros::SegmentNames& segment, std::string name);
+  Result<idf::Data> first_value(uint16_t id, const ChannelCoder& coder);
+  Result<std::optional<ltm::EntityUpdate>> pull();
+  std::optional<ltm::EntityUpdate> update_of(Channel& channel, const MessageRecord& message);
+  void watch_sequence(Channel& channel, uint32_t sequence);
+  void put_in_order(Channel& channel, uint64_t log_time, ltm::EntityUpdate& update);
+  Time shifted(uint64_t ns);
+  RecordingEpisode episode(Time start);
+
+  FileWindow file_;
+  ReadingOptions options_;
+  FileMap map_;
+  std::vector<RecordingStream> streams_;
+  std::map<uint16_t, Channel> channels_;
+  std::set<ltm::MemoryId> entities_;
+  std::unique_ptr<OrderedMessages> messages_;
+  std::optional<size_t> loaded_index_;  ///< Of the region that first_value looked into last.
+  LoadedRegion loaded_;
+  uint64_t total_ = 0;
+  std::optional<int64_t> shift_ns_;
+  std::optional<ltm::EntityUpdate> waiting_;
+  Time last_ = Time::min();
+  std::set<ltm::MemoryId> at_last_;  ///< Entities that have a value at `last_`.
+  bool has_begun_ = false;
+};
+
+}  // namespace engram::datasets::mcap
