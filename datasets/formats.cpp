@@ -3,6 +3,8 @@
 
 #include <fmt/ranges.h>
 
+#include "datasets/folders/folder_formats.h"
+#include "datasets/hdf5/hdf5_formats.h"
 #include "datasets/lerobot/lerobot_format.h"
 #include "datasets/mcap/mcap_format.h"
 
@@ -23,6 +25,9 @@ const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats
     std::vector<std::unique_ptr<const RecordingFormat>> all;
     all.push_back(make_lerobot_format());
     all.push_back(make_mcap_format());
+    all.push_back(make_robomimic_format());
+    all.push_back(make_aloha_format());
+    all.push_back(make_tum_format());
     return all;
   }();
   return formats;

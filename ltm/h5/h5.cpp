@@ -22,6 +22,12 @@ size_t size_bytes(Type type) {
   }
 }
 
+uint64_t ArrayInfo::row_elements() const {
+  uint64_t total = 1;
+  for (size_t i = 1; i < shape.size(); ++i) total *= shape[i];
+  return total;
+}
+
 uint64_t DatasetInfo::count() const {
   uint64_t total = 1;
   for (const uint64_t size : shape) total *= size;
@@ -33,7 +39,7 @@ File::File(File&&) noexcept = default;
 File& File::operator=(File&&) noexcept = default;
 File::~File() = default;
 
-Result<File> File::create(const std::filesystem::path& path) {
+Result<File> File::create(const std::filesystem::path& path, Audience audience) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored))
     return already_exists("HDF5 file '{}' exists", path.string());
@@ -43,7 +49,8 @@ Result<File> File::create(const std::filesystem::path& path) {
   const LibraryLock lock;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // The 1.10 format spends far fewer bytes per dataset than the default of 1.8 and older.
-  H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+  if (audience == Audience::kOurselves)
+    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   const Handle creation = without_times(H5P_FILE_CREATE);
   state->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation, access), H5Fclose);
   if (!state->file.valid()) return unavailable("HDF5 file '{}': cannot be created", path.string());
@@ -65,6 +72,7 @@ Result<File> File::open(const std::filesystem::path& path) {
 Status File::close() {
   const LibraryLock lock;
   state_->open_datasets.clear();
+  state_->open_arrays.clear();
   if (H5Fflush(state_->file, H5F_SCOPE_GLOBAL) < 0) return state_->write_failed("/");
   if (!state_->file.finish()) return state_->write_failed("/");
   return {};

@@ -12,23 +12,9 @@
 #include <vector>
 
 #include "ltm/core/status.h"
+#include "ltm/h5/h5_array.h"
 
 namespace engram::h5 {
-
-enum class Type {
-  kInt8,
-  kInt16,
-  kInt32,
-  kInt64,
-  kUInt8,
-  kUInt16,
-  kUInt32,
-  kUInt64,
-  kFloat32,
-  kFloat64
-};
-
-[[nodiscard]] size_t size_bytes(Type type);
 
 /// How a dataset lies in the file.
 enum class Storage {
@@ -36,6 +22,14 @@ enum class Storage {
   kContiguous,
   /// Chunks of rows, byte-shuffled and deflated, with a checksum each.
   kCompressed,
+};
+
+/// What a file is written for.
+enum class Audience {
+  /// HDF5 1.10 and newer: fewest bytes.
+  kOurselves,
+  /// Every version that is in use, as h5py writes.
+  kEverybody,
 };
 
 /// Type and size of a dataset.
@@ -59,7 +53,8 @@ struct DatasetInfo {
 class File {
  public:
   /// Errors: kAlreadyExists, kUnavailable.
-  static Result<File> create(const std::filesystem::path& path);
+  static Result<File> create(const std::filesystem::path& path,
+                             Audience audience = Audience::kOurselves);
 
   /// Opens for reading. Errors: kNotFound, kDataLoss where it is no HDF5 file.
   static Result<File> open(const std::filesystem::path& path);
@@ -88,6 +83,25 @@ class File {
   Status write_attribute(const std::string& object, const std::string& name, int64_t value);
   Status write_attribute(const std::string& object, const std::string& name, double value);
 
+  /// Of any kind but kOther. Texts are written of variable length, but where they are fixed.
+  Status write_attribute(const std::string& object, const std::string& name,
+                         const Attribute& value);
+
+  /// Makes a dataset, groups above it included, which its rows are written into. Needs a shape of
+  /// an axis or more (checked).
+  Status create_array(const std::string& path, const ArrayInfo& info);
+
+  /// Writes rows of numbers from row `first` on; whole chunks at a time are fastest.
+  Status write_array_rows(const std::string& path, uint64_t first,
+                          std::span<const std::byte> bytes);
+
+  /// Writes texts, or bytes, of an array of one axis from row `first` on.
+  Status write_array_texts(const std::string& path, uint64_t first,
+                           std::span<const std::string> texts);
+
+  /// Closes an array that create_array made.
+  Status finish_array(const std::string& path);
+
   /// Errors: kDataLoss where a group on the way is damaged.
   Result<bool> exists(const std::string& path) const;
 
@@ -113,6 +127,25 @@ class File {
   Result<std::string> string_attribute(const std::string& object, const std::string& name) const;
   Result<int64_t> int_attribute(const std::string& object, const std::string& name) const;
   Result<double> double_attribute(const std::string& object, const std::string& name) const;
+
+  /// What a dataset of other people is. Errors: kDataLoss where it announces more than it can hold
+  /// or needs a filter that is not there.
+  Result<ArrayInfo> array_info(const std::string& path) const;
+
+  /// Numbers of rows [first, first + count) along axis 0, as they are in memory. At most
+  /// `max_bytes`.
+  Result<std::vector<std::byte>> read_array_rows(const std::string& path, uint64_t first,
+                                                 uint64_t count,
+                                                 uint64_t max_bytes = uint64_t{1} << 30) const;
+
+  /// Texts, or bytes, of an array of one axis.
+  Result<std::vector<std::string>> read_array_texts(const std::string& path, uint64_t first,
+                                                    uint64_t count) const;
+
+  /// In the order of their bytes.
+  Result<std::vector<std::string>> attribute_names(const std::string& object) const;
+
+  Result<Attribute> attribute(const std::string& object, const std::string& name) const;
 
   /// Bytes in the file that the datasets below `path` take.
   Result<uint64_t> storage_bytes(const std::string& path) const;

@@ -24,6 +24,8 @@ LibraryLock::LibraryLock() {
   // clean-up at exit then crashes. We close all that we open.
   [[maybe_unused]] static const herr_t is_unregistered = H5dont_atexit();
   lock_ = std::unique_lock(mutex);
+  // A file must not make us open others.
+  [[maybe_unused]] static const herr_t has_no_outer_links = H5Lunregister(H5L_TYPE_EXTERNAL);
   // Kept by thread: errors are told by status, not printed.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -63,6 +65,7 @@ Handle without_times(hid_t property_class) {
 File::State::~State() {
   const LibraryLock lock;
   open_datasets.clear();
+  open_arrays.clear();
   file = Handle();
 }
 

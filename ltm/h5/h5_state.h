@@ -8,9 +8,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
+#include "ltm/h5/chunk_filters.h"
 #include "ltm/h5/h5.h"
+#include "ltm/h5/object_header.h"
+#include "ltm/h5/raw_file.h"
 
 namespace engram::h5 {
 
@@ -52,8 +56,32 @@ class Handle {
 
 hid_t memory_type(Type type);
 
+/// What elements of a type in a file are.
+Element element_of(hid_t stored);
+
+/// The type in a file of elements that are not kOther.
+Handle stored_type(const Element& element);
+
+/// The type in memory of numbers.
+Handle memory_type(const Element& element);
+
+/// Shape of a data space, if it has one and its bytes fit 63 bits.
+std::optional<std::vector<uint64_t>> shape_of(hid_t space, uint64_t element_bytes);
+
+/// Texts of `size` bytes each, without the zeros at their ends.
+std::vector<std::string> unpadded(RawView bytes, size_t size);
+
 /// Creation properties of an object without a time stamp: the same content, the same bytes.
 Handle without_times(hid_t property_class);
+
+/// An array that is read or written.
+struct OpenArray {
+  Handle handle;
+  ArrayInfo info;
+  uint64_t element_bytes = 0;   ///< In the file.
+  std::vector<uint64_t> chunk;  ///< Empty: not chunked.
+  std::vector<ChunkFilter> filters;
+};
 
 /// Threading: whoever calls holds the library's lock; the destructor takes it itself.
 struct File::State {
@@ -64,7 +92,9 @@ struct File::State {
 
   std::filesystem::path path;
   Handle file;
+  std::optional<RawFile> raw;  ///< The same file; once it was asked for.
   std::map<std::string, OpenDataset, std::less<>> open_datasets;  ///< For reading rows.
+  std::map<std::string, OpenArray, std::less<>> open_arrays;
 
   ~State();
 
@@ -87,6 +117,18 @@ struct File::State {
 
   /// The dataset and what is known of it; valid until the next call.
   Result<const OpenDataset*> kept_open(const std::string& object);
+
+  /// The array and what is known of it; valid until the next call.
+  Result<const OpenArray*> kept_array(const std::string& object);
+
+  /// Errors: kDataLoss where its sizes cannot be, or a filter is not known.
+  Result<OpenArray> open_array(const std::string& object) const;
+
+  /// Rows as they are in the file.
+  Result<RawBytes> stored_rows(const OpenArray& array, uint64_t first, uint64_t count) const;
+
+  /// The messages of an object's header, read without HDF5.
+  Result<std::vector<HeaderMessage>> header_of(const std::string& object);
 
   Result<Handle> open_attribute(const std::string& object, const std::string& name) const;
 

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "datasets/recordings/recording_format.h"
+
+namespace engram::datasets {
+
+/// "robomimic": demonstrations of robomimic and LIBERO, a group each of one file.
+/// Source: docs/formats.md.
+[[nodiscard]] std::unique_ptr<const RecordingFormat> make_robomimic_format();
+
+/// "aloha": episodes of ALOHA, a file each, alone or in a folder.
+/// Source: docs/formats.md.
+[[nodiscard]] std::unique_ptr<const RecordingFormat> make_aloha_format();
+
+}  // namespace engram::datasets
