@@ -16,6 +16,9 @@ namespace engram::datasets::mcap {
 /// made that.
 inline constexpr const char* kEntityKey = "engram:entity";
 
+/// Attribute of the stream whose values are a file's attachments.
+inline constexpr const char* kAttachments = "attachments";
+
 /// The messages of one channel as values, both ways: ROS 1 and ROS 2 by their definitions, JSON;
 /// everything else, and what has a definition that cannot be read, as {"encoding", "schema",
 /// "bytes"}.

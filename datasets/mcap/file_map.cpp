@@ -26,6 +26,7 @@ class Walk {
       ENGRAM_ASSIGN_OR_RETURN(const bool goes_on, step());
       if (!goes_on) break;
     }
+    std::ranges::stable_sort(map_.attachments, {}, &AttachmentPlace::log_time);
     if (needs_chunks()) ENGRAM_RETURN_IF_ERROR(open_chunks());
     return std::move(map_);
   }
@@ -86,8 +87,7 @@ class Walk {
       case Opcode::kMessageIndex:
         return take_message_index(start.length, content);
       case Opcode::kAttachment:
-        ++report_.not_carried["attachments"];
-        return {};
+        return take_attachment(start.length, content);
       case Opcode::kChunkIndex:
       case Opcode::kAttachmentIndex:
       case Opcode::kMetadataIndex:
@@ -210,6 +210,19 @@ class Walk {
       return {};
     }
     map_.regions.push_back({at_, kRecordStartBytes + length, chunk->start_time, 0, true});
+    return {};
+  }
+
+  Status take_attachment(uint64_t length, uint64_t content) {
+    uint64_t log_time = 0;
+    if (length > kMostRecordBytes || length < sizeof(log_time)) {
+      ++report_.damaged;
+      note(at_, "attachment is too large, or too small");
+      return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file_.read(content, sizeof(log_time)));
+    std::memcpy(&log_time, bytes.data(), sizeof(log_time));
+    map_.attachments.push_back({content, length, log_time});
     return {};
   }
 

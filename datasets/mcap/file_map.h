@@ -23,6 +23,13 @@ struct Region {
   bool is_chunk = false;
 };
 
+/// Where the content of an attachment lies.
+struct AttachmentPlace {
+  uint64_t offset = 0;
+  uint64_t length = 0;
+  uint64_t log_time = 0;  ///< Unit: ns.
+};
+
 /// Everything that a file says of itself: where its messages lie, and what they are.
 ///
 /// Memory: about 40 bytes per chunk, or MiB of messages outside of chunks, and the descriptions.
@@ -31,7 +38,8 @@ struct FileMap {
   std::map<uint16_t, SchemaRecord> schemas;
   std::map<uint16_t, ChannelRecord> channels;
   std::vector<MetadataRecord> metadata;
-  std::vector<Region> regions;  ///< In the order of the file.
+  std::vector<Region> regions;               ///< In the order of the file.
+  std::vector<AttachmentPlace> attachments;  ///< In the order of time.
   std::optional<StatisticsRecord> statistics;
   std::map<uint16_t, size_t> first_region;  ///< That has a message of a channel.
 };

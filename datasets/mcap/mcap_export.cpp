@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "datasets/mcap/mcap_reader.h"
 #include "datasets/mcap/mcap_writer.h"
 #include "datasets/recordings/merged_snapshots.h"
 
@@ -40,6 +41,7 @@ class Export {
  private:
   Status write(const ltm::MemoryId& entity, const ltm::SnapshotResult& snapshot) {
     ++report_.snapshots;
+    if (plan_.attachments.contains(entity)) return write_attachment(entity, snapshot);
     const auto planned = plan_.channels.find(entity);
     if (planned == plan_.channels.end() || snapshot.instances.empty()) return {};
     if (snapshot.instances.size() > 1)
@@ -61,6 +63,24 @@ class Export {
     const auto log_time = static_cast<uint64_t>(to_ns(snapshot.time));
     const auto sent = static_cast<uint64_t>(std::max<int64_t>(to_ns(first.metadata.sent), 0));
     return writer_.write(MessageRecord{id, sequences_[id]++, log_time, sent, *bytes});
+  }
+
+  Status write_attachment(const ltm::MemoryId& entity, const ltm::SnapshotResult& snapshot) {
+    const ltm::InstanceResult* first = snapshot.find(0);
+    const idf::Data* data = first == nullptr ? nullptr : first->data.at("data");
+    if (data == nullptr || !data->is<idf::NdArray>() || to_ns(snapshot.time) < 0) {
+      ++report_
+            .not_carried[fmt::format("values of '{}' that are no attachments", entity.to_string())];
+      return {};
+    }
+    ++report_.instances;
+    const idf::Data* is_created = first->data.at("has_create_time");
+    const bool has_time = is_created != nullptr && *is_created == idf::Data(true);
+    return writer_.write(AttachmentRecord{
+        static_cast<uint64_t>(to_ns(snapshot.time)),
+        has_time ? static_cast<uint64_t>(std::max<int64_t>(to_ns(first->metadata.created), 0)) : 0,
+        text_of(first->data.at("name")), text_of(first->data.at("media_type")),
+        data->get<idf::NdArray>().bytes()});
   }
 
   void tell(Time time) const {

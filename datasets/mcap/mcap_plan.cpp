@@ -93,6 +93,10 @@ class Planner {
     if (plan_.channels.size() == kMostChannels)
       return resource_exhausted("an MCAP file has at most 65535 channels");
     ENGRAM_ASSIGN_OR_RETURN(auto described, description(entity));
+    if (described && described->attributes.find(kAttachments) != nullptr) {
+      plan_.attachments.insert(entity);
+      return {};
+    }
     const idf::Data& value = snapshot->instances.front().data;
     tell(*snapshot, add(entity, described ? as_imported(*described) : as_suits(entity, value)));
     return {};
@@ -114,7 +118,8 @@ class Planner {
       if (!is_description(about) || about.names()[1] != "Streams" || about.names()[2] != "mcap")
         continue;
       ENGRAM_ASSIGN_OR_RETURN(const auto stream, stream_of(about));
-      if (!stream || !query.matches(stream->entity) || plan_.channels.contains(stream->entity) ||
+      if (!stream || stream->attributes.find(kAttachments) != nullptr ||
+          !query.matches(stream->entity) || plan_.channels.contains(stream->entity) ||
           plan_.channels.size() == kMostChannels)
         continue;
       const auto known = recall_.store().entities();

@@ -4,6 +4,7 @@
 // Private to this room.
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct ExportPlan {
   std::vector<MetadataRecord> metadata;
   std::vector<SchemaRecord> schemas;
   std::map<ltm::MemoryId, PlannedChannel> channels;
+  /// Entities whose values were attachments, and become those again.
+  std::set<ltm::MemoryId> attachments;
   std::map<std::string, uint64_t, std::less<>> not_held;  ///< As RecordingFormat says it.
 };
 

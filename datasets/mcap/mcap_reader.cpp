@@ -75,6 +75,7 @@ Result<std::unique_ptr<RecordingReader>> McapReader::open(const std::filesystem:
 Status McapReader::prepare() {
   ENGRAM_ASSIGN_OR_RETURN(map_, map_file(file_, report_));
   ENGRAM_RETURN_IF_ERROR(add_channels());
+  if (!map_.attachments.empty()) describe_attachments();
   loaded_ = {};
   for (const Region& region : map_.regions) total_ += region.messages;
   messages_ = std::make_unique<OrderedMessages>(file_, std::move(map_.regions));
@@ -193,13 +194,48 @@ std::optional<ltm::EntityUpdate> McapReader::update_of(Channel& channel,
   if (const auto stamp = ros::header_stamp(*value); stamp && to_ns(*stamp) >= 0)
     metadata.created = shifted(static_cast<uint64_t>(to_ns(*stamp)));
   update.instances.push_back({*std::move(value), std::move(metadata)});
-  put_in_order(channel, message.log_time, update);
+  put_in_order(channel.last_log_time, message.log_time, update);
   return update;
 }
 
-void McapReader::put_in_order(Channel& channel, uint64_t log_time, ltm::EntityUpdate& update) {
-  const bool repeats = channel.last_log_time == log_time;
-  channel.last_log_time = log_time;
+void McapReader::describe_attachments() {
+  attachments_ = free_entity({"Data", "mcap"}, "attachments");
+  streams_.push_back({attachments_, "", map_.attachments.size(), {{kAttachments, true}}});
+  total_ += map_.attachments.size();
+}
+
+Result<std::optional<ltm::EntityUpdate>> McapReader::next_attachment() {
+  const AttachmentPlace& place = map_.attachments[next_attachment_++];
+  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file_.read(place.offset, place.length));
+  const auto record = read_attachment(bytes);
+  if (!record.ok() || record->log_time > kMostTime) {
+    ++report_.damaged;
+    ++report_.not_carried[fmt::format(
+        "'{}', offset {}: {}", file_.path().string(), place.offset,
+        record.ok() ? "log time is after the year 2262" : record.status().message())];
+    return std::optional<ltm::EntityUpdate>();
+  }
+  ltm::EntityUpdate update{attachments_, shifted(record->log_time), {}};
+  ltm::InstanceMetadata metadata{
+      .created = update.time, .sent = update.time, .arrived = update.time, .provider = "import"};
+  if (record->create_time != 0) metadata.created = shifted(record->create_time);
+  ENGRAM_ASSIGN_OR_RETURN(
+      auto data,
+      idf::NdArray::create(idf::ElementType::kUInt8, {static_cast<int64_t>(record->data.size())},
+                           Buffer::copy(record->data)));
+  update.instances.push_back({idf::Dict{{"name", text_value(record->name)},
+                                        {"media_type", text_value(record->media_type)},
+                                        {"has_create_time", record->create_time != 0},
+                                        {"data", std::move(data)}},
+                              std::move(metadata)});
+  put_in_order(last_attachment_time_, record->log_time, update);
+  return std::optional(std::move(update));
+}
+
+void McapReader::put_in_order(std::optional<uint64_t>& last_log_time, uint64_t log_time,
+                              ltm::EntityUpdate& update) {
+  const bool repeats = last_log_time == log_time;
+  last_log_time = log_time;
   Time time = std::max(update.time, last_);
   if (time == last_ && at_last_.contains(update.entity)) time = time_from_ns(to_ns(last_) + 1);
   if (time != update.time)
@@ -212,8 +248,17 @@ void McapReader::put_in_order(Channel& channel, uint64_t log_time, ltm::EntityUp
 
 Result<std::optional<ltm::EntityUpdate>> McapReader::pull() {
   while (true) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto message, messages_->next(report_));
-    if (!message) return std::optional<ltm::EntityUpdate>();
+    if (!message_) {
+      ENGRAM_ASSIGN_OR_RETURN(message_, messages_->next(report_));
+    }
+    if (next_attachment_ < map_.attachments.size() &&
+        (!message_ || map_.attachments[next_attachment_].log_time <= message_->log_time)) {
+      ENGRAM_ASSIGN_OR_RETURN(auto update, next_attachment());
+      if (update) return update;
+      continue;
+    }
+    if (!message_) return std::optional<ltm::EntityUpdate>();
+    const auto message = std::exchange(message_, std::nullopt);
     const auto channel = channels_.find(message->channel_id);
     if (channel == channels_.end()) {
       ++report_.damaged;

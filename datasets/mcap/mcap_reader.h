@@ -49,9 +49,12 @@ class McapReader final : public RecordingReader {
   ltm::MemoryId free_entity(const ros::SegmentNames& segment, std::string name);
   Result<idf::Data> first_value(uint16_t id, const ChannelCoder& coder);
   Result<std::optional<ltm::EntityUpdate>> pull();
+  void describe_attachments();
+  Result<std::optional<ltm::EntityUpdate>> next_attachment();
   std::optional<ltm::EntityUpdate> update_of(Channel& channel, const MessageRecord& message);
   void watch_sequence(Channel& channel, uint32_t sequence);
-  void put_in_order(Channel& channel, uint64_t log_time, ltm::EntityUpdate& update);
+  void put_in_order(std::optional<uint64_t>& last_log_time, uint64_t log_time,
+                    ltm::EntityUpdate& update);
   Time shifted(uint64_t ns);
   RecordingEpisode episode(Time start);
 
@@ -66,6 +69,10 @@ class McapReader final : public RecordingReader {
   LoadedRegion loaded_;
   uint64_t total_ = 0;
   std::optional<int64_t> shift_ns_;
+  std::optional<MessageRecord> message_;  ///< Read, not taken yet.
+  ltm::MemoryId attachments_;
+  size_t next_attachment_ = 0;
+  std::optional<uint64_t> last_attachment_time_;
   std::optional<ltm::EntityUpdate> waiting_;
   Time last_ = Time::min();
   std::set<ltm::MemoryId> at_last_;  ///< Entities that have a value at `last_`.

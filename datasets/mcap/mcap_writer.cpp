@@ -84,6 +84,15 @@ Status McapWriter::write(const MetadataRecord& metadata) {
   return put(record);
 }
 
+Status McapWriter::write(const AttachmentRecord& attachment) {
+  ENGRAM_RETURN_IF_ERROR(flush_chunk());
+  std::string record;
+  append(record, attachment);
+  append_attachment_index(attachment_index_, attachment, offset_, record.size());
+  ++statistics_.attachment_count;
+  return put(record);
+}
+
 Status McapWriter::flush_chunk() {
   if (chunk_.empty()) return {};
   chunk_start_.uncompressed_size = chunk_.size();
@@ -127,6 +136,7 @@ Status McapWriter::put_summary() {
   append(records, statistics_);
   ENGRAM_RETURN_IF_ERROR(put_group(Opcode::kStatistics, records));
   ENGRAM_RETURN_IF_ERROR(put_group(Opcode::kMetadataIndex, metadata_index_));
+  ENGRAM_RETURN_IF_ERROR(put_group(Opcode::kAttachmentIndex, attachment_index_));
   records.clear();
   for (const ChunkIndexRecord& chunk : chunks_) append(records, chunk);
   ENGRAM_RETURN_IF_ERROR(put_group(Opcode::kChunkIndex, records));

@@ -45,6 +45,7 @@ class McapWriter {
   /// Errors: kResourceExhausted, kUnavailable; here and below.
   Status write(const MessageRecord& message);
   Status write(const MetadataRecord& metadata);
+  Status write(const AttachmentRecord& attachment);
 
   /// Finishes the file and moves it to its name. Nothing may follow. Gives its size in bytes.
   Result<uint64_t> close();
@@ -72,6 +73,7 @@ class McapWriter {
   std::map<uint16_t, std::vector<std::pair<uint64_t, uint64_t>>> chunk_index_;
   std::vector<ChunkIndexRecord> chunks_;
   std::string metadata_index_;
+  std::string attachment_index_;
   StatisticsRecord statistics_;
 };
 

@@ -30,6 +30,8 @@ class Fields {
 
   std::string text() { return std::string(as_text(take(number<uint32_t>()))); }
 
+  std::span<const std::byte> long_bytes() { return take(number<uint64_t>()); }
+
   std::span<const std::byte> rest() { return take(content_.size() - at_); }
 
   /// Calls `read` with the fields of a map until they are used up.
@@ -201,6 +203,23 @@ Result<MetadataRecord> read_metadata(std::span<const std::byte> content) {
   return checked(fields, std::move(record));
 }
 
+Result<AttachmentRecord> read_attachment(std::span<const std::byte> content) {
+  Fields fields("attachment", content);
+  AttachmentRecord record;
+  record.log_time = fields.number<uint64_t>();
+  record.create_time = fields.number<uint64_t>();
+  record.name = fields.text();
+  record.media_type = fields.text();
+  record.data = fields.long_bytes();
+  const uint64_t end = fields.at();
+  const auto needed = fields.number<uint32_t>();
+  if (!fields.status().ok()) return fields.status();
+  const uint32_t crc = needed == 0 ? 0 : crc32_of(content.first(end));
+  if (crc != needed)
+    return data_loss("CRC of the attachment is {:08x}, the file says {:08x}", crc, needed);
+  return record;
+}
+
 Result<uint32_t> read_data_end(std::span<const std::byte> content) {
   Fields fields("data end", content);
   const auto crc = fields.number<uint32_t>();
@@ -302,6 +321,32 @@ void append(std::string& out, const MetadataRecord& record) {
   put_record(out, Opcode::kMetadata, [&] {
     put(out, record.name);
     put(out, record.metadata);
+  });
+}
+
+void append(std::string& out, const AttachmentRecord& record) {
+  put_record(out, Opcode::kAttachment, [&] {
+    const size_t start = out.size();
+    put(out, record.log_time);
+    put(out, record.create_time);
+    put(out, record.name);
+    put(out, record.media_type);
+    put(out, uint64_t{record.data.size()});
+    out += as_text(record.data);
+    put(out, crc32_of(as_bytes(std::string_view(out).substr(start))));
+  });
+}
+
+void append_attachment_index(std::string& out, const AttachmentRecord& record, uint64_t offset,
+                             uint64_t length) {
+  put_record(out, Opcode::kAttachmentIndex, [&] {
+    put(out, offset);
+    put(out, length);
+    put(out, record.log_time);
+    put(out, record.create_time);
+    put(out, uint64_t{record.data.size()});
+    put(out, record.name);
+    put(out, record.media_type);
   });
 }
 

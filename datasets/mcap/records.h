@@ -122,8 +122,16 @@ struct MetadataRecord {
   friend bool operator==(const MetadataRecord&, const MetadataRecord&) = default;
 };
 
-// Each reads the content of a record; bytes behind the known fields are passed over. `Message`
-// shares `content`. Errors: kDataLoss saying what was read, found and needed.
+struct AttachmentRecord {
+  uint64_t log_time = 0;
+  uint64_t create_time = 0;  ///< 0: not known.
+  std::string name;
+  std::string media_type;
+  std::span<const std::byte> data;
+};
+
+// Each reads the content of a record; bytes behind the known fields are passed over. Messages and
+// attachments share `content`. Errors: kDataLoss saying what was read, found and needed.
 Result<HeaderRecord> read_header(std::span<const std::byte> content);
 Result<FooterRecord> read_footer(std::span<const std::byte> content);
 Result<SchemaRecord> read_schema(std::span<const std::byte> content);
@@ -133,6 +141,8 @@ Result<MessageRecord> read_message(std::span<const std::byte> content);
 Result<ChunkRecord> read_chunk(std::span<const std::byte> content);
 Result<StatisticsRecord> read_statistics(std::span<const std::byte> content);
 Result<MetadataRecord> read_metadata(std::span<const std::byte> content);
+/// Its checksum is checked.
+Result<AttachmentRecord> read_attachment(std::span<const std::byte> content);
 Result<uint32_t> read_data_end(std::span<const std::byte> content);
 
 /// Opcode and length, of at least nine bytes (checked).
@@ -152,6 +162,10 @@ void append(std::string& out, const ChunkRecord& record, std::span<const std::by
 void append(std::string& out, const ChunkIndexRecord& record);
 void append(std::string& out, const StatisticsRecord& record);
 void append(std::string& out, const MetadataRecord& record);
+void append(std::string& out, const AttachmentRecord& record);
+/// Of the attachment that lies at `offset` as `length` bytes.
+void append_attachment_index(std::string& out, const AttachmentRecord& record, uint64_t offset,
+                             uint64_t length);
 void append_data_end(std::string& out, uint32_t data_crc);
 void append_metadata_index(std::string& out, uint64_t offset, uint64_t length,
                            std::string_view name);

@@ -127,7 +127,7 @@ TEST_F(FileMapTest, MovesRepeatedTimesByOneNanosecondAndTells) {
   EXPECT_EQ(contents->updates[2].entity.to_string(), "Data/mcap/robot/a_2");
 }
 
-TEST_F(FileMapTest, SkipsUnknownRecordsAndCountsAttachments) {
+TEST_F(FileMapTest, SkipsUnknownRecordsAndTellsOfDamagedAttachments) {
   std::string file = started();
   file += std::string("\x80\x02\0\0\0\0\0\0\0hi", 11);
   file += std::string("\x09\x01\0\0\0\0\0\0\0x", 10);
@@ -136,7 +136,8 @@ TEST_F(FileMapTest, SkipsUnknownRecordsAndCountsAttachments) {
   const auto contents = read_all(write(file));
   ASSERT_OK(contents);
   EXPECT_EQ(contents->report.not_carried.at("records of unknown kind 0x80"), 1U);
-  EXPECT_EQ(contents->report.not_carried.at("attachments"), 1U);
+  EXPECT_THAT(contents->report.not_carried, Contains(Key(HasSubstr("attachment is too"))));
+  EXPECT_EQ(contents->report.damaged, 1U);
   ASSERT_EQ(contents->episodes.size(), 1U);
   EXPECT_EQ(*idf::Data(contents->episodes[0].attributes).at("metadata/0/metadata/arm"),
             idf::Data("left"));
@@ -151,7 +152,7 @@ TEST_F(FileMapTest, NamesWhatIsNoMcap) {
                StatusCode::kDataLoss, "offset 8: record 0x05, needs a header");
 }
 
-/// Two chunks and a metadata record.
+/// Two chunks, a metadata record and an attachment.
 std::string small_file(const ScratchDirectory& scratch) {
   const auto path = scratch / "small.mcap";
   auto writer = McapWriter::create(path, {.chunk_bytes = 1, .compression = ""});
@@ -159,6 +160,8 @@ std::string small_file(const ScratchDirectory& scratch) {
   ENGRAM_CHECK(writer->write(MetadataRecord{"robot", {{"arm", "left"}}}).ok(), "no metadata");
   write_example(*writer);
   ENGRAM_CHECK(writer->write(MessageRecord{1, 11, 5, 4, as_bytes("abc")}).ok(), "no message");
+  const AttachmentRecord attachment{3, 0, "notes", "text/plain", as_bytes("hello")};
+  ENGRAM_CHECK(writer->write(attachment).ok(), "no attachment");
   ENGRAM_CHECK(writer->close().ok(), "not closed");
   return content_of(path);
 }
@@ -173,7 +176,7 @@ TEST_F(FileMapTest, ReadsWhatEndsEarlyAsFarAsItGoes) {
     EXPECT_GE(contents->updates.size(), last) << size;
     last = contents->updates.size();
   }
-  EXPECT_EQ(last, 2U);
+  EXPECT_EQ(last, 3U);
 }
 
 TEST_F(FileMapTest, TellsOfEveryDamagedByte) {

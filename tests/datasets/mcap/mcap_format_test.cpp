@@ -63,6 +63,8 @@ class McapFormatTest : public testing::Test {
       EXPECT_OK(writer->write(MessageRecord{4, i, time + 2, time, as_bytes("\xfe\x00z")}));
       EXPECT_OK(writer->write(MessageRecord{5, i, time + 3, time, as_bytes(json)}));
     }
+    EXPECT_OK(writer->write(
+        AttachmentRecord{1'700'000'000'100'000'000, 5, "notes", "text/plain", as_bytes("hello")}));
     EXPECT_OK(writer->close());
     return path;
   }
@@ -121,11 +123,12 @@ TEST_F(McapFormatTest, GivesMessagesTheirPlaces) {
   EXPECT_EQ(contents->report, ReadingReport{});
   std::vector<std::string> entities;
   for (const auto& stream : contents->streams) entities.push_back(stream.entity.to_string());
-  EXPECT_THAT(entities, testing::ElementsAre(
-                            "Vision/RGB/robot/cam.colour", "Vision/Depth/robot/cam.depth",
-                            "RobotState/Proprioception/robot/joint_states", "Data/mcap/robot/pose",
-                            "Data/mcap/robot/reward", "Data/mcap/robot/unused"));
-  ASSERT_EQ(contents->updates.size(), 25U);
+  EXPECT_THAT(entities,
+              testing::ElementsAre("Vision/RGB/robot/cam.colour", "Vision/Depth/robot/cam.depth",
+                                   "RobotState/Proprioception/robot/joint_states",
+                                   "Data/mcap/robot/pose", "Data/mcap/robot/reward",
+                                   "Data/mcap/robot/unused", "Data/mcap/robot/attachments"));
+  ASSERT_EQ(contents->updates.size(), 26U);
   const ltm::EntityUpdate& colour = contents->updates[0];
   EXPECT_EQ(*colour.instances[0].data.at("image"), idf::Data(picture(0)));
   EXPECT_EQ(to_ns(colour.time), 1'700'000'000'000'000'000);
@@ -148,11 +151,11 @@ TEST_F(McapFormatTest, LosesNothingOnTheWayThroughAStore) {
   const auto foreign = write_foreign();
   const auto imported = import(foreign, scratch_ / "store");
   ASSERT_OK(imported);
-  EXPECT_EQ(imported->values, 25U);
+  EXPECT_EQ(imported->values, 26U);
   EXPECT_THAT(not_held(scratch_ / "store"), testing::IsEmpty());
   const auto written = write(scratch_ / "store", scratch_ / "again.mcap");
   ASSERT_OK(written);
-  EXPECT_EQ(written->instances, 25U);
+  EXPECT_EQ(written->instances, 26U);
   EXPECT_THAT(written->not_carried, testing::IsEmpty());
   const auto before = read_all(foreign);
   const auto after = read_all(scratch_ / "again.mcap");
