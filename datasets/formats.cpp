@@ -28,6 +28,7 @@ const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats
     all.push_back(make_robomimic_format());
     all.push_back(make_aloha_format());
     all.push_back(make_tum_format());
+    all.push_back(make_seven_scenes_format());
     return all;
   }();
   return formats;

@@ -11,4 +11,8 @@ namespace engram::datasets {
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_tum_format();
 
+/// "7scenes": scenes of the 7-Scenes data set, or sequences of them; read only.
+/// Source: docs/formats.md.
+[[nodiscard]] std::unique_ptr<const RecordingFormat> make_seven_scenes_format();
+
 }  // namespace engram::datasets

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/folders/tum_reader.h"
 
-#include <algorithm>
 #include <charconv>
 
-#include "ltm/codec/codec.h"
-#include "ltm/core/file.h"
+#include "datasets/folders/folder_image.h"
 
 namespace engram::datasets {
 
@@ -22,24 +20,6 @@ std::optional<std::vector<double>> numbers_of(const std::vector<std::string>& wo
     values.push_back(value);
   }
   return values;
-}
-
-/// Whether a name of a table stays in its folder.
-bool stays_inside(const std::filesystem::path& name) {
-  return name.is_relative() && std::ranges::find(name, "..") == name.end();
-}
-
-/// Type and shape that a PNG file announces; nothing for kinds that are not read.
-std::optional<std::pair<idf::ElementType, idf::Shape>> announced(std::span<const std::byte> file) {
-  const auto at = [&](size_t i) { return std::to_integer<int64_t>(file[i]); };
-  const auto word = [&](size_t i) {
-    return at(i) << 24 | at(i + 1) << 16 | at(i + 2) << 8 | at(i + 3);
-  };
-  if (file.size() < 26 || at(0) != 0x89 || at(1) != 'P') return std::nullopt;
-  const bool is_colour = at(25) == 2;
-  if (!is_colour && at(25) != 0) return std::nullopt;
-  return std::pair(at(24) == 16 ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
-                   idf::Shape{word(20), word(16), is_colour ? 3 : 1});
 }
 
 }  // namespace
@@ -91,20 +71,10 @@ Status TumReader::advance(Table& table) {
   return {};
 }
 
-std::optional<idf::Data> TumReader::image_of(const std::string& name, bool is_depth) const {
-  if (!stays_inside(name)) return std::nullopt;
-  const auto file = read_file(folder_ / name);
-  const auto found = file.ok() ? announced(file->bytes()) : std::nullopt;
-  if (!found || (found->first == idf::ElementType::kUInt16) != is_depth) return std::nullopt;
-  auto image = ltm::find_codec("png")->decode(file->bytes(), found->first, found->second);
-  if (!image.ok()) return std::nullopt;
-  return idf::Dict{{is_depth ? "depth" : "image", *std::move(image)}};
-}
-
 std::optional<idf::Data> TumReader::value_of(const Table& table) const {
   const auto& words = table.line->words;
   if (table.content == Content::kImage || table.content == Content::kDepth)
-    return image_of(words[0], table.content == Content::kDepth);
+    return folder_image(folder_, words[0], table.content == Content::kDepth);
   const auto numbers = numbers_of(words);
   if (!numbers) return std::nullopt;
   const auto& n = *numbers;

@@ -36,7 +36,6 @@ class TumReader final : public RecordingReader {
                    const ReadingOptions& options);
   Status advance(Table& table);
   std::optional<idf::Data> value_of(const Table& table) const;
-  std::optional<idf::Data> image_of(const std::string& name, bool is_depth) const;
 
   std::filesystem::path folder_;
   std::vector<RecordingStream> streams_;
