@@ -43,6 +43,8 @@ Result<std::vector<std::string>> File::attribute_names(const std::string& object
 
 Result<Attribute> File::attribute(const std::string& object, const std::string& name) const {
   const LibraryLock lock;
+  ENGRAM_ASSIGN_OR_RETURN(const auto header, state_->header_of(object));
+  if (has_broken_attributes(header)) return state_->broken(object, "has damaged attributes");
   ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, state_->open_attribute(object, name));
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
@@ -72,7 +74,6 @@ Result<Attribute> File::attribute(const std::string& object, const std::string& 
     value.texts = unpadded(bytes, value.element.text_bytes);
     return value;
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto header, state_->header_of(object));
   for (const HeaderMessage& message : header) {
     const auto found = header_attribute(message);
     if (!found || found->name != name) continue;

@@ -157,10 +157,17 @@ std::optional<HeaderAttribute> header_attribute(const HeaderMessage& message) {
   };
   const uint64_t name_at = version == 3 ? 9 : 8;
   const uint64_t value_at = name_at + size_of(2) + size_of(4) + size_of(6);
-  if (value_at > body.size()) return std::nullopt;
+  if (value_at > body.size() || raw_number<uint16_t>(body, 2) == 0) return std::nullopt;
   const std::string_view name(reinterpret_cast<const char*>(body.data()) + name_at,
                               raw_number<uint16_t>(body, 2));
+  if (name.back() != '\0') return std::nullopt;
   return HeaderAttribute{name.substr(0, name.find('\0')), body.subspan(value_at)};
+}
+
+bool has_broken_attributes(const std::vector<HeaderMessage>& header) {
+  return std::ranges::any_of(header, [](const HeaderMessage& message) {
+    return message.type == kAttribute && !message.is_shared && !header_attribute(message);
+  });
 }
 
 bool has_outer_attributes(const std::vector<HeaderMessage>& header) {

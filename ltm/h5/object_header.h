@@ -34,6 +34,9 @@ struct HeaderAttribute {
 };
 [[nodiscard]] std::optional<HeaderAttribute> header_attribute(const HeaderMessage& message);
 
+/// Whether HDF5 would read beyond an attribute.
+[[nodiscard]] bool has_broken_attributes(const std::vector<HeaderMessage>& header);
+
 /// Whether attributes lie outside of the header.
 [[nodiscard]] bool has_outer_attributes(const std::vector<HeaderMessage>& header);
 
