@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <sstream>
 #include <utility>
@@ -13,7 +14,9 @@
 #include "cli/progress_line.h"
 #include "cli/shared_progress.h"
 #include "cli/text.h"
+#include "datasets/export.h"
 #include "datasets/kitchen/kitchen.h"
+#include "datasets/plain_files.h"
 #include "ltm/recording/recording_config.h"
 
 namespace engram::cli {
@@ -24,6 +27,7 @@ constexpr const char* kFooter = R"(Examples:
   engram simulate kitchen kitchen.engram --seed 3
   engram simulate kitchen kitchen.engram --fast --seconds 20
   engram simulate kitchen --folder episodes --seed 1..5 --jobs 2
+  engram simulate kitchen --folder plain --plain --fast --seconds 20
   engram query kitchen.engram 'Skills/Actions @ all'
 
 A humanoid brings objects from a counter to a table and back (docs/kitchen.md). Seeds are recorded
@@ -43,6 +47,7 @@ struct KitchenArguments {
   std::string progress = "text";
   int jobs = 1;
   bool is_fast = false;
+  bool is_plain = false;  ///< Files instead of stores.
 };
 
 /// "3", "1..5", or several of these with commas between them.
@@ -76,8 +81,21 @@ Result<ltm::Recorder::Options> recorder_options(const KitchenArguments& argument
 
 std::string store_of(const KitchenArguments& arguments, uint64_t seed) {
   if (arguments.folder.empty()) return arguments.store;
-  return (std::filesystem::path(arguments.folder) / fmt::format("kitchen-{}.engram", seed))
-      .string();
+  const std::string name = fmt::format("kitchen-{}{}", seed, arguments.is_plain ? "" : ".engram");
+  return (std::filesystem::path(arguments.folder) / name).string();
+}
+
+using CommitSink = std::function<Status(const ltm::Commit&)>;
+
+/// Simulates into a sink until somebody asks to stop.
+Result<datasets::KitchenSummary> simulate(const datasets::KitchenOptions& options,
+                                          const CommitSink& take, const ProgressSink& progress) {
+  const std::stop_token stop = interrupt_token();
+  const auto sink = [&](const ltm::Commit& commit) -> Status {
+    if (stop.stop_requested()) return cancelled("kitchen: stopped; what was recorded is there");
+    return take(commit);
+  };
+  return datasets::simulate_kitchen(options, sink, progress);
 }
 
 Result<datasets::KitchenSummary> record(const KitchenArguments& arguments,
@@ -88,15 +106,25 @@ Result<datasets::KitchenSummary> record(const KitchenArguments& arguments,
                           ltm::Recorder::open(store_of(arguments, options.seed), recording));
   for (const auto& [segment, type] : datasets::kitchen_types())
     ENGRAM_RETURN_IF_ERROR(recorder.declare(segment, type));
-  const std::stop_token stop = interrupt_token();
-  const auto sink = [&](const ltm::Commit& commit) -> Status {
-    if (stop.stop_requested())
-      return cancelled("kitchen: stopped; what was recorded is in the store");
-    return recorder.commit(commit);
-  };
-  ENGRAM_ASSIGN_OR_RETURN(const datasets::KitchenSummary summary,
-                          datasets::simulate_kitchen(options, sink, progress));
+  ENGRAM_ASSIGN_OR_RETURN(
+      const datasets::KitchenSummary summary,
+      simulate(
+          options, [&](const ltm::Commit& commit) { return recorder.commit(commit); }, progress));
   ENGRAM_RETURN_IF_ERROR(recorder.close());
+  return summary;
+}
+
+Result<datasets::KitchenSummary> write_files(const KitchenArguments& arguments,
+                                             const datasets::KitchenOptions& options,
+                                             const ProgressSink& progress) {
+  const std::string directory = store_of(arguments, options.seed);
+  ENGRAM_RETURN_IF_ERROR(datasets::prepare_export(directory, false));
+  datasets::PlainFiles files(directory);
+  ENGRAM_ASSIGN_OR_RETURN(
+      const datasets::KitchenSummary summary,
+      simulate(
+          options, [&](const ltm::Commit& commit) { return files.commit(commit); }, progress));
+  ENGRAM_RETURN_IF_ERROR(files.finish());
   return summary;
 }
 
@@ -135,7 +163,9 @@ ExitCode run_here(const KitchenArguments& arguments, const std::vector<uint64_t>
     datasets::KitchenOptions options = arguments.options;
     options.seed = seed;
     if (arguments.start.empty()) options.start += std::chrono::hours(seed - 1);
-    const auto summary = record(arguments, options, part_of(progress.sink(), i, seeds.size()));
+    const ProgressSink part = part_of(progress.sink(), i, seeds.size());
+    const auto summary = arguments.is_plain ? write_files(arguments, options, part)
+                                            : record(arguments, options, part);
     progress.finish();
     if (!summary.ok()) return fail(summary.status());
     print_summary(store_of(arguments, seed), options, *summary);
@@ -179,6 +209,8 @@ ExitCode run(KitchenArguments arguments, const std::vector<std::string>& same) {
   if (!seeds.ok()) return wrong_usage(seeds.status());
   if (arguments.store.empty() == arguments.folder.empty())
     return wrong_usage(invalid_argument("needs a STORE or --folder, and not both"));
+  if (arguments.is_plain && arguments.folder.empty())
+    return wrong_usage(invalid_argument("--plain: needs --folder"));
   if (arguments.jobs > 1 && arguments.folder.empty())
     return wrong_usage(
         invalid_argument("--jobs {}: one process records into a store at a time; "
@@ -227,6 +259,9 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
   kitchen->add_option("--height", options.height, "Pixels")->capture_default_str();
   kitchen->add_flag("--fast", arguments->is_fast,
                     "128 x 128 pixels without smooth edges and shadows, for tests");
+  kitchen->add_flag("--plain", arguments->is_plain,
+                    "PNG and JSON files instead of stores, with --folder: all that is recorded, "
+                    "as engram export --to armarx lays it out");
   kitchen->add_flag("--depth", options.records_depth, "Depth of the left camera too");
   kitchen->add_option("--jobs", arguments->jobs, "Processes, with --folder")
       ->check(CLI::Range(1, 64))

@@ -57,7 +57,9 @@ bool is_bare_joints(const idf::Data& value) {
     return false;
   const bool are_texts = std::ranges::all_of(
       names->get<idf::List>(), [](const idf::Data& name) { return name.is<std::string>(); });
-  const auto entry = [&](size_t i) { return *(dict->begin() + static_cast<ptrdiff_t>(i)); };
+  const auto entry = [&](size_t i) -> const auto& {
+    return *(dict->begin() + static_cast<ptrdiff_t>(i));
+  };
   const auto is_numbers = [&](size_t i, std::string_view key) {
     const auto* array = entry(i).value.get_if<idf::NdArray>();
     return entry(i).key == key && array != nullptr && array->rank() == 1 &&

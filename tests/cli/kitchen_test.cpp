@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -49,6 +50,29 @@ TEST(SimulateKitchen, RecordsSeedsInProcessesBesideEachOtherAndEqualSeedsEqually
   const RunResult asked = run_engram({"query", alone, "Speech @ all", "--json"});
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, HasSubstr("2026-01-01 09:00:00.5"));
+}
+
+TEST(SimulateKitchen, WritesPlainFiles) {
+  const ScratchDirectory directory;
+  const std::string folder = directory / "plain";
+  const std::vector<std::string> words{"simulate", "kitchen", "--folder",  folder,
+                                       "--plain",  "--fast",  "--seconds", "1"};
+  const RunResult made = run_engram(words);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("kitchen-1: seed 1, 20 stereo images"));
+  const auto files = files_of(folder + "/kitchen-1");
+  const auto count = [&](const std::string& name, const std::string& end) {
+    return std::ranges::count_if(files, [&](const auto& file) {
+      return file.first.starts_with(name) && file.first.ends_with(end);
+    });
+  };
+  EXPECT_EQ(count("Vision/RGB/head/stereo/", "image.png"), 40);
+  EXPECT_EQ(count("RobotState/Proprioception/robot/joints/", "data.json"), 100);
+  EXPECT_EQ(count("Speech/", "data.json"), 1);
+  // Files that are there are not written over.
+  EXPECT_EQ(run_engram(words).exit_code, 1);
+  const RunResult lost = run_engram({"simulate", "kitchen", directory / "x", "--plain"});
+  EXPECT_EQ(lost.exit_code, 2);
 }
 
 TEST(SimulateKitchen, SaysWhatIsWrong) {
