@@ -85,13 +85,13 @@ TEST_F(Augment, IsTrainedOnBesideRealOnes) {
 
 TEST_F(Augment, RendersMomentsAnew) {
   const std::string kitchen = directory_->path() / "kitchen.engram";
-  ASSERT_EQ(
-      run_engram({"simulate", "kitchen", kitchen, "--fast", "--seconds", "3"}).exit_code, 0);
+  ASSERT_EQ(run_engram({"simulate", "kitchen", kitchen, "--fast", "--seconds", "3"}).exit_code, 0);
   const std::string rendered = directory_->path() / "rendered.engram";
   const std::string picture = directory_->path() / "rendered.png";
-  const RunResult made = run_engram({"augment", kitchen, "Vision/RGB @ all#0", "--render",
-                                     "original,light", "--render-samples", "2", "--out", rendered,
-                                     "--picture", picture, "--json"});
+  const RunResult made =
+      run_engram({"augment", kitchen, "Vision/RGB @ all#0", "--render", "original,light",
+                  "--render-every", "1s", "--hold", "50ms", "--render-samples", "2", "--out",
+                  rendered, "--picture", picture, "--json"});
   if (made.err.find("found no program") != std::string::npos) GTEST_SKIP() << made.err;
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const Json report = Json::parse(made.out);
