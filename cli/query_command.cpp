@@ -31,7 +31,7 @@ Examples:
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram '.*/.*/.*/joints @ last:2s' --json
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms' --save future
-  engram query robot.engram '.*/.*/.*/joints @ latest, +400ms, +1s')
+  engram query robot.engram '.*/.*/.*/joints @ latest, +400ms, +1s'
   engram query --server 127.0.0.1:50051 'Vision/RGB/head/cam @ latest')";
 
 struct QueryArguments {

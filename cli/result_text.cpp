@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/result_text.h"
 
+#include <numeric>
+
 #include "cli/save.h"
 #include "cli/text.h"
 #include "ltm/idf/json.h"
@@ -29,11 +31,21 @@ std::string whole_text(const idf::Data& data) {
   return text.size() <= kLongest ? text : "";
 }
 
-/// "image uint8 [128, 128, 3]", "52 numbers", a short value itself.
+/// The beginning of a value that consists of texts and such: "{\"text\":\"Put the sa...".
+std::string beginning_text(const idf::Data& data) {
+  constexpr size_t kLongest = 57;
+  std::string text = idf::to_json_text(data).value_or("");
+  if (text.size() <= kLongest) return text;
+  size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end) + "...";
+}
+
+/// "image uint8 [128, 128, 3]", "52 numbers", a short value itself, or how a longer one begins.
 std::string content_text(const idf::Data& data) {
   if (std::string whole = whole_text(data); !whole.empty()) return whole;
   const idf::Layout layout = idf::Layout::of(data);
-  size_t numbers = 0;
+  int64_t numbers = 0;
   std::string text;
   for (const idf::TensorMember& member : layout.members()) {
     if (member.kind == idf::MemberKind::kImage)
@@ -41,10 +53,13 @@ std::string content_text(const idf::Data& data) {
                           member.path.empty() ? "value" : member.path, to_string(member.type),
                           idf::to_string(member.shape));
     else
-      ++numbers;
+      numbers += std::accumulate(member.shape.begin(), member.shape.end(), int64_t{1},
+                                 std::multiplies<>());
   }
-  if (numbers > 0) text += fmt::format("{}{} numbers", text.empty() ? "" : ", ", numbers);
-  return text;
+  if (numbers > 0)
+    text +=
+        fmt::format("{}{} number{}", text.empty() ? "" : ", ", numbers, numbers == 1 ? "" : "s");
+  return text.empty() ? beginning_text(data) : text;
 }
 
 std::string content_text(const ltm::SnapshotResult& snapshot) {

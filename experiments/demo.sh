@@ -14,7 +14,19 @@ camera=Vision/RGB/head/cam
 joints=RobotState/Proprioception/robot/joints
 
 say() { printf '\n\033[1m%s\033[0m\n' "$*"; }
-run() { printf '$ engram %s\n' "$*"; "$engram" "$@"; }
+
+# Shows a command as one would type it, and runs it.
+run() {
+  printf '$ engram'
+  for word in "$@"; do
+    case $word in
+      *[!A-Za-z0-9_./:=,+-]*) printf " '%s'" "$word" ;;
+      *) printf ' %s' "$word" ;;
+    esac
+  done
+  printf '\n'
+  "$engram" "$@"
+}
 
 # Pairs NAME.mp4 and NAME.csv below a folder, one "video table" a line.
 pairs() {

@@ -50,6 +50,8 @@ TEST(SimulateKitchen, RecordsSeedsInProcessesBesideEachOtherAndEqualSeedsEqually
   const RunResult asked = run_engram({"query", alone, "Speech @ all", "--json"});
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, HasSubstr("2026-01-01 09:00:00.5"));
+  EXPECT_THAT(run_engram({"query", alone, "Speech @ all"}).out, HasSubstr(R"("text":")"))
+      << "shown, however long it is";
 }
 
 TEST(SimulateKitchen, WritesPlainFiles) {
