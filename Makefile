@@ -21,7 +21,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults soak server-cut fuzz \
         check-headers clean experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
-        latent-trial training-speed learning-bars age-bars
+        import-bars latent-trial training-speed learning-bars age-bars
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -43,6 +43,7 @@ help:
 	@echo "make forecast-bars   how well joints are predicted from their past (RECORDINGS)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
+	@echo "make import-bars     how fast videos come in, beside FFmpeg (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
@@ -123,6 +124,10 @@ codec-bars: experiments
 
 age-bars: experiments
 	$(MEASURE) server/age_bars --json age_bars.json $(BARS)
+
+import-bars: build
+	experiments/datasets/import_bars.py build/release/bin/engram \
+	  "$(RECORDINGS)/clips/one-by-one-person-detection.mp4" $(BARS)
 
 learning-bars: build
 	experiments/learning/learning_bars.py build/release/bin/engram "$(RECORDINGS)" build/learning_bars \

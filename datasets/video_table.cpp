@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "datasets/media/video_reader.h"
+#include "ltm/core/read_ahead.h"
 
 namespace engram::datasets {
 
@@ -14,6 +15,7 @@ constexpr std::string_view kImage = "image";
 constexpr std::string_view kState = "state";
 constexpr std::string_view kCamera = "camera";
 constexpr uint64_t kCommitsPerProgress = 8;
+constexpr size_t kBytesAhead = 64 << 20;
 
 Result<Time> absolute(Time start, Duration offset) {
   int64_t ns = 0;
@@ -69,6 +71,26 @@ std::optional<Time> nearer(std::optional<Time> before, std::optional<Time> after
   return *after - time < time - *before ? after : before;
 }
 
+/// A frame, or the end, and how many were damaged up to there.
+struct DecodedFrame {
+  std::optional<VideoFrame> frame;
+  uint64_t damaged = 0;
+};
+
+/// Decodes in a thread of its own.
+ReadAhead<DecodedFrame> decode_ahead(VideoReader& video) {
+  return {[&video, is_ended = false]() mutable -> Result<std::optional<DecodedFrame>> {
+            if (is_ended) return std::optional<DecodedFrame>();
+            ENGRAM_ASSIGN_OR_RETURN(auto frame, video.next());
+            is_ended = !frame;
+            return std::optional(DecodedFrame{std::move(frame), video.damaged_frames()});
+          },
+          [](const DecodedFrame& decoded) {
+            return decoded.frame ? decoded.frame->image.bytes().size() : size_t{0};
+          },
+          kBytesAhead};
+}
+
 /// One run of an import: two streams, merged.
 class Import {
  public:
@@ -78,12 +100,13 @@ class Import {
         recorder_(recorder),
         progress_(progress),
         video_(std::move(video)),
-        rows_(std::move(rows)) {}
+        rows_(std::move(rows)),
+        frames_(decode_ahead(video_)) {}
 
   Result<ImportReport> run(const std::stop_token& stop);
 
  private:
-  Status read_ahead();
+  Status read_next();
   Status check_start() const;
   Status merge(const std::stop_token& stop);
   Status commit_frame();
@@ -104,11 +127,15 @@ class Import {
   std::optional<idf::NdArray> last_image_;
   size_t row_ = 0;
   ImportReport report_;
+  ReadAhead<DecodedFrame> frames_;  ///< Last: it uses the video.
 };
 
-Status Import::read_ahead() {
-  ENGRAM_ASSIGN_OR_RETURN(frame_, video_.next());
-  report_.damaged_frames = video_.damaged_frames();
+Status Import::read_next() {
+  ENGRAM_ASSIGN_OR_RETURN(auto decoded, frames_.next());
+  if (decoded) {
+    frame_ = std::move(decoded->frame);
+    report_.damaged_frames = decoded->damaged;
+  }
   frame_time_.reset();
   if (frame_) {
     ENGRAM_ASSIGN_OR_RETURN(frame_time_, absolute(options_.start, frame_->time));
@@ -155,7 +182,7 @@ Status Import::commit_frame() {
   if (last_image_ && *last_image_ == frame_->image) ++report_.duplicate_frames;
   last_image_ = std::move(frame_->image);
   last_frame_time_ = time;
-  return read_ahead();
+  return read_next();
 }
 
 Status Import::commit_row() {
@@ -198,7 +225,7 @@ Status Import::merge(const std::stop_token& stop) {
 }
 
 Result<ImportReport> Import::run(const std::stop_token& stop) {
-  ENGRAM_RETURN_IF_ERROR(read_ahead());
+  ENGRAM_RETURN_IF_ERROR(read_next());
   ENGRAM_RETURN_IF_ERROR(check_start());
   if (Status status = merge(stop); !status.ok())
     return status.with_context(fmt::format("import stopped after {} frames and {} rows, which stay",

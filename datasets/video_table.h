@@ -36,7 +36,7 @@ struct VideoTableImport {
   int width = 0;
   int height = 0;
   bool crops_square = false;
-  int threads = 2;
+  int threads = 3;
 
   /// Named in the metadata of every instance.
   std::string provider = "import";

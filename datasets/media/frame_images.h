@@ -17,20 +17,21 @@ class FrameImages {
  public:
   FrameImages(const VideoInfo& info, const VideoReader::Options& options);
 
-  /// Shape: uint8 [H, W, 3], the same size whatever that of the frame is.
+  /// Shape: uint8 [H, W, 3], the same size whatever that of the frame is, which is cropped.
   /// Errors: kInvalidArgument where its colours cannot be converted, or it cannot be scaled.
-  Result<idf::NdArray> make(const AVFrame& frame);
+  Result<idf::NdArray> make(AVFrame& frame);
 
  private:
-  Result<idf::NdArray> convert(const AVFrame& frame);
-  Status prepare(const libav::PixelFormat& format);
+  Result<idf::NdArray> convert(AVFrame& frame);
+  Status prepare(const libav::PixelFormat& format, bool scales);
+  [[nodiscard]] bool can_scale_planes(const libav::PixelFormat& format, const cv::Rect& crop) const;
   [[nodiscard]] idf::NdArray fit(const cv::Mat& from) const;
 
   cv::Size size_;
   bool crops_square_;
   libav::PixelFormat format_;  ///< Of the last frame.
   libav::Scaler converter_;    ///< From that format.
-  cv::Mat whole_;              ///< The last frame in RGB, before it is cropped.
+  cv::Mat rgb_;                ///< The last frame, scaled or not, before it is cropped.
 };
 
 }  // namespace engram::datasets

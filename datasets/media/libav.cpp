@@ -13,7 +13,7 @@ namespace engram::datasets::libav {
 namespace {
 
 constexpr int kSmallHeight = 720;
-constexpr int kFlags = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
+constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
 
 /// The old "J" formats only say that the range is full; swscale wants the plain ones.
 AVPixelFormat plain(AVPixelFormat format) {
@@ -87,13 +87,20 @@ void set_formats(SwsContext* scaler, const PixelFormat& from, const PixelFormat&
   av_opt_set_int(scaler, "dstw", to.width, 0);
   av_opt_set_int(scaler, "dsth", to.height, 0);
   av_opt_set_int(scaler, "dst_format", to.format, 0);
-  av_opt_set_int(scaler, "sws_flags", kFlags, 0);
+  const bool is_same_size = from.width == to.width && from.height == to.height;
+  av_opt_set_int(scaler, "sws_flags", kFlags | (is_same_size ? SWS_BICUBIC : SWS_AREA), 0);
   if (has_small_chroma(from.format))
     set_chroma(scaler, "src_h_chr_pos", "src_v_chr_pos", from.chroma);
   if (has_small_chroma(to.format)) set_chroma(scaler, "dst_h_chr_pos", "dst_v_chr_pos", to.chroma);
 }
 
 }  // namespace
+
+bool shrinks_all_planes(const PixelFormat& from, const PixelFormat& to) {
+  int log2_width = 0, log2_height = 0;
+  if (av_pix_fmt_get_chroma_sub_sample(from.format, &log2_width, &log2_height) < 0) return false;
+  return to.width <= from.width >> log2_width && to.height <= from.height >> log2_height;
+}
 
 PixelFormat rgb_format(int width, int height) {
   return {.width = width,

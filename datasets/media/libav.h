@@ -6,6 +6,7 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
 }
 
@@ -51,8 +52,12 @@ struct PixelFormat {
 /// on and on BT.601 below; where it states no range, on the limited one.
 [[nodiscard]] PixelFormat format_of(const AVFrame& frame);
 
-/// Converts between two formats of one size. Both matrices and ranges are set explicitly and all
-/// chroma is interpolated with accurate rounding: the defaults cost up to 5 dB.
+/// Whether every plane of `from`, chroma too, has at least the size of `to`.
+[[nodiscard]] bool shrinks_all_planes(const PixelFormat& from, const PixelFormat& to);
+
+/// Converts between two formats of one size, or, where all planes shrink, averages areas on the
+/// way. Both matrices and ranges are set explicitly and all chroma is interpolated with accurate
+/// rounding: the defaults cost up to 5 dB.
 /// Errors: kInvalidArgument where a format or matrix is not supported.
 Result<Scaler> make_converter(const PixelFormat& from, const PixelFormat& to);
 

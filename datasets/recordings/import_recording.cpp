@@ -3,11 +3,21 @@
 
 #include <set>
 
+#include "ltm/core/read_ahead.h"
+
 namespace engram::datasets {
 
 namespace {
 
 constexpr uint64_t kValuesPerProgress = 16;
+constexpr size_t kBytesAhead = 64 << 20;
+
+size_t bytes_of(const RecordingReader::Moment& moment) {
+  size_t bytes = 0;
+  for (const ltm::EntityUpdate& update : moment.commit.updates)
+    bytes += ltm::Snapshot{{}, {}, update.instances}.raw_bytes();
+  return bytes;
+}
 
 class Import {
  public:
@@ -16,12 +26,14 @@ class Import {
       : reader_(reader), format_(format), recorder_(recorder), progress_(progress) {}
 
   Status run(const std::stop_token& stop) {
+    ReadAhead<RecordingReader::Moment> ahead([this] { return reader_.next(); }, bytes_of,
+                                             kBytesAhead);
     while (true) {
       if (stop.stop_requested()) {
         report_.is_cancelled = true;
         break;
       }
-      ENGRAM_ASSIGN_OR_RETURN(auto moment, reader_.next());
+      ENGRAM_ASSIGN_OR_RETURN(auto moment, ahead.next());
       if (!moment) break;
       if (moment->commit.updates.empty() && !moment->begins) continue;
       ENGRAM_RETURN_IF_ERROR(take(*std::move(moment)));

@@ -79,9 +79,10 @@ class RecordingReader {
  public:
   virtual ~RecordingReader() = default;
 
+  /// Those of the file, from the beginning on: they may be asked for while another thread reads.
   [[nodiscard]] virtual const std::vector<RecordingStream>& streams() const = 0;
 
-  /// How many values there are in all, for progress; 0: not known.
+  /// How many values there are in all, for progress; 0: not known. Likewise.
   [[nodiscard]] virtual uint64_t total() const = 0;
 
   /// What becomes one commit: what has one time. Times never decrease; of one entity they increase.

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "ltm/core/status.h"
+
+namespace engram {
+
+/// Calls a function again and again in a thread of its own, ahead of who needs what it returns.
+///
+/// Items come in order, up to the first without a value or with an error, which is repeated then.
+/// At most `limit` bytes of them wait (or one item, whatever its size), and 256.
+/// Threading: one thread calls; the function runs on another until it has no more, or until this
+/// ends. It must not throw.
+template <typename T>
+class ReadAhead {
+ public:
+  using Item = Result<std::optional<T>>;
+
+  /// `size_of` estimates how many bytes an item takes.
+  ReadAhead(std::function<Item()> read, std::function<size_t(const T&)> size_of, size_t limit)
+      : read_(std::move(read)), size_of_(std::move(size_of)), limit_(limit) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+
+  Item next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !waiting_.empty(); });
+    if (const Item& front = waiting_.front().item; !front.ok())
+      return front.status();
+    else if (!*front)
+      return std::optional<T>();
+    Waiting first = std::move(waiting_.front());
+    waiting_.pop_front();
+    bytes_ -= first.bytes;
+    lock.unlock();
+    changed_.notify_all();
+    return std::move(first.item);
+  }
+
+ private:
+  static constexpr size_t kMostItems = 256;
+
+  struct Waiting {
+    Item item;
+    size_t bytes = 0;
+  };
+
+  void run(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      Item item = read_();
+      const bool is_last = !item.ok() || !*item;
+      const size_t bytes = is_last ? 0 : size_of_(**item);
+      std::unique_lock lock(mutex_);
+      const bool has_room = changed_.wait(lock, stop, [&] {
+        return waiting_.empty() || (bytes_ + bytes <= limit_ && waiting_.size() < kMostItems);
+      });
+      if (!has_room) return;
+      waiting_.push_back({std::move(item), bytes});
+      bytes_ += bytes;
+      lock.unlock();
+      changed_.notify_all();
+      if (is_last) return;
+    }
+  }
+
+  const std::function<Item()> read_;
+  const std::function<size_t(const T&)> size_of_;
+  const size_t limit_;
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  // Guarded by mutex_:
+  std::deque<Waiting> waiting_;
+  size_t bytes_ = 0;
+
+  std::jthread thread_;  ///< Last: it uses all the others.
+};
+
+}  // namespace engram
