@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "datasets/lerobot/lerobot_episodes.h"
+#include "datasets/recordings/folder_file.h"
 #include "ltm/core/file.h"
 
 namespace engram::datasets::lerobot {
@@ -15,86 +17,63 @@ namespace {
 using nlohmann::json;
 
 constexpr size_t kMostNumbers = 1'000'000;
-constexpr size_t kMostEpisodes = 10'000'000;
+constexpr size_t kMostFeatures = 10'000;
+constexpr size_t kMostInfoBytes = size_t{64} << 20;
+constexpr size_t kMostShown = 40;
+constexpr double kLowestHz = 1e-3;
+constexpr double kHighestHz = 1e6;
 
-Result<json> parsed(const std::filesystem::path& path, const std::string& text, size_t line) {
-  json value = json::parse(text, nullptr, false);
-  if (value.is_object()) return value;
-  return invalid_argument("'{}', line {}: is no JSON object", path.string(), line);
-}
-
-Result<std::string> text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return not_found("'{}': there is no such file", path.string());
-  return std::string(std::istreambuf_iterator<char>(file), {});
-}
-
-/// A member of a type, or what stands for it where it is missing.
-template <typename Value>
-Value member(const json& object, const char* name, Value otherwise) {
+/// What stands in a member, for a message.
+std::string shown(const json& object, const char* name) {
   const auto found = object.find(name);
-  if (found == object.end()) return otherwise;
-  if constexpr (std::is_same_v<Value, std::string>) {
-    return found->is_string() ? found->get<Value>() : otherwise;
-  } else if constexpr (std::is_integral_v<Value>) {
-    return found->is_number_integer() ? found->get<Value>() : otherwise;
-  } else {
-    return found->is_number() ? found->get<Value>() : otherwise;
-  }
+  if (found == object.end()) return "nothing";
+  if (found->is_structured()) return found->type_name();
+  const std::string text = found->dump(-1, ' ', false, json::error_handler_t::replace);
+  return text.size() > kMostShown ? text.substr(0, kMostShown) + "..." : text;
 }
 
-/// Names come as a list, as a list of lists, or as a list by the name of an axis.
-void collect_names(const json& value, std::vector<std::string>& names) {
-  if (value.is_string()) names.push_back(value.get<std::string>());
-  if (value.is_array() || value.is_object())
-    for (const json& part : value) collect_names(part, names);
+std::string text_member(const json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+Feature::Kind kind_of(const std::string& dtype) {
+  if (dtype == "video") return Feature::Kind::kVideo;
+  if (dtype == "image") return Feature::Kind::kImage;
+  return dtype == "string" ? Feature::Kind::kText : Feature::Kind::kNumbers;
 }
 
 Result<Feature> feature_of(const std::filesystem::path& path, const std::string& key,
                            const json& value) {
   Feature feature;
   feature.key = key;
-  feature.dtype = member<std::string>(value, "dtype", "");
-  if (feature.is_video() || feature.dtype == "image") return feature;
-  feature.count = 1;
+  if (!value.is_object())
+    return invalid_argument("'{}': feature '{}': needs an object", path.string(), key);
+  feature.dtype = text_member(value, "dtype");
+  feature.kind = kind_of(feature.dtype);
+  if (feature.is_picture()) return feature;
   const auto shape = value.find("shape");
   if (shape == value.end() || !shape->is_array())
-    return invalid_argument("'{}': feature '{}' needs a 'shape'", path.string(), key);
+    return invalid_argument("'{}': feature '{}': found {} as its 'shape', needs a list",
+                            path.string(), key, shown(value, "shape"));
+  feature.count = 1;
   for (const json& size : *shape) {
     const auto extent = size.is_number_unsigned() ? size.get<uint64_t>() : kMostNumbers + 1;
     feature.count = extent > kMostNumbers ? kMostNumbers + 1 : feature.count * extent;
-    if (feature.count > kMostNumbers)
-      return invalid_argument("'{}': feature '{}': needs a shape of at most {} numbers",
+    if (feature.count == 0 || feature.count > kMostNumbers)
+      return invalid_argument("'{}': feature '{}': needs a 'shape' of 1 to {} numbers",
                               path.string(), key, kMostNumbers);
+    feature.shape.push_back(static_cast<int64_t>(extent));
   }
+  if (feature.shape.empty()) feature.shape.push_back(1);
   if (const auto names = value.find("names"); names != value.end())
-    collect_names(*names, feature.names);
-  if (feature.names.size() != feature.count) feature.names.clear();
+    collect_texts(*names, feature.names);
+  std::vector<std::string> sorted = feature.names;
+  std::ranges::sort(sorted);
+  // Names of axes, or names that would be one member: not those of the numbers.
+  if (sorted.size() != feature.count || std::ranges::adjacent_find(sorted) != sorted.end())
+    feature.names.clear();
   return feature;
-}
-
-Result<std::vector<Episode>> read_episodes(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file)
-    return not_found("'{}': there is no such file, needs the episodes of the data set",
-                     path.string());
-  std::vector<Episode> episodes;
-  size_t number = 0;
-  for (std::string line; std::getline(file, line);) {
-    ++number;
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const json value, parsed(path, line, number));
-    Episode episode;
-    episode.index = member<int64_t>(value, "episode_index", -1);
-    episode.length = member<int64_t>(value, "length", -1);
-    if (episode.index < 0 || episode.length < 0 || episodes.size() >= kMostEpisodes)
-      return invalid_argument("'{}', line {}: needs an 'episode_index' and a 'length'",
-                              path.string(), number);
-    if (const auto tasks = value.find("tasks"); tasks != value.end())
-      collect_names(*tasks, episode.tasks);
-    episodes.push_back(std::move(episode));
-  }
-  return episodes;
 }
 
 /// "a{x:03d}" with x 7 becomes "a007".
@@ -114,11 +93,37 @@ std::string filled(std::string text, const std::string& name, const std::string&
   return text;
 }
 
-std::string filled(const Description& description, const std::string& text,
-                   const Episode& episode) {
-  const int64_t chunk = episode.index / description.chunk_size;
-  return filled(filled(text, "episode_chunk", std::to_string(chunk)), "episode_index",
-                std::to_string(episode.index));
+std::string filled(const Description& description, std::string text, const Episode& episode,
+                   const FileIndex& file) {
+  text = filled(std::move(text), "episode_chunk",
+                std::to_string(episode.index / description.chunk_size));
+  text = filled(std::move(text), "episode_index", std::to_string(episode.index));
+  text = filled(std::move(text), "chunk_index", std::to_string(file.chunk));
+  return filled(std::move(text), "file_index", std::to_string(file.file));
+}
+
+Status check_template(const std::filesystem::path& path, const json& info, const char* name) {
+  const std::filesystem::path text = text_member(info, name);
+  const bool has_video = info.contains(name) && !info.at(name).is_null();
+  if (std::string_view(name) == "video_path" && !has_video) return {};
+  if (!text.empty() && text.is_relative() && std::ranges::find(text, "..") == text.end()) return {};
+  return invalid_argument("'{}': found {} as '{}', needs a path inside of the data set",
+                          path.string(), shown(info, name), name);
+}
+
+Status read_numbers(const std::filesystem::path& path, const json& info, Description& description) {
+  const auto fps = info.find("fps");
+  description.rate_hz = fps != info.end() && fps->is_number() ? fps->get<double>() : 0;
+  if (!(description.rate_hz >= kLowestHz && description.rate_hz <= kHighestHz))
+    return invalid_argument("'{}': found {} as 'fps', needs {} to {}", path.string(),
+                            shown(info, "fps"), kLowestHz, kHighestHz);
+  const auto size = info.find("chunks_size");
+  if (size == info.end()) return {};
+  description.chunk_size = size->is_number_integer() ? size->get<int64_t>() : 0;
+  if (description.chunk_size < 1)
+    return invalid_argument("'{}': found {} as 'chunks_size', needs 1 or more", path.string(),
+                            shown(info, "chunks_size"));
+  return {};
 }
 
 }  // namespace
@@ -128,38 +133,58 @@ std::string Episode::name() const {
 }
 
 std::filesystem::path Description::table_of(const Episode& episode) const {
-  return root / filled(*this, data_path, episode);
+  return filled(*this, data_path, episode, episode.table);
 }
 
-std::filesystem::path Description::video_of(const Episode& episode, const Feature& feature) const {
-  return root / filled(filled(*this, video_path, episode), "video_key", feature.key);
+std::filesystem::path Description::video_of(const Episode& episode, const Feature& feature,
+                                            size_t video) const {
+  const FileIndex file = is_v3 ? episode.videos[video].file : FileIndex();
+  return filled(filled(*this, video_path, episode, file), "video_key", feature.key);
+}
+
+Result<Description> parse_info(const std::filesystem::path& root, const std::string& text) {
+  const std::filesystem::path path = root / "meta" / "info.json";
+  if (text.empty()) return invalid_argument("'{}': is empty, needs a JSON object", path.string());
+  const json info = json::parse(text, nullptr, false);
+  if (!info.is_object())
+    return invalid_argument("'{}': found {}, needs a JSON object", path.string(),
+                            info.is_discarded() ? "no JSON" : info.type_name());
+  Description description;
+  description.root = root;
+  description.version = text_member(info, "codebase_version");
+  description.is_v3 = description.version.starts_with("v3.");
+  if (!description.is_v3 && !description.version.starts_with("v2."))
+    return invalid_argument("'{}': found {} as 'codebase_version', needs v2.0, v2.1 or v3.0",
+                            path.string(), shown(info, "codebase_version"));
+  description.robot = text_member(info, "robot_type");
+  ENGRAM_RETURN_IF_ERROR(read_numbers(path, info, description));
+  for (const char* name : {"data_path", "video_path"})
+    ENGRAM_RETURN_IF_ERROR(check_template(path, info, name));
+  description.data_path = text_member(info, "data_path");
+  description.video_path = text_member(info, "video_path");
+  const auto features = info.find("features");
+  if (features == info.end() || !features->is_object() || features->size() > kMostFeatures)
+    return invalid_argument("'{}': found {} as 'features', needs an object of at most {}",
+                            path.string(), shown(info, "features"), kMostFeatures);
+  for (const auto& [key, value] : features->items()) {
+    ENGRAM_ASSIGN_OR_RETURN(Feature feature, feature_of(path, key, value));
+    if (feature.kind == Feature::Kind::kVideo && description.video_path.empty())
+      return invalid_argument("'{}': has videos, needs a 'video_path'", path.string());
+    description.features.push_back(std::move(feature));
+  }
+  return description;
 }
 
 Result<Description> read_description(const std::filesystem::path& root) {
-  const std::filesystem::path path = root / "meta" / "info.json";
-  ENGRAM_ASSIGN_OR_RETURN(const std::string text, text_of(path));
-  ENGRAM_ASSIGN_OR_RETURN(const json info, parsed(path, text, 1));
-  Description description;
-  description.root = root;
-  description.version = member<std::string>(info, "codebase_version", "");
-  if (!description.version.starts_with("v2"))
-    return invalid_argument("'{}': found version '{}', needs v2.0 or v2.1", path.string(),
-                            description.version);
-  description.robot = member<std::string>(info, "robot_type", "");
-  description.rate_hz = member<double>(info, "fps", 0);
-  if (!(description.rate_hz > 0 && description.rate_hz <= 1e6))
-    return invalid_argument("'{}': needs an 'fps' above 0", path.string());
-  description.chunk_size = std::max<int64_t>(1, member<int64_t>(info, "chunks_size", 1000));
-  description.data_path = member<std::string>(info, "data_path", "");
-  description.video_path = member<std::string>(info, "video_path", "");
-  const auto features = info.find("features");
-  if (description.data_path.empty() || features == info.end() || !features->is_object())
-    return invalid_argument("'{}': needs a 'data_path' and 'features'", path.string());
-  for (const auto& [key, value] : features->items()) {
-    ENGRAM_ASSIGN_OR_RETURN(Feature feature, feature_of(path, key, value));
-    description.features.push_back(std::move(feature));
-  }
-  ENGRAM_ASSIGN_OR_RETURN(description.episodes, read_episodes(root / "meta" / "episodes.jsonl"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto path, file_in_folder(root, "meta/info.json"));
+  std::error_code error;
+  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMostInfoBytes)
+    return invalid_argument("'{}': found {} bytes, needs at most {}", path.string(), bytes,
+                            kMostInfoBytes);
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(path));
+  ENGRAM_ASSIGN_OR_RETURN(Description description,
+                          parse_info(root, std::string(as_text(text.bytes()))));
+  ENGRAM_ASSIGN_OR_RETURN(description.episodes, read_episodes(description));
   return description;
 }
 

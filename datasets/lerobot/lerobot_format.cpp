@@ -11,7 +11,7 @@ class LerobotFormat final : public RecordingFormat {
  public:
   [[nodiscard]] std::string_view name() const override { return "lerobot"; }
   [[nodiscard]] std::string_view about() const override {
-    return "LeRobot data sets v2.0 and v2.1: a folder with meta/info.json";
+    return "LeRobot data sets v2.0, v2.1 and v3.0: a folder with meta/info.json";
   }
 
   [[nodiscard]] bool recognises(const std::filesystem::path& path) const override {

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
-#include "datasets/lerobot/lerobot_table.h"
-#include "datasets/media/video_reader.h"
+#include "datasets/lerobot/episode_video.h"
+#include "datasets/lerobot/lerobot_episodes.h"
+#include "datasets/lerobot/step_numbers.h"
+#include "datasets/recordings/folder_file.h"
+#include "datasets/recordings/image_file.h"
 
 namespace engram::datasets::lerobot {
 
@@ -14,6 +18,8 @@ namespace {
 constexpr const char* kImage = "image";
 constexpr const char* kState = "state";
 constexpr const char* kCamera = "camera";
+// Times of a row are at most this far behind the start of its episode.
+constexpr Duration kLongestEpisode = std::chrono::seconds(200'000'000);
 
 /// What tables have beside features of the robot.
 bool is_bookkeeping(const std::string& key) {
@@ -22,33 +28,30 @@ bool is_bookkeeping(const std::string& key) {
   return std::ranges::find(keys, key) != keys.end();
 }
 
-std::string last_part(const std::string& key) {
-  return key.substr(key.rfind('.') == std::string::npos ? 0 : key.rfind('.') + 1);
-}
-
 std::string without(const std::string& key, std::string_view prefix) {
   return key.starts_with(prefix) ? key.substr(prefix.size()) : key;
 }
 
-/// Where values of a feature go.
-Result<ltm::MemoryId> entity_of(const Feature& feature, const std::string& provider) {
+/// Names of the entity that values of a feature go to.
+std::vector<std::string> names_of(const Feature& feature, const std::string& provider) {
   const std::string& key = feature.key;
-  if (feature.is_video())
-    return ltm::MemoryId::from_names({"Vision", "RGB", provider, last_part(key)});
+  if (feature.is_picture())
+    return {"Vision", key.find("depth") == std::string::npos ? "RGB" : "Depth", provider,
+            last_part(key)};
   if (key.starts_with("observation."))
-    return ltm::MemoryId::from_names(
-        {"RobotState", "Proprioception", provider, without(key, "observation.")});
-  if (key.starts_with("action"))
-    return ltm::MemoryId::from_names({"Skills", "Commands", provider, key});
-  return ltm::MemoryId::from_names({"Tasks", "Feedback", provider, without(key, "next.")});
+    return {"RobotState", "Proprioception", provider, without(key, "observation.")};
+  if (key.starts_with("action")) return {"Skills", "Commands", provider, key};
+  return {"Tasks", "Feedback", provider, without(key, "next.")};
 }
 
 /// A feature, its entity, and what of the episode at hand holds it.
 struct Source {
   Feature feature;
   ltm::MemoryId entity;
-  std::optional<VideoReader> video;
-  std::vector<const TableColumn*> columns;  ///< One for each number.
+  size_t number = 0;  ///< Of videos: among them.
+  std::optional<EpisodeVideo> video;
+  VideoPart part;               ///< Of that video.
+  std::vector<size_t> columns;  ///< One for each number, or that of the image's name.
   std::optional<idf::NdArray> last_image;
 };
 
@@ -59,19 +62,17 @@ class Reader final : public RecordingReader {
 
   Status prepare() {
     ENGRAM_RETURN_IF_ERROR(choose_episodes());
+    size_t videos = 0;
     for (const Feature& feature : description_.features) {
-      if (is_bookkeeping(feature.key)) continue;
-      if (!feature.is_video() && feature.count == 0) {
-        report_.not_carried["features of kind '" + feature.dtype + "'"] += 1;
-        continue;
-      }
-      ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, entity_of(feature, options_.provider));
-      sources_.push_back({feature, entity, {}, {}, {}});
-      idf::List names;
-      for (const std::string& name : feature.names) names.emplace_back(name);
-      idf::Dict attributes{{"dtype", feature.dtype}, {"names", std::move(names)}};
-      streams_.push_back({entity, feature.key, total_, std::move(attributes)});
+      const size_t number = feature.kind == Feature::Kind::kVideo ? videos++ : 0;
+      if (!is_bookkeeping(feature.key)) ENGRAM_RETURN_IF_ERROR(add_source(feature, number));
     }
+    ENGRAM_ASSIGN_OR_RETURN(tasks_, read_tasks(description_));
+    if (tasks_.size() < 2) return {};
+    // With one task, episodes say all.
+    ENGRAM_ASSIGN_OR_RETURN(task_entity_,
+                            entity_of({"Tasks", "Feedback", options_.provider, "task"}));
+    streams_.push_back({task_entity_, "task_index", 0, {{"dtype", "int64"}}});
     return {};
   }
 
@@ -79,30 +80,32 @@ class Reader final : public RecordingReader {
   [[nodiscard]] uint64_t total() const override { return total_ * sources_.size(); }
 
   Result<std::optional<Moment>> next() override {
-    while (!table_ || row_ >= table_->rows()) {
-      if (table_) end_episode();
+    while (!is_inside_ || step_ >= length_) {
+      if (is_inside_) ENGRAM_RETURN_IF_ERROR(end_episode());
       if (episode_ >= episodes_.size()) return std::optional<Moment>();
-      ENGRAM_RETURN_IF_ERROR(begin_episode(episodes_[episode_++]));
+      ENGRAM_RETURN_IF_ERROR(begin_episode());
     }
+    ENGRAM_RETURN_IF_ERROR(go_to_row());
+    ENGRAM_ASSIGN_OR_RETURN(const Time time, time_of_row());
     Moment moment;
-    const Time time = time_of(row_);
-    if (row_ == 0) moment.begins = description_of(episodes_[episode_ - 1], time);
+    if (step_ == 0) moment.begins = description_of(episode(), time);
+    ENGRAM_RETURN_IF_ERROR(add_task(time, moment.commit));
     for (Source& source : sources_) {
       ENGRAM_ASSIGN_OR_RETURN(auto value, value_of(source, time));
-      if (!value) continue;
-      ltm::InstanceMetadata metadata{
-          .created = time, .sent = time, .arrived = time, .provider = "import"};
-      moment.commit.updates.push_back(
-          {source.entity, time, {{*std::move(value), std::move(metadata)}}});
+      if (value) add(source.entity, time, *std::move(value), moment.commit);
     }
-    ++row_;
+    has_row_ = false;
+    ++step_;
     return std::optional(std::move(moment));
   }
 
  private:
+  [[nodiscard]] const Episode& episode() const { return episodes_[episode_ - 1]; }
+
   Status choose_episodes() {
     std::vector<std::string> missing = options_.episodes;
-    for (const Episode& episode : description_.episodes) {
+    const uint64_t all = description_.episodes.size();
+    for (Episode& episode : description_.episodes) {
       const auto asked = [&](const std::string& name) {
         return name == episode.name() || name == std::to_string(episode.index);
       };
@@ -110,151 +113,316 @@ class Reader final : public RecordingReader {
       std::erase_if(missing, asked);
       std::error_code error;
       const std::filesystem::path table = description_.table_of(episode);
-      if (csv_of(description_.root, table).empty() && !std::filesystem::exists(table, error)) {
-        ++report_.not_carried["episodes whose files are not there"];
+      const bool is_there = !csv_of(description_.root, table, !description_.is_v3).empty() ||
+                            std::filesystem::exists(description_.root / table, error);
+      if (!is_there || episode.length == 0) {
+        ++report_.not_carried[is_there ? "episodes without steps"
+                                       : "episodes whose files are not there"];
         continue;
       }
-      episodes_.push_back(episode);
       total_ += static_cast<uint64_t>(episode.length);
+      episodes_.push_back(std::move(episode));
     }
+    description_.episodes.clear();
     if (!missing.empty())
       return not_found("'{}': has no episode '{}'", description_.root.string(), missing.front());
     if (episodes_.empty())
       return not_found("'{}': of its {} episodes no table is there", description_.root.string(),
-                       description_.episodes.size());
+                       all);
     return {};
   }
 
-  Status begin_episode(const Episode& episode) {
-    row_ = 0;
-    const std::filesystem::path parquet = description_.table_of(episode);
-    ENGRAM_ASSIGN_OR_RETURN(table_, read_table(description_.root, parquet));
-    if (table_->rows() != static_cast<size_t>(episode.length))
-      return data_loss("'{}': found {} rows, needs {} as meta/episodes.jsonl says",
-                       parquet.string(), table_->rows(), episode.length);
-    start_ =
-        episode_ == 1 ? options_.start.value_or(Time{}) : start_ + length_ + options_.episode_gap;
-    length_ = table_->times().back() +
-              Duration(static_cast<int64_t>(std::llround(1e9 / description_.rate_hz)));
+  /// An entity that no other feature has: of two with one name the second gets "_2".
+  Result<ltm::MemoryId> entity_of(std::vector<std::string> names) {
+    const std::string name = names.back();
+    for (int copy = 2;; ++copy) {
+      ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId entity, ltm::MemoryId::from_names(names));
+      if (entities_.insert(entity).second) return entity;
+      names.back() = fmt::format("{}_{}", name, copy);
+    }
+  }
+
+  Status add_source(const Feature& feature, size_t number) {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity,
+                            entity_of(names_of(feature, options_.provider)));
+    Source& source = sources_.emplace_back();
+    source.feature = feature;
+    source.entity = entity;
+    source.number = number;
+    idf::List names;
+    for (const std::string& name : feature.names) names.emplace_back(name);
+    idf::Dict attributes{{"dtype", feature.dtype}, {"names", std::move(names)}};
+    streams_.push_back({entity, feature.key, total_, std::move(attributes)});
+    return {};
+  }
+
+  Status begin_episode() {
+    const Episode& begun = episodes_[episode_++];
+    step_ = 0;
+    length_ = begun.length;
+    last_task_.reset();
+    ENGRAM_RETURN_IF_ERROR(set_start());
+    ENGRAM_RETURN_IF_ERROR(open_table(begun));
     for (Source& source : sources_) {
       source.last_image.reset();
-      if (source.feature.is_video()) {
-        const std::filesystem::path path = description_.video_of(episode, source.feature);
-        ENGRAM_ASSIGN_OR_RETURN(source.video, VideoReader::open(path, {}));
-      } else {
-        ENGRAM_RETURN_IF_ERROR(find_columns(source));
-      }
+      if (source.feature.kind == Feature::Kind::kVideo)
+        ENGRAM_RETURN_IF_ERROR(open_video(source, begun));
     }
+    is_inside_ = true;
     return {};
   }
 
-  /// Tables call number i of feature "observation.state": it and the name or number of the element,
-  /// or only "state" and these.
-  Status find_columns(Source& source) {
+  Status set_start() {
+    const Time first = options_.start.value_or(Time{});
+    int64_t start = to_ns(first);
+    int64_t end = 0;
+    const bool is_late =
+        (episode_ > 1 &&
+         (__builtin_add_overflow(to_ns(last_), options_.episode_gap.count(), &start) ||
+          __builtin_add_overflow(start, frame_length().count(), &start))) ||
+        __builtin_add_overflow(start, kLongestEpisode.count(), &end);
+    if (is_late)
+      return invalid_argument("'{}': {} begins behind the year 2255", description_.root.string(),
+                              episode().name());
+    start_ = time_from_ns(start);
+    return {};
+  }
+
+  [[nodiscard]] Duration frame_length() const {
+    return Duration(static_cast<int64_t>(std::llround(1e9 / description_.rate_hz)));
+  }
+
+  /// Opens the table of an episode, unless the one before is in it too.
+  Status open_table(const Episode& begun) {
+    const std::filesystem::path path = description_.table_of(begun);
+    if (description_.is_v3 && table_ && path == table_path_) {
+      ENGRAM_ASSIGN_OR_RETURN(const bool is_there, find_rows(begun));
+      if (is_there) return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(table_, RowTable::open(description_.root, path, !description_.is_v3));
+    table_path_ = path;
+    has_row_ = false;
+    ENGRAM_ASSIGN_OR_RETURN(time_column_, table_->need("timestamp"));
+    task_column_ = table_->find({"task_index"});
+    for (Source& source : sources_) find_columns(source);
+    if (!description_.is_v3) return {};
+    ENGRAM_ASSIGN_OR_RETURN(episode_column_, table_->need("episode_index"));
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, find_rows(begun));
+    if (is_there) return {};
+    return data_loss("'{}': found no row of {}, needs {}", (description_.root / path).string(),
+                     begun.name(), begun.length);
+  }
+
+  /// Goes to the first row of an episode, over those of others; false where there is none.
+  Result<bool> find_rows(const Episode& begun) {
+    while (true) {
+      ENGRAM_RETURN_IF_ERROR(fetch_row());
+      if (!has_row_) return false;
+      ENGRAM_ASSIGN_OR_RETURN(const int64_t index, table_->whole(episode_column_));
+      if (index == begun.index) return true;
+      has_row_ = false;
+    }
+  }
+
+  Status fetch_row() {
+    if (has_row_) return {};
+    ENGRAM_ASSIGN_OR_RETURN(has_row_, table_->next());
+    return {};
+  }
+
+  /// Fetches the row of the step.
+  Status go_to_row() {
+    ENGRAM_RETURN_IF_ERROR(fetch_row());
+    bool is_there = has_row_;
+    if (is_there && description_.is_v3) {
+      ENGRAM_ASSIGN_OR_RETURN(const int64_t index, table_->whole(episode_column_));
+      is_there = index == episode().index;
+    }
+    if (is_there) return {};
+    return data_loss("'{}': found {} rows of {}, needs {} as the list of episodes says",
+                     (description_.root / table_path_).string(), step_, episode().name(), length_);
+  }
+
+  Result<Time> time_of_row() {
+    ENGRAM_ASSIGN_OR_RETURN(stamp_, table_->seconds(time_column_));
+    Time time = start_ + stamp_;
+    if (step_ > 0 && time == last_) {
+      time += Duration(1);
+      ++report_.not_carried["repeated times, moved by 1 ns"];
+    }
+    if (step_ > 0 && time <= last_)
+      return table_->broken(time_column_, "needs a time behind that of the row before");
+    last_ = time;
+    return time;
+  }
+
+  void find_columns(Source& source) {
     const Feature& feature = source.feature;
     source.columns.clear();
-    for (size_t i = 0; i < feature.count; ++i) {
-      std::vector<std::string> names;
-      for (const std::string& key : {feature.key, last_part(feature.key)}) {
-        if (!feature.names.empty()) names.push_back(key + "." + feature.names[i]);
-        names.push_back(key + "." + std::to_string(i));
-        if (feature.count == 1) names.push_back(key);
-      }
-      const auto column = std::ranges::find_if(table_->columns(), [&](const TableColumn& one) {
-        return std::ranges::find(names, one.name) != names.end();
-      });
-      if (column == table_->columns().end()) {
-        source.columns.clear();
-        ++report_.not_carried["feature '" + feature.key + "', not in the table of an episode"];
-        return {};
-      }
-      source.columns.push_back(&*column);
+    if (feature.kind == Feature::Kind::kVideo) return;
+    if (feature.kind == Feature::Kind::kImage) {
+      if (const auto column = table_->find({feature.key})) source.columns = {*column};
+    } else {
+      source.columns = columns_of(*table_, feature);
     }
+    if (source.columns.empty())
+      ++report_.not_carried["feature '" + feature.key + "', not in the table of an episode"];
+  }
+
+  Status open_video(Source& source, const Episode& begun) {
+    source.part = description_.is_v3 ? begun.videos[source.number] : VideoPart();
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto path,
+        file_in_folder(description_.root,
+                       description_.video_of(begun, source.feature, source.number)));
+    const Duration from = source.part.from - frame_length() / 2;
+    if (description_.is_v3 && source.video && source.video->path() == path &&
+        source.video->skip_to(from))
+      return {};
+    close_video(source);
+    ENGRAM_ASSIGN_OR_RETURN(source.video, EpisodeVideo::open(path));
+    if (description_.is_v3) source.video->skip_to(from);
     return {};
   }
 
-  void end_episode() {
-    for (Source& source : sources_) {
-      if (!source.video) continue;
-      while (true) {
-        const auto more = source.video->next();
-        if (!more.ok() || !*more) break;
-        ++report_.not_carried["frames behind the last row"];
-      }
-      report_.damaged += source.video->damaged_frames();
-      source.video.reset();
-    }
-    table_.reset();
+  void close_video(Source& source) {
+    if (!source.video) return;
+    report_.damaged += source.video->damaged();
+    if (source.video->passed() > 0)
+      report_.not_carried["frames without a row"] += source.video->passed();
+    if (!source.video->broken().empty()) report_.truncated_at = source.video->broken();
+    source.video.reset();
   }
 
-  [[nodiscard]] Time time_of(size_t row) const { return start_ + table_->times()[row]; }
+  Status end_episode() {
+    is_inside_ = false;
+    for (Source& source : sources_) {
+      if (!source.video) continue;
+      // Where videos are shared, the frame at the end is the first one of the next episode.
+      source.video->pass_to(description_.is_v3 ? source.part.to - frame_length() / 2
+                                               : Duration::max());
+      if (!description_.is_v3 || episode_ == episodes_.size()) close_video(source);
+    }
+    if (description_.is_v3) return {};
+    ENGRAM_RETURN_IF_ERROR(fetch_row());
+    if (!has_row_) return {};
+    return data_loss("'{}': found more than {} rows, needs as many as the list of episodes says",
+                     (description_.root / table_path_).string(), length_);
+  }
 
-  [[nodiscard]] RecordingEpisode description_of(const Episode& episode, Time time) const {
+  [[nodiscard]] RecordingEpisode description_of(const Episode& begun, Time time) const {
     idf::List tasks;
-    for (const std::string& task : episode.tasks) tasks.emplace_back(task);
+    for (const std::string& task : begun.tasks) tasks.emplace_back(task);
     return {"lerobot",
-            episode.name(),
+            begun.name(),
             time,
             {{"tasks", std::move(tasks)},
-             {"length", episode.length},
+             {"length", begun.length},
              {"robot_type", description_.robot},
              {"fps", description_.rate_hz},
              {"codebase_version", description_.version}}};
   }
 
+  static void add(const ltm::MemoryId& entity, Time time, idf::Data value, ltm::Commit& commit) {
+    ltm::InstanceMetadata metadata{
+        .created = time, .sent = time, .arrived = time, .provider = "import"};
+    commit.updates.push_back({entity, time, {{std::move(value), std::move(metadata)}}});
+  }
+
+  /// Says which of several tasks the robot is at, where that changes.
+  Status add_task(Time time, ltm::Commit& commit) {
+    if (tasks_.size() < 2 || !task_column_) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t index, table_->whole(*task_column_));
+    if (last_task_ == index) return {};
+    last_task_ = index;
+    const auto task = tasks_.find(index);
+    if (task == tasks_.end()) return table_->broken(*task_column_, "which the tasks do not have");
+    add(task_entity_, time, idf::Dict{{"text", task->second}, {"task_index", index}}, commit);
+    return {};
+  }
+
   Result<std::optional<idf::Data>> value_of(Source& source, Time time) {
-    if (source.feature.is_video()) return frame_of(source, time);
+    if (source.feature.kind == Feature::Kind::kVideo) return frame_of(source, time);
     if (source.columns.empty()) return std::optional<idf::Data>();
-    idf::Dict value;
-    if (source.feature.names.empty()) {
-      std::vector<double> numbers;
-      for (const TableColumn* column : source.columns) numbers.push_back(column->values[row_]);
-      const auto count = static_cast<int64_t>(numbers.size());
-      value.set("values", idf::NdArray::take<double>({count}, std::move(numbers)));
-    } else {
-      for (size_t i = 0; i < source.columns.size(); ++i)
-        value.set(source.feature.names[i], source.columns[i]->values[row_]);
+    if (source.feature.kind == Feature::Kind::kImage) return image_of(source, time);
+    ENGRAM_ASSIGN_OR_RETURN(auto value, numbers_of(*table_, source.feature, source.columns));
+    if (!value) {
+      ++report_.not_carried["values with empty cells"];
+      return std::optional<idf::Data>();
     }
-    if (const Source* camera = first(true)) value.set(kCamera, camera->entity.at(time).to_string());
-    return std::optional<idf::Data>(std::move(value));
+    if (const Source* camera = first(true))
+      value->set(kCamera, camera->entity.at(time).to_string());
+    return std::optional<idf::Data>(*std::move(value));
   }
 
   Result<std::optional<idf::Data>> frame_of(Source& source, Time time) {
-    ENGRAM_ASSIGN_OR_RETURN(auto frame, source.video->next());
-    if (!frame) {
-      ++report_.not_carried["rows behind the last frame"];
+    auto image = description_.is_v3
+                     ? source.video->at(source.part.from + stamp_, frame_length() / 2)
+                     : source.video->next();
+    if (image) return picture_of(source, *std::move(image), time);
+    ++report_.not_carried["rows without a frame"];
+    return std::optional<idf::Data>();
+  }
+
+  Result<std::optional<idf::Data>> image_of(Source& source, Time time) {
+    if (table_->text(source.columns.front()).empty()) {
+      ++report_.not_carried["values with empty cells"];
       return std::optional<idf::Data>();
     }
-    if (source.last_image && *source.last_image == frame->image) ++report_.duplicate_images;
-    source.last_image = frame->image;
-    idf::Dict value{{kImage, std::move(frame->image)}};
+    ENGRAM_ASSIGN_OR_RETURN(const auto path, table_->file(source.columns.front()));
+    auto image = read_image_file(path);
+    if (image.ok()) return picture_of(source, *std::move(image), time);
+    ++report_.damaged;
+    return std::optional<idf::Data>();
+  }
+
+  std::optional<idf::Data> picture_of(Source& source, idf::NdArray image, Time time) {
+    if (source.last_image && *source.last_image == image) ++report_.duplicate_images;
+    source.last_image = image;
+    const bool is_depth = image.type() == idf::ElementType::kUInt16;
+    idf::Dict value{{is_depth ? "depth" : kImage, std::move(image)}};
     if (const Source* state = first(false)) value.set(kState, state->entity.at(time).to_string());
-    return std::optional<idf::Data>(std::move(value));
+    return value;
   }
 
   /// The first camera, or the first numbers that were observed, else the first ones; null where
   /// there are none.
-  [[nodiscard]] const Source* first(bool is_video) const {
+  [[nodiscard]] const Source* first(bool is_picture) const {
     const Source* found = nullptr;
     for (const Source& source : sources_) {
-      if (source.feature.is_video() != is_video || (!is_video && source.columns.empty())) continue;
+      const bool is_there = source.video || !source.columns.empty();
+      if (source.feature.is_picture() != is_picture || !is_there) continue;
       if (source.feature.key.starts_with("observation.")) return &source;
       if (found == nullptr) found = &source;
     }
     return found;
   }
 
-  const Description description_;
+  Description description_;  ///< Without episodes.
   const ReadingOptions options_;
-  std::vector<Episode> episodes_;
+  std::vector<Episode> episodes_;  ///< Those that are read.
   std::vector<Source> sources_;
   std::vector<RecordingStream> streams_;
+  std::set<ltm::MemoryId> entities_;
+  std::map<int64_t, std::string> tasks_;
+  ltm::MemoryId task_entity_;
   uint64_t total_ = 0;  ///< Steps of all episodes.
+
   size_t episode_ = 0;  ///< The next one.
-  std::optional<Table> table_;
-  size_t row_ = 0;
+  bool is_inside_ = false;
+  int64_t step_ = 0;
+  int64_t length_ = 0;
   Time start_{};
-  Duration length_{};
+  Time last_{};
+  std::optional<int64_t> last_task_;
+
+  std::optional<RowTable> table_;
+  std::filesystem::path table_path_;
+  size_t time_column_ = 0;
+  size_t episode_column_ = 0;
+  std::optional<size_t> task_column_;
+  bool has_row_ = false;  ///< The table's row is that of the step.
+  Duration stamp_{};      ///< Of the row, in its episode.
 };
 
 }  // namespace

@@ -3,44 +3,36 @@
 
 #include <stdlib.h>
 
+#include <algorithm>
+#include <charconv>
 #include <fstream>
 
 #include "datasets/lerobot/parquet_script.h"
+#include "datasets/media/table.h"
+#include "datasets/recordings/folder_file.h"
 #include "ltm/core/line_process.h"
 
 namespace engram::datasets::lerobot {
 
 namespace {
 
-constexpr auto kPatience = std::chrono::minutes(5);
+constexpr auto kPatience = std::chrono::minutes(10);
+constexpr Duration kMostSeconds = std::chrono::seconds(100'000'000);
+constexpr size_t kMostShown = 40;
 
-Table::Options table_options() {
-  Table::Options options;
-  options.time_column = "timestamp";
-  return options;
+std::string_view trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// A folder that goes with its contents.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code error;
-    std::string name =
-        (std::filesystem::temp_directory_path(error) / "engram-lerobot-XXXXXX").string();
-    if (!error && ::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+template <typename Value>
+std::optional<Value> parsed(std::string_view text) {
+  Value value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
 
 Status convert(const std::filesystem::path& parquet, const std::filesystem::path& script,
                const std::filesystem::path& csv) {
@@ -65,28 +57,136 @@ Status convert(const std::filesystem::path& parquet, const std::filesystem::path
 
 }  // namespace
 
+TemporaryFolder::TemporaryFolder() {
+  std::error_code error;
+  std::string name =
+      (std::filesystem::temp_directory_path(error) / "engram-lerobot-XXXXXX").string();
+  if (!error && ::mkdtemp(name.data()) != nullptr) path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+}
+
 std::filesystem::path csv_of(const std::filesystem::path& root,
-                             const std::filesystem::path& parquet) {
+                             const std::filesystem::path& parquet, bool looks_in_tables) {
   std::filesystem::path beside = parquet;
   beside.replace_extension(".csv");
-  for (const std::filesystem::path& path : {beside, root / "tables" / beside.filename()}) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(path, error)) return path;
-  }
+  std::error_code error;
+  if (std::filesystem::is_regular_file(root / beside, error)) return beside;
+  const auto in_tables = std::filesystem::path("tables") / beside.filename();
+  if (looks_in_tables && std::filesystem::is_regular_file(root / in_tables, error))
+    return in_tables;
   return {};
 }
 
-Result<Table> read_table(const std::filesystem::path& root, const std::filesystem::path& parquet) {
-  if (const auto csv = csv_of(root, parquet); !csv.empty())
-    return Table::read(csv, table_options());
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(parquet, error))
-    return not_found("'{}': there is no such file, and no CSV beside it", parquet.string());
-  const TemporaryFolder folder;
-  if (folder.path().empty()) return unavailable("no temporary folder can be made");
-  const std::filesystem::path csv = folder.path() / "table.csv";
-  ENGRAM_RETURN_IF_ERROR(convert(parquet, folder.path() / "parquet_to_csv.py", csv));
-  return Table::read(csv, table_options());
+Result<RowTable> RowTable::open(const std::filesystem::path& root,
+                                const std::filesystem::path& parquet, bool looks_in_tables) {
+  if (const auto csv = csv_of(root, parquet, looks_in_tables); !csv.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto path, file_in_folder(root, csv));
+    return open_csv(root, path);
+  }
+  const auto path = file_in_folder(root, parquet);
+  if (path.status().code() == StatusCode::kNotFound)
+    return not_found("{}, and no CSV beside it", path.status().message());
+  if (!path.ok()) return path.status();
+  auto folder = std::make_unique<TemporaryFolder>();
+  if (folder->path().empty()) return unavailable("no temporary folder can be made");
+  const std::filesystem::path csv = folder->path() / "table.csv";
+  ENGRAM_RETURN_IF_ERROR(convert(*path, folder->path() / "parquet_to_csv.py", csv));
+  ENGRAM_ASSIGN_OR_RETURN(RowTable table, create(folder->path(), path->string(), csv));
+  table.folder_ = std::move(folder);
+  return table;
+}
+
+Result<RowTable> RowTable::open_csv(const std::filesystem::path& root,
+                                    const std::filesystem::path& csv) {
+  return create(root, csv.string(), csv);
+}
+
+Result<RowTable> RowTable::create(std::filesystem::path root, std::string title,
+                                  const std::filesystem::path& csv) {
+  ENGRAM_ASSIGN_OR_RETURN(CsvReader reader, CsvReader::open(csv));
+  RowTable table(std::move(root), std::move(title), std::move(reader));
+  ENGRAM_ASSIGN_OR_RETURN(const bool has_header, table.csv_.next(table.names_));
+  if (!has_header)
+    return invalid_argument("'{}': is empty, needs a line with the names of its columns",
+                            table.title_);
+  for (size_t i = 0; i < table.names_.size(); ++i) {
+    table.names_[i] = trimmed(table.names_[i]);
+    table.columns_.try_emplace(table.names_[i], i);
+  }
+  return table;
+}
+
+std::optional<size_t> RowTable::find(const std::vector<std::string>& names) const {
+  for (const std::string& name : names)
+    if (const auto found = columns_.find(name); found != columns_.end()) return found->second;
+  return std::nullopt;
+}
+
+Result<size_t> RowTable::need(const std::string& name) const {
+  if (const auto found = find({name})) return *found;
+  return invalid_argument("'{}': found {} columns, needs one called '{}'", title_, names_.size(),
+                          name);
+}
+
+Result<bool> RowTable::next() {
+  ENGRAM_ASSIGN_OR_RETURN(const bool has_row, csv_.next(cells_));
+  if (!has_row) return false;
+  ++row_;
+  if (cells_.size() != names_.size())
+    return invalid_argument("'{}': row {} has {} cells, needs {} as the header", title_, row_,
+                            cells_.size(), names_.size());
+  return true;
+}
+
+Result<std::optional<double>> RowTable::number(size_t column) const {
+  std::string_view text = trimmed(cells_[column]);
+  if (text.empty()) return std::optional<double>();
+  if (text == "True" || text == "true") return std::optional(1.0);
+  if (text == "False" || text == "false") return std::optional(0.0);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  if (const auto value = parsed<double>(text)) return value;
+  return broken(column, "needs a number");
+}
+
+Result<std::optional<int64_t>> RowTable::integer(size_t column) const {
+  std::string_view text = trimmed(cells_[column]);
+  if (text.empty()) return std::optional<int64_t>();
+  if (text == "True" || text == "true") return std::optional<int64_t>(1);
+  if (text == "False" || text == "false") return std::optional<int64_t>(0);
+  // As tables in which some cells are empty are written.
+  if (text.ends_with(".0")) text.remove_suffix(2);
+  if (const auto value = parsed<int64_t>(text)) return value;
+  return broken(column, "needs a whole number");
+}
+
+Result<int64_t> RowTable::whole(size_t column) const {
+  ENGRAM_ASSIGN_OR_RETURN(const auto value, integer(column));
+  if (value && *value >= 0) return *value;
+  return broken(column, "needs a whole number of 0 or more");
+}
+
+Result<Duration> RowTable::seconds(size_t column) const {
+  const auto time = parse_decimal_time(cells_[column], TimeUnit::kSeconds);
+  if (time.ok() && *time >= Duration::zero() && *time <= kMostSeconds) return *time;
+  return broken(column, "needs seconds from 0 to 1e8");
+}
+
+Result<std::filesystem::path> RowTable::file(size_t column) const {
+  auto path = file_in_folder(root_, cells_[column]);
+  if (path.ok()) return path;
+  return path.status().with_context(
+      fmt::format("'{}': row {}, column '{}'", title_, row_, names_[column]));
+}
+
+Status RowTable::broken(size_t column, std::string_view what) const {
+  const std::string& cell = cells_[column];
+  return invalid_argument("'{}': row {}, column '{}': found '{}', {}", title_, row_, names_[column],
+                          cell.size() > kMostShown ? cell.substr(0, kMostShown) + "..." : cell,
+                          what);
 }
 
 }  // namespace engram::datasets::lerobot
