@@ -15,4 +15,12 @@ namespace engram::datasets {
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_seven_scenes_format();
 
+/// "images": a folder of images and one table that says when they were; read only.
+/// Source: docs/formats.md.
+[[nodiscard]] std::unique_ptr<const RecordingFormat> make_images_format();
+
+/// "euroc": folders of the EuRoC MAV data set; read only.
+/// Source: docs/formats.md.
+[[nodiscard]] std::unique_ptr<const RecordingFormat> make_euroc_format();
+
 }  // namespace engram::datasets

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: PNG files that lie in the folder of a recording.
+// Private to this room: PNG and JPEG files that lie in the folder of a recording.
 
 #include <filesystem>
 #include <optional>
