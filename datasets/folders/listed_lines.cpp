@@ -35,7 +35,17 @@ std::optional<Time> time_from_decimal(std::string_view text) {
   return time_from_ns(*seconds * kNsPerSecond + *ns);
 }
 
+Result<Time> later(Time time, Duration more) {
+  int64_t ns = 0;
+  if (!__builtin_add_overflow(to_ns(time), more.count(), &ns)) return time_from_ns(ns);
+  return invalid_argument("{} behind {} is behind the year 2262", to_string(more), to_string(time));
+}
+
 Result<ListedLines> ListedLines::open(const std::filesystem::path& path, size_t words) {
+  std::error_code error;
+  // A pipe would be waited for.
+  if (!std::filesystem::is_regular_file(path, error))
+    return not_found("'{}': is no file", path.string());
   std::ifstream file(path);
   if (!file) return not_found("'{}': cannot be opened", path.string());
   return ListedLines(path, std::move(file), words);

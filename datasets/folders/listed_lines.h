@@ -16,6 +16,10 @@ namespace engram::datasets {
 /// "1305031102.175304" as a moment, exactly: seconds since the epoch with up to nine digits.
 [[nodiscard]] std::optional<Time> time_from_decimal(std::string_view text);
 
+/// `time` and so much more.
+/// Errors: kInvalidArgument behind the year 2262.
+Result<Time> later(Time time, Duration more);
+
 /// Reads lines of a time and words behind it. Lines that are empty or begin with '#' are left out.
 ///
 /// Errors: kInvalidArgument naming file, line, what was found and what was needed. Memory: one

@@ -8,6 +8,8 @@
 #include <fstream>
 
 #include "datasets/folders/folder_image.h"
+#include "datasets/folders/listed_lines.h"
+#include "datasets/recordings/folder_file.h"
 
 namespace engram::datasets {
 
@@ -72,8 +74,10 @@ std::vector<double> quaternion_of(const std::vector<double>& m) {
 }
 
 /// A matrix of 4 x 4 that takes camera coordinates to world; nothing where the file has no other.
-std::optional<idf::Data> read_pose(const std::filesystem::path& path) {
-  std::ifstream file(path);
+std::optional<idf::Data> read_pose(const std::filesystem::path& folder, const std::string& name) {
+  const auto path = file_in_folder(folder, name);
+  if (!path.ok()) return std::nullopt;
+  std::ifstream file(*path);
   std::vector<double> m;
   for (double value = 0; m.size() <= 16 && file >> value;) m.push_back(value);
   const bool is_finite = std::ranges::all_of(m, [](double value) { return std::isfinite(value); });
@@ -150,15 +154,16 @@ Result<std::optional<RecordingReader::Moment>> SevenScenesReader::next() {
         RecordingEpisode{"7scenes", folder.filename().string(), start_, {{"rate_hz", rate_hz_}}};
   }
   const uint32_t number = frames_[frame_];
-  const Time time = start_ + Duration(std::llround(number * (1e9 / rate_hz_)));
+  ENGRAM_ASSIGN_OR_RETURN(const Time time,
+                          later(start_, Duration(std::llround(number * (1e9 / rate_hz_)))));
   const std::string name = fmt::format("{}{:06}", kPrefix, number);
   add(0, time, folder_image(folder, name + ".color.png", false), moment.commit);
   add(1, time, folder_image(folder, name + ".depth.png", true), moment.commit);
-  add(2, time, read_pose(folder / (name + ".pose.txt")), moment.commit);
+  add(2, time, read_pose(folder, name + ".pose.txt"), moment.commit);
   if (++frame_ == frames_.size()) {
     frames_.clear();
     ++sequence_;
-    start_ = time + gap_;
+    ENGRAM_ASSIGN_OR_RETURN(start_, later(time, gap_));
   }
   return std::optional(std::move(moment));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "datasets/folders/folder_image.h"
+#include "datasets/folders/listed_lines.h"
 
 namespace engram::datasets {
 
@@ -69,12 +70,8 @@ Result<Time> TablesReader::time_of(const Source& source) const {
 Result<Time> TablesReader::shifted(Time time) const {
   if (!start_) return time;
   int64_t since = 0;
-  int64_t at = 0;
-  if (__builtin_sub_overflow(to_ns(time), to_ns(*first_), &since) ||
-      __builtin_add_overflow(to_ns(*start_), since, &at))
-    return invalid_argument("a recording that starts at {} ends behind the year 2262",
-                            to_string(*start_));
-  return time_from_ns(at);
+  if (__builtin_sub_overflow(to_ns(time), to_ns(*first_), &since)) since = INT64_MAX;
+  return later(*start_, Duration(since));
 }
 
 Result<std::optional<RecordingReader::Moment>> TablesReader::next() {

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "datasets/folders/folder_image.h"
+#include "datasets/recordings/folder_file.h"
 
 namespace engram::datasets {
 
@@ -42,9 +43,9 @@ Result<std::unique_ptr<RecordingReader>> TumReader::open(const std::filesystem::
 
 Status TumReader::add_table(const std::string& name, Content content, size_t words,
                             std::string_view segment, const ReadingOptions& options) {
-  const auto path = folder_ / (name + ".txt");
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return {};
+  if (!std::filesystem::exists(folder_ / (name + ".txt"), ignored)) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const auto path, file_in_folder(folder_, name + ".txt"));
   ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId entity, ltm::MemoryId::parse(segment));
   ENGRAM_ASSIGN_OR_RETURN(entity, entity.child(options.provider));
   ENGRAM_ASSIGN_OR_RETURN(entity, entity.child(name));
@@ -90,11 +91,10 @@ Result<std::optional<RecordingReader::Moment>> TumReader::next() {
     if (table.line && (!time || table.line->time < *time)) time = table.line->time;
   if (!time) return std::optional<Moment>();
   Moment moment;
-  if (!shift_) {
-    shift_ = start_ ? *start_ - *time : Duration::zero();
-    moment.begins = RecordingEpisode{"tum", "", *time + *shift_, {}};
-  }
-  const Time at = *time + *shift_;
+  const bool is_first = !first_;
+  if (is_first) first_ = time;
+  ENGRAM_ASSIGN_OR_RETURN(const Time at, start_ ? later(*start_, *time - *first_) : *time);
+  if (is_first) moment.begins = RecordingEpisode{"tum", "", at, {}};
   for (size_t i = 0; i < tables_.size(); ++i) {
     Table& table = tables_[i];
     if (!table.line || table.line->time != *time) continue;

@@ -39,9 +39,9 @@ class TumReader final : public RecordingReader {
 
   std::filesystem::path folder_;
   std::vector<RecordingStream> streams_;
-  std::vector<Table> tables_;      ///< As streams.
-  std::optional<Time> start_;      ///< That is asked for.
-  std::optional<Duration> shift_;  ///< Known from the first moment on.
+  std::vector<Table> tables_;  ///< As streams.
+  std::optional<Time> start_;  ///< That is asked for.
+  std::optional<Time> first_;  ///< Of the first moment, as the tables say.
 };
 
 }  // namespace engram::datasets

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/folders/seven_scenes_reader.h"
 
+#include <sys/stat.h>
+
 #include <cmath>
 
 #include "datasets/folders/folder_formats.h"
@@ -85,6 +87,19 @@ TEST_F(SevenScenesReaderTest, FoldersWithoutFramesAreErrors) {
   EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "has no frame-000000.color.png");
   write_frame("seq-01/frame-000000", kQuarterTurn);
   EXPECT_FAILS(read({.episodes = {"seq-09"}}), StatusCode::kInvalidArgument, "asked folders");
+}
+
+TEST_F(SevenScenesReaderTest, HostileFilesAreCountedAndTimesChecked) {
+  write_frame("frame-000000", kQuarterTurn);
+  std::filesystem::remove(scratch_ / "frame-000000.pose.txt");
+  ASSERT_EQ(::mkfifo((scratch_ / "frame-000000.pose.txt").c_str(), 0600), 0);
+  std::filesystem::remove(scratch_ / "frame-000000.color.png");
+  std::filesystem::create_symlink("/etc/passwd", scratch_ / "frame-000000.color.png");
+  ASSERT_OK(read());
+  EXPECT_EQ(damaged_, 2u);
+  write_frame("frame-000009", kQuarterTurn);
+  EXPECT_FAILS(read({.start = Time::max()}), StatusCode::kInvalidArgument, "behind the year 2262");
+  EXPECT_FAILS(read({.rate_hz = 1e-300}), StatusCode::kInvalidArgument, "needs 0.001 to 1e6");
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/folders/tum_reader.h"
 
+#include <sys/stat.h>
+
 #include <fstream>
 
 #include "datasets/folders/folder_formats.h"
@@ -102,6 +104,26 @@ TEST_F(TumReaderTest, ImagesThatAreMissingBrokenOrOutsideAreCounted) {
   ASSERT_OK(read());
   EXPECT_TRUE(updates_.empty());
   EXPECT_EQ(report_.damaged, 5u);
+}
+
+TEST_F(TumReaderTest, HostileTables) {
+  write("rgb.txt", "");
+  ASSERT_OK(read());
+  EXPECT_TRUE(updates_.empty());
+  for (const std::string time : {"nan", "-1", "1e9", "99999999999", "."}) {
+    write("rgb.txt", time + " a.png\n");
+    EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "rgb.txt': line 1");
+  }
+  write("rgb.txt", "9200000000 a.png\n");
+  EXPECT_OK(read({.start = Time::max()}));
+  write("rgb.txt", "1 a.png\n9200000000 a.png\n");
+  EXPECT_FAILS(read({.start = Time::max()}), StatusCode::kInvalidArgument, "behind the year 2262");
+  std::filesystem::remove(scratch_ / "rgb.txt");
+  std::filesystem::create_symlink("/etc/passwd", scratch_ / "rgb.txt");
+  EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "is a link to");
+  std::filesystem::remove(scratch_ / "rgb.txt");
+  ASSERT_EQ(::mkfifo((scratch_ / "rgb.txt").c_str(), 0600), 0);
+  EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "rgb.txt': is no file");
 }
 
 }  // namespace
