@@ -7,7 +7,7 @@
 
 namespace engram::datasets {
 
-/// "tum": folders of the TUM RGB-D benchmark; read only.
+/// "tum": folders of the TUM RGB-D benchmark; read and written.
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_tum_format();
 

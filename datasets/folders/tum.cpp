@@ -2,6 +2,7 @@
 // TUM RGB-D: images in folders, tables of their times, a table of poses.
 #include "datasets/folders/folder_formats.h"
 #include "datasets/folders/tum_reader.h"
+#include "datasets/folders/tum_writer.h"
 
 namespace engram::datasets {
 
@@ -26,6 +27,22 @@ class TumFormat final : public RecordingFormat {
     if (!std::filesystem::exists(path, ignored))
       return not_found("'{}': there is no such folder", path.string());
     return TumReader::open(path, options);
+  }
+
+  [[nodiscard]] bool can_write() const override { return true; }
+
+  [[nodiscard]] Result<std::map<std::string, uint64_t, std::less<>>> not_held(
+      ltm::Recall& recall, const ltm::Query& query, const WritingOptions& options) const override {
+    ENGRAM_ASSIGN_OR_RETURN(TumPlan plan, plan_tum(recall, query, options));
+    return std::move(plan.not_held);
+  }
+
+  [[nodiscard]] Result<ExportReport> write(ltm::Recall& recall, const ltm::Query& query,
+                                           const std::filesystem::path& path,
+                                           const WritingOptions& options,
+                                           const ProgressSink& progress,
+                                           const std::stop_token& stop) const override {
+    return write_tum(recall, query, path, options, progress, stop);
   }
 };
 
