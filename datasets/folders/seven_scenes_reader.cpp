@@ -39,7 +39,7 @@ std::vector<uint32_t> list_frames(const std::filesystem::path& folder) {
     if (const auto number = frame_number(entry.path().filename().string()))
       frames.push_back(*number);
   std::ranges::sort(frames);
-  frames.erase(std::ranges::unique(frames).begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
   return frames;
 }
 
