@@ -173,9 +173,9 @@ Result<TumPlan> plan_tum(ltm::Recall& recall, const ltm::Query& query,
     const auto& instances = found->snapshots[0].instances;
     const std::string table = table_of(entity, instances[0].data);
     if (table.empty()) {
-      ++plan.not_held["entities that are no image, depth, pose or accelerometer"];
+      ++plan.not_held[entity.to_string() + ", no image, depth, pose or accelerometer"];
     } else if (!taken.emplace(table, entity).second) {
-      ++plan.not_held["entities beside the first one of " + table + ".txt"];
+      ++plan.not_held[entity.to_string() + ", beside the first entity of " + table + ".txt"];
     } else {
       plan.tables.emplace(entity, table);
       if (instances.size() > 1) ++plan.not_held["instances beside the first"];

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // ALOHA: a file per episode.
+#include <algorithm>
+
 #include "datasets/hdf5/attributes.h"
 #include "datasets/hdf5/dialect.h"
 
@@ -24,7 +26,9 @@ class Aloha final : public Dialect {
   }
 
   [[nodiscard]] bool recognises(const h5::File& file) const override {
-    return file.exists("/action").value_or(false) && file.exists("/observations").value_or(false);
+    const auto names = file.list("/").value_or({});
+    const auto is_action = [](const std::string& found) { return found.starts_with("action"); };
+    return std::ranges::any_of(names, is_action) && file.exists("/observations").value_or(false);
   }
 
   [[nodiscard]] bool has_file_per_episode() const override { return true; }
@@ -34,8 +38,9 @@ class Aloha final : public Dialect {
   [[nodiscard]] Result<std::vector<EpisodeGroup>> episodes(const h5::File& file,
                                                            const std::string& stem) const override {
     if (!recognises(file))
-      return invalid_argument("'{}': needs an array '/action' and a group '/observations'",
-                              file.path().string());
+      return invalid_argument(
+          "'{}': needs an array '/action', or whose name begins so, and a group '/observations'",
+          file.path().string());
     return std::vector<EpisodeGroup>{{stem, ""}};
   }
 
@@ -74,7 +79,7 @@ class Aloha final : public Dialect {
   [[nodiscard]] std::string array_name(const ltm::MemoryId& entity,
                                        const std::string& member) const override {
     const std::string below = member.empty() ? "" : "/" + member;
-    const std::string name = dotted(entity.names()[3]) + below;
+    const std::string name = array_stem(entity) + below;
     if (entity.names()[0] == "Vision") return std::string(kImages) + name;
     if (entity.names()[0] == "Skills" && entity.names()[1] == "Commands")
       return entity.names()[3].starts_with("action") ? name : "action_" + name;

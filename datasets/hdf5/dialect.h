@@ -97,6 +97,9 @@ const Dialect& aloha_dialect();
 /// Sets a number, unless it is that already, of whatever type.
 void set_number(idf::Dict& attributes, std::string_view name, uint64_t value);
 
+/// The last name of an entity, as part of an array's; depth says that it is depth.
+[[nodiscard]] std::string array_stem(const ltm::MemoryId& entity);
+
 /// `text` with '.' for '/'.
 [[nodiscard]] std::string dotted(std::string_view text);
 

@@ -112,7 +112,7 @@ class Robomimic final : public Dialect {
   [[nodiscard]] std::string array_name(const ltm::MemoryId& entity,
                                        const std::string& member) const override {
     const std::string below = member.empty() ? "" : "/" + member;
-    const std::string name = dotted(entity.names()[3]) + below;
+    const std::string name = array_stem(entity) + below;
     if (entity.names()[0] == "Skills" && entity.names()[1] == "Commands")
       return entity.names()[3].starts_with("action") ? name : "actions_" + name;
     return entity.names()[0] == "Tasks" ? name : "obs/" + name;
@@ -204,6 +204,13 @@ void set_number(idf::Dict& attributes, std::string_view name, uint64_t value) {
   const idf::Data* found = attributes.find(name);
   if (found == nullptr || found->as_number() != static_cast<double>(value))
     attributes.set(name, static_cast<int64_t>(value));
+}
+
+std::string array_stem(const ltm::MemoryId& entity) {
+  std::string name = dotted(entity.names()[3]);
+  const bool is_depth = entity.names()[0] == "Vision" && entity.names()[1] == "Depth";
+  if (is_depth && name.find("depth") == std::string::npos) name += "_depth";
+  return name;
 }
 
 std::string dotted(std::string_view text) {
