@@ -2,24 +2,11 @@
 #include "datasets/mcap/channel_coder.h"
 
 #include "datasets/mcap/json_values.h"
+#include "datasets/ros/suited_type.h"
 #include "ltm/core/buffer.h"
 #include "ltm/idf/json.h"
 
 namespace engram::datasets::mcap {
-
-namespace {
-
-/// What a message has and the value that it was made of had not.
-idf::Data without_header(const idf::Data& value) {
-  const auto* dict = value.get_if<idf::Dict>();
-  if (dict == nullptr) return value;
-  idf::Dict bare;
-  for (const auto& [key, member] : *dict)
-    if (key != "header" && key != "encoding") bare.append_unique(key, member);
-  return bare;
-}
-
-}  // namespace
 
 ChannelCoder ChannelCoder::create(const ChannelRecord& channel, const SchemaRecord* schema) {
   ChannelCoder coder;
@@ -51,7 +38,7 @@ Result<idf::Data> ChannelCoder::decode(std::span<const std::byte> bytes) const {
   }
   if (form_ == Form::kRos) {
     ENGRAM_ASSIGN_OR_RETURN(idf::Data value, ros_->decode(bytes));
-    return is_own_ ? without_header(value) : std::move(value);
+    return is_own_ ? ros::without_header(value) : std::move(value);
   }
   ENGRAM_ASSIGN_OR_RETURN(
       auto array, idf::NdArray::create(idf::ElementType::kUInt8,

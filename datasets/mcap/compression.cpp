@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/mcap/compression.h"
 
-#include <lz4frame.h>
-
 #include <memory>
 
 #include "datasets/mcap/records.h"
+#include "datasets/recordings/lz4_frame.h"
 #include "ltm/codec/zstd.h"
 
 namespace engram::datasets::mcap {
@@ -14,40 +13,6 @@ namespace {
 
 /// How many bytes one of a block that only repeats may stand for.
 constexpr uint64_t kMostZstdExpansion = 1 << 16;
-constexpr uint64_t kMostLz4Expansion = 256;
-
-struct Lz4Deleter {
-  void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
-};
-
-Result<std::string> compress_lz4(std::span<const std::byte> bytes) {
-  std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
-  const size_t size =
-      LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr);
-  if (LZ4F_isError(size) != 0) return invalid_argument("lz4: {}", LZ4F_getErrorName(size));
-  out.resize(size);
-  return out;
-}
-
-Status decompress_lz4(std::span<const std::byte> bytes, std::span<std::byte> out) {
-  LZ4F_dctx* made = nullptr;
-  if (const auto code = LZ4F_createDecompressionContext(&made, LZ4F_VERSION);
-      LZ4F_isError(code) != 0)
-    return resource_exhausted("lz4: {}", LZ4F_getErrorName(code));
-  const std::unique_ptr<LZ4F_dctx, Lz4Deleter> context(made);
-  while (!bytes.empty()) {
-    size_t taken = bytes.size();
-    size_t made_bytes = out.size();
-    const size_t code =
-        LZ4F_decompress(made, out.data(), &made_bytes, bytes.data(), &taken, nullptr);
-    if (LZ4F_isError(code) != 0) return data_loss("lz4 frame: {}", LZ4F_getErrorName(code));
-    if (taken == 0 && made_bytes == 0) return data_loss("lz4 frame: has more bytes than it says");
-    bytes = bytes.subspan(taken);
-    out = out.subspan(made_bytes);
-  }
-  if (!out.empty()) return data_loss("lz4 frame: {} bytes are missing", out.size());
-  return {};
-}
 
 }  // namespace
 

@@ -334,8 +334,7 @@ Result<LoadedRegion> load_region(FileWindow& file, const Region& region) {
   return loaded;
 }
 
-MessageRecord message_at(const LoadedRegion& loaded, const LoadedRegion::Entry& entry) {
-  const auto bytes = loaded.bytes.bytes().subspan(entry.offset);
+MessageRecord message_at(std::span<const std::byte> bytes) {
   const RecordStart start = read_start(bytes.first(kRecordStartBytes));
   return read_message(bytes.subspan(kRecordStartBytes, start.length)).value();
 }

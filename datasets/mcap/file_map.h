@@ -8,20 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "datasets/mcap/file_window.h"
 #include "datasets/mcap/records.h"
-#include "datasets/recordings/recording_reader.h"
+#include "datasets/recordings/file_window.h"
+#include "datasets/recordings/ordered_regions.h"
 
 namespace engram::datasets::mcap {
-
-/// A chunk, or messages that lie one behind the other outside of chunks.
-struct Region {
-  uint64_t offset = 0;
-  uint64_t length = 0;
-  uint64_t start_time = 0;  ///< Unit: ns.
-  uint64_t messages = 0;    ///< As indexes say; 0: they do not.
-  bool is_chunk = false;
-};
 
 /// Where the content of an attachment lies.
 struct AttachmentPlace {
@@ -44,14 +35,8 @@ struct FileMap {
   std::map<uint16_t, size_t> first_region;  ///< That has a message of a channel.
 };
 
-/// The messages of a region, once it is in memory.
-struct LoadedRegion {
-  struct Entry {
-    uint64_t time;
-    uint64_t offset;  ///< Of the record, in `bytes`.
-  };
-  Buffer bytes;
-  std::vector<Entry> entries;  ///< In the order of the file.
+/// With what describes them there.
+struct LoadedRegion : RegionMessages {
   std::vector<SchemaRecord> schemas;
   std::vector<ChannelRecord> channels;
 };
@@ -60,9 +45,13 @@ struct LoadedRegion {
 /// Errors: kDataLoss naming file, offset, what was found and what was needed.
 Result<LoadedRegion> load_region(FileWindow& file, const Region& region);
 
-/// The content of the message at `entry`, which load_region found.
-[[nodiscard]] MessageRecord message_at(const LoadedRegion& loaded,
-                                       const LoadedRegion::Entry& entry);
+/// The message at the start of `bytes`, where load_region found it.
+[[nodiscard]] MessageRecord message_at(std::span<const std::byte> bytes);
+/// The one at `entry`.
+[[nodiscard]] inline MessageRecord message_at(const LoadedRegion& loaded,
+                                              const RegionMessages::Entry& entry) {
+  return message_at(loaded.bytes.bytes().subspan(entry.offset));
+}
 
 /// Walks over all records; what is missing or damaged is told in `report`. Chunks are opened only
 /// where the summary does not say what is in them.

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 
-#include "datasets/mcap/mcap_reader.h"
+#include "datasets/mcap/mcap_plan.h"
 #include "datasets/mcap/mcap_writer.h"
 #include "datasets/recordings/merged_snapshots.h"
+#include "datasets/recordings/stored_streams.h"
+#include "datasets/recordings/text_value.h"
 
 namespace engram::datasets::mcap {
 

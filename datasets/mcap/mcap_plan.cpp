@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "datasets/mcap/mcap_reader.h"
 #include "datasets/recordings/merged_snapshots.h"
+#include "datasets/recordings/stored_streams.h"
+#include "datasets/recordings/text_value.h"
 #include "datasets/ros/standard_definitions.h"
+#include "datasets/ros/suited_type.h"
 
 namespace engram::datasets::mcap {
 
@@ -14,59 +16,11 @@ namespace {
 
 constexpr size_t kMostChannels = std::numeric_limits<uint16_t>::max();
 
-/// The newest snapshot of an entity; nothing where it has none.
-Result<std::optional<ltm::SnapshotResult>> newest(ltm::Recall& recall, const ltm::MemoryId& entity,
-                                                  const ltm::Recall::Options& options) {
-  ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
-  const auto last = timeline->last();
-  if (!last) return std::optional<ltm::SnapshotResult>();
-  ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(*last));
-  if (!entry) return std::optional<ltm::SnapshotResult>();
-  return recalled_snapshot(recall, entity, {*entry, false, {}}, options);
-}
-
 std::map<std::string, std::string> texts_of(const idf::Data* value) {
   std::map<std::string, std::string> texts;
   if (const auto* dict = value == nullptr ? nullptr : value->get_if<idf::Dict>())
     for (const auto& [key, text] : *dict) texts[key] = text_of(&text);
   return texts;
-}
-
-/// A picture that an Image message holds as it is.
-bool is_bare_picture(const idf::Data& value) {
-  const auto* dict = value.get_if<idf::Dict>();
-  if (dict == nullptr || dict->size() != 1) return false;
-  const auto& [key, member] = *dict->begin();
-  const auto* array = member.get_if<idf::NdArray>();
-  if (array == nullptr || array->rank() != 3 || array->count() == 0) return false;
-  const auto type = array->type();
-  const int64_t channels = array->shape()[2];
-  if (key == "depth")
-    return channels == 1 &&
-           (type == idf::ElementType::kUInt16 || type == idf::ElementType::kFloat32);
-  return key == "image" &&
-         ((type == idf::ElementType::kUInt8 && (channels == 1 || channels == 3)) ||
-          (type == idf::ElementType::kUInt16 && channels == 1));
-}
-
-bool is_bare_joints(const idf::Data& value) {
-  const auto* dict = value.get_if<idf::Dict>();
-  const idf::Data* names = value.at("name");
-  if (dict == nullptr || dict->size() != 4 || dict->begin()->key != "name" ||
-      !names->is<idf::List>())
-    return false;
-  const bool are_texts = std::ranges::all_of(
-      names->get<idf::List>(), [](const idf::Data& name) { return name.is<std::string>(); });
-  const auto entry = [&](size_t i) -> const auto& {
-    return *(dict->begin() + static_cast<ptrdiff_t>(i));
-  };
-  const auto is_numbers = [&](size_t i, std::string_view key) {
-    const auto* array = entry(i).value.get_if<idf::NdArray>();
-    return entry(i).key == key && array != nullptr && array->rank() == 1 &&
-           array->type() == idf::ElementType::kFloat64;
-  };
-  return are_texts && is_numbers(1, "position") && is_numbers(2, "velocity") &&
-         is_numbers(3, "effort");
 }
 
 class Planner {
@@ -90,11 +44,12 @@ class Planner {
 
  private:
   Status add(const ltm::MemoryId& entity) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, newest(recall_, entity, options_.recall));
+    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, newest_snapshot(recall_, entity, options_.recall));
     if (!snapshot || snapshot->instances.empty()) return {};
     if (plan_.channels.size() == kMostChannels)
       return resource_exhausted("an MCAP file has at most 65535 channels");
-    ENGRAM_ASSIGN_OR_RETURN(auto described, description(entity));
+    ENGRAM_ASSIGN_OR_RETURN(auto described,
+                            stored_stream(recall_, "mcap", entity, options_.recall));
     if (described && described->attributes.find(kAttachments) != nullptr) {
       plan_.attachments.insert(entity);
       return {};
@@ -116,18 +71,12 @@ class Planner {
 
   /// Channels that had no message when they came in.
   Status add_empty_channels(const ltm::Query& query) {
-    for (const ltm::MemoryId& about : recall_.store().entities()) {
-      if (!is_description(about) || about.names()[1] != "Streams" || about.names()[2] != "mcap")
-        continue;
-      ENGRAM_ASSIGN_OR_RETURN(const auto stream, stream_of(about));
-      if (!stream || stream->attributes.find(kAttachments) != nullptr ||
-          !query.matches(stream->entity) || plan_.channels.contains(stream->entity) ||
-          plan_.channels.size() == kMostChannels)
-        continue;
-      const auto known = recall_.store().entities();
-      if (std::ranges::find(known, stream->entity) == known.end())
-        add(stream->entity, as_imported(*stream));
-    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto streams,
+                            empty_streams(recall_, "mcap", query, options_.recall));
+    for (const RecordingStream& stream : streams)
+      if (stream.attributes.find(kAttachments) == nullptr &&
+          !plan_.channels.contains(stream.entity) && plan_.channels.size() < kMostChannels)
+        add(stream.entity, as_imported(stream));
     return {};
   }
 
@@ -143,32 +92,12 @@ class Planner {
 
   void tell(const ltm::SnapshotResult& snapshot, const ChannelCoder& coder) {
     const ltm::InstanceResult& first = snapshot.instances.front();
-    if (snapshot.instances.size() > 1) ++plan_.not_held["instances beyond the first of a snapshot"];
-    if (first.metadata.confidence != 1.0F) ++plan_.not_held["confidence"];
-    if (!first.metadata.recipe.empty() || first.metadata.origin.depth() > 0)
-      ++plan_.not_held["origin and recipe of augmented values"];
+    tell_metadata(snapshot, plan_.not_held);
     if (options_.jpeg_quality > 0 && coder.ros_type() != nullptr &&
         coder.ros_type()->name() == "sensor_msgs/CompressedImage")
       ++plan_.not_held["exact pixels: JPEG was asked for"];
     if (!coder.encode(first.data, 0).ok())
       ++plan_.not_held["values that are no messages of their channel's type"];
-  }
-
-  /// What an import of MCAP said of the entity.
-  Result<std::optional<RecordingStream>> description(const ltm::MemoryId& entity) {
-    const ltm::MemoryId about = stream_entity("mcap", entity);
-    const auto known = recall_.store().entities();
-    if (std::ranges::find(known, about) == known.end()) return std::optional<RecordingStream>();
-    ENGRAM_ASSIGN_OR_RETURN(auto stream, stream_of(about));
-    if (stream && stream->entity != entity) stream.reset();
-    return stream;
-  }
-
-  Result<std::optional<RecordingStream>> stream_of(const ltm::MemoryId& about) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, newest(recall_, about, options_.recall));
-    if (!snapshot || snapshot->instances.empty()) return std::optional<RecordingStream>();
-    auto stream = RecordingStream::from_data(snapshot->instances.front().data);
-    return stream.ok() ? std::optional(*std::move(stream)) : std::nullopt;
   }
 
   static std::pair<ChannelRecord, SchemaRecord> as_imported(const RecordingStream& stream) {
@@ -183,17 +112,9 @@ class Planner {
 
   std::pair<ChannelRecord, SchemaRecord> as_suits(const ltm::MemoryId& entity,
                                                   const idf::Data& value) const {
-    std::string topic;
-    for (const std::string& name : entity.names()) topic += "/" + name;
-    ChannelRecord channel{0, 0, topic, "cdr", {{kEntityKey, entity.to_string()}}};
-    std::string type;
-    if (is_bare_picture(value))
-      type = options_.jpeg_quality > 0 && value.at("image") != nullptr
-                 ? "sensor_msgs/CompressedImage"
-                 : "sensor_msgs/Image";
-    else if (is_bare_joints(value))
-      type = "sensor_msgs/JointState";
-    if (const auto definition = ros::standard_definition(type)) {
+    ChannelRecord channel{0, 0, topic_of_entity(entity), "cdr", {{kEntityKey, entity.to_string()}}};
+    std::string type(ros::suited_type(value, options_.jpeg_quality > 0));
+    if (const auto definition = ros::standard_definition(type, ros::Serialization::kCdr)) {
       type.insert(type.find('/'), "/msg");
       return {channel, {0, type, "ros2msg", std::string(*definition)}};
     }
@@ -240,11 +161,6 @@ class Planner {
 };
 
 }  // namespace
-
-bool is_description(const ltm::MemoryId& entity) {
-  return entity.names()[0] == "Recording" &&
-         (entity.names()[1] == "Streams" || entity.names()[1] == "Episodes");
-}
 
 Result<ExportPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
                                const WritingOptions& options) {

@@ -30,9 +30,6 @@ struct ExportPlan {
   std::map<std::string, uint64_t, std::less<>> not_held;  ///< As RecordingFormat says it.
 };
 
-/// Whether an entity describes recordings, and is no part of them.
-[[nodiscard]] bool is_description(const ltm::MemoryId& entity);
-
 /// Entities that an import made get their channels back; of others pictures become
 /// sensor_msgs/Image or CompressedImage, joints JointState, everything else JSON.
 /// Errors: those of exported_entities; kResourceExhausted beyond 65535 entities.

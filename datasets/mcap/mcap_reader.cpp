@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "datasets/recordings/text_value.h"
 #include "ltm/memory/utf8.h"
 
 namespace engram::datasets::mcap {
@@ -11,15 +12,6 @@ namespace engram::datasets::mcap {
 namespace {
 
 constexpr uint64_t kMostTime = std::numeric_limits<int64_t>::max();
-
-/// "camera.image" of "/camera/image".
-std::string entity_name(std::string_view topic, uint16_t id) {
-  if (topic.starts_with('/')) topic.remove_prefix(1);
-  if (topic.empty() || !ltm::is_utf8(topic)) return fmt::format("channel_{}", id);
-  std::string name(topic);
-  std::ranges::replace(name, '/', '.');
-  return name;
-}
 
 idf::Dict texts_value(const std::map<std::string, std::string>& texts, ReadingReport& report) {
   idf::Dict value;
@@ -32,30 +24,13 @@ idf::Dict texts_value(const std::map<std::string, std::string>& texts, ReadingRe
   return value;
 }
 
-/// The entity that a channel of ours was made of; empty where it is none, or one of descriptions.
-ltm::MemoryId own_entity(const ChannelRecord& channel) {
+/// The entity that a channel of ours was made of; empty where it is none.
+ltm::MemoryId own_entity_of(const ChannelRecord& channel) {
   const auto own = channel.metadata.find(kEntityKey);
-  if (own == channel.metadata.end()) return {};
-  const auto entity = ltm::MemoryId::parse(own->second);
-  const bool is_usable = entity.ok() && entity->is_entity() && entity->names()[0] != "Recording";
-  return is_usable ? *entity : ltm::MemoryId();
+  return own == channel.metadata.end() ? ltm::MemoryId() : own_entity(own->second);
 }
 
 }  // namespace
-
-idf::Data text_value(const std::string& text) {
-  if (ltm::is_utf8(text)) return text;
-  return idf::NdArray::take<uint8_t>({static_cast<int64_t>(text.size())},
-                                     {text.begin(), text.end()});
-}
-
-std::string text_of(const idf::Data* value) {
-  if (value == nullptr) return {};
-  if (const auto* text = value->get_if<std::string>()) return *text;
-  if (const auto* bytes = value->get_if<idf::NdArray>())
-    return std::string(as_text(bytes->bytes()));
-  return {};
-}
 
 Result<std::unique_ptr<RecordingReader>> McapReader::open(const std::filesystem::path& path,
                                                           const ReadingOptions& options) {
@@ -97,23 +72,14 @@ Status McapReader::add_channels() {
     ros::SegmentNames segment{"Data", "mcap"};
     if (coder.ros_type() != nullptr)
       segment = coder.ros_type()->segment(first ? &*first : nullptr).value_or(segment);
-    ltm::MemoryId entity = own_entity(channel);
-    if (!entity.is_entity() || !entities_.insert(entity).second)
-      entity = free_entity(segment, entity_name(channel.topic, id));
+    ltm::MemoryId entity = own_entity_of(channel);
+    if (!entity.is_entity() || !entities_.take(entity))
+      entity = entities_.take(segment.memory, segment.segment, options_.provider,
+                              name_of_topic(channel.topic, fmt::format("channel_{}", id)));
     channels_.emplace(id, Channel{entity, std::move(coder), std::nullopt, std::nullopt});
     describe(channel, found);
   }
   return {};
-}
-
-ltm::MemoryId McapReader::free_entity(const ros::SegmentNames& segment, std::string name) {
-  for (int i = 1;; ++i) {
-    const std::string unique = i == 1 ? name : fmt::format("{}_{}", name, i);
-    auto entity =
-        ltm::MemoryId::from_names({segment.memory, segment.segment, options_.provider, unique});
-    ENGRAM_CHECK(entity.ok(), "{}", entity.status().message());
-    if (entities_.insert(*entity).second) return *entity;
-  }
 }
 
 void McapReader::describe(const ChannelRecord& channel, const SchemaRecord* schema) {
@@ -155,14 +121,7 @@ Result<idf::Data> McapReader::first_value(uint16_t id, const ChannelCoder& coder
 }
 
 Time McapReader::shifted(uint64_t ns) {
-  const auto time = static_cast<int64_t>(std::min(ns, kMostTime));
-  if (!shift_ns_) {
-    shift_ns_ = 0;
-    if (options_.start) shift_ns_ = to_ns(*options_.start) - time;
-  }
-  int64_t moved = 0;
-  if (__builtin_add_overflow(time, *shift_ns_, &moved)) moved = time;
-  return time_from_ns(moved);
+  return shift_.shifted(static_cast<int64_t>(std::min(ns, kMostTime)));
 }
 
 void McapReader::watch_sequence(Channel& channel, uint32_t sequence) {
@@ -199,7 +158,7 @@ std::optional<ltm::EntityUpdate> McapReader::update_of(Channel& channel,
 }
 
 void McapReader::describe_attachments() {
-  attachments_ = free_entity({"Data", "mcap"}, "attachments");
+  attachments_ = entities_.take("Data", "mcap", options_.provider, "attachments");
   streams_.push_back({attachments_, "", map_.attachments.size(), {{kAttachments, true}}});
   total_ += map_.attachments.size();
 }
@@ -236,14 +195,7 @@ void McapReader::put_in_order(std::optional<uint64_t>& last_log_time, uint64_t l
                               ltm::EntityUpdate& update) {
   const bool repeats = last_log_time == log_time;
   last_log_time = log_time;
-  Time time = std::max(update.time, last_);
-  if (time == last_ && at_last_.contains(update.entity)) time = time_from_ns(to_ns(last_) + 1);
-  if (time != update.time)
-    ++report_.not_carried[repeats ? "repeated times, moved by 1 ns"
-                                  : "times moved behind those before them"];
-  if (time != last_) at_last_.clear();
-  at_last_.insert(update.entity);
-  last_ = update.time = time;
+  order_.put(repeats, update, report_);
 }
 
 Result<std::optional<ltm::EntityUpdate>> McapReader::pull() {

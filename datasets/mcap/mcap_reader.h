@@ -5,18 +5,13 @@
 
 #include <map>
 #include <memory>
-#include <set>
 
 #include "datasets/mcap/channel_coder.h"
 #include "datasets/mcap/ordered_messages.h"
+#include "datasets/recordings/moment_order.h"
 #include "datasets/recordings/recording_format.h"
 
 namespace engram::datasets::mcap {
-
-/// Text as a value: bytes where it is no UTF-8.
-[[nodiscard]] idf::Data text_value(const std::string& text);
-/// The same the other way; empty for other values.
-[[nodiscard]] std::string text_of(const idf::Data* value);
 
 /// Reads one MCAP file.
 ///
@@ -41,12 +36,11 @@ class McapReader final : public RecordingReader {
   };
 
   McapReader(FileWindow file, const ReadingOptions& options)
-      : file_(std::move(file)), options_(options) {}
+      : file_(std::move(file)), options_(options), shift_(options.start) {}
 
   Status prepare();
   Status add_channels();
   void describe(const ChannelRecord& channel, const SchemaRecord* schema);
-  ltm::MemoryId free_entity(const ros::SegmentNames& segment, std::string name);
   Result<idf::Data> first_value(uint16_t id, const ChannelCoder& coder);
   Result<std::optional<ltm::EntityUpdate>> pull();
   void describe_attachments();
@@ -63,19 +57,18 @@ class McapReader final : public RecordingReader {
   FileMap map_;
   std::vector<RecordingStream> streams_;
   std::map<uint16_t, Channel> channels_;
-  std::set<ltm::MemoryId> entities_;
+  FreeEntities entities_;
   std::unique_ptr<OrderedMessages> messages_;
   std::optional<size_t> loaded_index_;  ///< Of the region that first_value looked into last.
   LoadedRegion loaded_;
   uint64_t total_ = 0;
-  std::optional<int64_t> shift_ns_;
+  TimeShift shift_;
   std::optional<MessageRecord> message_;  ///< Read, not taken yet.
   ltm::MemoryId attachments_;
   size_t next_attachment_ = 0;
   std::optional<uint64_t> last_attachment_time_;
   std::optional<ltm::EntityUpdate> waiting_;
-  Time last_ = Time::min();
-  std::set<ltm::MemoryId> at_last_;  ///< Entities that have a value at `last_`.
+  MomentOrder order_;
   bool has_begun_ = false;
 };
 

@@ -4,10 +4,13 @@
 #include <optional>
 #include <string_view>
 
+#include "datasets/ros/message_definition.h"
+
 namespace engram::datasets::ros {
 
-/// Definitions, as ROS 2 has them, of what is written for entities that no import made:
-/// sensor_msgs/Image, CompressedImage and JointState. Nothing for other types.
-[[nodiscard]] std::optional<std::string_view> standard_definition(std::string_view type);
+/// Definitions of what is written for entities that no import made: sensor_msgs/Image,
+/// CompressedImage and JointState, std_msgs/String. Nothing for other types.
+[[nodiscard]] std::optional<std::string_view> standard_definition(
+    std::string_view type, Serialization serialization = Serialization::kCdr);
 
 }  // namespace engram::datasets::ros

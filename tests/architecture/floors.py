@@ -15,6 +15,7 @@ LIBRARIES = {
     "pugixml": ("pugixml.hpp",),
     "re2": ("re2/",),
     "lz4": ("lz4frame.h",),
+    "bzip2": ("bzlib.h",),
     "zstd": ("zstd.h", "zdict.h"),
     "zlib": ("zlib.h",),
     "OpenCV": ("opencv2/",),

@@ -26,7 +26,7 @@ TEST(OrderedMessages, ReadsAgainWhatMemoryDoesNotHold) {
   const auto map = map_file(*file, report);
   ASSERT_OK(map);
   ASSERT_GT(map->regions.size(), 4U);
-  for (const uint64_t memory_bytes : {uint64_t{1}, uint64_t{500}, OrderedMessages::kMemoryBytes}) {
+  for (const uint64_t memory_bytes : {uint64_t{1}, uint64_t{500}, OrderedRegions::kMemoryBytes}) {
     OrderedMessages messages(*file, map->regions, memory_bytes);
     for (uint64_t i = 0; i < 40; ++i) {
       const auto message = messages.next(report);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/mcap/file_window.h"
+#include "datasets/recordings/file_window.h"
 
 #include <algorithm>
 
-namespace engram::datasets::mcap {
+namespace engram::datasets {
 
 namespace {
 constexpr uint64_t kWindowBytes = 1 << 16;
@@ -29,4 +29,4 @@ Result<std::span<const std::byte>> FileWindow::read(uint64_t offset, uint64_t co
   return std::span<const std::byte>(bytes_).subspan(offset - begin_, count);
 }
 
-}  // namespace engram::datasets::mcap
+}  // namespace engram::datasets

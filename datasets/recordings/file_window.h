@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room.
-
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -10,7 +8,7 @@
 
 #include "ltm/core/file.h"
 
-namespace engram::datasets::mcap {
+namespace engram::datasets {
 
 /// Parts of a file that are read one after the other, mostly forwards.
 ///
@@ -35,4 +33,4 @@ class FileWindow {
   std::vector<std::byte> bytes_;
 };
 
-}  // namespace engram::datasets::mcap
+}  // namespace engram::datasets

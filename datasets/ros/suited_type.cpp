@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/ros/suited_type.h"
+
+#include <algorithm>
+
+namespace engram::datasets::ros {
+
+namespace {
+
+/// A picture that an Image message holds as it is.
+bool is_bare_picture(const idf::Data& value) {
+  const auto* dict = value.get_if<idf::Dict>();
+  if (dict == nullptr || dict->size() != 1) return false;
+  const auto& [key, member] = *dict->begin();
+  const auto* array = member.get_if<idf::NdArray>();
+  if (array == nullptr || array->rank() != 3 || array->count() == 0) return false;
+  const auto type = array->type();
+  const int64_t channels = array->shape()[2];
+  if (key == "depth")
+    return channels == 1 &&
+           (type == idf::ElementType::kUInt16 || type == idf::ElementType::kFloat32);
+  return key == "image" &&
+         ((type == idf::ElementType::kUInt8 && (channels == 1 || channels == 3)) ||
+          (type == idf::ElementType::kUInt16 && channels == 1));
+}
+
+bool is_bare_joints(const idf::Data& value) {
+  const auto* dict = value.get_if<idf::Dict>();
+  const idf::Data* names = value.at("name");
+  if (dict == nullptr || dict->size() != 4 || dict->begin()->key != "name" ||
+      !names->is<idf::List>())
+    return false;
+  const bool are_texts = std::ranges::all_of(
+      names->get<idf::List>(), [](const idf::Data& name) { return name.is<std::string>(); });
+  const auto entry = [&](size_t i) -> const auto& {
+    return *(dict->begin() + static_cast<ptrdiff_t>(i));
+  };
+  const auto is_numbers = [&](size_t i, std::string_view key) {
+    const auto* array = entry(i).value.get_if<idf::NdArray>();
+    return entry(i).key == key && array != nullptr && array->rank() == 1 &&
+           array->type() == idf::ElementType::kFloat64;
+  };
+  return are_texts && is_numbers(1, "position") && is_numbers(2, "velocity") &&
+         is_numbers(3, "effort");
+}
+
+}  // namespace
+
+std::string_view suited_type(const idf::Data& value, bool is_compressed) {
+  if (is_bare_picture(value))
+    return is_compressed && value.at("image") != nullptr ? "sensor_msgs/CompressedImage"
+                                                         : "sensor_msgs/Image";
+  return is_bare_joints(value) ? "sensor_msgs/JointState" : "";
+}
+
+idf::Data without_header(const idf::Data& value) {
+  const auto* dict = value.get_if<idf::Dict>();
+  if (dict == nullptr) return value;
+  idf::Dict bare;
+  for (const auto& [key, member] : *dict)
+    if (key != "header" && key != "encoding") bare.append_unique(key, member);
+  return bare;
+}
+
+}  // namespace engram::datasets::ros

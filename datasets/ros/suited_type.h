@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "ltm/idf/data.h"
+
+namespace engram::datasets::ros {
+
+// As what values are written that no import of messages made.
+
+/// "sensor_msgs/Image" (or CompressedImage, for an image that shall be compressed) for nothing but
+/// an image or a depth, "sensor_msgs/JointState" for nothing but name, position, velocity, effort.
+/// Empty for all others, which these messages do not hold as they are.
+[[nodiscard]] std::string_view suited_type(const idf::Data& value, bool is_compressed);
+
+/// The value again, without what such a message has beside it.
+[[nodiscard]] idf::Data without_header(const idf::Data& value);
+
+}  // namespace engram::datasets::ros
