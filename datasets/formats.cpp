@@ -7,6 +7,7 @@
 #include "datasets/hdf5/hdf5_formats.h"
 #include "datasets/lerobot/lerobot_format.h"
 #include "datasets/mcap/mcap_format.h"
+#include "datasets/rosbag/rosbag_format.h"
 
 namespace engram::datasets {
 
@@ -25,6 +26,7 @@ const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats
     std::vector<std::unique_ptr<const RecordingFormat>> all;
     all.push_back(make_lerobot_format());
     all.push_back(make_mcap_format());
+    all.push_back(make_rosbag_format());
     all.push_back(make_robomimic_format());
     all.push_back(make_aloha_format());
     all.push_back(make_tum_format());

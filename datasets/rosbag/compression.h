@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "ltm/core/buffer.h"
+#include "ltm/core/status.h"
+
+namespace engram::datasets::rosbag {
+
+/// The records of a chunk: "none", "bz2" or "lz4" (frames). Memory is taken as it is filled, not as
+/// it is claimed. Errors: kDataLoss where it holds more or fewer than `size` bytes;
+/// kInvalidArgument for another compression.
+Result<Buffer> decompress(std::string_view compression, std::span<const std::byte> bytes,
+                          uint64_t size);
+
+}  // namespace engram::datasets::rosbag
