@@ -16,6 +16,20 @@ Result<Value> member(const idf::Data& data, const char* what, const char* name) 
   return found->get<Value>();
 }
 
+/// Without dots, and another one for each name.
+std::string undotted(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    if (c == '.')
+      text += "%2E";
+    else if (c == '%')
+      text += "%25";
+    else
+      text += c;
+  }
+  return text;
+}
+
 }  // namespace
 
 idf::Data RecordingStream::to_data() const {
@@ -51,8 +65,10 @@ Result<RecordingEpisode> RecordingEpisode::from_data(const idf::Data& data) {
 }
 
 ltm::MemoryId stream_entity(std::string_view format, const ltm::MemoryId& entity) {
+  const auto& names = entity.names();
   std::string name;
-  for (const std::string& part : entity.names()) name += (name.empty() ? "" : ".") + part;
+  for (size_t i = 0; i + 1 < names.size(); ++i) name += undotted(names[i]) + ".";
+  name += names.back();  // The last one may have dots: nothing follows.
   return ltm::MemoryId::from_names({kMemory, "Streams", std::string(format), name}).value();
 }
 

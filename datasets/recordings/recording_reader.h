@@ -50,7 +50,7 @@ struct RecordingEpisode {
 };
 
 /// The entity that keeps the description of a stream:
-/// "Recording/Streams/mcap/Vision.RGB.robot.cam".
+/// "Recording/Streams/mcap/Vision.RGB.robot.cam"; another one for each entity.
 [[nodiscard]] ltm::MemoryId stream_entity(std::string_view format, const ltm::MemoryId& entity);
 
 /// The entity that keeps the episodes: "Recording/Episodes/mcap/episodes".

@@ -136,5 +136,14 @@ TEST(RecordingDescriptions, RefuseWhatIsNone) {
                StatusCode::kInvalidArgument, "'name'");
 }
 
+TEST(StreamEntity, DiffersWhereNamesDifferInTheirDotsAlone) {
+  const auto of = [](const char* text) {
+    return stream_entity("mcap", ltm::MemoryId::parse(text).value()).names()[3];
+  };
+  EXPECT_EQ(of("Vision/RGB/robot/head.cam"), "Vision.RGB.robot.head.cam");
+  EXPECT_NE(of("Vision/RGB/robot.head/cam"), of("Vision/RGB/robot/head.cam"));
+  EXPECT_NE(of("Vision/RGB/a.b/c"), of("Vision/RGB/a%2Eb/c"));
+}
+
 }  // namespace
 }  // namespace engram::datasets
