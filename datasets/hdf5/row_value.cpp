@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "ltm/codec/codec.h"
+#include "ltm/codec/image_file.h"
 
 namespace engram::datasets {
 
@@ -71,21 +71,6 @@ RowForm number_form(h5::Kind kind, h5::Type type) {
   return {{kind, type}, {}};
 }
 
-/// Sides and channels that a JPEG or PNG file announces.
-std::optional<idf::Shape> announced_shape(std::span<const std::byte> file) {
-  const auto at = [&](size_t i) { return std::to_integer<int64_t>(file[i]); };
-  const auto pair = [&](size_t i) { return at(i) << 8 | at(i + 1); };
-  if (file.size() > 26 && at(0) == 0x89 && at(1) == 'P')
-    return idf::Shape{pair(22), pair(18), at(25) == 2 ? 3 : 1};
-  if (file.size() < 4 || pair(0) != 0xFFD8) return std::nullopt;
-  for (size_t i = 2; i + 10 <= file.size() && at(i) == 0xFF;
-       i += 2 + static_cast<size_t>(pair(i + 2))) {
-    const int64_t marker = at(i + 1);
-    if (marker >= 0xC0 && marker <= 0xC2) return idf::Shape{pair(i + 5), pair(i + 7), at(i + 9)};
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::string dtype_name(const h5::Element& element) {
@@ -119,12 +104,9 @@ idf::Data row_value(const h5::ArrayInfo& info, RowRole role, std::span<const std
 
 Result<idf::Data> compressed_row_value(std::span<const std::byte> file) {
   while (!file.empty() && file.back() == std::byte{0}) file = file.first(file.size() - 1);
-  const auto shape = announced_shape(file);
-  if (!shape) return data_loss("{} bytes are no JPEG or PNG file", file.size());
-  const bool is_png = file[0] == std::byte{0x89};
-  ENGRAM_ASSIGN_OR_RETURN(
-      idf::NdArray image,
-      ltm::find_codec(is_png ? "png" : "jpeg")->decode(file, ElementType::kUInt8, *shape));
+  ENGRAM_ASSIGN_OR_RETURN(idf::NdArray image, ltm::decode_image_file(file));
+  if (image.type() != ElementType::kUInt8)
+    return invalid_argument("needs images of 8 bits, found {}", to_string(image.type()));
   return idf::Data(idf::Dict{{"image", std::move(image)}});
 }
 

@@ -2,9 +2,9 @@
 #include "ltm/codec/jpeg.h"
 
 #include <opencv2/imgcodecs.hpp>
-#include <optional>
 
 #include "ltm/codec/cv_image.h"
+#include "ltm/codec/image_file.h"
 
 namespace engram::ltm {
 
@@ -16,34 +16,10 @@ constexpr int kDefaultQuality = 90;
 /// bound of what can come out of few bytes.
 constexpr size_t kMostExpansion = 4096;
 
-struct Announced {
-  int64_t height = 0;
-  int64_t width = 0;
-  int64_t channels = 0;
-};
-
 /// Decoders fill in grey where the file was cut.
 bool is_whole(std::span<const std::byte> bytes) {
   return bytes.size() >= 4 && bytes[bytes.size() - 2] == std::byte{0xff} &&
          bytes[bytes.size() - 1] == std::byte{0xd9};
-}
-
-/// The size in the frame header (SOF marker), before anything is decoded.
-std::optional<Announced> announced(std::span<const std::byte> bytes) {
-  const auto at = [&](size_t i) { return std::to_integer<int64_t>(bytes[i]); };
-  const auto pair = [&](size_t i) { return at(i) << 8 | at(i + 1); };
-  if (bytes.size() < 4 || pair(0) != 0xffd8) return std::nullopt;
-  for (size_t i = 2; i + 10 <= bytes.size();) {
-    if (at(i) != 0xff) return std::nullopt;
-    const int64_t marker = at(i + 1);
-    const bool is_frame =
-        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (is_frame) return Announced{pair(i + 5), pair(i + 7), at(i + 9)};
-    const int64_t length = pair(i + 2);
-    if (marker < 0xc0 || length < 2) return std::nullopt;
-    i += 2 + static_cast<size_t>(length);
-  }
-  return std::nullopt;
 }
 
 class JpegCodec final : public Codec {
@@ -67,9 +43,8 @@ class JpegCodec final : public Codec {
 
   Result<idf::NdArray> decode(std::span<const std::byte> bytes, idf::ElementType type,
                               const idf::Shape& shape) const override {
-    const auto found = announced(bytes);
-    if (!accepts(type, shape) || !is_whole(bytes) || !found || found->height != shape[0] ||
-        found->width != shape[1] || found->channels != shape[2] ||
+    const auto found = announced_image(bytes);
+    if (!accepts(type, shape) || !is_whole(bytes) || !found || found->shape != shape ||
         *idf::size_bytes(type, shape) / kMostExpansion > bytes.size())
       return data_loss("jpeg: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
