@@ -135,11 +135,7 @@ void SevenScenesReader::add(size_t stream, Time time, std::optional<idf::Data> v
     ++report_.damaged;
     return;
   }
-  commit.updates.push_back(
-      {streams_[stream].entity,
-       time,
-       {{*std::move(value),
-         {.created = time, .sent = time, .arrived = time, .provider = "import"}}}});
+  commit.updates.push_back(imported(streams_[stream].entity, time, *std::move(value)));
 }
 
 Result<std::optional<RecordingReader::Moment>> SevenScenesReader::next() {

@@ -96,11 +96,7 @@ Status TablesReader::add(Source& source, Time at, ltm::Commit& commit) {
   for (const TablePart& part : source.table.parts) {
     ENGRAM_ASSIGN_OR_RETURN(auto value, value_of(source, part));
     if (value)
-      commit.updates.push_back(
-          {part.stream.entity,
-           at,
-           {{*std::move(value),
-             {.created = at, .sent = at, .arrived = at, .provider = "import"}}}});
+      commit.updates.push_back(imported(part.stream.entity, at, *std::move(value)));
     else
       ++report_.damaged;
   }

@@ -99,11 +99,7 @@ Result<std::optional<RecordingReader::Moment>> TumReader::next() {
     Table& table = tables_[i];
     if (!table.line || table.line->time != *time) continue;
     if (auto value = value_of(table))
-      moment.commit.updates.push_back(
-          {streams_[i].entity,
-           at,
-           {{*std::move(value),
-             {.created = at, .sent = at, .arrived = at, .provider = "import"}}}});
+      moment.commit.updates.push_back(imported(streams_[i].entity, at, *std::move(value)));
     else
       ++report_.damaged;
     ENGRAM_RETURN_IF_ERROR(advance(table));

@@ -122,15 +122,8 @@ Status EpisodesReader::list_array(const h5::File& file, Episode& episode, const 
 Status EpisodesReader::add_array(const std::string& name, const h5::ArrayInfo& info) {
   if (arrays_.contains(name)) return {};
   const RowPlace place = dialect_.place(name, info);
-  ENGRAM_ASSIGN_OR_RETURN(
-      ltm::MemoryId entity,
-      ltm::MemoryId::from_names({place.memory, place.core, options_.provider, place.name}));
-  for (int i = 2; entities_.contains(entity); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(entity,
-                            ltm::MemoryId::from_names({place.memory, place.core, options_.provider,
-                                                       fmt::format("{}_{}", place.name, i)}));
-  }
-  entities_.emplace(entity, streams_.size());
+  ENGRAM_ASSIGN_OR_RETURN(const auto entity,
+                          entities_.take(place.memory, place.core, options_.provider, place.name));
   arrays_.emplace(name, Array{streams_.size(), place.role});
   streams_.push_back({entity, name, 0, describe(info)});
   return {};
@@ -203,11 +196,7 @@ Result<std::optional<RecordingReader::Moment>> EpisodesReader::next() {
     if (row_ >= blocks.info().rows()) continue;
     auto value = blocks.value(*file_, row_, report_);
     if (!value) continue;
-    moment.commit.updates.push_back(
-        {streams_[stream].entity,
-         time,
-         {{*std::move(value),
-           {.created = time, .sent = time, .arrived = time, .provider = "import"}}}});
+    moment.commit.updates.push_back(imported(streams_[stream].entity, time, *std::move(value)));
   }
   if (++row_ >= rows_) {
     is_begun_ = false;

@@ -7,6 +7,7 @@
 
 #include "datasets/hdf5/dialect.h"
 #include "datasets/hdf5/row_blocks.h"
+#include "datasets/recordings/moment_order.h"
 
 namespace engram::datasets {
 
@@ -57,7 +58,7 @@ class EpisodesReader final : public RecordingReader {
   ReadingOptions options_;
   std::vector<RecordingStream> streams_;
   std::map<std::string, Array, std::less<>> arrays_;
-  std::map<ltm::MemoryId, uint64_t> entities_;
+  FreeEntities entities_;
   std::vector<Episode> episodes_;
   uint64_t total_ = 0;
 

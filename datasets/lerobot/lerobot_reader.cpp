@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "datasets/lerobot/episode_video.h"
 #include "datasets/lerobot/lerobot_episodes.h"
 #include "datasets/lerobot/step_numbers.h"
+#include "datasets/lerobot/step_rows.h"
 #include "datasets/recordings/folder_file.h"
 #include "datasets/recordings/image_file.h"
+#include "datasets/recordings/moment_order.h"
 
 namespace engram::datasets::lerobot {
 
@@ -32,16 +33,21 @@ std::string without(const std::string& key, std::string_view prefix) {
   return key.starts_with(prefix) ? key.substr(prefix.size()) : key;
 }
 
-/// Names of the entity that values of a feature go to.
-std::vector<std::string> names_of(const Feature& feature, const std::string& provider) {
+/// Where values of a feature go.
+struct Place {
+  std::string memory;
+  std::string segment;
+  std::string name;
+};
+
+Place place_of(const Feature& feature) {
   const std::string& key = feature.key;
   if (feature.is_picture())
-    return {"Vision", key.find("depth") == std::string::npos ? "RGB" : "Depth", provider,
-            last_part(key)};
+    return {"Vision", key.find("depth") == std::string::npos ? "RGB" : "Depth", last_part(key)};
   if (key.starts_with("observation."))
-    return {"RobotState", "Proprioception", provider, without(key, "observation.")};
-  if (key.starts_with("action")) return {"Skills", "Commands", provider, key};
-  return {"Tasks", "Feedback", provider, without(key, "next.")};
+    return {"RobotState", "Proprioception", without(key, "observation.")};
+  if (key.starts_with("action")) return {"Skills", "Commands", key};
+  return {"Tasks", "Feedback", without(key, "next.")};
 }
 
 /// A feature, its entity, and what of the episode at hand holds it.
@@ -58,7 +64,7 @@ struct Source {
 class Reader final : public RecordingReader {
  public:
   Reader(Description description, const ReadingOptions& options)
-      : description_(std::move(description)), options_(options) {}
+      : description_(std::move(description)), options_(options), rows_(description_) {}
 
   Status prepare() {
     ENGRAM_RETURN_IF_ERROR(choose_episodes());
@@ -71,7 +77,7 @@ class Reader final : public RecordingReader {
     if (tasks_.size() < 2) return {};
     // With one task, episodes say all.
     ENGRAM_ASSIGN_OR_RETURN(task_entity_,
-                            entity_of({"Tasks", "Feedback", options_.provider, "task"}));
+                            entities_.take("Tasks", "Feedback", options_.provider, "task"));
     streams_.push_back({task_entity_, "task_index", 0, {{"dtype", "int64"}}});
     return {};
   }
@@ -85,16 +91,15 @@ class Reader final : public RecordingReader {
       if (episode_ >= episodes_.size()) return std::optional<Moment>();
       ENGRAM_RETURN_IF_ERROR(begin_episode());
     }
-    ENGRAM_RETURN_IF_ERROR(go_to_row());
+    ENGRAM_RETURN_IF_ERROR(rows_.next());
     ENGRAM_ASSIGN_OR_RETURN(const Time time, time_of_row());
     Moment moment;
     if (step_ == 0) moment.begins = description_of(episode(), time);
     ENGRAM_RETURN_IF_ERROR(add_task(time, moment.commit));
     for (Source& source : sources_) {
       ENGRAM_ASSIGN_OR_RETURN(auto value, value_of(source, time));
-      if (value) add(source.entity, time, *std::move(value), moment.commit);
+      if (value) moment.commit.updates.push_back(imported(source.entity, time, *std::move(value)));
     }
-    has_row_ = false;
     ++step_;
     return std::optional(std::move(moment));
   }
@@ -132,19 +137,11 @@ class Reader final : public RecordingReader {
     return {};
   }
 
-  /// An entity that no other feature has: of two with one name the second gets "_2".
-  Result<ltm::MemoryId> entity_of(std::vector<std::string> names) {
-    const std::string name = names.back();
-    for (int copy = 2;; ++copy) {
-      ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId entity, ltm::MemoryId::from_names(names));
-      if (entities_.insert(entity).second) return entity;
-      names.back() = fmt::format("{}_{}", name, copy);
-    }
-  }
-
   Status add_source(const Feature& feature, size_t number) {
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity,
-                            entity_of(names_of(feature, options_.provider)));
+    const Place place = place_of(feature);
+    ENGRAM_ASSIGN_OR_RETURN(
+        const ltm::MemoryId entity,
+        entities_.take(place.memory, place.segment, options_.provider, place.name));
     Source& source = sources_.emplace_back();
     source.feature = feature;
     source.entity = entity;
@@ -162,8 +159,10 @@ class Reader final : public RecordingReader {
     length_ = begun.length;
     last_task_.reset();
     ENGRAM_RETURN_IF_ERROR(set_start());
-    ENGRAM_RETURN_IF_ERROR(open_table(begun));
+    ENGRAM_ASSIGN_OR_RETURN(const bool has_new_columns, rows_.begin(begun));
+    if (has_new_columns) task_column_ = rows_.table().find({"task_index"});
     for (Source& source : sources_) {
+      if (has_new_columns) find_columns(source);
       source.last_image.reset();
       if (source.feature.kind == Feature::Kind::kVideo)
         ENGRAM_RETURN_IF_ERROR(open_video(source, begun));
@@ -192,66 +191,15 @@ class Reader final : public RecordingReader {
     return Duration(static_cast<int64_t>(std::llround(1e9 / description_.rate_hz)));
   }
 
-  /// Opens the table of an episode, unless the one before is in it too.
-  Status open_table(const Episode& begun) {
-    const std::filesystem::path path = description_.table_of(begun);
-    if (description_.is_v3 && table_ && path == table_path_) {
-      ENGRAM_ASSIGN_OR_RETURN(const bool is_there, find_rows(begun));
-      if (is_there) return {};
-    }
-    ENGRAM_ASSIGN_OR_RETURN(table_, RowTable::open(description_.root, path, !description_.is_v3));
-    table_path_ = path;
-    has_row_ = false;
-    ENGRAM_ASSIGN_OR_RETURN(time_column_, table_->need("timestamp"));
-    task_column_ = table_->find({"task_index"});
-    for (Source& source : sources_) find_columns(source);
-    if (!description_.is_v3) return {};
-    ENGRAM_ASSIGN_OR_RETURN(episode_column_, table_->need("episode_index"));
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, find_rows(begun));
-    if (is_there) return {};
-    return data_loss("'{}': found no row of {}, needs {}", (description_.root / path).string(),
-                     begun.name(), begun.length);
-  }
-
-  /// Goes to the first row of an episode, over those of others; false where there is none.
-  Result<bool> find_rows(const Episode& begun) {
-    while (true) {
-      ENGRAM_RETURN_IF_ERROR(fetch_row());
-      if (!has_row_) return false;
-      ENGRAM_ASSIGN_OR_RETURN(const int64_t index, table_->whole(episode_column_));
-      if (index == begun.index) return true;
-      has_row_ = false;
-    }
-  }
-
-  Status fetch_row() {
-    if (has_row_) return {};
-    ENGRAM_ASSIGN_OR_RETURN(has_row_, table_->next());
-    return {};
-  }
-
-  /// Fetches the row of the step.
-  Status go_to_row() {
-    ENGRAM_RETURN_IF_ERROR(fetch_row());
-    bool is_there = has_row_;
-    if (is_there && description_.is_v3) {
-      ENGRAM_ASSIGN_OR_RETURN(const int64_t index, table_->whole(episode_column_));
-      is_there = index == episode().index;
-    }
-    if (is_there) return {};
-    return data_loss("'{}': found {} rows of {}, needs {} as the list of episodes says",
-                     (description_.root / table_path_).string(), step_, episode().name(), length_);
-  }
-
   Result<Time> time_of_row() {
-    ENGRAM_ASSIGN_OR_RETURN(stamp_, table_->seconds(time_column_));
+    ENGRAM_ASSIGN_OR_RETURN(stamp_, rows_.time());
     Time time = start_ + stamp_;
     if (step_ > 0 && time == last_) {
       time += Duration(1);
       ++report_.not_carried["repeated times, moved by 1 ns"];
     }
     if (step_ > 0 && time <= last_)
-      return table_->broken(time_column_, "needs a time behind that of the row before");
+      return rows_.wrong_time("needs a time behind that of the row before");
     last_ = time;
     return time;
   }
@@ -261,9 +209,9 @@ class Reader final : public RecordingReader {
     source.columns.clear();
     if (feature.kind == Feature::Kind::kVideo) return;
     if (feature.kind == Feature::Kind::kImage) {
-      if (const auto column = table_->find({feature.key})) source.columns = {*column};
+      if (const auto column = rows_.table().find({feature.key})) source.columns = {*column};
     } else {
-      source.columns = columns_of(*table_, feature);
+      source.columns = columns_of(rows_.table(), feature);
     }
     if (source.columns.empty())
       ++report_.not_carried["feature '" + feature.key + "', not in the table of an episode"];
@@ -303,11 +251,7 @@ class Reader final : public RecordingReader {
                                                : Duration::max());
       if (!description_.is_v3 || episode_ == episodes_.size()) close_video(source);
     }
-    if (description_.is_v3) return {};
-    ENGRAM_RETURN_IF_ERROR(fetch_row());
-    if (!has_row_) return {};
-    return data_loss("'{}': found more than {} rows, needs as many as the list of episodes says",
-                     (description_.root / table_path_).string(), length_);
+    return rows_.end();
   }
 
   [[nodiscard]] RecordingEpisode description_of(const Episode& begun, Time time) const {
@@ -323,21 +267,17 @@ class Reader final : public RecordingReader {
              {"codebase_version", description_.version}}};
   }
 
-  static void add(const ltm::MemoryId& entity, Time time, idf::Data value, ltm::Commit& commit) {
-    ltm::InstanceMetadata metadata{
-        .created = time, .sent = time, .arrived = time, .provider = "import"};
-    commit.updates.push_back({entity, time, {{std::move(value), std::move(metadata)}}});
-  }
-
   /// Says which of several tasks the robot is at, where that changes.
   Status add_task(Time time, ltm::Commit& commit) {
     if (tasks_.size() < 2 || !task_column_) return {};
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t index, table_->whole(*task_column_));
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t index, rows_.table().whole(*task_column_));
     if (last_task_ == index) return {};
     last_task_ = index;
     const auto task = tasks_.find(index);
-    if (task == tasks_.end()) return table_->broken(*task_column_, "which the tasks do not have");
-    add(task_entity_, time, idf::Dict{{"text", task->second}, {"task_index", index}}, commit);
+    if (task == tasks_.end())
+      return rows_.table().broken(*task_column_, "which the tasks do not have");
+    commit.updates.push_back(
+        imported(task_entity_, time, idf::Dict{{"text", task->second}, {"task_index", index}}));
     return {};
   }
 
@@ -345,7 +285,7 @@ class Reader final : public RecordingReader {
     if (source.feature.kind == Feature::Kind::kVideo) return frame_of(source, time);
     if (source.columns.empty()) return std::optional<idf::Data>();
     if (source.feature.kind == Feature::Kind::kImage) return image_of(source, time);
-    ENGRAM_ASSIGN_OR_RETURN(auto value, numbers_of(*table_, source.feature, source.columns));
+    ENGRAM_ASSIGN_OR_RETURN(auto value, numbers_of(rows_.table(), source.feature, source.columns));
     if (!value) {
       ++report_.not_carried["values with empty cells"];
       return std::optional<idf::Data>();
@@ -365,11 +305,11 @@ class Reader final : public RecordingReader {
   }
 
   Result<std::optional<idf::Data>> image_of(Source& source, Time time) {
-    if (table_->text(source.columns.front()).empty()) {
+    if (rows_.table().text(source.columns.front()).empty()) {
       ++report_.not_carried["values with empty cells"];
       return std::optional<idf::Data>();
     }
-    ENGRAM_ASSIGN_OR_RETURN(const auto path, table_->file(source.columns.front()));
+    ENGRAM_ASSIGN_OR_RETURN(const auto path, rows_.table().file(source.columns.front()));
     auto image = read_image_file(path);
     if (image.ok()) return picture_of(source, *std::move(image), time);
     ++report_.damaged;
@@ -403,7 +343,7 @@ class Reader final : public RecordingReader {
   std::vector<Episode> episodes_;  ///< Those that are read.
   std::vector<Source> sources_;
   std::vector<RecordingStream> streams_;
-  std::set<ltm::MemoryId> entities_;
+  FreeEntities entities_;
   std::map<int64_t, std::string> tasks_;
   ltm::MemoryId task_entity_;
   uint64_t total_ = 0;  ///< Steps of all episodes.
@@ -416,13 +356,9 @@ class Reader final : public RecordingReader {
   Time last_{};
   std::optional<int64_t> last_task_;
 
-  std::optional<RowTable> table_;
-  std::filesystem::path table_path_;
-  size_t time_column_ = 0;
-  size_t episode_column_ = 0;
+  StepRows rows_;
   std::optional<size_t> task_column_;
-  bool has_row_ = false;  ///< The table's row is that of the step.
-  Duration stamp_{};      ///< Of the row, in its episode.
+  Duration stamp_{};  ///< Of the row, in its episode.
 };
 
 }  // namespace

@@ -50,7 +50,7 @@ Result<std::unique_ptr<RecordingReader>> McapReader::open(const std::filesystem:
 Status McapReader::prepare() {
   ENGRAM_ASSIGN_OR_RETURN(map_, map_file(file_, report_));
   ENGRAM_RETURN_IF_ERROR(add_channels());
-  if (!map_.attachments.empty()) describe_attachments();
+  if (!map_.attachments.empty()) ENGRAM_RETURN_IF_ERROR(describe_attachments());
   loaded_ = {};
   for (const Region& region : map_.regions) total_ += region.messages;
   messages_ = std::make_unique<OrderedMessages>(file_, std::move(map_.regions));
@@ -73,9 +73,11 @@ Status McapReader::add_channels() {
     if (coder.ros_type() != nullptr)
       segment = coder.ros_type()->segment(first ? &*first : nullptr).value_or(segment);
     ltm::MemoryId entity = own_entity_of(channel);
-    if (!entity.is_entity() || !entities_.take(entity))
-      entity = entities_.take(segment.memory, segment.segment, options_.provider,
-                              name_of_topic(channel.topic, fmt::format("channel_{}", id)));
+    if (!entity.is_entity() || !entities_.take(entity)) {
+      ENGRAM_ASSIGN_OR_RETURN(
+          entity, entities_.take(segment.memory, segment.segment, options_.provider,
+                                 name_of_topic(channel.topic, fmt::format("channel_{}", id))));
+    }
     channels_.emplace(id, Channel{entity, std::move(coder), std::nullopt, std::nullopt});
     describe(channel, found);
   }
@@ -157,10 +159,12 @@ std::optional<ltm::EntityUpdate> McapReader::update_of(Channel& channel,
   return update;
 }
 
-void McapReader::describe_attachments() {
-  attachments_ = entities_.take("Data", "mcap", options_.provider, "attachments");
+Status McapReader::describe_attachments() {
+  ENGRAM_ASSIGN_OR_RETURN(attachments_,
+                          entities_.take("Data", "mcap", options_.provider, "attachments"));
   streams_.push_back({attachments_, "", map_.attachments.size(), {{kAttachments, true}}});
   total_ += map_.attachments.size();
+  return {};
 }
 
 Result<std::optional<ltm::EntityUpdate>> McapReader::next_attachment() {
@@ -234,20 +238,13 @@ RecordingEpisode McapReader::episode(Time start) {
 }
 
 Result<std::optional<RecordingReader::Moment>> McapReader::next() {
-  if (!waiting_) {
-    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull());
-  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto time, moments_.next_time());
   Moment moment;
-  if (!has_begun_ && (waiting_ || !streams_.empty() || !map_.metadata.empty()))
-    moment.begins = episode(waiting_ ? waiting_->time : options_.start.value_or(Time{}));
+  if (!has_begun_ && (time || !streams_.empty() || !map_.metadata.empty()))
+    moment.begins = episode(time.value_or(options_.start.value_or(Time{})));
   has_begun_ = true;
-  if (!waiting_) return moment.begins ? std::optional(std::move(moment)) : std::nullopt;
-  const Time time = waiting_->time;
-  while (waiting_ && waiting_->time == time) {
-    moment.commit.updates.push_back(*std::move(waiting_));
-    waiting_.reset();
-    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull());
-  }
+  if (!time) return moment.begins ? std::optional(std::move(moment)) : std::nullopt;
+  ENGRAM_RETURN_IF_ERROR(moments_.take(moment.commit));
   return std::optional(std::move(moment));
 }
 

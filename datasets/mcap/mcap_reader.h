@@ -43,7 +43,7 @@ class McapReader final : public RecordingReader {
   void describe(const ChannelRecord& channel, const SchemaRecord* schema);
   Result<idf::Data> first_value(uint16_t id, const ChannelCoder& coder);
   Result<std::optional<ltm::EntityUpdate>> pull();
-  void describe_attachments();
+  Status describe_attachments();
   Result<std::optional<ltm::EntityUpdate>> next_attachment();
   std::optional<ltm::EntityUpdate> update_of(Channel& channel, const MessageRecord& message);
   void watch_sequence(Channel& channel, uint32_t sequence);
@@ -67,8 +67,8 @@ class McapReader final : public RecordingReader {
   ltm::MemoryId attachments_;
   size_t next_attachment_ = 0;
   std::optional<uint64_t> last_attachment_time_;
-  std::optional<ltm::EntityUpdate> waiting_;
   MomentOrder order_;
+  MomentsOfValues moments_{[this] { return pull(); }};
   bool has_begun_ = false;
 };
 

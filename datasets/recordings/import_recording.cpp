@@ -67,9 +67,7 @@ class Import {
     ltm::Commit commit;
     const auto add = [&](const ltm::MemoryId& entity, idf::Data value) -> Status {
       ENGRAM_RETURN_IF_ERROR(check_is_new(entity, time));
-      ltm::InstanceMetadata metadata{
-          .created = time, .sent = time, .arrived = time, .provider = "import"};
-      commit.updates.push_back({entity, time, {{std::move(value), std::move(metadata)}}});
+      commit.updates.push_back(imported(entity, time, std::move(value)));
       return {};
     };
     ENGRAM_RETURN_IF_ERROR(add(episode_entity(format_), episode.to_data()));

@@ -15,15 +15,10 @@ struct Lz4Deleter {
 
 }  // namespace
 
-Result<std::string> compress_lz4(std::span<const std::byte> bytes, bool for_rosbag) {
-  LZ4F_preferences_t wanted{};
-  if (for_rosbag) {
-    wanted.frameInfo.blockMode = LZ4F_blockIndependent;
-    wanted.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
-  }
-  std::string out(LZ4F_compressFrameBound(bytes.size(), &wanted), '\0');
+Result<std::string> compress_lz4(std::span<const std::byte> bytes) {
+  std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
   const size_t size =
-      LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), &wanted);
+      LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr);
   if (LZ4F_isError(size) != 0) return invalid_argument("lz4: {}", LZ4F_getErrorName(size));
   out.resize(size);
   return out;

@@ -12,9 +12,8 @@ namespace engram::datasets {
 /// How many bytes one byte of LZ4 stands for at most.
 inline constexpr uint64_t kMostLz4Expansion = 256;
 
-/// One LZ4 frame. Its blocks do without those before them, and its content has a checksum, where
-/// `for_rosbag`: its own reader knows no others. Errors: kInvalidArgument.
-Result<std::string> compress_lz4(std::span<const std::byte> bytes, bool for_rosbag = false);
+/// One LZ4 frame. Errors: kInvalidArgument.
+Result<std::string> compress_lz4(std::span<const std::byte> bytes);
 
 /// Frames that hold exactly `out`. Errors: kDataLoss where they hold more or fewer bytes;
 /// kResourceExhausted.

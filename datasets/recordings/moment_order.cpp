@@ -28,13 +28,31 @@ void MomentOrder::put(bool repeats, ltm::EntityUpdate& update, ReadingReport& re
   last_ = update.time = time;
 }
 
-ltm::MemoryId FreeEntities::take(const std::string& memory, const std::string& segment,
-                                 const std::string& provider, const std::string& name) {
+Result<std::optional<Time>> MomentsOfValues::next_time() {
+  if (!waiting_) {
+    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull_());
+  }
+  return waiting_ ? std::optional(waiting_->time) : std::nullopt;
+}
+
+Status MomentsOfValues::take(ltm::Commit& commit) {
+  ENGRAM_CHECK(waiting_, "no moment is left");
+  const Time time = waiting_->time;
+  while (waiting_ && waiting_->time == time) {
+    commit.updates.push_back(*std::move(waiting_));
+    waiting_.reset();
+    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull_());
+  }
+  return {};
+}
+
+Result<ltm::MemoryId> FreeEntities::take(const std::string& memory, const std::string& segment,
+                                         const std::string& provider, const std::string& name) {
   for (int i = 1;; ++i) {
     const std::string unique = i == 1 ? name : fmt::format("{}_{}", name, i);
-    const auto entity = ltm::MemoryId::from_names({memory, segment, provider, unique});
-    ENGRAM_CHECK(entity.ok(), "{}", entity.status().message());
-    if (take(*entity)) return *entity;
+    ENGRAM_ASSIGN_OR_RETURN(const auto entity,
+                            ltm::MemoryId::from_names({memory, segment, provider, unique}));
+    if (take(entity)) return entity;
   }
 }
 

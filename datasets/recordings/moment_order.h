@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -40,15 +41,36 @@ class MomentOrder {
   std::set<ltm::MemoryId> at_last_;  ///< Entities that have a value at `last_`.
 };
 
+/// Values that come one by one as moments: those of one time together.
+///
+/// Threading: one thread.
+class MomentsOfValues {
+ public:
+  /// Gives the next value, in the order of MomentOrder; nothing behind the last.
+  using Pull = std::function<Result<std::optional<ltm::EntityUpdate>>()>;
+
+  explicit MomentsOfValues(Pull pull) : pull_(std::move(pull)) {}
+
+  /// Time of the next moment; nothing behind the last. Errors: of Pull, here and below.
+  Result<std::optional<Time>> next_time();
+
+  /// Puts the values of that moment into `commit`. Needs one (checked).
+  Status take(ltm::Commit& commit);
+
+ private:
+  Pull pull_;
+  std::optional<ltm::EntityUpdate> waiting_;
+};
+
 /// Entities of one recording; none is given twice.
 class FreeEntities {
  public:
   /// Whether it was free.
   bool take(const ltm::MemoryId& entity) { return entities_.insert(entity).second; }
 
-  /// "name", or "name_2" and so on. Needs names that a MemoryID can have (checked).
-  ltm::MemoryId take(const std::string& memory, const std::string& segment,
-                     const std::string& provider, const std::string& name);
+  /// "name", or "name_2" and so on. Errors: those of MemoryId::from_names.
+  Result<ltm::MemoryId> take(const std::string& memory, const std::string& segment,
+                             const std::string& provider, const std::string& name);
 
  private:
   std::set<ltm::MemoryId> entities_;

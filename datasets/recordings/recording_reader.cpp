@@ -64,6 +64,13 @@ Result<RecordingEpisode> RecordingEpisode::from_data(const idf::Data& data) {
   return episode;
 }
 
+ltm::EntityUpdate imported(const ltm::MemoryId& entity, Time time, idf::Data value) {
+  return {
+      entity,
+      time,
+      {{std::move(value), {.created = time, .sent = time, .arrived = time, .provider = "import"}}}};
+}
+
 ltm::MemoryId stream_entity(std::string_view format, const ltm::MemoryId& entity) {
   const auto& names = entity.names();
   std::string name;

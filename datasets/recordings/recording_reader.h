@@ -49,6 +49,9 @@ struct RecordingEpisode {
   friend bool operator==(const RecordingEpisode&, const RecordingEpisode&) = default;
 };
 
+/// A value of one instance that was measured, sent and arrived at `time`, as imports say it.
+[[nodiscard]] ltm::EntityUpdate imported(const ltm::MemoryId& entity, Time time, idf::Data value);
+
 /// The entity that keeps the description of a stream:
 /// "Recording/Streams/mcap/Vision.RGB.robot.cam"; another one for each entity.
 [[nodiscard]] ltm::MemoryId stream_entity(std::string_view format, const ltm::MemoryId& entity);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "datasets/recordings/text_value.h"
+#include "datasets/ros/message_digest.h"
 #include "ltm/memory/utf8.h"
 
 namespace engram::datasets::rosbag {
@@ -36,6 +37,10 @@ Status BagReader::prepare() {
 
 Status BagReader::add_topic(const Connection& connection) {
   ConnectionCoder coder = ConnectionCoder::create(connection);
+  const auto md5 = ros::message_md5(connection.type, connection.definition);
+  const bool says_md5 = !connection.md5sum.empty() && connection.md5sum != "*";
+  if (says_md5 && md5.ok() && *md5 != connection.md5sum)
+    ++report_.not_carried["definitions that do not have the MD5 sum of their connection"];
   std::optional<idf::Data> first;
   if (coder.type() != nullptr && coder.type()->is_image()) {
     auto value = first_value(connection.id, coder);
@@ -45,9 +50,10 @@ Status BagReader::add_topic(const Connection& connection) {
   ros::SegmentNames segment{"Data", "rosbag"};
   if (coder.type() != nullptr)
     segment = coder.type()->segment(first ? &*first : nullptr).value_or(segment);
-  const ltm::MemoryId entity =
+  ENGRAM_ASSIGN_OR_RETURN(
+      const auto entity,
       entities_.take(segment.memory, segment.segment, options_.provider,
-                     name_of_topic(connection.topic, fmt::format("connection_{}", connection.id)));
+                     name_of_topic(connection.topic, fmt::format("connection_{}", connection.id))));
   const auto& [id, topic] =
       *topics_.emplace(connection.id, Topic{entity, std::move(coder), std::nullopt}).first;
   describe(connection, topic);
@@ -154,21 +160,14 @@ Result<std::optional<ltm::EntityUpdate>> BagReader::pull() {
 }
 
 Result<std::optional<RecordingReader::Moment>> BagReader::next() {
-  if (!waiting_) {
-    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull());
-  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto time, moments_.next_time());
   Moment moment;
-  if (!has_begun_ && (waiting_ || !streams_.empty()))
-    moment.begins = RecordingEpisode{
-        "rosbag", "", waiting_ ? waiting_->time : options_.start.value_or(Time{}), {}};
+  if (!has_begun_ && (time || !streams_.empty()))
+    moment.begins =
+        RecordingEpisode{"rosbag", "", time.value_or(options_.start.value_or(Time{})), {}};
   has_begun_ = true;
-  if (!waiting_) return moment.begins ? std::optional(std::move(moment)) : std::nullopt;
-  const Time time = waiting_->time;
-  while (waiting_ && waiting_->time == time) {
-    moment.commit.updates.push_back(*std::move(waiting_));
-    waiting_.reset();
-    ENGRAM_ASSIGN_OR_RETURN(waiting_, pull());
-  }
+  if (!time) return moment.begins ? std::optional(std::move(moment)) : std::nullopt;
+  ENGRAM_RETURN_IF_ERROR(moments_.take(moment.commit));
   return std::optional(std::move(moment));
 }
 

@@ -60,7 +60,7 @@ class BagReader final : public RecordingReader {
   std::set<uint64_t> told_;  ///< Offsets of damaged regions.
   uint64_t total_ = 0;
   MomentOrder order_;
-  std::optional<ltm::EntityUpdate> waiting_;
+  MomentsOfValues moments_{[this] { return pull(); }};
   bool has_begun_ = false;
 };
 

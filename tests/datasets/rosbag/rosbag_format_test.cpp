@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <map>
 
 #include "datasets/recordings/import_recording.h"
@@ -11,6 +12,10 @@
 
 namespace engram::datasets::rosbag {
 namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Pair;
 
 using idf::NdArray;
 
@@ -89,6 +94,17 @@ TEST(RosbagFormat, KeepsWhatTheBagSaysOfItsConnections) {
   EXPECT_EQ(*attributes.at("md5sum"), idf::Data("992ce8a1687cec8c8bd883ec73ca41d1"));
   EXPECT_EQ(*attributes.at("connection/callerid"), idf::Data("/talker"));
   EXPECT_EQ(*attributes.at("connection/latching"), idf::Data("1"));
+}
+
+TEST(RosbagFormat, TellsDefinitionsThatAreNotThoseOfTheirMd5Sum) {
+  const ScratchDirectory scratch;
+  const std::string records =
+      text_connection(0, "/text", "string name\n") + text_message(0, 1, "a");
+  std::ofstream(scratch / "a.bag") << bag_header(1, 1, 0) + records;
+  const auto reader = open(scratch / "a.bag");
+  ASSERT_OK(reader);
+  EXPECT_THAT((*reader)->report().not_carried,
+              Contains(Pair(HasSubstr("do not have the MD5 sum"), 1)));
 }
 
 TEST(RosbagFormat, ImportsIntoAStore) {
