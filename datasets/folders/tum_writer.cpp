@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "datasets/recordings/merged_snapshots.h"
+#include "datasets/recordings/stored_streams.h"
 #include "ltm/codec/png.h"
 #include "ltm/core/file.h"
 
@@ -12,7 +13,6 @@ namespace engram::datasets {
 namespace {
 
 constexpr int64_t kNsPerSecond = 1'000'000'000;
-constexpr const char* kRecording = "Recording";
 
 /// A member that is an array of this type; null where there is none.
 const idf::NdArray* array_of(const idf::Data& value, std::string_view name, idf::ElementType type) {
@@ -163,23 +163,19 @@ Result<TumPlan> plan_tum(ltm::Recall& recall, const ltm::Query& query,
   TumPlan plan;
   std::map<std::string, ltm::MemoryId> taken;
   for (const ltm::MemoryId& entity : entities) {
-    if (entity.names()[0] == kRecording) continue;
-    ENGRAM_ASSIGN_OR_RETURN(
-        const auto answer,
-        recall.query(ltm::Query::of_entity(entity, ltm::select::Latest{}), options.recall));
-    const auto* found = answer.find_entity(entity);
-    if (found == nullptr || found->snapshots.empty() || found->snapshots[0].instances.empty())
-      continue;
-    const auto& instances = found->snapshots[0].instances;
-    const std::string table = table_of(entity, instances[0].data);
+    if (is_description(entity)) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto newest, newest_snapshot(recall, entity, options.recall));
+    if (!newest || newest->instances.empty()) continue;
+    const idf::Data& value = newest->instances.front().data;
+    const std::string table = table_of(entity, value);
     if (table.empty()) {
       ++plan.not_held[entity.to_string() + ", no image, depth, pose or accelerometer"];
     } else if (!taken.emplace(table, entity).second) {
       ++plan.not_held[entity.to_string() + ", beside the first entity of " + table + ".txt"];
     } else {
       plan.tables.emplace(entity, table);
-      if (instances.size() > 1) ++plan.not_held["instances beside the first"];
-      if (instances[0].data.get<idf::Dict>().size() > members_of(table))
+      tell_metadata(*newest, plan.not_held);
+      if (value.get<idf::Dict>().size() > members_of(table))
         ++plan.not_held["members beside those of the format"];
     }
   }

@@ -5,12 +5,12 @@
 #include <set>
 
 #include "datasets/recordings/merged_snapshots.h"
+#include "datasets/recordings/stored_streams.h"
 
 namespace engram::datasets {
 
 namespace {
 
-constexpr const char* kRecording = "Recording";
 constexpr uint64_t kChunkBytes = 256 << 10;
 constexpr int kDeflateLevel = 4;  ///< h5py's own.
 
@@ -81,31 +81,6 @@ h5::ArrayInfo former_array(const RowForm& form, const idf::Dict& attributes) {
   return array;
 }
 
-/// The newest value of an entity; nothing where there is none.
-Result<std::optional<idf::Data>> newest(ltm::Recall& recall, const ltm::MemoryId& entity,
-                                        const ltm::Recall::Options& options, bool& has_more) {
-  ENGRAM_ASSIGN_OR_RETURN(
-      const auto answer,
-      recall.query(ltm::Query::of_entity(entity, ltm::select::Latest{}), options));
-  const auto* found = answer.find_entity(entity);
-  if (found == nullptr || found->snapshots.empty() || found->snapshots[0].instances.empty())
-    return std::optional<idf::Data>();
-  has_more = found->snapshots[0].instances.size() > 1;
-  return std::optional(found->snapshots[0].instances[0].data);
-}
-
-/// What an import said of an entity; nothing where there was none.
-Result<std::optional<RecordingStream>> stored_stream(ltm::Recall& recall, const Dialect& dialect,
-                                                     const ltm::MemoryId& entity) {
-  const ltm::MemoryId id = stream_entity(dialect.name(), entity);
-  if (!recall.store().timeline(id).ok()) return std::optional<RecordingStream>();
-  bool has_more = false;
-  ENGRAM_ASSIGN_OR_RETURN(const auto value, newest(recall, id, {}, has_more));
-  if (!value) return std::optional<RecordingStream>();
-  ENGRAM_ASSIGN_OR_RETURN(RecordingStream stream, RecordingStream::from_data(*value));
-  return std::optional(std::move(stream));
-}
-
 std::string unique_name(std::string name, std::set<std::string>& taken) {
   const std::string first = name;
   for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", first, i);
@@ -121,16 +96,17 @@ Result<std::vector<ExportedEntity>> exported_columns(ltm::Recall& recall, const 
   std::vector<ExportedEntity> exported;
   std::set<std::string> taken;
   for (const ltm::MemoryId& entity : entities) {
-    if (entity.names()[0] == kRecording) continue;
-    bool has_more = false;
-    ENGRAM_ASSIGN_OR_RETURN(const auto value, newest(recall, entity, options, has_more));
-    if (!value) continue;
-    if (has_more) ++not_held["instances beside the first"];
+    if (is_description(entity)) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto newest, newest_snapshot(recall, entity, options));
+    if (!newest || newest->instances.empty()) continue;
+    tell_metadata(*newest, not_held);
+    const idf::Data& value = newest->instances.front().data;
     std::vector<std::pair<std::string, RowForm>> members;
     uint64_t others = 0;
-    add_members(*value, "", members, others);
+    add_members(value, "", members, others);
     if (others > 0) ++not_held["lists and members that are absent"];
-    ENGRAM_ASSIGN_OR_RETURN(const auto stream, stored_stream(recall, dialect, entity));
+    ENGRAM_ASSIGN_OR_RETURN(const auto stream,
+                            stored_stream(recall, dialect.name(), entity, options));
     ExportedEntity one{entity, {}};
     for (auto& [path, form] : members) {
       Column column{path, "", form, usual_array(form)};
