@@ -40,7 +40,9 @@ TEST(ImageFile, AnyCutAndAnyChangeIsAnErrorOrAnImage) {
       auto changed = file;
       changed[i] ^= std::byte{0xff};
       const auto found = decode_image_file(changed);
-      if (found.ok()) EXPECT_LE(found->bytes().size(), size_t{1} << 28);
+      if (found.ok()) {
+        EXPECT_LE(found->bytes().size(), size_t{1} << 28);
+      }
     }
   }
 }
