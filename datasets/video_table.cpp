@@ -72,23 +72,26 @@ std::optional<Time> nearer(std::optional<Time> before, std::optional<Time> after
 }
 
 /// A frame, or the end, and how many were damaged up to there.
-struct DecodedFrame {
-  std::optional<VideoFrame> frame;
+struct FrameAhead {
+  std::optional<DecodedFrame> frame;
   uint64_t damaged = 0;
 };
 
 /// Decodes in a thread of its own.
-ReadAhead<DecodedFrame> decode_ahead(VideoReader& video) {
-  return {[&video, is_ended = false]() mutable -> Result<std::optional<DecodedFrame>> {
-            if (is_ended) return std::optional<DecodedFrame>();
-            ENGRAM_ASSIGN_OR_RETURN(auto frame, video.next());
+ReadAhead<FrameAhead> decode_ahead(VideoReader& video) {
+  return {[&video, is_ended = false]() mutable -> Result<std::optional<FrameAhead>> {
+            if (is_ended) return std::optional<FrameAhead>();
+            ENGRAM_ASSIGN_OR_RETURN(auto frame, video.decode());
             is_ended = !frame;
-            return std::optional(DecodedFrame{std::move(frame), video.damaged_frames()});
+            return std::optional(FrameAhead{std::move(frame), video.damaged_frames()});
           },
-          [](const DecodedFrame& decoded) {
-            return decoded.frame ? decoded.frame->image.bytes().size() : size_t{0};
-          },
+          [](const FrameAhead& ahead) { return ahead.frame ? ahead.frame->bytes() : size_t{0}; },
           kBytesAhead};
+}
+
+idf::NdArray blank_image(const idf::Shape& shape) {
+  const auto bytes = idf::size_bytes(idf::ElementType::kUInt8, shape);
+  return idf::NdArray::take(shape, std::vector<uint8_t>(bytes.value_or(0)));
 }
 
 /// One run of an import: two streams, merged.
@@ -100,6 +103,7 @@ class Import {
         recorder_(recorder),
         progress_(progress),
         video_(std::move(video)),
+        blank_(blank_image(video_.image_shape())),
         rows_(std::move(rows)),
         frames_(decode_ahead(video_)) {}
 
@@ -111,7 +115,10 @@ class Import {
   Status merge(const std::stop_token& stop);
   Status commit_frame();
   Status commit_row();
-  Status commit(const ltm::MemoryId& entity, Time time, idf::Dict value);
+  [[nodiscard]] ltm::EntityUpdate update(const ltm::MemoryId& entity, Time time,
+                                         idf::Dict value) const;
+  Status commit(ltm::EntityUpdate update);
+  void note(Time time);
   void tell(bool is_last) const;
   [[nodiscard]] bool has_row() const { return rows_ && row_ < rows_->times.size(); }
   [[nodiscard]] std::optional<Time> nearest_row(Time time) const;
@@ -120,14 +127,15 @@ class Import {
   ltm::Recorder& recorder_;
   const ProgressSink& progress_;
   VideoReader video_;
+  const idf::NdArray blank_;  // An image as large as those of the video.
   std::optional<Rows> rows_;
-  std::optional<VideoFrame> frame_;      // The next one, not committed yet.
+  std::optional<DecodedFrame> frame_;    // The next one, not committed yet.
   std::optional<Time> frame_time_;       // Its time.
   std::optional<Time> last_frame_time_;  // Of the one committed last.
-  std::optional<idf::NdArray> last_image_;
+  std::optional<DecodedFrame> last_frame_;
   size_t row_ = 0;
   ImportReport report_;
-  ReadAhead<DecodedFrame> frames_;  ///< Last: it uses the video.
+  ReadAhead<FrameAhead> frames_;  ///< Last: it uses the video.
 };
 
 Status Import::read_next() {
@@ -161,26 +169,41 @@ std::optional<Time> Import::nearest_row(Time time) const {
   return nearer(before, after, time);
 }
 
-Status Import::commit(const ltm::MemoryId& entity, Time time, idf::Dict value) {
+ltm::EntityUpdate Import::update(const ltm::MemoryId& entity, Time time, idf::Dict value) const {
   const Time now = options_.clock();
-  const ltm::InstanceMetadata metadata{
-      .created = time, .sent = now, .arrived = now, .provider = options_.provider};
-  ENGRAM_RETURN_IF_ERROR(
-      recorder_.commit({.updates = {{entity, time, {{std::move(value), metadata}}}}}));
-  if (!report_.first) report_.first = time;
-  report_.last = time;
-  return {};
+  return {entity,
+          time,
+          {{std::move(value),
+            {.created = time, .sent = now, .arrived = now, .provider = options_.provider}}}};
 }
 
+Status Import::commit(ltm::EntityUpdate update) {
+  ltm::Commit commit;
+  commit.updates.push_back(std::move(update));
+  return recorder_.commit(commit);
+}
+
+void Import::note(Time time) {
+  if (!report_.first) report_.first = time;
+  report_.last = time;
+}
+
+/// Images of frames that are dropped for their time are never made.
 Status Import::commit_frame() {
   const Time time = *frame_time_;
-  idf::Dict value{{std::string(kImage), frame_->image}};
+  idf::Dict value{{std::string(kImage), blank_}};
   if (const auto row = nearest_row(time))
     value.set(kState, options_.state_entity.at(*row).to_string());
-  ENGRAM_RETURN_IF_ERROR(commit(options_.entity, time, std::move(value)));
+  ltm::EntityUpdate made = update(options_.entity, time, std::move(value));
+  if (!recorder_.drop_unmade(options_.entity, time, made.raw_bytes())) {
+    ENGRAM_ASSIGN_OR_RETURN(idf::NdArray image, video_.convert(*frame_));
+    made.instances.front().data.get_if<idf::Dict>()->set(kImage, std::move(image));
+    ENGRAM_RETURN_IF_ERROR(commit(std::move(made)));
+  }
+  note(time);
   ++report_.frames;
-  if (last_image_ && *last_image_ == frame_->image) ++report_.duplicate_frames;
-  last_image_ = std::move(frame_->image);
+  if (last_frame_ && frame_->repeats(*last_frame_)) ++report_.duplicate_frames;
+  last_frame_ = std::exchange(frame_, std::nullopt);
   last_frame_time_ = time;
   return read_next();
 }
@@ -192,7 +215,8 @@ Status Import::commit_row() {
   const auto camera = nearer(last_frame_time_, frame_time_, time);
   value.get_if<idf::Dict>()->set(kCamera, options_.entity.at(*camera).to_string());
   ENGRAM_RETURN_IF_ERROR(
-      commit(options_.state_entity, time, std::move(*value.get_if<idf::Dict>())));
+      commit(update(options_.state_entity, time, std::move(*value.get_if<idf::Dict>()))));
+  note(time);
   ++report_.rows;
   ++row_;
   const bool is_inside = last_frame_time_ && (frame_time_ || time == *last_frame_time_);

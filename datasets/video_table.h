@@ -52,7 +52,7 @@ struct ImportReport {
   uint64_t rows = 0;    ///< Committed.
   /// Could not be decoded, or only with guessed parts; the latter were committed.
   uint64_t damaged_frames = 0;
-  /// Frames whose pixels equal those of the frame before; they were committed.
+  /// Frames that repeat the one before exactly, before scaling; they were committed.
   uint64_t duplicate_frames = 0;
   /// Rows before the first frame or after the last; they were committed.
   uint64_t rows_outside_video = 0;
@@ -72,7 +72,7 @@ struct ImportReport {
 /// video has no frame or the table has a column "camera"; kFailedPrecondition, before anything is
 /// committed, where an entity has a snapshot at or after its first new one, naming a start that
 /// fits; those of Recorder::commit. An error on the way says how much had been committed.
-/// Memory: the table and two frames.
+/// Memory: the table, and 64 MiB of decoded frames at most.
 /// Threading: one thread; `progress` is called from it.
 Result<ImportReport> import_video_table(const VideoTableImport& options, ltm::Recorder& recorder,
                                         const ProgressSink& progress, std::stop_token stop);

@@ -12,7 +12,7 @@ Result<EpisodeVideo> EpisodeVideo::open(const std::filesystem::path& path) {
 
 bool EpisodeVideo::fetch() {
   if (frame_ || is_over_) return frame_.has_value();
-  auto frame = reader_.next();
+  auto frame = reader_.decode();
   if (!frame.ok()) broken_ = frame.status().message();
   is_over_ = !frame.ok() || !*frame;
   if (!is_over_) frame_ = **std::move(frame);
@@ -28,7 +28,11 @@ bool EpisodeVideo::skip_to(Duration time) {
 std::optional<idf::NdArray> EpisodeVideo::next() {
   if (!fetch()) return std::nullopt;
   reached_ = frame_->time;
-  return std::exchange(frame_, std::nullopt)->image;
+  auto image = reader_.convert(*std::exchange(frame_, std::nullopt));
+  if (image.ok()) return *std::move(image);
+  broken_ = image.status().message();
+  is_over_ = true;
+  return std::nullopt;
 }
 
 std::optional<idf::NdArray> EpisodeVideo::at(Duration time, Duration tolerance) {

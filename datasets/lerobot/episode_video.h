@@ -48,7 +48,7 @@ class EpisodeVideo {
 
   std::filesystem::path path_;
   VideoReader reader_;
-  std::optional<VideoFrame> frame_;     ///< The next one.
+  std::optional<DecodedFrame> frame_;   ///< The next one.
   Duration reached_ = Duration::min();  ///< Time of the last one that was taken or dropped.
   uint64_t passed_ = 0;
   std::string broken_;

@@ -54,9 +54,11 @@ bool cut(AVFrame& frame, const cv::Rect& crop) {
 FrameImages::FrameImages(const VideoInfo& info, const VideoReader::Options& options)
     : size_(output_size(info, options)), crops_square_(options.crops_square) {}
 
-Result<idf::NdArray> FrameImages::make(AVFrame& frame) {
+Result<idf::NdArray> FrameImages::make(const DecodedPicture& picture) {
+  const libav::Frame frame(av_frame_clone(&picture.frame()));  // Cut below: shares the pixels.
+  if (!frame) return resource_exhausted("no memory for a frame");
   try {
-    return convert(frame);
+    return convert(*frame);
   } catch (const cv::Exception& error) {
     return invalid_argument("cannot scale a frame: {}", error.what());
   }
@@ -105,7 +107,7 @@ idf::NdArray FrameImages::fit(const cv::Mat& from) const {
     from.copyTo(to);
   else
     cv::resize(from, to, size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
-  return idf::NdArray::take({size_.height, size_.width, 3}, std::move(pixels));
+  return idf::NdArray::take(shape(), std::move(pixels));
 }
 
 }  // namespace engram::datasets

@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "datasets/media/decoded_picture.h"
 #include "datasets/media/libav.h"
 #include "datasets/media/video_reader.h"
 
@@ -19,7 +20,9 @@ class FrameImages {
 
   /// Shape: uint8 [H, W, 3], the same size whatever that of the frame is, which is cropped.
   /// Errors: kInvalidArgument where its colours cannot be converted, or it cannot be scaled.
-  Result<idf::NdArray> make(AVFrame& frame);
+  Result<idf::NdArray> make(const DecodedPicture& picture);
+
+  [[nodiscard]] idf::Shape shape() const { return {size_.height, size_.width, 3}; }
 
  private:
   Result<idf::NdArray> convert(AVFrame& frame);

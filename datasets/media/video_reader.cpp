@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "datasets/media/decoded_picture.h"
 #include "datasets/media/frame_images.h"
 #include "datasets/media/video_file.h"
 
@@ -31,7 +32,7 @@ struct VideoReader::State {
   void note_reached();
   Result<bool> receive();
   std::optional<Duration> time_of(const AVFrame& decoded);
-  Result<std::optional<VideoFrame>> deliver();
+  Result<std::optional<DecodedFrame>> deliver();
   [[nodiscard]] Status broken() const;
 
   std::filesystem::path path;
@@ -136,7 +137,7 @@ std::optional<Duration> VideoReader::State::time_of(const AVFrame& decoded) {
   return time;
 }
 
-Result<std::optional<VideoFrame>> VideoReader::State::deliver() {
+Result<std::optional<DecodedFrame>> VideoReader::State::deliver() {
   while (true) {
     ENGRAM_ASSIGN_OR_RETURN(const bool has_frame, receive());
     if (!has_frame) break;
@@ -145,15 +146,13 @@ Result<std::optional<VideoFrame>> VideoReader::State::deliver() {
     const std::optional<Duration> time = time_of(*frame);
     if (is_damaged || !time) ++damaged;
     if (!time) continue;
-    auto image = images.make(*frame);
-    if (!image.ok())
-      return image.status().with_context(
-          fmt::format("video '{}': frame at {:.6f} s", path.string(), to_seconds(*time)));
     last = time;
-    return std::optional(VideoFrame{*time, std::move(image).value(), is_damaged});
+    auto picture = std::make_shared<DecodedPicture>(*frame);
+    if (!picture->is_valid()) return resource_exhausted("video '{}': no memory", path.string());
+    return std::optional(DecodedFrame{*time, is_damaged, std::move(picture)});
   }
   if (!broken_by.empty()) return broken();
-  return std::optional<VideoFrame>();
+  return std::optional<DecodedFrame>();
 }
 
 Status VideoReader::Options::validate() const {
@@ -181,7 +180,26 @@ Result<VideoReader> VideoReader::open(const std::filesystem::path& path, const O
 }
 
 Result<std::optional<VideoFrame>> VideoReader::next() {
+  ENGRAM_ASSIGN_OR_RETURN(const auto frame, decode());
+  if (!frame) return std::optional<VideoFrame>();
+  ENGRAM_ASSIGN_OR_RETURN(idf::NdArray image, convert(*frame));
+  return std::optional(VideoFrame{frame->time, std::move(image), frame->is_damaged});
+}
+
+Result<std::optional<DecodedFrame>> VideoReader::decode() {
   return state_->deliver();
+}
+
+Result<idf::NdArray> VideoReader::convert(const DecodedFrame& frame) {
+  auto image = state_->images.make(*frame.picture);
+  if (!image.ok())
+    return image.status().with_context(fmt::format("video '{}': frame at {:.6f} s",
+                                                   state_->path.string(), to_seconds(frame.time)));
+  return image;
+}
+
+idf::Shape VideoReader::image_shape() const {
+  return state_->images.shape();
 }
 
 const VideoInfo& VideoReader::info() const {

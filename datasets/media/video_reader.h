@@ -22,6 +22,20 @@ struct VideoFrame {
   bool is_damaged = false;
 };
 
+class DecodedPicture;
+
+/// One picture as the decoder gave it: neither converted nor scaled yet.
+struct DecodedFrame {
+  Duration time{};          ///< As that of VideoFrame.
+  bool is_damaged = false;  ///< Likewise.
+  std::shared_ptr<const DecodedPicture> picture;
+
+  /// How much memory it holds.
+  [[nodiscard]] size_t bytes() const;
+  /// Whether it shows exactly what `other` does.
+  [[nodiscard]] bool repeats(const DecodedFrame& other) const;
+};
+
 /// What the file says about its video before anything is decoded.
 struct VideoInfo {
   int width = 0;                    ///< Unit: pixels, before cropping and scaling.
@@ -37,7 +51,7 @@ struct VideoInfo {
 /// Frames come in the order of presentation, their times strictly increase. Colours follow the
 /// matrix and range that the stream states; where it states none, BT.601 below 720 lines, else
 /// BT.709, limited range. Rotation metadata is ignored. Memory: the decoder's own frames and one.
-/// Threading: one thread; the decoder starts its own.
+/// Threading: one thread that decodes, and one that converts; the decoder starts its own.
 class VideoReader {
  public:
   struct Options {
@@ -62,10 +76,20 @@ class VideoReader {
   ~VideoReader();
 
   /// The next frame; nothing after the last.
-  /// Errors: kDataLoss naming the file and the time reached where the stream breaks or ends before
-  /// its announced length; the frames before that were all delivered. kInvalidArgument where its
-  /// colours cannot be converted.
+  /// Errors: those of decode and convert.
   Result<std::optional<VideoFrame>> next();
+
+  /// The next frame, for convert; most of the work where images are small is there.
+  /// Errors: kDataLoss naming the file and the time reached where the stream breaks or ends before
+  /// its announced length; the frames before that were all delivered.
+  Result<std::optional<DecodedFrame>> decode();
+
+  /// The image of a frame that this reader decoded.
+  /// Errors: kInvalidArgument where its colours cannot be converted.
+  Result<idf::NdArray> convert(const DecodedFrame& frame);
+
+  /// Of all images: [H, W, 3].
+  [[nodiscard]] idf::Shape image_shape() const;
 
   [[nodiscard]] const VideoInfo& info() const;
 

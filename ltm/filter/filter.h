@@ -32,8 +32,9 @@ struct FilterDecisions {
 
   void keep(Candidate candidate) { kept.push_back(std::move(candidate)); }
   void drop(std::string_view reason, const Candidate& candidate) {
-    dropped.push_back({reason, candidate.raw_bytes});
+    drop(reason, candidate.raw_bytes);
   }
+  void drop(std::string_view reason, uint64_t bytes) { dropped.push_back({reason, bytes}); }
 };
 
 /// Snapshots that a filter has not decided on yet.
@@ -58,6 +59,10 @@ class Filter {
 
   /// Takes one candidate, and decides on it or on others that are held.
   virtual void offer(Candidate candidate, FilterDecisions& decisions) = 0;
+
+  /// Why it would drop a candidate of this time whatever its value is; nothing where it would not,
+  /// or cannot tell. Changes nothing.
+  [[nodiscard]] virtual std::optional<std::string_view> drops_at(Time) const { return {}; }
 
   /// Decides on all that is held: nothing more will come.
   virtual void flush(FilterDecisions&) {}

@@ -56,6 +56,20 @@ void FilterChain::offer(Candidate candidate, Output& output) {
   pass(0, std::move(candidate), output);
 }
 
+bool FilterChain::drop_at(Time time, uint64_t raw_bytes, Output& output) {
+  if (stages_.empty() || (newest_ && time <= *newest_)) return false;
+  const auto reason = stages_[0].filter->drops_at(time);
+  if (!reason) return false;
+  late_run_ = 0;
+  newest_ = time;
+  ++stages_[0].counters.offered;
+  stages_[0].counters.offered_bytes += raw_bytes;
+  FilterDecisions decisions;
+  decisions.drop(*reason, raw_bytes);
+  settle(0, std::move(decisions), output);
+  return true;
+}
+
 void FilterChain::pass(size_t stage, Candidate candidate, Output& output) {
   if (stage == stages_.size()) {
     output.kept.push_back(std::move(candidate));

@@ -49,6 +49,9 @@ class FilterChain {
   static Result<FilterChain> create(std::vector<FilterOptions> filters);
 
   void offer(Candidate candidate, Output& output);
+  /// Drops a candidate that is not made yet, where the first filter needs its time alone for that.
+  /// False: nothing happened; make it and offer it.
+  bool drop_at(Time time, uint64_t raw_bytes, Output& output);
   void flush(Output& output);
   void notice(const Snapshot& snapshot, Output& output);
   [[nodiscard]] bool listens_to(const MemoryId& entity) const;

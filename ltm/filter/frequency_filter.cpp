@@ -7,6 +7,12 @@
 
 namespace engram::ltm {
 
+namespace {
+
+constexpr std::string_view kReason = "rate";
+
+}  // namespace
+
 Status FrequencyFilter::Options::validate() const {
   if (!std::isfinite(max_rate_hz) || max_rate_hz < 1e-6 || max_rate_hz > 1e9)
     return invalid_argument("frequency filter: found {} Hz, needs 1e-6 to 1e9", max_rate_hz);
@@ -23,12 +29,17 @@ void FrequencyFilter::offer(Candidate candidate, FilterDecisions& decisions) {
   if (is_due(candidate.snapshot.time))
     decisions.keep(std::move(candidate));
   else
-    decisions.drop("rate", candidate);
+    decisions.drop(kReason, candidate);
+}
+
+std::optional<std::string_view> FrequencyFilter::drops_at(Time time) const {
+  // The tolerance takes cameras that jitter around their period.
+  const bool is_early = next_ && time < saturated_add(*next_, -period_ / 10);
+  return is_early ? std::optional(kReason) : std::nullopt;
 }
 
 bool FrequencyFilter::is_due(Time time) {
-  // The tolerance takes cameras that jitter around their period.
-  if (next_ && time < saturated_add(*next_, -period_ / 10)) return false;
+  if (drops_at(time)) return false;
   const bool is_on_grid = next_ && time < saturated_add(*next_, period_);
   next_ = saturated_add(is_on_grid ? *next_ : time, period_);
   return true;

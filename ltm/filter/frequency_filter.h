@@ -23,6 +23,7 @@ class FrequencyFilter final : public Filter {
 
   [[nodiscard]] std::string_view name() const override { return "frequency"; }
   void offer(Candidate candidate, FilterDecisions& decisions) override;
+  [[nodiscard]] std::optional<std::string_view> drops_at(Time time) const override;
 
   /// True where a snapshot at `time` is one of those; remembers it then.
   bool is_due(Time time);

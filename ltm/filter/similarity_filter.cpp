@@ -71,8 +71,8 @@ struct SimilarityFilter::State {
   [[nodiscard]] Plan plan_of(const idf::Data& value) const {
     Plan plan;
     // A camera's images have one size, also where the type leaves it free.
-    plan.layout = type ? idf::Layout::of(value, *type, idf::FreeSizes::kOfValue)
-                       : idf::Layout::of(value);
+    plan.layout =
+        type ? idf::Layout::of(value, *type, idf::FreeSizes::kOfValue) : idf::Layout::of(value);
     for (const idf::TensorMember& member : plan.layout.members())
       plan.rule_of.push_back(rule_of(member));
     return plan;

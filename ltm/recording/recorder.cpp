@@ -170,6 +170,19 @@ struct Recorder::State {
     }
   }
 
+  bool drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes) {
+    RecordingChannel& channel = channels.of(entity);
+    // Events may be in the value.
+    if (channel.is_event_source || !channel.listeners.empty()) return false;
+    FilterChain::Output output;
+    if (!channel.chain.drop_at(time, raw_bytes, output)) return false;
+    ++channel.counters->offered;
+    channel.counters->offered_bytes += raw_bytes;
+    channel.dropped += output.dropped;
+    channel.dropped_bytes += output.dropped_bytes;
+    return true;
+  }
+
   /// Encodes what is not encoded yet, in parallel where it is worth it.
   Status pack_all(std::vector<Kept>& kept) {
     struct Part {
@@ -367,6 +380,12 @@ Status Recorder::commit(const Commit& commit) {
   ENGRAM_RETURN_IF_ERROR(state_->store(kept));
   state_->note_drops_if_due();
   return {};
+}
+
+bool Recorder::drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes) {
+  if (!state_->drop_unmade(entity, time, raw_bytes)) return false;
+  state_->note_drops_if_due();
+  return true;
 }
 
 Status Recorder::close() {

@@ -91,6 +91,11 @@ class Recorder {
   /// the disk fails: then nothing of the commit was acknowledged, and it may be tried again.
   Status commit(const Commit& commit);
 
+  /// Drops a snapshot that is not made yet, where the entity's filters would by its time alone, and
+  /// counts it as any other. For values that cost much to make. False: nothing happened; make it
+  /// and commit it. `raw_bytes`: what Snapshot::raw_bytes would be.
+  bool drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes);
+
   /// Lets go of what filters hold, seals everything and closes the store. Without it the journal
   /// keeps what was kept.
   /// Errors: those of commit and of StoreWriter::seal: the journal keeps what was acknowledged, and

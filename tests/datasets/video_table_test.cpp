@@ -116,9 +116,8 @@ TEST_F(VideoTable, LinksEqualTimesExactly) {
     EXPECT_EQ(link(images[i], "state"), rows[i].id().to_string());
     EXPECT_EQ(link(rows[i], "camera"), images[i].id().to_string());
   }
-  const idf::Data expected = idf::Dict{{"joint", idf::Dict{{"elbow", 1.5}}},
-                                       {"n", 3.0},
-                                       {"camera", images[3].id().to_string()}};
+  const idf::Data expected = idf::Dict{
+      {"joint", idf::Dict{{"elbow", 1.5}}}, {"n", 3.0}, {"camera", images[3].id().to_string()}};
   EXPECT_EQ(value(rows[3]), expected);
 }
 
@@ -155,6 +154,28 @@ TEST_F(VideoTable, ScalesAndCrops) {
   ASSERT_TRUE(run().ok());
   EXPECT_EQ(value(stored(options_.entity)[0]).at("image")->get<idf::NdArray>().shape(),
             (idf::Shape{16, 16, 3}));
+}
+
+TEST_F(VideoTable, CountsAndKeepsWhatTheRateLeaves) {
+  options_.width = 16;
+  auto recorder = *ltm::Recorder::open(directory_ / "store", {.max_rate_hz = 5});
+  const auto report = *import_video_table(options_, recorder, progress_, {});
+  EXPECT_EQ(report.frames, 10u);
+  EXPECT_EQ(report.last, kStart + milliseconds(900));
+  const ltm::RecordingCounters counters = recorder.counters().at(options_.entity);
+  EXPECT_EQ(counters.offered, 10u);
+  EXPECT_EQ(counters.offered_bytes, 2 * counters.kept_bytes);
+  EXPECT_EQ(counters.dropped_by.at("frequency"), 5u);
+  ASSERT_TRUE(recorder.close().ok());
+
+  auto reader = *VideoReader::open(options_.video, {.width = 16});
+  const auto [frames, status] = testing::read_all(reader);
+  const auto kept = stored(options_.entity);
+  ASSERT_EQ(kept.size(), 5u);
+  for (size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].time, kStart + frames[2 * i].time);
+    EXPECT_EQ(value(kept[i]).at("image")->get<idf::NdArray>(), frames[2 * i].image);
+  }
 }
 
 TEST_F(VideoTable, CountsFramesThatRepeatTheOneBefore) {

@@ -81,6 +81,30 @@ TEST(VideoReader, GivesTheSameFramesWithAnyNumberOfThreads) {
     EXPECT_TRUE(a.frames[i].image == b.frames[i].image) << i;
 }
 
+TEST(VideoReader, ConvertsFramesWhenTheyAreAskedFor) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(write_video(directory / "a.mp4", 8, {.width = 64, .height = 48}).ok());
+  const VideoReader::Options options{.width = 16, .height = 16, .crops_square = true};
+  auto whole = *VideoReader::open(directory / "a.mp4", options);
+  const auto [frames, status] = read_all(whole);
+  ASSERT_EQ(frames.size(), 8u);
+
+  auto reader = *VideoReader::open(directory / "a.mp4", options);
+  EXPECT_EQ(reader.image_shape(), (idf::Shape{16, 16, 3}));
+  std::vector<DecodedFrame> decoded;
+  while (auto frame = *reader.decode()) decoded.push_back(*std::move(frame));
+  ASSERT_EQ(decoded.size(), 8u);
+  for (size_t i = decoded.size(); i-- > 0;) {
+    EXPECT_EQ(decoded[i].time, frames[i].time);
+    EXPECT_EQ(*reader.convert(decoded[i]), frames[i].image) << i;
+    EXPECT_GE(decoded[i].bytes(), 64u * 48 * 3 / 2);
+  }
+  // Once more: converting changes nothing.
+  EXPECT_EQ(*reader.convert(decoded[0]), frames[0].image);
+  EXPECT_TRUE(decoded[3].repeats(decoded[3]));
+  EXPECT_FALSE(decoded[3].repeats(decoded[4]));
+}
+
 TEST(VideoReader, StaysAtTheEnd) {
   const TemporaryDirectory directory;
   ASSERT_TRUE(testing::write_video(directory / "a.mp4", 2, kVideo).ok());

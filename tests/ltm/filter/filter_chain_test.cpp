@@ -73,6 +73,54 @@ TEST(FilterChain, FlushesThroughTheFiltersBehind) {
   EXPECT_EQ(output.dropped, 2u);
 }
 
+void expect_equal(const FilterChain& a, const FilterChain& b) {
+  const auto left = a.counters(), right = b.counters();
+  ASSERT_EQ(left.size(), right.size());
+  for (size_t i = 0; i < left.size(); ++i) {
+    EXPECT_EQ(left[i].offered, right[i].offered);
+    EXPECT_EQ(left[i].offered_bytes, right[i].offered_bytes);
+    EXPECT_EQ(left[i].kept, right[i].kept);
+    EXPECT_EQ(left[i].dropped_bytes, right[i].dropped_bytes);
+    EXPECT_EQ(left[i].dropped_by, right[i].dropped_by);
+  }
+  EXPECT_EQ(a.late(), b.late());
+}
+
+TEST(FilterChain, DropsUnmadeWhatItWouldDropMade) {
+  const auto make = [] {
+    return *FilterChain::create(
+        {FrequencyFilter::Options{.max_rate_hz = 2}, EqualityFilter::Options{}});
+  };
+  FilterChain all = make(), asked = make();
+  FilterChain::Output of_all, of_asked;
+  int unmade = 0;
+  // Some come late, and in the end the clock is set back.
+  for (int i = 0; i < 400; ++i) {
+    const double second = i < 300 ? i / 10.0 - (i % 17 == 0 ? 3 : 0) : (i - 300) / 10.0;
+    const Candidate made = candidate(second, i / 40);
+    all.offer(made, of_all);
+    const bool is_dropped = asked.drop_at(made.snapshot.time, made.raw_bytes, of_asked);
+    unmade += is_dropped ? 1 : 0;
+    if (!is_dropped) asked.offer(made, of_asked);
+  }
+  EXPECT_GT(unmade, 200);
+  EXPECT_EQ(seconds_of(of_asked), seconds_of(of_all));
+  EXPECT_EQ(of_asked.dropped, of_all.dropped);
+  EXPECT_EQ(of_asked.dropped_bytes, of_all.dropped_bytes);
+  expect_equal(asked, all);
+}
+
+TEST(FilterChain, DropsNothingUnmadeWhereValuesDecideFirst) {
+  auto chain =
+      *FilterChain::create({EqualityFilter::Options{}, FrequencyFilter::Options{.max_rate_hz = 1}});
+  FilterChain::Output output;
+  chain.offer(candidate(0), output);
+  EXPECT_FALSE(chain.drop_at(at_second(0.1), 1, output));
+  EXPECT_FALSE(FilterChain::create({})->drop_at(at_second(0), 1, output));
+  EXPECT_EQ(output.dropped, 0u);
+  EXPECT_EQ(chain.counters()[0].offered, 1u);
+}
+
 TEST(FilterChain, LetsLateSnapshotsPass) {
   auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 1}});
   FilterChain::Output output;

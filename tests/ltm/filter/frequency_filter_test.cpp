@@ -27,6 +27,20 @@ TEST(FrequencyFilter, KeepsTheRateOfACameraThatJitters) {
   EXPECT_NEAR(static_cast<double>(run.kept().size()), 10'000 / 6.0, 2);
 }
 
+TEST(FrequencyFilter, TellsFromTheTimeAloneWhatItDrops) {
+  auto filter = *FrequencyFilter::create({.max_rate_hz = 5});
+  FilterRun run(filter);
+  std::mt19937 random(25);
+  std::exponential_distribution<double> gap(20);
+  double second = 0;
+  for (int i = 0; i < 1'000; ++i) {
+    const auto reason = filter.drops_at(at_second(second));
+    EXPECT_EQ(run.keeps(candidate(second)), !reason) << second;
+    EXPECT_EQ(reason.value_or("rate"), "rate");
+    second += gap(random);
+  }
+}
+
 TEST(FrequencyFilter, KeepsEverythingThatIsSlower) {
   auto filter = *FrequencyFilter::create({.max_rate_hz = 5});
   FilterRun run(filter);

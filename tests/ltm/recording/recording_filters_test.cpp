@@ -208,6 +208,42 @@ TEST_F(RecordingFilters, NotesDropsInTheStoreBeforeItIsKilled) {
   EXPECT_EQ(summary("cam").offered, 100u);
 }
 
+TEST_F(RecordingFilters, CountsWhatItDropsUnmadeAsAnyOther) {
+  auto recorder = open(kTwoRules);
+  const uint64_t bytes = at(0, "cam").raw_bytes();
+  for (int i = 0; i < 20; ++i) {
+    const Snapshot made = at(i / 10.0, "cam", static_cast<double>(i));
+    const bool is_dropped = recorder.drop_unmade(made.entity, made.time, bytes);
+    EXPECT_EQ(is_dropped, i % 10 != 0) << i;
+    EXPECT_FALSE(recorder.drop_unmade(example_entity("other"), made.time, bytes));
+    if (is_dropped) continue;
+    EXPECT_OK(recorder.commit({{made}}));
+  }
+  expect_balance(recorder);
+  const RecordingCounters& counters = recorder.counters().at(example_entity("cam"));
+  EXPECT_EQ(counters.offered, 20u);
+  EXPECT_EQ(counters.offered_bytes, 20 * bytes);
+  EXPECT_EQ(counters.dropped_by.at("frequency"), 18u);
+  EXPECT_OK(recorder.close());
+  EXPECT_EQ(stored("cam"), (std::vector<double>{0, 1}));
+  EXPECT_EQ(summary("cam").dropped, 18u);
+  EXPECT_EQ(summary("cam").dropped_bytes, 18 * bytes);
+}
+
+TEST_F(RecordingFilters, DropsNoSourceOfEventsUnmade) {
+  auto recorder = open(R"(
+entities:
+  - match: .*/.*/.*/arm
+    filters: [{trigger: {events: [{entity: .*/.*/.*/cam}], before: 1s}}]
+  - match: .*
+    filters: [{frequency: {rate: 1Hz}}]
+)");
+  EXPECT_OK(recorder.commit({{at(0, "arm"), at(0, "cam")}}));
+  EXPECT_FALSE(recorder.drop_unmade(example_entity("cam"), at(0.1, "cam").time, 8));
+  EXPECT_OK(recorder.commit({{at(0, "free")}}));
+  EXPECT_TRUE(recorder.drop_unmade(example_entity("free"), at(0.1, "free").time, 8));
+}
+
 TEST_F(RecordingFilters, RefusesOptionsThatAreWrong) {
   EXPECT_FAILS(Recorder::open(store(), {.threads = 0}), StatusCode::kInvalidArgument, "0 threads");
   EXPECT_FAILS(Recorder::open(store(), {.drop_note_interval = Duration(-1)}),
