@@ -126,7 +126,6 @@ age-bars: experiments
 	$(MEASURE) server/age_bars --json age_bars.json $(BARS)
 
 import-bars: build
-	@cmake/install_packages.sh experiments/packages.txt
 	experiments/datasets/import_bars.py build/release/bin/engram \
 	  "$(RECORDINGS)/clips/one-by-one-person-detection.mp4" $(BARS)
 

@@ -50,6 +50,44 @@ TEST(VideoWriter, RoundTripsAtAFractionalRate) {
       38);
 }
 
+/// Runs a program and gives its exit status; what it says goes to `directory`/said.
+int run(const TemporaryDirectory& directory, const std::string& command) {
+  const std::string line = "cd '" + (directory / "").string() + "' && " + command + " >said 2>&1";
+  return std::system(line.c_str());
+}
+
+TEST(VideoWriter, WritesWhatFFmpegPlaysWithoutComplaint) {
+  const TemporaryDirectory directory;
+  if (run(directory, "ffmpeg -version") != 0) GTEST_SKIP() << "no ffmpeg";
+  constexpr int kCount = 40;
+  constexpr size_t kBytes = size_t{128} * 96 * 3;
+  for (const bool keeps_chroma : {false, true}) {
+    const VideoWriter::Options options{
+        .width = 128, .height = 96, .crf = 10, .keeps_chroma = keeps_chroma};
+    ASSERT_TRUE(testing::write_video(directory / "a.mp4", kCount, options).ok());
+    EXPECT_EQ(run(directory,
+                  "ffmpeg -nostdin -v warning -xerror -y -i a.mp4 -fps_mode passthrough "
+                  "-f rawvideo -pix_fmt rgb24 all.rgb"),
+              0);
+    EXPECT_EQ(std::filesystem::file_size(directory / "said"), 0u);
+    const std::string played = testing::content_of(directory / "all.rgb");
+    ASSERT_EQ(played.size(), kCount * kBytes);
+    for (size_t i = 0; i < kCount; ++i) {
+      const std::string_view pixels = std::string_view(played).substr(i * kBytes, kBytes);
+      const auto image =
+          idf::NdArray::take({96, 128, 3}, std::vector<uint8_t>(pixels.begin(), pixels.end()));
+      EXPECT_GT(testing::psnr_db(image, testing::smooth_image(128, 96, static_cast<int>(i))), 38)
+          << i;
+    }
+    // From the middle, as players jump.
+    EXPECT_EQ(run(directory,
+                  "ffmpeg -nostdin -v warning -xerror -y -ss 0.5 -i a.mp4 -frames:v 1 "
+                  "-f rawvideo -pix_fmt rgb24 one.rgb"),
+              0);
+    EXPECT_EQ(std::filesystem::file_size(directory / "one.rgb"), kBytes);
+  }
+}
+
 TEST(VideoWriter, RoundTripsSlowAndHighDefinitionVideo) {
   expect_round_trip({.width = 64, .height = 64, .rate_numerator = 1, .rate_denominator = 7}, 34);
   expect_round_trip({.width = 64, .height = 736, .rate_numerator = 15, .crf = 10}, 38);
@@ -61,8 +99,8 @@ TEST(VideoWriter, RoundTripsOddSizesWithFullChroma) {
 
 TEST(VideoWriter, PutsImagesAtTheirTimes) {
   const TemporaryDirectory directory;
-  auto writer = VideoWriter::create(directory / "a.mp4",
-                                    {.width = 64, .height = 48, .has_times = true});
+  auto writer =
+      VideoWriter::create(directory / "a.mp4", {.width = 64, .height = 48, .has_times = true});
   ASSERT_TRUE(writer.ok()) << writer.status().to_string();
   // The third comes with the time of the second, which a video cannot have twice.
   const std::vector<int64_t> times_us{0, 100'000, 100'000, 3'700'000'000, 3'700'033'333};
