@@ -83,10 +83,10 @@ TEST(VideoReader, GivesTheSameFramesWithAnyNumberOfThreads) {
 
 TEST(VideoReader, ConvertsFramesWhenTheyAreAskedFor) {
   const TemporaryDirectory directory;
-  ASSERT_TRUE(write_video(directory / "a.mp4", 8, {.width = 64, .height = 48}).ok());
+  ASSERT_TRUE(testing::write_video(directory / "a.mp4", 8, {.width = 64, .height = 48}).ok());
   const VideoReader::Options options{.width = 16, .height = 16, .crops_square = true};
   auto whole = *VideoReader::open(directory / "a.mp4", options);
-  const auto [frames, status] = read_all(whole);
+  const auto [frames, status] = testing::read_all(whole);
   ASSERT_EQ(frames.size(), 8u);
 
   auto reader = *VideoReader::open(directory / "a.mp4", options);
