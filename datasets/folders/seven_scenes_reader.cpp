@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "datasets/folders/folder_image.h"
-#include "datasets/folders/listed_lines.h"
+#include "datasets/folders/later.h"
 #include "datasets/recordings/folder_file.h"
 
 namespace engram::datasets {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/folders/table_lines.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <sstream>
+#include <utility>
 
 #include "datasets/recordings/image_file.h"
 
@@ -52,7 +55,7 @@ bool is_number(std::string_view text) {
   return number_of(text).has_value();
 }
 
-Result<TableLines> TableLines::open(const std::filesystem::path& path) {
+Result<TableLines> TableLines::open_words(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     return not_found("'{}': there is no such file", path.string());
@@ -60,13 +63,24 @@ Result<TableLines> TableLines::open(const std::filesystem::path& path) {
     return invalid_argument("'{}': is no file", path.string());
   std::ifstream words(path, std::ios::binary);
   if (!words) return unavailable("'{}': cannot be opened", path.string());
-  std::optional<CsvReader> csv;
-  if (has_commas(words)) {
-    ENGRAM_ASSIGN_OR_RETURN(csv, CsvReader::open(path));
+  return TableLines(path, std::move(words));
+}
+
+Result<TableLines> TableLines::open(const std::filesystem::path& path,
+                                    std::vector<std::string> names) {
+  ENGRAM_ASSIGN_OR_RETURN(TableLines lines, open_words(path));
+  lines.names_ = std::move(names);
+  lines.has_names_ = lines.is_known_ = true;
+  return lines;
+}
+
+Result<TableLines> TableLines::open(const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(TableLines lines, open_words(path));
+  if (has_commas(lines.words_)) {
+    ENGRAM_ASSIGN_OR_RETURN(lines.csv_, CsvReader::open(path));
   }
-  words.clear();
-  words.seekg(0);
-  TableLines lines(path, std::move(csv), std::move(words));
+  lines.words_.clear();
+  lines.words_.seekg(0);
   ENGRAM_ASSIGN_OR_RETURN(const bool has_line, lines.next_cells());
   if (!has_line)
     return invalid_argument("'{}': is empty, needs a line for each image", path.string());
@@ -86,8 +100,10 @@ Result<bool> TableLines::next() {
   if (std::exchange(has_first_, false)) return true;
   ENGRAM_ASSIGN_OR_RETURN(const bool has_line, next_cells());
   if (has_line && cells_.size() != names_.size())
-    return invalid_argument("'{}': line {} has {} cells, needs {} as the first line",
-                            path_.string(), line(), cells_.size(), names_.size());
+    return invalid_argument(
+        "'{}': line {} has {} cells, needs {}{}", path_.string(), line(), cells_.size(),
+        names_.size(),
+        is_known_ ? fmt::format(": {}", fmt::join(names_, " ")) : " as the first line");
   return has_line;
 }
 

@@ -25,6 +25,10 @@ class TableLines {
   /// Errors: kNotFound; kInvalidArgument where it is no file, or empty.
   static Result<TableLines> open(const std::filesystem::path& path);
 
+  /// One of words whose columns are known: a '#' begins a comment in any line, and there may be no
+  /// others. Errors: as above, but not where it is empty.
+  static Result<TableLines> open(const std::filesystem::path& path, std::vector<std::string> names);
+
   /// One for each column: its name, else "column 1".
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] bool has_names() const { return has_names_; }
@@ -44,8 +48,10 @@ class TableLines {
   [[nodiscard]] Status broken(size_t column, std::string_view what) const;
 
  private:
-  TableLines(std::filesystem::path path, std::optional<CsvReader> csv, std::ifstream words)
-      : path_(std::move(path)), csv_(std::move(csv)), words_(std::move(words)) {}
+  TableLines(std::filesystem::path path, std::ifstream words)
+      : path_(std::move(path)), words_(std::move(words)) {}
+
+  static Result<TableLines> open_words(const std::filesystem::path& path);
 
   Result<bool> next_cells();
   Result<bool> next_words();
@@ -58,6 +64,7 @@ class TableLines {
   std::vector<std::string> names_;
   bool has_names_ = false;
   std::vector<std::string> cells_;
+  bool is_known_ = false;   ///< What the columns are, before anything is read.
   bool has_first_ = false;  ///< The first line was read to see whether it names columns.
 };
 

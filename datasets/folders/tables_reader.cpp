@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "datasets/folders/folder_image.h"
-#include "datasets/folders/listed_lines.h"
+#include "datasets/folders/later.h"
 
 namespace engram::datasets {
 

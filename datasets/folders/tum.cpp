@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // TUM RGB-D: images in folders, tables of their times, a table of poses.
 #include "datasets/folders/folder_formats.h"
-#include "datasets/folders/tum_reader.h"
+#include "datasets/folders/tum_folder.h"
 #include "datasets/folders/tum_writer.h"
 
 namespace engram::datasets {
@@ -26,7 +26,7 @@ class TumFormat final : public RecordingFormat {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
       return not_found("'{}': there is no such folder", path.string());
-    return TumReader::open(path, options);
+    return open_tum_folder(path, options);
   }
 
   [[nodiscard]] bool can_write() const override { return true; }

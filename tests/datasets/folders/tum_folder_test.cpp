@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/folders/tum_reader.h"
-
 #include <sys/stat.h>
 
 #include <fstream>
@@ -15,7 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-class TumReaderTest : public ::testing::Test {
+class TumFolder : public ::testing::Test {
  protected:
   void write(const std::string& name, std::string_view content) {
     std::filesystem::create_directories((scratch_ / name).parent_path());
@@ -55,7 +53,7 @@ class TumReaderTest : public ::testing::Test {
   ReadingReport report_;
 };
 
-TEST_F(TumReaderTest, ReadsTablesInTheOrderOfTime) {
+TEST_F(TumFolder, ReadsTablesInTheOrderOfTime) {
   write_folder();
   ASSERT_TRUE(make_tum_format()->recognises(scratch_.path()));
   ASSERT_OK(read());
@@ -79,25 +77,27 @@ TEST_F(TumReaderTest, ReadsTablesInTheOrderOfTime) {
                           {"orientation", idf::NdArray::take<double>({4}, {0.9, 0.1, 0.2, 0.3})}}));
 }
 
-TEST_F(TumReaderTest, BeginsWhenItIsTold) {
+TEST_F(TumFolder, BeginsWhenItIsTold) {
   write_folder();
   ASSERT_OK(read({.start = time_from_ns(77)}));
   EXPECT_EQ(to_ns(updates_.front().time), 77);
 }
 
-TEST_F(TumReaderTest, ErrorsNameFileAndLine) {
+TEST_F(TumFolder, ErrorsNameFileAndLine) {
   EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "has none of rgb.txt");
   write("rgb.txt", "# \n1.5\n");
-  EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "rgb.txt': line 2 has 1 words");
+  EXPECT_FAILS(read(), StatusCode::kInvalidArgument,
+               "rgb.txt': line 2 has 1 cells, needs 2: timestamp filename");
   write("rgb.txt", "x a.png\n");
   EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "line 1");
   write("rgb.txt", "2 a.png\n1 b.png\n");
-  EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "line 2 is of 1970-01-01 00:00:01");
-  write("rgb.txt", std::string(5000, '1'));
-  EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "more than 4095 bytes");
+  EXPECT_FAILS(read(), StatusCode::kInvalidArgument,
+               "line 2, column 'timestamp': found '1', needs a time behind");
+  write("rgb.txt", std::string(70000, '1'));
+  EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "more than 65535 bytes");
 }
 
-TEST_F(TumReaderTest, ImagesThatAreMissingBrokenOrOutsideAreCounted) {
+TEST_F(TumFolder, ImagesThatAreMissingBrokenOrOutsideAreCounted) {
   write_image("deep.png", idf::NdArray::take<uint16_t>({1, 1, 1}, {1}));
   write("broken.png", "\x89PNG and nothing else, longer than a header");
   write("rgb.txt", "1 missing.png\n2 broken.png\n3 /etc/hostname\n4 ../x.png\n5 deep.png\n");
@@ -106,11 +106,11 @@ TEST_F(TumReaderTest, ImagesThatAreMissingBrokenOrOutsideAreCounted) {
   EXPECT_EQ(report_.damaged, 5u);
 }
 
-TEST_F(TumReaderTest, HostileTables) {
+TEST_F(TumFolder, HostileTables) {
   write("rgb.txt", "");
   ASSERT_OK(read());
   EXPECT_TRUE(updates_.empty());
-  for (const std::string time : {"nan", "-1", "1e9", "99999999999", "."}) {
+  for (const std::string time : {"nan", "99999999999", "."}) {
     write("rgb.txt", time + " a.png\n");
     EXPECT_FAILS(read(), StatusCode::kInvalidArgument, "rgb.txt': line 1");
   }
