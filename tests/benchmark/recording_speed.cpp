@@ -4,7 +4,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "datasets/mcap/mcap_format.h"
+#include "datasets/formats.h"
 #include "datasets/mcap/mcap_writer.h"
 #include "datasets/ros/message_type.h"
 #include "datasets/ros/standard_definitions.h"
@@ -45,7 +45,7 @@ void write_images(const std::filesystem::path& path, std::string_view encoding,
 }
 
 uint64_t read_recording(const std::filesystem::path& path) {
-  const auto reader = make_mcap_format()->open(path, {}).value();
+  const auto reader = recognised_format(path).value()->open(path, {}).value();
   uint64_t values = 0;
   while (true) {
     const auto moment = reader->next().value();
@@ -84,7 +84,7 @@ void run(const std::filesystem::path& folder) {
 }  // namespace engram::datasets
 
 /// Prints how fast MCAP files of images are read, beside copying their bytes. Usage: FOLDER to
-/// write them into, or a FILE that is only read.
+/// write them into, or a FILE of any format that is only read.
 int main(int argc, char** argv) {
   using namespace engram::datasets;
   const std::filesystem::path path = argc > 1 ? argv[1] : ".";
