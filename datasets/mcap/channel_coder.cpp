@@ -49,11 +49,9 @@ Result<idf::Data> ChannelCoder::decode(std::span<const std::byte> bytes) const {
 
 Result<std::vector<std::byte>> ChannelCoder::encode(const idf::Data& value,
                                                     int jpeg_quality) const {
-  if (form_ == Form::kRos && is_own_ &&
-      (value.at("header") != nullptr || value.at("encoding") != nullptr))
-    return invalid_argument(
-        "has 'header' or 'encoding', needs a value without: they go on reading");
-  if (form_ == Form::kRos) return ros_->encode(value, jpeg_quality);
+  if (form_ == Form::kRos)
+    return is_own_ ? ros::encode_bare(*ros_, value, jpeg_quality)
+                   : ros_->encode(value, jpeg_quality);
   if (form_ == Form::kJson || form_ == Form::kOwnJson) {
     ENGRAM_ASSIGN_OR_RETURN(const std::string text,
                             form_ == Form::kJson ? json_of_value(value) : idf::to_json_text(value));

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "datasets/recordings/merged_snapshots.h"
+#include "datasets/recordings/exported_streams.h"
 #include "datasets/recordings/stored_streams.h"
 #include "datasets/recordings/text_value.h"
 #include "datasets/ros/standard_definitions.h"
@@ -29,33 +29,26 @@ class Planner {
       : recall_(recall), options_(options) {}
 
   Result<ExportPlan> run(const ltm::Query& query) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entities, exported_entities(recall_, query));
-    for (const ltm::MemoryId& entity : entities) {
-      if (is_description(entity)) {
-        if (entity.names()[2] != "mcap") ++plan_.not_held["descriptions of other formats' streams"];
-        continue;
-      }
-      ENGRAM_RETURN_IF_ERROR(add(entity));
-    }
-    ENGRAM_RETURN_IF_ERROR(add_empty_channels(query));
+    ENGRAM_RETURN_IF_ERROR(
+        visit_exported(recall_, query, "mcap", options_.recall, plan_.not_held,
+                       [this](const ExportedStream& stream) { return add(stream); }));
     ENGRAM_RETURN_IF_ERROR(add_episodes());
     return std::move(plan_);
   }
 
  private:
-  Status add(const ltm::MemoryId& entity) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, newest_snapshot(recall_, entity, options_.recall));
-    if (!snapshot || snapshot->instances.empty()) return {};
-    if (plan_.channels.size() == kMostChannels)
-      return resource_exhausted("an MCAP file has at most 65535 channels");
-    ENGRAM_ASSIGN_OR_RETURN(auto described,
-                            stored_stream(recall_, "mcap", entity, options_.recall));
-    if (described && described->attributes.find(kAttachments) != nullptr) {
-      plan_.attachments.insert(entity);
+  Status add(const ExportedStream& stream) {
+    if (stream.stored && stream.stored->attributes.find(kAttachments) != nullptr) {
+      if (stream.newest) plan_.attachments.insert(stream.entity);
       return {};
     }
-    const idf::Data& value = snapshot->instances.front().data;
-    tell(*snapshot, add(entity, described ? as_imported(*described) : as_suits(entity, value)));
+    if (plan_.channels.size() == kMostChannels)
+      return resource_exhausted("an MCAP file has at most 65535 channels");
+    const ChannelCoder& coder =
+        add(stream.entity, stream.stored
+                               ? as_imported(*stream.stored)
+                               : as_suits(stream.entity, stream.newest->instances.front().data));
+    if (stream.newest) tell(*stream.newest, coder);
     return {};
   }
 
@@ -67,17 +60,6 @@ class Planner {
     ChannelCoder coder = ChannelCoder::create(channel, &schema);
     return plan_.channels.emplace(entity, PlannedChannel{std::move(channel), std::move(coder)})
         .first->second.coder;
-  }
-
-  /// Channels that had no message when they came in.
-  Status add_empty_channels(const ltm::Query& query) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto streams,
-                            empty_streams(recall_, "mcap", query, options_.recall));
-    for (const RecordingStream& stream : streams)
-      if (stream.attributes.find(kAttachments) == nullptr &&
-          !plan_.channels.contains(stream.entity) && plan_.channels.size() < kMostChannels)
-        add(stream.entity, as_imported(stream));
-    return {};
   }
 
   uint16_t add(SchemaRecord& schema) {
@@ -93,8 +75,7 @@ class Planner {
   void tell(const ltm::SnapshotResult& snapshot, const ChannelCoder& coder) {
     const ltm::InstanceResult& first = snapshot.instances.front();
     tell_metadata(snapshot, plan_.not_held);
-    if (options_.jpeg_quality > 0 && coder.ros_type() != nullptr &&
-        coder.ros_type()->name() == "sensor_msgs/CompressedImage")
+    if (coder.ros_type() != nullptr && coder.ros_type()->is_lossy(options_.jpeg_quality))
       ++plan_.not_held["exact pixels: JPEG was asked for"];
     if (!coder.encode(first.data, 0).ok())
       ++plan_.not_held["values that are no messages of their channel's type"];

@@ -24,12 +24,6 @@ idf::Dict texts_value(const std::map<std::string, std::string>& texts, ReadingRe
   return value;
 }
 
-/// The entity that a channel of ours was made of; empty where it is none.
-ltm::MemoryId own_entity_of(const ChannelRecord& channel) {
-  const auto own = channel.metadata.find(kEntityKey);
-  return own == channel.metadata.end() ? ltm::MemoryId() : own_entity(own->second);
-}
-
 }  // namespace
 
 Result<std::unique_ptr<RecordingReader>> McapReader::open(const std::filesystem::path& path,
@@ -72,12 +66,12 @@ Status McapReader::add_channels() {
     ros::SegmentNames segment{"Data", "mcap"};
     if (coder.ros_type() != nullptr)
       segment = coder.ros_type()->segment(first ? &*first : nullptr).value_or(segment);
-    ltm::MemoryId entity = own_entity_of(channel);
-    if (!entity.is_entity() || !entities_.take(entity)) {
-      ENGRAM_ASSIGN_OR_RETURN(
-          entity, entities_.take(segment.memory, segment.segment, options_.provider,
-                                 name_of_topic(channel.topic, fmt::format("channel_{}", id))));
-    }
+    const auto own = channel.metadata.find(kEntityKey);
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto entity,
+        entities_.take_own(own == channel.metadata.end() ? "" : own->second, segment.memory,
+                           segment.segment, options_.provider,
+                           name_of_topic(channel.topic, fmt::format("channel_{}", id))));
     channels_.emplace(id, Channel{entity, std::move(coder), std::nullopt, std::nullopt});
     describe(channel, found);
   }

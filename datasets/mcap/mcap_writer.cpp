@@ -7,37 +7,17 @@
 
 namespace engram::datasets::mcap {
 
-namespace {
-
-std::filesystem::path part_of(const std::filesystem::path& path) {
-  return path.string() + ".part";
-}
-
-}  // namespace
-
 Result<McapWriter> McapWriter::create(const std::filesystem::path& path, const Options& options) {
-  std::error_code error;
-  if (std::filesystem::exists(path, error))
-    return already_exists("'{}' is there, needs a name that is free", path.string());
-  ENGRAM_RETURN_IF_ERROR(make_directories(std::filesystem::absolute(path).parent_path()));
-  // What an export that was killed left there.
-  ENGRAM_RETURN_IF_ERROR(remove_file(part_of(path)));
-  ENGRAM_ASSIGN_OR_RETURN(File file, File::open(part_of(path), File::Mode::kCreate));
-  McapWriter writer(path, std::move(file), options);
+  ENGRAM_ASSIGN_OR_RETURN(NewFile file, NewFile::create(path));
+  McapWriter writer(std::move(file), options);
   std::string start(kMagic);
   append(start, HeaderRecord{options.profile, options.library});
   ENGRAM_RETURN_IF_ERROR(writer.put(start));
   return writer;
 }
 
-McapWriter::~McapWriter() {
-  // Moved from, or closed. Nobody is left to hear of a file that cannot be removed.
-  if (file_ && !path_.empty()) static_cast<void>(remove_file(part_of(path_)).ok());
-}
-
 Status McapWriter::put(std::string_view bytes) {
-  ENGRAM_RETURN_IF_ERROR(file_->append(as_bytes(bytes)));
-  offset_ += bytes.size();
+  ENGRAM_RETURN_IF_ERROR(file_.append(bytes));
   crc_ = crc32_of(as_bytes(bytes), crc_);
   return {};
 }
@@ -79,7 +59,7 @@ Status McapWriter::write(const MetadataRecord& metadata) {
   ENGRAM_RETURN_IF_ERROR(flush_chunk());
   std::string record;
   append(record, metadata);
-  append_metadata_index(metadata_index_, offset_, record.size(), metadata.name);
+  append_metadata_index(metadata_index_, file_.size(), record.size(), metadata.name);
   ++statistics_.metadata_count;
   return put(record);
 }
@@ -88,7 +68,7 @@ Status McapWriter::write(const AttachmentRecord& attachment) {
   ENGRAM_RETURN_IF_ERROR(flush_chunk());
   std::string record;
   append(record, attachment);
-  append_attachment_index(attachment_index_, attachment, offset_, record.size());
+  append_attachment_index(attachment_index_, attachment, file_.size(), record.size());
   ++statistics_.attachment_count;
   return put(record);
 }
@@ -100,13 +80,13 @@ Status McapWriter::flush_chunk() {
   chunk_start_.compression = options_.compression;
   ENGRAM_ASSIGN_OR_RETURN(const std::string packed,
                           compress(options_.compression, as_bytes(chunk_)));
-  ChunkIndexRecord index{chunk_start_.start_time, chunk_start_.end_time, offset_,      0, {}, 0,
+  ChunkIndexRecord index{chunk_start_.start_time, chunk_start_.end_time, file_.size(), 0, {}, 0,
                          options_.compression,    packed.size(),         chunk_.size()};
   std::string record;
   append(record, chunk_start_, as_bytes(packed));
   index.chunk_length = record.size();
   for (const auto& [channel, entries] : chunk_index_) {
-    index.message_index_offsets[channel] = offset_ + record.size();
+    index.message_index_offsets[channel] = file_.size() + record.size();
     append_message_index(record, channel, entries);
   }
   index.message_index_length = record.size() - index.chunk_length;
@@ -118,12 +98,12 @@ Status McapWriter::flush_chunk() {
 }
 
 Status McapWriter::put_summary() {
-  const uint64_t summary_start = offset_;
+  const uint64_t summary_start = file_.size();
   crc_ = 0;
   std::string offsets;
   const auto put_group = [&](Opcode group, const std::string& records) -> Status {
     if (records.empty()) return {};
-    append_summary_offset(offsets, group, offset_, records.size());
+    append_summary_offset(offsets, group, file_.size(), records.size());
     return put(records);
   };
   std::string records;
@@ -140,7 +120,7 @@ Status McapWriter::put_summary() {
   records.clear();
   for (const ChunkIndexRecord& chunk : chunks_) append(records, chunk);
   ENGRAM_RETURN_IF_ERROR(put_group(Opcode::kChunkIndex, records));
-  const uint64_t offsets_start = offset_;
+  const uint64_t offsets_start = file_.size();
   ENGRAM_RETURN_IF_ERROR(put(offsets));
   std::string footer;
   append(footer, FooterRecord{summary_start, offsets_start, 0});
@@ -163,9 +143,8 @@ Result<uint64_t> McapWriter::close() {
   append_data_end(end, options_.has_data_checksum ? crc_ : 0);
   ENGRAM_RETURN_IF_ERROR(put(end));
   ENGRAM_RETURN_IF_ERROR(put_summary());
-  ENGRAM_RETURN_IF_ERROR(publish_file(part_of(path_), path_));
-  file_.reset();
-  return offset_;
+  ENGRAM_RETURN_IF_ERROR(file_.publish());
+  return file_.size();
 }
 
 }  // namespace engram::datasets::mcap

@@ -5,13 +5,12 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "datasets/mcap/records.h"
-#include "ltm/core/file.h"
+#include "datasets/recordings/new_file.h"
 
 namespace engram::datasets::mcap {
 
@@ -34,9 +33,6 @@ class McapWriter {
   /// Errors: kAlreadyExists where `path` is there; kUnavailable.
   static Result<McapWriter> create(const std::filesystem::path& path, const Options& options);
 
-  McapWriter(McapWriter&&) noexcept = default;
-  ~McapWriter();
-
   /// `schema.id` is 1 or more; a schema comes before its channels and a channel before its
   /// messages. Each is written with the first message that needs it.
   void add(SchemaRecord schema);
@@ -51,18 +47,16 @@ class McapWriter {
   Result<uint64_t> close();
 
  private:
-  McapWriter(std::filesystem::path path, File file, Options options)
-      : path_(std::move(path)), file_(std::move(file)), options_(std::move(options)) {}
+  McapWriter(NewFile file, Options options)
+      : file_(std::move(file)), options_(std::move(options)) {}
 
   Status put(std::string_view bytes);
   Status flush_chunk();
   Status put_summary();
   void describe(uint16_t channel_id);
 
-  std::filesystem::path path_;
-  std::optional<File> file_;
+  NewFile file_;
   Options options_;
-  uint64_t offset_ = 0;
   uint32_t crc_ = 0;
   std::map<uint16_t, SchemaRecord> schemas_;
   std::map<uint16_t, ChannelRecord> channels_;

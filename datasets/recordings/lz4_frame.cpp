@@ -15,10 +15,15 @@ struct Lz4Deleter {
 
 }  // namespace
 
-Result<std::string> compress_lz4(std::span<const std::byte> bytes) {
-  std::string out(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
+Result<std::string> compress_lz4(std::span<const std::byte> bytes, const Lz4FrameOptions& options) {
+  LZ4F_preferences_t wanted{};
+  wanted.frameInfo.blockMode =
+      options.has_independent_blocks ? LZ4F_blockIndependent : LZ4F_blockLinked;
+  wanted.frameInfo.contentChecksumFlag =
+      options.has_checksum ? LZ4F_contentChecksumEnabled : LZ4F_noContentChecksum;
+  std::string out(LZ4F_compressFrameBound(bytes.size(), &wanted), '\0');
   const size_t size =
-      LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr);
+      LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), &wanted);
   if (LZ4F_isError(size) != 0) return invalid_argument("lz4: {}", LZ4F_getErrorName(size));
   out.resize(size);
   return out;

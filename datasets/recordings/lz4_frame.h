@@ -12,8 +12,17 @@ namespace engram::datasets {
 /// How many bytes one byte of LZ4 stands for at most.
 inline constexpr uint64_t kMostLz4Expansion = 256;
 
+/// What readers of a format need of a frame. roslz4 of ROS 1 needs both.
+struct Lz4FrameOptions {
+  /// Each block of 64 KiB is compressed without those before it, which takes more room.
+  bool has_independent_blocks = false;
+  /// Of all bytes; four behind them.
+  bool has_checksum = false;
+};
+
 /// One LZ4 frame. Errors: kInvalidArgument.
-Result<std::string> compress_lz4(std::span<const std::byte> bytes);
+Result<std::string> compress_lz4(std::span<const std::byte> bytes,
+                                 const Lz4FrameOptions& options = {});
 
 /// Frames that hold exactly `out`. Errors: kDataLoss where they hold more or fewer bytes;
 /// kResourceExhausted.

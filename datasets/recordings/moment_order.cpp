@@ -56,6 +56,14 @@ Result<ltm::MemoryId> FreeEntities::take(const std::string& memory, const std::s
   }
 }
 
+Result<ltm::MemoryId> FreeEntities::take_own(std::string_view own, const std::string& memory,
+                                             const std::string& segment,
+                                             const std::string& provider, const std::string& name) {
+  const ltm::MemoryId entity = own_entity(own);
+  if (entity.is_entity() && take(entity)) return entity;
+  return take(memory, segment, provider, name);
+}
+
 std::string name_of_topic(std::string_view topic, std::string_view other) {
   if (topic.starts_with('/')) topic.remove_prefix(1);
   std::string name(topic.empty() || !ltm::is_utf8(topic) ? other : topic);

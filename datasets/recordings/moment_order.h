@@ -72,6 +72,12 @@ class FreeEntities {
   Result<ltm::MemoryId> take(const std::string& memory, const std::string& segment,
                              const std::string& provider, const std::string& name);
 
+  /// The entity that `own`, text of a file, names (own_entity), where it does and that is free;
+  /// else one of the other names.
+  Result<ltm::MemoryId> take_own(std::string_view own, const std::string& memory,
+                                 const std::string& segment, const std::string& provider,
+                                 const std::string& name);
+
  private:
   std::set<ltm::MemoryId> entities_;
 };

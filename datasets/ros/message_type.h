@@ -53,6 +53,9 @@ class MessageType {
   /// What a header is that says nothing; None where the type has none.
   [[nodiscard]] idf::Data empty_header() const;
 
+  /// Whether encode() changes pixels at this quality.
+  [[nodiscard]] bool is_lossy(int jpeg_quality) const { return is_compressed_ && jpeg_quality > 0; }
+
   /// Whether values are pictures, if they can be.
   [[nodiscard]] bool is_image() const { return is_image_ || is_compressed_; }
 

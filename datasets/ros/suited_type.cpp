@@ -44,6 +44,21 @@ bool is_bare_joints(const idf::Data& value) {
          is_numbers(3, "effort");
 }
 
+/// A header that says nothing but a time, where it holds that; none where the type has no header.
+idf::Data header_at(const MessageType& type, Time time) {
+  constexpr int64_t kNsPerSecond = 1'000'000'000;
+  idf::Data header = type.empty_header();
+  if (header.at("stamp") == nullptr) return header;
+  const bool is_ros1 = header.at("stamp/nsec") != nullptr;
+  const int64_t end = is_ros1 ? int64_t{1} << 32 : int64_t{1} << 31;
+  const int64_t seconds = to_ns(time) / kNsPerSecond;
+  if (to_ns(time) >= 0 && seconds < end)
+    header.get_if<idf::Dict>()->set(
+        "stamp",
+        idf::Dict{{"sec", seconds}, {is_ros1 ? "nsec" : "nanosec", to_ns(time) % kNsPerSecond}});
+  return header;
+}
+
 }  // namespace
 
 std::string_view suited_type(const idf::Data& value, bool is_compressed) {
@@ -51,6 +66,19 @@ std::string_view suited_type(const idf::Data& value, bool is_compressed) {
     return is_compressed && value.at("image") != nullptr ? "sensor_msgs/CompressedImage"
                                                          : "sensor_msgs/Image";
   return is_bare_joints(value) ? "sensor_msgs/JointState" : "";
+}
+
+Result<std::vector<std::byte>> encode_bare(const MessageType& type, const idf::Data& value,
+                                           int jpeg_quality, std::optional<Time> stamp) {
+  if (value.at("header") != nullptr || value.at("encoding") != nullptr)
+    return invalid_argument(
+        "has 'header' or 'encoding', needs a value without: they go on reading");
+  if (!stamp || !value.is<idf::Dict>()) return type.encode(value, jpeg_quality);
+  idf::Data header = header_at(type, *stamp);
+  if (header.is<idf::None>()) return type.encode(value, jpeg_quality);
+  idf::Dict stamped = value.get<idf::Dict>();
+  stamped.set("header", std::move(header));
+  return type.encode(stamped, jpeg_quality);
 }
 
 idf::Data without_header(const idf::Data& value) {

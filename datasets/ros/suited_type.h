@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string_view>
+#include <vector>
 
-#include "ltm/idf/data.h"
+#include "datasets/ros/message_type.h"
 
 namespace engram::datasets::ros {
 
@@ -13,6 +16,12 @@ namespace engram::datasets::ros {
 /// an image or a depth, "sensor_msgs/JointState" for nothing but name, position, velocity, effort.
 /// Empty for all others, which these messages do not hold as they are.
 [[nodiscard]] std::string_view suited_type(const idf::Data& value, bool is_compressed);
+
+/// The message of such a value. `stamp` goes into its header, where it has one and that holds it.
+/// Errors: kInvalidArgument where the value has a header or an encoding itself, which reading would
+/// take from it; those of MessageType::encode.
+Result<std::vector<std::byte>> encode_bare(const MessageType& type, const idf::Data& value,
+                                           int jpeg_quality, std::optional<Time> stamp = {});
 
 /// The value again, without what such a message has beside it.
 [[nodiscard]] idf::Data without_header(const idf::Data& value);
