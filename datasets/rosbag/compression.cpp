@@ -64,19 +64,43 @@ Result<Buffer> decompress_lz4_buffer(std::span<const std::byte> bytes, uint64_t 
   return Buffer(plain, out);
 }
 
+Result<std::string> compress_bz2(std::span<const std::byte> bytes) {
+  constexpr int kBlockSize = 9;  // Times 100 kB.
+  // As much as its manual says it takes at most.
+  std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
+  auto size = static_cast<unsigned int>(out.size());
+  const int code =
+      BZ2_bzBuffToBuffCompress(out.data(), &size, bytes_in(bytes),
+                               static_cast<unsigned int>(bytes.size()), kBlockSize, 0, 0);
+  if (code != BZ_OK) return resource_exhausted("bz2: error {}", code);
+  out.resize(size);
+  return out;
+}
+
 }  // namespace
+
+Status check_compression(std::string_view compression) {
+  if (compression == "none" || compression == "bz2" || compression == "lz4") return {};
+  return invalid_argument("compression '{}', needs 'none', 'bz2' or 'lz4'", compression);
+}
+
+Result<std::string> compress(std::string_view compression, std::span<const std::byte> bytes) {
+  ENGRAM_RETURN_IF_ERROR(check_compression(compression));
+  if (compression == "bz2") return compress_bz2(bytes);
+  if (compression == "lz4")
+    return compress_lz4(bytes, {.has_independent_blocks = true, .has_checksum = true});
+  return std::string(as_text(bytes));
+}
 
 Result<Buffer> decompress(std::string_view compression, std::span<const std::byte> bytes,
                           uint64_t size) {
+  ENGRAM_RETURN_IF_ERROR(check_compression(compression));
   if (size > kMostRecordBytes)
     return data_loss("chunk of {} bytes, needs at most {}", size, kMostRecordBytes);
-  if (compression == "none") {
-    if (bytes.size() != size) return data_loss("chunk has {} bytes, says {}", bytes.size(), size);
-    return Buffer::copy(bytes);
-  }
   if (compression == "bz2") return decompress_bz2(bytes, size);
   if (compression == "lz4") return decompress_lz4_buffer(bytes, size);
-  return invalid_argument("compression '{}', needs 'none', 'bz2' or 'lz4'", compression);
+  if (bytes.size() != size) return data_loss("chunk has {} bytes, says {}", bytes.size(), size);
+  return Buffer::copy(bytes);
 }
 
 }  // namespace engram::datasets::rosbag

@@ -13,6 +13,13 @@
 
 namespace engram::datasets::rosbag {
 
+/// Errors: kInvalidArgument naming what there is.
+Status check_compression(std::string_view compression);
+
+/// Compresses the records of a chunk: "none", "bz2" or "lz4" (frames that roslz4 reads).
+/// Errors: those of check_compression; kResourceExhausted.
+Result<std::string> compress(std::string_view compression, std::span<const std::byte> bytes);
+
 /// The records of a chunk: "none", "bz2" or "lz4" (frames). Memory is taken as it is filled, not as
 /// it is claimed. Errors: kDataLoss where it holds more or fewer than `size` bytes;
 /// kInvalidArgument for another compression.

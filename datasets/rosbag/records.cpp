@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "ltm/core/buffer.h"
 #include "ltm/core/check.h"
@@ -12,6 +13,39 @@ namespace engram::datasets::rosbag {
 namespace {
 
 constexpr uint64_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr uint32_t kVersion = 1;
+
+void put_length(std::string& out, size_t length) {
+  ENGRAM_CHECK(length <= std::numeric_limits<uint32_t>::max(), "{} bytes", length);
+  const auto value = static_cast<uint32_t>(length);
+  out.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+void put_field(std::string& out, std::string_view name, std::string_view value) {
+  put_length(out, name.size() + 1 + value.size());
+  out.append(name).append("=").append(value);
+}
+
+template <typename T>
+std::string number_text(T value) {
+  return std::string(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+std::string time_text(uint64_t ns) {
+  ENGRAM_CHECK(ns < kEndOfTime, "{} ns", ns);
+  return number_text(static_cast<uint32_t>(ns / kNanosecondsPerSecond)) +
+         number_text(static_cast<uint32_t>(ns % kNanosecondsPerSecond));
+}
+
+/// All of a record but its data.
+void put_header(std::string& out, Opcode opcode, const Fields& fields, size_t data_bytes) {
+  std::string header;
+  put_field(header, "op", number_text(opcode));
+  for (const auto& [name, value] : fields) put_field(header, name, value);
+  put_length(out, header.size());
+  out += header;
+  put_length(out, data_bytes);
+}
 
 }  // namespace
 
@@ -109,6 +143,71 @@ Result<Message> read_message(const Record& record) {
   ENGRAM_ASSIGN_OR_RETURN(message.connection, record.header.number<uint32_t>("conn"));
   ENGRAM_ASSIGN_OR_RETURN(message.time, record.header.time("time"));
   return message;
+}
+
+void append(std::string& out, const BagHeader& header) {
+  // Of its header and data together.
+  constexpr size_t kPaddedBytes = 4096;
+  const Fields fields{{"index_pos", number_text(header.index_pos)},
+                      {"conn_count", number_text(header.connections)},
+                      {"chunk_count", number_text(header.chunks)}};
+  std::string plain;
+  put_header(plain, Opcode::kBagHeader, fields, 0);
+  const size_t padding = kPaddedBytes - (plain.size() - 2 * kLengthBytes);
+  put_header(out, Opcode::kBagHeader, fields, padding);
+  out.append(padding, ' ');
+}
+
+void append(std::string& out, const Connection& connection) {
+  std::string about;
+  put_field(about, "type", connection.type);
+  put_field(about, "md5sum", connection.md5sum);
+  put_field(about, "message_definition", connection.definition);
+  for (const auto& [name, value] : connection.others) put_field(about, name, value);
+  put_header(out, Opcode::kConnection,
+             {{"conn", number_text(connection.id)}, {"topic", connection.topic}}, about.size());
+  out += about;
+}
+
+void append(std::string& out, const Message& message) {
+  put_header(out, Opcode::kMessage,
+             {{"conn", number_text(message.connection)}, {"time", time_text(message.time)}},
+             message.data.size());
+  out += as_text(message.data);
+}
+
+void append(std::string& out, const ChunkInfo& info) {
+  std::string counts;
+  for (const auto& [connection, messages] : info.messages)
+    counts += number_text(connection) + number_text(messages);
+  put_header(out, Opcode::kChunkInfo,
+             {{"ver", number_text(kVersion)},
+              {"chunk_pos", number_text(info.offset)},
+              {"start_time", time_text(info.start_time)},
+              {"end_time", time_text(info.end_time)},
+              {"count", number_text(static_cast<uint32_t>(info.messages.size()))}},
+             counts.size());
+  out += counts;
+}
+
+void append_chunk(std::string& out, std::string_view compression, uint64_t plain_bytes,
+                  std::string_view packed) {
+  put_header(out, Opcode::kChunk,
+             {{"compression", std::string(compression)},
+              {"size", number_text(static_cast<uint32_t>(plain_bytes))}},
+             packed.size());
+  out += packed;
+}
+
+void append_index(std::string& out, uint32_t connection, const std::vector<IndexEntry>& entries) {
+  std::string data;
+  for (const IndexEntry& entry : entries) data += time_text(entry.time) + number_text(entry.offset);
+  put_header(out, Opcode::kIndex,
+             {{"ver", number_text(kVersion)},
+              {"conn", number_text(connection)},
+              {"count", number_text(static_cast<uint32_t>(entries.size()))}},
+             data.size());
+  out += data;
 }
 
 }  // namespace engram::datasets::rosbag

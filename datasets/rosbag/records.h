@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,8 @@ inline constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 inline constexpr uint64_t kLengthBytes = 4;
 /// More in one chunk or message is refused. Unit: bytes.
 inline constexpr uint64_t kMostRecordBytes = uint64_t{512} << 20;
+/// Times of bags are before this. Unit: ns since 1970.
+inline constexpr uint64_t kEndOfTime = (uint64_t{1} << 32) * 1'000'000'000;
 /// More in one record's header is refused. Unit: bytes.
 inline constexpr uint64_t kMostHeaderBytes = uint64_t{1} << 20;
 
@@ -106,5 +109,38 @@ struct Message {
 
 /// Errors: kDataLoss naming the field.
 Result<Message> read_message(const Record& record);
+
+/// The first record of a bag.
+struct BagHeader {
+  uint64_t index_pos = 0;  ///< Offset of the connections behind the last chunk; 0: not closed.
+  uint32_t connections = 0;
+  uint32_t chunks = 0;
+};
+
+/// Where a message lies in its chunk.
+struct IndexEntry {
+  uint64_t time = 0;    ///< Unit: ns since 1970.
+  uint32_t offset = 0;  ///< Of its record among the plain ones of the chunk.
+};
+
+struct ChunkInfo {
+  uint64_t offset = 0;  ///< Of the chunk's record in the file.
+  uint64_t start_time = 0;
+  uint64_t end_time = 0;
+  std::map<uint32_t, uint32_t> messages;  ///< Of each connection that has some in it.
+};
+
+// Each appends a whole record. Times are before 2106, where their seconds end, and data have fewer
+// than 2^32 bytes (both checked).
+/// Padded: it has the same size whatever it says.
+void append(std::string& out, const BagHeader& header);
+void append(std::string& out, const Connection& connection);
+void append(std::string& out, const Message& message);
+void append(std::string& out, const ChunkInfo& info);
+/// `packed` are records of `plain_bytes` bytes, compressed.
+void append_chunk(std::string& out, std::string_view compression, uint64_t plain_bytes,
+                  std::string_view packed);
+/// Of one connection's messages in the chunk before it.
+void append_index(std::string& out, uint32_t connection, const std::vector<IndexEntry>& entries);
 
 }  // namespace engram::datasets::rosbag
