@@ -14,18 +14,17 @@ namespace {
 
 class Export {
  public:
-  Export(ExportPlan plan, McapWriter writer, const WritingOptions& options)
-      : plan_(std::move(plan)), writer_(std::move(writer)), options_(options) {
+  Export(ExportPlan plan, McapWriter writer, const ExportRequest& request)
+      : plan_(std::move(plan)), writer_(std::move(writer)), request_(request) {
     for (const SchemaRecord& schema : plan_.schemas) writer_.add(schema);
     for (const auto& [entity, planned] : plan_.channels) writer_.add(planned.channel);
   }
 
-  Result<ExportReport> run(MergedSnapshots& snapshots, const ProgressSink& progress,
-                           const std::stop_token& stop) {
+  Result<ExportReport> run() {
     for (const MetadataRecord& metadata : plan_.metadata)
       ENGRAM_RETURN_IF_ERROR(writer_.write(metadata));
     ENGRAM_RETURN_IF_ERROR(write_snapshots(
-        snapshots, "mcap", progress, stop, report_,
+        request_, "mcap", report_,
         [this](const auto& entity, const auto& snapshot) { return write(entity, snapshot); }));
     ENGRAM_ASSIGN_OR_RETURN(report_.bytes, writer_.close());
     report_.files = 1;
@@ -39,7 +38,7 @@ class Export {
     if (planned == plan_.channels.end()) return {};
     const ltm::InstanceResult* first = message_instance(snapshot, report_);
     if (first == nullptr) return {};
-    const auto bytes = planned->second.coder.encode(first->data, options_.jpeg_quality);
+    const auto bytes = planned->second.coder.encode(first->data, request_.options.jpeg_quality);
     if (!bytes.ok()) return tell_misfit(entity, report_), Status();
     ++report_.instances;
     const uint16_t id = planned->second.channel.id;
@@ -68,23 +67,21 @@ class Export {
 
   ExportPlan plan_;
   McapWriter writer_;
-  const WritingOptions& options_;
+  const ExportRequest& request_;
   std::map<uint16_t, uint32_t> sequences_;
   ExportReport report_;
 };
 
 }  // namespace
 
-Result<ExportReport> export_mcap(ltm::Recall& recall, const ltm::Query& query,
-                                 const std::filesystem::path& path, const WritingOptions& options,
-                                 const ProgressSink& progress, const std::stop_token& stop) {
-  ENGRAM_ASSIGN_OR_RETURN(ExportPlan plan, plan_export(recall, query, options));
-  ENGRAM_ASSIGN_OR_RETURN(auto snapshots, MergedSnapshots::create(recall, query, options.recall));
+Result<ExportReport> export_mcap(const ExportRequest& request, const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(ExportPlan plan,
+                          plan_export(request.recall, request.query, request.options));
   McapWriter::Options file;
   file.profile = plan.profile;
   file.library = "engram";
   ENGRAM_ASSIGN_OR_RETURN(McapWriter writer, McapWriter::create(path, file));
-  return Export(std::move(plan), std::move(writer), options).run(snapshots, progress, stop);
+  return Export(std::move(plan), std::move(writer), request).run();
 }
 
 }  // namespace engram::datasets::mcap

@@ -3,13 +3,11 @@
 
 // Private to this room.
 
-#include "datasets/mcap/mcap_plan.h"
+#include "datasets/recordings/exported_streams.h"
 
 namespace engram::datasets::mcap {
 
 /// RecordingFormat::write for MCAP.
-Result<ExportReport> export_mcap(ltm::Recall& recall, const ltm::Query& query,
-                                 const std::filesystem::path& path, const WritingOptions& options,
-                                 const ProgressSink& progress, const std::stop_token& stop);
+Result<ExportReport> export_mcap(const ExportRequest& request, const std::filesystem::path& path);
 
 }  // namespace engram::datasets::mcap

@@ -48,21 +48,23 @@ Status visit_exported(ltm::Recall& recall, const ltm::Query& query, std::string_
 }
 
 Status write_snapshots(
-    MergedSnapshots& snapshots, std::string_view format, const ProgressSink& progress,
-    const std::stop_token& stop, ExportReport& report,
+    const ExportRequest& request, std::string_view format, ExportReport& report,
     const std::function<Status(const ltm::MemoryId&, const ltm::SnapshotResult&)>& write) {
+  ENGRAM_ASSIGN_OR_RETURN(auto snapshots, MergedSnapshots::create(request.recall, request.query,
+                                                                  request.options.recall));
   while (true) {
-    if (stop.stop_requested()) return cancelled("stopped after {} values", report.snapshots);
+    if (request.stop.stop_requested())
+      return cancelled("stopped after {} values", report.snapshots);
     ENGRAM_ASSIGN_OR_RETURN(const auto item, snapshots.next());
     if (!item) return {};
     if (is_description(item->entity)) continue;
     ++report.snapshots;
     ENGRAM_RETURN_IF_ERROR(write(item->entity, item->snapshot));
-    if (progress && report.snapshots % kValuesPerProgress == 0)
-      progress({.what = fmt::format("export {}", format),
-                .done = report.snapshots,
-                .total = 0,
-                .detail = to_string(item->snapshot.time)});
+    if (request.progress && report.snapshots % kValuesPerProgress == 0)
+      request.progress({.what = fmt::format("export {}", format),
+                        .done = report.snapshots,
+                        .total = 0,
+                        .detail = to_string(item->snapshot.time)});
   }
 }
 

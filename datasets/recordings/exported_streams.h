@@ -22,7 +22,17 @@ struct ExportedStream {
   std::optional<ltm::SnapshotResult> newest;
 };
 
+/// What RecordingFormat::not_held says.
 using NotHeld = std::map<std::string, uint64_t, std::less<>>;
+
+/// What RecordingFormat::write is given; all of it must outlive this.
+struct ExportRequest {
+  ltm::Recall& recall;
+  const ltm::Query& query;
+  const WritingOptions& options;
+  const ProgressSink& progress;
+  const std::stop_token& stop;
+};
 
 /// Hands over, one by one, the entities with values that a query asks for, and the streams that an
 /// import of `format` found empty, in the order in which imports give names out: "text", "text_2",
@@ -32,11 +42,11 @@ Status visit_exported(ltm::Recall& recall, const ltm::Query& query, std::string_
                       const ltm::Recall::Options& options, NotHeld& not_held,
                       const std::function<Status(ExportedStream)>& visit);
 
-/// Hands over the snapshots, without descriptions, in the order of time, and counts them.
+/// Hands over the snapshots that are asked for, without descriptions, in the order of time, and
+/// counts them. `format` is for progress.
 /// Errors: kCancelled after a stop; those of MergedSnapshots and `write`.
 Status write_snapshots(
-    MergedSnapshots& snapshots, std::string_view format, const ProgressSink& progress,
-    const std::stop_token& stop, ExportReport& report,
+    const ExportRequest& request, std::string_view format, ExportReport& report,
     const std::function<Status(const ltm::MemoryId&, const ltm::SnapshotResult&)>& write);
 
 /// The instance of a snapshot that becomes a message. Further ones, and times before 1970, are

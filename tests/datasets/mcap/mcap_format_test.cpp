@@ -3,6 +3,7 @@
 
 #include "datasets/ros/standard_definitions.h"
 #include "tests/datasets/mcap/example_files.h"
+#include "tests/datasets/recordings/format_stores.h"
 #include "tests/datasets/ros/example_messages.h"
 
 namespace engram::datasets::mcap {
@@ -69,43 +70,8 @@ class McapFormatTest : public testing::Test {
     return path;
   }
 
-  Result<RecordingImportReport> import(const std::filesystem::path& file,
-                                       const std::filesystem::path& store) const {
-    ENGRAM_ASSIGN_OR_RETURN(const auto reader, open(file));
-    ENGRAM_ASSIGN_OR_RETURN(auto recorder, ltm::Recorder::open(store, {}));
-    ENGRAM_ASSIGN_OR_RETURN(auto report, import_recording(*reader, "mcap", recorder, {}, {}));
-    ENGRAM_RETURN_IF_ERROR(recorder.close());
-    return report;
-  }
-
-  Result<ExportReport> write(const std::filesystem::path& store, const std::filesystem::path& file,
-                             const WritingOptions& options = {}) const {
-    ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(store));
-    ltm::Recall recall(std::move(reader), {});
-    ENGRAM_ASSIGN_OR_RETURN(const auto query, ltm::Query::parse("@ all"));
-    return make_mcap_format()->write(recall, query, file, options, {}, {});
-  }
-
-  std::map<std::string, uint64_t, std::less<>> not_held(const std::filesystem::path& store) const {
-    ltm::Recall recall(ltm::StoreReader::open(store).value(), {});
-    return make_mcap_format()->not_held(recall, ltm::Query::parse("@ all").value(), {}).value();
-  }
-
-  void record(const std::filesystem::path& store, const std::string& name,
-              const std::vector<idf::Data>& values) const {
-    auto recorder = ltm::Recorder::open(store, {});
-    ASSERT_OK(recorder);
-    for (size_t i = 0; i < values.size(); ++i) {
-      const Time time = time_from_ns(1'700'000'000'000'000'000 + static_cast<int64_t>(i));
-      ASSERT_OK(recorder->commit(
-          {{{entity(name),
-             time,
-             {{values[i], {.created = time, .sent = time, .arrived = time, .provider = "x"}}}}}}));
-    }
-    ASSERT_OK(recorder->close());
-  }
-
   ScratchDirectory scratch_;
+  FormatStores mcap_{make_mcap_format()};
 };
 
 TEST_F(McapFormatTest, KnowsItsFilesByHowTheyBegin) {
@@ -149,11 +115,11 @@ TEST_F(McapFormatTest, MovesTheRecordingToAStart) {
 
 TEST_F(McapFormatTest, LosesNothingOnTheWayThroughAStore) {
   const auto foreign = write_foreign();
-  const auto imported = import(foreign, scratch_ / "store");
+  const auto imported = mcap_.import(foreign, scratch_ / "store");
   ASSERT_OK(imported);
   EXPECT_EQ(imported->values, 26U);
-  EXPECT_THAT(not_held(scratch_ / "store"), testing::IsEmpty());
-  const auto written = write(scratch_ / "store", scratch_ / "again.mcap");
+  EXPECT_THAT(mcap_.not_held(scratch_ / "store"), testing::IsEmpty());
+  const auto written = mcap_.write(scratch_ / "store", scratch_ / "again.mcap");
   ASSERT_OK(written);
   EXPECT_EQ(written->instances, 26U);
   EXPECT_THAT(written->not_carried, testing::IsEmpty());
@@ -193,8 +159,8 @@ TEST_F(McapFormatTest, GivesEntitiesThatNoImportMadeBackAsTheyWere) {
                                                     {"effort", doubles({})}}},
       {"Tasks/Feedback/arm/reward", 0.5F},
       {"Data/x/y/z\\/z", List{1, int64_t{2}, true, idf::None{}, picture(4)}}};
-  for (const auto& [name, value] : values) record(store, name, {value, value});
-  ASSERT_OK(write(store, scratch_ / "out.mcap"));
+  for (const auto& [name, value] : values) FormatStores::record(store, name, {value, value});
+  ASSERT_OK(mcap_.write(store, scratch_ / "out.mcap"));
   const auto contents = read_all(scratch_ / "out.mcap");
   ASSERT_OK(contents);
   EXPECT_EQ(contents->updates.size(), 2 * values.size());
@@ -205,9 +171,10 @@ TEST_F(McapFormatTest, GivesEntitiesThatNoImportMadeBackAsTheyWere) {
 }
 
 TEST_F(McapFormatTest, CountsValuesThatTheirChannelCannotHold) {
-  record(scratch_ / "store", "Vision/RGB/head/cam",
-         {Dict{{"image", picture(1)}, {"label", "cup"}}, Dict{{"image", picture(2)}}});
-  const auto report = write(scratch_ / "store", scratch_ / "out.mcap");
+  FormatStores::record(
+      scratch_ / "store", "Vision/RGB/head/cam",
+      {Dict{{"image", picture(1)}, {"label", "cup"}}, Dict{{"image", picture(2)}}});
+  const auto report = mcap_.write(scratch_ / "store", scratch_ / "out.mcap");
   ASSERT_OK(report);
   EXPECT_EQ(report->instances, 1U);
   EXPECT_EQ(
@@ -216,8 +183,8 @@ TEST_F(McapFormatTest, CountsValuesThatTheirChannelCannotHold) {
 }
 
 TEST_F(McapFormatTest, CompressesPicturesWhereAsked) {
-  record(scratch_ / "store", "Vision/RGB/head/cam", {Dict{{"image", picture(1)}}});
-  ASSERT_OK(write(scratch_ / "store", scratch_ / "out.mcap", {.jpeg_quality = 90}));
+  FormatStores::record(scratch_ / "store", "Vision/RGB/head/cam", {Dict{{"image", picture(1)}}});
+  ASSERT_OK(mcap_.write(scratch_ / "store", scratch_ / "out.mcap", {.jpeg_quality = 90}));
   const auto contents = read_all(scratch_ / "out.mcap");
   ASSERT_OK(contents);
   ASSERT_EQ(contents->updates.size(), 1U);
@@ -238,10 +205,10 @@ TEST_F(McapFormatTest, SaysBeforehandWhatItCannotHold) {
   ASSERT_OK(recorder->commit({{{entity("A/B/C/d"), time, {{1.0, unsure}, {2.0, sure}}}}}));
   ASSERT_OK(recorder->close());
   EXPECT_THAT(
-      not_held(scratch_ / "store"),
+      mcap_.not_held(scratch_ / "store"),
       testing::UnorderedElementsAre(testing::Pair("instances beyond the first of a snapshot", 1U),
                                     testing::Pair("confidence", 1U)));
-  const auto report = write(scratch_ / "store", scratch_ / "out.mcap");
+  const auto report = mcap_.write(scratch_ / "store", scratch_ / "out.mcap");
   ASSERT_OK(report);
   EXPECT_EQ(report->not_carried.at("instances beyond the first of a snapshot"), 1U);
 }
