@@ -50,10 +50,12 @@ Status BagReader::add_topic(const Connection& connection) {
   ros::SegmentNames segment{"Data", "rosbag"};
   if (coder.type() != nullptr)
     segment = coder.type()->segment(first ? &*first : nullptr).value_or(segment);
+  const std::string* own = connection.find(kEntityField);
   ENGRAM_ASSIGN_OR_RETURN(
       const auto entity,
-      entities_.take(segment.memory, segment.segment, options_.provider,
-                     name_of_topic(connection.topic, fmt::format("connection_{}", connection.id))));
+      entities_.take_own(
+          own == nullptr ? "" : *own, segment.memory, segment.segment, options_.provider,
+          name_of_topic(connection.topic, fmt::format("connection_{}", connection.id))));
   const auto& [id, topic] =
       *topics_.emplace(connection.id, Topic{entity, std::move(coder), std::nullopt}).first;
   describe(connection, topic);
@@ -120,25 +122,27 @@ Result<idf::Data> BagReader::first_value(uint32_t connection, const ConnectionCo
   }
   for (const auto& entry : loaded_.entries) {
     const Message message = message_at(loaded_.bytes.bytes().subspan(entry.offset));
-    if (message.connection == connection) return coder.decode(message.data);
+    if (message.connection != connection) continue;
+    ENGRAM_ASSIGN_OR_RETURN(auto decoded, coder.decode(message.data));
+    return std::move(decoded.value);
   }
   return not_found("connection {} has no message where its index says", connection);
 }
 
 std::optional<ltm::EntityUpdate> BagReader::update_of(Topic& topic, const Message& message) {
-  auto value = topic.coder.decode(message.data);
-  if (!value.ok()) {
+  auto decoded = topic.coder.decode(message.data);
+  if (!decoded.ok()) {
     ++report_.damaged;
-    note(fmt::format("messages of '{}': {}", topic.entity.to_string(), value.status().message()));
+    note(fmt::format("messages of '{}': {}", topic.entity.to_string(), decoded.status().message()));
     return std::nullopt;
   }
   // 32 bits of seconds, and of nanoseconds: it fits.
   ltm::EntityUpdate update{topic.entity, shift_.shifted(static_cast<int64_t>(message.time)), {}};
   ltm::InstanceMetadata metadata{
       .created = update.time, .sent = update.time, .arrived = update.time, .provider = "import"};
-  if (const auto stamp = ros::header_stamp(*value); stamp && to_ns(*stamp) >= 0)
-    metadata.created = shift_.shifted(to_ns(*stamp));
-  update.instances.push_back({*std::move(value), std::move(metadata)});
+  if (decoded->stamp && to_ns(*decoded->stamp) >= 0)
+    metadata.created = shift_.shifted(to_ns(*decoded->stamp));
+  update.instances.push_back({std::move(decoded->value), std::move(metadata)});
   order_.put(topic.last_time == message.time, update, report_);
   topic.last_time = message.time;
   return update;

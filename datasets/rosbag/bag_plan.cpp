@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/rosbag/bag_plan.h"
+
+#include <set>
+
+#include "datasets/recordings/stored_streams.h"
+#include "datasets/recordings/text_value.h"
+
+namespace engram::datasets::rosbag {
+
+namespace {
+
+/// Names of ROS consist of letters, digits, '_' and '/'.
+std::string ros_topic(const ltm::MemoryId& entity) {
+  constexpr std::string_view kSigns =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
+  std::string topic = topic_of_entity(entity);
+  for (char& sign : topic)
+    if (kSigns.find(sign) == std::string_view::npos) sign = '_';
+  return topic;
+}
+
+/// The connection as it came in.
+Connection as_imported(uint32_t id, const RecordingStream& stream) {
+  const idf::Data about = stream.attributes;
+  Connection connection{id,
+                        stream.name,
+                        text_of(about.at("type")),
+                        text_of(about.at("md5sum")),
+                        text_of(about.at("definition")),
+                        {}};
+  const idf::Data* others = about.at("connection");
+  if (const auto* fields = others == nullptr ? nullptr : others->get_if<idf::Dict>())
+    for (const auto& [name, value] : *fields) connection.others.emplace_back(name, text_of(&value));
+  return connection;
+}
+
+class Planner {
+ public:
+  explicit Planner(const WritingOptions& options) : options_(options) {}
+
+  void add(const ExportedStream& stream) {
+    const auto id = static_cast<uint32_t>(plan.connections.size());
+    Connection connection = stream.stored ? as_imported(id, *stream.stored) : as_suits(id, stream);
+    ConnectionCoder coder = ConnectionCoder::create(connection);
+    if (stream.newest) tell(*stream.newest, coder);
+    topics_.insert(connection.topic);
+    plan.connections.emplace(stream.entity,
+                             PlannedConnection{std::move(connection), std::move(coder)});
+  }
+
+  ExportPlan plan;
+
+ private:
+  Connection as_suits(uint32_t id, const ExportedStream& stream) {
+    const std::string wanted = ros_topic(stream.entity);
+    std::string topic = wanted;
+    for (int i = 2; topics_.contains(topic); ++i) topic = fmt::format("{}_{}", wanted, i);
+    return own_connection(id, topic, stream.entity, stream.newest->instances.front().data,
+                          options_.jpeg_quality > 0);
+  }
+
+  void tell(const ltm::SnapshotResult& snapshot, const ConnectionCoder& coder) {
+    const ltm::InstanceResult& first = snapshot.instances.front();
+    const Time created = first.metadata.created;
+    tell_metadata(snapshot, plan.not_held);
+    if (first.metadata.sent != snapshot.time || first.metadata.arrived != snapshot.time)
+      ++plan.not_held["times of sending and arrival"];
+    if (coder.is_json()) ++plan.not_held["types of values: written as JSON in std_msgs/String"];
+    if (coder.type() != nullptr && coder.type()->is_lossy(options_.jpeg_quality))
+      ++plan.not_held["exact pixels: JPEG was asked for"];
+    const auto bytes = coder.encode(first.data, created, 0);
+    if (!bytes.ok()) {
+      ++plan.not_held["values that are no messages of their connection's type"];
+      return;
+    }
+    const auto read = coder.decode(*bytes);
+    if (created != snapshot.time && (!read.ok() || read->stamp != created))
+      ++plan.not_held["times of creation, where messages have no header with them"];
+  }
+
+  const WritingOptions& options_;
+  std::set<std::string> topics_;
+};
+
+}  // namespace
+
+Result<ExportPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
+                               const WritingOptions& options) {
+  Planner planner(options);
+  ENGRAM_RETURN_IF_ERROR(visit_exported(recall, query, "rosbag", options.recall,
+                                        planner.plan.not_held, [&](const ExportedStream& stream) {
+                                          planner.add(stream);
+                                          return Status();
+                                        }));
+  return std::move(planner.plan);
+}
+
+}  // namespace engram::datasets::rosbag
