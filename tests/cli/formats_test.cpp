@@ -132,6 +132,9 @@ TEST_P(RoundTrips, SayFirstWhatIsNotHeld) {
   if (GetParam().name == "tum") {
     EXPECT_THAT(dry.out, HasSubstr("Skills/Commands/robot/arm"));
   }
+  if (GetParam().name == "rosbag") {
+    EXPECT_THAT(dry.out, HasSubstr("written as JSON in std_msgs/String"));
+  }
 }
 
 TEST_P(RoundTrips, NameFilesThatAreNotWhatTheySay) {
@@ -150,13 +153,14 @@ TEST_P(RoundTrips, NameFilesThatAreNotWhatTheySay) {
 const std::string kImages = "Vision/RGB/robot/cam>Vision/RGB/.*/.*";
 const std::string kDepth = "Vision/Depth/robot/cam>Vision/Depth/.*/.*";
 
+// What formats of messages give back under its own name.
+const std::vector<std::string> kAll = {
+    "Vision/RGB/robot/cam", "Vision/Depth/robot/cam", "RobotState/Proprioception/robot/arm",
+    "RobotState/Localization/robot/base", "Skills/Commands/robot/arm"};
+
 INSTANTIATE_TEST_SUITE_P(Formats, RoundTrips,
-                         ::testing::Values(Format{"mcap",
-                                                  "robot.mcap",
-                                                  {"Vision/RGB/robot/cam", "Vision/Depth/robot/cam",
-                                                   "RobotState/Proprioception/robot/arm",
-                                                   "RobotState/Localization/robot/base",
-                                                   "Skills/Commands/robot/arm"}},
+                         ::testing::Values(Format{"mcap", "robot.mcap", kAll},
+                                           Format{"rosbag", "robot.bag", kAll},
                                            Format{"robomimic", "robot.hdf5", {kImages, kDepth}},
                                            Format{"aloha", "robot.hdf5", {kImages}},
                                            Format{"tum",

@@ -86,6 +86,19 @@ TEST(BagInteroperation, PythonsRosbagReadsWhatWeWrite) {
   }
 }
 
+TEST(BagInteroperation, PythonsRosbagReadsABagWithoutMessages) {
+  const ScratchDirectory scratch;
+  auto writer = BagWriter::create(scratch / "a.bag", {});
+  ASSERT_OK(writer);
+  const auto entity = ltm::MemoryId::parse("A/B/c/silent").value();
+  writer->add(own_connection(0, "/A/B/c/silent", entity, "text", false));
+  ASSERT_OK(writer->close());
+  const int code =
+      run_script(fmt::format("check_bags.py silent '{}'", (scratch / "a.bag").string()));
+  if (code == kNoRosbag) GTEST_SKIP() << "needs python3-rosbag";
+  EXPECT_EQ(code, 0);
+}
+
 TEST(BagInteroperation, PythonsBagsComeBackToPython) {
   const ScratchDirectory scratch;
   const FormatStores bags(make_rosbag_format());

@@ -3,6 +3,7 @@
 """Reads bags of ours with Python's rosbag.
 
 check_bags.py example BAG COMPRESSION: what bag_interoperation_test.cpp has written into it.
+check_bags.py silent BAG: it has a connection and no message.
 check_bags.py same ORIGINAL COPY: both say the same. Rows of images that were padded are not any
 more, and compressed images are PNG files.
 
@@ -90,6 +91,15 @@ def check_value(topic, message, index):
     check(message.data, struct.pack("<384H", *pixels) if is_depth else bytes(pixels), topic)
 
 
+def check_silent(path):
+    with rosbag.Bag(path, allow_unindexed=False) as bag:
+        check(bag.get_message_count(), 0, "messages")
+        check(list(bag.read_messages()), [], "messages")
+    with rosbag.Bag(path, skip_index=True) as bag:
+        check([connection.topic for connection in bag._get_connections()], ["/A/B/c/silent"],
+              "connections")
+
+
 def messages_of(bag):
     """Sorted: at one time, connections may be in any order."""
     return sorted(((time, topic, raw[0], raw[1], raw[2]) for topic, raw, time in
@@ -140,7 +150,5 @@ def check_same(original, copy):
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "example":
-        check_example(*sys.argv[2:4])
-    else:
-        check_same(*sys.argv[2:4])
+    checks = {"example": check_example, "silent": check_silent, "same": check_same}
+    checks[sys.argv[1]](*sys.argv[2:])
