@@ -52,7 +52,8 @@ Status BagWriter::flush_chunk() {
     info.start_time = std::min(info.start_time, first.time);
     info.end_time = std::max(info.end_time, last.time);
   }
-  chunks_.push_back(std::move(info));
+  append(infos_, info);
+  ++chunks_;
   chunk_.clear();
   index_.clear();
   return file_.append(records);
@@ -60,12 +61,11 @@ Status BagWriter::flush_chunk() {
 
 Result<uint64_t> BagWriter::close() {
   ENGRAM_RETURN_IF_ERROR(flush_chunk());
-  const BagHeader header{file_.size(), static_cast<uint32_t>(connections_.size()),
-                         static_cast<uint32_t>(chunks_.size())};
+  const BagHeader header{file_.size(), static_cast<uint32_t>(connections_.size()), chunks_};
   std::string records;
   for (const auto& [id, connection] : connections_) append(records, connection);
-  for (const ChunkInfo& chunk : chunks_) append(records, chunk);
   ENGRAM_RETURN_IF_ERROR(file_.append(records));
+  ENGRAM_RETURN_IF_ERROR(file_.append(infos_));
   std::string start;
   append(start, header);
   ENGRAM_RETURN_IF_ERROR(file_.overwrite(kMagic.size(), start));

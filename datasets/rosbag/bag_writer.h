@@ -17,8 +17,8 @@ namespace engram::datasets::rosbag {
 /// Writes a bag: messages in chunks, with all indexes.
 ///
 /// The file appears under its name once it is closed; without that nothing is left of it.
-/// Memory: one chunk and 16 bytes per message in it; 32 bytes per chunk, and 8 for each connection
-/// that it has messages of. Threading: one thread.
+/// Memory: one chunk and 16 bytes per message in it; of each chunk before its info, 108 bytes and 8
+/// for each connection that it has messages of. Threading: one thread.
 /// Source: docs/formats.md, "rosbag".
 class BagWriter {
  public:
@@ -59,7 +59,8 @@ class BagWriter {
   std::set<uint32_t> described_;  ///< Connections that are in a chunk.
   std::string chunk_;
   std::map<uint32_t, std::vector<IndexEntry>> index_;  ///< Of the open chunk.
-  std::vector<ChunkInfo> chunks_;
+  std::string infos_;                                  ///< Of the chunks before, as records.
+  uint32_t chunks_ = 0;
 };
 
 }  // namespace engram::datasets::rosbag
