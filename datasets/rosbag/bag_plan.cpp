@@ -37,19 +37,17 @@ Connection as_imported(uint32_t id, const RecordingStream& stream) {
 
 class Planner {
  public:
-  explicit Planner(const WritingOptions& options) : options_(options) {}
+  Planner(const WritingOptions& options, ExportPlan& plan) : options_(options), plan_(plan) {}
 
   void add(const ExportedStream& stream) {
-    const auto id = static_cast<uint32_t>(plan.connections.size());
+    const auto id = static_cast<uint32_t>(plan_.connections.size());
     Connection connection = stream.stored ? as_imported(id, *stream.stored) : as_suits(id, stream);
     ConnectionCoder coder = ConnectionCoder::create(connection);
     if (stream.newest) tell(*stream.newest, coder);
     topics_.insert(connection.topic);
-    plan.connections.emplace(stream.entity,
-                             PlannedConnection{std::move(connection), std::move(coder)});
+    plan_.connections.emplace(stream.entity,
+                              PlannedConnection{std::move(connection), std::move(coder)});
   }
-
-  ExportPlan plan;
 
  private:
   Connection as_suits(uint32_t id, const ExportedStream& stream) {
@@ -63,23 +61,24 @@ class Planner {
   void tell(const ltm::SnapshotResult& snapshot, const ConnectionCoder& coder) {
     const ltm::InstanceResult& first = snapshot.instances.front();
     const Time created = first.metadata.created;
-    tell_metadata(snapshot, plan.not_held);
+    tell_metadata(snapshot, plan_.not_held);
     if (first.metadata.sent != snapshot.time || first.metadata.arrived != snapshot.time)
-      ++plan.not_held["times of sending and arrival"];
-    if (coder.is_json()) ++plan.not_held["types of values: written as JSON in std_msgs/String"];
+      ++plan_.not_held["times of sending and arrival"];
+    if (coder.is_json()) ++plan_.not_held["types of values: written as JSON in std_msgs/String"];
     if (coder.type() != nullptr && coder.type()->is_lossy(options_.jpeg_quality))
-      ++plan.not_held["exact pixels: JPEG was asked for"];
+      ++plan_.not_held["exact pixels: JPEG was asked for"];
     const auto bytes = coder.encode(first.data, created, 0);
     if (!bytes.ok()) {
-      ++plan.not_held["values that are no messages of their connection's type"];
+      ++plan_.not_held["values that are no messages of their connection's type"];
       return;
     }
     const auto read = coder.decode(*bytes);
     if (created != snapshot.time && (!read.ok() || read->stamp != created))
-      ++plan.not_held["times of creation, where messages have no header with them"];
+      ++plan_.not_held["times of creation, where messages have no header with them"];
   }
 
   const WritingOptions& options_;
+  ExportPlan& plan_;
   std::set<std::string> topics_;
 };
 
@@ -87,13 +86,14 @@ class Planner {
 
 Result<ExportPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
                                const WritingOptions& options) {
-  Planner planner(options);
-  ENGRAM_RETURN_IF_ERROR(visit_exported(recall, query, "rosbag", options.recall,
-                                        planner.plan.not_held, [&](const ExportedStream& stream) {
+  ExportPlan plan;
+  Planner planner(options, plan);
+  ENGRAM_RETURN_IF_ERROR(visit_exported(recall, query, "rosbag", options.recall, plan.not_held,
+                                        [&](const ExportedStream& stream) {
                                           planner.add(stream);
                                           return Status();
                                         }));
-  return std::move(planner.plan);
+  return plan;
 }
 
 }  // namespace engram::datasets::rosbag

@@ -79,6 +79,8 @@ TEST_F(McapFormatTest, KnowsItsFilesByHowTheyBegin) {
   EXPECT_TRUE(format->recognises(write_foreign()));
   std::ofstream(scratch_ / "other.mcap") << "#ROSBAG V2.0";
   EXPECT_FALSE(format->recognises(scratch_ / "other.mcap"));
+  std::ofstream(scratch_ / "cut.mcap") << "\x89MCAP";
+  EXPECT_TRUE(format->recognises(scratch_ / "cut.mcap"));
   EXPECT_FALSE(format->recognises(scratch_ / "none.mcap"));
   EXPECT_FALSE(format->recognises(scratch_.path()));
 }
