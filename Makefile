@@ -68,7 +68,8 @@ demo: build/$(DEMO_PRESET)/build.ninja packages
 
 bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON
-	cmake --build --preset release --target engram_benchmark engram_paper_objects
+	cmake --build --preset release --target engram_benchmark engram_paper_objects \
+	  engram_recording_speed
 	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
 

@@ -61,7 +61,7 @@ struct ImportArguments {
   std::string size;
   std::string config;
   std::string preset;
-  std::string image_codec = "png";
+  std::string image_codec = "rowpred";
   std::string durability = "interval";
   double rate_hz = 5;
   bool keeps_all = false;
@@ -267,8 +267,9 @@ void add_recording_options(CLI::App& command, ImportArguments& arguments) {
           ->capture_default_str();
   CLI::Option* all =
       command.add_flag("--all", arguments.keeps_all, "Keep every snapshot")->excludes(rate);
-  CLI::Option* codec = command.add_option("--image-codec", arguments.image_codec, "png, zstd, ...")
-                           ->capture_default_str();
+  CLI::Option* codec =
+      command.add_option("--image-codec", arguments.image_codec, "rowpred, png, zstd, ...")
+          ->capture_default_str();
   CLI::Option* durability =
       command
           .add_option("--durability", arguments.durability,

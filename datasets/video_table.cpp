@@ -15,7 +15,7 @@ constexpr std::string_view kImage = "image";
 constexpr std::string_view kState = "state";
 constexpr std::string_view kCamera = "camera";
 constexpr uint64_t kCommitsPerProgress = 8;
-constexpr size_t kBytesAhead = 64 << 20;
+constexpr size_t kBytesAhead = 32 << 20;
 
 Result<Time> absolute(Time start, Duration offset) {
   int64_t ns = 0;

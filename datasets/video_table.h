@@ -72,7 +72,7 @@ struct ImportReport {
 /// video has no frame or the table has a column "camera"; kFailedPrecondition, before anything is
 /// committed, where an entity has a snapshot at or after its first new one, naming a start that
 /// fits; those of Recorder::commit. An error on the way says how much had been committed.
-/// Memory: the table, and 64 MiB of decoded frames at most.
+/// Memory: the table, and 32 MiB of decoded frames at most.
 /// Threading: one thread; `progress` is called from it.
 Result<ImportReport> import_video_table(const VideoTableImport& options, ltm::Recorder& recorder,
                                         const ProgressSink& progress, std::stop_token stop);
