@@ -30,7 +30,7 @@ class Planner {
 
   Result<ExportPlan> run(const ltm::Query& query) {
     ENGRAM_RETURN_IF_ERROR(
-        visit_exported(recall_, query, "mcap", options_.recall, plan_.not_held,
+        visit_exported(recall_, query, "mcap", "rosbag", options_.recall, plan_.not_held,
                        [this](const ExportedStream& stream) { return add(stream); }));
     ENGRAM_RETURN_IF_ERROR(add_episodes());
     return std::move(plan_);
@@ -44,16 +44,41 @@ class Planner {
     }
     if (plan_.channels.size() == kMostChannels)
       return resource_exhausted("an MCAP file has at most 65535 channels");
-    const ChannelCoder& coder =
-        add(stream.entity, stream.stored
-                               ? as_imported(*stream.stored)
-                               : as_suits(stream.entity, stream.newest->instances.front().data));
+    auto records = records_of(stream);
+    if (!records) return {};
+    const ChannelCoder& coder = add(stream.entity, *std::move(records));
     if (stream.newest) tell(*stream.newest, coder);
     return {};
   }
 
-  const ChannelCoder& add(const ltm::MemoryId& entity,
-                          std::pair<ChannelRecord, SchemaRecord> records) {
+  using Records = std::pair<ChannelRecord, SchemaRecord>;
+
+  /// Nothing for a silent stream of another format that no channel can be made of.
+  std::optional<Records> records_of(const ExportedStream& stream) {
+    if (stream.stored) return as_imported(*stream.stored);
+    if (stream.kindred) {
+      if (auto records = of_connection(*stream.kindred)) return records;
+      tell_description(plan_.not_held);
+    }
+    if (!stream.newest) return std::nullopt;
+    return as_suits(stream.entity, stream.newest->instances.front().data);
+  }
+
+  /// As programs that turn bags into MCAP files say it; nothing where its messages cannot be read.
+  static std::optional<Records> of_connection(const RecordingStream& stream) {
+    const idf::Data about = stream.attributes;
+    auto metadata = texts_of(about.at("connection"));
+    const std::string type = text_of(about.at("type"));
+    const std::string definition = text_of(about.at("definition"));
+    if (metadata.contains(kEntityKey) ||
+        !ros::MessageType::create(type, definition, ros::Serialization::kRos1).ok())
+      return std::nullopt;
+    metadata["md5sum"] = text_of(about.at("md5sum"));
+    return Records{{0, 0, stream.name, "ros1", std::move(metadata)},
+                   {0, type, "ros1msg", definition}};
+  }
+
+  const ChannelCoder& add(const ltm::MemoryId& entity, Records records) {
     auto& [channel, schema] = records;
     channel.id = static_cast<uint16_t>(plan_.channels.size() + 1);
     if (!schema.name.empty() || !schema.encoding.empty()) channel.schema_id = add(schema);
@@ -81,7 +106,7 @@ class Planner {
       ++plan_.not_held["values that are no messages of their channel's type"];
   }
 
-  static std::pair<ChannelRecord, SchemaRecord> as_imported(const RecordingStream& stream) {
+  static Records as_imported(const RecordingStream& stream) {
     const idf::Data attributes = stream.attributes;
     ChannelRecord channel{0, 0, stream.name, text_of(attributes.at("message_encoding")),
                           texts_of(attributes.at("metadata"))};
@@ -91,8 +116,7 @@ class Planner {
     return {std::move(channel), std::move(schema)};
   }
 
-  std::pair<ChannelRecord, SchemaRecord> as_suits(const ltm::MemoryId& entity,
-                                                  const idf::Data& value) const {
+  Records as_suits(const ltm::MemoryId& entity, const idf::Data& value) const {
     ChannelRecord channel{0, 0, topic_of_entity(entity), "cdr", {{kEntityKey, entity.to_string()}}};
     std::string type(ros::suited_type(value, options_.jpeg_quality > 0));
     if (const auto definition = ros::standard_definition(type, ros::Serialization::kCdr)) {

@@ -19,28 +19,43 @@ bool is_named_before(const ExportedStream& a, const ExportedStream& b) {
   return std::tuple(size(a), a.entity) < std::tuple(size(b), b.entity);
 }
 
+/// Of two kinds of descriptions: "Recording/Streams/<format>/...", "Recording/Episodes/...".
+bool is_of_stream(const ltm::MemoryId& description) {
+  return description.names()[1] == "Streams";
+}
+
 }  // namespace
 
+void tell_description(NotHeld& not_held) {
+  ++not_held["descriptions of other formats' streams"];
+}
+
 Status visit_exported(ltm::Recall& recall, const ltm::Query& query, std::string_view format,
-                      const ltm::Recall::Options& options, NotHeld& not_held,
-                      const std::function<Status(ExportedStream)>& visit) {
+                      std::string_view kindred, const ltm::Recall::Options& options,
+                      NotHeld& not_held, const std::function<Status(ExportedStream)>& visit) {
   ENGRAM_ASSIGN_OR_RETURN(const auto entities, exported_entities(recall, query));
   std::vector<ExportedStream> streams;
   for (const ltm::MemoryId& entity : entities) {
     if (!is_description(entity))
-      streams.push_back({entity, std::nullopt, std::nullopt});
-    else if (entity.names()[2] != format)
-      ++not_held["descriptions of other formats' streams"];
+      streams.push_back({entity, {}, {}, {}});
+    else if (entity.names()[2] != format && !(is_of_stream(entity) && entity.names()[2] == kindred))
+      tell_description(not_held);
   }
   ENGRAM_ASSIGN_OR_RETURN(auto empty, empty_streams(recall, format, query, options));
   for (RecordingStream& stream : empty)
-    streams.push_back({stream.entity, std::move(stream), std::nullopt});
+    streams.push_back({stream.entity, std::move(stream), {}, {}});
+  ENGRAM_ASSIGN_OR_RETURN(empty, empty_streams(recall, kindred, query, options));
+  for (RecordingStream& stream : empty)
+    streams.push_back({stream.entity, {}, std::move(stream), {}});
   std::ranges::sort(streams, is_named_before);
   for (ExportedStream& stream : streams) {
-    if (!stream.stored) {
+    if (!stream.stored && !stream.kindred) {
       ENGRAM_ASSIGN_OR_RETURN(stream.newest, newest_snapshot(recall, stream.entity, options));
       if (!stream.newest || stream.newest->instances.empty()) continue;
       ENGRAM_ASSIGN_OR_RETURN(stream.stored, stored_stream(recall, format, stream.entity, options));
+      ENGRAM_ASSIGN_OR_RETURN(stream.kindred,
+                              stored_stream(recall, kindred, stream.entity, options));
+      if (stream.stored) stream.kindred.reset();
     }
     ENGRAM_RETURN_IF_ERROR(visit(std::move(stream)));
   }

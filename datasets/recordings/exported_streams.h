@@ -18,6 +18,8 @@ struct ExportedStream {
   ltm::MemoryId entity;
   /// What an import of the format said of it; nothing where none did.
   std::optional<RecordingStream> stored;
+  /// What an import of the kindred format said of it, where none of the format did.
+  std::optional<RecordingStream> kindred;
   /// Has an instance; nothing where the stream came in without a value.
   std::optional<ltm::SnapshotResult> newest;
 };
@@ -34,13 +36,17 @@ struct ExportRequest {
   const std::stop_token& stop;
 };
 
-/// Hands over, one by one, the entities with values that a query asks for, and the streams that an
-/// import of `format` found empty, in the order in which imports give names out: "text", "text_2",
-/// "text_10". Descriptions of other formats' streams are counted in `not_held`.
+/// Hands over, one by one, the entities with values that a query asks for, and the streams that
+/// imports found empty, in the order in which imports give names out: "text", "text_2", "text_10".
+/// `kindred` is another format whose streams can be written as well. Descriptions of others are
+/// counted in `not_held`; who cannot take over a kindred one calls tell_description.
 /// Errors: those of exported_entities, Recall and `visit`.
 Status visit_exported(ltm::Recall& recall, const ltm::Query& query, std::string_view format,
-                      const ltm::Recall::Options& options, NotHeld& not_held,
-                      const std::function<Status(ExportedStream)>& visit);
+                      std::string_view kindred, const ltm::Recall::Options& options,
+                      NotHeld& not_held, const std::function<Status(ExportedStream)>& visit);
+
+/// Counts what an import of another format said of a stream.
+void tell_description(NotHeld& not_held);
 
 /// Hands over the snapshots that are asked for, without descriptions, in the order of time, and
 /// counts them. `format` is for progress.

@@ -5,6 +5,7 @@
 
 #include "datasets/recordings/stored_streams.h"
 #include "datasets/recordings/text_value.h"
+#include "datasets/ros/message_digest.h"
 
 namespace engram::datasets::rosbag {
 
@@ -35,13 +36,41 @@ Connection as_imported(uint32_t id, const RecordingStream& stream) {
   return connection;
 }
 
+/// A channel of ROS 1 messages as the connection that it was, or could have been; nothing where its
+/// messages are others, or cannot be read.
+std::optional<Connection> of_channel(uint32_t id, const RecordingStream& stream) {
+  const idf::Data about = stream.attributes;
+  Connection connection{
+      id, stream.name, text_of(about.at("schema/name")), "", text_of(about.at("schema/data")), {}};
+  const auto md5 = ros::message_md5(connection.type, connection.definition);
+  connection.md5sum = md5.ok() ? *md5 : "*";
+  connection.others.emplace_back("topic", stream.name);
+  const idf::Data* metadata = about.at("metadata");
+  if (const auto* fields = metadata == nullptr ? nullptr : metadata->get_if<idf::Dict>())
+    for (const auto& [name, value] : *fields) {
+      if (name == "md5sum")
+        connection.md5sum = text_of(&value);
+      else if (name == "topic")
+        connection.others.front().second = text_of(&value);
+      else if (name != "type" && name != "message_definition")
+        connection.others.emplace_back(name, text_of(&value));
+    }
+  const bool is_ros1 = text_of(about.at("message_encoding")) == "ros1" &&
+                       text_of(about.at("schema/encoding")) == "ros1msg" &&
+                       connection.find(kEntityField) == nullptr &&
+                       ConnectionCoder::create(connection).type() != nullptr;
+  return is_ros1 ? std::optional(std::move(connection)) : std::nullopt;
+}
+
 class Planner {
  public:
   Planner(const WritingOptions& options, ExportPlan& plan) : options_(options), plan_(plan) {}
 
   void add(const ExportedStream& stream) {
     const auto id = static_cast<uint32_t>(plan_.connections.size());
-    Connection connection = stream.stored ? as_imported(id, *stream.stored) : as_suits(id, stream);
+    auto found = connection_of(id, stream);
+    if (!found) return;
+    Connection connection = *std::move(found);
     ConnectionCoder coder = ConnectionCoder::create(connection);
     if (stream.newest) tell(*stream.newest, coder);
     topics_.insert(connection.topic);
@@ -50,6 +79,17 @@ class Planner {
   }
 
  private:
+  /// Nothing for a silent stream of another format that no connection can be made of.
+  std::optional<Connection> connection_of(uint32_t id, const ExportedStream& stream) {
+    if (stream.stored) return as_imported(id, *stream.stored);
+    if (stream.kindred) {
+      if (auto connection = of_channel(id, *stream.kindred)) return connection;
+      tell_description(plan_.not_held);
+    }
+    if (!stream.newest) return std::nullopt;
+    return as_suits(id, stream);
+  }
+
   Connection as_suits(uint32_t id, const ExportedStream& stream) {
     const std::string wanted = ros_topic(stream.entity);
     std::string topic = wanted;
@@ -88,8 +128,8 @@ Result<ExportPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
                                const WritingOptions& options) {
   ExportPlan plan;
   Planner planner(options, plan);
-  ENGRAM_RETURN_IF_ERROR(visit_exported(recall, query, "rosbag", options.recall, plan.not_held,
-                                        [&](const ExportedStream& stream) {
+  ENGRAM_RETURN_IF_ERROR(visit_exported(recall, query, "rosbag", "mcap", options.recall,
+                                        plan.not_held, [&](const ExportedStream& stream) {
                                           planner.add(stream);
                                           return Status();
                                         }));

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <map>
 
+#include "datasets/mcap/mcap_format.h"
 #include "tests/datasets/recordings/format_stores.h"
 #include "tests/datasets/rosbag/example_bags.h"
 
@@ -60,6 +61,53 @@ TEST_F(BagExportTest, LosesNothingOfABagOnItsWayThroughAStore) {
   EXPECT_EQ(after.report, ReadingReport{});
   EXPECT_EQ(sorted(after.updates), sorted(before->updates));
   EXPECT_THAT(after.streams, testing::UnorderedElementsAreArray(before->streams));
+}
+
+/// Times and values, in order, whoever measured them when.
+std::vector<std::tuple<Time, ltm::MemoryId, idf::Data>> values_of(const Contents& contents) {
+  std::vector<std::tuple<Time, ltm::MemoryId, idf::Data>> values;
+  for (const ltm::EntityUpdate& update : sorted(contents.updates))
+    values.emplace_back(update.time, update.entity, update.instances.at(0).data);
+  return values;
+}
+
+TEST_F(BagExportTest, LosesNoMessageOnItsWayThroughAnMcapFile) {
+  const FormatStores mcaps{make_mcap_format()};
+  const auto before = read_all(golden("bz2.bag"));
+  ASSERT_OK(before);
+  ASSERT_OK(bags_.import(golden("bz2.bag"), store_));
+  ASSERT_OK(mcaps.write(store_, scratch_ / "a.mcap"));
+  // Of the episode.
+  EXPECT_THAT(mcaps.not_held(store_),
+              testing::Contains(Pair("descriptions of other formats' streams", 1u)));
+  ASSERT_OK(mcaps.import(scratch_ / "a.mcap", scratch_ / "second"));
+  EXPECT_FALSE(bags_.not_held(scratch_ / "second")
+                   .contains("types of values: written as JSON in "
+                             "std_msgs/String"));
+  const auto written = bags_.write(scratch_ / "second", out_);
+  ASSERT_OK(written);
+  EXPECT_THAT(written->not_carried, IsEmpty());
+  const auto after = read_all(out_);
+  ASSERT_OK(after);
+  EXPECT_EQ(values_of(*after), values_of(*before));
+  ASSERT_EQ(after->streams.size(), before->streams.size());
+  for (const RecordingStream& stream : before->streams) {
+    const auto same = std::ranges::find(after->streams, stream.entity, &RecordingStream::entity);
+    ASSERT_NE(same, after->streams.end()) << stream.entity.to_string();
+    EXPECT_EQ(same->name, stream.name);
+    for (const char* key : {"type", "md5sum", "definition"})
+      EXPECT_EQ(*same->attributes.find(key), *stream.attributes.find(key)) << stream.name;
+  }
+}
+
+TEST_F(BagExportTest, TellsDescriptionsOfChannelsThatBagsHaveNot) {
+  const FormatStores mcaps{make_mcap_format()};
+  FormatStores::record(store_, "Data/x/robot/number", {idf::Data(1.5)});
+  ASSERT_OK(mcaps.write(store_, scratch_ / "a.mcap"));
+  ASSERT_OK(mcaps.import(scratch_ / "a.mcap", scratch_ / "second"));
+  const auto told = bags_.not_held(scratch_ / "second");
+  EXPECT_EQ(told.at("descriptions of other formats' streams"), 2u);  // Of the episode and a stream.
+  EXPECT_EQ(told.at("types of values: written as JSON in std_msgs/String"), 1u);
 }
 
 // More than nine, of which some are silent, and one that cannot be read.
