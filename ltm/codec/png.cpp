@@ -1,37 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/png.h"
 
-#include <array>
-#include <cstring>
 #include <opencv2/imgcodecs.hpp>
 
 #include "ltm/codec/cv_image.h"
+#include "ltm/codec/image_file.h"
 
 namespace engram::ltm {
 
 namespace {
 
-constexpr std::array<uint8_t, 16> kPngStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
-                                            0,    0,   0,   13,  'I',  'H',  'D',  'R'};
-constexpr size_t kHeaderBytes = 26;
 constexpr int64_t kMaxSide = 1 << 15;
 /// Deflate expands no byte further than this.
 constexpr size_t kMostExpansion = 1032;
 constexpr int kFastest = -1;
-
-uint32_t big_endian(std::span<const std::byte> bytes, size_t at) {
-  uint32_t value = 0;
-  std::memcpy(&value, bytes.data() + at, sizeof(value));
-  return __builtin_bswap32(value);
-}
-
-/// The header must announce the size that is needed, before anything is decoded.
-bool announces(std::span<const std::byte> bytes, const idf::Shape& shape) {
-  return bytes.size() >= kHeaderBytes &&
-         std::memcmp(bytes.data(), kPngStart.data(), kPngStart.size()) == 0 &&
-         big_endian(bytes, 16) == static_cast<uint64_t>(shape[1]) &&
-         big_endian(bytes, 20) == static_cast<uint64_t>(shape[0]);
-}
 
 class PngCodec final : public Codec {
  public:
@@ -55,8 +37,9 @@ class PngCodec final : public Codec {
 
   Result<idf::NdArray> decode(std::span<const std::byte> bytes, idf::ElementType type,
                               const idf::Shape& shape) const override {
-    if (!accepts(type, shape) || !announces(bytes, shape) ||
-        *idf::size_bytes(type, shape) / kMostExpansion > bytes.size())
+    const auto found = announced_image(bytes);
+    if (!accepts(type, shape) || !found || found->codec != name() || found->type != type ||
+        found->shape != shape || *idf::size_bytes(type, shape) / kMostExpansion > bytes.size())
       return data_loss("png: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
     return cv_image::decode("png", bytes, type, shape);
