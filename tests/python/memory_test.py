@@ -3,6 +3,7 @@
 
 import datetime
 import gc
+import json
 import pathlib
 import shutil
 import subprocess
@@ -14,7 +15,7 @@ import unittest
 import numpy as np
 
 import engram
-from engram import errors
+from engram import errors, idf
 
 ENGRAM = sys.argv.pop()
 CAMERA = "Vision/RGB/head/cam"
@@ -100,6 +101,26 @@ class Reading(unittest.TestCase):
         self.assertEqual(instance.confidence, 1.0)
         with self.assertRaises(errors.NotFoundError):
             _ = snapshot.image
+
+    def test_values_are_those_that_the_program_tells(self):
+        """Numbers of all kinds, arrays, lists and texts, from a bag; by way of JSON."""
+        store = pathlib.Path(self.folder.name) / "bag.engram"
+        bag = pathlib.Path(__file__).parents[1] / "golden" / "rosbag" / "none.bag"
+        subprocess.run([ENGRAM, "import", "--from", bag, store], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        told = json.loads(subprocess.run([ENGRAM, "query", store, "@ all", "--json"], check=True,
+                                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)
+        with engram.open(store) as memory:
+            found = memory.query("@ all")
+        self.assertGreater(len(found), 9)
+        self.assertEqual([entity["id"] for entity in told["entities"]], list(found))
+        for entity in told["entities"]:
+            expected = [(one["time_ns"], idf.from_json(json.dumps(one["instances"][0]["data"])))
+                        for one in entity["snapshots"]]
+            read = [(one.time, one.value) for one in found[entity["id"]]]
+            self.assertEqual([time for time, _ in read], [time for time, _ in expected])
+            for (_, one), (_, other) in zip(read, expected):
+                self.assertTrue(idf.equal(one, other), f"{entity['id']}: {one} and {other}")
 
     def test_times_are_taken_in_every_form(self):
         camera = self.memory[CAMERA]
