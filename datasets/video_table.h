@@ -48,7 +48,7 @@ struct VideoTableImport {
 
 /// What an import did.
 struct ImportReport {
-  uint64_t frames = 0;  ///< Committed.
+  uint64_t frames = 0;  ///< Committed, or dropped by the recorder for their time alone.
   uint64_t rows = 0;    ///< Committed.
   /// Could not be decoded, or only with guessed parts; the latter were committed.
   uint64_t damaged_frames = 0;
@@ -65,9 +65,10 @@ struct ImportReport {
 /// and row; a frame comes before a row of the same time.
 ///
 /// Every image links to the row nearest in time and every row to the nearest image, the earlier
-/// of two as near. A link names a snapshot that was offered to the recorder: its filters may have
-/// dropped it. The metadata's `created` is the time of the snapshot. A stop request is obeyed
-/// between two commits; what was committed stays.
+/// of two as near. The image of a frame that the recorder drops for its time alone is never made.
+/// A link names a snapshot that was offered to the recorder: its filters may have dropped it. The
+/// metadata's `created` is the time of the snapshot. A stop request is obeyed between two commits;
+/// what was committed stays.
 /// Errors: those of VideoReader and Table; kInvalidArgument where the options do not validate, the
 /// video has no frame or the table has a column "camera"; kFailedPrecondition, before anything is
 /// committed, where an entity has a snapshot at or after its first new one, naming a start that

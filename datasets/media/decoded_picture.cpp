@@ -51,7 +51,8 @@ bool operator==(const DecodedPicture& a, const DecodedPicture& b) {
     return false;
   for (int plane = 0; plane < av_pix_fmt_count_planes(format_of(left)); ++plane)
     if (!is_same_plane(left, right, plane)) return false;
-  return true;
+  const bool has_palette = (av_pix_fmt_desc_get(format_of(left))->flags & AV_PIX_FMT_FLAG_PAL) != 0;
+  return !has_palette || std::memcmp(left.data[1], right.data[1], AVPALETTE_SIZE) == 0;
 }
 
 size_t DecodedFrame::bytes() const {

@@ -19,11 +19,6 @@ bool is_named_before(const ExportedStream& a, const ExportedStream& b) {
   return std::tuple(size(a), a.entity) < std::tuple(size(b), b.entity);
 }
 
-/// Of two kinds of descriptions: "Recording/Streams/<format>/...", "Recording/Episodes/...".
-bool is_of_stream(const ltm::MemoryId& description) {
-  return description.names()[1] == "Streams";
-}
-
 }  // namespace
 
 void tell_description(NotHeld& not_held) {
@@ -38,7 +33,7 @@ Status visit_exported(ltm::Recall& recall, const ltm::Query& query, std::string_
   for (const ltm::MemoryId& entity : entities) {
     if (!is_description(entity))
       streams.push_back({entity, {}, {}, {}});
-    else if (entity.names()[2] != format && !(is_of_stream(entity) && entity.names()[2] == kindred))
+    else if (entity.names()[2] != format && !is_stream_description(entity, kindred))
       tell_description(not_held);
   }
   ENGRAM_ASSIGN_OR_RETURN(auto empty, empty_streams(recall, format, query, options));

@@ -29,6 +29,10 @@ bool is_description(const ltm::MemoryId& entity) {
          (entity.names()[1] == "Streams" || entity.names()[1] == "Episodes");
 }
 
+bool is_stream_description(const ltm::MemoryId& entity, std::string_view format) {
+  return is_description(entity) && entity.names()[1] == "Streams" && entity.names()[2] == format;
+}
+
 Result<std::optional<ltm::SnapshotResult>> newest_snapshot(ltm::Recall& recall,
                                                            const ltm::MemoryId& entity,
                                                            const ltm::Recall::Options& options) {
@@ -55,8 +59,7 @@ Result<std::vector<RecordingStream>> empty_streams(ltm::Recall& recall, std::str
                                                    const ltm::Recall::Options& options) {
   std::vector<RecordingStream> streams;
   for (const ltm::MemoryId& about : recall.store().entities()) {
-    if (!is_description(about) || about.names()[1] != "Streams" || about.names()[2] != format)
-      continue;
+    if (!is_stream_description(about, format)) continue;
     ENGRAM_ASSIGN_OR_RETURN(auto stream, stream_at(recall, about, options));
     if (stream && query.matches(stream->entity) && !has_entity(recall, stream->entity))
       streams.push_back(*std::move(stream));

@@ -16,6 +16,9 @@ namespace engram::datasets {
 /// Whether an entity describes recordings, and is no part of them.
 [[nodiscard]] bool is_description(const ltm::MemoryId& entity);
 
+/// Whether it describes a stream of `format`.
+[[nodiscard]] bool is_stream_description(const ltm::MemoryId& entity, std::string_view format);
+
 /// The newest snapshot of an entity; nothing where it has none.
 Result<std::optional<ltm::SnapshotResult>> newest_snapshot(ltm::Recall& recall,
                                                            const ltm::MemoryId& entity,

@@ -5,7 +5,6 @@
 
 #include "datasets/recordings/stored_streams.h"
 #include "datasets/recordings/text_value.h"
-#include "datasets/ros/message_digest.h"
 
 namespace engram::datasets::rosbag {
 
@@ -42,8 +41,7 @@ std::optional<Connection> of_channel(uint32_t id, const RecordingStream& stream)
   const idf::Data about = stream.attributes;
   Connection connection{
       id, stream.name, text_of(about.at("schema/name")), "", text_of(about.at("schema/data")), {}};
-  const auto md5 = ros::message_md5(connection.type, connection.definition);
-  connection.md5sum = md5.ok() ? *md5 : "*";
+  connection.md5sum = md5_or_any(connection.type, connection.definition);
   connection.others.emplace_back("topic", stream.name);
   const idf::Data* metadata = about.at("metadata");
   if (const auto* fields = metadata == nullptr ? nullptr : metadata->get_if<idf::Dict>())

@@ -33,15 +33,18 @@ std::string_view text_form(const idf::Data& value) {
 
 }  // namespace
 
+std::string md5_or_any(const std::string& type, const std::string& definition) {
+  const auto md5 = ros::message_md5(type, definition);
+  return md5.ok() ? *md5 : "*";
+}
+
 Connection own_connection(uint32_t id, std::string topic, const ltm::MemoryId& entity,
                           const idf::Data& value, bool is_compressed) {
   const std::string_view suited = ros::suited_type(value, is_compressed);
   Connection connection{id, topic, suited.empty() ? kTextType : std::string(suited), "", "", {}};
   connection.definition =
       ros::standard_definition(connection.type, ros::Serialization::kRos1).value_or("");
-  const auto md5 = ros::message_md5(connection.type, connection.definition);
-  // Without MD5 sums in OpenSSL: what readers of ROS take for any.
-  connection.md5sum = md5.ok() ? *md5 : "*";
+  connection.md5sum = md5_or_any(connection.type, connection.definition);
   connection.others = {{"topic", std::move(topic)},
                        {std::string(kEntityField), entity.to_string()}};
   const std::string_view form = suited.empty() ? text_form(value) : "";

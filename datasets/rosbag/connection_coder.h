@@ -21,6 +21,10 @@ inline constexpr std::string_view kEntityField = "engram:entity";
 /// message.
 inline constexpr std::string_view kFormField = "engram:form";
 
+/// The MD5 sum of a connection's messages; "*", which readers of ROS take for any, where they
+/// cannot be understood or OpenSSL has no MD5.
+[[nodiscard]] std::string md5_or_any(const std::string& type, const std::string& definition);
+
 /// The connection for values like `value` of an entity that no import made: pictures, joints and
 /// texts become messages that say the same, all others JSON in std_msgs/String.
 /// `id` and `topic` are set as they are given.
