@@ -232,6 +232,7 @@ Status SharingClient::State::handle(const Arrived& arrived) {
 
 Status SharingClient::State::ask(SlabId slab) {
   std::unique_lock lock(opening_mutex);
+  if (find(slab) != nullptr) return {};  // Another thread's answer came before the lock.
   auto& entry = openings[slab];
   if (entry == nullptr) {
     entry = std::make_shared<Opening>();
