@@ -29,6 +29,35 @@ Result<std::vector<TimeSpan>> read_spans(const h5::File& file, const std::string
   return spans;
 }
 
+constexpr const char* kCurve = "/provenance/curve";
+/// Columns of the curve: phase, step, seconds, loss, PSNR in dB, bytes.
+constexpr size_t kCurveColumns = 6;
+
+Status write_curve(h5::File& file, const std::vector<CurvePoint>& curve) {
+  std::vector<float> rows;
+  for (const CurvePoint& point : curve)
+    rows.insert(rows.end(), {static_cast<float>(point.phase), static_cast<float>(point.step),
+                             point.seconds, point.loss, point.psnr_db, point.bytes});
+  return write_vector(file, kCurve, rows);
+}
+
+/// Empty where the file has none.
+Result<std::vector<CurvePoint>> read_curve(const h5::File& file) {
+  std::vector<CurvePoint> curve;
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_there, file.exists(kCurve));
+  if (!is_there) return curve;
+  ENGRAM_ASSIGN_OR_RETURN(const auto rows, read_vector<float>(file, kCurve));
+  constexpr float kMostSteps = 1e15f;
+  const auto is_number = [](float x) { return x >= 0 && x <= kMostSteps; };
+  for (size_t i = 0; i + kCurveColumns <= rows.size(); i += kCurveColumns) {
+    if (!is_number(rows[i]) || !is_number(rows[i + 1]) || rows[i] > 2)
+      return data_loss("'{}': found phase {} and step {}", kCurve, rows[i], rows[i + 1]);
+    curve.push_back({static_cast<int32_t>(rows[i]), static_cast<int64_t>(rows[i + 1]), rows[i + 2],
+                     rows[i + 3], rows[i + 4], rows[i + 5]});
+  }
+  return curve;
+}
+
 constexpr const char* kNumberCodecPath = "/codec/numbers";
 
 std::string image_codec_path(size_t image) {
@@ -285,7 +314,8 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(write_forms(file, from.forms));
   ENGRAM_RETURN_IF_ERROR(write_choice(file, from.choice));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
-  return write_spans(file, group + "/dynamics_spans", from.dynamics_spans);
+  ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/dynamics_spans", from.dynamics_spans));
+  return write_curve(file, from.curve);
 }
 
 /// Zero stands for none, but where every bit is kept: earlier files could not say so.
@@ -317,6 +347,7 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.choice, read_choice(file));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));
   ENGRAM_ASSIGN_OR_RETURN(from.dynamics_spans, read_spans(file, group + "/dynamics_spans"));
+  ENGRAM_ASSIGN_OR_RETURN(from.curve, read_curve(file));
   return from;
 }
 

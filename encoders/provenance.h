@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "encoders/training_curve.h"
 #include "encoders/training_variant.h"
 #include "ltm/core/time.h"
 
@@ -106,6 +107,7 @@ struct Provenance {
   std::vector<TimeSpan> autoencoder_spans;
   /// The parts of them that the dynamics were trained on.
   std::vector<TimeSpan> dynamics_spans;
+  std::vector<CurvePoint> curve;  ///< How it went; empty: of a file from before it was kept.
 
   StoredForms forms;
   ModelChoice choice;

@@ -15,7 +15,7 @@ namespace engram::training {
 namespace {
 
 /// Raised with every change of what is kept or of how training goes on from it.
-constexpr std::string_view kMagic = "EGRMCKP1";
+constexpr std::string_view kMagic = "EGRMCKP2";
 constexpr size_t kHeadBytes = kMagic.size() + sizeof(uint64_t);
 /// A hostile file must not fill the memory.
 constexpr uint64_t kMostBytes = uint64_t{4} << 30;
@@ -55,6 +55,33 @@ Result<FitStep> step_at(const idf::Data& data, std::string_view key) {
   return step;
 }
 
+idf::Data data_of(const std::vector<encoders::CurvePoint>& curve) {
+  idf::List points;
+  for (const encoders::CurvePoint& point : curve)
+    points.emplace_back(idf::Dict{{"phase", point.phase},
+                                  {"step", point.step},
+                                  {"seconds", point.seconds},
+                                  {"loss", point.loss},
+                                  {"psnr_db", point.psnr_db},
+                                  {"bytes", point.bytes}});
+  return points;
+}
+
+Result<std::vector<encoders::CurvePoint>> curve_at(const idf::Data& data, std::string_view key) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto kept, value_at<idf::List>(data, key));
+  std::vector<encoders::CurvePoint> curve;
+  for (const idf::Data& one : kept) {
+    encoders::CurvePoint& point = curve.emplace_back();
+    ENGRAM_ASSIGN_OR_RETURN(point.phase, value_at<int32_t>(one, "phase"));
+    ENGRAM_ASSIGN_OR_RETURN(point.step, value_at<int64_t>(one, "step"));
+    ENGRAM_ASSIGN_OR_RETURN(point.seconds, value_at<float>(one, "seconds"));
+    ENGRAM_ASSIGN_OR_RETURN(point.loss, value_at<float>(one, "loss"));
+    ENGRAM_ASSIGN_OR_RETURN(point.psnr_db, value_at<float>(one, "psnr_db"));
+    ENGRAM_ASSIGN_OR_RETURN(point.bytes, value_at<float>(one, "bytes"));
+  }
+  return curve;
+}
+
 Result<Checkpoint> checkpoint_of(const idf::Data& data, uint64_t key) {
   ENGRAM_ASSIGN_OR_RETURN(const auto found, value_at<int64_t>(data, "key"));
   if (static_cast<uint64_t>(found) != key)
@@ -72,6 +99,7 @@ Result<Checkpoint> checkpoint_of(const idf::Data& data, uint64_t key) {
   ENGRAM_ASSIGN_OR_RETURN(checkpoint.predicted, step_at(data, "predicted"));
   ENGRAM_ASSIGN_OR_RETURN(idf::Dict state, value_at<idf::Dict>(data, "state"));
   checkpoint.state = std::move(state);
+  ENGRAM_ASSIGN_OR_RETURN(checkpoint.curve, curve_at(data, "curve"));
   return checkpoint;
 }
 
@@ -109,7 +137,8 @@ Status write_checkpoint(const std::filesystem::path& file, uint64_t key,
                                                 {"seconds", checkpoint.seconds},
                                                 {"coded", data_of(checkpoint.coded)},
                                                 {"predicted", data_of(checkpoint.predicted)},
-                                                {"state", checkpoint.state}}));
+                                                {"state", checkpoint.state},
+                                                {"curve", data_of(checkpoint.curve)}}));
   std::vector<std::byte> bytes(kHeadBytes);
   const uint64_t sum = ltm::checksum(body);
   std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
@@ -148,15 +177,17 @@ Checkpoints::Checkpoints(std::filesystem::path file, uint64_t key, Duration inte
     : file_(std::move(file)), key_(key), interval_(interval) {
   if (file_.empty()) return;
   auto found = read_checkpoint(file_, key_);
-  if (found.ok())
+  if (found.ok()) {
     found_ = *std::move(found);
-  else if (found.status().code() != StatusCode::kNotFound)
+    curve = encoders::TrainingCurve(found_->curve);
+  } else if (found.status().code() != StatusCode::kNotFound)
     log::warning("{}: training starts anew", found.status().message());
 }
 
 void Checkpoints::refuse_found(const Status& why) {
   log::warning("checkpoint '{}': {}: training starts anew", file_.string(), why.message());
   found_.reset();
+  curve = {};
   has_refused_ = true;
 }
 
@@ -169,6 +200,7 @@ void Checkpoints::save(Checkpoint checkpoint) {
   checkpoint.seconds = seconds();
   checkpoint.coded = coded;
   checkpoint.predicted = predicted;
+  checkpoint.curve = curve.points();
   const Status written = write_checkpoint(file_, key_, checkpoint);
   last_ = std::chrono::steady_clock::now();
   if (!written.ok() && !has_warned_)

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "encoders/training_curve.h"
 #include "ltm/idf/data.h"
 #include "training/fit_step.h"
 #include "training/trainer.h"
@@ -25,6 +26,7 @@ struct Checkpoint {
   FitStep coded;       ///< The end of the autoencoder's phase; in later ones only.
   FitStep predicted;   ///< The end of the dynamics' phase; in later ones only.
   idf::Data state;     ///< Of the fit, see kept_state().
+  std::vector<encoders::CurvePoint> curve;  ///< Up to here, of all processes.
 };
 
 /// Writes the file whole: a reader sees the old one or this one.
@@ -59,7 +61,8 @@ class Checkpoints {
   [[nodiscard]] double seconds() const;
   void did_not_work(double seconds) { idle_seconds_ += seconds; }
 
-  FitStep coded, predicted;  ///< Go into what is saved from now on.
+  FitStep coded, predicted;       ///< Go into what is saved from now on.
+  encoders::TrainingCurve curve;  ///< Likewise.
 
  private:
   std::filesystem::path file_;

@@ -43,7 +43,7 @@ class Crossval {
     report.entity = entity_;
     report.bound_db = options_.bound_db;
     ENGRAM_ASSIGN_OR_RETURN(const auto folds, folds_of(recordings.size()));
-    FoldSums all(options_.variants.size());
+    FoldSums all(options_.variants.size(), options_.ahead);
     for (const size_t number : folds) {
       ENGRAM_ASSIGN_OR_RETURN(const FoldSums sums, run_fold(recordings, number - 1));
       all.add(sums, folds.size());
@@ -91,7 +91,7 @@ class Crossval {
   }
 
   Result<FoldSums> run_fold(const std::vector<Sequence>& recordings, size_t fold) {
-    FoldSums sums(options_.variants.size());
+    FoldSums sums(options_.variants.size(), options_.ahead);
     sums.snapshots = recordings[fold].size();
     ENGRAM_RETURN_IF_ERROR(measure_baselines(recordings[fold], sums));
     for (size_t i = 0; i < options_.variants.size(); ++i)
@@ -240,23 +240,23 @@ class Crossval {
     return predictions;
   }
 
-  /// Predicts every snapshot of a recording from the two before it, and from the two before those.
+  /// Predicts as many snapshots of a recording as there are sums from each two in a row.
   /// What came of the condition is given as the plan.
   Status measure_predictions(const Sequence& recording,
                              const std::optional<ltm::MemoryId>& condition, const Predict& predict,
-                             std::array<PredictionSums, kAhead>& sums) {
+                             std::vector<PredictionSums>& sums) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
     std::vector<Time> times;
     for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
     ENGRAM_ASSIGN_OR_RETURN(const auto conditions, conditions_at(reader_, condition, times));
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
-      const size_t steps = std::min(kAhead, values.size() - 1 - row);
+      const size_t steps = std::min(sums.size(), values.size() - 1 - row);
       ltm::Past past{std::span<const idf::Data>(values).subspan(row - 1, 2)};
       if (!conditions.empty()) {
         past.conditions = std::span(conditions).subspan(row - 1, 2);
         past.plan = std::span(conditions).subspan(row + 1);
-        past.plan = past.plan.first(std::min(past.plan.size(), kAhead));
+        past.plan = past.plan.first(std::min(past.plan.size(), sums.size()));
       }
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
@@ -299,6 +299,9 @@ Status CrossvalOptions::validate() const {
   if (every < Duration::zero())
     return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
                             engram::to_string(every));
+  if (ahead < kLeastAhead || ahead > kMostAhead)
+    return invalid_argument("snapshots ahead: found {}, needs {} to {}", ahead, kLeastAhead,
+                            kMostAhead);
   if (std::ranges::find(folds, 0u) != folds.end())
     return invalid_argument("folds: found 0, the first is 1");
   if (std::set(folds.begin(), folds.end()).size() < folds.size())

@@ -36,6 +36,8 @@ struct CrossvalOptions {
   /// Snapshots that are measured lie so far apart; those between them, as recordings of the same
   /// rate, are trained on as well. Zero: every one is measured.
   Duration every{};
+  /// Snapshots ahead that predictions are measured for: next, over-next, ... 2 to 100.
+  size_t ahead = 2;
   /// Recordings that are left out, one after another, by their number from 1 on; none: all.
   std::vector<size_t> folds;
 
@@ -44,8 +46,10 @@ struct CrossvalOptions {
   [[nodiscard]] RepresentationOptions representation(bool is_corrected) const;
 };
 
-/// Snapshots ahead that predictions are measured for: 1 and 2.
-inline constexpr size_t kAhead = 2;
+/// Predictions are measured at least for next and over-next.
+inline constexpr size_t kLeastAhead = 2;
+/// A rollout is not meant to go on further.
+inline constexpr size_t kMostAhead = 100;
 
 /// How well global codes find what looks alike, asked for snapshots of the left-out recording among
 /// all others.
@@ -75,11 +79,11 @@ struct VariantQuality {
   Reconstruction latents;    ///< Alone.
   Reconstruction corrected;  ///< With residuals where they miss the bound that was asked for.
   uint64_t model_bytes = 0;
-  std::array<Quality, kAhead> prediction;   ///< Of the left-out recording.
-  std::array<Foresight, kAhead> foresight;  ///< Of these predictions.
+  std::vector<Quality> prediction;   ///< Of the left-out recording, by snapshots ahead.
+  std::vector<Foresight> foresight;  ///< Of these predictions.
   /// The same, told what came of the condition as if it had been planned; nothing is measured
   /// without a condition.
-  std::array<Quality, kAhead> planned;
+  std::vector<Quality> planned;
   SimilarityQuality similarity;
 };
 
@@ -87,8 +91,8 @@ struct VariantQuality {
 struct CrossvalFold {
   Time first{};            ///< Of the recording; not set in the mean.
   uint64_t snapshots = 0;  ///< Of it.
-  /// Predictions of it, by Baseline.
-  std::array<std::array<Quality, kAhead>, kBaselines> baselines;
+  /// Predictions of it, by Baseline and snapshots ahead.
+  std::array<std::vector<Quality>, kBaselines> baselines;
   std::vector<VariantQuality> variants;  ///< As in the options.
 
   /// How much better a variant predicts images than a copy of the last. Unit: dB, of means.

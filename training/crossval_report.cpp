@@ -40,7 +40,7 @@ Json to_json(const CrossvalFold& fold) {
     one["model_bytes"] = variant.model_bytes;
     one["similarity"] = to_json(variant.similarity);
     if (variant.corrected.left_out_bytes > 0) one["corrected"] = to_json(variant.corrected);
-    for (size_t ahead = 0; ahead < kAhead; ++ahead) {
+    for (size_t ahead = 0; ahead < variant.prediction.size(); ++ahead) {
       one["prediction"].push_back(quality_json(variant.prediction[ahead]));
       one["planned"].push_back(quality_json(variant.planned[ahead]));
       one["bound"].push_back(foresight_json(variant.foresight[ahead]));
@@ -71,8 +71,10 @@ Reconstruction ReconstructionSums::quality() const {
 void VariantSums::add(const VariantSums& fold, size_t folds) {
   latents.add(fold.latents, folds);
   corrected.add(fold.corrected, folds);
-  for (size_t ahead = 0; ahead < kAhead; ++ahead) prediction[ahead].add(fold.prediction[ahead]);
-  for (size_t ahead = 0; ahead < kAhead; ++ahead) planned[ahead].add(fold.planned[ahead]);
+  for (size_t ahead = 0; ahead < prediction.size(); ++ahead) {
+    prediction[ahead].add(fold.prediction[ahead]);
+    planned[ahead].add(fold.planned[ahead]);
+  }
   model_bytes += fold.model_bytes / static_cast<double>(folds);
   similarity.add(fold.similarity);
 }
@@ -82,10 +84,10 @@ VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
   quality.variant = variant;
   quality.latents = latents.quality();
   quality.corrected = corrected.quality();
-  for (size_t ahead = 0; ahead < kAhead; ++ahead) {
-    quality.prediction[ahead] = prediction[ahead].quality.quality();
-    quality.foresight[ahead] = prediction[ahead].foresight();
-    quality.planned[ahead] = planned[ahead].quality.quality();
+  for (size_t ahead = 0; ahead < prediction.size(); ++ahead) {
+    quality.prediction.push_back(prediction[ahead].quality.quality());
+    quality.foresight.push_back(prediction[ahead].foresight());
+    quality.planned.push_back(planned[ahead].quality.quality());
   }
   quality.model_bytes = static_cast<uint64_t>(std::lround(model_bytes));
   quality.similarity = similarity.quality();
@@ -95,7 +97,7 @@ VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
 void FoldSums::add(const FoldSums& fold, size_t folds) {
   snapshots += fold.snapshots;
   for (size_t way = 0; way < kBaselines; ++way)
-    for (size_t ahead = 0; ahead < kAhead; ++ahead)
+    for (size_t ahead = 0; ahead < baselines[way].size(); ++ahead)
       baselines[way][ahead].add(fold.baselines[way][ahead]);
   for (size_t i = 0; i < variants.size(); ++i) variants[i].add(fold.variants[i], folds);
 }
@@ -104,8 +106,8 @@ CrossvalFold FoldSums::fold(const std::vector<encoders::TrainingVariant>& names)
   CrossvalFold result;
   result.snapshots = snapshots;
   for (size_t way = 0; way < kBaselines; ++way)
-    for (size_t ahead = 0; ahead < kAhead; ++ahead)
-      result.baselines[way][ahead] = baselines[way][ahead].quality.quality();
+    for (const PredictionSums& ahead : baselines[way])
+      result.baselines[way].push_back(ahead.quality.quality());
   for (size_t i = 0; i < variants.size(); ++i)
     result.variants.push_back(variants[i].quality(names[i]));
   return result;

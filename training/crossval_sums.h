@@ -25,11 +25,12 @@ struct ReconstructionSums {
 /// What is added up of one variant, over one fold or over all.
 struct VariantSums {
   ReconstructionSums latents, corrected;
-  std::array<PredictionSums, kAhead> prediction;
-  std::array<PredictionSums, kAhead> planned;  ///< Told the conditions that came.
-  double model_bytes = 0;                      ///< As those of reconstructions.
+  std::vector<PredictionSums> prediction;  ///< By snapshots ahead.
+  std::vector<PredictionSums> planned;     ///< Told the conditions that came.
+  double model_bytes = 0;                  ///< As those of reconstructions.
   SimilaritySums similarity;
 
+  explicit VariantSums(size_t ahead) : prediction(ahead), planned(ahead) {}
   void add(const VariantSums& fold, size_t folds);
   [[nodiscard]] VariantQuality quality(encoders::TrainingVariant variant) const;
 };
@@ -37,10 +38,12 @@ struct VariantSums {
 /// What is added up of one fold, or of all.
 struct FoldSums {
   uint64_t snapshots = 0;
-  std::array<std::array<PredictionSums, kAhead>, kBaselines> baselines;
+  std::array<std::vector<PredictionSums>, kBaselines> baselines;
   std::vector<VariantSums> variants;
 
-  explicit FoldSums(size_t variant_count) : variants(variant_count) {}
+  FoldSums(size_t variant_count, size_t ahead) : variants(variant_count, VariantSums(ahead)) {
+    baselines.fill(std::vector<PredictionSums>(ahead));
+  }
   void add(const FoldSums& fold, size_t folds);
   [[nodiscard]] CrossvalFold fold(const std::vector<encoders::TrainingVariant>& names) const;
 };

@@ -43,6 +43,13 @@ Result<double> FitLoop::next(const FitState& state) {
   return share;
 }
 
+void FitLoop::tell(const FitStep& now) const {
+  checkpoints_.curve.add({static_cast<int32_t>(phase_), now.step,
+                          static_cast<float>(checkpoints_.seconds()), static_cast<float>(now.loss),
+                          static_cast<float>(now.psnr_db), static_cast<float>(now.bytes)});
+  sink_(now);
+}
+
 Status FitLoop::pause(const FitState& state, double share) {
   const bool is_stopped = pace_.stop().stop_requested();
   const bool is_busy = !is_stopped && pace_.is_busy();
@@ -58,7 +65,7 @@ Status FitLoop::pause(const FitState& state, double share) {
 
 void FitLoop::keep(const FitState& state, double share) {
   if (!checkpoints_.is_on()) return;
-  checkpoints_.save({phase_, std::min(share, 1.0), 0, {}, {}, kept_state(state)});
+  checkpoints_.save({phase_, std::min(share, 1.0), 0, {}, {}, kept_state(state), {}});
 }
 
 }  // namespace engram::training

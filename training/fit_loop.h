@@ -39,7 +39,7 @@ class FitLoop {
   /// Errors: those of JobPace::pause; the state is kept first.
   Result<double> next(const FitState& state);
 
-  void tell(const FitStep& now) const { sink_(now); }
+  void tell(const FitStep& now) const;
 
  private:
   void keep(const FitState& state, double share);

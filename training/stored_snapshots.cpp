@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -108,14 +109,18 @@ Status list_stored_snapshots(ltm::StoreReader& reader, const ltm::MemoryId& enti
   for (const ltm::SnapshotEntry& entry : *index) {
     if (!entry.latent) continue;
     ENGRAM_ASSIGN_OR_RETURN(const ltm::LatentSnapshot latents, reader.read_latent(entity, entry));
-    StoredSnapshot snapshot{latents.time, latents.model_version, {}, 0, 0};
+    StoredSnapshot snapshot{latents.time, latents.model_version, {}, 0, 0, 0};
     double mse = 0;
+    double number_mse = 0;
     for (const ltm::LatentInstance& instance : latents.instances) {
       ENGRAM_RETURN_IF_ERROR(descriptions.add(instance.latent, latents.model_version, snapshot));
-      mse += instance.error.image_mse / static_cast<double>(latents.instances.size());
+      const auto count = static_cast<double>(latents.instances.size());
+      mse += instance.error.image_mse / count;
+      number_mse += instance.error.number_mse / count;
     }
     snapshot.psnr_db =
         snapshot.images.empty() ? std::numeric_limits<double>::quiet_NaN() : psnr_db(mse);
+    snapshot.rmse = std::sqrt(number_mse);
     ENGRAM_RETURN_IF_ERROR(sink(snapshot));
   }
   return {};

@@ -42,6 +42,7 @@ struct StoredSnapshot {
   /// remainders; without the segment around them.
   double bytes = 0;
   double psnr_db = 0;  ///< Of all its images together, as it was measured; NaN without images.
+  double rmse = 0;     ///< Of all its numbers together, likewise; NaN without numbers.
 };
 
 /// Tells of every snapshot of an entity that has latents how it is kept, in the order of time.

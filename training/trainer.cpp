@@ -210,6 +210,9 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   provenance.prior_bytes = coded.bytes;
   provenance.number_bound = options.number_bound;
   provenance.started_from = report.started_from;
+  provenance.curve = checkpoints.curve.points();
+  if (options.steps)
+    for (encoders::CurvePoint& point : provenance.curve) point.seconds = 0;
   describe(data, start, provenance);
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
   ENGRAM_RETURN_IF_ERROR(encoders::save_model(model, example, file));

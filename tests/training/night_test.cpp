@@ -2,6 +2,7 @@
 // The offline phase as a nightly job: interrupted, hurried, and beside a robot that is busy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "ltm/core/file.h"
@@ -10,6 +11,7 @@
 #include "training/consolidate.h"
 #include "training/drop_raw.h"
 #include "training/job_pace.h"
+#include "training/quality/psnr.h"
 
 namespace engram::training {
 namespace {
@@ -208,6 +210,43 @@ TEST(DropRaw, LeavesYoungDataRecorded) {
     EXPECT_EQ(entries[i].recorded.has_value(), i >= 12) << i;
     EXPECT_TRUE(entries[i].latent.has_value()) << i;
   }
+}
+
+/// The measured errors of an entity's latents, in the order of time.
+std::vector<ltm::MeasuredError> errors_of(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
+  std::vector<ltm::MeasuredError> errors;
+  for (const ltm::SnapshotEntry& entry : **reader.index(entity))
+    errors.push_back(reader.read_latent(entity, entry)->instances.front().error);
+  return errors;
+}
+
+TEST(DropRaw, LeavesRecordedWhatItsLatentsMissTheBoundOf) {
+  const ScratchPath store("bounds");
+  record(store.path(), "Test/Scene/sim/square", 0, 20);
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  const auto entity = id("Test/Scene/sim/square");
+  const auto errors = errors_of(**ltm::StoreReader::open(store.path()), entity);
+  std::vector<double> psnr;
+  for (const auto& error : errors) psnr.push_back(psnr_db(error.image_mse));
+  std::vector<double> sorted = psnr;
+  std::ranges::sort(sorted);
+  ASSERT_LT(sorted[6], sorted[7]);
+  const double between = (sorted[6] + sorted[7]) / 2;
+
+  const DropOptions of_numbers{.max_rmse = 1e-12};
+  const auto none = drop_raw(store.path(), entity, of_numbers, {}, {});
+  ASSERT_TRUE(none.ok()) << none.status().to_string();
+  EXPECT_EQ(none->snapshots, 0u) << "numbers are within a bound, not equal";
+
+  const DropOptions of_images{.min_psnr_db = between};
+  const auto dropped = drop_raw(store.path(), entity, of_images, {}, {});
+  ASSERT_TRUE(dropped.ok()) << dropped.status().to_string();
+  EXPECT_EQ(dropped->snapshots, 13u);
+  EXPECT_EQ(dropped->kept, 7u);
+  const auto reader = *ltm::StoreReader::open(store.path());
+  const auto& entries = **reader->index(entity);
+  for (size_t i = 0; i < entries.size(); ++i)
+    EXPECT_EQ(entries[i].recorded.has_value(), psnr[i] < between) << i << ": " << psnr[i] << " dB";
 }
 
 }  // namespace
