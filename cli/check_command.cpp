@@ -28,22 +28,6 @@ struct CheckArguments {
   bool is_json = false;
 };
 
-Json to_json(const ltm::CheckReport& report, const std::string& store) {
-  return {{"store", store},
-          {"clean", report.is_clean()},
-          {"generation", report.generation},
-          {"segments", report.segments},
-          {"models", report.models},
-          {"journals", report.journals},
-          {"frames", report.frames},
-          {"entities", report.entities},
-          {"snapshots", report.snapshots},
-          {"instances", report.instances},
-          {"media", report.media},
-          {"bytes", report.bytes},
-          {"findings", findings_json(report.findings)}};
-}
-
 void print_report(const ltm::CheckReport& report, const std::string& store) {
   print_findings(report.findings);
   print(
@@ -66,7 +50,7 @@ ExitCode run(const CheckArguments& arguments) {
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
-    print_json(to_json(*report, arguments.store));
+    print_json(check_json(*report, arguments.store));
   else
     print_report(*report, arguments.store);
   return report->is_clean() ? ExitCode::kDone : ExitCode::kDoneWithLoss;

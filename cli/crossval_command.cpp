@@ -97,6 +97,10 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
       ->check(duration_text())
       ->capture_default_str();
   command
+      ->add_option("--ahead", arguments->options.ahead,
+                   "Snapshots ahead that predictions are measured for: next, over-next, ...")
+      ->capture_default_str();
+  command
       ->add_option("--variants,--variant", arguments->variants,
                    "What latents are trained for: some of rate, ae, vae and wae; or all")
       ->delimiter(',')

@@ -91,7 +91,7 @@ std::string bound_table(const CrossvalReport& report, size_t index) {
   return table_of_folds(report, header, [index](const std::string& name, const CrossvalFold& fold) {
     const VariantQuality& variant = fold.variants[index];
     std::vector<std::string> row{name};
-    for (size_t ahead = 0; ahead < training::kAhead; ++ahead) {
+    for (size_t ahead = 0; ahead < training::kLeastAhead; ++ahead) {
       const Quality& quality = variant.prediction[ahead];
       const bool has_images = quality.images > 0;
       const training::Coverage& told =
@@ -137,7 +137,7 @@ std::string baseline_table(const CrossvalReport& report) {
           fmt::format("{}: {}", ahead, to_string(static_cast<training::Baseline>(way))));
   return table_of_folds(report, header, [](const std::string& name, const CrossvalFold& fold) {
     std::vector<std::string> row{name};
-    for (size_t ahead = 0; ahead < training::kAhead; ++ahead)
+    for (size_t ahead = 0; ahead < training::kLeastAhead; ++ahead)
       for (const auto& way : fold.baselines) row.push_back(quality_text(way[ahead]));
     return row;
   });
@@ -157,6 +157,25 @@ std::string comparison_table(const CrossvalFold& all) {
   return table.to_string("  ");
 }
 
+/// How predictions get worse; empty where next and over-next are all that was measured.
+std::string ahead_table(const CrossvalFold& all) {
+  const size_t ahead = all.baselines.front().size();
+  if (ahead <= training::kLeastAhead) return "";
+  std::vector<std::string> header{"snapshots ahead"};
+  for (size_t step = 1; step <= ahead; ++step) header.push_back(std::to_string(step));
+  TextTable table(header);
+  const auto add = [&](std::string_view name, const std::vector<Quality>& qualities) {
+    std::vector<std::string> row{std::string(name)};
+    for (const Quality& quality : qualities) row.push_back(quality_text(quality));
+    table.add(std::move(row));
+  };
+  for (const VariantQuality& variant : all.variants)
+    add(to_string(variant.variant), variant.prediction);
+  for (size_t way = 0; way < training::kBaselines; ++way)
+    add(to_string(static_cast<training::Baseline>(way)), all.baselines[way]);
+  return "\n" + table.to_string("  ");
+}
+
 }  // namespace
 
 std::string crossval_text(const CrossvalReport& report) {
@@ -169,7 +188,7 @@ std::string crossval_text(const CrossvalReport& report) {
             "\n" + plan_table(report, i) + similarity_text(variant.similarity);
   }
   text += "predictions that learn nothing\n" + baseline_table(report) + "\n";
-  return text + "beside each other\n" + comparison_table(report.all);
+  return text + "beside each other\n" + comparison_table(report.all) + ahead_table(report.all);
 }
 
 std::string fold_text(const CrossvalFold& fold, size_t number) {

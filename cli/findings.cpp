@@ -31,6 +31,22 @@ Json findings_json(const std::vector<ltm::Finding>& findings) {
   return json;
 }
 
+Json check_json(const ltm::CheckReport& report, const std::string& store) {
+  return {{"store", store},
+          {"clean", report.is_clean()},
+          {"generation", report.generation},
+          {"segments", report.segments},
+          {"models", report.models},
+          {"journals", report.journals},
+          {"frames", report.frames},
+          {"entities", report.entities},
+          {"snapshots", report.snapshots},
+          {"instances", report.instances},
+          {"media", report.media},
+          {"bytes", report.bytes},
+          {"findings", findings_json(report.findings)}};
+}
+
 void print_findings(const std::vector<ltm::Finding>& findings) {
   for (const ltm::Severity severity : {ltm::Severity::kFault, ltm::Severity::kNote})
     for (const ltm::Finding& finding : findings)

@@ -4,12 +4,15 @@
 #include <vector>
 
 #include "cli/command.h"
-#include "ltm/store/finding.h"
+#include "ltm/store/check.h"
 
 namespace engram::cli {
 
 /// [{"severity": "fault", "file", "object", "what", "advice"}].
 [[nodiscard]] Json findings_json(const std::vector<ltm::Finding>& findings);
+
+/// What a check looked at and found, as `engram check --json` tells it.
+[[nodiscard]] Json check_json(const ltm::CheckReport& report, const std::string& store);
 
 /// A paragraph each, faults first.
 void print_findings(const std::vector<ltm::Finding>& findings);

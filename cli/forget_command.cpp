@@ -6,13 +6,12 @@
 #include <iostream>
 
 #include "cli/command.h"
+#include "cli/forget_job.h"
 #include "cli/forget_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "encoders/load_model.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/forget_config.h"
-#include "ltm/forgetting/plan_forgetting.h"
 
 namespace engram::cli {
 
@@ -36,45 +35,6 @@ struct ForgetArguments {
   bool is_dry_run = false;
   bool is_json = false;
   bool is_confirmed = false;
-};
-
-/// Makes plans of one store, each of its newest generation.
-class PlanMaker {
- public:
-  PlanMaker(const ForgetArguments& arguments, ltm::ForgetOptions options, ProgressSink progress)
-      : arguments_(arguments), options_(std::move(options)), progress_(std::move(progress)) {}
-
-  Result<ltm::ForgetPlan> plan() const { return plan(options_); }
-
-  [[nodiscard]] bool has_quota() const {
-    return arguments_.targets.empty() && (options_.most_bytes || options_.least_free_disk_bytes);
-  }
-
-  /// What quotas still demand after a first plan.
-  Result<ltm::ForgetPlan> plan_after(const ltm::ForgetOptions& quota) const { return plan(quota); }
-
-  [[nodiscard]] ltm::ForgetOptions quota_after(const ltm::ForgetPlan& first) const {
-    return ltm::quota_after(options_, first);
-  }
-
- private:
-  Result<ltm::ForgetPlan> plan(const ltm::ForgetOptions& options) const {
-    ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(arguments_.store));
-    ENGRAM_ASSIGN_OR_RETURN(ltm::ForgetContext context, ltm::ForgetContext::of(arguments_.store));
-    context.progress = progress_;
-    context.stop = interrupt_token();
-    const ltm::AccessTable accesses = ltm::read_accesses(arguments_.store);
-    ltm::Recall recall(std::move(reader), encoders::load_model);
-    ltm::ForgetSource source(recall, accesses);
-    if (arguments_.targets.empty()) return ltm::plan_forgetting(source, options, context);
-    ENGRAM_ASSIGN_OR_RETURN(const auto chosen,
-                            ltm::find_forget_targets(recall, arguments_.targets));
-    return ltm::plan_forgetting_of(source, chosen, options.protection, context);
-  }
-
-  const ForgetArguments& arguments_;
-  ltm::ForgetOptions options_;
-  ProgressSink progress_;
 };
 
 /// Asks on the terminal. False where the answer is not yes, or Ctrl-C comes first.
@@ -111,21 +71,12 @@ ExitCode conclude(const ForgetArguments& arguments, const ltm::ForgetReport& rep
   return ExitCode::kDone;
 }
 
-ExitCode carry_out(const ForgetArguments& arguments, const PlanMaker& maker, ltm::ForgetPlan plan,
+ExitCode carry_out(const ForgetArguments& arguments, const ForgetJob& job, ltm::ForgetPlan plan,
                    ProgressLine& progress) {
-  ltm::PlanAgain again;
-  if (maker.has_quota())
-    again = [&maker, quota = maker.quota_after(plan)] { return maker.plan_after(quota); };
   Json json{{"plan", plan_json(plan)}};
-  const ltm::ForgetSet gone = plan.to_set();
-  const auto report =
-      ltm::carry_out(arguments.store, std::move(plan), again, progress.sink(), interrupt_token());
+  const auto report = job.carry_out(std::move(plan));
   progress.finish();
   if (!report.ok()) return fail(report.status());
-  // Notes of what went are of no use; that they could not be cleared does no harm.
-  if (!report->rewritten.is_cancelled)
-    if (const Status status = ltm::merge_accesses(arguments.store, gone); !status.ok())
-      log::warning("access logs stay as they are: {}", status.message());
   json["done"] = report_json(*report);
   if (arguments.is_json)
     print_json(json);
@@ -143,8 +94,9 @@ ExitCode run(const ForgetArguments& arguments) {
     options = *std::move(config);
   }
   ProgressLine progress;
-  const PlanMaker maker(arguments, std::move(options), progress.sink());
-  auto plan = maker.plan();
+  const ForgetJob job{arguments.store, arguments.targets, std::move(options), progress.sink(),
+                      interrupt_token()};
+  auto plan = job.plan();
   progress.finish();
   if (!plan.ok()) return fail(plan.status());
   if (!arguments.is_json) print_plan(*plan);
@@ -158,7 +110,7 @@ ExitCode run(const ForgetArguments& arguments) {
   const bool needs_answer = plan->snapshots() > 0 && !arguments.is_confirmed;
   if (needs_answer && !is_agreed(plan->snapshots()))
     return fail(cancelled("forget: nothing was changed"));
-  return carry_out(arguments, maker, *std::move(plan), progress);
+  return carry_out(arguments, job, *std::move(plan), progress);
 }
 
 }  // namespace

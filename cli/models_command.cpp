@@ -148,7 +148,8 @@ Json to_json(const ltm::MemoryId& entity, const training::StoredSnapshot& snapsh
           {"model_version", snapshot.model_version},
           {"images", std::move(images)},
           {"bytes", snapshot.bytes},
-          {"psnr_db", std::isnan(snapshot.psnr_db) ? Json(nullptr) : Json(snapshot.psnr_db)}};
+          {"psnr_db", std::isnan(snapshot.psnr_db) ? Json(nullptr) : Json(snapshot.psnr_db)},
+          {"rmse", std::isnan(snapshot.rmse) ? Json(nullptr) : Json(snapshot.rmse)}};
 }
 
 Status print_snapshots(ltm::StoreReader& reader, const std::vector<Model>& models) {

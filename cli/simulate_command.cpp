@@ -8,6 +8,10 @@ namespace engram::cli {
 
 namespace {
 
+constexpr const char* kFooterOfAll = R"(Examples:
+  engram simulate scene --video scene.mp4 --table scene.csv
+  engram simulate kitchen kitchen.engram --seed 3)";
+
 constexpr const char* kFooter = R"(Example:
   engram simulate scene --seconds 60 --seed 1 --video scene.mp4 --table scene.csv)";
 
@@ -34,6 +38,7 @@ void add_simulate_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<SceneArguments>();
   CLI::App* simulate = app.add_subcommand("simulate", "Make recordings without a robot");
   simulate->require_subcommand(1);
+  simulate->footer(kFooterOfAll);
   CLI::App* scene =
       simulate->add_subcommand("scene", "Draw an arm that picks and places, before a still room");
   scene->footer(kFooter);
