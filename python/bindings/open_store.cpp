@@ -1,66 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "python/bindings/open_store.h"
 
+#include <pybind11/stl.h>
+#include <unistd.h>
+
 #include <cmath>
 
 #include "encoders/load_model.h"
 #include "python/bindings/errors.h"
-#include "python/bindings/values.h"
+#include "python/bindings/measured_error.h"
+#include "python/bindings/query_result.h"
 #include "server/prediction/entity_forecaster.h"
+#include "training/stored_snapshots.h"
 
 namespace engram::python {
 
 namespace {
 
 namespace py = pybind11;
-
-py::object number_or_none(double value) {
-  return std::isnan(value) ? py::object(py::none()) : py::object(py::float_(value));
-}
-
-py::object error_of(const std::optional<ltm::MeasuredError>& error) {
-  if (!error) return py::none();
-  py::dict dict;
-  dict["image_mse"] = number_or_none(error->image_mse);
-  dict["number_mse"] = number_or_none(error->number_mse);
-  return dict;
-}
-
-py::dict instance_of(const ltm::InstanceResult& instance) {
-  const ltm::InstanceMetadata& about = instance.metadata;
-  py::dict dict;
-  dict["index"] = instance.index;
-  dict["value"] = to_python(instance.data);
-  dict["created"] = to_ns(about.created);
-  dict["sent"] = to_ns(about.sent);
-  dict["arrived"] = to_ns(about.arrived);
-  dict["provider"] = about.provider;
-  dict["confidence"] = about.confidence;
-  dict["origin"] = about.origin.to_string();
-  dict["recipe"] = about.recipe;
-  dict["error"] = error_of(instance.error);
-  dict["bound"] = error_of(instance.bound);
-  return dict;
-}
-
-py::list snapshots_of(const ltm::EntityResult& entity) {
-  py::list snapshots;
-  for (const ltm::SnapshotResult& found : entity.snapshots) {
-    py::list instances;
-    for (const ltm::InstanceResult& instance : found.instances)
-      instances.append(instance_of(instance));
-    py::dict dict;
-    dict["entity"] = entity.id.to_string();
-    dict["time"] = to_ns(found.time);
-    dict["source"] = std::string(ltm::to_string(found.source));
-    dict["model"] = found.model;
-    dict["predictor"] = found.predictor;
-    dict["horizon"] = found.horizon.count();
-    dict["instances"] = std::move(instances);
-    snapshots.append(std::move(dict));
-  }
-  return snapshots;
-}
 
 ltm::Recall::Options options_of(bool prefers_latents) {
   ltm::Recall::Options options;
@@ -92,15 +49,62 @@ Result<std::vector<int64_t>> times_behind(ltm::Timeline& timeline, std::optional
   return times;
 }
 
+Result<std::unique_ptr<ltm::Recall>> open_recall(const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(path));
+  return std::make_unique<ltm::Recall>(std::move(reader), encoders::load_model, nullptr,
+                                       server::make_entity_forecaster);
+}
+
+/// Columns of what is stored.
+struct StoredColumns {
+  std::vector<int64_t> times, models;
+  std::vector<std::string> forms;
+  std::vector<double> bytes, psnr_db, rmse;
+};
+
+StoredColumns columns_of(const std::vector<training::StoredSnapshot>& snapshots) {
+  StoredColumns columns;
+  for (const training::StoredSnapshot& one : snapshots) {
+    columns.times.push_back(to_ns(one.time));
+    columns.models.push_back(one.model_version);
+    std::vector<std::string> forms;
+    for (const training::StoredImage& image : one.images) forms.emplace_back(to_string(image.form));
+    columns.forms.push_back(fmt::format("{}", fmt::join(forms, "+")));
+    columns.bytes.push_back(one.bytes);
+    columns.psnr_db.push_back(one.psnr_db);
+    columns.rmse.push_back(one.rmse);
+  }
+  return columns;
+}
+
+/// Moments and latents of one model, of the first instances.
+struct FoundLatents {
+  std::vector<int64_t> times;
+  std::vector<ltm::Latent> latents;
+};
+
+Result<FoundLatents> read_latents(ltm::StoreReader& reader, const ltm::MemoryId& entity,
+                                  int version, Time first, Time last) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader.index(entity));
+  FoundLatents found;
+  for (const ltm::SnapshotEntry& entry : *index) {
+    if (!entry.latent || entry.time < first || entry.time > last) continue;
+    ENGRAM_ASSIGN_OR_RETURN(ltm::LatentSnapshot snapshot, reader.read_latent(entity, entry));
+    if (snapshot.model_version != version || snapshot.instances.empty()) continue;
+    found.times.push_back(to_ns(entry.time));
+    found.latents.push_back(std::move(snapshot.instances.front().latent));
+  }
+  return found;
+}
+
 }  // namespace
 
-OpenStore::OpenStore(const std::filesystem::path& path) {
-  auto reader = [&] {
+OpenStore::OpenStore(const std::filesystem::path& path) : path_(path), process_(::getpid()) {
+  auto opened = [&] {
     const py::gil_scoped_release released;
-    return ltm::StoreReader::open(path);
+    return open_recall(path_);
   }();
-  recall_ = std::make_unique<ltm::Recall>(value_or_raise(std::move(reader)), encoders::load_model,
-                                          nullptr, server::make_entity_forecaster);
+  recall_ = value_or_raise(std::move(opened));
 }
 
 /// Calls `work`, which gives a Result, without the GIL.
@@ -109,6 +113,8 @@ auto OpenStore::with_recall(F work) {
   auto result = [&]() -> decltype(work(*recall_)) {
     const py::gil_scoped_release released;
     const std::scoped_lock lock(mutex_);
+    if (process_ != ::getpid())
+      return failed_precondition("the memory was opened by another process: open it in this one");
     if (recall_ == nullptr) return failed_precondition("the memory is closed");
     return work(*recall_);
   }();
@@ -161,7 +167,8 @@ py::list OpenStore::select(const std::string& entity, const std::string& selecto
     return recall.query(ltm::Query::of_entity(id, parsed), options_of(prefers_latents));
   });
   py::list snapshots;
-  for (const ltm::EntityResult* found : result.entities()) snapshots = snapshots_of(*found);
+  for (const ltm::EntityResult* found : result.entities())
+    snapshots = snapshots_of(found->id, found->snapshots);
   return snapshots;
 }
 
@@ -172,8 +179,97 @@ py::list OpenStore::query(const std::string& text, bool prefers_latents) {
   });
   py::list answer;
   for (const ltm::EntityResult* found : result.entities())
-    answer.append(py::make_tuple(found->id.to_string(), snapshots_of(*found)));
+    answer.append(py::make_tuple(found->id.to_string(), snapshots_of(found->id, found->snapshots)));
   return answer;
+}
+
+py::list OpenStore::predict(const std::string& entity, const std::vector<int64_t>& horizons,
+                            std::optional<int64_t> from, const std::string& engine,
+                            bool prefers_latents) {
+  ltm::Outlook outlook;
+  if (from) outlook.from = time_from_ns(*from);
+  for (const int64_t horizon : horizons) outlook.horizons.emplace_back(horizon);
+  outlook.engine = engine;
+  const auto id = value_or_raise(entity_of(entity));
+  return snapshots_of(id, with_recall([&](ltm::Recall& recall) {
+                        return recall.predict(id, outlook, options_of(prefers_latents));
+                      }));
+}
+
+py::list OpenStore::engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from) {
+  const auto records =
+      with_recall([&](ltm::Recall& recall) -> Result<std::vector<ltm::EngineRecord>> {
+        ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+        std::optional<Time> time;
+        if (from) time = time_from_ns(*from);
+        return recall.records(id, time, Duration(ahead), {});
+      });
+  py::list engines;
+  for (const ltm::EngineRecord& record : records) {
+    py::dict engine;
+    engine["name"] = record.engine;
+    engine["model"] = record.model;
+    engine["predictions"] = record.predictions;
+    engine["error"] = to_python(record.mean);
+    engine["bound"] = to_python(record.bound);
+    engines.append(std::move(engine));
+  }
+  return engines;
+}
+
+py::list OpenStore::models() {
+  const auto found = with_recall([](ltm::Recall& recall) -> Result<std::vector<ltm::ModelInfo>> {
+    return recall.store().manifest().models;
+  });
+  py::list models;
+  for (const ltm::ModelInfo& one : found) {
+    py::dict model;
+    model["entity"] = one.entity.to_string();
+    model["version"] = one.version;
+    model["file"] = (path_ / one.file).string();
+    model["bytes"] = one.bytes;
+    models.append(std::move(model));
+  }
+  return models;
+}
+
+py::dict OpenStore::stored_snapshots(const std::string& entity) {
+  const StoredColumns found = with_recall([&](ltm::Recall& recall) -> Result<StoredColumns> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    std::vector<training::StoredSnapshot> snapshots;
+    ENGRAM_RETURN_IF_ERROR(training::list_stored_snapshots(
+        recall.store(), id, [&](const training::StoredSnapshot& one) -> Status {
+          snapshots.push_back(one);
+          return {};
+        }));
+    return columns_of(snapshots);
+  });
+  py::dict columns;
+  columns["time"] = py::array_t<int64_t>(py::cast(found.times));
+  columns["model"] = py::array_t<int64_t>(py::cast(found.models));
+  columns["form"] = py::cast(found.forms);
+  columns["bytes"] = py::array_t<double>(py::cast(found.bytes));
+  columns["psnr_db"] = py::array_t<double>(py::cast(found.psnr_db));
+  columns["rmse"] = py::array_t<double>(py::cast(found.rmse));
+  return columns;
+}
+
+py::dict OpenStore::latents(const std::string& entity, int version, int64_t first, int64_t last,
+                            InspectedModel& model) {
+  const FoundLatents found = with_recall([&](ltm::Recall& recall) -> Result<FoundLatents> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    return read_latents(recall.store(), id, version, time_from_ns(first), time_from_ns(last));
+  });
+  py::dict latents = model.stored(found.latents);
+  latents["times"] = py::array_t<int64_t>(py::cast(found.times));
+  return latents;
+}
+
+void OpenStore::refresh() {
+  with_recall([&](ltm::Recall&) -> Result<bool> {
+    ENGRAM_ASSIGN_OR_RETURN(recall_, open_recall(path_));
+    return true;
+  });
 }
 
 void OpenStore::close() {

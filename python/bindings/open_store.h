@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ltm/recall/recall.h"
+#include "python/bindings/inspected_model.h"
 
 namespace engram::python {
 
@@ -38,6 +39,30 @@ class OpenStore {
   /// The whole text form: a list of (entity, snapshots).
   pybind11::list query(const std::string& text, bool prefers_latents);
 
+  /// What is expected so long (ns) after the last snapshot up to `from` (None: the newest), by the
+  /// engine of that name; empty: by the best. Snapshots, as dicts.
+  pybind11::list predict(const std::string& entity, const std::vector<int64_t>& horizons,
+                         std::optional<int64_t> from, const std::string& engine,
+                         bool prefers_latents);
+
+  /// {"name", "model", "predictions", "error", "bound"} of each way to predict, the best one first.
+  pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from);
+
+  /// {"entity", "version", "file", "bytes"} of each model, older ones first.
+  pybind11::list models();
+
+  /// Of each snapshot that is kept as latents, columns by name: "time" int64, "model" int64, "form"
+  /// list of str, "bytes", "psnr_db" and "rmse" float64, NaN where there is none.
+  pybind11::dict stored_snapshots(const std::string& entity);
+
+  /// What InspectedModel::encode gives, of what is stored of that model from `first` to `last`
+  /// (ns), with "times". One instance a snapshot: the first.
+  pybind11::dict latents(const std::string& entity, int version, int64_t first, int64_t last,
+                         InspectedModel& model);
+
+  /// Sees what came since it was opened.
+  void refresh();
+
   /// Nothing may follow but this.
   void close();
 
@@ -45,6 +70,8 @@ class OpenStore {
   template <typename F>
   auto with_recall(F work);
 
+  std::filesystem::path path_;
+  int process_ = 0;  ///< That opened it: locks and threads of a store do not survive a fork.
   std::mutex mutex_;
   std::unique_ptr<ltm::Recall> recall_;  ///< Null once it is closed.
 };

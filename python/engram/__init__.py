@@ -3,6 +3,11 @@
 
     import engram
 
+    with engram.record("robot.engram") as recorder:
+        recorder.commit("Vision/RGB/head/cam", {"image": image})
+
+    engram.consolidate("robot.engram", budget=600, progress=True)
+
     with engram.open("robot.engram") as memory:
         camera = memory["Vision/RGB/head/cam"]
         for snapshot in camera.snapshots("2022-02-18T13:00", "2022-02-18T13:01"):
@@ -14,22 +19,66 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from engram.errors import EngramError
+    from engram.jobs import check, consolidate, forget
     from engram.memory import Entity, Memory, open  # noqa: A004
-    from engram.snapshot import Instance, MeasuredError, Snapshot
+    from engram.model import Latents, Model, Prediction
+    from engram.progress import Bar, Progress
+    from engram.recording import Recorder, Update, record
+    from engram.snapshot import Engine, Instance, MeasuredError, Snapshot
 
 _PLACES = {
+    "Bar": "engram.progress",
+    "EngramError": "engram.errors",
+    "Engine": "engram.snapshot",
     "Entity": "engram.memory",
     "Instance": "engram.snapshot",
+    "Latents": "engram.model",
     "MeasuredError": "engram.snapshot",
     "Memory": "engram.memory",
+    "Model": "engram.model",
+    "Prediction": "engram.model",
+    "Progress": "engram.progress",
+    "Recorder": "engram.recording",
     "Snapshot": "engram.snapshot",
+    "Update": "engram.recording",
+    "check": "engram.jobs",
+    "consolidate": "engram.jobs",
+    "forget": "engram.jobs",
     "open": "engram.memory",
+    "record": "engram.recording",
 }
 
-__all__ = ["Entity", "Instance", "MeasuredError", "Memory", "Snapshot", "open"]
+__all__ = [
+    "Bar",
+    "EngramError",
+    "Engine",
+    "Entity",
+    "Instance",
+    "Latents",
+    "MeasuredError",
+    "Memory",
+    "Model",
+    "Prediction",
+    "Progress",
+    "Recorder",
+    "Snapshot",
+    "Update",
+    "check",
+    "consolidate",
+    "forget",
+    "open",
+    "record",
+]
+
+# OpenMP reads it when it is loaded: its threads spin only shortly where they wait, else they starve
+# each other as soon as another process wants a core (docs/learning.md, section "Speed").
+if "OMP_WAIT_POLICY" not in os.environ:
+    os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
 
 def __getattr__(name: str) -> Any:
@@ -39,3 +88,7 @@ def __getattr__(name: str) -> Any:
     import importlib
 
     return getattr(importlib.import_module(_PLACES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -35,7 +35,7 @@ class MeasuredError:
         return None if self.number_mse is None else math.sqrt(self.number_mse)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # Arrays have no one truth.
 class Instance:
     """One datum of a moment, and where it comes from."""
 
@@ -52,7 +52,7 @@ class Instance:
     bound: MeasuredError | None  #: What a prediction stays within, 9 times of 10.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # Arrays have no one truth.
 class Snapshot:
     """One moment of an entity. `value`, `image` and `error` are those of its first instance."""
 
@@ -97,6 +97,23 @@ class Snapshot:
     def __repr__(self) -> str:
         count = "" if len(self.instances) == 1 else f", {len(self.instances)} instances"
         return f"<Snapshot {self.entity} {self.datetime} {self.source}{count}>"
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A way to predict an entity, and what it was worth on the entity's own past."""
+
+    name: str  #: "deep", "copy-last", "line", ...
+    model: str  #: Empty: it needs none.
+    predictions: int  #: That it was measured on.
+    error: MeasuredError | None  #: Their mean error.
+    bound: MeasuredError | None  #: That 9 of 10 stay within.
+
+
+def engine_of(found: dict[str, Any]) -> Engine:
+    """An engine of what the C++ side says of it."""
+    error, bound = _error_of(found.pop("error")), _error_of(found.pop("bound"))
+    return Engine(error=error, bound=bound, **found)
 
 
 def snapshot_of(found: dict[str, Any]) -> Snapshot:

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "python/bindings/jobs.h"
+
+#include <pybind11/stl.h>
+
+#include "cli/consolidate_text.h"
+#include "cli/findings.h"
+#include "cli/forget_job.h"
+#include "cli/forget_text.h"
+#include "encoders/load_model.h"
+#include "ltm/forgetting/forget_config.h"
+#include "ltm/store/check.h"
+#include "python/bindings/python_progress.h"
+#include "training/consolidate.h"
+
+namespace engram::python {
+
+namespace {
+
+namespace py = pybind11;
+
+/// Options by name, each taken once.
+class Options {
+ public:
+  explicit Options(const py::dict& given) : given_(given) {}
+
+  /// Leaves `place` as it is where nothing, or None, was given.
+  template <typename T>
+  void take(const char* name, T& place) const {
+    if (given_.contains(name) && !given_[name].is_none()) place = given_[name].cast<T>();
+  }
+  template <typename T>
+  void take(const char* name, std::optional<T>& place) const {
+    if (given_.contains(name) && !given_[name].is_none()) place = given_[name].cast<T>();
+  }
+  [[nodiscard]] std::optional<int64_t> ns(const char* name) const {
+    std::optional<int64_t> found;
+    take(name, found);
+    return found;
+  }
+  [[nodiscard]] std::string text(const char* name) const {
+    std::string found;
+    take(name, found);
+    return found;
+  }
+
+ private:
+  py::dict given_;
+};
+
+training::ConsolidateOptions consolidate_options(const Options& given) {
+  training::ConsolidateOptions options;
+  training::TrainOptions& train = options.train;
+  if (const auto budget = given.ns("budget")) train.budget = Duration(*budget);
+  given.take("steps", train.steps);
+  given.take("seed", train.seed);
+  given.take("width", train.width);
+  given.take("threads", train.threads);
+  given.take("number_bound", train.number_bound);
+  given.take("psnr", train.psnr_db);
+  given.take("psnr", options.representation.bound_db);
+  if (const std::string text = given.text("representation"); !text.empty())
+    options.representation.kind = value_or_raise(training::representation_of(text));
+  given.take("nights", options.representation.nights);
+  given.take("refine", options.representation.refine_steps);
+  given.take("entities", options.entities);
+  options.augmented = given.text("augmented");
+  given.take("min_snapshots", options.min_snapshots);
+  given.take("force", options.force);
+  given.take("anew", options.starts_anew);
+  given.take("reuse_models", options.reuses_models);
+  if (const auto until = given.ns("until")) options.job.until = time_from_ns(*until);
+  options.job.yield.file = given.text("yield_file");
+  return options;
+}
+
+}  // namespace
+
+std::string check(const std::string& store, bool is_deep, const py::object& progress) {
+  PythonProgress told(progress);
+  const ltm::CheckOptions options{is_deep, [](const std::filesystem::path& file) {
+                                    return encoders::load_model(file).status();
+                                  }};
+  const ltm::CheckReport report =
+      told.run([&] { return ltm::check_store(store, options, told.sink(), told.stop()); });
+  return cli::check_json(report, store).dump();
+}
+
+std::string forget(const std::string& store, const std::vector<std::string>& targets,
+                   const std::string& config, bool is_dry_run, const py::object& progress) {
+  PythonProgress told(progress);
+  ltm::ForgetOptions options;
+  if (!config.empty()) options = value_or_raise(ltm::read_forget_config(config));
+  const cli::ForgetJob job{store, targets, std::move(options), told.sink(), told.stop()};
+  ltm::ForgetPlan plan = told.run([&] { return job.plan(); });
+  cli::Json json{{"plan", cli::plan_json(plan)}};
+  if (is_dry_run) return json.dump();
+  const ltm::ForgetReport report = told.run([&] { return job.carry_out(std::move(plan)); });
+  json["done"] = cli::report_json(report);
+  return json.dump();
+}
+
+std::string consolidate(const std::string& store, const py::dict& options,
+                        const py::object& progress) {
+  PythonProgress told(progress);
+  const training::ConsolidateOptions wanted = consolidate_options(Options(options));
+  if (const Status status = wanted.validate(); !status.ok()) raise(status);
+  training::ConsolidatePlan plan;
+  const auto keep = [&](const training::ConsolidatePlan& made) { plan = made; };
+  bool is_dry_run = false;
+  Options(options).take("dry_run", is_dry_run);
+  if (is_dry_run)
+    return cli::plan_json(
+               told.run([&] { return training::plan_consolidation(store, wanted, told.stop()); }))
+        .dump();
+  const training::ConsolidateReport report = told.run(
+      [&] { return training::consolidate(store, wanted, told.sink(), told.stop(), keep); });
+  return cli::report_json(plan, report, {}).dump();
+}
+
+}  // namespace engram::python

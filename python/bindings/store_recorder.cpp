@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "python/bindings/store_recorder.h"
+
+#include <pybind11/stl.h>
+
+#include "ltm/recording/recording_config.h"
+#include "python/bindings/errors.h"
+#include "python/bindings/values.h"
+
+namespace engram::python {
+
+namespace {
+
+namespace py = pybind11;
+
+Result<ltm::Recorder::Options> options_of(const std::string& config, const std::string& preset) {
+  if (!config.empty()) return ltm::read_recording_config(config);
+  if (preset.empty()) return ltm::Recorder::Options{};
+  ENGRAM_ASSIGN_OR_RETURN(const std::string_view yaml, ltm::recording_preset(preset));
+  return ltm::parse_recording_config(yaml, "preset " + preset);
+}
+
+ltm::Instance instance_of(const py::dict& given, Time time) {
+  ltm::Instance instance;
+  instance.data = from_python(given["value"]);
+  const auto time_at = [&](const char* name, Time otherwise) {
+    return given[name].is_none() ? otherwise : time_from_ns(given[name].cast<int64_t>());
+  };
+  instance.metadata.created = time_at("created", time);
+  instance.metadata.sent = time_at("sent", instance.metadata.created);
+  instance.metadata.arrived = system_now();
+  instance.metadata.provider = given["provider"].cast<std::string>();
+  instance.metadata.confidence = given["confidence"].cast<float>();
+  return instance;
+}
+
+ltm::EntityUpdate update_of(const py::dict& given) {
+  ltm::EntityUpdate update;
+  update.entity = value_or_raise(ltm::MemoryId::parse(given["entity"].cast<std::string>()));
+  update.time = time_from_ns(given["time"].cast<int64_t>());
+  for (const py::handle& instance : given["instances"].cast<py::list>())
+    update.instances.push_back(instance_of(instance.cast<py::dict>(), update.time));
+  return update;
+}
+
+py::dict counts_of(const ltm::RecordingCounters& of) {
+  py::dict counts;
+  counts["rule"] = of.rule;
+  counts["offered"] = of.offered;
+  counts["offered_bytes"] = of.offered_bytes;
+  counts["kept"] = of.kept;
+  counts["kept_bytes"] = of.kept_bytes;
+  counts["stored_bytes"] = of.stored_bytes;
+  py::dict dropped;
+  for (const auto& [filter, count] : of.dropped_by) dropped[py::str(filter)] = count;
+  counts["dropped_by"] = std::move(dropped);
+  counts["late"] = of.late;
+  counts["failed"] = of.failed;
+  return counts;
+}
+
+}  // namespace
+
+StoreRecorder::StoreRecorder(const std::string& store, const std::string& config,
+                             const std::string& preset) {
+  const auto options = value_or_raise(options_of(config, preset));
+  auto opened = [&] {
+    const py::gil_scoped_release released;
+    return ltm::Recorder::open(store, options);
+  }();
+  recorder_.emplace(value_or_raise(std::move(opened)));
+}
+
+/// Calls `work`, which gives a Status, without the GIL.
+template <typename Work>
+auto StoreRecorder::with_recorder(Work work) {
+  const Status status = [&]() -> Status {
+    const py::gil_scoped_release released;
+    const std::scoped_lock lock(mutex_);
+    if (!recorder_) return failed_precondition("the recorder is closed");
+    return work(*recorder_);
+  }();
+  if (!status.ok()) raise(status);
+}
+
+void StoreRecorder::commit(const py::list& updates) {
+  ltm::Commit commit;
+  for (const py::handle& update : updates)
+    commit.updates.push_back(update_of(update.cast<py::dict>()));
+  with_recorder([&](ltm::Recorder& recorder) { return recorder.commit(commit); });
+}
+
+py::dict StoreRecorder::counts() {
+  const auto found = [&] {
+    const py::gil_scoped_release released;
+    const std::scoped_lock lock(mutex_);
+    return recorder_ ? recorder_->counters() : counters_;
+  }();
+  py::dict counts;
+  for (const auto& [entity, of] : found) counts[py::str(entity.to_string())] = counts_of(of);
+  return counts;
+}
+
+void StoreRecorder::close() {
+  const Status status = [&]() -> Status {
+    const py::gil_scoped_release released;
+    const std::scoped_lock lock(mutex_);
+    if (!recorder_) return {};
+    const Status closed = recorder_->close();
+    counters_ = recorder_->counters();
+    recorder_.reset();
+    return closed;
+  }();
+  if (!status.ok()) raise(status);
+}
+
+}  // namespace engram::python

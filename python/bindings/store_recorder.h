@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <pybind11/pybind11.h>
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "ltm/recording/recorder.h"
+
+namespace engram::python {
+
+/// A store that Python records into. What is encoded and written runs without the GIL.
+///
+/// Errors: exceptions of engram.errors.
+/// Threading: any thread; one call after the other.
+class StoreRecorder {
+ public:
+  /// `config`: a file; `preset`: a name; both may be empty, and one at most is given.
+  StoreRecorder(const std::string& store, const std::string& config, const std::string& preset);
+
+  /// Dicts with "entity", "time" (ns), "instances": of "value", "created", "sent", "provider",
+  /// "confidence"; all of them in one commit.
+  void commit(const pybind11::list& updates);
+
+  /// Per entity: what came in and what became of it.
+  pybind11::dict counts();
+
+  /// Seals all. Nothing may follow but this and counts().
+  void close();
+
+ private:
+  template <typename Work>
+  auto with_recorder(Work work);
+
+  std::mutex mutex_;
+  std::optional<ltm::Recorder> recorder_;  ///< Empty once it is closed.
+  std::map<ltm::MemoryId, ltm::RecordingCounters> counters_;
+};
+
+}  // namespace engram::python

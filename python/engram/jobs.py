@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is done to a whole store: consolidate, forget, check.
+
+Each takes a path or an open Memory, which then sees what came of it, and gives the report that the
+command of the same name prints with `--json`. Ctrl-C, or an exception of `progress`, stops it: all
+are safe to stop at any moment.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from typing import Any, Union
+
+from engram import _core
+from engram.errors import InvalidArgumentError
+from engram.memory import Memory
+from engram.progress import ProgressLike, sink_of
+from engram.times import DurationLike, TimeLike, duration_ns, to_ns
+
+StoreLike = Union[str, "os.PathLike[str]", Memory]
+Report = dict[str, Any]
+
+
+def consolidate(
+    store: StoreLike,
+    entities: str | Sequence[str] = (),
+    *,
+    budget: DurationLike = 120,
+    steps: int | None = None,
+    until: TimeLike | None = None,
+    psnr: float | None = None,
+    representation: str = "auto",
+    number_bound: float | None = None,
+    width: int = 0,
+    nights: int | None = None,
+    refine: int | None = None,
+    augmented: str | os.PathLike[str] | None = None,
+    seed: int = 1,
+    threads: int = 2,
+    min_snapshots: int | None = None,
+    anew: bool = False,
+    force: bool = False,
+    reuse_models: bool = False,
+    dry_run: bool = False,
+    progress: ProgressLike = None,
+) -> Report:
+    """Trains an autoencoder per entity, stores latents and measures them, in this process.
+
+    `entities`: names or patterns; none: all. `budget`: seconds of training of all entities
+    together; `steps` instead gives the same model for the same seed; `until` instead is the moment
+    when all is over. `psnr`: least PSNR of every image in dB, with `representation="latents"` the
+    mean to aim at. The others: `engram consolidate --help`. The command is a little quicker: it
+    may train two entities at once.
+
+    `progress`: True for a bar, or a callable that takes a Progress.
+    Raises NotFoundError, InvalidArgumentError, DataLossError, KeyboardInterrupt.
+    """
+    options = {
+        "entities": [entities] if isinstance(entities, str) else list(entities),
+        "budget": duration_ns(budget),
+        "steps": steps,
+        "until": None if until is None else to_ns(until),
+        "psnr": None if psnr is None else float(psnr),
+        "representation": representation,
+        "number_bound": None if number_bound is None else float(number_bound),
+        "width": width,
+        "nights": nights,
+        "refine": refine,
+        "augmented": None if augmented is None else os.fspath(augmented),
+        "seed": seed,
+        "threads": threads,
+        "min_snapshots": min_snapshots,
+        "anew": anew,
+        "force": force,
+        "reuse_models": reuse_models,
+        "dry_run": dry_run,
+    }
+    tell, finish = sink_of(progress)
+    try:
+        report = _core.consolidate(_path_of(store), options, tell)
+    finally:
+        finish()
+    return _conclude(store, report)
+
+
+def forget(
+    store: StoreLike,
+    names: str | Sequence[str] = (),
+    *,
+    config: str | os.PathLike[str] | None = None,
+    dry_run: bool = True,
+    progress: ProgressLike = None,
+) -> Report:
+    """Takes snapshots out of a store for good; with `dry_run`, the default, only says which.
+
+    `names`: IDs of any level or queries with a selector. `config`: a YAML file with a section
+    `forget` (docs/forgetting.md): its policies decide where no names are given, else its protection
+    counts.
+    """
+    targets = [names] if isinstance(names, str) else list(names)
+    if not targets and config is None:
+        raise InvalidArgumentError("forget: found nothing to forget, needs names or a config")
+    tell, finish = sink_of(progress)
+    try:
+        report = _core.forget(
+            _path_of(store), targets, "" if config is None else os.fspath(config), dry_run, tell
+        )
+    finally:
+        finish()
+    return _conclude(store, report)
+
+
+def check(store: StoreLike, *, deep: bool = False, progress: ProgressLike = None) -> Report:
+    """Reads every byte and verifies every checksum; changes nothing.
+
+    "clean" says whether all is well, "findings" what is not. `deep`: decodes every image, too.
+    """
+    tell, finish = sink_of(progress)
+    try:
+        return dict(json.loads(_core.check(_path_of(store), deep, tell)))
+    finally:
+        finish()
+
+
+def _path_of(store: StoreLike) -> str:
+    return store.path if isinstance(store, Memory) else os.fspath(store)
+
+
+def _conclude(store: StoreLike, report: str) -> Report:
+    if isinstance(store, Memory):
+        store.refresh()
+    return dict(json.loads(report))

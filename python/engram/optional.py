@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Packages that only some of engram needs."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+_DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "torch": "python3-torch"}
+
+
+class MissingPackageError(ImportError):
+    """A package is not installed; the message names the line that installs it."""
+
+
+def needs(package: str, what: str) -> ModuleType:
+    """The module. Raises MissingPackageError naming `what` needs it and how to install it."""
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        debian = _DEBIAN.get(package, f"python3-{package}")
+        raise MissingPackageError(
+            f"{what} needs {package}: sudo apt-get install {debian}  (or: pip install {package})"
+        ) from error

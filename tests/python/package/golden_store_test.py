@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stores of every version of the format that was released open, whole, and go on."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import engram
+from engram import idf
+
+FOLDER = Path(__file__).parents[2] / "golden" / "store"
+STORES = sorted(FOLDER.glob("format_*"))
+
+
+def made() -> Any:
+    spec = importlib.util.spec_from_file_location("make_store", FOLDER / "make_store.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+GOLDEN = made()
+ALL = range(GOLDEN.COUNT + GOLDEN.UNSEALED)
+
+
+@pytest.fixture(params=STORES, ids=lambda path: path.name)
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    shutil.copytree(request.param, tmp_path / "robot.engram")
+    return tmp_path / "robot.engram"
+
+
+def test_there_is_one_of_each_version() -> None:
+    assert [path.name for path in STORES] == ["format_1"]
+
+
+def test_it_is_whole(store: Path) -> None:
+    report = engram.check(store, deep=True)
+    assert report["clean"], report["findings"]
+    assert report["frames"] == 2 * GOLDEN.UNSEALED
+
+
+def test_everything_that_was_recorded_reads_as_it_was(store: Path) -> None:
+    with engram.open(store) as memory:
+        camera = list(memory[GOLDEN.CAMERA])
+        assert [one.time for one in camera] == [GOLDEN.time_at(i) for i in ALL]
+        np.testing.assert_array_equal(
+            np.stack([one.image for one in camera]), np.stack([GOLDEN.image_at(i) for i in ALL])
+        )
+        for i, one in enumerate(memory[GOLDEN.JOINTS]):
+            assert one.source == "recorded" and idf.equal(one.value, GOLDEN.joints_at(i)), i
+        spoken = memory[GOLDEN.SPEECH].latest()[0]
+        assert spoken.value == {"speaker": "Ada", "text": "Größe?"}
+
+
+def test_everything_that_was_learned_decodes_as_it_was_measured(store: Path) -> None:
+    with engram.open(store, prefer="latent") as memory:
+        found = list(memory[GOLDEN.CAMERA])
+        assert {one.source for one in found[: GOLDEN.COUNT]} == {"reconstructed"}
+        assert {one.source for one in found[GOLDEN.COUNT :]} == {"recorded"}
+        for i, one in enumerate(found[: GOLDEN.COUNT]):
+            assert one.error is not None
+            mse = np.square(one.image.astype(float) - GOLDEN.image_at(i)).mean()
+            # Networks round differently on other machines.
+            assert mse == pytest.approx(one.error.image_mse, rel=0.02)
+        joints = memory[GOLDEN.JOINTS].at(GOLDEN.time_at(7)).value
+        np.testing.assert_allclose(
+            joints["position"], GOLDEN.joints_at(7)["position"], atol=0.01
+        )
+        assert joints["image"] == GOLDEN.joints_at(7)["image"]
+        assert memory[GOLDEN.CAMERA].ahead(0.2).source == "predicted"
+
+
+def test_it_goes_on(store: Path) -> None:
+    i = ALL.stop
+    with engram.record(store) as recorder:
+        GOLDEN.record(recorder, i)
+    engram.consolidate(store, GOLDEN.CAMERA, reuse_models=True, representation="latents", psnr=24,
+                       min_snapshots=2)
+    with engram.open(store, prefer="latent") as memory:
+        newest = memory[GOLDEN.CAMERA].latest()[0]
+        assert (newest.time, newest.source) == (GOLDEN.time_at(i), "reconstructed")
+    assert engram.check(store, deep=True)["clean"]
