@@ -20,7 +20,7 @@ DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults soak server-cut fuzz \
-        check-headers clean experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
+        check-headers clean reference experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
         import-bars latent-trial training-speed learning-bars age-bars
 
 help:
@@ -46,6 +46,7 @@ help:
 	@echo "make import-bars     how fast videos come in, beside FFmpeg (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
+	@echo "make reference       docs/reference from the program and the package, the C++ API as HTML"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -160,6 +161,14 @@ fuzz: packages
 	  name=$$(basename $$corpus); mkdir -p build/fuzz/found/$$name; \
 	  build/fuzz/bin/$${name}_fuzz -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=2048 \
 	    -artifact_prefix=build/fuzz/found/$$name- build/fuzz/found/$$name $$corpus; done
+
+# What is generated of the documentation: two pages that are kept, and build/reference/html.
+reference: build
+	docs/generate_command_reference.py build/release/bin/engram
+	docs/generate_python_reference.py
+	mkdir -p build/reference
+	doxygen docs/Doxyfile
+	@echo build/reference/html/index.html
 
 # Every public header compiles alone.
 check-headers: build/dev/build.ninja packages

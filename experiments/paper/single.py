@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One experiment: measures, and writes its JSON, its plots and its part of the report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import subprocess
+import time
+from collections.abc import Callable
+from typing import Any
+
+from experiments.paper.measuring import ROOT, Measuring, arguments_of
+from experiments.paper.report import Section, write_page
+
+Measure = Callable[[Measuring], Any]
+Show = Callable[[Measuring, Any], Section]
+
+
+def run_one(name: str, options: argparse.Namespace, measure: Measure,
+            show: Show) -> tuple[Measuring, Section]:
+    measuring = Measuring(name, options)
+    found = measure(measuring)
+    section = show(measuring, found)
+    summary = measuring.folder / f"{name}-result.json"
+    summary.write_text(json.dumps(
+        {"experiment": name, "profile": measuring.profile, "program": measuring.version(),
+         "not_run": measuring.skipped, "found": found}, indent=1) + "\n")
+    if measuring.skipped:
+        measuring.say(f"{len(measuring.skipped)} measurements were not run: no time was left")
+    return measuring, section
+
+
+def run_single(name: str, about: str | None, measure: Measure, show: Show) -> None:
+    options = arguments_of(about, name)
+    measuring, section = run_one(name, options, measure, show)
+    page = measuring.folder / f"{name}.html"
+    write_page(page, section.title, facts([measuring]), [section])
+    measuring.say(f"wrote {page}")
+
+
+def facts(runs: list[Measuring]) -> str:
+    """Where, when and with what it was measured, as HTML."""
+    commit = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%h"], text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+    dates = sorted(one["measured"] for run in runs for one in run.used.values())
+    spent = sum(one["seconds"] for run in runs for one in run.used.values())
+    missing = sum(len(run.skipped) for run in runs)
+    span = f"measured {dates[0]} to {dates[-1]}" if dates else "nothing was measured"
+    text = (f"Profile <b>{runs[0].profile}</b>; {span}, {spent / 60:.0f} minutes in all; "
+            f"{runs[0].version()}, commit {commit.stdout.strip() or 'unknown'}; {_machine()}; "
+            f"written {time.strftime('%Y-%m-%d %H:%M')}.")
+    if missing:
+        text += f" {missing} measurements were not run; their cells say so."
+    return f'<p class="facts">{text}</p>'
+
+
+def _machine() -> str:
+    model = "unknown processor"
+    with open("/proc/cpuinfo", encoding="ascii", errors="replace") as lines:
+        for line in lines:
+            if line.startswith("model name"):
+                model = line.split(":", 1)[1].strip()
+                break
+    import os
+
+    return f"{os.cpu_count()} cores of {model}, {platform.system()} {platform.release()}"
