@@ -14,6 +14,9 @@ BARS ?=
 SECONDS ?= 600
 # How many processes `make crash` and `make crash-night` kill.
 KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,300)
+# Which part of the experiments' config.json, and more options.
+PAPER ?= full
+PAPER_OPTIONS ?=
 # What training-speed trains on.
 VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
@@ -21,7 +24,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench crash crash-night faults soak server-cut fuzz \
         check-headers clean reference experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
-        import-bars latent-trial training-speed learning-bars age-bars
+        import-bars latent-trial training-speed learning-bars age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -47,6 +50,8 @@ help:
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
 	@echo "make reference       docs/reference from the program and the package, the C++ API as HTML"
+	@echo "make paper   the paper's tables and figures on RECORDINGS: build/paper/full/paper.html"
+	@echo "             (PAPER=short: minutes, not hours; PAPER_OPTIONS=--help; also make storage, loocv, transfer)"
 	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
 	@echo "make clean   remove what was built and the demo's memory"
 
@@ -134,6 +139,13 @@ import-bars: build
 learning-bars: build
 	experiments/learning/learning_bars.py build/release/bin/engram "$(RECORDINGS)" build/learning_bars \
 	  $(BARS)
+
+# Measured results are kept in build/paper, and used again for as long as nothing changed.
+paper storage loocv transfer: build
+	@cmake/install_packages.sh experiments/packages.txt
+	@$(MAKE) experiments
+	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
+	  /usr/bin/python3 -m experiments.$@ --recordings "$(RECORDINGS)" --profile $(PAPER) $(PAPER_OPTIONS)
 
 training-speed: build
 	@cmake/install_packages.sh experiments/packages.txt

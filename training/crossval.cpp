@@ -221,7 +221,8 @@ class Crossval {
         ENGRAM_ASSIGN_OR_RETURN(const idf::Data value,
                                 model.decode(rows, row, latents[at].remainder));
         ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(block[at], value));
-        sums.add(error);
+        ENGRAM_ASSIGN_OR_RETURN(const double ssim, mean_ssim(block[at], value));
+        sums.add(error, ssim);
         if (codes == nullptr || !model.global_code.is_known()) continue;
         ENGRAM_ASSIGN_OR_RETURN(codes->emplace_back(),
                                 model.global_code_of(rows, row, latents[at].remainder));
@@ -260,9 +261,10 @@ class Crossval {
       }
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
-        ENGRAM_ASSIGN_OR_RETURN(const auto error,
-                                compare(values[row + ahead + 1], futures[ahead].value));
-        sums[ahead].add(futures[ahead].error, error);
+        const idf::Data& recorded = values[row + ahead + 1];
+        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(recorded, futures[ahead].value));
+        ENGRAM_ASSIGN_OR_RETURN(const double ssim, mean_ssim(recorded, futures[ahead].value));
+        sums[ahead].add(futures[ahead].error, error, ssim);
       }
     }
     return {};

@@ -30,6 +30,7 @@ struct Quality {
   double low_psnr_db = 0;  ///< 5 % of the values are below.
   uint64_t numbers = 0;    ///< Values with numbers.
   double rmse = 0;
+  double mean_ssim = 0;  ///< Of images of 8 bits, where it was measured: in cross-validation.
 };
 
 /// Whether errors of one kind were what predictions had told beforehand. NaN where nothing was.

@@ -6,6 +6,7 @@
 
 #include "encoders/tensor_plan.h"
 #include "ltm/idf/layout.h"
+#include "training/quality/ssim.h"
 
 namespace engram::training {
 
@@ -66,6 +67,26 @@ Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& o
     }
   }
   return ltm::MeasuredError{images.mean(), numbers.mean()};
+}
+
+Result<double> mean_ssim(const idf::Data& recorded, const idf::Data& other) {
+  constexpr int64_t kWindow = 11;
+  const idf::Layout layout = idf::Layout::of(recorded);
+  ENGRAM_ASSIGN_OR_RETURN(const auto a, layout.split(recorded));
+  ENGRAM_ASSIGN_OR_RETURN(const auto b, layout.split(other));
+  double sum = 0;
+  int images = 0;
+  for (size_t i = 0; i < a.tensors.size(); ++i) {
+    const idf::TensorMember& member = layout.members()[i];
+    const auto& shape = a.tensors[i].shape();
+    if (member.kind != idf::MemberKind::kImage || member.type != idf::ElementType::kUInt8 ||
+        shape[0] < kWindow || shape[1] < kWindow)
+      continue;
+    ENGRAM_ASSIGN_OR_RETURN(const double one, ssim(a.tensors[i], b.tensors[i]));
+    sum += one;
+    ++images;
+  }
+  return images == 0 ? kNaN : sum / images;
 }
 
 Result<double> grey_mse(const idf::NdArray& recorded, const idf::NdArray& other) {

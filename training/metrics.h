@@ -17,8 +17,13 @@ namespace engram::training {
 /// Errors: kInvalidArgument where the two have different layouts.
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other);
 
-/// Mean squared error of two images alike, of 8 or 16 bits, in grey levels as compare() counts them.
-/// Errors: kInvalidArgument where they are not alike.
+/// Mean structural similarity (quality/ssim.h) of the images of 8 bits among their tensor members;
+/// NaN where none is at least 11 pixels wide and high.
+/// Errors: kInvalidArgument where the two have different layouts.
+Result<double> mean_ssim(const idf::Data& recorded, const idf::Data& other);
+
+/// Mean squared error of two images alike, of 8 or 16 bits, in grey levels as compare() counts
+/// them. Errors: kInvalidArgument where they are not alike.
 Result<double> grey_mse(const idf::NdArray& recorded, const idf::NdArray& other);
 
 /// Root mean squared error of many values of equal size.

@@ -14,14 +14,16 @@ nlohmann::ordered_json number_json(double value) {
 }
 
 nlohmann::ordered_json quality_json(const Quality& quality) {
-  return {{"images", quality.images},
-          {"capped", quality.capped},
-          {"mean_psnr_db", number_json(quality.mean_psnr_db)},
-          {"pooled_psnr_db", number_json(quality.pooled_psnr_db)},
-          {"minimum_psnr_db", number_json(quality.minimum_psnr_db)},
-          {"low_psnr_db", number_json(quality.low_psnr_db)},
-          {"numbers", quality.numbers},
-          {"rmse", number_json(quality.rmse)}};
+  nlohmann::ordered_json json{{"images", quality.images},
+                              {"capped", quality.capped},
+                              {"mean_psnr_db", number_json(quality.mean_psnr_db)},
+                              {"pooled_psnr_db", number_json(quality.pooled_psnr_db)},
+                              {"minimum_psnr_db", number_json(quality.minimum_psnr_db)},
+                              {"low_psnr_db", number_json(quality.low_psnr_db)},
+                              {"numbers", quality.numbers},
+                              {"rmse", number_json(quality.rmse)}};
+  if (!std::isnan(quality.mean_ssim)) json["mean_ssim"] = quality.mean_ssim;
+  return json;
 }
 
 nlohmann::ordered_json foresight_json(const Foresight& foresight) {

@@ -3,21 +3,27 @@
 
 namespace engram::training {
 
-void QualitySums::add(const ltm::MeasuredError& error) {
+void QualitySums::add(const ltm::MeasuredError& error, double ssim) {
   psnr.add(error.image_mse);
   rmse.add(error.number_mse);
+  if (std::isnan(ssim)) return;
+  ssim_sum += ssim;
+  ++ssim_count;
 }
 
 void QualitySums::add(const QualitySums& more) {
   psnr.add(more.psnr);
   rmse.add(more.rmse);
+  ssim_sum += more.ssim_sum;
+  ssim_count += more.ssim_count;
 }
 
+// Without any SSIM it is 0 / 0: not a number.
 Quality QualitySums::quality() const {
   constexpr double kLowShare = 0.05;
   return {psnr.count(),     psnr.capped(),     psnr.mean_db(),
           psnr.pooled_db(), psnr.minimum_db(), psnr.quantile_db(kLowShare),
-          rmse.count(),     rmse.rmse()};
+          rmse.count(),     rmse.rmse(),       ssim_sum / static_cast<double>(ssim_count)};
 }
 
 double Coverage::share() const {
@@ -50,8 +56,9 @@ Coverage CoverageSums::coverage() const {
           unit_(expected_sum_ / static_cast<double>(expected_))};
 }
 
-void PredictionSums::add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error) {
-  quality.add(error);
+void PredictionSums::add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error,
+                         double ssim) {
+  quality.add(error, ssim);
   images.add(told.expected.image_mse, told.bound.image_mse, error.image_mse);
   numbers.add(told.expected.number_mse, told.bound.number_mse, error.number_mse);
 }

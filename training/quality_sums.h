@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "ltm/recall/model.h"
 #include "training/evaluate.h"
@@ -11,14 +12,19 @@
 
 namespace engram::training {
 
+inline constexpr double kNoSsim = std::numeric_limits<double>::quiet_NaN();
+
 /// Collects errors of both kinds.
 ///
 /// Threading: one thread.
 struct QualitySums {
   PsnrStatistics psnr;
   RmseStatistics rmse;
+  double ssim_sum = 0;
+  uint64_t ssim_count = 0;
 
-  void add(const ltm::MeasuredError& error);
+  /// `ssim`: not a number is left out.
+  void add(const ltm::MeasuredError& error, double ssim = kNoSsim);
   void add(const QualitySums& more);
   [[nodiscard]] Quality quality() const;
 };
@@ -52,7 +58,7 @@ struct PredictionSums {
   CoverageSums images{psnr_db};
   CoverageSums numbers{std::sqrt};
 
-  void add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error);
+  void add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error, double ssim = kNoSsim);
   void add(const PredictionSums& more);
   [[nodiscard]] Foresight foresight() const { return {images.coverage(), numbers.coverage()}; }
 };

@@ -33,7 +33,7 @@ def panels(columns: int, rows: int = 1, width: float = 4.4, height: float = 3.6)
 
 
 def save(figure: Any, file: pathlib.Path) -> pathlib.Path:
-    figure.savefig(file, facecolor="white")
+    figure.savefig(file, facecolor="white", bbox_inches="tight")
     plt.close(figure)
     return file
 

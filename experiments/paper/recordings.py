@@ -16,11 +16,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from experiments.paper.measuring import Measuring, file_fingerprint, fingerprint
 
 CAMERA = "Vision/RGB/head/cam"
 RATE_HZ = 5
+RECORDING_GAP_NS = 10_000_000_000
 START_NS = 1_645_189_200_000_000_000  # 2022-02-18 13:00 UTC; recordings lie a minute apart.
 
 
@@ -67,6 +69,15 @@ def make_store(measuring: Measuring, dataset: Dataset, side: int) -> tuple[pathl
 def entity_bytes(measuring: Measuring, store: pathlib.Path) -> dict[str, dict[str, Any]]:
     """What `engram info` says of each entity."""
     return {one["id"]: one for one in measuring.report("info", store)["entities"]}
+
+
+def recordings_of(store: pathlib.Path, entity: str) -> list[npt.NDArray[np.int64]]:
+    """Times of its snapshots in ns, one array for each recording: between them is a gap."""
+    import engram
+
+    with engram.open(store) as memory:
+        times = memory[entity].times().astype(np.int64)
+    return np.split(times, 1 + np.flatnonzero(np.diff(times) >= RECORDING_GAP_NS))
 
 
 def _files(measuring: Measuring, dataset: Dataset) -> list[pathlib.Path]:

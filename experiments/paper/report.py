@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 NOT_RUN = "not run"
+# Columns of text, by their heads.
+WORDS = ("recipe", "unit")
 
 
 @dataclass(frozen=True)
@@ -106,8 +108,8 @@ class Page:
 
     @staticmethod
     def _cell(tag: str, text: str, paper: Sequence[str], column: str) -> str:
-        kinds = [name for name, is_so in (("paper", column in paper), ("missing", text == NOT_RUN))
-                 if is_so]
+        kinds = [name for name, is_so in (("paper", column in paper), ("missing", text == NOT_RUN),
+                                          ("words", column in WORDS)) if is_so]
         mark = f' class="{" ".join(kinds)}"' if kinds else ""
         return f"<{tag}{mark}>{text}</{tag}>"
 

@@ -24,9 +24,10 @@ def run_one(name: str, options: argparse.Namespace, measure: Measure,
     found = measure(measuring)
     section = show(measuring, found)
     summary = measuring.folder / f"{name}-result.json"
-    summary.write_text(json.dumps(
+    text = json.dumps(
         {"experiment": name, "profile": measuring.profile, "program": measuring.version(),
-         "not_run": measuring.skipped, "found": found}, indent=1) + "\n")
+         "configuration": measuring.config, "not_run": measuring.skipped, "found": found}, indent=1)
+    summary.write_text(text.replace(f"{measuring.folder}/", "") + "\n")
     if measuring.skipped:
         measuring.say(f"{len(measuring.skipped)} measurements were not run: no time was left")
     return measuring, section

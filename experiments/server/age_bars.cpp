@@ -34,6 +34,7 @@ struct Arguments {
   int samples = 1000;
   int warm_up = 100;
   int rounds = 5;
+  bool has_subscribers = true;
   int entries = 1000;
   std::vector<int> batches{1, 20, 50, 100};
   std::vector<std::string> objects{"simple", "moderate", "complex"};
@@ -267,7 +268,8 @@ int run_bars(const Arguments& arguments) {
       report.push_back(std::move(row));
     }
   }
-  const json subscribers = measure_subscribers(arguments, folder);
+  const json subscribers =
+      arguments.has_subscribers ? measure_subscribers(arguments, folder) : json::object();
   ::system(("rm -rf " + folder).c_str());
   if (!arguments.json.empty())
     std::ofstream(arguments.json) << json{{"ages_ns", report}, {"commit_ns", subscribers}}.dump(2);
@@ -341,6 +343,8 @@ int run(int argc, char** argv) {
   CLI::App app{"How much older data grow on their way through the memory"};
   app.add_option("--samples", arguments.samples, "Of each way, object and batch")
       ->capture_default_str();
+  app.add_option("--warm-up", arguments.warm_up, "Before them, of each way and round")
+      ->capture_default_str();
   app.add_option("--rounds", arguments.rounds, "In which the ways take turns")
       ->capture_default_str();
   app.add_option("--entries", arguments.entries, "Snapshots that the memory holds")
@@ -348,6 +352,8 @@ int run(int argc, char** argv) {
   app.add_option("--batches", arguments.batches, "Objects in one commit")->capture_default_str();
   app.add_option("--objects", arguments.objects, "simple, moderate, complex")
       ->capture_default_str();
+  app.add_flag("!--no-subscribers", arguments.has_subscribers,
+               "Leaves out what subscribers cost a producer");
   app.add_flag("--tuned", arguments.is_tuned,
                "Direct and relay with as few polling threads as the memory, not as gRPC is");
   app.add_option("--json", arguments.json, "Write the figures there");

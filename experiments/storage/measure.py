@@ -13,9 +13,7 @@ import numpy as np
 from experiments.paper import quality, video_coders
 from experiments.paper.measuring import Measuring, fingerprint
 from experiments.paper.recordings import (CAMERA, RATE_HZ, Dataset, datasets, entity_bytes,
-                                          make_store)
-
-RECORDING_GAP_NS = 10_000_000_000
+                                          make_store, recordings_of)
 
 
 def measure(measuring: Measuring) -> list[dict[str, Any]]:
@@ -63,17 +61,11 @@ class _Case:
         return self.common | {"point": point, "width": self.config["width"]}
 
     def _stages(self) -> dict[str, Any]:
-        import engram
-
-        with engram.open(self.store) as memory:
-            times = memory[CAMERA].times().astype(np.int64)
-        gaps = np.diff(times)
-        within = gaps < RECORDING_GAP_NS
-        recordings = 1 + int((~within).sum())
+        recordings = recordings_of(self.store, CAMERA)
         entities = entity_bytes(self.measuring, self.store)
         return {
-            "seconds": float(gaps[within].sum()) / 1e9 + recordings / RATE_HZ,
-            "recordings": recordings, "frames": len(times),
+            "seconds": sum(int(one[-1] - one[0]) / 1e9 + 1 / RATE_HZ for one in recordings),
+            "recordings": len(recordings), "frames": sum(map(len, recordings)),
             "manifest_bytes": (self.store / "MANIFEST.json").stat().st_size,
             "entities": {name: {"offered": one["offered_bytes"], "kept": one["raw_bytes"],
                                 "stored": one["stored_bytes"], "codecs": one["media_codecs"]}
@@ -127,10 +119,8 @@ class _Case:
             f"{self.name}-{form}-{point['psnr']}-{fingerprint(self._inputs(point))}.engram")
         shutil.rmtree(target, ignore_errors=True)
         shutil.copytree(source, target)
-        words = ["consolidate", target, "--entity", CAMERA, "--representation", form,
-                 "--psnr", point["psnr"], "--budget", point["budget"], "--threads", 1,
-                 "--width", self.config["width"], "--force", "--progress", "line"]
-        report = self.measuring.report(*words)["entities"][0]
+        report = self.measuring.report("consolidate", target, *choices(self.config, point, form),
+                                       "--force")["entities"][0]
         stored = entity_bytes(self.measuring, target)[CAMERA]
         shown = images_of(target, "latent")
         frames, images = len(shown), report["images"]
@@ -143,8 +133,7 @@ class _Case:
             "psnr_db": quality.mean_psnr_db(self.images(), shown),
             "ssim": quality.mean_ssim(self.images(), shown),
             "program_psnr_db": report["psnr_mean_over_images_db"],
-            "minimum_db": report["psnr_minimum_db"], "seconds": report["seconds"],
-            "recipe": " ".join(["engram", "consolidate", *map(str, words[2:-1])])}
+            "minimum_db": report["psnr_minimum_db"], "seconds": report["seconds"]}
 
     def _numbers(self) -> dict[str, Any] | None:
         """Bytes of all that is not an image, within the default bound."""
@@ -164,6 +153,12 @@ class _Case:
         return {"entities": {name: {"latent": after[name]["latent_bytes"],
                                     "model": after[name]["model_bytes"], "rmse": rmse.get(name)}
                              for name in names}}
+
+
+def choices(config: dict[str, Any], point: dict[str, Any], form: str) -> list[Any]:
+    """Options of `engram consolidate`."""
+    return ["--entity", CAMERA, "--representation", form, "--psnr", point["psnr"], "--budget",
+            point["budget"], "--threads", 1, "--width", config["width"]]
 
 
 def images_of(store: pathlib.Path, prefer: str) -> quality.Images:

@@ -14,6 +14,7 @@ from experiments.paper import charts, quality
 from experiments.paper.measuring import Measuring
 from experiments.paper.recordings import CAMERA, RATE_HZ
 from experiments.paper.report import Figure, Section, Table, number, significant
+from experiments.storage.measure import choices
 
 # Of the paper's robot, all of its sensors together.
 PAPER_RAW_MB_PER_SECOND = 35.665
@@ -97,16 +98,19 @@ def _stages(measuring: Measuring, case: dict[str, Any]) -> list[tuple[Any, ...]]
     with_model = None if latent is None else latent + model
     share = seconds_of(case) / (3600 * measuring.config["retention_hours"])
     shared = None if latent is None else latent + share * model
-    points = [(f"offline, latents at {asked['psnr']} dB", found)
+    points = [(f"offline, latents at {asked['psnr']} dB", found, asked, "latents")
               for asked, found in zip(case["targets"], case["latents"], strict=True)]
     if case["auto_db"]:
-        points.append((f"offline, every image at {case['auto_db']} dB", case["auto"]))
-    for name, found in points:
+        found = case["auto"]
+        asked = {"psnr": case["auto_db"], "budget": found["budget"] if found else ""}
+        points.append((f"offline, every image at {case['auto_db']} dB", found, asked, "auto"))
+    for name, found, asked, form in points:
         if found is None:
             stages += [(name, None, latent, None, "")]
             continue
         quality_text = f"{number(found['psnr_db'])} / {number(found['minimum_db'])}"
-        recipe = f"<code>{found['recipe']}</code>"
+        options = " ".join(map(str, choices(measuring.config, asked, form)))
+        recipe = f"<code>engram consolidate {options}</code>"
         segment, own = found["segment_bytes"], found["model_bytes"]
         stages.append((name, segment, latent, quality_text, recipe))
         stages.append(("&emsp;with the model", segment + own, with_model, "", f"{own:,} B of models"
@@ -167,8 +171,9 @@ def _curves(measuring: Measuring, cases: list[dict[str, Any]]) -> pathlib.Path:
             axis.set_title(f"{name}, {case['side']} x {case['side']}")
             axis.set_xlabel("bytes per image")
             axis.set_ylabel("mean PSNR, dB")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    axes[0, 0].legend(handles, labels, loc="lower right", fontsize=7)
+    known = {label: handle for axis in axes.flat if axis.get_visible()
+             for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)}
+    figure.legend(known.values(), known, ncol=3, loc="upper center", bbox_to_anchor=(0.5, 0))
     return charts.save(figure, measuring.folder / "storage-curves.png")
 
 
@@ -244,7 +249,7 @@ def _bd_table(measuring: Measuring, cases: list[dict[str, Any]]) -> Table:
         curves["ours, model not counted"] = our_points(case, None)
         curves[f"ours, its share in {hours} h"] = our_points(case, hours)
         curves["ours, all of the model"] = our_points(case, 0)
-        is_known = {name: len(points) > 1 for name, points in curves.items()}
+        is_known = {name: len(points) > 0 for name, points in curves.items()}
         for name, points in curves.items():
             rate = quality.bd_rate(reference, points)
             cell = number(None) if not is_known[name] else (

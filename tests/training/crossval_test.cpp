@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/crossval.h"
+#include "training/metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -74,6 +75,26 @@ TEST(Crossval, MeasuresEachRecordingByAModelThatNeverSawIt) {
   EXPECT_GT(flow[0].mean_psnr_db, copied[0].mean_psnr_db + 1);
   EXPECT_EQ(flow[0].rmse, linear[0].rmse);
   EXPECT_EQ(to_json(*report).at("folds").size(), 3u);
+}
+
+TEST(Crossval, MeasuresStructuralSimilarityOfEveryPrediction) {
+  const ScratchPath store("crossval_ssim");
+  record(store.path(), 2);
+  auto chosen = options(20);
+  chosen.folds = {1};
+  const auto report = crossval(store.path(), chosen);
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const auto source = engram::testing::scene_source(40, 2);
+  double sum = 0;
+  for (size_t i = 2; i < 20; ++i) sum += *mean_ssim(*source.read(i), *source.read(i - 1));
+  const auto& copied = report->all.baselines[static_cast<size_t>(Baseline::kCopyLast)];
+  EXPECT_NEAR(copied[0].mean_ssim, sum / 18, 1e-9);
+  EXPECT_LT(copied[0].mean_ssim, 1);
+  const double left_out = report->all.variants[0].latents.left_out.mean_ssim;
+  EXPECT_GT(left_out, -1);
+  EXPECT_LE(left_out, 1);
+  EXPECT_EQ(to_json(*report).at("all").at("baselines").at("copy-last")[0].at("mean_ssim"),
+            copied[0].mean_ssim);
 }
 
 TEST(Crossval, MeasuresWhatResidualsAddBesideLatentsAlone) {

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Leaves each recording out of training and measures it, and checks how that is measured."""
+
+from __future__ import annotations
+
+import pathlib
+import shutil
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from experiments.loocv import agreement
+from experiments.paper import quality
+from experiments.paper.measuring import Measuring
+from experiments.paper.recordings import (CAMERA, Dataset, datasets, entity_bytes, make_store,
+                                          recordings_of)
+
+UNITS = {"arms": "rad", "joints": "rad", "heading": "rad", "hands": "of 0 to 1", "position": "m",
+         "thing_position": "m"}
+
+
+def measure(measuring: Measuring) -> list[dict[str, Any]]:
+    """A result for each dataset; what was not measured is None."""
+    return [_Case(measuring, dataset).measure() for dataset in datasets(measuring)]
+
+
+class _Case:
+    """One dataset."""
+
+    def __init__(self, measuring: Measuring, dataset: Dataset) -> None:
+        self.measuring, self.dataset, self.config = measuring, dataset, measuring.config
+        self.store, key = make_store(measuring, dataset, self.config["side"])
+        self.common = {"store": key, "program": measuring.version(), "ahead": self.config["ahead"]}
+
+    def measure(self) -> dict[str, Any]:
+        folds = recordings_of(self.store, CAMERA)
+        images = [self._crossval(f"images, recording {number}", CAMERA, "image_budget", number)
+                  for number in range(1, len(folds) + 1)]
+        names = [name for name in entity_bytes(self.measuring, self.store) if name != CAMERA]
+        checked = self.measuring.measured(
+            f"{self.dataset.name} by scikit-image", self.common,
+            lambda: agreement.measured(self.store))
+        return {
+            "dataset": self.dataset.name, "title": self.dataset.title,
+            "snapshots": [len(fold) for fold in folds], "images": images,
+            "numbers": {name: self._crossval(name.split("/")[-1], name, "number_budget")
+                        for name in names},
+            "agreement": checked, "sample": self._sample(folds[-1])}
+
+    def _crossval(self, what: str, entity: str, budget: str, fold: int | None = None) -> Any:
+        inputs = self.common | {
+            "entity": entity, "fold": fold, "variants": self.config["variants"],
+            "budget": self.config[budget], "width": self.config["width"],
+            "psnr": self.config["psnr"]}
+        words = ["crossval", self.store, "--entity", entity, "--variants",
+                 ",".join(self.config["variants"]), "--ahead", self.config["ahead"], "--budget",
+                 self.config[budget], "--psnr", self.config["psnr"], "--threads", 1]
+        if fold is not None:
+            words += ["--fold", fold, "--width", self.config["width"]]
+        return self.measuring.measured(f"{self.dataset.name} {what}", inputs,
+                                       lambda: self.measuring.report(*words)["all"])
+
+    def _sample(self, last: np.ndarray) -> dict[str, Any] | None:
+        """What a model of all recordings but the last predicts of that one: a strip of images."""
+        side = self.config["side"]
+        seeds = self.dataset.options.get("seeds", "").split(",")
+        others = replace(self.dataset, name=f"{self.dataset.name}-all-but-last", options={
+            **self.dataset.options, "episodes": self._recordings() - 1,
+            "seeds": ",".join(seeds[:-1])})
+        inputs = self.common | {"budget": self.config["sample_budget"], "side": side,
+                                "psnr": self.config["psnr"]}
+        folder = self.measuring.folder / "samples" / self.dataset.name
+
+        def predicted() -> dict[str, Any]:
+            import engram
+
+            source, _ = make_store(self.measuring, others, side)
+            trained = source.with_suffix(".trained")
+            shutil.rmtree(trained, ignore_errors=True)
+            shutil.copytree(source, trained)
+            self.measuring.run("consolidate", trained, "--entity", CAMERA, "--representation",
+                               "latents", "--psnr", self.config["psnr"], "--budget",
+                               self.config["sample_budget"], "--threads", 1, "--width",
+                               self.config["width"])
+            with engram.open(self.store) as memory, engram.open(trained) as learned:
+                start, end = int(last[0]), int(last[-1])
+                recorded = [one.value for one in memory[CAMERA].snapshots(start, end)]
+                model = learned[CAMERA].model
+                at = _liveliest(np.stack([one["image"] for one in recorded]),
+                                self.config["ahead"])
+                futures = model.predict(recorded[at - 1:at + 1], self.config["ahead"])
+                given = model.images(model.encode([recorded[at]]))[0]
+            shutil.rmtree(trained)
+            folder.mkdir(parents=True, exist_ok=True)
+            ahead = recorded[at + 1:at + 1 + self.config["ahead"]]
+            np.savez_compressed(
+                folder / "strip.npz", last=recorded[at]["image"], given=given,
+                recorded=np.stack([one["image"] for one in ahead]),
+                predicted=np.stack([one.value["image"] for one in futures]))
+            return {"file": str(folder / "strip.npz"), "at": at}
+
+        return self.measuring.measured(f"{self.dataset.name} sample", inputs, predicted,
+                                       lambda value: [value["file"]])
+
+    def _recordings(self) -> int:
+        return len(recordings_of(self.store, CAMERA))
+
+
+def _liveliest(images: quality.Images, ahead: int) -> int:
+    """The moment after which most changes, of those with a past and a whole future."""
+    thumbs = images[:, ::4, ::4].astype(np.int32)
+    changes = [float(np.square(thumbs[at + ahead] - thumbs[at]).mean())
+               for at in range(1, len(images) - ahead)]
+    return 1 + int(np.argmax(changes))
+
+
+def files(case: dict[str, Any]) -> pathlib.Path:
+    return pathlib.Path(case["sample"]["file"])

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Looks at the results of all experiments: check_paper.py FOLDER."""
+
+import json
+import pathlib
+import re
+import sys
+
+from experiments.loocv.show import worst_disagreement
+
+MOST_DISAGREEMENT = 1e-6  # dB, or of SSIM.
+FOLDER = pathlib.Path(sys.argv[1])
+
+
+def need(is_so: bool, what: str) -> None:
+    if not is_so:
+        sys.exit(f"paper: {what}")
+
+
+page = (FOLDER / "paper.html").read_text(encoding="utf-8")
+need("not run" not in page, "something was not run")
+need(page.count("<table>") >= 9, f"found {page.count('<table>')} tables, needs 9")
+need(page.count("data:image/png") >= 5, "figures are missing")
+need(not re.search(r'(src|href)="(?!#|data:)', page), "it needs other files")
+found = {name: json.loads((FOLDER / f"{name}-result.json").read_text())["found"]
+         for name in ("storage", "loocv", "transfer")}
+for case in found["storage"]:
+    stages = case["stages"]["entities"].values()
+    need(all(one["offered"] >= one["kept"] >= one["stored"] > 0 for one in stages),
+         f"stages of {case['dataset']} do not get smaller")
+    for one in filter(None, case["latents"]):
+        need(abs(one["psnr_db"] - one["program_psnr_db"]) < MOST_DISAGREEMENT,
+             f"latents: found {one['program_psnr_db']} dB, scikit-image says {one['psnr_db']}")
+worst = worst_disagreement(found["loocv"])
+need(worst < MOST_DISAGREEMENT, f"scikit-image differs by {worst}")
+need(all(step["median"] > 0 for row in found["transfer"]["steps"]
+         for step in row["steps"].values()), "steps without a time")
+print(f"{len(found['storage'])} stores, {len(found['loocv'])} cross-validations, "
+      f"{len(found['transfer']['ages'])} ages; scikit-image differs by {worst:.1e}")
