@@ -37,6 +37,8 @@ def arguments_of(description: str | None, name: str) -> argparse.Namespace:
     parser.add_argument("--work", type=pathlib.Path, default=build / "paper",
                         help="folder of stores, results and plots")
     parser.add_argument("--again", action="store_true", help="measure anew what is known")
+    parser.add_argument("--keep", action="store_true",
+                        help="put results and plots into experiments/NAME/results, too")
     parser.add_argument("--minutes", type=float, default=float("inf"),
                         help="begin no measurement after so long; 0: only show what is known")
     return parser.parse_args()

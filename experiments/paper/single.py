@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import pathlib
 import platform
+import shutil
 import subprocess
 import time
 from collections.abc import Callable
@@ -28,9 +30,20 @@ def run_one(name: str, options: argparse.Namespace, measure: Measure,
         {"experiment": name, "profile": measuring.profile, "program": measuring.version(),
          "configuration": measuring.config, "not_run": measuring.skipped, "found": found}, indent=1)
     summary.write_text(text.replace(f"{measuring.folder}/", "") + "\n")
+    if options.keep:
+        _keep(measuring, summary)
     if measuring.skipped:
         measuring.say(f"{len(measuring.skipped)} measurements were not run: no time was left")
     return measuring, section
+
+
+def _keep(measuring: Measuring, summary: pathlib.Path) -> None:
+    folder = ROOT / "experiments" / measuring.name / "results"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    shutil.copy(summary, folder / "result.json")
+    for plot in measuring.folder.glob(f"{measuring.name}-*.png"):
+        shutil.copy(plot, folder / plot.name.removeprefix(f"{measuring.name}-"))
 
 
 def run_single(name: str, about: str | None, measure: Measure, show: Show) -> None:

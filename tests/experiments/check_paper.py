@@ -7,6 +7,7 @@ import re
 import sys
 
 from experiments.loocv.show import worst_disagreement
+from experiments.paper.recordings import CAMERA
 
 MOST_DISAGREEMENT = 1e-6  # dB, or of SSIM.
 FOLDER = pathlib.Path(sys.argv[1])
@@ -25,9 +26,10 @@ need(not re.search(r'(src|href)="(?!#|data:)', page), "it needs other files")
 found = {name: json.loads((FOLDER / f"{name}-result.json").read_text())["found"]
          for name in ("storage", "loocv", "transfer")}
 for case in found["storage"]:
-    stages = case["stages"]["entities"].values()
-    need(all(one["offered"] >= one["kept"] >= one["stored"] > 0 for one in stages),
-         f"stages of {case['dataset']} do not get smaller")
+    images = case["stages"]["entities"][CAMERA]
+    need(images["offered"] > images["kept"] > images["stored"] > 0,
+         f"images of {case['dataset']}: {images} do not get smaller from stage to stage")
+    need(any(case["latents"]), f"no latents of {case['dataset']}")
     for one in filter(None, case["latents"]):
         need(abs(one["psnr_db"] - one["program_psnr_db"]) < MOST_DISAGREEMENT,
              f"latents: found {one['program_psnr_db']} dB, scikit-image says {one['psnr_db']}")
