@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from experiments.loocv import agreement
 from experiments.paper import quality
@@ -61,7 +62,7 @@ class _Case:
         return self.measuring.measured(f"{self.dataset.name} {what}", inputs,
                                        lambda: self.measuring.report(*words)["all"])
 
-    def _sample(self, last: np.ndarray) -> dict[str, Any] | None:
+    def _sample(self, last: npt.NDArray[np.int64]) -> dict[str, Any] | None:
         """What a model of all recordings but the last predicts of that one: a strip of images."""
         side = self.config["side"]
         seeds = self.dataset.options.get("seeds", "").split(",")

@@ -304,5 +304,5 @@ def _samples(measuring: Measuring, cases: list[dict[str, Any]]) -> Figure | None
                   "of this one.", file, "The same image from each codec")
 
 
-def _line(size: float, recorded: np.ndarray, shown: np.ndarray) -> str:
+def _line(size: float, recorded: quality.Images, shown: quality.Images) -> str:
     return f"{size:,.0f} B, {quality.psnr_db(recorded, shown):.1f} dB"

@@ -120,7 +120,8 @@ def _bars(measuring: Measuring, name: str, rows: Sequence[Mapping[str, Any]],
     limits = [axis.get_ylim() for axis in axes[0] if axis.patches]
     for axis in axes[0]:
         if limits:
-            axis.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+            lowest = 10.0**np.floor(np.log10(min(low for low, _ in limits)))
+            axis.set_ylim(lowest, max(high for _, high in limits))
         axis.yaxis.set_major_formatter(
             charts.plt.FuncFormatter(lambda us, _: f"{us:,.10g}"))
     handles, labels = axes[0, 0].get_legend_handles_labels()
