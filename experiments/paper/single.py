@@ -8,7 +8,9 @@ import json
 import pathlib
 import platform
 import shutil
+import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -22,6 +24,8 @@ Show = Callable[[Measuring, Any], Section]
 
 def run_one(name: str, options: argparse.Namespace, measure: Measure,
             show: Show) -> tuple[Measuring, Section]:
+    # What is run ends with this: an exception stops a process that is waited for.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     measuring = Measuring(name, options)
     found = measure(measuring)
     section = show(measuring, found)
