@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "ltm/core/log.h"
@@ -25,6 +26,7 @@ using nlohmann::json;
 struct Arguments {
   int samples = 1000;
   int warm_up = 100;
+  int rounds = 5;
   int entries = 1000;
   std::vector<int> batches{1, 20, 50, 100};
   std::string json;
@@ -66,16 +68,21 @@ class ServerProcess {
   FILE* pipe_ = nullptr;  ///< The child ends with it.
 };
 
-/// Quartiles of the time of a step. Unit: ns.
-json times_of(const Arguments& arguments, const std::function<void()>& prepare,
-              const std::function<void()>& step) {
-  std::vector<int64_t> times;
-  for (int i = 0; i < arguments.warm_up + arguments.samples; ++i) {
+using Times = std::vector<int64_t>;
+
+/// Adds the times of a step in one round. Unit: ns.
+void sample(const Arguments& arguments, Times& times, const std::function<void()>& prepare,
+            const std::function<void()>& step) {
+  for (int i = 0; i < arguments.warm_up + arguments.samples / arguments.rounds; ++i) {
     prepare();
     const int64_t began = steady_ns();
     step();
     if (i >= arguments.warm_up) times.push_back(steady_ns() - began);
   }
+}
+
+/// Unit: ns.
+json quartiles(Times times) {
   std::ranges::sort(times);
   const auto at = [&](size_t percent) { return times[(times.size() - 1) * percent / 100]; };
   return {{"median", at(50)}, {"low", at(25)}, {"high", at(75)}, {"samples", times.size()}};
@@ -107,10 +114,10 @@ std::unique_ptr<server::WorkingMemory> filled_memory(int entries) {
 }
 
 template <typename Object>
-json measure_conversion(const Arguments& arguments, int batch) {
+void sample_conversion(const Arguments& arguments, int batch, Times& times) {
   const Object object = example<Object>();
-  return times_of(
-      arguments, [] {},
+  sample(
+      arguments, times, [] {},
       [&] {
         for (int i = 0; i < batch; ++i) {
           const auto bytes = Buffer::take(value_or_die(idf::encode(object.to_idf())));
@@ -127,28 +134,33 @@ json measure(const Arguments& arguments, int batch) {
   int64_t now = to_ns(system_now());
   ltm::Commit commit;
   const auto make = [&] { commit = commit_of<Object>(batch, ++now); };
-  json steps;
-  {
+  std::map<std::string, Times> times;
+  // A new server each round: on which cores threads end up lasts as long as they do.
+  for (int round = 0; round < arguments.rounds; ++round) {
     const ServerProcess process(arguments);
     const auto client = value_or_die(server::MemoryClient::connect(arguments.endpoint));
-    steps["commit"] = times_of(arguments, make, [&] { or_die(client->commit(commit)); });
-    steps["query"] = times_of(
-        arguments, [] {},
+    sample(arguments, times["commit"], make, [&] { or_die(client->commit(commit)); });
+    sample(
+        arguments, times["query"], [] {},
         [&] {
           const auto answer = value_or_die(client->query(query));
           if (answer.snapshot_count() != static_cast<size_t>(batch))
             die(data_loss("query: found {} snapshots, needs {}", answer.snapshot_count(), batch));
         });
   }
-  const auto memory = filled_memory(arguments.entries);
-  steps["storage"] = times_of(arguments, make, [&] { or_die(memory->commit(std::move(commit))); });
-  steps["look-up"] = times_of(
-      arguments, [] {},
-      [&] {
-        if (memory->select(query).size() != static_cast<size_t>(batch))
-          die(data_loss("look-up: needs {} entities", batch));
-      });
-  steps["conversion"] = measure_conversion<Object>(arguments, batch);
+  for (int round = 0; round < arguments.rounds; ++round) {
+    const auto memory = filled_memory(arguments.entries);
+    sample(arguments, times["storage"], make, [&] { or_die(memory->commit(std::move(commit))); });
+    sample(
+        arguments, times["look-up"], [] {},
+        [&] {
+          if (memory->select(query).size() != static_cast<size_t>(batch))
+            die(data_loss("look-up: needs {} entities", batch));
+        });
+    sample_conversion<Object>(arguments, batch, times["conversion"]);
+  }
+  json steps;
+  for (auto& [name, found] : times) steps[name] = quartiles(std::move(found));
   return steps;
 }
 
@@ -200,7 +212,11 @@ int main(int argc, char** argv) {
   app.add_option("--samples", arguments.samples, "Of each step, object and batch")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--warm-up", arguments.warm_up, "Before them")->capture_default_str();
+  app.add_option("--warm-up", arguments.warm_up, "Before them, of each round")
+      ->capture_default_str();
+  app.add_option("--rounds", arguments.rounds, "Of new servers, which share the samples")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--entries", arguments.entries, "Snapshots that the memory holds before")
       ->capture_default_str();
   app.add_option("--batches", arguments.batches, "Objects in one commit")->capture_default_str();

@@ -14,7 +14,7 @@ def measure(measuring: Measuring) -> dict[str, list[dict[str, Any]]]:
     """Nanoseconds of each step, and of each way's age of data, by object and batch."""
     config = measuring.config
     words = ["--samples", config["samples"], "--warm-up", config["warm_up"], "--entries",
-             config["entries"]]
+             config["entries"], "--rounds", config["rounds"]]
     found: dict[str, list[dict[str, Any]]] = {"steps": [], "ages": []}
     for batch in config["batches"]:
         steps = _measured(measuring, "step_bars", f"steps, batch {batch}",
@@ -23,8 +23,7 @@ def measure(measuring: Measuring) -> dict[str, list[dict[str, Any]]]:
     for name in OBJECTS:
         for batch in config["batches"]:
             ages = _measured(measuring, "age_bars", f"age, {name}, batch {batch}", [
-                *words, "--batches", batch, "--objects", name, "--rounds", config["rounds"],
-                "--no-subscribers"])
+                *words, "--batches", batch, "--objects", name, "--no-subscribers"])
             found["ages"] += ages["ages_ns"] if ages else [{"object": name, "batch": batch}]
     return found
 
