@@ -101,8 +101,9 @@ class _Case:
                 predicted=np.stack([one.value["image"] for one in futures]))
             return {"file": str(folder / "strip.npz"), "at": at}
 
-        return self.measuring.measured(f"{self.dataset.name} sample", inputs, predicted,
-                                       lambda value: [value["file"]])
+        found: dict[str, Any] | None = self.measuring.measured(
+            f"{self.dataset.name} sample", inputs, predicted, lambda value: [value["file"]])
+        return found
 
     def _recordings(self) -> int:
         return len(recordings_of(self.store, CAMERA))

@@ -77,16 +77,16 @@ def _psnr(fold: dict[str, Any] | None, what: str, name: str) -> float | None:
         return None
     if what == "reconstruction":
         one = fold["variants"].get(name)
-        return one and one["left_out"]["mean_psnr_db"]
+        return None if one is None else float(one["left_out"]["mean_psnr_db"])
     found = _predictions(fold, name)
-    return found and found[{"next": 0, "over-next": 1}[what]]["mean_psnr_db"]
+    return found[{"next": 0, "over-next": 1}[what]]["mean_psnr_db"] if found else None
 
 
 def _predictions(fold: dict[str, Any], name: str) -> list[dict[str, Any]] | None:
-    if name in BASELINES:
-        return fold["baselines"][name]
-    one = fold["variants"].get(name)
-    return one and one["prediction"]
+    found: list[dict[str, Any]] | None = (
+        fold["baselines"][name] if name in BASELINES
+        else fold["variants"].get(name, {}).get("prediction"))
+    return found
 
 
 def _is_missing(values: list[float | None]) -> bool:

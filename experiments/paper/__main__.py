@@ -8,6 +8,7 @@ Examples:
 """
 
 import sys
+from types import ModuleType
 
 import experiments.loocv.measure
 import experiments.loocv.show
@@ -27,10 +28,11 @@ LEAD = ("<p>What the paper “A Memory System of a Robot Cognitive Architecture 
 
 def main() -> int:
     options = arguments_of(__doc__, "paper")
-    runs = [run_one(name, options, *parts) for name, parts in (
-        ("storage", (experiments.storage.measure.measure, experiments.storage.show.show)),
-        ("loocv", (experiments.loocv.measure.measure, experiments.loocv.show.show)),
-        ("transfer", (experiments.transfer.measure.measure, experiments.transfer.show.show)))]
+    parts: list[tuple[str, ModuleType, ModuleType]] = [
+        ("storage", experiments.storage.measure, experiments.storage.show),
+        ("loocv", experiments.loocv.measure, experiments.loocv.show),
+        ("transfer", experiments.transfer.measure, experiments.transfer.show)]
+    runs = [run_one(name, options, measure.measure, show.show) for name, measure, show in parts]
     measurings = [measuring for measuring, _ in runs]
     page = measurings[0].folder / "paper.html"
     write_page(page, TITLE, LEAD + facts(measurings), [section for _, section in runs])

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import matplotlib
@@ -29,7 +29,14 @@ plt.rcParams.update({
 
 def panels(columns: int, rows: int = 1, width: float = 4.4, height: float = 3.6) -> tuple[Any, Any]:
     """A figure, and its axes [rows, columns]."""
-    return plt.subplots(rows, columns, figsize=(width * columns, height * rows), squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=(width * columns, height * rows),
+                                squeeze=False)
+    return figure, axes
+
+
+def format_values(axis: Any, text: Callable[[float], str]) -> None:
+    """Labels of an x or y axis."""
+    axis.set_major_formatter(plt.FuncFormatter(lambda value, _: text(value)))
 
 
 def save(figure: Any, file: pathlib.Path) -> pathlib.Path:

@@ -133,7 +133,7 @@ def _make_kitchen(measuring: Measuring, dataset: Dataset, side: int, new: pathli
 
     whole = new.with_suffix(".whole")
     shutil.rmtree(whole, ignore_errors=True)
-    size = ["--fast"] if side == 128 else ["--width", side, "--height", side]
+    size = ["--fast"] if side == 128 else ["--width", str(side), "--height", str(side)]
     measuring.run("simulate", "kitchen", whole, *size, "--seconds", dataset.options["seconds"],
                   "--seed", dataset.options["seeds"])
     with engram.open(whole) as memory:

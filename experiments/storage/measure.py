@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import pathlib
 import shutil
 import time
@@ -55,7 +56,8 @@ class _Case:
         return self._images
 
     def _points(self) -> list[dict[str, Any]]:
-        return self.dataset.options["latents"].get(str(self.side), [])
+        points: list[dict[str, Any]] = self.dataset.options["latents"].get(str(self.side), [])
+        return points
 
     def _inputs(self, point: dict[str, Any]) -> dict[str, Any]:
         return self.common | {"point": point, "width": self.config["width"]}
@@ -106,7 +108,7 @@ class _Case:
             inputs = self._inputs(point) | {"before": list(before)}
             one = self.measuring.measured(
                 f"{self.name} latents at {point['psnr']} dB", inputs,
-                lambda point=point, source=source: self._consolidated(point, source, "latents"),
+                functools.partial(self._consolidated, point, source, "latents"),
                 _files)
             found.append(one)
             if one is not None:

@@ -50,7 +50,7 @@ def show(measuring: Measuring, cases: list[dict[str, Any]]) -> Section:
 
 
 def seconds_of(case: dict[str, Any]) -> float:
-    return case["stages"]["seconds"]
+    return float(case["stages"]["seconds"])
 
 
 def _stage_table(measuring: Measuring, cases: list[dict[str, Any]]) -> Table:
@@ -195,7 +195,7 @@ def _draw_case(axis: Any, case: dict[str, Any]) -> None:
         axis.plot([one["bytes"] + model], [one["psnr_db"]], "D", color=charts.COLOURS["purple"],
                   ms=6, label="ours, every image bounded")
     axis.set_xscale("log")
-    axis.xaxis.set_major_formatter(charts.plt.FuncFormatter(lambda value, _: f"{value:,.0f}"))
+    charts.format_values(axis.xaxis, lambda size: f"{size:,.0f}")
 
 
 def at_bytes(points: list[tuple[float, float]], size: float) -> float:
@@ -242,7 +242,7 @@ def _bd_table(measuring: Measuring, cases: list[dict[str, Any]]) -> Table:
     head = ["curve", *[f"{case['dataset']}, {case['side']}" for case in cases]]
     rows: dict[str, list[str]] = {}
     for column, case in enumerate(cases):
-        reference = next((codec_points(one) for one in case["codecs"]
+        reference: list[tuple[float, float]] = next((codec_points(one) for one in case["codecs"]
                           if one["title"].startswith(REFERENCE) and not one["group"]), [])
         curves = {f"{one['title']}{', keys' if one['group'] else ''}": codec_points(one)
                   for one in case["codecs"]}

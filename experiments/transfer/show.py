@@ -122,8 +122,7 @@ def _bars(measuring: Measuring, name: str, rows: Sequence[Mapping[str, Any]],
         if limits:
             lowest = 10.0**np.floor(np.log10(min(low for low, _ in limits)))
             axis.set_ylim(lowest, max(high for _, high in limits))
-        axis.yaxis.set_major_formatter(
-            charts.plt.FuncFormatter(lambda us, _: f"{us:,.10g}"))
+        charts.format_values(axis.yaxis, lambda us: f"{us:,.10g}")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, ncol=len(kinds), loc="upper center", bbox_to_anchor=(0.5, 0))
     return charts.save(figure, measuring.folder / f"transfer-{name}.png")
