@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
+#include <chrono>
+#include <latch>
 #include <random>
 
 #include "tests/server/sharing/shared_host.h"
@@ -78,21 +80,34 @@ TEST(ParallelSharing, MixesNothingUpBetweenManyWritersAndReaders) {
   EXPECT_EQ(host.pool->counters().refused, 0u);
 }
 
-TEST(ParallelSharing, AsksForASlabOnceForAllThreads) {
+/// Eight threads write blocks of one slab that their client does not know yet, at moments around
+/// the server's answer.
+void write_at_once(std::mt19937& random) {
   SharedHost host;
   const auto client = host.connect(1);
   std::vector<BlockRef> blocks;
   for (int i = 0; i < 8; ++i) blocks.push_back(*host.pool->lease(1, kGroup, 1000));
   {
+    std::latch ready(8);
     std::vector<std::jthread> threads;
     for (const BlockRef& block : blocks)
-      threads.emplace_back([&] {
+      threads.emplace_back([&, wait = std::chrono::microseconds(random() % 200)] {
+        ready.arrive_and_wait();
+        const auto begin = std::chrono::steady_clock::now() + wait;
+        while (std::chrono::steady_clock::now() < begin) std::this_thread::yield();
         const auto span = client->writable(block);
         ASSERT_TRUE(span.ok()) << span.status().to_string();
         std::ranges::fill(*span, std::byte{1});
       });
   }
   for (const BlockRef& block : blocks) EXPECT_TRUE(host.pool->commit(1, kGroup, block, 1000).ok());
+}
+
+// A server refuses a slab that was asked for twice; to come between a thread's look and its lock
+// takes many tries.
+TEST(ParallelSharing, AsksForASlabOnceForAllThreads) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 1000 && !::testing::Test::HasFailure(); ++i) write_at_once(random);
 }
 
 }  // namespace
