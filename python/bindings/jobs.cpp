@@ -29,10 +29,6 @@ class Options {
   void take(const char* name, T& place) const {
     if (given_.contains(name) && !given_[name].is_none()) place = given_[name].cast<T>();
   }
-  template <typename T>
-  void take(const char* name, std::optional<T>& place) const {
-    if (given_.contains(name) && !given_[name].is_none()) place = given_[name].cast<T>();
-  }
   [[nodiscard]] std::optional<int64_t> ns(const char* name) const {
     std::optional<int64_t> found;
     take(name, found);
@@ -70,7 +66,6 @@ training::ConsolidateOptions consolidate_options(const Options& given) {
   given.take("anew", options.starts_anew);
   given.take("reuse_models", options.reuses_models);
   if (const auto until = given.ns("until")) options.job.until = time_from_ns(*until);
-  options.job.yield.file = given.text("yield_file");
   return options;
 }
 
