@@ -142,7 +142,6 @@ learning-bars: build
 
 # Measured results are kept in build/paper, and used again for as long as nothing changed.
 paper storage loocv transfer: build
-	@cmake/install_packages.sh experiments/packages.txt
 	@$(MAKE) experiments
 	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
 	  /usr/bin/python3 -m experiments.$@ --recordings "$(RECORDINGS)" --profile $(PAPER) $(PAPER_OPTIONS)

@@ -40,7 +40,7 @@ def show(measuring: Measuring, cases: list[dict[str, Any]]) -> Section:
         "The paper's recordings are not public, so that its figures are no contest: what can be "
         "compared is the protocol.")
     for case in cases:
-        section.blocks.append(_fold_table(case))
+        section.blocks.append(_fold_table(case, measuring.config["variants"]))
     section.blocks.append(_ahead_table(cases))
     if any(all(case["images"]) for case in cases):
         section.blocks.append(_curves(measuring, cases))
@@ -52,8 +52,9 @@ def show(measuring: Measuring, cases: list[dict[str, Any]]) -> Section:
     return section
 
 
-def _fold_table(case: dict[str, Any]) -> Table:
+def _fold_table(case: dict[str, Any], variants: list[str]) -> Table:
     folds = case["images"]
+    named = {name: title for name, title in VARIANTS.items() if name in variants}
     titles = [f"{i + 1} left out ({count})" for i, count in enumerate(case["snapshots"])]
     rows: list[list[str]] = []
     for what in ("reconstruction", "next", "over-next"):
@@ -61,10 +62,8 @@ def _fold_table(case: dict[str, Any]) -> Table:
         paper = list(PAPER[what])
         if len(folds) == len(paper):
             rows.append(["the paper's AE", *map(number, paper), number(float(np.mean(paper)))])
-        for name, title in (VARIANTS | BASELINES).items():
+        for name, title in (named if what == "reconstruction" else named | BASELINES).items():
             values = [_psnr(fold, what, name) for fold in folds]
-            if what == "reconstruction" and name in BASELINES or _is_missing(values):
-                continue
             rows.append([title, *map(number, values), number(_mean(values, case["snapshots"]))])
     return Table(f"{case['title']}: mean PSNR in dB of the recording that was left out.",
                  ["", *titles, "all"], rows,
@@ -87,11 +86,6 @@ def _predictions(fold: dict[str, Any], name: str) -> list[dict[str, Any]] | None
         fold["baselines"][name] if name in BASELINES
         else fold["variants"].get(name, {}).get("prediction"))
     return found
-
-
-def _is_missing(values: list[float | None]) -> bool:
-    """A variant that the configuration does not have; not one that no time was left for."""
-    return all(value is None for value in values)
 
 
 def _mean(values: list[float | None], weights: list[int]) -> float | None:
