@@ -121,12 +121,18 @@ Result<idf::Data> DeepModel::to_value(std::vector<idf::NdArray> images,
   return plan.layout().join(value);
 }
 
-std::vector<double> DeepModel::to_numbers(const Parts& parts) const {
-  if (plan.number_count() == 0) return {};
-  const Tensor normalised = parts.numbers.select(0, 0).contiguous();
-  std::vector<double> numbers;
-  for (size_t i = 0; i < mean.size(); ++i)
-    numbers.push_back(mean[i] + deviation[i] * normalised.data_ptr<float>()[i]);
+std::vector<double> DeepModel::moved_numbers(std::vector<double> numbers, const Parts& last,
+                                             const Parts& then) const {
+  if (numbers.empty()) return numbers;
+  const Tensor from = last.numbers.select(0, 0).contiguous();
+  const Tensor to = then.numbers.select(0, 0).contiguous();
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    const double now = from.data_ptr<float>()[i];
+    const double next = to.data_ptr<float>()[i];
+    // What is not finite counts as the mean.
+    numbers[i] = std::isfinite(numbers[i]) ? numbers[i] + deviation[i] * (next - now)
+                                           : mean[i] + deviation[i] * next;
+  }
   return numbers;
 }
 

@@ -57,8 +57,11 @@ struct DeepModel {
   Result<idf::Data> to_value(std::vector<idf::NdArray> images, std::span<const double> numbers,
                              const idf::List& remainder) const;
 
-  /// The numbers of a batch of one, as they were before they were normalised.
-  [[nodiscard]] std::vector<double> to_numbers(const Parts& parts) const;
+  /// What numbers become that change as `then` differs from `last`, both of a batch of one. Those
+  /// that never changed in training stay what they are.
+  /// Shape: numbers [plan.number_count()].
+  [[nodiscard]] std::vector<double> moved_numbers(std::vector<double> numbers, const Parts& last,
+                                                  const Parts& then) const;
 
   /// Mean squared differences of two batches of one, without what is padded, as training::compare
   /// counts them.

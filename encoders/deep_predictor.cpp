@@ -113,7 +113,8 @@ class DeepPredictor : public ltm::Predictor {
     const bool copies_numbers = shares.numbers == 0;
     if (copies_images && copies_numbers) return newest;
     const Parts mixed = mix(last, future, shares);
-    std::vector<double> numbers = model_->to_numbers(mixed);
+    std::vector<double> numbers =
+        model_->moved_numbers(model_->plan.read_numbers(split), last, mixed);
     model_->plan.make_orientations_unit(numbers);
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data value,
                             model_->to_value(model_->to_arrays(mixed), numbers, split.remainder));

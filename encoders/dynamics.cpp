@@ -20,6 +20,9 @@ constexpr int kConditionFeatures = 64;
 constexpr double kChangeGain = 3.0;
 /// Logit that gates start with: 27 % open.
 constexpr double kFirstGate = -1.0;
+/// Deviations from the mean that numbers and their changes count as at most. Beyond what they were
+/// trained on linear layers go on without end.
+constexpr double kMostDeviations = 5.0;
 constexpr double kLeastLogScale = -4.0;
 constexpr double kMostLogScale = 6.0;
 /// No latent costs more than -log2 of it.
@@ -30,6 +33,11 @@ Tensor twice_as_large(const Tensor& x) {
   return F::interpolate(x, F::InterpolateFuncOptions()
                                .scale_factor(std::vector<double>{2.0, 2.0})
                                .mode(torch::kNearest));
+}
+
+/// Of normalised numbers.
+Tensor saturated(const Tensor& numbers) {
+  return numbers.clamp(-kMostDeviations, kMostDeviations);
 }
 
 /// [B]
@@ -119,7 +127,7 @@ DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
 
 Tensor DynamicsImpl::number_features(const Tensor& last, const Tensor& before) {
   if (!number_input) return {};
-  const Tensor x = torch::cat({last, last - before}, 1);
+  const Tensor x = torch::cat({saturated(last), saturated(last - before)}, 1);
   return activate(number_hidden(activate(number_input(x))));
 }
 
@@ -136,11 +144,11 @@ Tensor DynamicsImpl::condition_features(const Parts& last, const Parts& before, 
     if (moment == 0) return last.conditions;
     return last.plan.select(1, std::min<int64_t>(moment, last.plan.size(1)) - 1);
   };
+  const auto change = [&](int from, int to) { return saturated(at(to) - at(from)) * kChangeGain; };
   const int now = is_planned ? ahead : 0;
-  std::vector<Tensor> told{at(now), (at(now) - at(now - 1)) * kChangeGain, torch::ones({count, 1})};
+  std::vector<Tensor> told{saturated(at(now)), change(now - 1, now), torch::ones({count, 1})};
   for (int step = 1; step <= ImageMotionImpl::kSteps; ++step)
-    told.push_back(is_planned ? (at(now + step) - at(now)) * kChangeGain
-                              : torch::zeros_like(last.conditions));
+    told.push_back(is_planned ? change(now, now + step) : torch::zeros_like(last.conditions));
   told.push_back(torch::full({count, 1}, is_planned ? 1.0 : 0.0));
   return activate(condition_hidden(activate(condition_input(torch::cat(told, 1)))));
 }

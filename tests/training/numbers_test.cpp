@@ -168,5 +168,42 @@ TEST(NumberBounds, LeavePredictedOrientationsOfLengthOne) {
       << "it was copied";
 }
 
+/// An arm that swings, and another one: in training it stands still but for the last digits.
+idf::Data arms_at(int i, double rest, double noisy_rest) {
+  idf::Dict dict;
+  dict.set("joints", idf::NdArray::take<double>({3}, {std::sin(0.2 * i), rest, noisy_rest}));
+  return dict;
+}
+
+std::vector<double> joints_of(const idf::Data& arms) {
+  const auto joints = arms.at("joints")->get_if<idf::NdArray>()->values<double>();
+  return {joints.begin(), joints.end()};
+}
+
+TEST(NumberPredictions, GoOnFromJointsThatStoodStillInTraining) {
+  TrainingSource source;
+  source.entity = "Test/Robot/sim/arms";
+  source.times = engram::testing::scene_source(kCount).times;
+  source.read = [](size_t i) -> Result<idf::Data> {
+    return arms_at(static_cast<int>(i), 0.25, 1e-12 * std::sin(static_cast<double>(i)));
+  };
+  const ScratchPath file("still_arm");
+  const auto trained =
+      train_model(source, engram::testing::quick_options(600), file.path(), {}, {});
+  ASSERT_TRUE(trained.ok()) << trained.status().to_string();
+  const auto model = encoders::load_model(file.path());
+  ASSERT_TRUE(model.ok()) << model.status().to_string();
+  const std::vector<idf::Data> past{arms_at(50, 0.88, 0.39), arms_at(51, 0.9, 0.4)};
+  const auto futures = model->predictor->predict({past}, 5);
+  ASSERT_TRUE(futures.ok()) << futures.status().to_string();
+  ASSERT_NE(futures->front().value, past.back()) << "it was copied";
+  for (const ltm::Prediction& future : *futures) {
+    const std::vector<double> joints = joints_of(future.value);
+    EXPECT_LT(std::abs(joints[0]), 3) << "what swings goes on swinging";
+    EXPECT_EQ(joints[1], 0.9);
+    EXPECT_NEAR(joints[2], 0.4, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace engram::training
