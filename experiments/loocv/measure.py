@@ -44,6 +44,7 @@ class _Case:
             lambda: agreement.measured(self.store))
         return {
             "dataset": self.dataset.name, "title": self.dataset.title,
+            "is_recorded": self.dataset.is_recorded,
             "snapshots": [len(fold) for fold in folds], "images": images,
             "numbers": {name: self._crossval(name.split("/")[-1], name, "number_budget")
                         for name in names},

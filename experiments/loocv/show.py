@@ -161,7 +161,8 @@ def _strip(measuring: Measuring, case: dict[str, Any]) -> Figure:
     return Figure(
         f"{case['title']}: where most changes in the recording that was left out. Below “now” is "
         "what its latents give back; to the right of it, predictions from it and the image before.",
-        file, "Images of the future as they were recorded, as predicted, and the last one again")
+        file, "Images of the future as they were recorded, as predicted, and the last one again",
+        is_recorded=case["is_recorded"])
 
 
 def _line(recorded: quality.Images, other: quality.Images) -> str:

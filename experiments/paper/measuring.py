@@ -38,7 +38,8 @@ def arguments_of(description: str | None, name: str) -> argparse.Namespace:
                         help="folder of stores, results and plots")
     parser.add_argument("--again", action="store_true", help="measure anew what is known")
     parser.add_argument("--keep", action="store_true",
-                        help="put results and plots into experiments/NAME/results, too")
+                        help="put results and plots into experiments/NAME/results, too, but no "
+                             "images of recordings")
     parser.add_argument("--minutes", type=float, default=float("inf"),
                         help="begin no measurement after so long; 0: only show what is known")
     return parser.parse_args()
@@ -56,6 +57,13 @@ def file_fingerprint(path: pathlib.Path) -> str:
         while part := file.read(1 << 20):
             digest.update(part)
     return digest.hexdigest()[:16]
+
+
+def sources() -> str:
+    """The commit that is checked out, with a + where files differ from it."""
+    done = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--exclude=*", "--dirty=+"],
+                          text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+    return done.stdout.strip() or "unknown"
 
 
 class Measuring:
@@ -106,7 +114,7 @@ class Measuring:
         value = measure()
         self.results[name] = self.used[name] = {
             "key": key, "inputs": dict(inputs), "seconds": round(time.monotonic() - began, 1),
-            "measured": time.strftime("%Y-%m-%d %H:%M"), "value": value}
+            "measured": time.strftime("%Y-%m-%d %H:%M"), "sources": sources(), "value": value}
         new = self.file.with_suffix(".new")
         new.write_text(json.dumps(self.results, indent=1) + "\n")
         new.replace(self.file)

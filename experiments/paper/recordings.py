@@ -35,6 +35,10 @@ class Dataset:
     title: str
     options: dict[str, Any]
 
+    @property
+    def is_recorded(self) -> bool:
+        return self.kind != "kitchen"
+
 
 def datasets(measuring: Measuring) -> list[Dataset]:
     """Those of the configuration; what stands in for them where there are no recordings."""

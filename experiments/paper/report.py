@@ -38,6 +38,7 @@ class Figure:
     caption: str
     file: pathlib.Path
     alt: str
+    is_recorded: bool = False  # It shows images of recordings, which are not ours to give away.
 
 
 @dataclass

@@ -9,14 +9,13 @@ import pathlib
 import platform
 import shutil
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
 from typing import Any
 
 from experiments.paper.measuring import ROOT, Measuring, arguments_of
-from experiments.paper.report import Section, write_page
+from experiments.paper.report import Figure, Section, write_page
 
 Measure = Callable[[Measuring], Any]
 Show = Callable[[Measuring, Any], Section]
@@ -35,19 +34,20 @@ def run_one(name: str, options: argparse.Namespace, measure: Measure,
          "configuration": measuring.config, "not_run": measuring.skipped, "found": found}, indent=1)
     summary.write_text(text.replace(f"{measuring.folder}/", "") + "\n")
     if options.keep:
-        _keep(measuring, summary)
+        _keep(measuring, section, summary)
     if measuring.skipped:
         measuring.say(f"{len(measuring.skipped)} measurements were not run: no time was left")
     return measuring, section
 
 
-def _keep(measuring: Measuring, summary: pathlib.Path) -> None:
+def _keep(measuring: Measuring, section: Section, summary: pathlib.Path) -> None:
     folder = ROOT / "experiments" / measuring.name / "results"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     shutil.copy(summary, folder / "result.json")
-    for plot in measuring.folder.glob(f"{measuring.name}-*.png"):
-        shutil.copy(plot, folder / plot.name.removeprefix(f"{measuring.name}-"))
+    for block in section.blocks:
+        if isinstance(block, Figure) and not block.is_recorded:
+            shutil.copy(block.file, folder / block.file.name.removeprefix(f"{measuring.name}-"))
 
 
 def run_single(name: str, about: str | None, measure: Measure, show: Show) -> None:
@@ -60,14 +60,13 @@ def run_single(name: str, about: str | None, measure: Measure, show: Show) -> No
 
 def facts(runs: list[Measuring]) -> str:
     """Where, when and with what it was measured, as HTML."""
-    commit = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%h"], text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+    commits = sorted({one.get("sources", "unknown") for run in runs for one in run.used.values()})
     dates = sorted(one["measured"] for run in runs for one in run.used.values())
     spent = sum(one["seconds"] for run in runs for one in run.used.values())
     missing = sum(len(run.skipped) for run in runs)
     span = f"measured {dates[0]} to {dates[-1]}" if dates else "nothing was measured"
     text = (f"Profile <b>{runs[0].profile}</b>; {span}, {spent / 60:.0f} minutes in all; "
-            f"{runs[0].version()}, commit {commit.stdout.strip() or 'unknown'}; {_machine()}; "
+            f"{runs[0].version()}, sources at {', '.join(commits) or 'unknown'}; {_machine()}; "
             f"written {time.strftime('%Y-%m-%d %H:%M')}.")
     if missing:
         text += f" {missing} measurements were not run; their cells say so."

@@ -44,6 +44,7 @@ class _Case:
             lambda: self._consolidated(auto, self.store, "auto"), _files)
         number_inputs = self.common | {"budget": self.config["number_budget"]}
         return {"dataset": self.dataset.name, "title": self.dataset.title, "side": self.side,
+                "is_recorded": self.dataset.is_recorded,
                 "stages": stages, "codecs": codecs, "latents": latents,
                 "auto": found_auto, "auto_db": auto and auto["psnr"],
                 "targets": self._points(), "frames": str(self.store),

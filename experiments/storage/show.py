@@ -301,7 +301,8 @@ def _samples(measuring: Measuring, cases: list[dict[str, Any]]) -> Figure | None
     file = charts.image_grid(rows, titles, labels, below, measuring.folder / "storage-samples.png")
     return Figure("The image in the middle of each recording, of each codec the measured point that "
                   "is nearest to our bytes: mean bytes of an image of the whole recording, and PSNR "
-                  "of this one.", file, "The same image from each codec")
+                  "of this one.", file, "The same image from each codec",
+                  is_recorded=any(case["is_recorded"] for case in cases))
 
 
 def _line(size: float, recorded: quality.Images, shown: quality.Images) -> str:

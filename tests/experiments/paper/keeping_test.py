@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is kept of a run goes into the project: no images of recordings are in it."""
+
+import argparse
+import pathlib
+
+import pytest
+
+from experiments.paper import measuring, single
+from experiments.paper.report import Figure, Section
+
+
+@pytest.fixture
+def root(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
+    """A project of one experiment, `transfer`."""
+    folder = tmp_path / "experiments" / "transfer"
+    folder.mkdir(parents=True)
+    (folder / "config.json").write_text('{"short": {}}')
+    monkeypatch.setattr(measuring, "ROOT", tmp_path)
+    monkeypatch.setattr(single, "ROOT", tmp_path)
+    monkeypatch.setattr(measuring.Measuring, "version", lambda self: "engram 1")
+    return tmp_path
+
+
+def run(root: pathlib.Path) -> tuple[measuring.Measuring, Section]:
+    options = argparse.Namespace(
+        engram=root / "engram", programs=root, recordings="", profile="short", work=root / "work",
+        again=False, minutes=1, keep=True)
+
+    def show(one: measuring.Measuring, found: object) -> Section:
+        section = Section("transfer", "Transfer")
+        for name in ("curves", "frames"):
+            file = one.folder / f"transfer-{name}.png"
+            file.write_bytes(name.encode())
+            section.blocks.append(Figure(name, file, name, is_recorded=name == "frames"))
+        return section
+
+    return single.run_one("transfer", options, lambda one: one.measured("a", {}, lambda: 7), show)
+
+
+def test_images_of_recordings_are_not_kept(root):
+    stale = root / "experiments" / "transfer" / "results" / "stale.png"
+    stale.parent.mkdir()
+    stale.touch()
+    run(root)
+    assert sorted(file.name for file in stale.parent.iterdir()) == ["curves.png", "result.json"]
+    assert (stale.parent / "curves.png").read_bytes() == b"curves"
+
+
+def test_a_report_names_the_sources_of_every_result(root, monkeypatch):
+    monkeypatch.setattr(measuring, "sources", lambda: "abc1234")
+    run(root)
+    monkeypatch.setattr(measuring, "sources", lambda: "fff0000")
+    again, _ = run(root)
+    again.measured("b", {}, lambda: 8)
+    assert "sources at abc1234, fff0000;" in single.facts([again])
