@@ -199,7 +199,7 @@ TEST(NumberPredictions, GoOnFromJointsThatStoodStillInTraining) {
   ASSERT_NE(futures->front().value, past.back()) << "it was copied";
   for (const ltm::Prediction& future : *futures) {
     const std::vector<double> joints = joints_of(future.value);
-    EXPECT_LT(std::abs(joints[0]), 3) << "what swings goes on swinging";
+    EXPECT_LT(std::abs(joints[0]), 1.5) << "what swings goes on swinging";
     EXPECT_EQ(joints[1], 0.9);
     EXPECT_NEAR(joints[2], 0.4, 1e-9);
   }
