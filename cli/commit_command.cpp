@@ -10,8 +10,8 @@
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"
 #include "ltm/idf/type_xml.h"
-#include "server/prior/picture_file.h"
-#include "server/prior/written_as.h"
+#include "memory/prior/picture_file.h"
+#include "memory/prior/written_as.h"
 
 namespace engram::cli {
 
@@ -49,11 +49,11 @@ struct CommitArguments {
   bool is_json = false;
 };
 
-server::CommitDurability durability_of(const CommitArguments& arguments) {
-  static const std::map<std::string, server::CommitDurability> kLevels{
-      {"server", server::CommitDurability::kServerDefault},
-      {"memory", server::CommitDurability::kMemory},
-      {"journal", server::CommitDurability::kJournal}};
+CommitDurability durability_of(const CommitArguments& arguments) {
+  static const std::map<std::string, CommitDurability> kLevels{
+      {"server", CommitDurability::kDefault},
+      {"memory", CommitDurability::kMemory},
+      {"journal", CommitDurability::kJournal}};
   return kLevels.at(arguments.durability);
 }
 
@@ -62,7 +62,7 @@ Status add_image(const std::string& text, std::optional<idf::Data>& value) {
   const size_t equals = text.find('=');
   const std::string file = equals == std::string::npos ? text : text.substr(equals + 1);
   ENGRAM_ASSIGN_OR_RETURN(const Buffer bytes, read_file(file));
-  auto image = server::read_picture(bytes.bytes(), kMostPixels);
+  auto image = memory::read_picture(bytes.bytes(), kMostPixels);
   if (!image.ok()) return image.status().with_context(file);
   if (equals == std::string::npos) {
     if (value)

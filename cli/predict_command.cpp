@@ -12,7 +12,7 @@
 #include "cli/save.h"
 #include "cli/text.h"
 #include "encoders/load_model.h"
-#include "server/prediction/entity_forecaster.h"
+#include "ltm/prediction/entity_forecaster.h"
 
 namespace engram::cli {
 
@@ -215,8 +215,8 @@ ExitCode run(PredictArguments arguments) {
   const bool is_moment = !arguments.at.empty() || arguments.is_compared ||
                          !arguments.picture.empty() || !arguments.save.empty();
   if (arguments.store.empty()) {
-    if (is_sweep || !arguments.plan.empty() || !arguments.at.empty() ||
-        arguments.is_compared || !arguments.picture.empty())
+    if (is_sweep || !arguments.plan.empty() || !arguments.at.empty() || arguments.is_compared ||
+        !arguments.picture.empty())
       return wrong_usage(invalid_argument(
           "a server predicts from now: --at, --plan, --compare, --picture, --every, --from "
           "and --to are of stores"));
@@ -229,7 +229,7 @@ ExitCode run(PredictArguments arguments) {
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
   ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr,
-                     server::make_entity_forecaster);
+                     ltm::make_entity_forecaster);
   const ltm::MemoryId entity = *ltm::MemoryId::parse(arguments.entity);
   const auto step = step_of(recall, entity, arguments.engine);
   if (!step.ok()) return fail(step.status());

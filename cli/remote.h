@@ -9,7 +9,7 @@
 #include "cli/command.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
-#include "ltm/recall/engine_choice.h"
+#include "ltm/prediction/engine_choice.h"
 
 namespace engram::cli {
 

@@ -10,7 +10,7 @@
 
 #include "ltm/core/file.h"
 #include "server/client/names_client.h"
-#include "server/robot/default_endpoint.h"
+#include "server/access/default_endpoint.h"
 
 namespace engram::cli {
 

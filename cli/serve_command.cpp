@@ -141,7 +141,7 @@ void wait_for_the_end() {
 
 /// Says what became of it; false where something is lost.
 bool tell_ended(const Robot::Ended& ended) {
-  const server::MemoryCounters& memory = ended.counters.memory;
+  const ltm::MemoryCounters& memory = ended.counters.memory;
   log::info("server '{}' stopped: {} snapshots came{}, the store was given {}", ended.server,
             count_text(memory.committed),
             memory.superseded > 0

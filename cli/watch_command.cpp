@@ -71,8 +71,8 @@ Result<std::string> line_of(const ltm::Snapshot& snapshot, const WatchArguments&
 /// What servers told and was not printed yet.
 class Inbox {
  public:
-  server::SubscriptionHandlers handlers() {
-    return {[this](std::vector<server::ToldSnapshot> told) { put(std::move(told)); },
+  SubscriptionHandlers handlers() {
+    return {[this](std::vector<ToldSnapshot> told) { put(std::move(told)); },
             [this](uint64_t lost) { lose(lost); },
             [](const Status& status) {
               log::warning("{}; what came meanwhile was not told", status.message());
@@ -94,9 +94,9 @@ class Inbox {
   }
 
  private:
-  void put(std::vector<server::ToldSnapshot> told) {
+  void put(std::vector<ToldSnapshot> told) {
     const std::scoped_lock lock(mutex_);
-    for (server::ToldSnapshot& one : told) waiting_.push_back(std::move(one.snapshot));
+    for (ToldSnapshot& one : told) waiting_.push_back(std::move(one.snapshot));
     for (; waiting_.size() > kMostWaiting; ++lost_) waiting_.pop_front();
     changed_.notify_one();
   }
@@ -145,7 +145,7 @@ ExitCode run(const WatchArguments& arguments) {
   const auto clients = open_clients(arguments.remote, memories);
   if (!clients.ok()) return fail(clients.status());
   Inbox inbox;
-  std::vector<std::unique_ptr<server::Subscription>> subscriptions;
+  std::vector<std::unique_ptr<Subscription>> subscriptions;
   for (const auto& client : *clients) {
     auto subscription = client->subscribe(
         {.names = arguments.names, .with_data = arguments.with_data}, inbox.handlers());

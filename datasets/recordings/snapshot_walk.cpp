@@ -5,37 +5,11 @@
 #include <limits>
 #include <set>
 
+#include "ltm/recall/timeline_moments.h"
+
 namespace engram::datasets {
 
 namespace {
-
-/// The times of a timeline alone.
-class TimesOnly : public ltm::Moments {
- public:
-  explicit TimesOnly(ltm::Timeline& timeline) : timeline_(timeline) {}
-
-  [[nodiscard]] std::optional<Time> first() const override { return timeline_.first(); }
-  [[nodiscard]] std::optional<Time> last() const override { return timeline_.last(); }
-  Result<std::optional<Time>> at_or_after(Time time) override {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline_.at_or_after(time));
-    return time_of(entry);
-  }
-  Result<std::optional<Time>> at_or_before(Time time) override {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline_.at_or_before(time));
-    return time_of(entry);
-  }
-  Result<std::optional<Time>> nth(uint64_t index) override {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline_.nth(index));
-    return time_of(entry);
-  }
-
- private:
-  static std::optional<Time> time_of(const std::optional<ltm::SnapshotEntry>& entry) {
-    return entry ? std::optional(entry->time) : std::nullopt;
-  }
-
-  ltm::Timeline& timeline_;
-};
 
 std::optional<Time> after(Time time) {
   if (to_ns(time) == std::numeric_limits<int64_t>::max()) return std::nullopt;
@@ -47,7 +21,7 @@ std::optional<Time> after(Time time) {
 Result<SnapshotWalk> SnapshotWalk::create(ltm::Timeline& timeline,
                                           const std::vector<ltm::SnapshotQuery>& queries) {
   SnapshotWalk walk(timeline);
-  TimesOnly moments(timeline);
+  ltm::TimelineMoments moments(timeline);
   for (const ltm::SnapshotQuery& query : queries) {
     ENGRAM_ASSIGN_OR_RETURN(const auto selection, ltm::select_times(query.selector, moments));
     if (selection.snapshots) walk.spans_.push_back({*selection.snapshots, query.instances});

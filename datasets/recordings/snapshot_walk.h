@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ltm/memory/query.h"
-#include "ltm/recall/select.h"
+#include "ltm/memory/select.h"
 #include "ltm/store/timeline.h"
 
 namespace engram::datasets {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "learning/number_data.h"
-#include "server/prediction/series_forecaster.h"
+#include "ltm/prediction/series_forecaster.h"
 #include "store/measure.h"
 #include "store/report.h"
 
@@ -58,8 +58,8 @@ struct Errors {
   }
 };
 
-Status add_errors(server::SeriesForecaster& forecaster, const NumberRecording& recording,
-                  size_t row, double horizon_s, Errors& errors) {
+Status add_errors(ltm::SeriesForecaster& forecaster, const NumberRecording& recording, size_t row,
+                  double horizon_s, Errors& errors) {
   const auto then = static_cast<size_t>(std::lround(horizon_s * kRowsPerSecond)) + row;
   if (then >= recording.count()) return {};
   const auto truth = row_of(recording, then).first(errors.measured);
@@ -79,7 +79,7 @@ Status add_errors(server::SeriesForecaster& forecaster, const NumberRecording& r
 /// Recordings lie a minute apart; the left-out one comes last.
 Status add_fold(const std::vector<NumberRecording>& recordings, size_t left_out,
                 std::vector<Errors>& errors) {
-  server::NumberSeries series(recordings[left_out].columns.size());
+  ltm::NumberSeries series(recordings[left_out].columns.size());
   double start = 0;
   const auto add = [&](const NumberRecording& recording, size_t row) {
     return series.add(Time(seconds(start + static_cast<double>(row) / kRowsPerSecond)),
@@ -91,7 +91,7 @@ Status add_fold(const std::vector<NumberRecording>& recordings, size_t left_out,
       ENGRAM_RETURN_IF_ERROR(add(recordings[i], row));
     start += 60 + static_cast<double>(recordings[i].count()) / kRowsPerSecond;
   }
-  server::SeriesForecaster forecaster(series);
+  ltm::SeriesForecaster forecaster(series);
   for (size_t row = 0; row < recordings[left_out].count(); ++row) {
     ENGRAM_RETURN_IF_ERROR(add(recordings[left_out], row));
     if (row < 4) continue;  // A line needs five.

@@ -11,9 +11,9 @@
 #include "ltm/core/log.h"
 #include "server/client/client_stream.h"
 #include "server/client/memory_client.h"
-#include "server/polling/polling_threads.h"
 #include "server/robot/memory_server.h"
 #include "server/wire/byte_message.h"
+#include "server/wire/polling_threads.h"
 #include "server/wire/wire_snapshot.h"
 
 namespace engram::experiments {
@@ -155,8 +155,8 @@ class MemoryConsumer final : public AgeRole {
 
   Status begin(const std::string& endpoint, bool with_query) {
     ENGRAM_ASSIGN_OR_RETURN(client_, server::MemoryClient::connect(endpoint));
-    server::SubscriptionHandlers handlers;
-    handlers.on_snapshots = [this](std::vector<server::ToldSnapshot> told) { take(told); };
+    SubscriptionHandlers handlers;
+    handlers.on_snapshots = [this](std::vector<ToldSnapshot> told) { take(told); };
     ENGRAM_ASSIGN_OR_RETURN(
         subscription_,
         client_->subscribe({.names = {"Bench"}, .with_data = !with_query, .queue_bound = 100'000},
@@ -165,8 +165,8 @@ class MemoryConsumer final : public AgeRole {
   }
 
  private:
-  void take(const std::vector<server::ToldSnapshot>& told) {
-    for (const server::ToldSnapshot& one : told) {
+  void take(const std::vector<ToldSnapshot>& told) {
+    for (const ToldSnapshot& one : told) {
       if (one.has_data) {
         if (++come_ % batch_ == 0)
           on_age_(steady_ns() - made_ns(one.snapshot.instances.front().data));
@@ -199,7 +199,7 @@ class MemoryConsumer final : public AgeRole {
   size_t come_ = 0;
   std::vector<ltm::MemoryId> asked_;  ///< Handlers come one at a time.
   std::unique_ptr<server::MemoryClient> client_;
-  std::unique_ptr<server::Subscription> subscription_;
+  std::unique_ptr<Subscription> subscription_;
 };
 
 class StreamProducer final : public AgeProducer {
@@ -237,7 +237,7 @@ class MemoryProducer final : public AgeProducer {
   explicit MemoryProducer(std::unique_ptr<server::MemoryClient> client)
       : client_(std::move(client)) {}
   Status send(const ltm::Commit& commit) override {
-    client_->commit(commit, server::CommitDurability::kServerDefault, [](const Status& status) {
+    client_->commit(commit, CommitDurability::kDefault, [](const Status& status) {
       if (!status.ok()) log::warning("commit: {}", status.to_string());
     });
     return {};
@@ -281,7 +281,7 @@ void tune_plain_grpc() {
 Result<std::unique_ptr<AgeRole>> start_memory(const std::string& endpoint, int entries) {
   server::MemoryServer::Options options;
   options.service.name = "age";
-  options.service.memory.mode = server::StoreMode::kLatest;
+  options.service.memory.mode = ltm::StoreMode::kLatest;
   options.service.memory.all.snapshots = static_cast<size_t>(entries);
   ENGRAM_ASSIGN_OR_RETURN(const auto place, server::Endpoint::parse(endpoint));
   options.rpc.endpoints = {place};

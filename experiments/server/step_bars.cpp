@@ -12,10 +12,10 @@
 
 #include "ltm/core/log.h"
 #include "ltm/idf/binary.h"
+#include "ltm/working/working_memory.h"
 #include "paper_objects_example.h"
 #include "server/age_roles.h"
 #include "server/client/memory_client.h"
-#include "server/memory/working_memory.h"
 
 namespace engram::experiments {
 namespace {
@@ -100,11 +100,11 @@ ltm::Commit commit_of(int batch, int64_t number) {
   return commit;
 }
 
-std::unique_ptr<server::WorkingMemory> filled_memory(int entries) {
-  server::WorkingMemory::Options options;
-  options.mode = server::StoreMode::kLatest;
+std::unique_ptr<ltm::WorkingMemory> filled_memory(int entries) {
+  ltm::WorkingMemory::Options options;
+  options.mode = ltm::StoreMode::kLatest;
   options.all.snapshots = static_cast<size_t>(entries);
-  auto memory = value_or_die(server::WorkingMemory::create(options));
+  auto memory = value_or_die(ltm::WorkingMemory::create(options));
   for (int i = 0; i < entries; ++i) {
     auto commit = commit_of<benchmark_objects::Moderate>(1, i + 1);
     commit.updates[0].entity = *ltm::MemoryId::parse(fmt::format("Held/Object/before/{}", i % 100));

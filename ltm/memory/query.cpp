@@ -76,6 +76,18 @@ void collect_snapshots(const std::vector<NameQuery<Below>>& level,
   }
 }
 
+/// The names of an entity, and no others.
+QueryPath path_of(const MemoryId& entity) {
+  ENGRAM_CHECK(entity.has_entity(), "'{}' has no entity", entity.to_string());
+  QueryPath names;
+  for (size_t i = 0; i < names.size(); ++i) {
+    auto name = NamePattern::name(entity.names()[i]);
+    ENGRAM_CHECK(name.ok(), "{}", name.status().message());
+    names[i] = *std::move(name);
+  }
+  return names;
+}
+
 }  // namespace
 
 QueryBuilder::QueryBuilder(bool is_ids_only) {
@@ -128,14 +140,17 @@ Result<Query> Query::from_data(const idf::Data& data) {
 }
 
 Query Query::of_entity(const MemoryId& entity, const Selector& selector) {
-  ENGRAM_CHECK(entity.has_entity(), "'{}' has no entity", entity.to_string());
-  QueryPath names;
-  for (size_t i = 0; i < names.size(); ++i) {
-    auto name = NamePattern::name(entity.names()[i]);
-    ENGRAM_CHECK(name.ok(), "{}", name.status().message());
-    names[i] = *std::move(name);
-  }
-  return Query(names, selector);
+  return Query(path_of(entity), selector);
+}
+
+Result<Query> Query::of_entity(const MemoryId& entity, std::span<const Selector> selectors) {
+  if (selectors.empty())
+    return invalid_argument("query of '{}': found no selector, needs one", entity.to_string());
+  QueryBuilder builder(false);
+  const QueryPath path = path_of(entity);
+  for (const Selector& selector : selectors)
+    ENGRAM_RETURN_IF_ERROR(builder.add(path, {selector, {}}));
+  return std::move(builder).take();
 }
 
 bool Query::matches(const MemoryId& id) const {

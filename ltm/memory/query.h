@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +81,10 @@ class Query {
   /// The query of exactly one entity. Needs an entity or deeper, and a selector that validates
   /// (checked).
   static Query of_entity(const MemoryId& entity, const Selector& selector);
+
+  /// The same with several selectors, at least one.
+  /// Errors: kInvalidArgument where one does not validate, or where there are too many.
+  static Result<Query> of_entity(const MemoryId& entity, std::span<const Selector> selectors);
 
   [[nodiscard]] const std::vector<MemoryQuery>& memories() const { return memories_; }
 

@@ -201,8 +201,7 @@ AccessTable read_accesses(const std::filesystem::path& store) {
   return std::move(sum.table);
 }
 
-Status merge_accesses(const std::filesystem::path& store,
-                      const std::map<MemoryId, TimeSet>& gone) {
+Status merge_accesses(const std::filesystem::path& store, const std::map<MemoryId, TimeSet>& gone) {
   if (!has_notes(store)) return {};
   ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / kFolder / kLock, File::Mode::kAppend));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_ours, lock.lock(false));

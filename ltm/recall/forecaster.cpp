@@ -22,42 +22,54 @@ std::vector<idf::Data> series(const std::vector<SnapshotResult>& history, size_t
   return values;
 }
 
-/// The last snapshots of the entity up to a moment, at most `count`, those after `after` alone, in
-/// the order of time.
-Result<std::vector<SnapshotEntry>> latest(Timeline& timeline, std::optional<Time> time,
-                                          size_t count, std::optional<Time> after = {}) {
-  std::vector<SnapshotEntry> entries;
-  while (time && entries.size() < count) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(*time));
-    if (!entry || (after && entry->time <= *after)) break;
-    entries.push_back(*entry);
-    time = to_ns(entry->time) == INT64_MIN ? std::nullopt
-                                           : std::optional(time_from_ns(to_ns(entry->time) - 1));
+/// The last moments up to one, at most `count`, those after `after` alone, in their order.
+Result<std::vector<Time>> latest(EntityPast& past, std::optional<Time> time, size_t count,
+                                 std::optional<Time> after = {}) {
+  std::vector<Time> moments;
+  while (time && moments.size() < count) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto moment, past.at_or_before(*time));
+    if (!moment || (after && *moment <= *after)) break;
+    moments.push_back(*moment);
+    time = to_ns(*moment) == INT64_MIN ? std::nullopt
+                                       : std::optional(time_from_ns(to_ns(*moment) - 1));
   }
-  std::ranges::reverse(entries);
-  return entries;
+  std::ranges::reverse(moments);
+  return moments;
+}
+
+/// The last moment that is known, or that is not after `from`.
+Result<std::optional<Time>> last_known(EntityPast& past, std::optional<Time> from) {
+  return from ? past.at_or_before(*from) : past.last();
+}
+
+Status check_horizons(const MemoryId& entity, const Outlook& outlook, Time last, Duration max) {
+  for (const Duration ahead : outlook.horizons) {
+    if (ahead <= Duration(0) || ahead.count() > INT64_MAX - std::max<int64_t>(0, to_ns(last)))
+      return invalid_argument("entity '{}': found a horizon of {}, needs a moment after {}",
+                              entity.to_string(), to_string(ahead), to_string(last));
+    if (ahead > max)
+      return invalid_argument("entity '{}': found a prediction {} ahead of {}, needs at most {}",
+                              entity.to_string(), to_string(ahead), to_string(last),
+                              to_string(max));
+  }
+  return {};
 }
 
 /// The number of steps that comes closest to the horizon, at least one.
-Result<size_t> steps_to(const Predictor& predictor, Time last, Duration horizon,
-                        const MemoryId& entity, int max_steps) {
-  if (horizon.count() < 0 || horizon.count() > INT64_MAX - std::max<int64_t>(0, to_ns(last)))
-    return invalid_argument("entity '{}': found a horizon of {}, needs a moment after {}",
-                            entity.to_string(), to_string(horizon), to_string(last));
-  if (predictor.step() <= Duration(0)) return size_t{1};
-  const double steps =
-      std::max(1.0, std::round(to_seconds(horizon) / to_seconds(predictor.step())));
-  if (steps > max_steps)
-    return invalid_argument(
-        "entity '{}': asked for a prediction {} ahead, at most {} ({} steps of {}) is possible",
-        entity.to_string(), to_string(horizon), to_string(predictor.step() * max_steps), max_steps,
-        to_string(predictor.step()));
-  return static_cast<size_t>(steps);
+size_t steps_to(const Predictor& predictor, Duration horizon) {
+  if (predictor.step() <= Duration(0)) return 1;
+  return static_cast<size_t>(
+      std::max(1.0, std::round(to_seconds(horizon) / to_seconds(predictor.step()))));
 }
 
 Status has_none_before(const MemoryId& entity, std::optional<Time> from) {
   return not_found("entity '{}': has no snapshot at or before {}", entity.to_string(),
                    from ? to_string(*from) : "now");
+}
+
+/// What cannot be read, now and later: a prediction does without it where it can.
+bool is_unreadable(const Status& status) {
+  return status.code() == StatusCode::kDataLoss || status.code() == StatusCode::kFailedPrecondition;
 }
 
 Snapshot to_snapshot(const MemoryId& entity, SnapshotResult read) {
@@ -66,6 +78,17 @@ Snapshot to_snapshot(const MemoryId& entity, SnapshotResult read) {
     snapshot.instances.push_back({std::move(instance.data), std::move(instance.metadata)});
   return snapshot;
 }
+
+Result<SnapshotResult> read(EntityPast& past, Time moment, Prefer prefer) {
+  ENGRAM_ASSIGN_OR_RETURN(RecalledSnapshot recalled, past.read(moment, prefer));
+  return std::move(recalled.answer);
+}
+
+/// Lets go of pasts at the end of a call: they hold what working memory would free.
+struct Cleared {
+  std::map<MemoryId, std::unique_ptr<EntityPast>>& pasts;
+  ~Cleared() { pasts.clear(); }
+};
 
 /// Adds one instance to each of `predicted`, so many steps ahead.
 Status predict_instance(const MemoryId& entity, const Engine& engine,
@@ -78,11 +101,11 @@ Status predict_instance(const MemoryId& entity, const Engine& engine,
     past.conditions = told.conditions;
     past.plan = told.plan;
   }
-  const size_t most = std::ranges::max(steps);
-  auto values = engine.predictor->predict(past, static_cast<int>(most));
+  const size_t max = std::ranges::max(steps);
+  auto values = engine.predictor->predict(past, static_cast<int>(max));
   if (!values.ok()) return values.status().with_context("prediction of " + entity.to_string());
-  if (values->size() < most)
-    return data_loss("model {}: predicted {} steps, needs {}", engine.model, values->size(), most);
+  if (values->size() < max)
+    return data_loss("model {}: predicted {} steps, needs {}", engine.model, values->size(), max);
   InstanceMetadata metadata = history.back().instances[instance].metadata;
   for (size_t i = 0; i < predicted.size(); ++i) {
     metadata.created = metadata.sent = metadata.arrived = predicted[i].time;
@@ -95,12 +118,11 @@ Status predict_instance(const MemoryId& entity, const Engine& engine,
 }  // namespace
 
 Result<std::vector<Engine>> Forecaster::engines(const MemoryId& entity) {
-  const ModelInfo* newest = past_.store().manifest().newest_model(entity);
-  if (newest == nullptr || !past_.has_loader()) return std::vector<Engine>{{copy_last_.get(), ""}};
-  ENGRAM_ASSIGN_OR_RETURN(const LoadedModel* model, past_.load(*newest));
-  std::vector<Engine> engines;
-  if (model->predictor) engines.push_back({model->predictor.get(), newest->name()});
-  engines.push_back({model->copy_last ? model->copy_last.get() : copy_last_.get(), ""});
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<Engine> engines, past_.models(entity));
+  const auto copies = [this](const Engine& engine) {
+    return engine.predictor->name() == copy_last_->name();
+  };
+  if (std::ranges::none_of(engines, copies)) engines.push_back({copy_last_.get(), ""});
   return engines;
 }
 
@@ -116,39 +138,57 @@ Result<Engine> Forecaster::engine(const MemoryId& entity, const std::string& nam
 }
 
 Result<std::vector<SnapshotResult>> Forecaster::predict(const MemoryId& entity,
-                                                        const Outlook& outlook, Prefer prefer,
-                                                        int max_steps) {
-  if (make_choice_ && !outlook.plan) return predict_by_choice(entity, outlook, prefer, max_steps);
-  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past_.store().timeline(entity));
+                                                        const Outlook& outlook,
+                                                        const Options& options) {
+  const Cleared cleared{conditions_};
+  if (!make_choice_ || outlook.plan) return predict_planned(entity, outlook, options);
+  ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, outlook.from, options.prefer));
+  ENGRAM_RETURN_IF_ERROR(check_horizons(entity, outlook, learned->last, options.max_horizon));
+  return learned->choice->predict(outlook.horizons, outlook.engine);
+}
+
+/// By one engine, which is told a plan where there is one.
+Result<std::vector<SnapshotResult>> Forecaster::predict_planned(const MemoryId& entity,
+                                                                const Outlook& outlook,
+                                                                const Options& options) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto past, known(entity));
   ENGRAM_ASSIGN_OR_RETURN(const Engine used, engine(entity, outlook.engine));
   Predictor& predictor = *used.predictor;
   if (outlook.plan && !predictor.condition())
     return invalid_argument(
         "entity '{}': '{}' starts from no other entity, a plan tells it nothing",
         entity.to_string(), predictor.name());
-  ENGRAM_ASSIGN_OR_RETURN(const auto entries,
-                          latest(*timeline, outlook.from ? outlook.from : timeline->last(),
-                                 std::max<size_t>(predictor.context(), 1)));
-  if (entries.empty()) return has_none_before(entity, outlook.from);
-  const Time last = entries.back().time;
-  ENGRAM_ASSIGN_OR_RETURN(const auto history, read_all(entity, entries, prefer));
+  ENGRAM_ASSIGN_OR_RETURN(const auto last, last_known(*past, outlook.from));
+  if (!last) return has_none_before(entity, outlook.from);
+  ENGRAM_RETURN_IF_ERROR(check_horizons(entity, outlook, *last, options.max_horizon));
+  ENGRAM_ASSIGN_OR_RETURN(const auto moments,
+                          latest(*past, last, std::max<size_t>(predictor.context(), 1)));
+  std::vector<SnapshotResult> history;
+  for (const Time moment : moments) {
+    auto one = read(*past, moment, options.prefer);
+    if (is_unreadable(one.status()) && moment != *last) {
+      history.clear();  // A model continues snapshots that follow each other.
+      continue;
+    }
+    ENGRAM_RETURN_IF_ERROR(one.status());
+    history.push_back(*std::move(one));
+  }
   std::vector<SnapshotResult> predicted;
   std::vector<size_t> steps;
   for (const Duration horizon : outlook.horizons) {
-    ENGRAM_ASSIGN_OR_RETURN(steps.emplace_back(),
-                            steps_to(predictor, last, horizon, entity, max_steps));
+    steps.push_back(steps_to(predictor, horizon));
     SnapshotResult& one = predicted.emplace_back();
     one.source = Source::kPredicted;
     one.model = used.model;
     one.predictor = predictor.name();
     one.horizon = horizon;
-    one.time = last + horizon;
+    one.time = *last + horizon;
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto conditions, conditions_of(predictor, entries, prefer));
+  ENGRAM_ASSIGN_OR_RETURN(const auto conditions, conditions_of(predictor, history, options.prefer));
   std::vector<idf::Data> plan;
   if (outlook.plan && conditions.size() == history.size()) {
     ENGRAM_ASSIGN_OR_RETURN(
-        plan, plan_of(predictor, *outlook.plan, last, std::ranges::max(steps), prefer));
+        plan, plan_of(predictor, *outlook.plan, *last, std::ranges::max(steps), options.prefer));
     for (SnapshotResult& one : predicted) one.plan = plan.empty() ? "" : outlook.plan->to_string();
   }
   for (size_t i = 0; i < history.back().instances.size(); ++i)
@@ -157,35 +197,12 @@ Result<std::vector<SnapshotResult>> Forecaster::predict(const MemoryId& entity,
   return predicted;
 }
 
-Result<std::vector<SnapshotResult>> Forecaster::read_all(const MemoryId& entity,
-                                                         std::span<const SnapshotEntry> entries,
-                                                         Prefer prefer) {
-  std::vector<SnapshotResult> history;
-  for (const SnapshotEntry& entry : entries) {
-    ENGRAM_ASSIGN_OR_RETURN(history.emplace_back(), past_.read(entity, entry, prefer));
-  }
-  return history;
-}
-
-Result<std::vector<SnapshotResult>> Forecaster::predict_by_choice(const MemoryId& entity,
-                                                                  const Outlook& outlook,
-                                                                  Prefer prefer, int max_steps) {
-  ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, outlook.from, prefer));
-  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> models, engines(entity));
-  for (const Engine& model : models) {
-    if (!outlook.engine.empty() && outlook.engine != model.predictor->name()) continue;
-    for (const Duration horizon : outlook.horizons)
-      ENGRAM_RETURN_IF_ERROR(
-          steps_to(*model.predictor, learned->last, horizon, entity, max_steps).status());
-  }
-  return learned->choice->predict(outlook.horizons, outlook.engine);
-}
-
 Result<std::vector<EngineRecord>> Forecaster::records(const MemoryId& entity,
                                                       std::optional<Time> from, Duration ahead,
-                                                      Prefer prefer) {
+                                                      const Options& options) {
+  const Cleared cleared{conditions_};
   if (make_choice_) {
-    ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, from, prefer));
+    ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, from, options.prefer));
     return learned->choice->records(ahead);
   }
   ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> known, engines(entity));
@@ -195,86 +212,114 @@ Result<std::vector<EngineRecord>> Forecaster::records(const MemoryId& entity,
   return records;
 }
 
+Result<std::unique_ptr<EntityPast>> Forecaster::known(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(auto past, past_.of(entity));
+  if (!past) return not_found("{}: has no entity '{}'", past_.name(), entity.to_string());
+  return past;
+}
+
 /// The engines of an entity, having learned from what is known up to a moment.
 Result<Forecaster::Learned*> Forecaster::learned(const MemoryId& entity, std::optional<Time> from,
                                                  Prefer prefer) {
-  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past_.store().timeline(entity));
-  ENGRAM_ASSIGN_OR_RETURN(auto entries, latest(*timeline, from ? from : timeline->last(), 1));
-  if (entries.empty()) return has_none_before(entity, from);
-  const Time last = entries.front().time;
-  const bool goes_on = learned_ && learned_->entity == entity && learned_->prefer == prefer &&
-                       learned_->last <= last;
-  if (goes_on && learned_->last == last) return &*learned_;
-  ENGRAM_ASSIGN_OR_RETURN(SnapshotResult newest, past_.read(entity, entries.front(), prefer));
-  Snapshot snapshot = to_snapshot(entity, std::move(newest));
-  if (goes_on) {
-    ENGRAM_ASSIGN_OR_RETURN(entries, latest(*timeline, last, learned_->wanted + 1, learned_->last));
+  ENGRAM_ASSIGN_OR_RETURN(const auto past, known(entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto last, last_known(*past, from));
+  if (!last) return has_none_before(entity, from);
+  ENGRAM_ASSIGN_OR_RETURN(const auto models, models_of(entity));
+  const auto found = std::ranges::find_if(
+      learned_, [&](const Learned& one) { return one.entity == entity && one.prefer == prefer; });
+  if (found != learned_.end()) {
+    learned_.splice(learned_.begin(), learned_, found);
+    if (found->last == *last && found->models == models) return &learned_.front();
   }
-  if (!goes_on || entries.size() > learned_->wanted) {
-    learned_.reset();
-    ENGRAM_ASSIGN_OR_RETURN(learned_, begun(entity, snapshot, prefer));
-    ENGRAM_ASSIGN_OR_RETURN(entries, latest(*timeline, last, learned_->wanted));
+  // A model that was published since then, or an earlier moment: what was learned does not hold.
+  const bool goes_on = found != learned_.end() && found->last < *last && found->models == models;
+  Learned renewed;
+  if (goes_on) renewed = std::move(learned_.front());
+  if (found != learned_.end()) learned_.pop_front();
+  if (!goes_on) renewed = {entity, prefer, {}, {}, 0, nullptr};
+  ENGRAM_RETURN_IF_ERROR(update(renewed, *past, *last));
+  learned_.push_front(std::move(renewed));
+  if (learned_.size() > kMaxLearned) learned_.pop_back();
+  return &learned_.front();
+}
+
+/// Lets an entity's engines learn what came until `last`; from the beginning where there are none,
+/// or where more came than they would look back for.
+Status Forecaster::update(Learned& learned, EntityPast& past, Time last) {
+  ENGRAM_ASSIGN_OR_RETURN(SnapshotResult read, ltm::read(past, last, learned.prefer));
+  Snapshot newest = to_snapshot(learned.entity, std::move(read));
+  std::vector<Time> moments;
+  if (learned.choice) {
+    ENGRAM_ASSIGN_OR_RETURN(moments, latest(past, last, learned.wanted + 1, learned.last));
   }
-  const Status added = add_new(*learned_, entries, std::move(snapshot));
-  if (!added.ok()) learned_.reset();
-  ENGRAM_RETURN_IF_ERROR(added);
-  return &*learned_;
+  if (!learned.choice || moments.size() > learned.wanted) {
+    ENGRAM_ASSIGN_OR_RETURN(learned, begun(learned.entity, newest, learned.prefer));
+    ENGRAM_ASSIGN_OR_RETURN(moments, latest(past, last, learned.wanted));
+  }
+  return add_new(learned, past, moments, std::move(newest));
 }
 
 Result<Forecaster::Learned> Forecaster::begun(const MemoryId& entity, const Snapshot& newest,
                                               Prefer prefer) {
-  EngineChoiceInputs inputs{entity};
-  if (const idf::Type* type = past_.store().manifest().types.of_entity(entity)) inputs.type = *type;
-  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> known, engines(entity));
-  // A plain copy of the last snapshot knows nothing that others do not measure.
-  std::ranges::copy_if(known, std::back_inserter(inputs.models), [this](const Engine& engine) {
-    return engine.predictor != copy_last_.get();
-  });
+  EngineChoiceInputs inputs{entity, past_.type_of(entity), {}, {}};
+  // A plain copy of the last snapshot knows nothing that others do not measure: it is no model.
+  ENGRAM_ASSIGN_OR_RETURN(inputs.models, past_.models(entity));
   inputs.condition_at = [this, prefer](const MemoryId& condition, Time time) {
     return condition_at(condition, time, prefer);
   };
+  ENGRAM_ASSIGN_OR_RETURN(auto models, models_of(entity));
   auto choice = make_choice_(std::move(inputs));
   const size_t wanted = std::max<size_t>(choice->snapshots_wanted(newest), 1);
-  return Learned{entity, prefer, {}, wanted, std::move(choice)};
+  return Learned{entity, prefer, std::move(models), {}, wanted, std::move(choice)};
 }
 
-/// Adds what `entries` hold, of which `newest` is the last one. Older ones that cannot be read are
-/// left out: the last one alone is needed.
-Status Forecaster::add_new(Learned& learned, std::span<const SnapshotEntry> entries,
+/// Adds what an entity was at `moments`, of which `newest` is the last one.
+Status Forecaster::add_new(Learned& learned, EntityPast& past, std::span<const Time> moments,
                            Snapshot newest) {
-  for (const SnapshotEntry& entry : entries.first(entries.size() - 1)) {
-    auto read = past_.read(learned.entity, entry, learned.prefer);
-    const StatusCode code = read.status().code();
-    if (code == StatusCode::kDataLoss || code == StatusCode::kFailedPrecondition) continue;
-    ENGRAM_RETURN_IF_ERROR(read.status());
-    ENGRAM_RETURN_IF_ERROR(learned.choice->add(to_snapshot(learned.entity, std::move(*read))));
+  for (const Time moment : moments.first(moments.size() - 1)) {
+    auto one = read(past, moment, learned.prefer);
+    if (is_unreadable(one.status())) continue;
+    ENGRAM_RETURN_IF_ERROR(one.status());
+    ENGRAM_RETURN_IF_ERROR(learned.choice->add(to_snapshot(learned.entity, *std::move(one))));
   }
   learned.last = newest.time;
   return learned.choice->add(newest);
 }
 
+Result<std::vector<std::string>> Forecaster::models_of(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> models, past_.models(entity));
+  std::vector<std::string> names;
+  for (const Engine& model : models) names.push_back(model.model);
+  return names;
+}
+
 /// What an entity was at a time: the first instance of its last snapshot at or before it.
 Result<std::optional<idf::Data>> Forecaster::condition_at(const MemoryId& entity, Time time,
                                                           Prefer prefer) {
-  auto timeline = past_.store().timeline(entity);
-  if (timeline.status().code() == StatusCode::kNotFound) return std::optional<idf::Data>();
-  ENGRAM_RETURN_IF_ERROR(timeline.status());
-  ENGRAM_ASSIGN_OR_RETURN(const auto known, (*timeline)->at_or_before(time));
-  if (!known) return std::optional<idf::Data>();
-  ENGRAM_ASSIGN_OR_RETURN(SnapshotResult past, past_.read(entity, *known, prefer));
-  if (past.instances.empty()) return std::optional<idf::Data>();
-  return std::optional(std::move(past.instances.front().data));
+  auto known = conditions_.find(entity);
+  if (known == conditions_.end()) {
+    ENGRAM_ASSIGN_OR_RETURN(auto past, past_.of(entity));
+    known = conditions_.emplace(entity, std::move(past)).first;
+  }
+  if (!known->second) return std::optional<idf::Data>();
+  ENGRAM_ASSIGN_OR_RETURN(const auto moment, known->second->at_or_before(time));
+  if (!moment) return std::optional<idf::Data>();
+  auto past = read(*known->second, *moment, prefer);
+  if (is_unreadable(past.status())) return std::optional<idf::Data>();
+  ENGRAM_RETURN_IF_ERROR(past.status());
+  if (past->instances.empty()) return std::optional<idf::Data>();
+  return std::optional(std::move(past->instances.front().data));
 }
 
-/// What a predictor's condition was at the times of `entries`; empty where one is not known.
+/// What a predictor's condition was at the times of `history`; empty where one is not known.
 Result<std::vector<idf::Data>> Forecaster::conditions_of(const Predictor& predictor,
-                                                         std::span<const SnapshotEntry> entries,
+                                                         std::span<const SnapshotResult> history,
                                                          Prefer prefer) {
   const std::optional<MemoryId> entity = predictor.condition();
   if (!entity) return std::vector<idf::Data>{};
   std::vector<idf::Data> conditions;
-  for (const SnapshotEntry& entry : entries) {
-    ENGRAM_ASSIGN_OR_RETURN(auto known, condition_at(*entity, entry.time, prefer));
+  for (const SnapshotResult& past : history) {
+    ENGRAM_ASSIGN_OR_RETURN(auto known, condition_at(*entity, past.time, prefer));
     if (!known) return std::vector<idf::Data>{};
     conditions.push_back(std::move(*known));
   }
@@ -287,15 +332,15 @@ Result<std::vector<idf::Data>> Forecaster::plan_of(const Predictor& predictor,
                                                    const MemoryId& entity, Time last, size_t steps,
                                                    Prefer prefer) {
   std::vector<idf::Data> plan;
-  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past_.store().timeline(entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto past, known(entity));
   const int64_t step_ns = predictor.step().count();
-  const auto most = static_cast<int64_t>(steps) + 1;
-  if (step_ns > (INT64_MAX - std::max<int64_t>(0, to_ns(last))) / most) return plan;
-  for (int64_t step = 1; step <= most; ++step) {
+  const auto wanted = static_cast<int64_t>(steps) + 1;
+  if (step_ns > (INT64_MAX - std::max<int64_t>(0, to_ns(last))) / wanted) return plan;
+  for (int64_t step = 1; step <= wanted; ++step) {
     const Time moment = last + predictor.step() * step;
-    ENGRAM_ASSIGN_OR_RETURN(const auto planned, timeline->at_or_before(moment));
-    if (!planned || planned->time <= last) break;
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult value, past_.read(entity, *planned, prefer));
+    ENGRAM_ASSIGN_OR_RETURN(const auto planned, past->at_or_before(moment));
+    if (!planned || *planned <= last) break;
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult value, read(*past, *planned, prefer));
     if (value.instances.empty()) break;
     plan.push_back(std::move(value.instances.front().data));
   }

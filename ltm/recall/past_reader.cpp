@@ -11,11 +11,12 @@ bool uses_latent(const SnapshotEntry& entry, Prefer prefer) {
 
 }  // namespace
 
-Result<const LoadedModel*> PastReader::load(const ModelInfo& info) {
+Result<const LoadedModel*> LoadedModels::load(const std::filesystem::path& store,
+                                              const ModelInfo& info) {
   if (const auto known = models_.find(info.file); known != models_.end()) return &known->second;
   if (!loader_)
     return failed_precondition("model {}: this program was built without learning", info.name());
-  auto model = loader_(store_->path() / info.file);
+  auto model = loader_(store / info.file);
   if (!model.ok()) return model.status().with_context("model " + info.name());
   return &models_.emplace(info.file, std::move(model).value()).first->second;
 }

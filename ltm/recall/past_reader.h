@@ -6,29 +6,46 @@
 #include <string>
 
 #include "ltm/memory/result.h"
+#include "ltm/recall/known_past.h"
 #include "ltm/recall/model.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::ltm {
 
-/// Which form answers where a snapshot has both.
-enum class Prefer { kRecorded, kLatent };
+/// The models of one store, each opened when it is needed for the first time. They stay open: who
+/// predicts by one need not fear for it.
+///
+/// Threading: one thread.
+class LoadedModels {
+ public:
+  /// May be empty: then no model can be loaded.
+  explicit LoadedModels(ModelLoader loader) : loader_(std::move(loader)) {}
 
-/// Reads snapshots of a store from whatever form holds them, and keeps the models that it loads.
+  [[nodiscard]] bool has_loader() const { return loader_ != nullptr; }
+
+  /// Errors: kFailedPrecondition without a loader; those of the loader.
+  Result<const LoadedModel*> load(const std::filesystem::path& store, const ModelInfo& info);
+
+ private:
+  ModelLoader loader_;
+  std::map<std::string, LoadedModel> models_;  ///< By file.
+};
+
+/// Reads snapshots of one generation of a store from whatever form holds them.
 ///
 /// Threading: one thread.
 class PastReader {
  public:
-  /// Without a `loader` latents cannot be decoded.
-  PastReader(std::unique_ptr<StoreReader> store, ModelLoader loader)
-      : store_(std::move(store)), loader_(std::move(loader)) {}
+  /// `models` of the same store, perhaps of an earlier generation of it.
+  PastReader(std::unique_ptr<StoreReader> store, std::shared_ptr<LoadedModels> models)
+      : store_(std::move(store)), models_(std::move(models)) {}
 
   [[nodiscard]] StoreReader& store() { return *store_; }
-  [[nodiscard]] bool has_loader() const { return loader_ != nullptr; }
 
-  /// A model of the store's manifest. Lives as long as this.
-  /// Errors: kFailedPrecondition without a loader; those of the loader.
-  Result<const LoadedModel*> load(const ModelInfo& info);
+  /// A model of the store's manifest. Errors: those of LoadedModels::load.
+  Result<const LoadedModel*> load(const ModelInfo& info) {
+    return models_->load(store_->path(), info);
+  }
 
   /// Errors: kDataLoss; those of load().
   Result<SnapshotResult> read(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer);
@@ -42,8 +59,7 @@ class PastReader {
   Result<SnapshotResult> reconstruct(const MemoryId& entity, const SnapshotEntry& entry);
 
   std::unique_ptr<StoreReader> store_;
-  ModelLoader loader_;
-  std::map<std::string, LoadedModel> models_;  ///< By file.
+  std::shared_ptr<LoadedModels> models_;
 };
 
 }  // namespace engram::ltm

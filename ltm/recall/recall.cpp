@@ -3,126 +3,183 @@
 
 #include <algorithm>
 
-#include "ltm/recall/select.h"
+#include "ltm/idf/binary.h"
 
 namespace engram::ltm {
 
 namespace {
 
-/// Leaves the instances that are asked for. False where none of them exists.
-bool keep_selected(SnapshotResult& snapshot, const std::vector<int32_t>& instances) {
-  if (instances.empty()) return true;
-  std::erase_if(snapshot.instances, [&instances](const InstanceResult& instance) {
-    return !std::ranges::binary_search(instances, instance.index);
-  });
-  return !snapshot.instances.empty();
+/// Names of entities that a message lists.
+constexpr size_t kMaxNamed = 20;
+
+/// About what a moment costs beside its values. Unit: bytes.
+constexpr size_t kMomentBytes = 256;
+
+size_t bytes_of(const SnapshotResult& snapshot) {
+  size_t bytes = kMomentBytes;
+  for (const InstanceResult& instance : snapshot.instances)
+    bytes += idf::encoded_size(instance.data);
+  return bytes;
 }
 
-/// The times of a store's entity.
-class TimelineMoments final : public Moments {
- public:
-  explicit TimelineMoments(Timeline& timeline) : timeline_(timeline) {}
+/// Leaves the instances that are asked for. False where none of them exists.
+bool keep_selected(SnapshotResult& snapshot, const std::vector<int32_t>& instances) {
+  if (!instances.empty())
+    std::erase_if(snapshot.instances, [&instances](const InstanceResult& instance) {
+      return !std::ranges::binary_search(instances, instance.index);
+    });
+  return instances.empty() || !snapshot.instances.empty();
+}
 
-  [[nodiscard]] std::optional<Time> first() const override { return timeline_.first(); }
-  [[nodiscard]] std::optional<Time> last() const override { return timeline_.last(); }
-  Result<std::optional<Time>> at_or_after(Time time) override {
-    return time_of(timeline_.at_or_after(time));
-  }
-  Result<std::optional<Time>> at_or_before(Time time) override {
-    return time_of(timeline_.at_or_before(time));
-  }
-  Result<std::optional<Time>> nth(uint64_t index) override { return time_of(timeline_.nth(index)); }
-
- private:
-  static Result<std::optional<Time>> time_of(const Result<std::optional<SnapshotEntry>>& entry) {
-    if (!entry.ok()) return entry.status();
-    return entry.value() ? std::optional((*entry)->time) : std::nullopt;
-  }
-
-  Timeline& timeline_;
-};
+/// Once more with the store as it is now, where a consolidation or a sealing changed it.
+template <typename Ask>
+auto retried(KnownPast& past, const Ask& ask) -> decltype(ask()) {
+  auto first = ask();
+  if (first.ok() || first.status().code() != StatusCode::kUnavailable) return first;
+  ENGRAM_RETURN_IF_ERROR(past.renew());
+  return ask();
+}
 
 }  // namespace
 
 struct Recall::State {
-  PastReader past;
+  std::unique_ptr<KnownPast> past;
+  StorePast* store = nullptr;  ///< The past where it is a store's alone.
   Forecaster forecaster;
   std::unique_ptr<AccessLog> accesses;  ///< May be null.
 
-  State(std::unique_ptr<StoreReader> store, ModelLoader loader, std::unique_ptr<AccessLog> notes,
+  State(std::unique_ptr<KnownPast> known, std::unique_ptr<AccessLog> notes,
         MakeEngineChoice make_choice)
-      : past(std::move(store), std::move(loader)),
-        forecaster(past, std::move(make_choice)),
+      : past(std::move(known)),
+        forecaster(*past, std::move(make_choice)),
         accesses(std::move(notes)) {}
 
-  /// The instances of a prediction without their data.
-  Result<SnapshotResult> name_future(const MemoryId& entity, const SnapshotEntry& last, Time when,
-                                     Prefer prefer) {
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult named, past.name(entity, last, prefer));
-    named.time = when;
-    named.source = Source::kPredicted;
-    named.horizon = when - last.time;
-    return named;
-  }
-
-  Result<SnapshotResult> answer(const MemoryId& entity, Timeline& timeline,
-                                const SelectedSnapshot& selected, bool is_ids_only,
-                                const Options& options) {
-    if (selected.is_future && !is_ids_only) {
-      const Duration horizon = selected.time - *timeline.last();
-      ENGRAM_ASSIGN_OR_RETURN(
-          auto predicted,
-          forecaster.predict(entity, {{}, {horizon}, ""}, options.prefer, options.max_steps));
-      return std::move(predicted.front());
-    }
-    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline.at_or_before(selected.time));
-    ENGRAM_CHECK(entry.has_value(), "'{}' was selected", entity.at(selected.time).to_string());
-    if (selected.is_future) return name_future(entity, *entry, selected.time, options.prefer);
-    return is_ids_only ? past.name(entity, *entry, options.prefer)
-                       : past.read(entity, *entry, options.prefer);
-  }
-
-  Status answer(const Query& query, const Options& options, EntityResult& result) {
-    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past.store().timeline(result.id));
-    TimelineMoments moments(*timeline);
-    ENGRAM_ASSIGN_OR_RETURN(const auto selection,
-                            select_snapshots(query.snapshots_of(result.id), moments));
-    for (const SelectedSnapshot& selected : selection) {
-      ENGRAM_ASSIGN_OR_RETURN(SnapshotResult snapshot,
-                              answer(result.id, *timeline, selected, query.is_ids_only(), options));
-      if (!keep_selected(snapshot, selected.instances)) continue;
-      if (accesses && !selected.is_future && !query.is_ids_only())
-        accesses->note(result.id, snapshot.time);
-      result.add(std::move(snapshot));
+  /// The future moments of an entity without their data: they have the instances of the last one.
+  Status name_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
+                     const Options& options, RecalledEntity& result) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, entity.last());
+    if (!last) return {};
+    ENGRAM_ASSIGN_OR_RETURN(const RecalledSnapshot known, entity.name(*last, options.prefer));
+    for (const SelectedSnapshot& selected : future) {
+      SnapshotResult named = known.answer;
+      named.time = selected.time;
+      named.source = Source::kPredicted;
+      named.horizon = selected.time - *last;
+      if (keep_selected(named, selected.instances)) result.snapshots.push_back({std::move(named)});
     }
     return {};
   }
+
+  /// All at once: a model comes by the nearer moments on its way to the farthest.
+  Status predict_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
+                        const Options& options, RecalledEntity& result) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, entity.last());
+    if (!last) return {};
+    Outlook outlook{*last, {}, options.engine};
+    for (const SelectedSnapshot& selected : future)
+      outlook.horizons.push_back(selected.time - *last);
+    ENGRAM_ASSIGN_OR_RETURN(
+        auto predicted,
+        forecaster.predict(result.id, outlook, {options.prefer, options.max_horizon}));
+    for (size_t i = 0; i < future.size(); ++i) {
+      predicted[i].time = future[i].time;
+      if (keep_selected(predicted[i], future[i].instances))
+        result.snapshots.push_back({std::move(predicted[i])});
+    }
+    return {};
+  }
+
+  Status add_past(EntityPast& entity, const SelectedSnapshot& selected, const Query& query,
+                  const Options& options, size_t& bytes, RecalledEntity& result) const {
+    ENGRAM_ASSIGN_OR_RETURN(RecalledSnapshot snapshot,
+                            query.is_ids_only() ? entity.name(selected.time, options.prefer)
+                                                : entity.read(selected.time, options.prefer));
+    if (!keep_selected(snapshot.answer, selected.instances)) return {};
+    if (!snapshot.held) bytes += bytes_of(snapshot.answer);
+    if (bytes > options.max_answer_bytes)
+      return resource_exhausted(
+          "'{}' asks for more than the {} bytes that an answer may have: needs fewer moments than "
+          "those of '{}', or IDs alone",
+          query.to_string(), options.max_answer_bytes, result.id.to_string());
+    result.snapshots.push_back(std::move(snapshot));
+    return {};
+  }
+
+  Result<RecalledEntity> answer(const MemoryId& id, const Query& query, const Options& options,
+                                size_t& bytes) {
+    RecalledEntity result{id, {}};
+    ENGRAM_ASSIGN_OR_RETURN(const auto entity, past->of(id));
+    if (!entity) return result;
+    ENGRAM_ASSIGN_OR_RETURN(const auto selection,
+                            select_snapshots(query.snapshots_of(id), *entity));
+    const auto future = std::ranges::find(selection, true, &SelectedSnapshot::is_future);
+    for (auto selected = selection.begin(); selected != future; ++selected)
+      ENGRAM_RETURN_IF_ERROR(add_past(*entity, *selected, query, options, bytes, result));
+    const std::span<const SelectedSnapshot> ahead(future, selection.end());
+    if (ahead.empty()) return result;
+    ENGRAM_RETURN_IF_ERROR(query.is_ids_only() ? name_future(*entity, ahead, options, result)
+                                               : predict_future(*entity, ahead, options, result));
+    return result;
+  }
+
+  void note_reads(const RecalledEntity& entity) const {
+    for (const RecalledSnapshot& snapshot : entity.snapshots)
+      if (!snapshot.held && snapshot.answer.source != Source::kPredicted)
+        accesses->note(entity.id, snapshot.answer.time);
+  }
+
+  [[nodiscard]] Status no_match(const Query& query) const {
+    std::string names;
+    size_t more = 0;
+    const auto every_entity = Query::parse(".*");
+    if (every_entity.ok()) {
+      const std::vector<MemoryId> entities = past->matching(*every_entity);
+      more = entities.size() - std::min(entities.size(), kMaxNamed);
+      for (const MemoryId& entity : std::span(entities).first(entities.size() - more))
+        names += (names.empty() ? "" : ", ") + entity.to_string();
+    }
+    if (more > 0) names += " and " + std::to_string(more) + " more";
+    return not_found("{}: no entity matches '{}'; it has: {}", past->name(), query.to_string(),
+                     names.empty() ? "none" : names);
+  }
 };
 
+Recall::Recall(std::unique_ptr<KnownPast> past, std::unique_ptr<AccessLog> accesses,
+               MakeEngineChoice make_choice)
+    : state_(
+          std::make_unique<State>(std::move(past), std::move(accesses), std::move(make_choice))) {}
+
 Recall::Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
-               std::unique_ptr<AccessLog> accesses, MakeEngineChoice make_choice)
-    : state_(std::make_unique<State>(std::move(store), std::move(loader), std::move(accesses),
-                                     std::move(make_choice))) {}
+               std::unique_ptr<AccessLog> accesses, MakeEngineChoice make_choice) {
+  auto past = std::make_unique<StorePast>(std::move(store), std::move(loader));
+  StorePast* const known = past.get();
+  state_ = std::make_unique<State>(std::move(past), std::move(accesses), std::move(make_choice));
+  state_->store = known;
+}
 
 Recall::~Recall() = default;
 
 StoreReader& Recall::store() {
-  return state_->past.store();
+  ENGRAM_CHECK(state_->store != nullptr, "{} is more than a store", state_->past->name());
+  return state_->store->store();
 }
 
 Result<std::vector<Engine>> Recall::engines(const MemoryId& entity) {
-  ENGRAM_RETURN_IF_ERROR(state_->past.store().timeline(entity).status());
+  ENGRAM_ASSIGN_OR_RETURN(const auto past, state_->past->of(entity));
+  if (!past) return not_found("{}: has no entity '{}'", state_->past->name(), entity.to_string());
   return state_->forecaster.engines(entity);
 }
 
 Result<Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
-  ENGRAM_RETURN_IF_ERROR(state_->past.store().timeline(entity).status());
+  ENGRAM_RETURN_IF_ERROR(engines(entity).status());
   return state_->forecaster.engine(entity, name);
 }
 
 Result<std::vector<EngineRecord>> Recall::records(const MemoryId& entity, std::optional<Time> from,
                                                   Duration ahead, const Options& options) {
-  return state_->forecaster.records(entity, from, ahead, options.prefer);
+  return retried(*state_->past, [&] {
+    return state_->forecaster.records(entity, from, ahead, {options.prefer, options.max_horizon});
+  });
 }
 
 Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity, const Outlook& outlook,
@@ -130,24 +187,30 @@ Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity, cons
   if (outlook.horizons.empty())
     return invalid_argument("entity '{}': found no horizon to predict, needs one",
                             entity.to_string());
-  return state_->forecaster.predict(entity, outlook, options.prefer, options.max_steps);
+  return retried(*state_->past, [&] {
+    return state_->forecaster.predict(entity, outlook, {options.prefer, options.max_horizon});
+  });
+}
+
+Result<Answer> Recall::answer(const Query& query, const Options& options) {
+  const std::vector<MemoryId> entities = state_->past->matching(query);
+  if (entities.empty()) return state_->no_match(query);
+  Answer answer{query.is_ids_only(), {}};
+  size_t bytes = 0;
+  for (const MemoryId& entity : entities) {
+    ENGRAM_ASSIGN_OR_RETURN(RecalledEntity one, retried(*state_->past, [&, before = bytes] {
+                              bytes = before;
+                              return state_->answer(entity, query, options, bytes);
+                            }));
+    if (state_->accesses && !query.is_ids_only()) state_->note_reads(one);
+    answer.entities.push_back(std::move(one));
+  }
+  return answer;
 }
 
 Result<QueryResult> Recall::query(const Query& query, const Options& options) {
-  QueryResult result(query.is_ids_only());
-  bool is_any = false;
-  std::string known;
-  for (const MemoryId& entity : state_->past.store().entities()) {
-    known += (known.empty() ? "" : ", ") + entity.to_string();
-    if (!query.matches(entity)) continue;
-    is_any = true;
-    ENGRAM_RETURN_IF_ERROR(state_->answer(query, options, result.add_entity(entity)));
-  }
-  if (!is_any)
-    return not_found("store '{}': no entity matches '{}'; it has: {}",
-                     state_->past.store().path().string(), query.to_string(),
-                     known.empty() ? "none" : known);
-  return result;
+  ENGRAM_ASSIGN_OR_RETURN(Answer answer, this->answer(query, options));
+  return std::move(answer).to_result();
 }
 
 }  // namespace engram::ltm

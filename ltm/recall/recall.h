@@ -4,16 +4,20 @@
 #include <memory>
 
 #include "ltm/memory/query.h"
-#include "ltm/memory/result.h"
+#include "ltm/prediction/entity_forecaster.h"
 #include "ltm/recall/access_log.h"
+#include "ltm/recall/answer.h"
 #include "ltm/recall/forecaster.h"
+#include "ltm/recall/store_past.h"
 
 namespace engram::ltm {
 
-/// Answers queries from a store: about the past from whatever form holds it, about the future by
-/// prediction.
+/// Answers what was and what will be: about the past from whatever form holds it, about the future
+/// by prediction. A store that is opened offline and a server answer through this alone, so they
+/// say the same.
 ///
 /// Threading: one thread.
+/// Source: docs/query.md, section "Answers".
 class Recall {
  public:
   using Prefer = ltm::Prefer;
@@ -22,28 +26,43 @@ class Recall {
 
   struct Options {
     Prefer prefer = Prefer::kRecorded;
-    /// Longest prediction, in steps of the predictor.
-    int max_steps = 50;
+    /// Predictions reach at most so far after the last snapshot, whatever predicts.
+    Duration max_horizon = std::chrono::minutes(1);
+    std::string engine{};  ///< Of predictions, by its name; empty: the best for each horizon.
+    /// What may be decoded for one answer. Unit: plain bytes. Who asks a server for more is told
+    /// to ask for less; values of working memory are shared, and do not count.
+    size_t max_answer_bytes = SIZE_MAX;
   };
 
-  /// Without a `loader` latents cannot be decoded and no model predicts. With `accesses` every
-  /// snapshot of the past whose data is in an answer is noted as read. Without `make_choice` the
-  /// newest model predicts; where there is none, predictions are copies of the last snapshot.
+  /// With `accesses` every snapshot of the past whose data is in an answer, and that was not held
+  /// in working memory, is noted as read. `make_choice`: what chooses among engines; empty: the
+  /// newest model predicts, or where there is none, a copy of the last snapshot.
+  explicit Recall(std::unique_ptr<KnownPast> past, std::unique_ptr<AccessLog> accesses = nullptr,
+                  MakeEngineChoice make_choice = make_entity_forecaster);
+
+  /// Of a store alone. Without a `loader` latents cannot be decoded and no model predicts.
   Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
-         std::unique_ptr<AccessLog> accesses = nullptr, MakeEngineChoice make_choice = {});
+         std::unique_ptr<AccessLog> accesses = nullptr,
+         MakeEngineChoice make_choice = make_entity_forecaster);
   ~Recall();
 
+  /// The store that this answers from alone (checked), as it is until the next question.
   [[nodiscard]] StoreReader& store();
 
   /// Where only IDs are asked for nothing is decoded or predicted: the answer names instances, and
   /// the source that would answer, but no model.
   /// Errors: kNotFound where no entity matches; kInvalidArgument where a prediction is asked too
-  /// far ahead; kFailedPrecondition where a latent needs a model and there is no loader; kDataLoss.
+  /// far ahead; kFailedPrecondition where a latent needs a model and there is no loader;
+  /// kResourceExhausted where the answer would be too large; kDataLoss.
+  Result<Answer> answer(const Query& query, const Options& options);
+
+  /// The same as a tree.
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
 
   /// What of models can predict an entity: the newest one, if it has one, and a copy of the last
-  /// snapshot, which knows how wrong that was. This owns the predictors.
+  /// snapshot, which knows how wrong that was. They live as long as this.
+  /// Errors: kNotFound where there is no such entity.
   Result<std::vector<Engine>> engines(const MemoryId& entity);
 
   /// The one whose predictor has this name; empty: the first.
@@ -56,7 +75,7 @@ class Recall {
   Result<std::vector<EngineRecord>> records(const MemoryId& entity, std::optional<Time> from,
                                             Duration ahead, const Options& options);
 
-  /// One prediction per horizon, in their order.
+  /// One prediction per horizon, in their order. `options.engine` is not looked at: `outlook` says.
   /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;
   /// kInvalidArgument where a horizon is too far ahead, where a plan is told to an engine that
   /// starts from no other entity, or has another layout; those of query(). Where nothing is planned

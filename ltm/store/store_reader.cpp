@@ -83,7 +83,8 @@ struct StoreReader::State {
     const auto frames = journal_entries.find(entity);
     if (frames == journal_entries.end()) return entries;
     for (const JournalEntry& frame : frames->second)
-      entries.push_back({frame.head.time, SnapshotEntry::Location{frame.journal, 0, frame.offset}, {}});
+      entries.push_back(
+          {frame.head.time, SnapshotEntry::Location{frame.journal, 0, frame.offset}, {}});
     keep_last_of_each_time(entries);
     return entries;
   }
@@ -191,6 +192,10 @@ std::vector<MemoryId> StoreReader::entities() const {
   return ids;
 }
 
+bool StoreReader::has(const MemoryId& entity) const {
+  return state_->has(entity);
+}
+
 Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(Timeline * moments, timeline(entity));
   EntitySummary summary;
@@ -256,7 +261,8 @@ Result<Timeline*> StoreReader::timeline(const MemoryId& entity) {
   if (const auto known = state_->timelines.find(entity); known != state_->timelines.end())
     return &known->second;
   if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
-  return &state_->timelines.emplace(entity, state_->make_timeline(entity, true, true)).first->second;
+  return &state_->timelines.emplace(entity, state_->make_timeline(entity, true, true))
+              .first->second;
 }
 
 Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& entity) {

@@ -24,14 +24,14 @@ struct EntitySummary {
   uint64_t recorded_snapshots = 0;
   uint64_t latent_snapshots = 0;
   uint64_t augmented_snapshots = 0;  ///< Made of others; later updates of one time count again.
-  uint64_t raw_bytes = 0;      ///< Plain bytes of the snapshots that were kept.
-  uint64_t offered = 0;        ///< Snapshots that came in, dropped ones included.
-  uint64_t offered_bytes = 0;  ///< Their plain bytes.
-  uint64_t stored_bytes = 0;   ///< Recorded form: segments and journal.
-  uint64_t latent_bytes = 0;   ///< Latents, without models; blocks count once.
-  uint64_t model_bytes = 0;    ///< All model files of the entity.
-  ForgottenSums forgotten;     ///< Counted in `offered` too.
-  DropReasons dropped_by;      ///< Why filters dropped, as far as it is known.
+  uint64_t raw_bytes = 0;            ///< Plain bytes of the snapshots that were kept.
+  uint64_t offered = 0;              ///< Snapshots that came in, dropped ones included.
+  uint64_t offered_bytes = 0;        ///< Their plain bytes.
+  uint64_t stored_bytes = 0;         ///< Recorded form: segments and journal.
+  uint64_t latent_bytes = 0;         ///< Latents, without models; blocks count once.
+  uint64_t model_bytes = 0;          ///< All model files of the entity.
+  ForgottenSums forgotten;           ///< Counted in `offered` too.
+  DropReasons dropped_by;            ///< Why filters dropped, as far as it is known.
   std::vector<ModelInfo> models;
   LatentSums latent;  ///< Over all latent segments; the newest model's version.
 };
@@ -52,6 +52,9 @@ class StoreReader {
 
   /// In the order of their names.
   [[nodiscard]] std::vector<MemoryId> entities() const;
+
+  /// Complexity: O(log n).
+  [[nodiscard]] bool has(const MemoryId& entity) const;
 
   /// Errors: kNotFound naming the entity and the ones there are.
   Result<EntitySummary> summary(const MemoryId& entity);

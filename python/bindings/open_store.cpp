@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "encoders/load_model.h"
+#include "ltm/prediction/entity_forecaster.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/measured_error.h"
 #include "python/bindings/query_result.h"
-#include "server/prediction/entity_forecaster.h"
 #include "training/stored_snapshots.h"
 
 namespace engram::python {
@@ -52,7 +52,7 @@ Result<std::vector<int64_t>> times_behind(ltm::Timeline& timeline, std::optional
 Result<std::unique_ptr<ltm::Recall>> open_recall(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(path));
   return std::make_unique<ltm::Recall>(std::move(reader), encoders::load_model, nullptr,
-                                       server::make_entity_forecaster);
+                                       ltm::make_entity_forecaster);
 }
 
 /// Columns of what is stored.

@@ -6,7 +6,7 @@
 
 #include "ltm/core/file.h"
 #include "server/access/listen_policy.h"
-#include "server/polling/polling_threads.h"
+#include "server/wire/polling_threads.h"
 
 namespace engram::server {
 

@@ -10,7 +10,7 @@
 
 #include "server/access/endpoint.h"
 #include "server/client/memory_client.h"
-#include "server/polling/polling_threads.h"
+#include "server/wire/polling_threads.h"
 
 namespace engram::server {
 

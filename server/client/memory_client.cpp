@@ -15,8 +15,8 @@
 #include "server/client/channel.h"
 #include "server/client/remote_subscription.h"
 #include "server/client/shared_lane.h"
-#include "server/polling/polling_threads.h"
 #include "server/wire/byte_message.h"
+#include "server/wire/polling_threads.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
 

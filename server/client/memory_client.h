@@ -12,14 +12,15 @@
 #include "ltm/memory/commit.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
-#include "ltm/recall/engine_choice.h"
+#include "ltm/prediction/engine_choice.h"
+#include "memory/memory.h"
 
 namespace engram::server {
 
 /// How to reach servers.
 struct ClientOptions {
-  std::string token;            ///< Empty: none.
-  std::filesystem::path ca;     ///< PEM: who vouches for servers on other machines.
+  std::string token;                            ///< Empty: none.
+  std::filesystem::path ca;                     ///< PEM: who vouches for servers on other machines.
   Duration timeout = std::chrono::seconds(10);  ///< Of each call, retries included.
   bool tries_again = true;  ///< Where a server cannot be reached; else the call fails at once.
   int most_message_bytes = 256 << 20;
@@ -28,50 +29,12 @@ struct ClientOptions {
   bool shares_memory = true;
 };
 
-/// When a commit counts as done.
-enum class CommitDurability : uint8_t {
-  kServerDefault,
-  kMemory,   ///< When others can read it.
-  kJournal,  ///< When it survives a killed server, as far as the filters keep it.
-};
-
 /// What a server says of itself.
 struct ServerInfo {
   std::string server;
   std::string version;
   std::vector<std::string> memories;  ///< Empty: any.
   std::string figures_json;
-};
-
-/// A snapshot that a subscriber is told of.
-struct ToldSnapshot {
-  ltm::Snapshot snapshot;
-  bool has_data = false;  ///< Else it has as many empty instances as there are.
-};
-
-struct SubscriptionOptions {
-  /// Entities, as in queries ("Vision/.*/head/cam"); none: everything.
-  std::vector<std::string> names;
-  bool with_data = false;
-  size_t inline_bytes = 0;  ///< Larger ones are told by their ID alone; 0: no limit.
-  size_t queue_bound = 0;   ///< Of what may wait at the server; 0: its default.
-};
-
-/// Told until it is destroyed.
-///
-/// Threading: one thread; no handler is called after the destructor.
-class Subscription {
- public:
-  virtual ~Subscription() = default;
-};
-
-/// Handlers are called by threads of the client, one at a time, and must not wait for it.
-struct SubscriptionHandlers {
-  std::function<void(std::vector<ToldSnapshot>)> on_snapshots;
-  /// So many were not told since the last time: this subscriber was too slow.
-  std::function<void(uint64_t lost)> on_lost;
-  /// The server was lost, and what it told meanwhile with it; it is subscribed to again by itself.
-  std::function<void(const Status&)> on_interrupted;
 };
 
 /// A memory server, as programs use it. Streams are opened when they are needed, and again when
@@ -89,9 +52,9 @@ class MemoryClient {
 
   /// Waits until it is acknowledged. Where the server cannot be reached it is tried again until the
   /// timeout: of the same entity and time, a commit that came twice counts once.
-  /// Errors: those of MemoryService::commit; kUnavailable: it may have arrived or not.
+  /// Errors: those of memory::MemoryService::commit; kUnavailable: it may have arrived or not.
   Status commit(const ltm::Commit& commit,
-                CommitDurability durability = CommitDurability::kServerDefault);
+                CommitDurability durability = CommitDurability::kDefault);
 
   /// The same without waiting or trying again; `done` is called by a thread of the client.
   void commit(const ltm::Commit& commit, CommitDurability durability,
@@ -106,8 +69,8 @@ class MemoryClient {
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
   /// What predicts an entity, measured for each horizon; the one that answers first.
-  Result<std::vector<std::vector<ltm::EngineRecord>>> engines(
-      const ltm::MemoryId& entity, std::span<const Duration> horizons);
+  Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
+                                                              std::span<const Duration> horizons);
   Result<ServerInfo> info();
   Result<std::string> metrics();
 

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "server/client/client_stream.h"
-#include "server/polling/polling_threads.h"
 #include "server/wire/byte_message.h"
+#include "server/wire/polling_threads.h"
 #include "server/wire/wire_snapshot.h"
 
 namespace engram::server {

@@ -10,7 +10,7 @@
 
 #include "server/client/robot_servers.h"
 #include "server/client/robot_subscription.h"
-#include "server/polling/polling_threads.h"
+#include "server/wire/polling_threads.h"
 
 namespace engram::server {
 

@@ -50,8 +50,7 @@ class RobotMemory {
   /// given, has one for each.
   /// Errors: those of MemoryClient::commit, naming every server that failed; kNotFound where no
   /// server has a memory.
-  Status commit(const ltm::Commit& commit,
-                CommitDurability durability = CommitDurability::kServerDefault,
+  Status commit(const ltm::Commit& commit, CommitDurability durability = CommitDurability::kDefault,
                 std::vector<ServerOutcome>* outcomes = nullptr);
 
   /// Asks all servers that may have what is asked for at once, and unites their answers. A server

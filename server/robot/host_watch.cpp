@@ -48,10 +48,10 @@ void HostWatch::look(SteadyTime now) {
 }
 
 void HostWatch::govern(Governed& governed, SteadyTime now, const HostState& host) {
-  MemoryService& service = governed.watched.server->service();
+  memory::MemoryService& service = governed.watched.server->service();
   const auto change = governed.governor.update(now, host, service.counters().memory.bytes);
   if (!change) return;
-  MemoryLimits limits = governed.watched.limits;
+  ltm::MemoryLimits limits = governed.watched.limits;
   limits.bytes = change->after_bytes;
   const Status status = service.set_limits(limits);
   log::info("server '{}': working memory may take {} MiB, {} before; {}{}",

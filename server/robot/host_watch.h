@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/host/host_reader.h"
-#include "server/host/limit_governor.h"
+#include "server/robot/host_reader.h"
+#include "server/robot/limit_governor.h"
 #include "server/robot/memory_server.h"
 
 namespace engram::server {
@@ -20,7 +20,7 @@ class HostWatch {
  public:
   struct Watched {
     MemoryServer* server = nullptr;  ///< Outlives this.
-    MemoryLimits limits;             ///< As configured; with bytes.
+    ltm::MemoryLimits limits;        ///< As configured; with bytes.
     uint64_t least_bytes = 0;
     bool has_system_state = false;  ///< One of them at most.
   };
@@ -30,7 +30,7 @@ class HostWatch {
   };
 
   /// Declares the type of System State.
-  /// Errors: those of LimitGovernor::create and MemoryService::declare.
+  /// Errors: those of LimitGovernor::create and memory::MemoryService::declare.
   static Result<HostWatch> create(const Options& options, const std::vector<Watched>& watched);
 
   /// Reads once. What cannot be read or committed is logged when it begins, not again and again.

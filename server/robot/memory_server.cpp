@@ -10,7 +10,7 @@ namespace engram::server {
 struct MemoryServer::State {
   std::vector<Endpoint> reached_at;
   uint64_t started = 0;
-  std::unique_ptr<MemoryService> service;
+  std::unique_ptr<memory::MemoryService> service;
   std::unique_ptr<RpcContext> context;
   std::unique_ptr<grpc::Service> rpc;
   std::unique_ptr<RpcServer> server;
@@ -34,7 +34,8 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
   if (!options.tokens.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(access, AccessPolicy::read_file(options.tokens));
   }
-  ENGRAM_ASSIGN_OR_RETURN(state->service, MemoryService::open(options.service, std::move(loader)));
+  ENGRAM_ASSIGN_OR_RETURN(state->service,
+                          memory::MemoryService::open(options.service, std::move(loader)));
   state->context =
       std::make_unique<RpcContext>(*state->service, std::move(access), options.threads);
   state->context->durability = options.durability;
@@ -56,12 +57,12 @@ std::vector<std::string> MemoryServer::endpoints() const {
   return state_->server->endpoints();
 }
 
-MemoryService& MemoryServer::service() {
+memory::MemoryService& MemoryServer::service() {
   return *state_->service;
 }
 
 Registration MemoryServer::registration() const {
-  const MemoryService::Options& options = state_->service->options();
+  const memory::MemoryService::Options& options = state_->service->options();
   Registration said{options.name, options.memories, {}, state_->started};
   for (const Endpoint& endpoint : state_->reached_at)
     said.endpoints.push_back(endpoint.to_string());
@@ -70,7 +71,8 @@ Registration MemoryServer::registration() const {
 }
 
 Status MemoryServer::commit(ltm::Commit commit) {
-  ENGRAM_ASSIGN_OR_RETURN(const Admission admission, state_->service->commit(std::move(commit)));
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Admission admission,
+                          state_->service->commit(std::move(commit)));
   publish(*state_->context, admission);
   return {};
 }

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "memory/live/memory_service.h"
 #include "server/names/registration.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/rpc_server.h"
-#include "server/service/memory_service.h"
 
 namespace engram::server {
 
@@ -22,19 +22,20 @@ class NamesClient;
 class MemoryServer {
  public:
   struct Options {
-    MemoryService::Options service;
+    memory::MemoryService::Options service;
     RpcServer::Options rpc;
-    MemoryService::Durability durability = MemoryService::Durability::kMemory;
+    memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
     std::filesystem::path tokens;  ///< Empty: whoever can connect may do everything.
     /// What the name system tells others; empty: where it listens.
     std::vector<Endpoint> reached_at;
     int threads = 2;  ///< That decode and predict.
-    /// What is shared with clients of this host, beside the first Unix socket; nothing: no memory is.
+    /// What is shared with clients of this host, beside the first Unix socket; nothing: no memory
+    /// is.
     std::optional<SharedPool::Options> sharing = SharedPool::Options{};
   };
 
   /// `names`: where it registers; may be null, else outlives it.
-  /// Errors: those of MemoryService::open, AccessPolicy::read_file and RpcServer::start.
+  /// Errors: those of memory::MemoryService::open, AccessPolicy::read_file and RpcServer::start.
   static Result<std::unique_ptr<MemoryServer>> start(const Options& options,
                                                      ltm::ModelLoader loader,
                                                      NamesClient* names = nullptr);
@@ -42,7 +43,7 @@ class MemoryServer {
   ~MemoryServer();
 
   [[nodiscard]] std::vector<std::string> endpoints() const;
-  [[nodiscard]] MemoryService& service();
+  [[nodiscard]] memory::MemoryService& service();
 
   /// What a name system is told of it.
   [[nodiscard]] Registration registration() const;
@@ -51,7 +52,7 @@ class MemoryServer {
   Status commit(ltm::Commit commit);
 
   /// Takes no more, hands everything to the store, and seals it.
-  /// Errors: those of MemoryService::close.
+  /// Errors: those of memory::MemoryService::close.
   Status stop();
 
  private:

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
-#include "server/prior/prior.h"
+#include "memory/prior/prior.h"
 
 namespace engram::server {
 
 namespace {
 
-bool is_known(MemoryService& service, const ltm::EntityUpdate& update) {
+bool is_known(memory::MemoryService& service, const ltm::EntityUpdate& update) {
   // Not At: of a time after the last snapshot that is a prediction.
   const auto query =
       ltm::Query::of_entity(update.entity, ltm::select::TimeRange{update.time, update.time});
@@ -26,8 +26,8 @@ bool is_known(MemoryService& service, const ltm::EntityUpdate& update) {
 }  // namespace
 
 Result<PriorCounts> commit_prior(MemoryServer& server, const std::filesystem::path& directory) {
-  ENGRAM_ASSIGN_OR_RETURN(PriorKnowledge prior, load_prior(directory));
-  MemoryService& service = server.service();
+  ENGRAM_ASSIGN_OR_RETURN(memory::PriorKnowledge prior, memory::load_prior(directory));
+  memory::MemoryService& service = server.service();
   for (const auto& [segment, type] : prior.types.all())
     ENGRAM_RETURN_IF_ERROR(service.declare(segment, type));
   PriorCounts counts;

@@ -14,7 +14,8 @@ struct PriorCounts {
 
 /// Tells a server what a robot knows before it lives: types are declared, and what the server does
 /// not have yet, of the same time with the same values, is committed.
-/// Errors: those of load_prior, MemoryService::declare and MemoryService::commit.
+/// Errors: those of memory::load_prior, memory::MemoryService::declare and
+/// memory::MemoryService::commit.
 Result<PriorCounts> commit_prior(MemoryServer& server, const std::filesystem::path& directory);
 
 }  // namespace engram::server

@@ -11,7 +11,7 @@
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "server/client/names_client.h"
-#include "server/robot/default_endpoint.h"
+#include "server/access/default_endpoint.h"
 #include "server/robot/host_watch.h"
 #include "server/robot/names_server.h"
 #include "server/robot/prior_commits.h"
@@ -154,7 +154,7 @@ Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Surroundi
 std::vector<Robot::Served> Robot::servers() const {
   std::vector<Served> all;
   for (const auto& server : state_->servers) {
-    const MemoryService::Options& options = server->service().options();
+    const memory::MemoryService::Options& options = server->service().options();
     all.push_back({options.name, options.memories, server->endpoints(),
                    options.store ? options.store->store : std::filesystem::path()});
   }

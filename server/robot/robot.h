@@ -50,7 +50,7 @@ class Robot {
   struct Ended {
     std::string server;
     Status status;  ///< Why something could not be handed to the store: that is lost.
-    MemoryService::Counters counters;
+    memory::MemoryService::Counters counters;
   };
   /// Takes no more, hands everything to the stores and seals them. In the order of the servers.
   std::vector<Ended> stop();

@@ -9,7 +9,7 @@
 #include "ltm/filter/config_choice.h"
 #include "ltm/recording/presets.h"
 #include "ltm/recording/recording_config.h"
-#include "server/robot/default_endpoint.h"
+#include "server/access/default_endpoint.h"
 
 namespace engram::server {
 
@@ -21,13 +21,14 @@ namespace {
 
 constexpr const char* kSystemState = "SystemState";
 
-constexpr std::array<Choice<StoreMode>, 3> kModes{{{"what-leaves", StoreMode::kWhatLeaves},
-                                                   {"everything", StoreMode::kEverything},
-                                                   {"latest", StoreMode::kLatest}}};
+constexpr std::array<Choice<ltm::StoreMode>, 3> kModes{
+    {{"what-leaves", ltm::StoreMode::kWhatLeaves},
+     {"everything", ltm::StoreMode::kEverything},
+     {"latest", ltm::StoreMode::kLatest}}};
 
-constexpr std::array<Choice<MemoryService::Durability>, 2> kDurabilities{
-    {{"memory", MemoryService::Durability::kMemory},
-     {"journal", MemoryService::Durability::kJournal}}};
+constexpr std::array<Choice<memory::MemoryService::Durability>, 2> kDurabilities{
+    {{"memory", memory::MemoryService::Durability::kMemory},
+     {"journal", memory::MemoryService::Durability::kJournal}}};
 
 /// Reads one configuration: what stands elsewhere in it is known to all its parts.
 class RobotReader {
@@ -64,7 +65,7 @@ class RobotReader {
     return {};
   }
 
-  static Status read_limits(ConfigMap& map, MemoryLimits& limits) {
+  static Status read_limits(ConfigMap& map, ltm::MemoryLimits& limits) {
     ENGRAM_RETURN_IF_ERROR(read_count(map, "snapshots", limits.snapshots));
     ENGRAM_RETURN_IF_ERROR(map.read("bytes", limits.bytes, &ConfigValue::bytes));
     ENGRAM_RETURN_IF_ERROR(map.read("age", limits.age, &ConfigValue::duration));
@@ -123,7 +124,7 @@ class RobotReader {
     return {};
   }
 
-  static Status read_segments(ConfigMap& map, std::vector<SegmentLimits>& segments) {
+  static Status read_segments(ConfigMap& map, std::vector<ltm::SegmentLimits>& segments) {
     const auto value = map.find("segments");
     if (!value) return {};
     ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
@@ -135,7 +136,7 @@ class RobotReader {
       if (!id.ok()) return match.error(id.status());
       if (id->names().empty() || id->time())
         return match.error(fmt::format("found '{}', needs a memory, segment or entity", text));
-      SegmentLimits segment{*std::move(id), {}};
+      ltm::SegmentLimits segment{*std::move(id), {}};
       ENGRAM_RETURN_IF_ERROR(read_limits(entry, segment.limits));
       ENGRAM_RETURN_IF_ERROR(entry.finish());
       if (!segment.limits.snapshots && !segment.limits.bytes && !segment.limits.age)
@@ -146,7 +147,7 @@ class RobotReader {
   }
 
   static Status read_working_memory(ConfigMap& map, ServerConfig& server) {
-    WorkingMemory::Options& memory = server.options.service.memory;
+    ltm::WorkingMemory::Options& memory = server.options.service.memory;
     ENGRAM_RETURN_IF_ERROR(read_segments(map, memory.segments));
     const auto value = map.find("working_memory");
     if (value) {
@@ -167,7 +168,7 @@ class RobotReader {
     return {};
   }
 
-  Status read_recording(ConfigMap& map, LongTerm::Options& store) const {
+  Status read_recording(ConfigMap& map, memory::LongTerm::Options& store) const {
     const auto preset = map.find("preset");
     const auto file = map.find("recording");
     if (preset && file) return preset->error("stands beside 'recording', needs one of them");
@@ -187,15 +188,15 @@ class RobotReader {
   }
 
   /// What needs a store.
-  Status read_store(ConfigMap& map, MemoryService::Options& service) const {
+  Status read_store(ConfigMap& map, memory::MemoryService::Options& service) const {
     std::filesystem::path path;
     ENGRAM_RETURN_IF_ERROR(read_path(map, "store", path));
     if (path.empty()) {
       for (const std::string_view key : {"recording", "preset", "decoded", "prefer"})
         if (const auto value = map.find(key)) return value->error("needs a 'store' beside it");
-      service.memory.mode = StoreMode::kLatest;
+      service.memory.mode = ltm::StoreMode::kLatest;
     } else {
-      LongTerm::Options& store = service.store.emplace();
+      memory::LongTerm::Options& store = service.store.emplace();
       store.store = std::move(path);
       ENGRAM_RETURN_IF_ERROR(read_recording(map, store));
       ENGRAM_RETURN_IF_ERROR(map.read("decoded", store.most_decoded_bytes, &ConfigValue::bytes));
@@ -204,7 +205,7 @@ class RobotReader {
                       std::array<Choice<bool>, 2>{{{"recorded", false}, {"latents", true}}}));
     }
     ENGRAM_RETURN_IF_ERROR(read_choice(map, "mode", service.memory.mode, kModes));
-    if (!service.store && service.memory.mode != StoreMode::kLatest)
+    if (!service.store && service.memory.mode != ltm::StoreMode::kLatest)
       return map.find("mode")->error("needs a 'store' beside it, or the mode 'latest'");
     return map.read("latest_every", service.memory.store_interval, &ConfigValue::duration);
   }
@@ -267,7 +268,7 @@ class RobotReader {
     ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
     ServerConfig server;
     MemoryServer::Options& options = server.options;
-    MemoryService::Options& service = options.service;
+    memory::MemoryService::Options& service = options.service;
     if (!is_only_one) {
       ENGRAM_RETURN_IF_ERROR(map.require("name").status());
     }
@@ -278,7 +279,7 @@ class RobotReader {
     ENGRAM_RETURN_IF_ERROR(read_listen(map, options));
     ENGRAM_RETURN_IF_ERROR(read_store(map, service));
     ENGRAM_RETURN_IF_ERROR(read_choice(map, "durability", options.durability, kDurabilities));
-    if (options.durability == MemoryService::Durability::kJournal && !service.store)
+    if (options.durability == memory::MemoryService::Durability::kJournal && !service.store)
       return map.find("durability")->error("needs a 'store' beside it");
     ENGRAM_RETURN_IF_ERROR(read_working_memory(map, server));
     ENGRAM_RETURN_IF_ERROR(read_path(map, "prior", server.prior));
@@ -379,8 +380,8 @@ Result<RobotConfig> read_robot_config(const std::filesystem::path& path) {
   return RobotReader(path.parent_path()).read(file);
 }
 
-std::string_view to_string(StoreMode mode) {
-  for (const Choice<StoreMode>& choice : kModes)
+std::string_view to_string(ltm::StoreMode mode) {
+  for (const Choice<ltm::StoreMode>& choice : kModes)
     if (choice.value == mode) return choice.word;
   return "";
 }

@@ -52,6 +52,6 @@ Result<RobotConfig> parse_robot_config(std::string_view text, const std::string&
 Result<RobotConfig> read_robot_config(const std::filesystem::path& path);
 
 /// What robot.yaml calls the modes: "what-leaves", "everything", "latest".
-[[nodiscard]] std::string_view to_string(StoreMode mode);
+[[nodiscard]] std::string_view to_string(ltm::StoreMode mode);
 
 }  // namespace engram::server

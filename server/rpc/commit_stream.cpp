@@ -9,7 +9,7 @@ namespace engram::server {
 
 namespace {
 
-using Durability = MemoryService::Durability;
+using Durability = memory::MemoryService::Durability;
 
 Durability needed(const v1::CommitRequest& request, Durability by_default) {
   switch (request.durability()) {
@@ -60,7 +60,7 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
   return {};
 }
 
-Result<Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
+Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
   if (Status status = who_.take_request(steady_now()); !status.ok()) {
     context_.metrics.refused_rates.add();
     return status;
@@ -107,8 +107,8 @@ void CommitStream::reply(uint64_t number, const Status& status,
   send(to_bytes(message));
 }
 
-void CommitStream::publish(const Admission& admission) {
-  context_.hub.publish(admission.snapshots, [](const SharedSnapshot& snapshot) {
+void CommitStream::publish(const ltm::Admission& admission) {
+  context_.hub.publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
     return std::make_shared<WireEvent>(snapshot);
   });
 }

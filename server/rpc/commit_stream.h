@@ -18,11 +18,12 @@ class CommitStream final : public ReplyStream {
 
  private:
   Status on_request(grpc::ByteBuffer& request) override;
-  Result<Admission> commit(v1::CommitRequest& message, MemoryService::Durability durability);
+  Result<ltm::Admission> commit(v1::CommitRequest& message,
+                                memory::MemoryService::Durability durability);
   Result<WireCommit> take(v1::CommitRequest& message);
   void reply(uint64_t number, const Status& status, const std::optional<BlockRef>& leased = {});
   std::optional<BlockRef> lease(const v1::CommitRequest& message);
-  void publish(const Admission& admission);
+  void publish(const ltm::Admission& admission);
 
   RpcContext& context_;
   const Identity who_;

@@ -13,8 +13,8 @@ struct Figure {
   double value = 0;
 };
 
-std::vector<Figure> figures(const MemoryService::Counters& counters) {
-  const MemoryCounters& memory = counters.memory;
+std::vector<Figure> figures(const memory::MemoryService::Counters& counters) {
+  const ltm::MemoryCounters& memory = counters.memory;
   const auto number = [](auto value) { return static_cast<double>(value); };
   std::vector<Figure> all = {
       {"memory_entities", "Entities in working memory.", number(memory.entities)},
@@ -34,17 +34,20 @@ std::vector<Figure> figures(const MemoryService::Counters& counters) {
       {"predictions", "Moments predicted.", number(counters.predictions)},
       {"store_failures", "Attempts to store that failed.", number(counters.store_failures)}};
   if (!counters.store) return all;
-  const LongTerm::Counters& store = *counters.store;
-  all.push_back({"store_recorded", "Snapshots that the online phase took.", number(store.recorded)});
+  const memory::LongTerm::Counters& store = *counters.store;
+  const ltm::StorePast::Counters& reading = counters.reading;
+  all.push_back(
+      {"store_recorded", "Snapshots that the online phase took.", number(store.recorded)});
   all.push_back({"store_refused", "That it will never take.", number(store.refused)});
-  all.push_back({"store_decoded", "Snapshots decoded from the store.", number(store.decoded)});
-  all.push_back({"store_from_decoded", "Found decoded already.", number(store.from_decoded)});
-  all.push_back({"store_decoded_bytes", "Bytes kept decoded.", number(store.decoded_bytes)});
+  all.push_back({"store_decoded", "Snapshots decoded from the store.", number(reading.decoded)});
+  all.push_back({"store_from_decoded", "Found decoded already.", number(reading.from_decoded)});
+  all.push_back({"store_decoded_bytes", "Bytes kept decoded.", number(reading.decoded_bytes)});
   all.push_back({"store_lost_frames", "Damaged before this start.", number(store.lost_frames)});
   return all;
 }
 
-std::vector<Figure> all_figures(RpcContext& context, const MemoryService::Counters& counters) {
+std::vector<Figure> all_figures(RpcContext& context,
+                                const memory::MemoryService::Counters& counters) {
   std::vector<Figure> all = figures(counters);
   const auto number = [](auto value) { return static_cast<double>(value); };
   all.push_back({"subscribers", "Subscriptions.", number(context.hub.size())});
@@ -61,7 +64,7 @@ std::vector<Figure> all_figures(RpcContext& context, const MemoryService::Counte
 }  // namespace
 
 std::string figures_json(RpcContext& context) {
-  const MemoryService::Counters counters = context.service.counters();
+  const memory::MemoryService::Counters counters = context.service.counters();
   nlohmann::ordered_json json;
   for (const Figure& figure : all_figures(context, counters))
     json[figure.name] = static_cast<uint64_t>(figure.value);

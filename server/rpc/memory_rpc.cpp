@@ -22,8 +22,8 @@ using ByteReactor = grpc::ServerBidiReactor<Bytes, Bytes>;
 
 using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
     v1::MemoryServer::WithRawCallbackMethod_Query<v1::MemoryServer::WithRawCallbackMethod_Subscribe<
-        v1::MemoryServer::WithCallbackMethod_Declare<v1::MemoryServer::WithCallbackMethod_Info<
-            v1::MemoryServer::WithCallbackMethod_Metrics<
+        v1::MemoryServer::WithCallbackMethod_Declare<
+            v1::MemoryServer::WithCallbackMethod_Info<v1::MemoryServer::WithCallbackMethod_Metrics<
                 v1::MemoryServer::WithCallbackMethod_Engines<v1::MemoryServer::Service>>>>>>>;
 
 constexpr int kMostHorizons = 16;
@@ -65,11 +65,11 @@ class MemoryRpc final : public ServiceBase {
     return finish(call, declare(*call, *request));
   }
 
-  grpc::ServerUnaryReactor* Info(grpc::CallbackServerContext* call,
-                                 const v1::InfoRequest* request, v1::InfoReply* reply) override {
+  grpc::ServerUnaryReactor* Info(grpc::CallbackServerContext* call, const v1::InfoRequest* request,
+                                 v1::InfoReply* reply) override {
     const auto who = let_in(*call);
     if (!who.ok()) return finish(call, who.status());
-    const MemoryService::Options& options = context_.service.options();
+    const memory::MemoryService::Options& options = context_.service.options();
     reply->set_server(options.name);
     reply->set_version(ENGRAM_VERSION);
     for (const std::string& memory : options.memories) reply->add_memories(memory);
@@ -196,8 +196,8 @@ std::unique_ptr<grpc::Service> make_memory_rpc(RpcContext& context) {
   return std::make_unique<MemoryRpc>(context);
 }
 
-void publish(RpcContext& context, const Admission& admission) {
-  context.hub.publish(admission.snapshots, [](const SharedSnapshot& snapshot) {
+void publish(RpcContext& context, const ltm::Admission& admission) {
+  context.hub.publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
     return std::make_shared<WireEvent>(snapshot);
   });
 }

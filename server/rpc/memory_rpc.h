@@ -14,6 +14,6 @@ namespace engram::server {
 [[nodiscard]] std::unique_ptr<grpc::Service> make_memory_rpc(RpcContext& context);
 
 /// Tells subscribers what was committed otherwise than over a stream.
-void publish(RpcContext& context, const Admission& admission);
+void publish(RpcContext& context, const ltm::Admission& admission);
 
 }  // namespace engram::server

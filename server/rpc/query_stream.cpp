@@ -67,10 +67,10 @@ void QueryStream::answer_next() {
   asked_.pop_front();
 }
 
-void QueryStream::answer(uint64_t number, Result<ServedAnswer> answer) {
+void QueryStream::answer(uint64_t number, Result<ltm::Answer> answer) {
   if (answer.ok())
     std::erase_if(answer->entities,
-                  [this](const ServedEntity& entity) { return !who_.may_read(entity.id); });
+                  [this](const ltm::RecalledEntity& entity) { return !who_.may_read(entity.id); });
   Status status = answer.status();
   if (answer.ok())
     status = write_answer(number, *answer, kPartBytes,

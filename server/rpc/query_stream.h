@@ -17,7 +17,7 @@ class QueryStream final : public ReplyStream {
  private:
   Status on_request(grpc::ByteBuffer& request) override;
   void on_sent() override { answer_next(); }
-  void answer(uint64_t number, Result<ServedAnswer> answer);
+  void answer(uint64_t number, Result<ltm::Answer> answer);
   /// Lets another thread answer what waits, where that may be.
   void answer_next();
 

@@ -7,12 +7,12 @@
 #include <mutex>
 #include <string>
 
+#include "memory/live/event_hub.h"
+#include "memory/live/memory_service.h"
 #include "server/access/access_policy.h"
-#include "server/events/event_hub.h"
 #include "server/rpc/rpc_metrics.h"
 #include "server/rpc/shared_sessions.h"
 #include "server/rpc/work_queue.h"
-#include "server/service/memory_service.h"
 
 namespace engram::server {
 
@@ -20,12 +20,12 @@ namespace engram::server {
 ///
 /// Threading: thread-safe.
 struct RpcContext {
-  RpcContext(MemoryService& served, AccessPolicy who_may, int threads)
+  RpcContext(memory::MemoryService& served, AccessPolicy who_may, int threads)
       : service(served), access(std::move(who_may)), work(threads) {}
 
-  MemoryService& service;
+  memory::MemoryService& service;
   const AccessPolicy access;
-  EventHub hub;
+  memory::EventHub hub;
   std::unique_ptr<SharedSessions> sharing;  ///< Null: nothing is shared.
   RpcMetrics metrics;
   std::atomic<int> streams{0};
@@ -34,7 +34,7 @@ struct RpcContext {
   int most_streams_of_one = 1024;
   std::mutex counting;
   std::map<std::string, int> streams_of;  ///< By the names of tokens. Guarded by `counting`.
-  MemoryService::Durability durability = MemoryService::Durability::kMemory;
+  memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
   WorkQueue work;  ///< What takes longer than a stream's thread should. Ends first.
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/metrics/metric_registry.h"
+#include "server/rpc/metric_registry.h"
 
 namespace engram::server {
 

@@ -14,7 +14,7 @@
 #include <mutex>
 
 #include "ltm/core/file.h"
-#include "server/polling/polling_threads.h"
+#include "server/wire/polling_threads.h"
 
 namespace engram::server {
 

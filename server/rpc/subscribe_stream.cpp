@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/subscribe_stream.h"
 
+#include "memory/live/subscription.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_block.h"
 #include "server/wire/wire_status.h"
@@ -11,18 +12,8 @@ namespace {
 
 /// Of what is told in one message: small events travel together where a subscriber is behind.
 constexpr size_t kMessageBytes = size_t{1} << 20;
-constexpr int kMostNames = 256;
 constexpr size_t kMostQueuedEvents = size_t{1} << 20;
 constexpr size_t kMostQueuedBytes = size_t{1} << 30;
-
-Result<ltm::Query> names_of(const v1::SubscribeRequest& request) {
-  if (request.names_size() > kMostNames)
-    return invalid_argument("subscription: found {} patterns of names, needs at most {}",
-                            request.names_size(), kMostNames);
-  std::string text;
-  for (const std::string& names : request.names()) text += (text.empty() ? "" : " ; ") + names;
-  return text.empty() ? ltm::Query() : ltm::Query::parse(text);
-}
 
 }  // namespace
 
@@ -32,8 +23,9 @@ void SubscribeStream::begin() {
 }
 
 Status SubscribeStream::start(const v1::SubscribeRequest& request) {
-  ENGRAM_ASSIGN_OR_RETURN(ltm::Query names, names_of(request));
-  EventQueue<SharedEvent>::Bounds bounds;
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Query names,
+                          subscribed_names({request.names().begin(), request.names().end()}));
+  memory::EventQueue<memory::SharedEvent>::Bounds bounds;
   if (request.queue_bound() > 0)
     bounds.events = std::min<size_t>(request.queue_bound(), kMostQueuedEvents);
   if (request.queue_bytes() > 0)
@@ -111,11 +103,11 @@ const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& las
   return &shared->bytes;
 }
 
-void SubscribeStream::offer(std::span<const SharedEvent> events) {
+void SubscribeStream::offer(std::span<const memory::SharedEvent> events) {
   const std::scoped_lock lock(mutex_);
   if (is_finished_) return;
   const uint64_t lost = queue_->lost();
-  for (const SharedEvent& event : events)
+  for (const memory::SharedEvent& event : events)
     queue_->push(event, kept_bytes(static_cast<const WireEvent&>(*event)));
   context_.metrics.events.add(events.size());
   if (queue_->lost() > lost) context_.metrics.lost_events.add(queue_->lost() - lost);

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <optional>
 
-#include "server/events/event_queue.h"
+#include "memory/live/event_queue.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/wire_event.h"
 
@@ -17,7 +17,7 @@ namespace engram::server {
 /// Tells one subscriber of commits, as fast as it reads; where it is too slow the oldest go, and it
 /// is told how many.
 class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
-                              public EventListener,
+                              public memory::EventListener,
                               public std::enable_shared_from_this<SubscribeStream> {
  public:
   SubscribeStream(RpcContext& context, Identity who, ClientId sharing)
@@ -25,7 +25,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
   void begin();
 
-  void offer(std::span<const SharedEvent> events) override;
+  void offer(std::span<const memory::SharedEvent> events) override;
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -57,7 +57,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   size_t inline_bytes_ = SIZE_MAX;
 
   std::mutex mutex_;
-  std::optional<EventQueue<SharedEvent>> queue_;
+  std::optional<memory::EventQueue<memory::SharedEvent>> queue_;
   grpc::ByteBuffer written_;
   bool is_writing_ = false;
   bool is_finished_ = false;

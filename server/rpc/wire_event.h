@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/events/event_hub.h"
+#include "memory/live/event_hub.h"
 #include "server/sharing/shared_pool.h"
 #include "server/wire/wire_block.h"
 #include "server/wire/wire_snapshot.h"
@@ -15,9 +15,9 @@ namespace engram::server {
 /// A commit's snapshot in the forms in which subscribers want it, each made once.
 ///
 /// Threading: thread-safe.
-class WireEvent final : public CommitEvent {
+class WireEvent final : public memory::CommitEvent {
  public:
-  using CommitEvent::CommitEvent;
+  using memory::CommitEvent::CommitEvent;
 
   const WireBytes& with_data() {
     const std::scoped_lock lock(mutex_);

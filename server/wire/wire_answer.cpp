@@ -7,7 +7,7 @@ namespace engram::server {
 
 namespace {
 
-Result<WireBytes> snapshot_bytes(const ServedSnapshot& served, bool with_data) {
+Result<WireBytes> snapshot_bytes(const ltm::RecalledSnapshot& served, bool with_data) {
   if (!with_data || !served.held || served.held->encoded.empty() ||
       served.answer.source != ltm::Source::kRecorded)
     return to_wire(served.answer, with_data);
@@ -20,18 +20,18 @@ Result<WireBytes> snapshot_bytes(const ServedSnapshot& served, bool with_data) {
 
 }  // namespace
 
-Status write_answer(uint64_t number, const ServedAnswer& answer, size_t part_bytes,
+Status write_answer(uint64_t number, const ltm::Answer& answer, size_t part_bytes,
                     const std::function<void(const WireBytes&)>& send) {
   WireWriter part;
   WireWriter entity;
   const auto begin_part = [&] { part.field(v1::QueryReply::kNumberFieldNumber, number); };
-  const auto begin_entity = [&](const ServedEntity& one) {
+  const auto begin_entity = [&](const ltm::RecalledEntity& one) {
     entity.field(v1::EntityAnswer::kEntityFieldNumber, one.id.to_string());
   };
   begin_part();
-  for (const ServedEntity& one : answer.entities) {
+  for (const ltm::RecalledEntity& one : answer.entities) {
     begin_entity(one);
-    for (const ServedSnapshot& snapshot : one.snapshots) {
+    for (const ltm::RecalledSnapshot& snapshot : one.snapshots) {
       if (part.size() + entity.size() > part_bytes) {
         part.field(v1::QueryReply::kEntitiesFieldNumber, entity.take());
         send(part.take());

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "server/service/served.h"
+#include "ltm/recall/answer.h"
 #include "server/wire/wire_writer.h"
 
 namespace engram::server {
@@ -11,7 +11,7 @@ namespace engram::server {
 /// Writes an answer as v1::QueryReply messages of about `part_bytes` each, the last one marked as
 /// such, and gives each to `send`.
 /// Errors: kInvalidArgument where a value nests too deep: nothing is the last then.
-Status write_answer(uint64_t number, const ServedAnswer& answer, size_t part_bytes,
+Status write_answer(uint64_t number, const ltm::Answer& answer, size_t part_bytes,
                     const std::function<void(const WireBytes&)>& send);
 
 }  // namespace engram::server

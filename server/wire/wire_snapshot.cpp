@@ -82,7 +82,7 @@ Result<ltm::Snapshot> take_update(v1::Snapshot& message, const Buffer& block,
 
 }  // namespace
 
-WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data) {
+WireBytes to_wire(const ltm::HeldSnapshot& snapshot, bool with_data) {
   WireWriter writer;
   writer.field(v1::Snapshot::kEntityFieldNumber, snapshot.entity.to_string());
   writer.field(v1::Snapshot::kTimeNsFieldNumber, static_cast<uint64_t>(to_ns(snapshot.time)));
@@ -105,7 +105,7 @@ WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data) {
   return writer.take();
 }
 
-WireBytes to_wire_in_block(const HeldSnapshot& snapshot, const v1::Block& block,
+WireBytes to_wire_in_block(const ltm::HeldSnapshot& snapshot, const v1::Block& block,
                            const std::vector<uint64_t>& offsets) {
   WireWriter writer;
   writer.field(v1::Snapshot::kEntityFieldNumber, snapshot.entity.to_string());
@@ -176,7 +176,8 @@ Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& blo
   ltm::SnapshotResult answer;
   answer.time = time_from_ns(message.time_ns());
   if (message.source() < v1::RECORDED || message.source() > v1::PREDICTED)
-    return data_loss("answer: found source {}, which there is not", static_cast<int>(message.source()));
+    return data_loss("answer: found source {}, which there is not",
+                     static_cast<int>(message.source()));
   answer.source = static_cast<ltm::Source>(message.source());
   answer.model = message.model();
   answer.predictor = message.predictor();

@@ -5,17 +5,17 @@
 
 #include "ltm/memory/commit.h"
 #include "ltm/memory/result.h"
-#include "server/memory/held_snapshot.h"
+#include "ltm/working/held_snapshot.h"
 #include "server/wire/wire_writer.h"
 
 namespace engram::server {
 
 /// A snapshot of working memory as the body of a v1::Snapshot; without data only what names it.
 /// The bytes as which data came are shared.
-[[nodiscard]] WireBytes to_wire(const HeldSnapshot& snapshot, bool with_data);
+[[nodiscard]] WireBytes to_wire(const ltm::HeldSnapshot& snapshot, bool with_data);
 
 /// The same with its data elsewhere: in a block, each instance from one of `offsets` on.
-[[nodiscard]] WireBytes to_wire_in_block(const HeldSnapshot& snapshot, const v1::Block& block,
+[[nodiscard]] WireBytes to_wire_in_block(const ltm::HeldSnapshot& snapshot, const v1::Block& block,
                                          const std::vector<uint64_t>& offsets);
 
 /// One moment of an answer. Without `encoded` data are encoded here; else these are the bytes of

@@ -71,6 +71,8 @@ def read_table(design):
                 is_free = True
             elif name in LIBRARIES:
                 libraries.add(name)
+            elif name.endswith("/") and name.rstrip("/") in folders:
+                below.add(name.rstrip("/"))
             elif "ltm/" + name in folders:
                 below.add("ltm/" + name)
             elif name in folders:

@@ -6,7 +6,7 @@
 #include <map>
 #include <mutex>
 
-#include "server/memory/working_memory.h"
+#include "ltm/working/working_memory.h"
 
 namespace engram::server {
 namespace {
@@ -26,12 +26,12 @@ ltm::Commit commit_of(const MemoryId& entity, int64_t at) {
 /// A memory that has as many snapshots as it may have, of so many entities.
 struct FullMemory {
   FullMemory(int64_t snapshots, int64_t entity_count) {
-    WorkingMemory::Options options;
+    ltm::WorkingMemory::Options options;
     options.all = {static_cast<size_t>(snapshots), {}, {}};
-    options.mode = StoreMode::kLatest;  // What leaves is gone: no sink is measured.
+    options.mode = ltm::StoreMode::kLatest;  // What leaves is gone: no sink is measured.
     options.store_interval = std::chrono::hours(1);
     options.most_waiting_bytes = SIZE_MAX;
-    memory = std::move(*WorkingMemory::create(options));
+    memory = std::move(*ltm::WorkingMemory::create(options));
     for (int64_t i = 0; i < entity_count; ++i) entities.push_back(entity_of(i));
     for (int64_t i = 0; i < snapshots; ++i) add();
   }
@@ -44,7 +44,7 @@ struct FullMemory {
     if (!done.ok()) std::abort();
   }
 
-  std::unique_ptr<WorkingMemory> memory;
+  std::unique_ptr<ltm::WorkingMemory> memory;
   std::vector<MemoryId> entities;
   int64_t count = 0;
 };

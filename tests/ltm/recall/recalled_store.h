@@ -112,7 +112,9 @@ class RecalledStore : public ::testing::Test {
     };
   }
 
-  Recall open(ModelLoader loader) { return {*StoreReader::open(store_), std::move(loader)}; }
+  Recall open(ModelLoader loader) {
+    return {*StoreReader::open(store_), std::move(loader), nullptr, {}};
+  }
 
   static Query ask(const std::string& selector) {
     return *Query::parse("Vision/RGB/head/cam @ " + selector);

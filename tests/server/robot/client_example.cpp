@@ -10,9 +10,9 @@ Status remember_a_cup(const std::string& endpoint) {
   ENGRAM_ASSIGN_OR_RETURN(const auto memory, server::MemoryClient::connect(endpoint));
 
   // What the robot sees from now on, told by a thread of the client.
-  server::SubscriptionHandlers handlers;
-  handlers.on_snapshots = [](std::vector<server::ToldSnapshot> told) {
-    for (const server::ToldSnapshot& one : told)
+  SubscriptionHandlers handlers;
+  handlers.on_snapshots = [](std::vector<ToldSnapshot> told) {
+    for (const ToldSnapshot& one : told)
       fmt::print("new: {}\n", one.snapshot.id().to_string());
   };
   ENGRAM_ASSIGN_OR_RETURN(const auto subscription,
@@ -22,7 +22,7 @@ Status remember_a_cup(const std::string& endpoint) {
   ENGRAM_ASSIGN_OR_RETURN(const auto cup, ltm::MemoryId::parse("Objects/Things/kitchen/cup"));
   const idf::Data value = idf::Dict{{"height", 0.11}};
   ENGRAM_RETURN_IF_ERROR(
-      memory->commit({{{cup, system_now(), {{value, {}}}}}}, server::CommitDurability::kJournal));
+      memory->commit({{{cup, system_now(), {{value, {}}}}}}, CommitDurability::kJournal));
 
   // What it was like, whichever form holds it.
   ENGRAM_ASSIGN_OR_RETURN(const auto query, ltm::Query::parse("Objects/.*/.*/cup @ last:10s"));

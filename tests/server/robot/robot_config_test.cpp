@@ -33,8 +33,8 @@ TEST(RobotConfig, NeedsNoMoreThanAStore) {
   EXPECT_THAT(options.service.memories, IsEmpty());
   ASSERT_TRUE(options.service.store);
   EXPECT_EQ(options.service.store->store, "/etc/engram/robot.engram");
-  EXPECT_EQ(options.service.memory.mode, StoreMode::kWhatLeaves);
-  EXPECT_EQ(options.durability, MemoryService::Durability::kMemory);
+  EXPECT_EQ(options.service.memory.mode, ltm::StoreMode::kWhatLeaves);
+  EXPECT_EQ(options.durability, memory::MemoryService::Durability::kMemory);
   ASSERT_THAT(options.rpc.endpoints, SizeIs(1));
   EXPECT_THAT(options.rpc.endpoints[0].path(), HasSubstr("/engram.sock"));
   EXPECT_EQ(config->system_state, 0u);
@@ -97,16 +97,16 @@ servers:
   EXPECT_EQ(vision.options.rpc.security.key, folder / "server.key");
   EXPECT_EQ(vision.options.rpc.endpoints[1].to_string(), "0.0.0.0:50051");
   EXPECT_EQ(vision.options.reached_at[0].to_string(), "head.local:50051");
-  EXPECT_EQ(vision.options.durability, MemoryService::Durability::kJournal);
+  EXPECT_EQ(vision.options.durability, memory::MemoryService::Durability::kJournal);
   EXPECT_EQ(vision.options.threads, 3);
-  const MemoryService::Options& service = vision.options.service;
+  const memory::MemoryService::Options& service = vision.options.service;
   EXPECT_THAT(service.memories, ElementsAre("Vision", "SystemState"));
   EXPECT_EQ(service.furthest_prediction, std::chrono::seconds(5));
   EXPECT_TRUE(service.store->prefers_latents);
   EXPECT_EQ(service.store->most_decoded_bytes, size_t{32} << 20);
   EXPECT_THAT(service.store->recording.rules, SizeIs(1));
-  const WorkingMemory::Options& memory = service.memory;
-  EXPECT_EQ(memory.mode, StoreMode::kEverything);
+  const ltm::WorkingMemory::Options& memory = service.memory;
+  EXPECT_EQ(memory.mode, ltm::StoreMode::kEverything);
   EXPECT_EQ(memory.all.bytes, size_t{1} << 30);
   EXPECT_EQ(memory.all.snapshots, 1000u);
   EXPECT_EQ(memory.all.age, std::chrono::minutes(10));
@@ -115,9 +115,9 @@ servers:
   ASSERT_THAT(memory.segments, SizeIs(1));
   EXPECT_EQ(memory.segments[0].segment.to_string(), "Vision/RGB");
   EXPECT_EQ(memory.segments[0].limits.snapshots, 300u);
-  const MemoryService::Options& scratch = config->servers[1].options.service;
+  const memory::MemoryService::Options& scratch = config->servers[1].options.service;
   EXPECT_FALSE(scratch.store);
-  EXPECT_EQ(scratch.memory.mode, StoreMode::kLatest);
+  EXPECT_EQ(scratch.memory.mode, ltm::StoreMode::kLatest);
   EXPECT_EQ(scratch.memory.store_interval, std::chrono::seconds(5));
 }
 

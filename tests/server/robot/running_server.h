@@ -14,7 +14,7 @@ class RunningServer {
  public:
   RunningServer() {
     options.service.name = "test";
-    options.service.memory.mode = server::StoreMode::kLatest;
+    options.service.memory.mode = ltm::StoreMode::kLatest;
     options.rpc.endpoints = {*server::Endpoint::parse(endpoint())};
   }
 
@@ -23,7 +23,7 @@ class RunningServer {
 
   /// What leaves memory goes to a store.
   void with_store() {
-    options.service.memory.mode = server::StoreMode::kWhatLeaves;
+    options.service.memory.mode = ltm::StoreMode::kWhatLeaves;
     options.service.store.emplace();
     options.service.store->store = store();
     options.service.store->recording.store.min_free_bytes = 0;

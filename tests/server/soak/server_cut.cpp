@@ -78,7 +78,7 @@ Status run_memory(const std::string& endpoint, const std::filesystem::path& fold
   MemoryServer::Options options;
   options.service.name = "server-" + memory;
   options.service.memories = {memory};
-  options.service.memory.mode = StoreMode::kLatest;
+  options.service.memory.mode = ltm::StoreMode::kLatest;
   ENGRAM_ASSIGN_OR_RETURN(options.rpc, listening(endpoint, folder));
   options.tokens = folder / "tokens.yaml";
   ENGRAM_ASSIGN_OR_RETURN(const auto server,

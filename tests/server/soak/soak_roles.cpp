@@ -109,7 +109,7 @@ Status run_memory(const std::filesystem::path& folder, const std::string& memory
   options.service.store->recording.store.min_free_bytes = 0;
   options.service.store->recording.store.seal_bytes = size_t{4} << 20;
   options.service.store->most_decoded_bytes = size_t{8} << 20;
-  options.durability = MemoryService::Durability::kJournal;
+  options.durability = memory::MemoryService::Durability::kJournal;
   ENGRAM_ASSIGN_OR_RETURN(
       const Endpoint endpoint,
       Endpoint::parse(fmt::format("unix:{}/{}{}.sock", folder.string(), memory, start % 2)));

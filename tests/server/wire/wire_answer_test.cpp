@@ -12,25 +12,25 @@
 namespace engram::server {
 namespace {
 
-ServedSnapshot moment(int64_t at, size_t bytes) {
-  ServedSnapshot made;
+ltm::RecalledSnapshot moment(int64_t at, size_t bytes) {
+  ltm::RecalledSnapshot made;
   made.answer.time = time_from_ns(at);
   made.answer.append(std::string(bytes, static_cast<char>('a' + at % 26)), {});
   return made;
 }
 
 /// A moment that is in working memory, with the bytes as which it came.
-ServedSnapshot held_moment(int64_t at, size_t bytes) {
-  HeldSnapshot held{{*ltm::MemoryId::parse("A/b/c/d"), time_from_ns(at), {}}, {}};
+ltm::RecalledSnapshot held_moment(int64_t at, size_t bytes) {
+  ltm::HeldSnapshot held{{*ltm::MemoryId::parse("A/b/c/d"), time_from_ns(at), {}}, {}};
   for (int i = 0; i < 3; ++i) {
     held.instances.push_back({std::string(bytes, static_cast<char>('x' + i)), {}});
     held.encoded.push_back(Buffer::take(*idf::encode(held.instances.back().data)));
   }
-  return serve(std::make_shared<const HeldSnapshot>(std::move(held)), {0, 2}, false);
+  return serve(std::make_shared<const ltm::HeldSnapshot>(std::move(held)), {0, 2}, false);
 }
 
 /// Its parts as the other side reads them.
-std::vector<v1::QueryReply> parts(const ServedAnswer& answer, size_t part_bytes) {
+std::vector<v1::QueryReply> parts(const ltm::Answer& answer, size_t part_bytes) {
   std::vector<v1::QueryReply> all;
   const auto take = [&all](const WireBytes& bytes) {
     auto buffer = bytes.to_byte_buffer();
@@ -55,8 +55,8 @@ ltm::QueryResult united(std::vector<v1::QueryReply> all, bool is_ids_only) {
   return result;
 }
 
-ServedAnswer example() {
-  ServedAnswer answer;
+ltm::Answer example() {
+  ltm::Answer answer;
   answer.entities.push_back({*ltm::MemoryId::parse("A/b/c/empty"), {}});
   for (const char* entity : {"A/b/c/d", "B/b/c/d"}) {
     answer.entities.push_back({*ltm::MemoryId::parse(entity), {}});
@@ -68,7 +68,7 @@ ServedAnswer example() {
 }
 
 TEST(WireAnswer, SaysTheSameInAnyNumberOfParts) {
-  const ServedAnswer answer = example();
+  const ltm::Answer answer = example();
   for (const size_t part_bytes : {1u, 1000u, 20'000u, 10'000'000u}) {
     const auto all = parts(answer, part_bytes);
     EXPECT_EQ(united(all, false), answer.to_result()) << part_bytes;
@@ -91,10 +91,10 @@ TEST(WireAnswer, IsOnePartWhereThereIsNothing) {
 }
 
 TEST(WireAnswer, TellsIdsAlone) {
-  ServedAnswer answer = example();
+  ltm::Answer answer = example();
   answer.is_ids_only = true;
-  for (ServedEntity& entity : answer.entities)
-    for (ServedSnapshot& snapshot : entity.snapshots)
+  for (ltm::RecalledEntity& entity : answer.entities)
+    for (ltm::RecalledSnapshot& snapshot : entity.snapshots)
       for (ltm::InstanceResult& instance : snapshot.answer.instances)
         instance = {instance.index, {}, {}};
   const auto all = parts(answer, 1000);

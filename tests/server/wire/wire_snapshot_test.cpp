@@ -65,7 +65,7 @@ TEST(WireSnapshot, CarriesCommits) {
 TEST(WireSnapshot, CarriesEvents) {
   RandomValues random(4);
   for (const bool has_bytes : {false, true}) {
-    HeldSnapshot held{example(random), {}};
+    ltm::HeldSnapshot held{example(random), {}};
     if (has_bytes)
       for (const ltm::Instance& instance : held.instances)
         held.encoded.push_back(Buffer::take(*idf::encode(instance.data)));

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/memory/select.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <tuple>
+
+namespace engram::ltm {
+
+namespace {
+
+using Found = Result<std::optional<Time>>;
+
+/// The end of what 64 bits hold where `time` + `offset` lies beyond it.
+Time plus(Time time, Duration offset) {
+  int64_t sum = 0;
+  if (!__builtin_add_overflow(to_ns(time), offset.count(), &sum)) return time_from_ns(sum);
+  return time_from_ns(offset < Duration(0) ? INT64_MIN : INT64_MAX);
+}
+
+/// Between `earlier` and `later`. Unsigned: two times may lie 584 years apart.
+uint64_t distance_ns(Time earlier, Time later) {
+  return static_cast<uint64_t>(to_ns(later)) - static_cast<uint64_t>(to_ns(earlier));
+}
+
+/// The snapshot right before or after `time`.
+Found before(Moments& moments, Time time) {
+  if (to_ns(time) == INT64_MIN) return std::optional<Time>();
+  return moments.at_or_before(time_from_ns(to_ns(time) - 1));
+}
+Found after(Moments& moments, Time time) {
+  if (to_ns(time) == INT64_MAX) return std::optional<Time>();
+  return moments.at_or_after(time_from_ns(to_ns(time) + 1));
+}
+
+/// Snapshot number `index` from the last.
+Found nth_from_end(Moments& moments, uint64_t index) {
+  Found found = moments.last();
+  for (; index > 0 && found.ok() && found.value(); --index) found = before(moments, **found);
+  return found;
+}
+
+Selection span(std::optional<Time> first, std::optional<Time> last) {
+  if (!first || !last || *last < *first) return {};
+  return {Selection::Span{*first, *last}, {}};
+}
+
+/// Applies each kind of selector.
+struct Selecting {
+  Moments& moments;
+
+  Result<Selection> operator()(select::All /*all*/) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto first, moments.first());
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, moments.last());
+    return span(first, last);
+  }
+  Result<Selection> operator()(select::Latest s) const {
+    if (s.count <= 0) return Selection();
+    return (*this)(select::IndexRange{-s.count, -1});
+  }
+  Result<Selection> operator()(select::At s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, moments.last());
+    if (last && s.time > *last) return Selection{{}, s.time};
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, moments.at_or_after(s.time));
+    return found == s.time ? span(s.time, s.time) : Selection();
+  }
+  Result<Selection> operator()(select::Ahead s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, moments.last());
+    if (!last) return Selection();
+    const Time time = plus(*last, s.offset);
+    if (s.offset <= Duration(0)) return (*this)(select::At{time});
+    return Selection{{}, time};
+  }
+  Result<Selection> operator()(select::Nearest s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto next, moments.at_or_after(s.time));
+    ENGRAM_ASSIGN_OR_RETURN(const auto previous, moments.at_or_before(s.time));
+    if (!next && !previous) return Selection();
+    const uint64_t ahead = next ? distance_ns(s.time, *next) : UINT64_MAX;
+    const uint64_t behind = previous ? distance_ns(*previous, s.time) : UINT64_MAX;
+    // Of two equally close the earlier.
+    const auto best = previous && behind <= ahead ? previous : next;
+    const bool is_close = std::min(ahead, behind) <= static_cast<uint64_t>(s.tolerance.count());
+    return is_close || s.tolerance == Duration::max() ? span(best, best) : Selection();
+  }
+  Result<Selection> operator()(select::Before s) const {
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto found, s.is_inclusive ? moments.at_or_before(s.time) : before(moments, s.time));
+    return span(found, found);
+  }
+  Result<Selection> operator()(select::After s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, after(moments, s.time));
+    return span(found, found);
+  }
+  Result<Selection> operator()(select::TimeRange s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto first, moments.at_or_after(s.first));
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, moments.at_or_before(s.last));
+    return span(first, last);
+  }
+  Result<Selection> operator()(select::LastDuration s) const {
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, moments.last());
+    if (!last) return Selection();
+    return (*this)(select::TimeRange{plus(*last, -s.duration), *last});
+  }
+  Result<Selection> operator()(select::IndexRange s) const {
+    ENGRAM_ASSIGN_OR_RETURN(std::optional<Time> first, at_index(s.first));
+    ENGRAM_ASSIGN_OR_RETURN(std::optional<Time> last, at_index(s.last));
+    // Indices before the first or behind the last snapshot stand for the ends.
+    if (!first && s.first < 0) {
+      ENGRAM_ASSIGN_OR_RETURN(first, moments.first());
+    }
+    if (!last && s.last >= 0) {
+      ENGRAM_ASSIGN_OR_RETURN(last, moments.last());
+    }
+    return span(first, last);
+  }
+
+  [[nodiscard]] Found at_index(int64_t index) const {
+    return index >= 0 ? moments.nth(static_cast<uint64_t>(index))
+                      : nth_from_end(moments, static_cast<uint64_t>(-(index + 1)));
+  }
+};
+
+Status append(const Selection& selection, const std::vector<int32_t>& instances, Moments& moments,
+              std::vector<SelectedSnapshot>& selected) {
+  if (selection.snapshots) {
+    std::optional<Time> time = selection.snapshots->first;
+    while (time && *time <= selection.snapshots->last) {
+      selected.push_back({*time, false, instances});
+      ENGRAM_ASSIGN_OR_RETURN(time, after(moments, *time));
+    }
+  }
+  if (selection.future) selected.push_back({*selection.future, true, instances});
+  return {};
+}
+
+/// Adds the instances of `other`, which asks for the same moment.
+void unite(SelectedSnapshot& one, const SelectedSnapshot& other) {
+  if (one.instances.empty() || other.instances.empty()) return one.instances.clear();
+  std::vector<int32_t> united;
+  std::ranges::set_union(one.instances, other.instances, std::back_inserter(united));
+  one.instances = std::move(united);
+}
+
+}  // namespace
+
+Result<Selection> select_times(const Selector& selector, Moments& moments) {
+  return std::visit(Selecting{moments}, selector);
+}
+
+Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQuery> queries,
+                                                       Moments& moments) {
+  std::vector<SelectedSnapshot> selected;
+  for (const SnapshotQuery& query : queries) {
+    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, moments));
+    ENGRAM_RETURN_IF_ERROR(append(selection, query.instances, moments, selected));
+  }
+  std::ranges::stable_sort(selected, {}, &SelectedSnapshot::time);
+  std::vector<SelectedSnapshot> united;
+  for (SelectedSnapshot& next : selected) {
+    if (united.empty() || united.back().time < next.time)
+      united.push_back(std::move(next));
+    else
+      unite(united.back(), next);
+  }
+  return united;
+}
+
+}  // namespace engram::ltm

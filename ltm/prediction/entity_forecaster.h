@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ltm/prediction/engine_choice.h"
+
+namespace engram::ltm {
+
+class InstanceForecaster;
+
+/// Predicts an entity, whatever its values are, by the engine that was best on its own past.
+///
+///     EntityForecaster forecaster({entity, type});  // Once per entity.
+///     ENGRAM_RETURN_IF_ERROR(forecaster.add(snapshot));     // With every snapshot that comes.
+///     const std::vector<Duration> horizons{200ms, 1s};
+///     ENGRAM_ASSIGN_OR_RETURN(auto predicted, forecaster.predict(horizons, ""));
+///
+/// Adding costs microseconds for numbers and reads some 16,000 elements of images; engines learn
+/// and are measured when a prediction is asked for (up to a second for a hundred numbers or for a
+/// model), again when a tenth more snapshots have come.
+/// Engines: copy-last; for values with numbers those of make_series_engines(), which copy the rest;
+/// the entity's models. Where values have images the image error decides, among equal ones and for
+/// other values the number error. Instances are continued one by one, all by the same engine.
+/// Time: a horizon between two steps of the entity lies on the straight line between what is
+/// predicted for these; models and errors are those of the closest step.
+/// Threading: one thread.
+/// Source: docs/prediction.md.
+class EntityForecaster final : public EngineChoice {
+ public:
+  /// Predictors in `inputs` outlive it.
+  explicit EntityForecaster(EngineChoiceInputs inputs);
+  ~EntityForecaster() override;
+
+  [[nodiscard]] size_t snapshots_wanted(const Snapshot& newest) const override;
+
+  /// Errors: kInvalidArgument where `snapshot` is of another entity or not after the last one; then
+  /// it is left out.
+  Status add(const Snapshot& snapshot) override;
+
+  Result<std::vector<SnapshotResult>> predict(std::span<const Duration> horizons,
+                                              const std::string& engine) override;
+
+  /// Means over the instances; bounds are the largest of one.
+  Result<std::vector<EngineRecord>> records(Duration ahead) override;
+
+ private:
+  /// Records of one horizon: pooled, the best first, and of each instance.
+  struct Measured {
+    std::vector<EngineRecord> pooled;
+    std::vector<std::vector<EngineRecord>> instances;
+  };
+
+  Result<Measured> measured(Duration ahead, const std::string& only);
+  [[nodiscard]] std::vector<std::string> engines() const;
+  Result<SnapshotResult> predicted(Duration ahead, const std::string& engine);
+
+  EngineChoiceInputs inputs_;
+  std::vector<std::unique_ptr<InstanceForecaster>> instances_;  ///< By index.
+  std::vector<InstanceMetadata> metadata_;  ///< Of the instances of the last snapshot.
+  std::optional<Time> last_;
+};
+
+/// Usable as MakeEngineChoice.
+[[nodiscard]] std::unique_ptr<EngineChoice> make_entity_forecaster(EngineChoiceInputs inputs);
+
+}  // namespace engram::ltm

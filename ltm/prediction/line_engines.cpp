@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "ltm/prediction/series_engine.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr size_t kLineRows = 5;
+constexpr double kDamping = 0.7;
+
+class CopyLast final : public SeriesEngine {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "copy-last"; }
+  void predict(const NumberSeries& series, size_t row, size_t /*steps*/,
+               std::span<double> predicted) const override {
+    std::ranges::copy(series.row(row), predicted.begin());
+  }
+};
+
+/// Rows of the run that ends with `row`, at most `most`.
+size_t rows_until(const NumberSeries& series, size_t row, size_t most) {
+  return std::min(row - series.run_start(row) + 1, most);
+}
+
+/// Per step, of the line through the last `count` rows.
+double slope(const NumberSeries& series, size_t row, size_t count, size_t number) {
+  const double middle = static_cast<double>(count - 1) / 2;
+  double products = 0, squares = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const double place = static_cast<double>(i) - middle;
+    products += place * series.row(row - (count - 1) + i)[number];
+    squares += place * place;
+  }
+  return count < 2 ? 0 : products / squares;
+}
+
+class Line final : public SeriesEngine {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "line"; }
+  void predict(const NumberSeries& series, size_t row, size_t steps,
+               std::span<double> predicted) const override {
+    const size_t count = rows_until(series, row, kLineRows);
+    const double ahead = static_cast<double>(steps) + static_cast<double>(count - 1) / 2;
+    for (size_t number = 0; number < predicted.size(); ++number) {
+      double sum = 0;
+      for (size_t i = 0; i < count; ++i) sum += series.row(row - i)[number];
+      predicted[number] =
+          sum / static_cast<double>(count) + slope(series, row, count, number) * ahead;
+    }
+  }
+};
+
+/// The last value and a share of a slope.
+class Moved final : public SeriesEngine {
+ public:
+  Moved(std::string_view name, size_t rows, double share)
+      : name_(name), rows_(rows), share_(share) {}
+  [[nodiscard]] std::string_view name() const override { return name_; }
+  void predict(const NumberSeries& series, size_t row, size_t steps,
+               std::span<double> predicted) const override {
+    const size_t count = rows_until(series, row, rows_);
+    for (size_t number = 0; number < predicted.size(); ++number)
+      predicted[number] = series.row(row)[number] +
+                          share_ * static_cast<double>(steps) * slope(series, row, count, number);
+  }
+
+ private:
+  std::string_view name_;
+  size_t rows_;
+  double share_;
+};
+
+}  // namespace
+
+std::unique_ptr<SeriesEngine> make_copy_last() {
+  return std::make_unique<CopyLast>();
+}
+std::unique_ptr<SeriesEngine> make_line() {
+  return std::make_unique<Line>();
+}
+std::unique_ptr<SeriesEngine> make_damped_line() {
+  return std::make_unique<Moved>("damped-line", kLineRows, kDamping);
+}
+std::unique_ptr<SeriesEngine> make_constant_velocity() {
+  return std::make_unique<Moved>("constant-velocity", 2, 1.0);
+}
+
+std::vector<std::unique_ptr<SeriesEngine>> make_series_engines() {
+  std::vector<std::unique_ptr<SeriesEngine>> engines;
+  engines.push_back(make_copy_last());
+  engines.push_back(make_line());
+  engines.push_back(make_damped_line());
+  engines.push_back(make_constant_velocity());
+  engines.push_back(make_autoregression());
+  engines.push_back(make_related());
+  return engines;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/prediction/series_forecaster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "ltm/prediction/error_bound.h"
+
+namespace engram::ltm {
+
+namespace {
+
+/// Measured again when so many more rows have come, relative to those that there were.
+constexpr double kMoreRows = 0.1;
+/// Of the rows that engines are measured on: before each they learn anew.
+constexpr size_t kBlocks = 3;
+/// What is known of horizons is forgotten when there are more: clients may ask for any.
+constexpr size_t kMostHorizons = 64;
+/// Of a step: what is closer to a number of steps is taken as that.
+constexpr double kCloseToStep = 0.05;
+
+double mean_square(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum / static_cast<double>(a.size());
+}
+
+/// Of an engine whose predictions were that wrong.
+SeriesRecord record_of(std::string_view engine, std::vector<double> mean_squares) {
+  SeriesRecord record{std::string(engine), mean_squares.size()};
+  if (mean_squares.empty()) return record;
+  double sum = 0;
+  for (const double one : mean_squares) sum += one;
+  record.rmse = std::sqrt(sum / static_cast<double>(mean_squares.size()));
+  record.bound_rmse = std::sqrt(bound_of(std::move(mean_squares)));
+  return record;
+}
+
+}  // namespace
+
+SeriesForecaster::SeriesForecaster(const NumberSeries& series, std::optional<ValueRow> meaning,
+                                   Options options)
+    : series_(series),
+      meaning_(std::move(meaning)),
+      options_(options),
+      engines_(make_series_engines()) {}
+
+size_t SeriesForecaster::learned_rows() const {
+  // Where there are no numbers nothing is learned: all may be measured on.
+  return series_.numbers() == 0 ? 0 : series_.rows() * 2 / 3;
+}
+
+std::vector<size_t> SeriesForecaster::test_rows(size_t steps) const {
+  std::vector<size_t> rows;
+  const size_t split = learned_rows();
+  const size_t none_before = series_.rows() - std::min(series_.rows(), options_.last_rows);
+  for (size_t row = std::max(split - std::min(split, steps), none_before);
+       row + steps < series_.rows(); ++row)
+    if (series_.run_start(row + steps) <= row) rows.push_back(row);
+  if (rows.size() <= options_.most_predictions) return rows;
+  std::vector<size_t> some;
+  if (options_.is_anchored) {
+    const size_t every = (rows.size() - 1) / options_.most_predictions + 1;
+    const uint64_t forgotten = series_.added() - series_.rows();
+    std::ranges::copy_if(rows, std::back_inserter(some),
+                         [&](size_t row) { return (forgotten + row) % every == 0; });
+    return some;
+  }
+  for (size_t i = 0; i < options_.most_predictions; ++i)
+    some.push_back(rows[i * rows.size() / options_.most_predictions]);
+  return some;
+}
+
+std::vector<SeriesRecord> SeriesForecaster::measure(size_t steps) const {
+  const std::vector<size_t> rows = test_rows(steps);
+  const size_t split = learned_rows();
+  std::vector<SeriesRecord> records;
+  std::vector<double> predicted(series_.numbers());
+  for (const auto& engine : make_series_engines()) {
+    std::vector<double> mean_squares;
+    size_t learned_until = 0;
+    for (const size_t row : rows) {
+      // Of each block the rows before it are known.
+      const size_t block = std::min(kBlocks - 1, (row + steps - split) * kBlocks /
+                                                     std::max<size_t>(series_.rows() - split, 1));
+      const size_t known = split + block * (series_.rows() - split) / kBlocks;
+      if (known > learned_until) engine->learn(series_, known, steps);
+      learned_until = std::max(learned_until, known);
+      const auto truth = series_.row(row + steps);
+      engine->predict(series_, row, steps, predicted);
+      if (meaning_) meaning_->finish(series_.row(row), predicted);
+      mean_squares.push_back(meaning_ ? meaning_->mean_square(predicted, truth)
+                                      : mean_square(predicted, truth));
+    }
+    records.push_back(record_of(engine->name(), std::move(mean_squares)));
+  }
+  std::ranges::stable_sort(records, {}, &SeriesRecord::rmse);
+  return records;
+}
+
+bool SeriesForecaster::is_fresh(uint64_t rows_then) const {
+  const auto enough = static_cast<uint64_t>(std::ceil(static_cast<double>(rows_then) * kMoreRows));
+  return series_.added() < rows_then + std::max<uint64_t>(enough, 1);
+}
+
+const std::vector<SeriesRecord>& SeriesForecaster::measured(size_t steps) {
+  if (measured_.size() >= kMostHorizons && !measured_.contains(steps)) {
+    measured_.clear();
+    learned_.clear();
+    engines_ = make_series_engines();
+  }
+  Measured& known = measured_[steps];
+  if (known.records.empty() || !is_fresh(known.rows)) known = {series_.added(), measure(steps)};
+  return known.records;
+}
+
+const std::vector<SeriesRecord>& SeriesForecaster::records(Duration ahead) {
+  return measured(series_.steps_in(ahead));
+}
+
+std::vector<double> SeriesForecaster::predicted_row(size_t engine, size_t steps) {
+  const size_t last = series_.rows() - 1;
+  std::vector<double> row(series_.row(last).begin(), series_.row(last).end());
+  if (steps == 0) return row;
+  const auto learned = learned_.find({steps, engine});
+  if (learned == learned_.end() || !is_fresh(learned->second)) {
+    engines_[engine]->learn(series_, series_.rows(), steps);
+    learned_[{steps, engine}] = series_.added();
+  }
+  engines_[engine]->predict(series_, last, steps, row);
+  return row;
+}
+
+Result<SeriesPrediction> SeriesForecaster::predict(Duration ahead, const std::string& engine) {
+  if (series_.rows() == 0) return not_found("series: found no row, needs one to predict from");
+  if (ahead <= Duration(0))
+    return invalid_argument("series: found a horizon of {}, needs more than zero",
+                            to_string(ahead));
+  const size_t steps = series_.steps_in(ahead);
+  const std::vector<SeriesRecord>& records = measured(steps);
+  const auto record =
+      engine.empty() ? records.begin() : std::ranges::find(records, engine, &SeriesRecord::engine);
+  if (record == records.end()) {
+    std::string names;
+    for (const auto& known : engines_)
+      names += (names.empty() ? "" : ", ") + std::string(known->name());
+    return not_found("series: nothing named '{}' predicts it; there is: {}", engine, names);
+  }
+  const auto used = static_cast<size_t>(
+      std::ranges::find(engines_, record->engine, [](const auto& one) { return one->name(); }) -
+      engines_.begin());
+  SeriesPrediction prediction{predicted_row(used, steps), *record};
+  // What lies beside the closest step is between it and the other neighbour.
+  const double exact =
+      series_.step() > Duration(0) ? to_seconds(ahead) / to_seconds(series_.step()) : 1.0;
+  const double beside = exact - static_cast<double>(steps);
+  if (std::abs(beside) > kCloseToStep) {
+    const auto other = predicted_row(used, beside < 0 ? steps - 1 : steps + 1);
+    for (size_t i = 0; i < other.size(); ++i)
+      prediction.values[i] += std::abs(beside) * (other[i] - prediction.values[i]);
+  }
+  if (meaning_) meaning_->finish(series_.row(series_.rows() - 1), prediction.values);
+  return prediction;
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recall/joined_past.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace engram::ltm {
+
+namespace {
+
+std::optional<Time> earlier(std::optional<Time> a, std::optional<Time> b) {
+  return a && b ? std::min(*a, *b) : (a ? a : b);
+}
+
+std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
+  return a && b ? std::max(*a, *b) : (a ? a : b);
+}
+
+constexpr auto kTime = [](const SharedSnapshot& snapshot) { return snapshot->time; };
+
+/// Asks the store only where it could change the answer: most questions are about the newest
+/// moments, which are held, and a store may have to be opened anew for an answer.
+class JoinedEntityPast final : public EntityPast {
+ public:
+  using Stored = std::function<Result<std::unique_ptr<EntityPast>>()>;
+
+  JoinedEntityPast(std::vector<SharedSnapshot> held, std::optional<Time> until, Stored stored)
+      : held_(std::move(held)), until_(until), open_(std::move(stored)) {}
+
+  Result<std::optional<Time>> first() override {
+    const auto here = held_.empty() ? std::nullopt : std::optional(held_.front()->time);
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr) return here;
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->first());
+    return earlier(here, there);
+  }
+
+  Result<std::optional<Time>> last() override {
+    const auto here = held_.empty() ? std::nullopt : std::optional(held_.back()->time);
+    if (is_latest(here)) return here;
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr) return here;
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->last());
+    return later(here, there);
+  }
+
+  Result<std::optional<Time>> at_or_after(Time time) override {
+    const auto found = std::ranges::lower_bound(held_, time, {}, kTime);
+    const auto here = found == held_.end() ? std::nullopt : std::optional((*found)->time);
+    if (here == time || !until_ || *until_ < time) return here;
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr) return here;
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->at_or_after(time));
+    return earlier(here, there);
+  }
+
+  Result<std::optional<Time>> at_or_before(Time time) override {
+    const auto behind = std::ranges::upper_bound(held_, time, {}, kTime);
+    const auto here =
+        behind == held_.begin() ? std::nullopt : std::optional((*std::prev(behind))->time);
+    if (here == time || is_latest(here)) return here;
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr) return here;
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->at_or_before(time));
+    return later(here, there);
+  }
+
+  /// Complexity: O(held * log stored) where the two overlap.
+  Result<std::optional<Time>> nth(uint64_t index) override {
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr)
+      return index < held_.size() ? std::optional(held_[index]->time) : std::nullopt;
+    ENGRAM_RETURN_IF_ERROR(find_unstored(*stored));
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, stored->count());
+    // How many of the unstored lie before the answer: the number for which both lists agree.
+    const auto& unstored = *unstored_;
+    size_t low = 0;
+    size_t high = std::min<uint64_t>(unstored.size(), index);
+    while (low < high) {
+      const size_t middle = low + (high - low) / 2;
+      // unstored[middle] lies before the answer if fewer than index - middle stored ones do.
+      const uint64_t rank = index - middle - 1;
+      ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->nth(rank));
+      if (rank >= count || !there || unstored[middle] < *there)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->nth(index - low));
+    const auto here = low < unstored.size() ? std::optional(unstored[low]) : std::nullopt;
+    return earlier(here, there);
+  }
+
+  Result<uint64_t> count() override {
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr) return uint64_t{held_.size()};
+    ENGRAM_RETURN_IF_ERROR(find_unstored(*stored));
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, stored->count());
+    return count + unstored_->size();
+  }
+
+  Result<RecalledSnapshot> read(Time moment, Prefer prefer) override {
+    if (SharedSnapshot held = find(moment)) return recalled(std::move(held), {}, false);
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    ENGRAM_CHECK(stored != nullptr, "{} is no moment of this entity", to_string(moment));
+    return stored->read(moment, prefer);
+  }
+
+  Result<RecalledSnapshot> name(Time moment, Prefer prefer) override {
+    if (SharedSnapshot held = find(moment)) return recalled(std::move(held), {}, true);
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    ENGRAM_CHECK(stored != nullptr, "{} is no moment of this entity", to_string(moment));
+    return stored->name(moment, prefer);
+  }
+
+ private:
+  /// Nothing that is stored comes after it.
+  [[nodiscard]] bool is_latest(std::optional<Time> here) const {
+    return !until_ || (here && *until_ <= *here);
+  }
+
+  [[nodiscard]] SharedSnapshot find(Time time) const {
+    const auto found = std::ranges::lower_bound(held_, time, {}, kTime);
+    return found != held_.end() && (*found)->time == time ? *found : nullptr;
+  }
+
+  Result<EntityPast*> stored() {
+    if (!until_) return nullptr;
+    if (!is_open_) {
+      ENGRAM_ASSIGN_OR_RETURN(stored_, open_());
+      is_open_ = true;
+    }
+    return stored_.get();
+  }
+
+  /// Held snapshots whose moments are not stored too.
+  Status find_unstored(EntityPast& stored) {
+    if (unstored_) return {};
+    std::vector<Time> times;
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, stored.last());
+    for (const SharedSnapshot& snapshot : held_) {
+      if (last && snapshot->time <= *last) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto there, stored.at_or_after(snapshot->time));
+        if (there == snapshot->time) continue;
+      }
+      times.push_back(snapshot->time);
+    }
+    unstored_ = std::move(times);
+    return {};
+  }
+
+  const std::vector<SharedSnapshot> held_;
+  const std::optional<Time> until_;
+  const Stored open_;
+  bool is_open_ = false;
+  std::unique_ptr<EntityPast> stored_;  ///< Null where the store has nothing.
+  std::optional<std::vector<Time>> unstored_;
+};
+
+}  // namespace
+
+std::unique_ptr<EntityPast> join_pasts(
+    std::vector<SharedSnapshot> held, std::optional<Time> until,
+    std::function<Result<std::unique_ptr<EntityPast>>()> stored) {
+  return std::make_unique<JoinedEntityPast>(std::move(held), until, std::move(stored));
+}
+
+Result<std::unique_ptr<JoinedPast>> JoinedPast::create(std::string name,
+                                                       const WorkingMemory& memory,
+                                                       std::unique_ptr<StorePast> store,
+                                                       RecordedEntities& recorded) {
+  if (store)
+    for (const MemoryId& entity : store->store().entities()) {
+      ENGRAM_ASSIGN_OR_RETURN(const Timeline* timeline, store->store().timeline(entity));
+      recorded.add(entity, timeline->last());
+    }
+  return std::unique_ptr<JoinedPast>(
+      new JoinedPast(std::move(name), memory, std::move(store), recorded));
+}
+
+std::vector<MemoryId> JoinedPast::matching(const Query& query) {
+  std::vector<MemoryId> held = memory_.matching(query);
+  if (!store_) return held;
+  std::vector<MemoryId> recorded = recorded_.matching(query);
+  std::vector<MemoryId> all;
+  all.reserve(held.size() + recorded.size());
+  std::ranges::set_union(std::make_move_iterator(held.begin()), std::make_move_iterator(held.end()),
+                         std::make_move_iterator(recorded.begin()),
+                         std::make_move_iterator(recorded.end()), std::back_inserter(all));
+  return all;
+}
+
+Result<std::unique_ptr<EntityPast>> JoinedPast::of(const MemoryId& entity) {
+  // In this order: what leaves memory from here on is in the store when that is asked.
+  std::vector<SharedSnapshot> held = memory_.all_of(entity);
+  const std::optional<Time> until = store_ ? recorded_.known_until(entity) : std::nullopt;
+  if (held.empty() && !until) return std::unique_ptr<EntityPast>();
+  return join_pasts(std::move(held), until, [this, entity] { return stored(entity); });
+}
+
+Result<std::unique_ptr<EntityPast>> JoinedPast::stored(const MemoryId& entity) {
+  const RecordedEntities::Changed changed = recorded_.take_changed();
+  if (changed.is_all) store_->forget_decoded();
+  for (const MemoryId& snapshot : changed.snapshots) store_->forget_decoded(snapshot);
+  if (recorded_.recorded_at(entity) > seen_) ENGRAM_RETURN_IF_ERROR(renew());
+  return store_->of(entity);
+}
+
+std::optional<idf::Type> JoinedPast::type_of(const MemoryId& entity) const {
+  return memory_.type_of(entity);
+}
+
+Result<std::vector<Engine>> JoinedPast::models(const MemoryId& entity) {
+  if (!store_) return std::vector<Engine>{};
+  return store_->models(entity);
+}
+
+Status JoinedPast::renew() {
+  if (!store_) return {};
+  const uint64_t recorded = recorded_.recordings();
+  ENGRAM_RETURN_IF_ERROR(store_->renew());
+  seen_ = recorded;
+  return {};
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recall/store_past.h"
+
+#include "ltm/recall/timeline_moments.h"
+
+namespace engram::ltm {
+
+/// Keeps the reader of its generation: a renewed store does not take the ground from under those
+/// who still read.
+class StorePast::Entity final : public EntityPast {
+ public:
+  Entity(StorePast& past, MemoryId id, Timeline& timeline)
+      : past_(past),
+        reader_(past.reader_),
+        id_(std::move(id)),
+        timeline_(timeline),
+        moments_(timeline) {}
+
+  Result<std::optional<Time>> first() override { return moments_.first(); }
+  Result<std::optional<Time>> last() override { return moments_.last(); }
+  Result<std::optional<Time>> at_or_after(Time time) override { return moments_.at_or_after(time); }
+  Result<std::optional<Time>> at_or_before(Time time) override {
+    return moments_.at_or_before(time);
+  }
+  Result<std::optional<Time>> nth(uint64_t index) override { return moments_.nth(index); }
+  Result<uint64_t> count() override { return timeline_.count(); }
+
+  Result<RecalledSnapshot> read(Time moment, Prefer prefer) override {
+    const MemoryId id = id_.at(moment);
+    if (auto decoded = past_.decoded_.find(id, prefer)) {
+      ++past_.from_decoded_;
+      return RecalledSnapshot{*std::move(decoded)};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const SnapshotEntry entry, entry_at(moment));
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult decoded, reader_->read(id_, entry, prefer));
+    past_.decoded_.put(id, prefer, decoded);
+    ++past_.decodings_;
+    past_.decoded_bytes_ = past_.decoded_.bytes();
+    return RecalledSnapshot{std::move(decoded)};
+  }
+
+  Result<RecalledSnapshot> name(Time moment, Prefer prefer) override {
+    ENGRAM_ASSIGN_OR_RETURN(const SnapshotEntry entry, entry_at(moment));
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotResult named, reader_->name(id_, entry, prefer));
+    return RecalledSnapshot{std::move(named)};
+  }
+
+ private:
+  Result<SnapshotEntry> entry_at(Time moment) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline_.at_or_before(moment));
+    if (!entry || entry->time != moment)
+      return unavailable("'{}': was here a moment ago", id_.at(moment).to_string());
+    return *entry;
+  }
+
+  StorePast& past_;
+  const std::shared_ptr<PastReader> reader_;
+  const MemoryId id_;
+  Timeline& timeline_;
+  TimelineMoments moments_;
+};
+
+StorePast::StorePast(std::unique_ptr<StoreReader> store, ModelLoader loader, const Options& options)
+    : models_(std::make_shared<LoadedModels>(std::move(loader))),
+      reader_(std::make_shared<PastReader>(std::move(store), models_)),
+      decoded_(options.max_decoded_bytes) {}
+
+Result<std::unique_ptr<StorePast>> StorePast::open(const std::filesystem::path& store,
+                                                   ModelLoader loader, const Options& options) {
+  ENGRAM_ASSIGN_OR_RETURN(auto reader, StoreReader::open(store));
+  return std::make_unique<StorePast>(std::move(reader), std::move(loader), options);
+}
+
+std::string StorePast::name() const {
+  return "store '" + reader_->store().path().string() + "'";
+}
+
+std::vector<MemoryId> StorePast::matching(const Query& query) {
+  std::vector<MemoryId> matching;
+  if (const auto names = query.named_entities()) {
+    for (const MemoryId& named : *names)
+      if (store().has(named)) matching.push_back(named);
+    return matching;
+  }
+  for (MemoryId& entity : store().entities())
+    if (query.matches(entity)) matching.push_back(std::move(entity));
+  return matching;
+}
+
+Result<std::unique_ptr<EntityPast>> StorePast::of(const MemoryId& entity) {
+  if (!store().has(entity)) return std::unique_ptr<EntityPast>();
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store().timeline(entity));
+  return std::unique_ptr<EntityPast>(std::make_unique<Entity>(*this, entity, *timeline));
+}
+
+std::optional<idf::Type> StorePast::type_of(const MemoryId& entity) const {
+  const idf::Type* type = reader_->store().manifest().types.of_entity(entity);
+  return type == nullptr ? std::nullopt : std::optional(*type);
+}
+
+Result<std::vector<Engine>> StorePast::models(const MemoryId& entity) {
+  std::vector<Engine> engines;
+  const ModelInfo* newest = store().manifest().newest_model(entity);
+  if (newest == nullptr || !models_->has_loader()) return engines;
+  ENGRAM_ASSIGN_OR_RETURN(const LoadedModel* model, reader_->load(*newest));
+  if (model->predictor) engines.push_back({model->predictor.get(), newest->name()});
+  if (model->copy_last) engines.push_back({model->copy_last.get(), ""});
+  return engines;
+}
+
+Status StorePast::renew() {
+  ENGRAM_ASSIGN_OR_RETURN(auto store, StoreReader::open(reader_->store().path()));
+  reader_ = std::make_shared<PastReader>(std::move(store), models_);
+  ++opened_;
+  return {};
+}
+
+void StorePast::forget_decoded(const MemoryId& snapshot) {
+  decoded_.erase(snapshot);
+  decoded_bytes_ = decoded_.bytes();
+}
+
+void StorePast::forget_decoded() {
+  decoded_.clear();
+  decoded_bytes_ = 0;
+}
+
+StorePast::Counters StorePast::counters() const {
+  return {opened_, decodings_, from_decoded_, decoded_bytes_};
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/live/event_hub.h"
+
+#include <algorithm>
+#include <mutex>
+
+namespace engram::memory {
+
+namespace {
+
+/// Entities whose listeners are remembered.
+constexpr size_t kRemembered = size_t{1} << 16;
+
+}  // namespace
+
+void EventHub::subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted) {
+  const std::unique_lock lock(mutex_);
+  subscriptions_.push_back({std::move(listener), std::move(is_wanted)});
+  by_entity_.clear();
+}
+
+void EventHub::unsubscribe(const EventListener* listener) {
+  const std::unique_lock lock(mutex_);
+  std::erase_if(subscriptions_, [listener](const Subscription& subscription) {
+    return subscription.listener.get() == listener;
+  });
+  by_entity_.clear();
+}
+
+std::shared_ptr<const EventHub::Listeners> EventHub::listeners(const ltm::MemoryId& entity) {
+  {
+    const std::shared_lock lock(mutex_);
+    if (subscriptions_.empty()) return nullptr;
+    if (const auto known = by_entity_.find(entity); known != by_entity_.end()) return known->second;
+  }
+  const std::unique_lock lock(mutex_);
+  auto found = std::make_shared<Listeners>();
+  for (const Subscription& subscription : subscriptions_)
+    if (subscription.is_wanted(entity)) found->push_back(subscription.listener);
+  if (by_entity_.size() >= kRemembered) by_entity_.clear();
+  auto& remembered = by_entity_[entity];
+  remembered = found->empty() ? nullptr : std::move(found);
+  return remembered;
+}
+
+size_t EventHub::size() const {
+  const std::shared_lock lock(mutex_);
+  return subscriptions_.size();
+}
+
+}  // namespace engram::memory

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/live/long_term.h"
+
+#include <atomic>
+#include <map>
+#include <mutex>
+
+namespace engram::memory {
+
+using ltm::MemoryId;
+
+struct LongTerm::State {
+  std::mutex writing;
+  std::optional<ltm::Recorder> recorder;
+  bool is_closed = false;
+
+  ltm::RecordedEntities recorded;
+  std::atomic<uint64_t> recorded_count{0};
+  std::atomic<uint64_t> refused_count{0};
+  uint64_t lost_frames = 0;
+
+  /// All at once; where one of them cannot be stored at all, each alone.
+  Status record(std::span<const ltm::SharedSnapshot> snapshots, std::vector<Refused>& refused) {
+    ltm::Commit all;
+    for (const ltm::SharedSnapshot& snapshot : snapshots) all.updates.push_back(*snapshot);
+    const Status together = recorder->commit(all);
+    if (together.code() != StatusCode::kInvalidArgument) return together;
+    for (const ltm::SharedSnapshot& snapshot : snapshots) {
+      ltm::Commit one;
+      one.updates.push_back(*snapshot);
+      const Status alone = recorder->commit(one);
+      if (alone.code() == StatusCode::kInvalidArgument)
+        refused.push_back({snapshot, alone});
+      else
+        ENGRAM_RETURN_IF_ERROR(alone);
+    }
+    return {};
+  }
+};
+
+LongTerm::LongTerm(std::unique_ptr<State> state) : state_(std::move(state)) {}
+LongTerm::~LongTerm() = default;
+
+Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock clock) {
+  auto state = std::make_unique<State>();
+  ENGRAM_ASSIGN_OR_RETURN(auto recorder,
+                          ltm::Recorder::open(options.store, options.recording, std::move(clock)));
+  state->recorder.emplace(std::move(recorder));
+  state->lost_frames = state->recorder->lost_frames();
+  return std::unique_ptr<LongTerm>(new LongTerm(std::move(state)));
+}
+
+Status LongTerm::declare(const MemoryId& segment, const idf::Type& type) {
+  const std::scoped_lock lock(state_->writing);
+  if (state_->is_closed) return failed_precondition("store: is closed");
+  return state_->recorder->declare(segment, type);
+}
+
+Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
+                        std::vector<Refused>& refused) {
+  const std::scoped_lock lock(state_->writing);
+  if (state_->is_closed) return failed_precondition("store: is closed");
+  // Of one entity and time the last one counts; a commit has each once.
+  std::vector<std::vector<ltm::SharedSnapshot>> commits(1);
+  std::map<MemoryId, size_t> next;
+  for (const ltm::SharedSnapshot& snapshot : snapshots) {
+    size_t& at = next[snapshot->id()];
+    if (at == commits.size()) commits.emplace_back();
+    commits[at++].push_back(snapshot);
+  }
+  state_->recorded.begin(snapshots);
+  for (const auto& commit : commits) ENGRAM_RETURN_IF_ERROR(state_->record(commit, refused));
+  state_->recorded.finish(snapshots);
+  state_->recorded_count += snapshots.size() - refused.size();
+  state_->refused_count += refused.size();
+  return {};
+}
+
+ltm::RecordedEntities& LongTerm::recorded() {
+  return state_->recorded;
+}
+
+LongTerm::Counters LongTerm::counters() const {
+  return {state_->recorded_count, state_->refused_count, state_->lost_frames};
+}
+
+Status LongTerm::close() {
+  const std::scoped_lock lock(state_->writing);
+  if (state_->is_closed) return {};
+  state_->is_closed = true;
+  return state_->recorder->close();
+}
+
+}  // namespace engram::memory

@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/live/memory_service.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <future>
+#include <mutex>
+#include <shared_mutex>
+#include <thread>
+
+#include "ltm/core/log.h"
+
+namespace engram::memory {
+
+using ltm::MemoryId;
+
+namespace {
+
+/// Most that is handed over at once. Unit: bytes.
+constexpr size_t kHandedOver = size_t{32} << 20;
+
+/// Snapshots that the store refused, which those who wait for them may still ask about.
+constexpr size_t kMostRefused = 4096;
+
+struct Waiter {
+  uint64_t number = 0;
+  ltm::Admission admission;
+  std::function<void(const Status&)> done;
+};
+
+struct RefusedSnapshot {
+  std::weak_ptr<const ltm::HeldSnapshot> snapshot;
+  Status status;
+};
+
+}  // namespace
+
+Status MemoryService::Options::validate() const {
+  if (name.empty()) return invalid_argument("server: found an empty name, needs one");
+  ENGRAM_RETURN_IF_ERROR(memory.validate());
+  if (!store && memory.mode != ltm::StoreMode::kLatest)
+    return invalid_argument(
+        "server '{}': found no store, needs one for what leaves working memory, or a memory that "
+        "may drop it",
+        name);
+  if (store_interval <= Duration(0))
+    return invalid_argument("server '{}': store_interval: found {}, needs more than zero", name,
+                            to_string(store_interval));
+  return {};
+}
+
+struct MemoryService::State {
+  State(const Options& given, Clock now) : options(given), clock(std::move(now)) {}
+
+  const Options options;
+  const Clock clock;
+  std::unique_ptr<ltm::WorkingMemory> memory;
+  std::unique_ptr<LongTerm> store;  ///< May be null.
+  std::mutex recalling;             ///< Held while `recall` is asked.
+  std::optional<ltm::Recall> recall;
+  const ltm::JoinedPast* past = nullptr;  ///< That `recall` answers from.
+  ltm::Recall::Options recalling_options;
+  ltm::RecordedEntities nothing_recorded;  ///< Where there is no store.
+
+  std::atomic<uint64_t> queries{0};
+  std::atomic<uint64_t> queries_of_store{0};
+  std::atomic<uint64_t> counts_of_predictions{0};
+  std::atomic<bool> is_closed{false};
+  std::shared_mutex admitting;  ///< Shared by commits, taken alone by the end.
+
+  mutable std::mutex mutex;
+  std::condition_variable_any wake;
+  std::vector<Waiter> waiters;
+  uint64_t last_waiter = 0;
+  std::deque<RefusedSnapshot> refused;  ///< The last ones.
+  uint64_t store_failures = 0;
+  std::string last_store_failure;
+  bool has_handed_over_all = false;  ///< Nobody tells waiters any more.
+  std::jthread thread;               ///< The last member: ends first.
+
+  /// Hands over all that waits; tells those who wait for it.
+  Status hand_over() {
+    Status status;
+    // Who comes while this fails is told of the next try.
+    const uint64_t until = [this] {
+      const std::scoped_lock lock(mutex);
+      return last_waiter;
+    }();
+    while (status.ok()) {
+      const auto sink = [this](std::span<const ltm::SharedSnapshot> snapshots) {
+        return store ? record(snapshots) : Status();
+      };
+      const auto stored = memory->store(sink, kHandedOver);
+      if (!stored.ok()) status = stored.status();
+      if (stored.ok() && *stored == 0) break;
+      tell(status, until);
+    }
+    tell(status, until);
+    return status;
+  }
+
+  Status record(std::span<const ltm::SharedSnapshot> snapshots) {
+    std::vector<LongTerm::Refused> never;
+    ENGRAM_RETURN_IF_ERROR(store->record(snapshots, never));
+    const std::scoped_lock lock(mutex);
+    for (LongTerm::Refused& one : never) {
+      log::warning("server '{}': '{}' is lost to the store: {}", options.name,
+                   one.snapshot->id().to_string(), one.status.message());
+      last_store_failure = one.status.message();
+      refused.push_back({one.snapshot, std::move(one.status)});
+      if (refused.size() > kMostRefused) refused.pop_front();
+    }
+    return {};
+  }
+
+  /// What became of a commit that the online phase took. Needs the lock.
+  [[nodiscard]] Status outcome(const ltm::Admission& admission) const {
+    for (const RefusedSnapshot& one : refused)
+      for (const ltm::SharedSnapshot& snapshot : admission.snapshots)
+        if (!one.snapshot.owner_before(snapshot) && !snapshot.owner_before(one.snapshot))
+          return one.status;
+    return {};
+  }
+
+  void tell(const Status& status, uint64_t until) {
+    const uint64_t taken = memory->taken();
+    std::vector<std::pair<Waiter, Status>> told;
+    {
+      const std::scoped_lock lock(mutex);
+      if (!status.ok()) {
+        ++store_failures;
+        if (last_store_failure != status.message())
+          log::warning("server '{}': {} snapshots wait, and could not be stored: {}", options.name,
+                       memory->counters().waiting, status.to_string());
+        last_store_failure = status.message();
+      }
+      std::erase_if(waiters, [&](Waiter& waiter) {
+        const bool is_taken = waiter.admission.queued <= taken;
+        if (!is_taken && (status.ok() || waiter.number > until)) return false;
+        Status outcome =
+            is_taken ? this->outcome(waiter.admission) : status.with_context("not stored yet");
+        told.emplace_back(std::move(waiter), std::move(outcome));
+        return true;
+      });
+    }
+    for (const auto& [waiter, outcome] : told) waiter.done(outcome);
+  }
+
+  void run(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, stop, options.store_interval, [this] { return !waiters.empty(); });
+      }
+      memory->expire();
+      // Told to those who wait, and logged.
+      const Status status = hand_over();
+      if (!status.ok()) {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, stop, options.store_interval, [] { return false; });
+      }
+    }
+  }
+
+  /// The store, what it has, and what answers from it and from memory.
+  Status open_past(ltm::ModelLoader loader) {
+    std::unique_ptr<ltm::StorePast> stored;
+    std::unique_ptr<ltm::AccessLog> accesses;
+    ltm::RecordedEntities* recorded = &nothing_recorded;
+    if (options.store) {
+      ENGRAM_ASSIGN_OR_RETURN(store, LongTerm::open(*options.store, clock));
+      const std::filesystem::path& path = options.store->store;
+      ENGRAM_ASSIGN_OR_RETURN(stored, ltm::StorePast::open(path, std::move(loader),
+                                                           {options.store->most_decoded_bytes}));
+      accesses = std::make_unique<ltm::AccessLog>(path, ltm::AccessLog::Options{});
+      recorded = &store->recorded();
+      for (const auto& [segment, type] : stored->store().manifest().types.all())
+        ENGRAM_RETURN_IF_ERROR(memory->declare(segment, type));
+      recalling_options.prefer =
+          options.store->prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
+      recalling_options.max_answer_bytes = options.store->most_answer_bytes;
+    }
+    recalling_options.max_horizon = options.furthest_prediction;
+    ENGRAM_ASSIGN_OR_RETURN(auto joined,
+                            ltm::JoinedPast::create("server '" + options.name + "'", *memory,
+                                                    std::move(stored), *recorded));
+    past = joined.get();
+    recall.emplace(std::move(joined), std::move(accesses));
+    return {};
+  }
+
+  /// What was given out of working memory counts there as read: it tells what may leave.
+  void count_answer(const ltm::Answer& answer) {
+    if (answer.is_ids_only) return;
+    for (const ltm::RecalledEntity& entity : answer.entities) {
+      size_t held = 0;
+      for (const ltm::RecalledSnapshot& snapshot : entity.snapshots) {
+        held += snapshot.held ? 1 : 0;
+        if (snapshot.answer.source == ltm::Source::kPredicted) ++counts_of_predictions;
+      }
+      if (held > 0) memory->count_reads(entity.id, held);
+    }
+  }
+
+  [[nodiscard]] ltm::KnownElsewhere elsewhere() const {
+    if (!store) return {};
+    return [this](const MemoryId& entity) { return store->recorded().known_until(entity); };
+  }
+
+  static ltm::RecalledEntity recalled(ltm::SelectedEntity& selected, bool is_ids_only) {
+    ltm::RecalledEntity entity{std::move(selected.entity), {}};
+    entity.snapshots.reserve(selected.snapshots.size());
+    for (size_t i = 0; i < selected.snapshots.size(); ++i) {
+      ltm::RecalledSnapshot one =
+          ltm::recalled(std::move(selected.snapshots[i]), selected.instances[i], is_ids_only);
+      if (!one.answer.instances.empty()) entity.snapshots.push_back(std::move(one));
+    }
+    return entity;
+  }
+};
+
+MemoryService::MemoryService(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+MemoryService::~MemoryService() {
+  if (const Status status = close(); !status.ok())
+    log::warning("server '{}': {}", state_->options.name, status.to_string());
+}
+
+Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& options,
+                                                           ltm::ModelLoader loader, Clock clock) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  auto state = std::make_unique<State>(options, clock);
+  ENGRAM_ASSIGN_OR_RETURN(state->memory, ltm::WorkingMemory::create(options.memory, clock));
+  ENGRAM_RETURN_IF_ERROR(state->open_past(std::move(loader)));
+  State& running = *state;
+  state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  return std::unique_ptr<MemoryService>(new MemoryService(std::move(state)));
+}
+
+const MemoryService::Options& MemoryService::options() const {
+  return state_->options;
+}
+
+Status MemoryService::owns(const MemoryId& id) const {
+  const auto& memories = state_->options.memories;
+  if (memories.empty() || id.names().empty() ||
+      std::ranges::find(memories, id.names()[0]) != memories.end())
+    return {};
+  return not_found("server '{}' has no memory '{}'; it has: {}", state_->options.name,
+                   id.names()[0], fmt::join(memories, ", "));
+}
+
+Status MemoryService::declare(const MemoryId& segment, const idf::Type& type) {
+  ENGRAM_RETURN_IF_ERROR(owns(segment));
+  if (state_->store) ENGRAM_RETURN_IF_ERROR(state_->store->declare(segment, type));
+  return state_->memory->declare(segment, type);
+}
+
+Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
+                                             std::vector<std::vector<Buffer>> encoded,
+                                             Durability durability) {
+  const std::shared_lock admitting(state_->admitting);
+  if (state_->is_closed) return unavailable("server '{}' is stopping", state_->options.name);
+  for (const ltm::EntityUpdate& update : commit.updates)
+    ENGRAM_RETURN_IF_ERROR(owns(update.entity));
+  return state_->memory->admit(std::move(commit), std::move(encoded),
+                               durability == Durability::kJournal);
+}
+
+void MemoryService::when_stored(const ltm::Admission& admission,
+                                std::function<void(const Status&)> done) {
+  if (!state_->store) {
+    done(failed_precondition("server '{}' has no store to make commits durable",
+                             state_->options.name));
+    return;
+  }
+  const uint64_t taken = state_->memory->taken();
+  std::optional<Status> outcome;
+  {
+    const std::scoped_lock lock(state_->mutex);
+    if (admission.queued <= taken)
+      outcome = state_->outcome(admission);
+    else if (state_->has_handed_over_all)
+      outcome = unavailable("server '{}' has stopped", state_->options.name);
+    else
+      state_->waiters.push_back({++state_->last_waiter, admission, std::move(done)});
+  }
+  if (outcome)
+    done(*outcome);
+  else
+    state_->wake.notify_one();
+}
+
+Status MemoryService::wait_stored(const ltm::Admission& admission) {
+  std::promise<Status> promise;
+  when_stored(admission, [&promise](const Status& status) { promise.set_value(status); });
+  return promise.get_future().get();
+}
+
+std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query) {
+  State& state = *state_;
+  ltm::Answer answer{query.is_ids_only(), {}};
+  auto selected = state.memory->select(query, state.elsewhere());
+  for (ltm::SelectedEntity& entity : selected) {
+    if (entity.reaches_elsewhere || !entity.future.empty()) return std::nullopt;
+    answer.entities.push_back(State::recalled(entity, query.is_ids_only()));
+  }
+  if (answer.entities.empty()) return std::nullopt;
+  if (state.store)
+    for (const MemoryId& entity : state.store->recorded().matching(query))
+      if (!std::ranges::binary_search(answer.entities, entity, {}, &ltm::RecalledEntity::id))
+        return std::nullopt;
+  ++state.queries;
+  return answer;
+}
+
+Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::string& engine) {
+  if (engine.empty())
+    if (auto answer = query_memory(query)) return *std::move(answer);
+  State& state = *state_;
+  ++state.queries;
+  ++state.queries_of_store;
+  ltm::Recall::Options options = state.recalling_options;
+  options.engine = engine;
+  const std::scoped_lock lock(state.recalling);
+  auto answer = state.recall->answer(query, options);
+  if (answer.ok()) state.count_answer(*answer);
+  return answer;
+}
+
+Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& entity,
+                                                              Duration ahead) {
+  const std::scoped_lock lock(state_->recalling);
+  return state_->recall->records(entity, {}, ahead, state_->recalling_options);
+}
+
+MemoryService::Counters MemoryService::counters() const {
+  Counters counters;
+  counters.memory = state_->memory->counters();
+  if (state_->store) counters.store = state_->store->counters();
+  if (state_->past->store() != nullptr) counters.reading = state_->past->store()->counters();
+  counters.queries = state_->queries;
+  counters.queries_of_store = state_->queries_of_store;
+  counters.predictions = state_->counts_of_predictions;
+  const std::scoped_lock lock(state_->mutex);
+  counters.store_failures = state_->store_failures;
+  counters.last_store_failure = state_->last_store_failure;
+  return counters;
+}
+
+Status MemoryService::set_limits(const ltm::MemoryLimits& all) {
+  return state_->memory->set_limits(all);
+}
+
+Status MemoryService::close() {
+  State& state = *state_;
+  if (state.is_closed.exchange(true)) return {};
+  state.thread.request_stop();
+  state.thread.join();
+  { const std::unique_lock last_commits(state.admitting); }
+  state.memory->release_all();
+  Status status = state.hand_over();
+  {
+    const std::scoped_lock lock(state.mutex);
+    state.has_handed_over_all = true;
+  }
+  // For those who began to wait after the last ones were told.
+  state.tell(status, UINT64_MAX);
+  if (!status.ok())
+    return status.with_context(
+        fmt::format("{} snapshots of working memory are lost", state.memory->counters().waiting));
+  return state.store ? state.store->close() : Status();
+}
+
+}  // namespace engram::memory

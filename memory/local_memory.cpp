@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memories that this program opens itself: Memory::open.
+#include <atomic>
+#include <mutex>
+
+#include "ltm/core/log.h"
+#include "ltm/recording/recording_config.h"
+#include "memory/live/local_subscription.h"
+#include "memory/live/memory_service.h"
+#include "memory/memory.h"
+#include "memory/model_loader.h"
+
+namespace engram {
+
+namespace {
+
+/// A store that is read beside whoever writes to it. Each answer is of the store as it is then.
+class ReadMemory final : public Memory {
+ public:
+  ReadMemory(std::unique_ptr<ltm::StorePast> past, std::unique_ptr<ltm::AccessLog> accesses,
+             const ltm::Recall::Options& options)
+      : name_(past->name()),
+        recall_(std::in_place, std::move(past), std::move(accesses)),
+        options_(options) {}
+
+  Status declare(const ltm::MemoryId& /*segment*/, const idf::Type& /*type*/) override {
+    return is_read_only();
+  }
+  Status commit(const ltm::Commit& /*commit*/, CommitDurability /*durability*/) override {
+    return is_read_only();
+  }
+  Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& /*options*/,
+                                                  SubscriptionHandlers /*handlers*/) override {
+    return is_read_only();
+  }
+
+  using Memory::query;
+  Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
+    const std::scoped_lock lock(mutex_);
+    if (!recall_) return is_closed();
+    ltm::Recall::Options options = options_;
+    options.engine = engine;
+    return recall_->query(query, options);
+  }
+
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
+                                                 Duration ahead) override {
+    const std::scoped_lock lock(mutex_);
+    if (!recall_) return is_closed();
+    return recall_->records(entity, {}, ahead, options_);
+  }
+
+  Status close() override {
+    const std::scoped_lock lock(mutex_);
+    recall_.reset();
+    return {};
+  }
+
+ private:
+  [[nodiscard]] Status is_read_only() const {
+    return failed_precondition("{}: is opened for reading alone", name_);
+  }
+  [[nodiscard]] Status is_closed() const { return failed_precondition("{}: is closed", name_); }
+
+  const std::string name_;
+  std::mutex mutex_;  ///< Guards `recall_`.
+  std::optional<ltm::Recall> recall_;
+  const ltm::Recall::Options options_;
+};
+
+/// A store with a working memory above it, in this process.
+class WrittenMemory final : public Memory {
+ public:
+  explicit WrittenMemory(std::unique_ptr<memory::MemoryService> service)
+      : service_(std::move(service)) {}
+
+  Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
+    return service_->declare(segment, type);
+  }
+
+  Status commit(const ltm::Commit& commit, CommitDurability durability) override {
+    const bool is_journal = durability != CommitDurability::kMemory;
+    using Durability = memory::MemoryService::Durability;
+    ENGRAM_ASSIGN_OR_RETURN(
+        const ltm::Admission admission,
+        service_->commit(commit, {}, is_journal ? Durability::kJournal : Durability::kMemory));
+    hub_.publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
+      return std::make_shared<memory::CommitEvent>(snapshot);
+    });
+    return is_journal ? service_->wait_stored(admission) : Status();
+  }
+
+  using Memory::query;
+  Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Answer answer, service_->query(query, engine));
+    return std::move(answer).to_result();
+  }
+
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
+                                                 Duration ahead) override {
+    return service_->engines(entity, ahead);
+  }
+
+  Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
+                                                  SubscriptionHandlers handlers) override {
+    return memory::subscribe_locally(hub_, options, std::move(handlers));
+  }
+
+  Status close() override { return service_->close(); }
+
+ private:
+  const std::unique_ptr<memory::MemoryService> service_;
+  memory::EventHub hub_;
+};
+
+Result<std::unique_ptr<Memory>> open_to_read(const std::filesystem::path& store,
+                                             const OpenOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(auto past, ltm::StorePast::open(store, model_loader(), {}));
+  ltm::Recall::Options recalling;
+  recalling.prefer = options.prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
+  recalling.max_horizon = options.max_horizon;
+  auto accesses = std::make_unique<ltm::AccessLog>(store, ltm::AccessLog::Options{});
+  return std::unique_ptr<Memory>(
+      std::make_unique<ReadMemory>(std::move(past), std::move(accesses), recalling));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Memory>> Memory::open(const std::filesystem::path& store,
+                                             const OpenOptions& options) {
+  if (options.is_read_only) return open_to_read(store, options);
+  memory::MemoryService::Options service;
+  service.name = store.filename().string().empty() ? store.string() : store.filename().string();
+  service.memory.all.bytes = options.max_working_bytes;
+  service.furthest_prediction = options.max_horizon;
+  memory::LongTerm::Options& kept = service.store.emplace();
+  kept.store = store;
+  kept.prefers_latents = options.prefers_latents;
+  if (!options.recording_config.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(kept.recording, ltm::read_recording_config(options.recording_config));
+  }
+  ENGRAM_ASSIGN_OR_RETURN(auto opened, memory::MemoryService::open(service, model_loader()));
+  return std::unique_ptr<Memory>(std::make_unique<WrittenMemory>(std::move(opened)));
+}
+
+}  // namespace engram

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memories of servers behind the interface of those that a program opens: Memory::connect.
+#include <mutex>
+
+#include "memory/memory.h"
+#include "server/access/default_endpoint.h"
+#include "server/client/memory_client.h"
+
+namespace engram {
+
+namespace {
+
+class ConnectedMemory final : public Memory {
+ public:
+  ConnectedMemory(std::string endpoint, std::shared_ptr<server::MemoryClient> client)
+      : endpoint_(std::move(endpoint)), client_(std::move(client)) {}
+
+  Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
+    const auto client = this->client();
+    return client ? client->declare(segment, type) : is_closed();
+  }
+
+  Status commit(const ltm::Commit& commit, CommitDurability durability) override {
+    const auto client = this->client();
+    return client ? client->commit(commit, durability) : is_closed();
+  }
+
+  using Memory::query;
+  Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
+    const auto client = this->client();
+    if (!client) return is_closed();
+    return client->query(query, engine);
+  }
+
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
+                                                 Duration ahead) override {
+    const auto client = this->client();
+    if (!client) return is_closed();
+    ENGRAM_ASSIGN_OR_RETURN(auto records, client->engines(entity, {&ahead, 1}));
+    if (records.size() != 1)
+      return data_loss("server '{}': gave engines of {} horizons for one", endpoint_,
+                       records.size());
+    return std::move(records.front());
+  }
+
+  Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
+                                                  SubscriptionHandlers handlers) override {
+    const auto client = this->client();
+    if (!client) return is_closed();
+    return client->subscribe(options, std::move(handlers));
+  }
+
+  Status close() override {
+    const std::scoped_lock lock(mutex_);
+    client_.reset();
+    return {};
+  }
+
+ private:
+  /// Shared with calls that go on while another thread closes.
+  [[nodiscard]] std::shared_ptr<server::MemoryClient> client() {
+    const std::scoped_lock lock(mutex_);
+    return client_;
+  }
+
+  [[nodiscard]] Status is_closed() const {
+    return failed_precondition("server '{}': the connection is closed", endpoint_);
+  }
+
+  const std::string endpoint_;
+  std::mutex mutex_;  ///< Guards `client_`.
+  std::shared_ptr<server::MemoryClient> client_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Memory>> Memory::connect(const std::string& endpoint,
+                                                const ConnectOptions& options) {
+  std::string reached = endpoint;
+  if (reached.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const server::Endpoint found, server::default_endpoint());
+    reached = found.to_string();
+  }
+  server::ClientOptions client;
+  client.token = options.token;
+  client.ca = options.ca;
+  client.timeout = options.timeout;
+  ENGRAM_ASSIGN_OR_RETURN(auto connected, server::MemoryClient::connect(reached, client));
+  return std::unique_ptr<Memory>(
+      std::make_unique<ConnectedMemory>(std::move(reached), std::move(connected)));
+}
+
+}  // namespace engram

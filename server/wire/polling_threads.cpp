@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/wire/polling_threads.h"
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/support/byte_buffer.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "ltm/core/time.h"
+
+namespace engram::server {
+
+namespace {
+
+/// How often it is looked whether the working thread keeps up.
+constexpr auto kTick = std::chrono::milliseconds(100);
+/// It keeps up while a call of nothing waits no longer for it.
+constexpr auto kKeepsUp = std::chrono::milliseconds(5);
+/// All work for so long once it did not.
+constexpr auto kAllFor = std::chrono::seconds(1);
+/// From here on there are more than two of them, as parallel as the machine wants.
+constexpr unsigned kManyCores = 8;
+
+thread_local bool is_polling_thread = false;
+
+/// Calls that fail at once, without any connection: all they do is to call back.
+class CallsOfNothing {
+ public:
+  /// Calls back in one of the polling threads.
+  void call(std::function<void()> back) {
+    struct Call {
+      grpc::ClientContext context;
+      grpc::Slice nothing;
+      grpc::ByteBuffer request{&nothing, 1};
+      grpc::ByteBuffer reply;
+    };
+    auto call = std::make_shared<Call>();
+    stub_.UnaryCall(&call->context, "/engram/Nothing", {}, &call->request, &call->reply,
+                    [call, back = std::move(back)](const grpc::Status& /*status*/) {
+                      is_polling_thread = true;
+                      back();
+                    });
+  }
+
+ private:
+  grpc::GenericStub stub_{grpc::CreateCustomChannel("nowhere", nullptr, grpc::ChannelArguments())};
+};
+
+}  // namespace
+
+/// Lives as long as the process: gRPC joins its threads with the last channel, and one of them
+/// could be held then.
+void PollingThreads::call(std::function<void()> back) {
+  static CallsOfNothing* const calls = new CallsOfNothing;
+  calls->call(std::move(back));
+}
+
+struct PollingThreads::State : std::enable_shared_from_this<State> {
+  mutable std::mutex mutex;
+  std::condition_variable changed;   ///< For the keeper.
+  std::condition_variable released;  ///< For who is held.
+  int held = 0;                      ///< Threads that wait here.
+  int blocked = 0;                   ///< Threads that wait elsewhere, in handlers.
+  bool is_asked = false;             ///< A thread was called to be held.
+  bool is_holding = false;
+  bool is_ending = false;
+  SteadyTime all_until{};
+  uint64_t asked_at_last = 0;  ///< Number of the last call that asks whether somebody works.
+  uint64_t answered = 0;
+  std::thread keeper;
+
+  /// In a polling thread.
+  void be_held() {
+    std::unique_lock lock(mutex);
+    is_asked = false;
+    ++held;
+    released.wait(lock, [this] { return !is_holding || is_ending; });
+    --held;
+  }
+
+  /// Needs the lock.
+  void let_all_work() {
+    is_holding = false;
+    all_until = steady_now() + kAllFor;
+    released.notify_all();
+  }
+
+  /// Needs the lock.
+  void hold_one(std::unique_lock<std::mutex>& lock) {
+    is_holding = true;
+    is_asked = true;
+    lock.unlock();
+    call([self = shared_from_this()] { self->be_held(); });
+    lock.lock();
+  }
+
+  /// Whether the one that works answers within `time`. Needs the lock.
+  bool keeps_up(std::unique_lock<std::mutex>& lock, Duration time) {
+    const uint64_t number = ++asked_at_last;
+    lock.unlock();
+    call([self = shared_from_this(), number] {
+      const std::scoped_lock answering(self->mutex);
+      self->answered = std::max(self->answered, number);
+      self->changed.notify_all();
+    });
+    lock.lock();
+    return changed.wait_for(lock, time, [&] { return answered >= number || is_ending; });
+  }
+
+  void keep() {
+    std::unique_lock lock(mutex);
+    while (!is_ending) {
+      if (is_holding && !is_asked && !keeps_up(lock, kKeepsUp)) let_all_work();
+      const bool all_work = !is_holding && !is_asked && held == 0 && blocked == 0;
+      if (all_work && steady_now() >= all_until) hold_one(lock);
+      changed.wait_for(lock, kTick, [this] { return is_ending; });
+    }
+  }
+
+  void end() {
+    {
+      const std::scoped_lock lock(mutex);
+      is_ending = true;
+    }
+    changed.notify_all();
+    released.notify_all();
+    if (keeper.joinable()) keeper.join();
+  }
+};
+
+PollingThreads& PollingThreads::of_process() {
+  // Blocking handlers may still ask for it while the process ends: only the keeper ends before.
+  static PollingThreads* const threads = new PollingThreads;
+  struct KeeperEnd {
+    ~KeeperEnd() { threads->state_->end(); }
+  };
+  static const KeeperEnd at_end;
+  return *threads;
+}
+
+PollingThreads::PollingThreads() : state_(std::make_shared<State>()) {
+  if (std::thread::hardware_concurrency() >= kManyCores) return;
+  State& state = *state_;
+  state.keeper = std::thread([&state] { state.keep(); });
+}
+
+int PollingThreads::blocked() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->blocked;
+}
+
+int PollingThreads::held() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->held;
+}
+
+BlockingScope::BlockingScope() : is_polling_thread_(is_polling_thread) {
+  if (!is_polling_thread_) return;
+  auto& state = *PollingThreads::of_process().state_;
+  const std::scoped_lock lock(state.mutex);
+  ++state.blocked;
+  state.let_all_work();
+}
+
+BlockingScope::~BlockingScope() {
+  if (!is_polling_thread_) return;
+  auto& state = *PollingThreads::of_process().state_;
+  const std::scoped_lock lock(state.mutex);
+  --state.blocked;
+}
+
+}  // namespace engram::server

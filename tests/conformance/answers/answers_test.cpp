@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same question is answered the same wherever it is asked: in the process of a server, over the
+// wire, and of the store that the server leaves behind. Source: docs/query.md, section "Answers".
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "ltm/idf/json.h"
+#include "server/client/memory_client.h"
+#include "server/robot/memory_server.h"
+#include "tests/conformance/answers/lived_store.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram {
+namespace {
+
+using testing::commits_of_today;
+using testing::lived_models;
+using testing::make_lived_store;
+
+/// Selectors that every entity is asked with: about all forms, the forgotten, and the future.
+const std::vector<std::string> kSelectors = {
+    "all",
+    "latest",
+    "latest:3",
+    "latest:500",
+    "0..4",
+    "-3..-1",
+    "55..62",
+    "last:3s",
+    "last:1000d",
+    "2020-09-13 12:26:40",
+    "2020-09-13 12:26:48.000000",
+    "nearest:2020-09-13 12:26:43.100000",
+    "nearest:2020-09-13 12:26:43.050000~40ms",
+    "before:2020-09-13 12:26:44.000000",
+    "after:2020-09-13 12:26:50.000000",
+    "2020-09-13 12:26:42.000000..2020-09-13 12:26:45.000000",
+    "2020-09-13 12:26:51.000000..2020-09-13 12:26:54.000000",
+    "latest#0",
+    "latest#1",
+    "all#7",
+    "+200ms",
+    "+150ms",
+    "+200ms, +1s, +400ms",
+    "+200ms#1",
+    "latest:2, +200ms, 0..1",
+    "+10s",
+    "+1min",
+    "+61s",
+    "+100000d",
+    "2090-01-01 00:00:00",
+};
+
+const std::vector<std::string> kNames = {
+    "Vision/RGB/head/cam",        "Vision/RGB/head/damaged",    "Vision/RGB/head/led",
+    "Robot/State/arm/joints",     "Robot/State/arm/broken",     "Robot/State/arm/forgotten",
+    "Objects/Things/kitchen/cup", "Speech/Commands/human/text", "Nothing/like/that/exists",
+};
+
+/// Queries of several entities at once.
+const std::vector<std::string> kMore = {
+    ".* @ latest",
+    "Vision/.* @ latest:2",
+    "Vision/RGB/head/(cam|led) @ +200ms, latest",
+    "Robot ; Objects @ all",
+    "Robot/State/arm/joints @ latest:2 ; Speech @ all ; Nothing @ all",
+    "Nothing/.* @ all",
+    "Vision/RGB/head/cam @ latest ; Vision/RGB/head/cam @ 0..1#0",
+};
+
+std::vector<std::string> questions() {
+  std::vector<std::string> all = kMore;
+  for (const std::string& name : kNames)
+    for (const std::string& selector : kSelectors) all.push_back(name + " @ " + selector);
+  const size_t with_data = all.size();
+  for (size_t i = 0; i < with_data; ++i) all.push_back("?ids " + all[i]);
+  return all;
+}
+
+std::string error_text(const std::optional<ltm::MeasuredError>& error) {
+  return error ? fmt::format("{}/{}", error->image_mse, error->number_mse) : "-";
+}
+
+void add_instance(const ltm::InstanceResult& instance, std::string& text) {
+  const auto data = idf::to_json_text(instance.data);
+  const ltm::InstanceMetadata& metadata = instance.metadata;
+  text += fmt::format(
+      "    #{} {} error {} bound {} by '{}' confidence {} created {} sent {} arrived {}\n",
+      instance.index, data.ok() ? *data : data.status().to_string(), error_text(instance.error),
+      error_text(instance.bound), metadata.provider, metadata.confidence, to_ns(metadata.created),
+      to_ns(metadata.sent), to_ns(metadata.arrived));
+}
+
+/// Everything that an answer says, as text: a difference is read at once. Errors name the place
+/// that was asked, and behind a wire first the `endpoint`: these alone may differ.
+std::string text_of(const Result<ltm::QueryResult>& answer, const std::string& place,
+                    const std::string& endpoint = {}) {
+  if (!answer.ok()) {
+    std::string message = answer.status().message();
+    if (!endpoint.empty() && message.starts_with(endpoint + ": "))
+      message = message.substr(endpoint.size() + 2);
+    else if (!endpoint.empty())
+      message = "no endpoint: " + message;
+    if (const size_t at = message.find(place); at != std::string::npos)
+      message.replace(at, place.size(), "PLACE");
+    return fmt::format("{}: {}", to_string(answer.status().code()), message);
+  }
+  std::string text;
+  for (const ltm::EntityResult* entity : answer->entities()) {
+    text += entity->id.to_string() + "\n";
+    for (const ltm::SnapshotResult& snapshot : entity->snapshots) {
+      text += fmt::format("  {} {} model '{}' by '{}' horizon {} plan '{}'\n",
+                          to_string(snapshot.time), to_string(snapshot.source), snapshot.model,
+                          snapshot.predictor, to_string(snapshot.horizon), snapshot.plan);
+      for (const ltm::InstanceResult& instance : snapshot.instances) add_instance(instance, text);
+    }
+  }
+  return text;
+}
+
+using Answers = std::map<std::string, std::string>;
+
+/// Asks a lived memory everywhere where it can be asked.
+class Answering : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const ScratchDirectory scratch;
+    const auto store = scratch / "store.engram";
+    ASSERT_OK(make_lived_store(store));
+    ask_server(store, scratch.path() / "s");
+    ask_store(store);
+  }
+
+  /// Half of today has left working memory, the rest is in it alone.
+  static void ask_server(const std::filesystem::path& store, const std::filesystem::path& socket) {
+    server::MemoryServer::Options options;
+    options.service.name = "robot";
+    options.service.store.emplace();
+    options.service.store->store = store;
+    options.service.store->recording.store.min_free_bytes = 0;
+    options.rpc.endpoints = {*server::Endpoint::parse("unix:" + socket.string())};
+    auto server = server::MemoryServer::start(options, lived_models());
+    ASSERT_OK(server);
+    memory::MemoryService& service = (*server)->service();
+    const auto today = commits_of_today();
+    for (size_t i = 0; i < today.size(); ++i) {
+      const bool is_stored = i < today.size() / 2;
+      const auto admitted = service.commit(today[i], {},
+                                           is_stored ? memory::MemoryService::Durability::kJournal
+                                                     : memory::MemoryService::Durability::kMemory);
+      ASSERT_OK(admitted);
+      if (is_stored) ASSERT_OK(service.wait_stored(*admitted));
+    }
+    const std::string endpoint = (*server)->endpoints().front();
+    const auto client = server::MemoryClient::connect(endpoint);
+    ASSERT_OK(client);
+    for (const std::string& question : questions()) {
+      const auto query = ltm::Query::parse(question);
+      ASSERT_TRUE(query.ok()) << question << ": " << query.status().to_string();
+      auto answer = service.query(*query);
+      served_[question] = text_of(
+          answer.ok() ? Result<ltm::QueryResult>(std::move(*answer).to_result()) : answer.status(),
+          "server 'robot'");
+      wired_[question] = text_of((*client)->query(*query), "server 'robot'", endpoint);
+    }
+    ASSERT_OK((*server)->stop());
+  }
+
+  static void ask_store(const std::filesystem::path& store) {
+    auto reader = ltm::StoreReader::open(store);
+    ASSERT_OK(reader);
+    ltm::Recall recall(*std::move(reader), lived_models());
+    const std::string place = "store '" + store.string() + "'";
+    for (const std::string& question : questions())
+      stored_[question] = text_of(recall.query(*ltm::Query::parse(question)), place);
+  }
+
+  static void expect_same(const Answers& found, const Answers& expected) {
+    ASSERT_EQ(found.size(), questions().size());
+    for (const auto& [question, text] : expected)
+      EXPECT_EQ(found.at(question), text) << "asked: " << question;
+  }
+
+  static const std::string& stored(const std::string& question) { return stored_.at(question); }
+
+  static inline Answers served_, wired_, stored_;
+};
+
+TEST_F(Answering, AServerAndTheStoreThatItLeavesSayTheSame) {
+  expect_same(served_, stored_);
+}
+
+TEST_F(Answering, TheWireChangesNothing) {
+  expect_same(wired_, stored_);
+}
+
+/// What the equal answers are, so that all being wrong in the same way is found too.
+TEST_F(Answering, SaysWhatAUserExpects) {
+  EXPECT_NE(stored("Vision/RGB/head/cam @ 0..4").find("reconstructed model"), std::string::npos);
+  EXPECT_NE(stored("Vision/RGB/head/cam @ latest").find(" recorded model ''"), std::string::npos);
+  // Far horizons: one limit for all, in time.
+  EXPECT_NE(stored("Vision/RGB/head/cam @ +1min").find("horizon 1min"), std::string::npos);
+  EXPECT_NE(stored("Vision/RGB/head/cam @ +61s").find("needs at most 1min"), std::string::npos);
+  // A damaged old snapshot costs no prediction; asked for itself, it is an error.
+  EXPECT_NE(stored("Vision/RGB/head/damaged @ +200ms").find(" predicted "), std::string::npos);
+  EXPECT_NE(stored("Vision/RGB/head/damaged @ 0..4").find("a code is no value"), std::string::npos);
+  // A condition that cannot be read is not known.
+  EXPECT_NE(stored("Vision/RGB/head/led @ +200ms").find(" predicted "), std::string::npos);
+  EXPECT_EQ(stored("Robot/State/arm/forgotten @ 2020-09-13 12:26:42.000000..2020-09-13 "
+                   "12:26:45.000000")
+                .find("12:26:42.600000"),
+            std::string::npos);
+  EXPECT_NE(stored("Nothing/like/that/exists @ all").find("no entity matches"), std::string::npos);
+  EXPECT_NE(stored("?ids Robot/State/arm/joints @ +200ms").find("    #1 "), std::string::npos);
+}
+
+}  // namespace
+}  // namespace engram

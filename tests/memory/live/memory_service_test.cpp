@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/live/memory_service.h"
+
+#include <gmock/gmock.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "tests/memory/live/served_memory.h"
+
+namespace engram::memory {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::ServedMemory;
+using ::testing::SizeIs;
+
+constexpr const char* kEntity = "A/b/c/d";
+
+TEST(MemoryService, AnswersFromMemoryAndStoreAsIfTheyWereOne) {
+  ServedMemory service;
+  service.options.memory.all.snapshots = 2;
+  service.open();
+  for (int64_t at = 1; at <= 9; ++at) {
+    ASSERT_OK(service->commit(ServedMemory::commit(kEntity, at)));
+    ASSERT_THAT(*service.ask("A @ all"), SizeIs(static_cast<size_t>(at)));
+  }
+  EXPECT_THAT(*service.ask("A/b/c/d @ 0..1, -2..-1"), ElementsAre(1, 2, 8, 9));
+}
+
+TEST(MemoryService, KeepsEverythingOverAnEnd) {
+  ServedMemory service;
+  service.open();
+  for (int64_t at = 1; at <= 5; ++at) ASSERT_OK(service->commit(ServedMemory::commit(kEntity, at)));
+  ASSERT_OK(service->close());
+  EXPECT_EQ(service->commit(ServedMemory::commit(kEntity, 6)).status().code(),
+            StatusCode::kUnavailable);
+  service.close();
+  service.open();
+  EXPECT_THAT(*service.ask("A @ all"), ElementsAre(1, 2, 3, 4, 5));
+}
+
+TEST(MemoryService, SaysWhatTheStoreWillNeverTake) {
+  ServedMemory service;
+  service.options.store_interval = std::chrono::hours(1);
+  service.open();
+  // Came before its type was known.
+  const auto early = service->commit(ServedMemory::commit("T/b/c/d", 1, std::string("a text")), {},
+                                     MemoryService::Durability::kJournal);
+  ASSERT_OK(early);
+  ASSERT_OK(service->declare(*ltm::MemoryId::parse("T/b"), idf::Type::int64()));
+  const Status refused = service->wait_stored(*early);
+  EXPECT_EQ(refused.code(), StatusCode::kInvalidArgument) << refused.to_string();
+  EXPECT_EQ(service->wait_stored(*early).code(), StatusCode::kInvalidArgument) << "asked again";
+  EXPECT_OK(service.commit_durably(ServedMemory::commit(kEntity, 2)));  // Not held up by another.
+  EXPECT_OK(service.commit_durably(ServedMemory::commit("T/b/c/d", 2, int64_t{1})));
+  EXPECT_EQ(service->counters().store->refused, 1u);
+  EXPECT_EQ(service->counters().memory.waiting, 0u);
+}
+
+TEST(MemoryService, TellsThoseWhoAskAfterTheEnd) {
+  ServedMemory service;
+  service.options.store_interval = std::chrono::hours(1);
+  service.open();
+  const auto admission =
+      service->commit(ServedMemory::commit(kEntity, 1), {}, MemoryService::Durability::kJournal);
+  ASSERT_OK(admission);
+  ASSERT_OK(service->close());
+  EXPECT_OK(service->wait_stored(*admission));
+  ltm::Admission later = *admission;
+  later.queued += 1;
+  EXPECT_EQ(service->wait_stored(later).code(), StatusCode::kUnavailable);
+}
+
+TEST(MemoryService, RefusesAnswersThatAreTooLarge) {
+  ServedMemory service;
+  service.options.memory.all.snapshots = 1;
+  service.options.store->most_answer_bytes = 30'000;
+  service.open();
+  for (int64_t at = 1; at <= 8; ++at)
+    for (const char* entity : {"A/b/c/d", "A/b/c/e"})
+      ASSERT_OK(service.commit_durably(ServedMemory::commit(entity, at, std::string(4000, 'x'))));
+  EXPECT_THAT(*service.ask("A/b/c/d @ latest:7"), SizeIs(7));
+  EXPECT_EQ(service.ask("A @ all").status().code(), StatusCode::kResourceExhausted)
+      << "entities together";
+  EXPECT_THAT(*service.ask("?ids A @ all"), SizeIs(16));
+}
+
+TEST(MemoryService, SaysWhatItDoesNotHave) {
+  ServedMemory service;
+  service.options.memories = {"A", "B"};
+  service.open();
+  const Status foreign = service->commit(ServedMemory::commit("C/b/c/d", 1)).status();
+  EXPECT_EQ(foreign.code(), StatusCode::kNotFound);
+  EXPECT_THAT(foreign.message(), HasSubstr("A, B"));
+  EXPECT_EQ(service.ask("A/x/y/z").status().code(), StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace engram::memory

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/memory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "server/robot/memory_server.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const ltm::MemoryId kCup = *ltm::MemoryId::parse("Objects/Things/kitchen/cup");
+
+ltm::Commit at(int64_t step, double x) {
+  return {{{kCup, time_from_ns(step * 200'000'000), {{idf::Dict{{"x", x}}, {}}}}}};
+}
+
+/// The same memory as a program of its own has it, and as a server has it.
+class FrontDoor : public ::testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+    if (!GetParam()) {
+      auto opened = Memory::open(store());
+      ASSERT_OK(opened);
+      memory = *std::move(opened);
+      return;
+    }
+    server::MemoryServer::Options options;
+    options.service.store.emplace();
+    options.service.store->store = store();
+    const std::string endpoint = "unix:" + (scratch.path() / "s").string();
+    options.rpc.endpoints = {*server::Endpoint::parse(endpoint)};
+    auto started = server::MemoryServer::start(options, nullptr);
+    ASSERT_OK(started);
+    server = *std::move(started);
+    auto connected = Memory::connect(endpoint);
+    ASSERT_OK(connected);
+    memory = *std::move(connected);
+  }
+
+  [[nodiscard]] std::filesystem::path store() const { return scratch.path() / "robot.engram"; }
+
+  ScratchDirectory scratch;
+  std::unique_ptr<server::MemoryServer> server;
+  std::unique_ptr<Memory> memory;
+};
+
+INSTANTIATE_TEST_SUITE_P(Doors, FrontDoor, ::testing::Bool(), [](const auto& parameter) {
+  return parameter.param ? "Connected" : "Opened";
+});
+
+TEST_P(FrontDoor, RemembersAsksThePastAndAsksTheFuture) {
+  for (int64_t step = 0; step < 30; ++step)
+    ASSERT_OK(memory->commit(at(step, 0.1 * static_cast<double>(step))));
+  const auto past = memory->query("Objects @ latest:3");
+  ASSERT_OK(past);
+  ASSERT_THAT(past->find_entity(kCup)->snapshots, SizeIs(3));
+  const std::vector<Duration> horizons{milliseconds(400), milliseconds(200)};
+  const auto future = memory->predict(kCup, horizons);
+  ASSERT_OK(future);
+  ASSERT_THAT(*future, SizeIs(2));
+  EXPECT_EQ((*future)[0].horizon, milliseconds(400));
+  EXPECT_NEAR((*future)[0].instances[0].data.at("x")->get<double>(), 3.1, 1e-6);
+  EXPECT_NEAR((*future)[1].instances[0].data.at("x")->get<double>(), 3.0, 1e-6);
+  const auto engines = memory->engines(kCup, milliseconds(200));
+  ASSERT_OK(engines);
+  EXPECT_EQ(engines->front().engine, (*future)[1].predictor);
+  const auto copied = memory->predict(kCup, horizons, "copy-last");
+  ASSERT_OK(copied);
+  EXPECT_EQ((*copied)[0].instances[0].data, idf::Data(idf::Dict{{"x", 0.1 * 29}}));
+}
+
+TEST_P(FrontDoor, RefusesWhatMakesNoSense) {
+  EXPECT_EQ(memory->query("Objects @ all").status().code(), StatusCode::kNotFound);
+  EXPECT_EQ(memory->query("Objects @ sometimes").status().code(), StatusCode::kInvalidArgument);
+  ASSERT_OK(memory->commit(at(1, 1)));
+  const std::vector<Duration> none, back{milliseconds(-1)}, far{std::chrono::hours(1)};
+  EXPECT_EQ(memory->predict(kCup, none).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(memory->predict(kCup, back).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(memory->predict(kCup, far).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(memory->predict(*ltm::MemoryId::parse("Objects"), far).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ(memory->subscribe({.names = {"("}}, {}).status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST_P(FrontDoor, ChecksValuesAgainstTheirType) {
+  const idf::Type type = idf::Type::object("Cup", {{"x", idf::Type::float64()}});
+  ASSERT_OK(memory->declare(*ltm::MemoryId::parse("Objects/Things"), type));
+  EXPECT_OK(memory->commit(at(1, 1)));
+  ltm::Commit wrong = at(2, 1);
+  wrong.updates[0].instances[0].data = idf::Data("a text");
+  EXPECT_EQ(memory->commit(wrong).code(), StatusCode::kInvalidArgument);
+}
+
+TEST_P(FrontDoor, TellsSubscribersWhatTheyWant) {
+  std::promise<std::vector<ToldSnapshot>> promise;
+  bool is_told = false;
+  auto subscription = memory->subscribe({.names = {"Objects"}, .with_data = true},
+                                        {.on_snapshots = [&](std::vector<ToldSnapshot> told) {
+                                          if (!std::exchange(is_told, true))
+                                            promise.set_value(std::move(told));
+                                        }});
+  ASSERT_OK(subscription);
+  ltm::Commit other = at(1, 1);
+  other.updates[0].entity = *ltm::MemoryId::parse("Speech/Commands/human/text");
+  ASSERT_OK(memory->commit(other));
+  ASSERT_OK(memory->commit(at(2, 5)));
+  auto told = promise.get_future();
+  ASSERT_EQ(told.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  const std::vector<ToldSnapshot> snapshots = told.get();
+  ASSERT_THAT(snapshots, SizeIs(1));
+  EXPECT_EQ(snapshots[0].snapshot.entity, kCup);
+  EXPECT_EQ(snapshots[0].snapshot.instances[0].data, idf::Data(idf::Dict{{"x", 5.0}}));
+  subscription->reset();
+  EXPECT_OK(memory->commit(at(3, 5)));
+}
+
+TEST_P(FrontDoor, AnswersNothingOnceItIsClosed) {
+  ASSERT_OK(memory->commit(at(1, 1)));
+  ASSERT_OK(memory->close());
+  EXPECT_FALSE(memory->commit(at(2, 1)).ok());
+  if (server) ASSERT_OK(server->stop());
+  const auto again = Memory::open(store(), {.is_read_only = true});
+  ASSERT_OK(again);
+  EXPECT_OK((*again)->query("Objects @ latest"));
+}
+
+TEST(ReadMemory, SeesWhatAnotherHandedToTheStoreAndChangesNothing) {
+  const ScratchDirectory scratch;
+  const auto store = scratch.path() / "robot.engram";
+  EXPECT_EQ(Memory::open(store, {.is_read_only = true}).status().code(), StatusCode::kNotFound);
+  const auto writer = Memory::open(store);
+  ASSERT_OK(writer);
+  ASSERT_OK((*writer)->commit(at(1, 1)));
+  EXPECT_EQ(Memory::open(store).status().code(), StatusCode::kFailedPrecondition);
+  const auto reader = Memory::open(store, {.is_read_only = true});
+  ASSERT_OK(reader);
+  EXPECT_OK((*reader)->query("Objects @ latest"));
+  const Status refused = (*reader)->commit(at(2, 1));
+  EXPECT_EQ(refused.code(), StatusCode::kFailedPrecondition);
+  EXPECT_THAT(refused.message(), HasSubstr("reading alone"));
+  EXPECT_FALSE((*reader)->subscribe({}, {}).ok());
+}
+
+}  // namespace
+}  // namespace engram
