@@ -88,7 +88,7 @@ TORCH_MODULE(ImageAutoencoder);
 
 /// The autoencoder of one entity: all its images.
 ///
-/// Source: docs/learning.md, section "The image autoencoder".
+/// Source: docs/learning_methods.md, section "The image autoencoder".
 struct AutoencoderImpl : torch::nn::Module {
   explicit AutoencoderImpl(const NetworkShape& shape);
 

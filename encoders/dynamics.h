@@ -65,7 +65,7 @@ struct DynamicsStep {
 ///
 /// so that a closed gate is a copy of the last value. Images are also predicted from their pixels
 /// (ImageMotion), which carries over better to what the latents were not trained on.
-/// Source: docs/learning.md, section "Prediction".
+/// Source: docs/learning_methods.md, section "Prediction".
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);
 

@@ -21,7 +21,7 @@ inline constexpr int64_t kGlobalCodeSize = 48;
 /// pooled latents, and an offset per background. Their distance is about that of the small images
 /// that training fitted it to. Unit: grey levels, root mean square.
 ///
-/// Source: docs/learning.md, section "Global codes".
+/// Source: docs/learning_methods.md, section "Global codes".
 struct GlobalCode {
   torch::Tensor projection;  ///< [kGlobalCodeSize, F]; undefined where a model has none.
   torch::Tensor offset;      ///< [scenes, kGlobalCodeSize].

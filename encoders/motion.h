@@ -18,7 +18,7 @@ namespace engram::encoders {
 ///
 /// It starts between a copy of the last image and the moved one. It knows no places and no scene,
 /// and so carries over to recordings that it was not trained on.
-/// Source: docs/learning.md, section "Prediction".
+/// Source: docs/learning_methods.md, section "Prediction".
 struct ImageMotionImpl : torch::nn::Module {
   /// `added` features come with every call; 0: none.
   ImageMotionImpl(const ImageShape& shape, int features, int added);

@@ -11,7 +11,7 @@ namespace engram::encoders {
 
 /// What latents were trained for. Networks, codec, storage and prediction are the same.
 ///
-/// Source: docs/learning.md, section "Training variants".
+/// Source: docs/learning_methods.md, section "Training variants".
 enum class TrainingVariant : uint8_t {
   kRateAware,    ///< "rate": squared error and the bits that latents take.
   kAutoencoder,  ///< "ae": squared error alone.
