@@ -16,49 +16,50 @@ constexpr double kLatentGain = 4.0;
 
 ImageEncoderImpl::ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& sizes)
     : unit(shape.unit) {
-  const int a = sizes.width * 3 / 8;
-  const int b = sizes.width / 2;
-  const int c = sizes.width * 3 / 4;
-  stem = register_module("stem", make_conv(16 * unit * unit * shape.channels, a, 3));
-  quarter = register_module("quarter", ResidualBlock(a));
-  to_eighth = register_module("to_eighth", make_conv(4 * a, b, 1));
-  eighth = register_module("eighth", ResidualBlock(b));
-  fine = register_module("fine", make_conv(b, sizes.fine_channels, 1));
-  to_sixteenth = register_module("to_sixteenth", make_conv(4 * b, c, 1));
-  sixteenth_1 = register_module("sixteenth_1", ResidualBlock(c));
-  sixteenth_2 = register_module("sixteenth_2", ResidualBlock(c));
-  coarse = register_module("coarse", make_conv(c, sizes.coarse_channels, 1));
+  const int quarter_features = sizes.width * 3 / 8;
+  const int eighth_features = sizes.width / 2;
+  const int sixteenth_features = sizes.width * 3 / 4;
+  // The order is that of the tensors in a model file (layers.h).
+  stem = register_module("stem", make_conv(16 * unit * unit * shape.channels, quarter_features, 3));
+  quarter = register_module("quarter", ResidualBlock(quarter_features));
+  to_eighth = register_module("to_eighth", make_conv(4 * quarter_features, eighth_features, 1));
+  eighth = register_module("eighth", ResidualBlock(eighth_features));
+  fine = register_module("fine", make_conv(eighth_features, sizes.fine_channels, 1));
+  to_sixteenth =
+      register_module("to_sixteenth", make_conv(4 * eighth_features, sixteenth_features, 1));
+  sixteenth = register_module("sixteenth", ResidualBlocks(sixteenth_features, 2));
+  coarse = register_module("coarse", make_conv(sixteenth_features, sizes.coarse_channels, 1));
 }
 
 ImageLatents ImageEncoderImpl::forward(const Tensor& image, const View& view) {
   Tensor x = with_known(stem(unshuffled(image, 4 * unit)), view.quarter);
   x = quarter(activate(x));          // [B, 3F/8, H/4, W/4]
   x = eighth(halved(to_eighth, x));  // [B, F/2, H/8, W/8]
-  const Tensor z = fine(x) * kLatentGain;
+  const Tensor fine_latents = fine(x) * kLatentGain;
   x = halved(to_sixteenth, x);  // [B, 3F/4, H/16, W/16]
-  return {coarse(sixteenth_2(sixteenth_1(x))) * kLatentGain, z};
+  return {coarse(sixteenth(x)) * kLatentGain, fine_latents};
 }
 
 ImageDecoderImpl::ImageDecoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers)
     : unit(shape.unit) {
-  const int a = sizes.width;
-  const int b = a * 3 / 4;
-  const int c = a * 3 / 8;
-  const int d = a * 3 / 16;
-  from_coarse = register_module("from_coarse", make_conv(sizes.coarse_channels, a, 3));
-  from_fine = register_module("from_fine", make_conv(sizes.fine_channels, b, 3));
-  if (numbers > 0) from_numbers = register_module("from_numbers", make_zero_linear(numbers, a));
-  sixteenth_1 = register_module("sixteenth_1", ResidualBlock(a));
-  sixteenth_2 = register_module("sixteenth_2", ResidualBlock(a));
-  to_eighth = register_module("to_eighth", make_conv(a, 4 * b, 1));
-  eighth_1 = register_module("eighth_1", ResidualBlock(b));
-  eighth_2 = register_module("eighth_2", ResidualBlock(b));
-  to_quarter = register_module("to_quarter", make_conv(b, 4 * c, 1));
-  quarter_1 = register_module("quarter_1", ResidualBlock(c));
-  quarter_2 = register_module("quarter_2", ResidualBlock(c));
-  to_half = register_module("to_half", make_conv(c, 4 * d, 1));
-  half = register_module("half", ResidualBlock(d));
-  out = register_module("out", make_conv(d, 4 * unit * unit * shape.channels, 3));
+  const int sixteenth_features = sizes.width;
+  const int eighth_features = sizes.width * 3 / 4;
+  const int quarter_features = sizes.width * 3 / 8;
+  const int half_features = sizes.width * 3 / 16;
+  // The order is that of the tensors in a model file (layers.h).
+  from_coarse =
+      register_module("from_coarse", make_conv(sizes.coarse_channels, sixteenth_features, 3));
+  from_fine = register_module("from_fine", make_conv(sizes.fine_channels, eighth_features, 3));
+  if (numbers > 0)
+    from_numbers = register_module("from_numbers", make_zero_linear(numbers, sixteenth_features));
+  sixteenth = register_module("sixteenth", ResidualBlocks(sixteenth_features, 2));
+  to_eighth = register_module("to_eighth", make_conv(sixteenth_features, 4 * eighth_features, 1));
+  eighth = register_module("eighth", ResidualBlocks(eighth_features, 2));
+  to_quarter = register_module("to_quarter", make_conv(eighth_features, 4 * quarter_features, 1));
+  quarter = register_module("quarter", ResidualBlocks(quarter_features, 2));
+  to_half = register_module("to_half", make_conv(quarter_features, 4 * half_features, 1));
+  half = register_module("half", ResidualBlock(half_features));
+  out = register_module("out", make_conv(half_features, 4 * unit * unit * shape.channels, 3));
   torch::NoGradGuard no_grad;
   out->weight.normal_(0, 0.02);
 }
@@ -67,11 +68,11 @@ Tensor ImageDecoderImpl::forward(const ImageLatents& latents, const Tensor& numb
                                  const View& view) {
   Tensor x = with_known(from_coarse(latents.coarse), view.sixteenth);
   if (from_numbers) x = with_features(x, from_numbers(numbers));
-  x = sixteenth_2(sixteenth_1(x));                          // [B, F, H/16, W/16]
+  x = sixteenth(x);                                         // [B, F, H/16, W/16]
   x = from_fine(latents.fine).add_(doubled(to_eighth, x));  // [B, 3F/4, H/8, W/8]
-  x = eighth_2(eighth_1(with_known(activate(std::move(x)), view.eighth)));
+  x = eighth(with_known(activate(std::move(x)), view.eighth));
   x = doubled(to_quarter, x);  // [B, 3F/8, H/4, W/4]
-  x = quarter_2(quarter_1(with_known(activate(x), view.quarter)));
+  x = quarter(with_known(activate(x), view.quarter));
   x = doubled(to_half, x);                                        // [B, 3F/16, H/2, W/2]
   return torch::pixel_shuffle(out(half(activate(x))), 2 * unit);  // [B, C, H, W]
 }

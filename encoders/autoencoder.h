@@ -9,8 +9,12 @@
 
 // Internal to the learning rooms: includes LibTorch.
 //
-// B batch, C channels of an image, H W its size (padded), N numbers, Z and z channels of the coarse
-// and the fine latents, F features where places are few (NetworkSizes::width).
+// Letters of shapes, in all headers of networks:
+//   B    snapshots of a batch                 C    channels of an image
+//   H W  height and width of it, padded       F    features at 1/16 (NetworkSizes::width)
+//   Z z  channels of coarse and fine latents  N    numbers beside the images
+//   K    numbers of the condition             P    steps that are planned
+// Of images above 256 pixels H and W count units of 2 x 2, 4 x 4, ... pixels (ImageShape::unit).
 
 namespace engram::encoders {
 
@@ -45,6 +49,17 @@ struct Latents {
 };
 
 /// Image minus background to latents, not rounded.
+///
+///     image - background [B, C, H, W]
+///           | unshuffle by 4, stem 3x3, + View::quarter
+///     [B, 3F/8, H/4, W/4]    quarter: 1 block
+///           | to_eighth
+///     [B, F/2, H/8, W/8]     eighth: 1 block ----- fine 1x1 ----> fine [B, z, H/8, W/8]
+///           | to_sixteenth
+///     [B, 3F/4, H/16, W/16]  sixteenth: 2 blocks - coarse 1x1 --> coarse [B, Z, H/16, W/16]
+///
+/// Source: our own structure; latents that cost bits in training follow Ballé et al., End-to-end
+/// Optimized Image Compression, 2017.
 struct ImageEncoderImpl : torch::nn::Module {
   ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& sizes);
   ImageLatents forward(const torch::Tensor& x, const View& view);
@@ -52,12 +67,27 @@ struct ImageEncoderImpl : torch::nn::Module {
   int unit;
   torch::nn::Conv2d stem{nullptr}, to_eighth{nullptr}, to_sixteenth{nullptr};
   torch::nn::Conv2d fine{nullptr}, coarse{nullptr};
-  ResidualBlock quarter{nullptr}, eighth{nullptr}, sixteenth_1{nullptr}, sixteenth_2{nullptr};
+  ResidualBlock quarter{nullptr}, eighth{nullptr};
+  ResidualBlocks sixteenth{nullptr};
 };
 TORCH_MODULE(ImageEncoder);
 
 /// Latents to image minus background. Most weights lie where places are few: it may know a scene by
 /// heart and stay quick.
+///
+///     coarse latents [B, Z, H/16, W/16]
+///           | from_coarse 3x3, + View::sixteenth, + from_numbers (of [B, N])
+///     [B, F, H/16, W/16]     sixteenth: 2 blocks
+///           | to_eighth, + from_fine 3x3 of the fine latents [B, z, H/8, W/8], + View::eighth
+///     [B, 3F/4, H/8, W/8]    eighth: 2 blocks
+///           | to_quarter, + View::quarter
+///     [B, 3F/8, H/4, W/4]    quarter: 2 blocks
+///           | to_half
+///     [B, 3F/16, H/2, W/2]   half: 1 block
+///           | out 3x3, shuffle by 2
+///     [B, C, H, W]
+///
+/// Source: our own.
 struct ImageDecoderImpl : torch::nn::Module {
   ImageDecoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers);
   torch::Tensor forward(const ImageLatents& latents, const torch::Tensor& numbers,
@@ -67,12 +97,18 @@ struct ImageDecoderImpl : torch::nn::Module {
   torch::nn::Conv2d from_coarse{nullptr}, from_fine{nullptr};
   torch::nn::Conv2d to_eighth{nullptr}, to_quarter{nullptr}, to_half{nullptr}, out{nullptr};
   torch::nn::Linear from_numbers{nullptr};
-  ResidualBlock sixteenth_1{nullptr}, sixteenth_2{nullptr}, eighth_1{nullptr}, eighth_2{nullptr},
-      quarter_1{nullptr}, quarter_2{nullptr}, half{nullptr};
+  ResidualBlocks sixteenth{nullptr}, eighth{nullptr}, quarter{nullptr};
+  ResidualBlock half{nullptr};
 };
 TORCH_MODULE(ImageDecoder);
 
 /// One image member: a background per scene, and what differs from it.
+///
+///     image --(-)--> encoder --> latents --> decoder --(+)--> image
+///              |        |                      |        |
+///              +--------+---- background ------+--------+   [scenes, C, H, W]
+///                       |                      |
+///                       +--- places (View) ----+
 struct ImageAutoencoderImpl : torch::nn::Module {
   ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers);
 
@@ -88,7 +124,7 @@ TORCH_MODULE(ImageAutoencoder);
 
 /// The autoencoder of one entity: all its images.
 ///
-/// Source: docs/learning.md, section "The image autoencoder".
+/// Source: docs/learning_methods.md, section "The image autoencoder".
 struct AutoencoderImpl : torch::nn::Module {
   explicit AutoencoderImpl(const NetworkShape& shape);
 

@@ -102,6 +102,7 @@ Tensor ImageDynamicsImpl::gate(const Tensor& features) {
 }
 
 DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
+  // The order of what is registered here is that of the tensors in a model file (layers.h).
   const int features = network.numbers > 0 ? kNumberFeatures : 0;
   const bool has_images = !network.images.empty() && network.sizes.width > 0;
   const int conditions = has_images ? network.sizes.conditions : 0;

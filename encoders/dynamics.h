@@ -19,10 +19,19 @@ struct Expected {
 
 /// The distribution of the next latents of a grid, given the last two and what else is known.
 /// Starts by expecting the last ones again.
+///
+///     last, last - before, known   [B, 2z + K', h, w]
+///           | input 3x3, + added
+///     [B, G, h, w]   block -- activate --> Expected::features
+///           | output 1x1
+///     change of the mean, log scale   [B, z, h, w] each
+///
+/// z channels of the grid, h w its size, K' channels of `known`, G `features`.
+/// Source: our own.
 struct LatentPriorImpl : torch::nn::Module {
   LatentPriorImpl(int channels, int known, int features);
 
-  /// `known` [B, K, h, w] or undefined; `added` [B, features] or undefined.
+  /// `known` [B, K', h, w] or undefined; `added` [B, features] or undefined.
   Expected forward(const torch::Tensor& last, const torch::Tensor& before,
                    const torch::Tensor& known, const torch::Tensor& added);
 
@@ -33,6 +42,12 @@ TORCH_MODULE(LatentPrior);
 
 /// The prior of the latents of one image, how far its prediction is trusted per pixel, and what
 /// predicts without latents.
+///
+///     last two coarse latents, features of numbers --> coarse_prior --> next coarse latents
+///                                                           |  features [B, F/2, H/16, W/16]
+///                                                           +--> gate_output --> gate [B, 1, H, W]
+///     last two fine latents, next coarse latents ----> fine_prior ----> next fine latents
+///     last two images, features of numbers and conditions --> motion --> next images
 struct ImageDynamicsImpl : torch::nn::Module {
   ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features,
                     int motion_features);
@@ -65,7 +80,13 @@ struct DynamicsStep {
 ///
 /// so that a closed gate is a copy of the last value. Images are also predicted from their pixels
 /// (ImageMotion), which carries over better to what the latents were not trained on.
-/// Source: docs/learning.md, section "Prediction".
+///
+///     numbers, their change [B, 2N] --> number_input -- number_hidden --> [B, 128]
+///           --> number_change [B, N], number_gate [B, N]; images[i] as features of numbers
+///     conditions, changes, plan [B, (2 + kSteps) K + 2] --> condition_input -- condition_hidden
+///           --> [B, 64], for the motion of images alone
+///
+/// Source: docs/learning_methods.md, section "Prediction".
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);
 

@@ -16,7 +16,7 @@ namespace engram::encoders {
 /// mean squares, in grey levels or in the units of numbers.
 ///
 /// Threading: immutable but for assignment.
-/// Source: docs/learning.md, section "How wrong predictions are".
+/// Source: docs/learning_methods.md, section "How wrong predictions are".
 struct ErrorCalibration {
   double least_change = 1;  ///< More than 0: noise alone changes that much.
   double exponent = 0;      ///< 0 to 1; 0: errors do not depend on what changed.

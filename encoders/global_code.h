@@ -11,19 +11,24 @@ namespace engram::encoders {
 inline constexpr int64_t kGlobalCodeSize = 48;
 
 /// Means of the coarse latents of all images over a few cells of their grids: what a global code is
-/// made from. Shape: [B, F].
+/// made from. Shape: [B, P], P = pooled_size().
 [[nodiscard]] torch::Tensor pooled_latents(const Latents& latents);
 
-/// The F of pooled_latents; 0 without networks.
+/// The P of pooled_latents; 0 without networks.
 [[nodiscard]] int64_t pooled_size(const NetworkShape& shape);
 
 /// A few numbers per snapshot that are near each other where snapshots look alike: a projection of
 /// pooled latents, and an offset per background. Their distance is about that of the small images
 /// that training fitted it to. Unit: grey levels, root mean square.
 ///
-/// Source: docs/learning.md, section "Global codes".
+///     coarse latents, rounded --> pooled_latents [B, P] --> projection --(+)--> [B, 48]
+///     scene [B] --> offset ------------------------------------------------+
+///
+/// P is pooled_size(). Both tensors are fitted in closed form: ridge regression of the small images
+/// on pooled latents, then principal components of what that explains. Our own.
+/// Source: docs/learning_methods.md, section "Global codes".
 struct GlobalCode {
-  torch::Tensor projection;  ///< [kGlobalCodeSize, F]; undefined where a model has none.
+  torch::Tensor projection;  ///< [kGlobalCodeSize, P]; undefined where a model has none.
   torch::Tensor offset;      ///< [scenes, kGlobalCodeSize].
 
   [[nodiscard]] bool is_known() const { return projection.defined(); }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoders/layers.h"
 
+#include <string>
+
 namespace engram::encoders {
 
 using torch::Tensor;
@@ -74,6 +76,17 @@ ResidualBlockImpl::ResidualBlockImpl(int features)
 
 Tensor ResidualBlockImpl::forward(const Tensor& x) {
   return second(activate(first(x))).add_(x);
+}
+
+ResidualBlocksImpl::ResidualBlocksImpl(int features, int count) {
+  for (int i = 0; i < count; ++i)
+    blocks.push_back(register_module("block" + std::to_string(i), ResidualBlock(features)));
+}
+
+Tensor ResidualBlocksImpl::forward(const Tensor& x) {
+  Tensor y = x;
+  for (ResidualBlock& block : blocks) y = block(y);
+  return y;
 }
 
 }  // namespace engram::encoders

@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "encoders/torch.h"
 
 // Internal to the learning rooms: includes LibTorch.
+//
+// The layers that all networks are made of. B batch, C channels, H W height and width, F features.
+//
+// A model file holds the tensors of a network in the order in which its modules register them, and
+// no names. So a member or its registered name may be renamed, but the order of register_module()
+// and register_parameter() may not change: old files would be read into the wrong tensors.
+// Few names have a meaning: what ends in "background" is kept as pixels (weight_rounding.h), and
+// training finds by name what it starts from and what belongs to the motion.
 
 namespace engram::encoders {
 
@@ -21,7 +31,10 @@ inline constexpr double kGreyLevels = 64.0;
 /// `conv`, a 1x1 convolution, of unshuffled(x, 2): of all places of 2 x 2 at once.
 [[nodiscard]] torch::Tensor halved(torch::nn::Conv2d& conv, const torch::Tensor& x);
 
-/// pixel_shuffle(conv(x), 2) of a 1x1 convolution, in runs of channels.
+/// pixel_shuffle(conv(x), 2) of a 1x1 convolution, in runs of channels. Trains faster here than a
+/// transposed convolution.
+/// Source: Shi et al., Real-Time Single Image and Video Super-Resolution Using an Efficient
+/// Sub-Pixel Convolutional Neural Network, 2016.
 [[nodiscard]] torch::Tensor doubled(torch::nn::Conv2d& conv, const torch::Tensor& x);
 
 /// Adds what is known of images to several rows of each, one after the other.
@@ -38,6 +51,11 @@ inline constexpr double kGreyLevels = 64.0;
 [[nodiscard]] torch::Tensor with_features(const torch::Tensor& x, const torch::Tensor& features);
 
 /// Two 3x3 convolutions beside an identity; starts as the identity.
+///
+///     x --+-- first 3x3 -- activate -- second 3x3 --(+)-- y        x, y [B, F, H, W]
+///         +---------------------------------------------+
+///
+/// Source: He et al., Deep Residual Learning for Image Recognition, 2016; without normalisation.
 struct ResidualBlockImpl : torch::nn::Module {
   explicit ResidualBlockImpl(int features);
   torch::Tensor forward(const torch::Tensor& x);
@@ -45,5 +63,14 @@ struct ResidualBlockImpl : torch::nn::Module {
   torch::nn::Conv2d first{nullptr}, second{nullptr};
 };
 TORCH_MODULE(ResidualBlock);
+
+/// Several residual blocks, one after the other.
+struct ResidualBlocksImpl : torch::nn::Module {
+  ResidualBlocksImpl(int features, int count);
+  torch::Tensor forward(const torch::Tensor& x);
+
+  std::vector<ResidualBlock> blocks;
+};
+TORCH_MODULE(ResidualBlocks);
 
 }  // namespace engram::encoders

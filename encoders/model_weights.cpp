@@ -16,7 +16,8 @@ using torch::Tensor;
 
 namespace {
 
-/// Weights of a module in the order of their names, by the way they are stored.
+/// Weights of a module in the order in which it registers them, by the way they are stored. Names
+/// are not stored.
 struct Weights {
   std::vector<int8_t> bytes;    ///< Matrices and convolutions.
   std::vector<float> scales;    ///< One per output channel of those.

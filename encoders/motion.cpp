@@ -43,24 +43,26 @@ Tensor warp(const Tensor& x, const Tensor& flow) {
 
 ImageMotionImpl::ImageMotionImpl(const ImageShape& shape, int features, int added)
     : unit(shape.unit), channels(shape.channels) {
-  const int a = features;
-  const int b = 2 * features;
-  const int c = 4 * features;
+  const int eighth_features = 2 * features;
+  const int sixteenth_features = 4 * features;
   const int pixels = 16 * unit * unit;
-  stem = register_module("stem", make_conv((3 + kSteps) * channels * pixels, a, 3));
-  quarter_1 = register_module("quarter_1", ResidualBlock(a));
-  to_eighth = register_module("to_eighth", make_conv(4 * a, b, 1));
-  eighth_1 = register_module("eighth_1", ResidualBlock(b));
-  to_sixteenth = register_module("to_sixteenth", make_conv(4 * b, c, 1));
-  if (added > 0) from_added = register_module("from_added", make_zero_linear(added, c));
-  sixteenth_1 = register_module("sixteenth_1", ResidualBlock(c));
-  sixteenth_2 = register_module("sixteenth_2", ResidualBlock(c));
-  sixteenth_3 = register_module("sixteenth_3", ResidualBlock(c));
-  from_sixteenth = register_module("from_sixteenth", make_conv(c, 4 * b, 1));
-  eighth_2 = register_module("eighth_2", ResidualBlock(b));
-  from_eighth = register_module("from_eighth", make_conv(b, 4 * a, 1));
-  quarter_2 = register_module("quarter_2", ResidualBlock(a));
-  out = register_module("out", make_conv(a, kSteps * (2 + pixels * (channels + 2)), 3, true));
+  // The order is that of the tensors in a model file (layers.h).
+  stem = register_module("stem", make_conv((3 + kSteps) * channels * pixels, features, 3));
+  quarter_down = register_module("quarter_down", ResidualBlock(features));
+  to_eighth = register_module("to_eighth", make_conv(4 * features, eighth_features, 1));
+  eighth_down = register_module("eighth_down", ResidualBlock(eighth_features));
+  to_sixteenth =
+      register_module("to_sixteenth", make_conv(4 * eighth_features, sixteenth_features, 1));
+  if (added > 0)
+    from_added = register_module("from_added", make_zero_linear(added, sixteenth_features));
+  sixteenth = register_module("sixteenth", ResidualBlocks(sixteenth_features, 3));
+  from_sixteenth =
+      register_module("from_sixteenth", make_conv(sixteenth_features, 4 * eighth_features, 1));
+  eighth_up = register_module("eighth_up", ResidualBlock(eighth_features));
+  from_eighth = register_module("from_eighth", make_conv(eighth_features, 4 * features, 1));
+  quarter_up = register_module("quarter_up", ResidualBlock(features));
+  out =
+      register_module("out", make_conv(features, kSteps * (2 + pixels * (channels + 2)), 3, true));
 }
 
 std::vector<Tensor> ImageMotionImpl::forward(const Tensor& last, const Tensor& before,
@@ -69,13 +71,13 @@ std::vector<Tensor> ImageMotionImpl::forward(const Tensor& last, const Tensor& b
   const Tensor change = now - before / kGreyLevels;
   const Tensor expected = (moved - last.unsqueeze(1)).flatten(1, 2) / kGreyLevels;
   const Tensor seen = torch::cat({now, change, change.abs(), expected}, 1);
-  const Tensor q = quarter_1(stem(unshuffled(seen, 4 * unit)));  // [B, F, H/4, W/4]
-  const Tensor e = eighth_1(halved(to_eighth, q));               // [B, 2F, H/8, W/8]
-  Tensor x = halved(to_sixteenth, e);                            // [B, 4F, H/16, W/16]
+  const Tensor fine = quarter_down(stem(unshuffled(seen, 4 * unit)));  // [B, M, H/4, W/4]
+  const Tensor middle = eighth_down(halved(to_eighth, fine));          // [B, 2M, H/8, W/8]
+  Tensor x = halved(to_sixteenth, middle);                             // [B, 4M, H/16, W/16]
   if (from_added) x = with_features(x, from_added(added));
-  x = sixteenth_3(sixteenth_2(sixteenth_1(x)));
-  x = eighth_2(e + doubled(from_sixteenth, x));
-  x = quarter_2(q + doubled(from_eighth, x));
+  x = sixteenth(x);
+  x = eighth_up(middle + doubled(from_sixteenth, x));  // [B, 2M, H/8, W/8]
+  x = quarter_up(fine + doubled(from_eighth, x));      // [B, M, H/4, W/4]
   std::vector<Tensor> images;
   for (const Tensor& step : out(activate(x)).chunk(kSteps, 1)) {
     const Tensor flow = enlarged(step.slice(1, 0, 2), 4 * unit) * (kFlowPixels * unit);

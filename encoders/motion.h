@@ -18,7 +18,21 @@ namespace engram::encoders {
 ///
 /// It starts between a copy of the last image and the moved one. It knows no places and no scene,
 /// and so carries over to recordings that it was not trained on.
-/// Source: docs/learning.md, section "Prediction".
+///
+///     last, change, |change|, moved - last   [B, (3 + kSteps) C, H, W]
+///           | unshuffle by 4, stem 3x3
+///     [B, M, H/4, W/4]     quarter_down ------------------------------(+)- quarter_up - out 3x3
+///           | to_eighth                                                 | from_eighth
+///     [B, 2M, H/8, W/8]    eighth_down --------------(+)- eighth_up ----+
+///           | to_sixteenth                            | from_sixteenth
+///     [B, 4M, H/16, W/16]  + from_added - sixteenth --+
+///
+/// sixteenth has three residual blocks, the others have one each.
+/// out, per step: a flow [B, 2, H/4, W/4]; mend [B, C, H, W], mask and share [B, 1, H, W] each.
+/// M is `features`.
+///
+/// Source: docs/learning_methods.md, section "Prediction". The shape follows Ronneberger et al.,
+/// U-Net, 2015; images are warped as in Jaderberg et al., Spatial Transformer Networks, 2015.
 struct ImageMotionImpl : torch::nn::Module {
   /// `added` features come with every call; 0: none.
   ImageMotionImpl(const ImageShape& shape, int features, int added);
@@ -35,8 +49,9 @@ struct ImageMotionImpl : torch::nn::Module {
   int unit, channels;
   torch::nn::Conv2d stem{nullptr}, to_eighth{nullptr}, to_sixteenth{nullptr};
   torch::nn::Conv2d from_sixteenth{nullptr}, from_eighth{nullptr}, out{nullptr};
-  ResidualBlock quarter_1{nullptr}, quarter_2{nullptr}, eighth_1{nullptr}, eighth_2{nullptr};
-  ResidualBlock sixteenth_1{nullptr}, sixteenth_2{nullptr}, sixteenth_3{nullptr};
+  ResidualBlock quarter_down{nullptr}, quarter_up{nullptr};
+  ResidualBlock eighth_down{nullptr}, eighth_up{nullptr};
+  ResidualBlocks sixteenth{nullptr};
   torch::nn::Linear from_added{nullptr};
 };
 TORCH_MODULE(ImageMotion);

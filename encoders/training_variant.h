@@ -11,7 +11,9 @@ namespace engram::encoders {
 
 /// What latents were trained for. Networks, codec, storage and prediction are the same.
 ///
-/// Source: docs/learning.md, section "Training variants".
+/// Source: docs/learning_methods.md, section "Training variants". Papers: Ballé et al., End-to-end
+/// Optimized Image Compression, 2017 (rate); Kingma and Welling, Auto-Encoding Variational Bayes,
+/// 2014 (vae); Tolstikhin et al., Wasserstein Auto-Encoders, 2018 (wae).
 enum class TrainingVariant : uint8_t {
   kRateAware,    ///< "rate": squared error and the bits that latents take.
   kAutoencoder,  ///< "ae": squared error alone.

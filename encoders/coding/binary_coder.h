@@ -18,7 +18,7 @@ inline constexpr int kProbabilityBits = 16;
 /// Integer arithmetic only, so every machine writes and reads the same.
 ///
 /// Threading: one thread.
-/// Source: docs/learning.md, section "Numbers".
+/// Source: docs/learning_methods.md, section "Numbers".
 class BinaryEncoder {
  public:
   static constexpr bool kIsDecoder = false;

@@ -13,7 +13,7 @@ namespace engram::encoders {
 /// bits of its magnitude one by one, then those bits; the first two of them have models too.
 ///
 /// Threading: one thread.
-/// Source: docs/learning.md, section "Numbers".
+/// Source: docs/learning_methods.md, section "Numbers".
 class IntegerModel {
  public:
   /// Bits of the magnitude: that of INT64_MIN has 64.

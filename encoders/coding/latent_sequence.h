@@ -13,7 +13,7 @@ namespace engram::encoders {
 
 /// What the first latents of a block are coded by: learned from a recording, stored in a model.
 ///
-/// Source: docs/learning.md, section "Sequences of latents".
+/// Source: docs/learning_methods.md, section "Sequences of latents".
 class LatentModel {
  public:
   /// Knows nothing yet. `grids` from the coarsest to the finest; one at least, none of them empty
@@ -55,7 +55,7 @@ class LatentModel {
 /// A block decodes alone, from its first row on; it ends with a checksum of 32 bits.
 /// Shape: [T, latents()], every row the grids one after the other, each [channels, height, width].
 /// Threading: immutable, const-parallel.
-/// Source: docs/learning.md, section "Sequences of latents".
+/// Source: docs/learning_methods.md, section "Sequences of latents".
 class LatentSequenceCodec {
  public:
   explicit LatentSequenceCodec(LatentModel model) : model_(std::move(model)) {}

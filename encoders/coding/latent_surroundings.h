@@ -59,7 +59,7 @@ inline constexpr SumTable kFewOf = [] {
 /// summed for a whole channel at once, and nothing asks where a plane ends.
 /// Shape: planes of [height + 2, width + 2]; `at` is an index into one (place()).
 /// Threading: one thread.
-/// Source: docs/learning.md, section "Sequences of latents".
+/// Source: docs/learning_methods.md, section "Sequences of latents".
 class LatentSurroundings {
  public:
   /// Kinds of classes: how much there is of something, coarser, values from -3 to 3, from -2 to 2.

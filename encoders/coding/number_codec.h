@@ -16,7 +16,7 @@ namespace engram::encoders {
 /// What is decoded is the same on every machine.
 /// Shape: rows [K, N], N = model().count().
 /// Threading: const-parallel.
-/// Source: docs/learning.md, section "Numbers".
+/// Source: docs/learning_methods.md, section "Numbers".
 class NumberCodec {
  public:
   explicit NumberCodec(NumberModel model) : model_(std::move(model)) {}

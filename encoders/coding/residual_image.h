@@ -20,7 +20,7 @@ class ResidualWalk;
 ///
 /// Integer arithmetic only: every machine adds the same to what it decoded.
 /// Threading: one thread.
-/// Source: docs/learning.md, section "Residuals".
+/// Source: docs/learning_methods.md, section "Residuals".
 class ResidualEncoder {
  public:
   explicit ResidualEncoder(const PixelShape& shape);

@@ -37,7 +37,7 @@ struct QuantisedResidual {
 /// already tells how likely each bit is.
 ///
 /// Threading: one thread.
-/// Source: docs/learning.md, section "Residuals".
+/// Source: docs/learning_methods.md, section "Residuals".
 class ResidualWalk {
  public:
   explicit ResidualWalk(const BlockGrid& grid);

@@ -22,7 +22,7 @@ namespace engram::encoders {
 /// in its row. Integer arithmetic only. Every matrix ends in a checksum of 32 bits.
 /// Shape: [rows, columns], row by row; a row is an output channel.
 /// Threading: one thread.
-/// Source: docs/learning.md, section "The model file".
+/// Source: docs/learning_methods.md, section "The model file".
 class WeightCoder {
  public:
   WeightCoder();

@@ -9,7 +9,7 @@ fewest bits, as a prior tells them that knows the two latents before. Writes the
     image_latents.py images --db 35 --seconds 1200 --out latents.bin
     latent_bytes latents.bin
 
-Source: docs/learning.md, section "Trials".
+Source: experiments/learning/LOG.md, entry "trials of image latents".
 """
 import argparse
 import math

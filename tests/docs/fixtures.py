@@ -25,8 +25,6 @@ RECIPES: dict[str, tuple[list[str], str]] = {
     "demo.engram": ([], "engram simulate kitchen demo.engram --fast --seconds 2 && engram "
                     "consolidate demo.engram --entity Vision/RGB/head/stereo --steps 2 --psnr 26 "
                     "--video h264"),
-    "types": (["source/tests/docs/types"], "mv source/tests/docs/types . && "
-              "engram idf generate types/kitchen.xml --cpp types"),
     "recording.mcap": (["robot.engram"],
                        "engram export robot.engram '@ all' --to mcap -o recording.mcap"),
     "demos.hdf5": (["robot.engram"],

@@ -29,7 +29,9 @@ TEST(PlaceFeatures, KnowByHeartOnlyScenesThatWereTrainedOn) {
   const Tensor background = torch::rand({1, 3, 32, 48});
   const View before = places(background, scene_of(-1));
   torch::NoGradGuard no_grad;
-  for (Tensor weights : {places->place_16, places->place_8, places->place_4}) weights.fill_(1);
+  for (Tensor weights :
+       {places->sixteenth_by_heart, places->eighth_by_heart, places->quarter_by_heart})
+    weights.fill_(1);
   const View none = places(background, scene_of(-1));
   const View known = places(background, scene_of(1));
   EXPECT_TRUE(none.sixteenth.equal(before.sixteenth));
@@ -75,7 +77,7 @@ TEST(Views, StandForSeveralRowsEach) {
   Autoencoder autoencoder(network_of(2));
   torch::NoGradGuard no_grad;
   autoencoder->images[0]->background.copy_(torch::rand({2, 3, 32, 48}));
-  autoencoder->images[0]->places->place_16.slice(0, 1).fill_(0.5);
+  autoencoder->images[0]->places->sixteenth_by_heart.slice(0, 1).fill_(0.5);
   const Tensor images = torch::rand({6, 3, 32, 48}) * 255;
   const Tensor scenes = torch::tensor({0, 1}, torch::kLong);
   const auto rows = [&](const Tensor& x) { return Parts{{x}, Tensor(), scenes}; };
