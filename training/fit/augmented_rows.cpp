@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "encoders/coded_background.h"
-#include "training/fit/fit.h"
+#include "training/fit/windows.h"
 
 namespace engram::training {
 

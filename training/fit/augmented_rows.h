@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "training/fit/dataset.h"
+#include "training/fit/training_source.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

@@ -5,9 +5,9 @@
 #include <stop_token>
 
 #include "ltm/memory/memory_id.h"
-#include "training/fit/trainer.h"
+#include "training/fit/training_source.h"
 
-// Private to this room.
+// Internal to the learning rooms.
 
 namespace engram::training {
 

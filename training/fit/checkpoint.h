@@ -7,9 +7,10 @@
 #include "encoders/training_curve.h"
 #include "ltm/idf/data.h"
 #include "training/fit/fit_step.h"
-#include "training/fit/trainer.h"
+#include "training/fit/train_options.h"
+#include "training/fit/training_source.h"
 
-// Private to this room.
+// Internal to the learning rooms.
 
 namespace engram::training {
 
@@ -17,6 +18,11 @@ enum class FitPhase : int32_t { kAutoencoder, kDynamics, kMotion };
 
 /// "autoencoder", "dynamics", "motion".
 [[nodiscard]] std::string_view name_of(FitPhase phase);
+
+/// What a checkpoint belongs to: options (but for the time they allow and the threads that use it),
+/// code, the times of the data and the model that training goes on from. Another key, another
+/// training.
+[[nodiscard]] uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& options);
 
 /// Training between two steps: all that the rest of it depends on, but for the data.
 struct Checkpoint {

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "ltm/store/store_reader.h"
-#include "training/fit/trainer.h"
+#include "training/fit/training_source.h"
 
-// Private to this room: the recorded past of the entity that predictions of another one start from.
+// Internal to the learning rooms: the recorded past of the entity that predictions of another one
+// start from.
 
 namespace engram::training {
 

@@ -2,14 +2,12 @@
 #pragma once
 
 #include <optional>
-#include <stop_token>
 #include <vector>
 
 #include "encoders/deep_model.h"
 #include "training/fit/sequences.h"
-#include "training/fit/trainer.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 
@@ -61,11 +59,5 @@ struct Dataset {
   [[nodiscard]] encoders::Parts augmented_batch(const encoders::NetworkShape& shape,
                                                 const torch::Tensor& indices) const;
 };
-
-/// Reads what fits into options.memory_bytes. With a model of this layout to go on from, its
-/// backgrounds come first, and numbers are normalised as it does where they still fit.
-/// Errors: as train_model.
-Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
-                             const encoders::DeepModel* start, const std::stop_token& stop);
 
 }  // namespace engram::training

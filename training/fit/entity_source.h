@@ -7,9 +7,9 @@
 
 #include "ltm/idf/layout.h"
 #include "ltm/store/store_reader.h"
-#include "training/fit/trainer.h"
+#include "training/fit/training_source.h"
 
-// Private to this room.
+// Internal to the learning rooms.
 
 namespace engram::training {
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "training/fit/fit_autoencoder.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "encoders/weight_rounding.h"
-#include "training/fit/fit.h"
+#include "training/fit/gradients.h"
+#include "training/fit/image_units.h"
 #include "training/fit/latent_regulariser.h"
 #include "training/fit/row_sampler.h"
 #include "training/fit/view_change.h"
+#include "training/fit/windows.h"
 
 namespace engram::training {
 
@@ -248,14 +252,6 @@ void start_from_new_backgrounds(encoders::DeepModel& model, const Dataset& data)
 }
 
 }  // namespace
-
-double size_in_usual_images(const encoders::NetworkShape& shape) {
-  constexpr double kUsualElements = 128 * 128 * 3;
-  double elements = 0;
-  for (const auto& image : shape.images)
-    elements += static_cast<double>(image.channels) * image.height * image.width;
-  return elements / kUsualElements;
-}
 
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
                                 const TrainOptions& options, FitLoop& loop, FitSpeed& speed) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
+#include "training/fit/fit_dynamics.h"
 
-#include "training/fit/fit.h"
+#include "training/fit/gradients.h"
+#include "training/fit/windows.h"
 
 namespace engram::training {
 
@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kPeakRate = 1e-3;
 constexpr double kLargestGradient = 1.0;
-constexpr double kHeldOutShare = 0.15;
 /// Horizons that rollouts are trained for.
 constexpr int kTrainedHorizons = 2;
 
@@ -28,27 +27,6 @@ Tensor error_of(const Parts& predicted, const Parts& actual) {
 }
 
 }  // namespace
-
-size_t held_out_from(const Sequence& sequence) {
-  const auto held_out =
-      static_cast<size_t>(std::ceil(kHeldOutShare * static_cast<double>(sequence.size())));
-  return sequence.end - std::min(held_out, sequence.size());
-}
-
-Windows make_windows(std::span<const Sequence> sequences, int horizon) {
-  Windows windows;
-  const auto ahead = static_cast<size_t>(horizon);
-  for (const Sequence& sequence : sequences) {
-    const size_t limit = held_out_from(sequence);
-    for (size_t row = sequence.first + 1; row + ahead < sequence.end; ++row) {
-      if (row + ahead < limit)
-        windows.training.push_back(static_cast<int64_t>(row));
-      else
-        windows.held_out.push_back(static_cast<int64_t>(row));
-    }
-  }
-  return windows;
-}
 
 Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
                              const LatentTable& latents, const TrainOptions& options,

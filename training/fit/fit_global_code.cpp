@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "training/fit/fit_global_code.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "encoders/weight_rounding.h"
-#include "training/fit/fit.h"
 
 namespace engram::training {
 

@@ -6,7 +6,7 @@
 #include "training/fit/job_pace.h"
 #include "training/fit/schedule.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "training/fit/fit_motion.h"
+
 #include <algorithm>
 
 #include "encoders/moved_images.h"
-#include "training/fit/fit.h"
+#include "training/fit/gradients.h"
 #include "training/fit/view_change.h"
+#include "training/fit/windows.h"
 
 namespace engram::training {
 

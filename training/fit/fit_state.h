@@ -7,7 +7,7 @@
 #include "ltm/idf/data.h"
 #include "training/fit/fit_step.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-// Private to this room.
+// Internal to the learning rooms.
 
 namespace engram::training {
 

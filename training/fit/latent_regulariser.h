@@ -6,7 +6,7 @@
 #include "encoders/autoencoder.h"
 #include "encoders/training_variant.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

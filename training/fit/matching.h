@@ -7,7 +7,7 @@
 
 #include "ltm/store/store_reader.h"
 
-// Private to this room.
+// Internal to the learning rooms.
 
 namespace engram::training {
 

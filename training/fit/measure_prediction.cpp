@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "training/fit/measure_prediction.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "training/fit/conformal.h"
-#include "training/fit/fit.h"
-#include "training/quality/metrics.h"
+#include "training/fit/windows.h"
+#include "training/quality/psnr.h"
 
 namespace engram::training {
 

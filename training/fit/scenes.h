@@ -3,7 +3,7 @@
 
 #include "training/fit/dataset.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

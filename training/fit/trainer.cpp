@@ -2,15 +2,22 @@
 #include "training/fit/trainer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "encoders/deep_model_file.h"
 #include "encoders/threads.h"
 #include "encoders/weight_rounding.h"
 #include "training/fit/checkpoint.h"
-#include "training/fit/fit.h"
+#include "training/fit/fit_autoencoder.h"
+#include "training/fit/fit_codec.h"
+#include "training/fit/fit_dynamics.h"
+#include "training/fit/fit_global_code.h"
+#include "training/fit/fit_motion.h"
+#include "training/fit/load_dataset.h"
+#include "training/fit/measure_prediction.h"
+#include "training/fit/network_width.h"
 #include "training/fit/warm_start.h"
+#include "training/fit/windows.h"
 
 namespace engram::training {
 
@@ -21,10 +28,6 @@ constexpr std::string_view kCodeVersion = "0.1.0";
 constexpr double kAutoencoderShare = 0.72;
 constexpr double kMotionShare = 0.2;
 constexpr size_t kFewestSnapshots = 2;
-/// What both numbers and orientations can be kept within.
-constexpr double kLeastNumberBound = 1e-9;
-constexpr double kMostNumberBound = 1e9;
-
 encoders::NetworkSizes sizes_of(const TrainOptions& options, size_t snapshots,
                                 const Dataset& data) {
   return {network_width(options, snapshots), options.coarse_channels, options.fine_channels,
@@ -220,71 +223,6 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
 }
 
 }  // namespace
-
-// Features that pay for their bytes in the model file. Source: docs/learning.md.
-int network_width(const TrainOptions& options, size_t snapshots) {
-  if (!options.has_networks) return 0;
-  if (options.width > 0) return options.width;
-  if (snapshots < 2000) return 64;
-  return snapshots < 20000 ? 96 : 128;
-}
-
-uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options) {
-  auto plan = encoders::TensorPlan::create(layout);
-  if (!plan.ok() || plan->images().empty()) return 0;
-  const encoders::DeepModel model(
-      std::move(*plan), {options.width, options.coarse_channels, options.fine_channels, 1, 0});
-  int64_t weights = 0;
-  for (const auto& tensor : model.autoencoder->parameters()) weights += tensor.numel();
-  for (const auto& tensor : model.dynamics->parameters()) weights += tensor.numel();
-  return static_cast<uint64_t>(weights);
-}
-
-int width_that_pays(const idf::Layout& layout, const TrainOptions& options, double saved_bytes) {
-  constexpr std::array kWidths{128, 96, 64, 48, 32};
-  for (const int width : kWidths) {
-    TrainOptions tried = options;
-    tried.width = width;
-    const auto bytes = static_cast<double>(network_bytes(layout, tried));
-    if (bytes > 0 && bytes <= kMostModelShare * saved_bytes) return width;
-  }
-  return 0;
-}
-
-Status TrainOptions::validate() const {
-  if (!steps && budget <= Duration::zero())
-    return invalid_argument("training budget: found {}, needs more than zero", to_string(budget));
-  if (steps && *steps < 1) return invalid_argument("training steps: found {}, needs 1", *steps);
-  if (batch_size < 1) return invalid_argument("batch size: found {}, needs 1", batch_size);
-  if (!(psnr_db >= 10 && psnr_db <= 60))
-    return invalid_argument("quality: found {} dB, needs 10 to 60", psnr_db);
-  if (number_bound && !(*number_bound >= 0 && *number_bound <= kMostNumberBound))
-    return invalid_argument("bound of numbers: found {}, needs 0 (every bit) to {}", *number_bound,
-                            kMostNumberBound);
-  if (number_bound && *number_bound > 0 && *number_bound < kLeastNumberBound)
-    return invalid_argument("bound of numbers: found {}, needs 0 (every bit) or {} and more",
-                            *number_bound, kLeastNumberBound);
-  const encoders::NetworkSizes sizes{width == 0 ? 64 : width, coarse_channels, fine_channels, 1};
-  if (!sizes.is_valid())
-    return invalid_argument(
-        "found a width of {} and {} and {} latent channels, needs a multiple of 16 up to {} (or 0) "
-        "and 1 to {}",
-        width, coarse_channels, fine_channels, encoders::NetworkSizes::kMostWidth,
-        encoders::NetworkSizes::kMostChannels);
-  if (chain_rows < 1 || chain_rows > static_cast<int>(encoders::kMostBlockRows))
-    return invalid_argument("snapshots of a chain: found {}, needs 1 to {}", chain_rows,
-                            encoders::kMostBlockRows);
-  if (!(varied_share >= 0 && varied_share <= 1))
-    return invalid_argument("share of varied images: found {}, needs 0 to 1", varied_share);
-  if (!(augmented_share >= 0 && augmented_share < 1))
-    return invalid_argument("share of augmented values: found {}, needs 0 to below 1",
-                            augmented_share);
-  if (threads < 1) return invalid_argument("threads: found {}, needs at least 1", threads);
-  if (hold_out_recordings < 0)
-    return invalid_argument("recordings to leave out: found {}, needs 0 or more",
-                            hold_out_recordings);
-  return {};
-}
 
 Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
                                 const std::filesystem::path& file, const ProgressSink& progress,

@@ -2,6 +2,7 @@
 #include "training/fit/warm_start.h"
 
 #include "encoders/deep_model_file.h"
+#include "training/fit/network_width.h"
 
 namespace engram::training {
 

@@ -5,9 +5,10 @@
 #include <string>
 
 #include "encoders/deep_model.h"
-#include "training/fit/trainer.h"
+#include "training/fit/train_options.h"
+#include "training/fit/training_source.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

@@ -10,7 +10,7 @@
 #include "training/forms/representation.h"
 #include "training/forms/video_search.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

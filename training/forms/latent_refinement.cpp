@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "training/fit/fit.h"
+#include "training/fit/gradients.h"
+#include "training/fit/image_units.h"
+#include "training/fit/schedule.h"
 #include "training/quality/metrics.h"
 
 namespace engram::training {

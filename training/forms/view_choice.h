@@ -6,7 +6,7 @@
 
 #include "encoders/deep_model.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

@@ -5,7 +5,7 @@
 
 #include "ltm/recall/model.h"
 #include "ltm/store/store_reader.h"
-#include "training/measure/evaluate.h"
+#include "training/measure/evaluate_report.h"
 
 // Private to this room.
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "ltm/store/store_reader.h"
-#include "training/measure/evaluate.h"
+#include "training/measure/evaluate_report.h"
 
 // Private to this room.
 

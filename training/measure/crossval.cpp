@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/measure/crossval.h"
-#include "training/fit/augmented_source.h"
 
 #include <algorithm>
-#include <set>
 
 #include "encoders/deep_model_file.h"
 #include "ltm/store/temporary_file.h"
+#include "training/fit/augmented_source.h"
 #include "training/fit/condition_source.h"
 #include "training/fit/entity_source.h"
 #include "training/fit/matching.h"
+#include "training/fit/trainer.h"
 #include "training/forms/block_choice.h"
 #include "training/measure/crossval_sums.h"
 
@@ -296,32 +296,6 @@ Result<ltm::MemoryId> only_match(const ltm::StoreReader& reader, const std::stri
 }
 
 }  // namespace
-
-Status CrossvalOptions::validate() const {
-  if (every < Duration::zero())
-    return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
-                            engram::to_string(every));
-  if (ahead < kLeastAhead || ahead > kMostAhead)
-    return invalid_argument("snapshots ahead: found {}, needs {} to {}", ahead, kLeastAhead,
-                            kMostAhead);
-  if (std::ranges::find(folds, 0u) != folds.end())
-    return invalid_argument("folds: found 0, the first is 1");
-  if (std::set(folds.begin(), folds.end()).size() < folds.size())
-    return invalid_argument("folds: found one twice, needs each at most once");
-  if (variants.empty()) return invalid_argument("training variants: found none, needs at least 1");
-  if (std::set(variants.begin(), variants.end()).size() < variants.size())
-    return invalid_argument("training variants: found one twice, needs each at most once");
-  ENGRAM_RETURN_IF_ERROR(representation(true).validate());
-  return train.validate();
-}
-
-RepresentationOptions CrossvalOptions::representation(bool is_corrected) const {
-  RepresentationOptions chosen;
-  chosen.kind = is_corrected ? Representation::kCorrected : Representation::kLatents;
-  chosen.bound_db = is_corrected ? bound_db : 0;
-  chosen.refine_steps = refine_steps;
-  return chosen;
-}
 
 Result<CrossvalReport> crossval(const std::filesystem::path& store, const CrossvalOptions& options,
                                 const ProgressSink& progress, const std::stop_token& stop,

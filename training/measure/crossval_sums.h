@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "training/measure/crossval.h"
+#include "training/measure/crossval_report.h"
 #include "training/measure/quality_sums.h"
 #include "training/measure/similarity.h"
 

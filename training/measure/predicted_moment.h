@@ -7,7 +7,7 @@
 
 #include "ltm/core/progress.h"
 #include "ltm/recall/recall.h"
-#include "training/measure/evaluate.h"
+#include "training/measure/evaluate_report.h"
 
 namespace engram::training {
 

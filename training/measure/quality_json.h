@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "training/measure/evaluate.h"
+#include "training/measure/prediction_quality.h"
 
 // Private to this room.
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "ltm/recall/model.h"
-#include "training/measure/evaluate.h"
+#include "training/measure/prediction_quality.h"
 #include "training/quality/metrics.h"
 
 // Private to this room.

@@ -8,7 +8,7 @@
 
 #include "ltm/idf/data.h"
 #include "training/fit/sequences.h"
-#include "training/measure/crossval.h"
+#include "training/measure/crossval_report.h"
 
 // Private to this room.
 

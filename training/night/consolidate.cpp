@@ -104,16 +104,6 @@ class TimeShares {
 
 }  // namespace
 
-Status ConsolidateOptions::validate() const {
-  if (min_snapshots < 2)
-    return invalid_argument("smallest number of snapshots: found {}, needs 2", min_snapshots);
-  ENGRAM_RETURN_IF_ERROR(representation.validate());
-  ENGRAM_RETURN_IF_ERROR(job.validate());
-  if (job.until && train.steps)
-    return invalid_argument("needs an end or a number of steps, not both");
-  return train.validate();
-}
-
 Result<ConsolidatePlan> plan_consolidation(const std::filesystem::path& store,
                                            const ConsolidateOptions& options,
                                            const std::stop_token& stop) {

@@ -8,10 +8,10 @@
 #include "ltm/store/store_reader.h"
 #include "training/fit/job_pace.h"
 #include "training/forms/block_choice.h"
-#include "training/night/consolidate.h"
+#include "training/night/consolidate_report.h"
 #include "training/quality/metrics.h"
 
-// Internal to the room: includes LibTorch.
+// Internal to the learning rooms: includes LibTorch.
 
 namespace engram::training {
 

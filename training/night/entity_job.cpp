@@ -11,8 +11,10 @@
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/publish.h"
 #include "training/fit/augmented_source.h"
+#include "training/fit/checkpoint.h"
 #include "training/fit/condition_source.h"
 #include "training/fit/entity_source.h"
+#include "training/fit/trainer.h"
 #include "training/night/entity_encoding.h"
 
 namespace engram::training {

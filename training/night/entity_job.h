@@ -9,7 +9,11 @@
 #include "ltm/store/store_reader.h"
 #include "ltm/store/temporary_file.h"
 #include "training/fit/job_pace.h"
-#include "training/night/consolidate.h"
+#include "training/fit/train_control.h"
+#include "training/fit/training_source.h"
+#include "training/night/consolidate_options.h"
+#include "training/night/consolidate_plan.h"
+#include "training/night/consolidate_report.h"
 
 // Private to this room.
 

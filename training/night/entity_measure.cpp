@@ -6,6 +6,8 @@
 
 #include "encoders/deep_model_file.h"
 #include "training/fit/entity_source.h"
+#include "training/fit/network_width.h"
+#include "training/fit/trainer.h"
 #include "training/forms/noise_floor.h"
 #include "training/forms/video_search.h"
 #include "training/night/entity_encoding.h"

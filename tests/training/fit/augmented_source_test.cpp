@@ -11,6 +11,8 @@
 #include "tests/training/recorded_scene.h"
 #include "training/augment/augment_store.h"
 #include "training/fit/augmented_rows.h"
+#include "training/fit/checkpoint.h"
+#include "training/fit/load_dataset.h"
 
 namespace engram::training {
 namespace {

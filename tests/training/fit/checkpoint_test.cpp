@@ -8,6 +8,7 @@
 
 #include "ltm/core/file.h"
 #include "tests/training/moving_scene.h"
+#include "training/fit/trainer.h"
 
 namespace engram::training {
 namespace {

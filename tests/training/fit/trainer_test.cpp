@@ -7,6 +7,7 @@
 #include "encoders/model_file.h"
 #include "ltm/core/file.h"
 #include "tests/training/moving_scene.h"
+#include "training/fit/network_width.h"
 #include "training/quality/metrics.h"
 
 namespace engram::training {

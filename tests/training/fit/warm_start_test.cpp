@@ -8,7 +8,10 @@
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
 #include "tests/training/moving_scene.h"
+#include "training/fit/checkpoint.h"
 #include "training/fit/dataset.h"
+#include "training/fit/load_dataset.h"
+#include "training/fit/trainer.h"
 
 namespace engram::training {
 namespace {
