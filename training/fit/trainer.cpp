@@ -133,9 +133,15 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
     report.notes.push_back("no recording is long enough to test predictions: they copy the last");
 }
 
-Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptions& options,
-                                  const std::filesystem::path& file, JobPace& pace,
-                                  const TrainControl& control, Checkpoints& checkpoints) {
+/// They are as large as the weights, and whoever goes on with the model needs none.
+void forget_gradients(encoders::DeepModel& model) {
+  for (const auto& weights : model.autoencoder->parameters()) weights.mutable_grad().reset();
+  for (const auto& weights : model.dynamics->parameters()) weights.mutable_grad().reset();
+}
+
+Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions& options,
+                                JobPace& pace, const TrainControl& control,
+                                Checkpoints& checkpoints) {
   encoders::set_threads(options.threads);
   ENGRAM_ASSIGN_OR_RETURN(const WarmStart start, find_start(source, options));
   torch::manual_seed(options.seed);
@@ -145,7 +151,9 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
                           load_dataset(source, options, start.model.get(), pace.stop()));
 
   // Model.
-  encoders::DeepModel model(data.plan, sizes_of(options, source.times.size(), data));
+  const auto made = std::make_shared<encoders::DeepModel>(
+      data.plan, sizes_of(options, source.times.size(), data));
+  encoders::DeepModel& model = *made;
   if (start.model) copy_weights(*start.model, model);
   model.mean = data.mean;
   model.deviation = data.deviation;
@@ -217,16 +225,15 @@ Result<TrainReport> train_checked(const TrainingSource& source, const TrainOptio
   if (options.steps)
     for (encoders::CurvePoint& point : provenance.curve) point.seconds = 0;
   describe(data, start, provenance);
-  ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
-  ENGRAM_RETURN_IF_ERROR(encoders::save_model(model, example, file));
-  return report;
+  forget_gradients(model);
+  return FittedModel{made, std::move(report)};
 }
 
 }  // namespace
 
-Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
-                                const std::filesystem::path& file, const ProgressSink& progress,
-                                const std::stop_token& stop, const TrainControl& control) {
+Result<FittedModel> fit_model(const TrainingSource& source, const TrainOptions& options,
+                              const ProgressSink& progress, const std::stop_token& stop,
+                              const TrainControl& control) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   if (source.times.size() < kFewestSnapshots)
     return invalid_argument("{}: found {} snapshots to train on, needs {}", source.entity,
@@ -236,10 +243,19 @@ Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions
   Checkpoints checkpoints(control.checkpoint, checkpoint_key(source, options),
                           control.checkpoint_interval);
   return encoders::guarded("train " + source.entity, [&] {
-    auto report = train_checked(source, options, file, pace, control, checkpoints);
-    if (report.ok() || !checkpoints.has_refused()) return report;
-    return train_checked(source, options, file, pace, control, checkpoints);
+    auto fitted = fit_checked(source, options, pace, control, checkpoints);
+    if (fitted.ok() || !checkpoints.has_refused()) return fitted;
+    return fit_checked(source, options, pace, control, checkpoints);
   });
+}
+
+Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
+                                const std::filesystem::path& file, const ProgressSink& progress,
+                                const std::stop_token& stop, const TrainControl& control) {
+  ENGRAM_ASSIGN_OR_RETURN(FittedModel fitted, fit_model(source, options, progress, stop, control));
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
+  ENGRAM_RETURN_IF_ERROR(encoders::save_model(*fitted.model, example, file));
+  return std::move(fitted.training);
 }
 
 }  // namespace engram::training
