@@ -12,9 +12,9 @@
 #include "cli/training_options.h"
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
-#include "training/consolidate.h"
-#include "training/drop_raw.h"
-#include "training/job_pace.h"
+#include "training/fit/job_pace.h"
+#include "training/night/consolidate.h"
+#include "training/night/drop_raw.h"
 
 namespace engram::cli {
 

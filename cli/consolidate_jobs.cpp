@@ -9,7 +9,7 @@
 #include "cli/interrupt.h"
 #include "cli/shared_progress.h"
 #include "ltm/core/log.h"
-#include "training/parallel_speed.h"
+#include "training/night/parallel_speed.h"
 
 namespace engram::cli {
 

@@ -6,7 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/progress_line.h"
-#include "training/consolidate_plan.h"
+#include "training/night/consolidate_plan.h"
 
 namespace engram::cli {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "cli/command.h"
-#include "training/consolidate.h"
-#include "training/drop_raw.h"
+#include "training/night/consolidate.h"
+#include "training/night/drop_raw.h"
 
 namespace engram::cli {
 

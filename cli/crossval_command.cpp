@@ -6,7 +6,7 @@
 #include "cli/text.h"
 #include "cli/training_options.h"
 #include "ltm/core/log.h"
-#include "training/crossval.h"
+#include "training/measure/crossval.h"
 
 namespace engram::cli {
 

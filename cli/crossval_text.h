@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "training/crossval.h"
+#include "training/measure/crossval.h"
 
 namespace engram::cli {
 

@@ -7,7 +7,7 @@
 #include "cli/progress_line.h"
 #include "cli/text.h"
 #include "ltm/memory/result.h"
-#include "training/evaluate.h"
+#include "training/measure/evaluate.h"
 
 namespace engram::cli {
 

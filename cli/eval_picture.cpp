@@ -7,7 +7,7 @@
 #include "cli/text.h"
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
-#include "training/metrics.h"
+#include "training/quality/metrics.h"
 
 namespace engram::cli {
 
@@ -38,7 +38,8 @@ Result<idf::Data> predicted_value(ltm::Predictor& predictor, ltm::StoreReader& r
                                   const std::vector<ltm::SnapshotEntry>& entries, size_t index) {
   std::vector<idf::Data> history;
   for (size_t past = index - 2; past < index; ++past) {
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot snapshot, reader.read_recorded(entity, entries[past]));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot snapshot,
+                            reader.read_recorded(entity, entries[past]));
     history.push_back(snapshot.instances.front().data);
   }
   ENGRAM_ASSIGN_OR_RETURN(auto values, predictor.predict(history, 1));
@@ -65,7 +66,8 @@ Status add_column(Sheet& sheet, ltm::Recall& recall, ltm::Predictor& predictor,
   sheet.reconstructed.images.push_back(*decoded);
   sheet.predicted.images.push_back(*future);
   sheet.error.images.push_back(difference(*truth, *decoded));
-  sheet.labels.push_back("PSNR " + db_text(training::psnr_db(latent.instances.front().error->image_mse)));
+  sheet.labels.push_back("PSNR " +
+                         db_text(training::psnr_db(latent.instances.front().error->image_mse)));
   return {};
 }
 
@@ -81,8 +83,9 @@ Status write_eval_picture(const std::filesystem::path& store,
     const std::vector<size_t> moments = candidates(*entries);
     Sheet sheet;
     for (size_t column = 0; column < std::min(kColumns, moments.size()); ++column)
-      ENGRAM_RETURN_IF_ERROR(add_column(sheet, recall, *loaded.predictor, model.entity, *entries,
-                                        moments[(2 * column + 1) * moments.size() / (2 * kColumns)]));
+      ENGRAM_RETURN_IF_ERROR(
+          add_column(sheet, recall, *loaded.predictor, model.entity, *entries,
+                     moments[(2 * column + 1) * moments.size() / (2 * kColumns)]));
     if (sheet.labels.empty()) continue;
     return write_contact_sheet(
         picture, {sheet.recorded, sheet.reconstructed, sheet.predicted, sheet.error}, sheet.labels);

@@ -8,7 +8,7 @@
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/store/store_reader.h"
-#include "training/metrics.h"
+#include "training/quality/metrics.h"
 
 namespace engram::cli {
 
@@ -83,8 +83,7 @@ Json entity_json(const ltm::EntitySummary& summary, const ltm::StoredForms& form
     json["psnr_mean_over_images_db"] = mean_of(sums.psnr_db, sums.image_rows);
     json["psnr_pooled_error_db"] = training::psnr_db(mean_of(sums.image_mse, sums.image_rows));
   }
-  if (sums.number_rows > 0)
-    json["rmse"] = std::sqrt(mean_of(sums.number_mse, sums.number_rows));
+  if (sums.number_rows > 0) json["rmse"] = std::sqrt(mean_of(sums.number_mse, sums.number_rows));
   return json;
 }
 
@@ -138,11 +137,10 @@ void print_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& for
   print("  stored     " + bytes_each(summary.stored_bytes, summary.recorded_snapshots) +
         forms_text(forms));
   if (summary.latent_snapshots == 0) return;
-  print(fmt::format("  latent     {} + {} model = {}",
-                    bytes_each(summary.latent_bytes, summary.latent_snapshots),
-                    bytes_text(static_cast<double>(summary.model_bytes)),
-                    bytes_each(summary.latent_bytes + summary.model_bytes,
-                               summary.latent_snapshots)));
+  print(fmt::format(
+      "  latent     {} + {} model = {}", bytes_each(summary.latent_bytes, summary.latent_snapshots),
+      bytes_text(static_cast<double>(summary.model_bytes)),
+      bytes_each(summary.latent_bytes + summary.model_bytes, summary.latent_snapshots)));
   std::string models;
   for (const ltm::ModelInfo& model : summary.models)
     models += fmt::format("{}v{}", models.empty() ? "" : ", ", model.version);
@@ -225,7 +223,8 @@ ExitCode run(const InfoArguments& arguments) {
 
 void add_info_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* command = app.add_subcommand("info", "Show what a store holds, or what a server counts");
+  CLI::App* command =
+      app.add_subcommand("info", "Show what a store holds, or what a server counts");
   command->footer(kFooter);
   command->add_option("store", arguments->store, "Store; none where a server is asked");
   add_remote_options(*command, arguments->remote);

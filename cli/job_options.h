@@ -5,7 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/progress_line.h"
-#include "training/job_control.h"
+#include "training/night/job_control.h"
 
 namespace engram::cli {
 

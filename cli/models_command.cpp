@@ -11,7 +11,7 @@
 #include "encoders/model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
-#include "training/stored_snapshots.h"
+#include "training/measure/stored_snapshots.h"
 
 namespace engram::cli {
 

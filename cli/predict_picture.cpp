@@ -6,7 +6,7 @@
 
 #include "cli/picture.h"
 #include "cli/text.h"
-#include "training/metrics.h"
+#include "training/quality/metrics.h"
 
 namespace engram::cli {
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "training/predicted_moment.h"
+#include "training/measure/predicted_moment.h"
 
 namespace engram::cli {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/command.h"
-#include "training/predicted_moment.h"
+#include "training/measure/predicted_moment.h"
 
 namespace engram::cli {
 

@@ -10,7 +10,7 @@
 #include "ltm/idf/layout.h"
 #include "ltm/memory/augmentation_json.h"
 #include "ltm/store/segment_format.h"
-#include "training/metrics.h"
+#include "training/quality/metrics.h"
 
 namespace engram::cli {
 

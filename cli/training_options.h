@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cli/command.h"
-#include "training/trainer.h"
+#include "training/fit/trainer.h"
 
 namespace engram::cli {
 

@@ -157,6 +157,12 @@ Status save_model(DeepModel& model, const idf::Data& example, const std::filesys
   return guarded("save model", [&] { return write_model(model, example, path); });
 }
 
+Status note_choice(const ModelChoice& choice, const std::filesystem::path& path) {
+  ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::change(path));
+  ENGRAM_RETURN_IF_ERROR(replace_choice(file, choice));
+  return file.close();
+}
+
 Result<std::shared_ptr<DeepModel>> read_model(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(const h5::File file, h5::File::open(path));
   if (const Status status = check_format(file); !status.ok()) return as_damage(status, path);

@@ -291,6 +291,12 @@ Result<StoredForms> read_forms(const h5::File& file) {
 
 }  // namespace
 
+Status replace_choice(h5::File& file, const ModelChoice& choice) {
+  return for_each_choice(choice, [&](const char* name, int64_t count) {
+    return file.replace_attribute(kChoice, name, count);
+  });
+}
+
 Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.make_group("/provenance"));
   const std::string group = "/provenance";

@@ -30,6 +30,9 @@ Result<Condition> read_condition(const h5::File& file, int count);
 Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record);
 Result<PredictionRecord> read_prediction(const h5::File& file, const std::string& group);
 
+/// The choice between models in "/provenance", in a file that has one already.
+Status replace_choice(h5::File& file, const ModelChoice& choice);
+
 /// "/provenance".
 Status write_provenance(h5::File& file, const Provenance& from);
 Result<Provenance> read_provenance(const h5::File& file);

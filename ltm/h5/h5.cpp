@@ -69,6 +69,18 @@ Result<File> File::open(const std::filesystem::path& path) {
   return File(std::move(state));
 }
 
+Result<File> File::change(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path))
+    return not_found("HDF5 file '{}' does not exist", path.string());
+  auto state = std::make_unique<State>();
+  state->path = path;
+  const LibraryLock lock;
+  state->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  if (!state->file.valid())
+    return data_loss("'{}': is damaged, no HDF5 file, or cannot be written", path.string());
+  return File(std::move(state));
+}
+
 Status File::close() {
   const LibraryLock lock;
   state_->open_datasets.clear();

@@ -45,7 +45,8 @@ struct DatasetInfo {
   [[nodiscard]] uint64_t count() const;
 };
 
-/// One HDF5 file: written once as a whole, or read. Paths inside are absolute, "/a/b".
+/// One HDF5 file: written once as a whole, or read, or changed in integers that it has. Paths
+/// inside are absolute, "/a/b".
 ///
 /// Only this room includes hdf5.h.
 /// Errors: every function names the file and the object; a broken file is kDataLoss.
@@ -58,6 +59,10 @@ class File {
 
   /// Opens for reading. Errors: kNotFound, kDataLoss where it is no HDF5 file.
   static Result<File> open(const std::filesystem::path& path);
+
+  /// Opens a file of our own to replace values of attributes, and nothing else.
+  /// Errors: kNotFound, kDataLoss where it is no HDF5 file or cannot be written.
+  static Result<File> change(const std::filesystem::path& path);
 
   File(File&&) noexcept;
   File& operator=(File&&) noexcept;
@@ -86,6 +91,11 @@ class File {
   /// Of any kind but kOther. Texts are written of variable length, but where they are fixed.
   Status write_attribute(const std::string& object, const std::string& name,
                          const Attribute& value);
+
+  /// Gives an attribute that is one integer another value: the file keeps its size and is, byte for
+  /// byte, the one that would have been written with this value.
+  /// Errors: kNotFound; kDataLoss where it is no integer.
+  Status replace_attribute(const std::string& object, const std::string& name, int64_t value);
 
   /// Makes a dataset, groups above it included, which its rows are written into. Needs a shape of
   /// an axis or more (checked).

@@ -119,6 +119,20 @@ Status File::write_attribute(const std::string& object, const std::string& name,
   return state_->write_attribute(object, name, H5T_NATIVE_INT64, &value);
 }
 
+// By the object: HDF5 does not find an attribute again, to write it, that was opened by its name.
+Status File::replace_attribute(const std::string& object, const std::string& name, int64_t value) {
+  const LibraryLock lock;
+  ENGRAM_RETURN_IF_ERROR(state_->open_attribute(object, name).status());
+  const Handle owner(H5Oopen(state_->file, object.c_str(), H5P_DEFAULT), H5Oclose);
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  if (H5Tget_class(type) != H5T_INTEGER || H5Sget_simple_extent_npoints(space) != 1)
+    return state_->broken(object, fmt::format("attribute '{}' is not one integer", name));
+  if (H5Awrite(attribute, H5T_NATIVE_INT64, &value) < 0) return state_->write_failed(object);
+  return {};
+}
+
 Status File::write_attribute(const std::string& object, const std::string& name, double value) {
   const LibraryLock lock;
   return state_->write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);

@@ -11,7 +11,7 @@
 #include "ltm/forgetting/forget_config.h"
 #include "ltm/store/check.h"
 #include "python/bindings/python_progress.h"
-#include "training/consolidate.h"
+#include "training/night/consolidate.h"
 
 namespace engram::python {
 

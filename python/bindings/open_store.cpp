@@ -11,7 +11,7 @@
 #include "python/bindings/errors.h"
 #include "python/bindings/measured_error.h"
 #include "python/bindings/query_result.h"
-#include "training/stored_snapshots.h"
+#include "training/measure/stored_snapshots.h"
 
 namespace engram::python {
 

@@ -35,7 +35,13 @@ LIBRARIES = {
 # These stay where they are, whoever may include the room.
 CONFINED = {
     "hdf5": {"ltm/h5"},
-    "LibTorch": {"encoders", "training"},
+    "LibTorch": {
+        "encoders",
+        "training/fit",
+        "training/forms",
+        "training/night",
+        "training/measure",
+    },
     "CLI11": {"cli"},
     "MuJoCo": {"datasets/kitchen", "datasets"},
     "EGL": {"datasets/kitchen", "datasets"},

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ltm/idf/data.h"
-#include "training/trainer.h"
+#include "training/fit/trainer.h"
 
 namespace engram::testing {
 

@@ -5,7 +5,7 @@
 
 #include "ltm/recording/recorder.h"
 #include "tests/training/moving_scene.h"
-#include "training/consolidate.h"
+#include "training/night/consolidate.h"
 
 namespace engram::testing {
 

@@ -141,6 +141,42 @@ TEST(H5, GivesTheSameBytesForTheSameContent) {
   EXPECT_TRUE(std::ranges::equal(a.bytes(), b.bytes()));
 }
 
+/// A file with more integers on a group than fit into its header, all but one zero.
+Status write_integers(const std::filesystem::path& path, int64_t last) {
+  auto file = File::create(path);
+  if (!file.ok()) return file.status();
+  ENGRAM_RETURN_IF_ERROR(file->make_group("/counts"));
+  for (int i = 0; i < 12; ++i)
+    ENGRAM_RETURN_IF_ERROR(
+        file->write_attribute("/counts", fmt::format("count{}", i), i == 11 ? last : 0));
+  ENGRAM_RETURN_IF_ERROR(file->write_attribute("/counts", "text", std::string_view("none")));
+  return file->close();
+}
+
+TEST(H5, ReplacesAnIntegerAsIfItHadBeenWrittenSo) {
+  const ScratchDirectory scratch;
+  ASSERT_OK(write_integers(scratch / "changed.h5", 0));
+  ASSERT_OK(write_integers(scratch / "written.h5", -123456789012345));
+  auto file = File::change(scratch / "changed.h5");
+  ASSERT_OK(file.status());
+  ASSERT_OK(file->replace_attribute("/counts", "count11", -123456789012345));
+  ASSERT_OK(file->close());
+  const Buffer a = *read_file(scratch / "changed.h5"), b = *read_file(scratch / "written.h5");
+  EXPECT_TRUE(std::ranges::equal(a.bytes(), b.bytes()));
+}
+
+TEST(H5, RefusesToReplaceWhatIsNoIntegerThatIsThere) {
+  const ScratchDirectory scratch;
+  EXPECT_FAILS(File::change(scratch / "none.h5"), StatusCode::kNotFound, "none.h5");
+  ASSERT_OK(write_integers(scratch / "a.h5", 0));
+  auto file = File::change(scratch / "a.h5");
+  ASSERT_OK(file.status());
+  EXPECT_FAILS(file->replace_attribute("/none", "count0", 1), StatusCode::kNotFound, "'/none'");
+  EXPECT_FAILS(file->replace_attribute("/counts", "more", 1), StatusCode::kNotFound, "'more'");
+  EXPECT_FAILS(file->replace_attribute("/counts", "text", 1), StatusCode::kDataLoss,
+               "not one integer");
+}
+
 TEST(H5, NamesWhatIsMissingOrOfAnotherKind) {
   const ScratchDirectory scratch;
   ASSERT_OK(write(scratch / "a.h5", example_content(5)));

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/forms/video_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "ltm/codec/group_codec.h"
+#include "training/quality/psnr.h"
+
+namespace engram::training {
+namespace {
+
+/// A disc that moves over a textured ground.
+std::vector<idf::NdArray> images(size_t count) {
+  constexpr int kSide = 64;
+  std::vector<idf::NdArray> images;
+  for (size_t i = 0; i < count; ++i) {
+    std::vector<uint8_t> pixels;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const int dx = x - 20 - 2 * static_cast<int>(i);
+        const bool is_disc = dx * dx + (y - 32) * (y - 32) < 100;
+        for (int c = 0; c < 3; ++c)
+          pixels.push_back(
+              static_cast<uint8_t>(is_disc ? 200 - 40 * c : 60 + (x * 7 + y * 13 + 5 * c) % 40));
+      }
+    images.push_back(idf::NdArray::take<uint8_t>({kSide, kSide, 3}, std::move(pixels)));
+  }
+  return images;
+}
+
+double lowest_db(const FoundVideo& video) {
+  return psnr_db(*std::ranges::max_element(video.mse));
+}
+
+TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
+  const auto run = images(6);
+  VideoSearch search("h264", 1, 36);
+  const auto found = search.find(run);
+  ASSERT_TRUE(found.ok()) << found.status().to_string();
+  ASSERT_TRUE(found->has_value());
+  EXPECT_EQ((*found)->codec, "h264");
+  EXPECT_GE(lowest_db(**found), 36);
+  const auto worse = ltm::make_group_codec(
+      fmt::format("h264:crf={},effort=1", static_cast<int>((*found)->quality) + 1));
+  const auto decoded = (*worse)->decode(*(*worse)->encode(run), run[0].type(), run[0].shape(), 6);
+  double largest = 0;
+  for (size_t i = 0; i < run.size(); ++i)
+    largest = std::max(largest, *image_mse(run[i], (*decoded)[i]));
+  EXPECT_LT(psnr_db(largest), 36);
+}
+
+TEST(VideoSearch, FindsTheSameFromAnotherStart) {
+  const auto run = images(6);
+  VideoSearch search("h264", 1, 36);
+  const auto first = search.find(run);
+  const auto again = search.find(run);
+  ASSERT_TRUE(first.ok() && again.ok());
+  EXPECT_EQ((*first)->quality, (*again)->quality);
+  EXPECT_EQ((*first)->bytes, (*again)->bytes);
+}
+
+TEST(VideoSearch, KeepsWithoutLossWhatNoQualityReaches) {
+  VideoSearch search("h264", 1, 59.9);
+  const auto found = search.find(images(3));
+  ASSERT_TRUE(found.ok()) << found.status().to_string();
+  ASSERT_TRUE(found->has_value());
+  EXPECT_EQ((*found)->codec, "ffv1");
+  EXPECT_EQ((*found)->mse, (std::vector<double>{0, 0, 0}));
+}
+
+TEST(VideoSearch, FindsNothingForWhatNoCodecTakes) {
+  const std::vector<idf::NdArray> tiny{
+      idf::NdArray::take<uint8_t>({8, 8, 3}, std::vector<uint8_t>(8 * 8 * 3))};
+  VideoSearch search("h264", 1, 36);
+  const auto found = search.find(tiny);
+  ASSERT_TRUE(found.ok()) << found.status().to_string();
+  const bool takes = (*ltm::make_group_codec("ffv1"))->accepts(tiny[0].type(), tiny[0].shape());
+  EXPECT_EQ(found->has_value(), takes);
+}
+
+}  // namespace
+}  // namespace engram::training

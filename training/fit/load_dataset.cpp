@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/fit/load_dataset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "training/fit/augmented_rows.h"
+#include "training/fit/scenes.h"
+
+namespace engram::training {
+
+using torch::Tensor;
+
+namespace {
+
+/// Bytes of one value in memory.
+uint64_t value_bytes(const encoders::TensorPlan& plan) {
+  uint64_t bytes = plan.number_count() * sizeof(double);
+  for (const auto& image : plan.images())
+    bytes += static_cast<uint64_t>(image.height) * static_cast<uint64_t>(image.width) *
+             static_cast<uint64_t>(image.channels) * (image.is_depth ? 2 : 1);
+  return bytes;
+}
+
+/// Snapshots that stay together where not all are used: windows need neighbours.
+constexpr size_t kRunLength = 32;
+
+/// Every `stride`-th run of every sequence.
+std::vector<Sequence> thinned(std::span<const Sequence> sequences, size_t stride) {
+  if (stride == 1) return {sequences.begin(), sequences.end()};
+  std::vector<Sequence> runs;
+  for (const Sequence& sequence : sequences)
+    for (size_t i = sequence.first; i < sequence.end; i += stride * kRunLength)
+      runs.push_back({i, std::min(i + kRunLength, sequence.end)});
+  return runs;
+}
+
+size_t total_size(std::span<const Sequence> sequences) {
+  size_t total = 0;
+  for (const Sequence& sequence : sequences) total += sequence.size();
+  return total;
+}
+
+/// What numbers are normalised with.
+struct Scale {
+  double mean = 0;
+  double deviation = 0;
+
+  /// Whether numbers of another scale are of a usual size in this one.
+  [[nodiscard]] bool holds(const Scale& other) const {
+    constexpr double kMost = 4;
+    return deviation > 0 && other.deviation <= kMost * deviation &&
+           std::abs(other.mean - mean) <= kMost * deviation;
+  }
+};
+
+/// Of one column. A number that never changes keeps deviation 0 and its exact value as mean.
+Scale scale_of(const Tensor& column) {
+  const Tensor known = column.masked_select(torch::isfinite(column));
+  if (known.numel() == 0) return {};
+  const double first = known[0].item<double>();
+  if (known.min().equal(known.max())) return {first, 0};
+  const double mean = known.mean().item<double>();
+  const double spread = (known - mean).square().mean().sqrt().item<double>();
+  if (!(spread > 0) || !std::isfinite(spread)) return {mean, 0};
+  return {mean, spread};
+}
+
+/// Normalised by means and deviations, which are those of the columns or, where these are of a
+/// usual size in them, those that are there. Values that are not finite become 0.
+/// Shape: plain [n, N] of float64 -> [n, N] of float32.
+Tensor scaled(const Tensor& plain, std::vector<double>& mean, std::vector<double>& deviation) {
+  const auto count = static_cast<size_t>(plain.size(1));
+  mean.resize(count);
+  deviation.resize(count);
+  Tensor values = torch::zeros(plain.sizes());
+  for (size_t i = 0; i < count; ++i) {
+    const Tensor column = plain.select(1, static_cast<int64_t>(i));
+    const Scale found = scale_of(column);
+    const Scale known{mean[i], deviation[i]};
+    const Scale scale = known.holds(found) ? known : found;
+    mean[i] = scale.mean;
+    deviation[i] = scale.deviation;
+    if (scale.deviation > 0)
+      values.select(1, static_cast<int64_t>(i))
+          .copy_(torch::nan_to_num((column - scale.mean) / scale.deviation, 0, 0, 0));
+  }
+  return values;
+}
+
+class Loader {
+ public:
+  Loader(const TrainingSource& source, const encoders::DeepModel* start,
+         const std::stop_token& stop)
+      : source_(source), start_(start), stop_(stop) {}
+
+  Result<Dataset> load(std::vector<Sequence> sequences, uint64_t memory_bytes) {
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
+    ENGRAM_ASSIGN_OR_RETURN(
+        data_.plan, encoders::TensorPlan::create(source_.layout.value_or(idf::Layout::of(first))));
+    const uint64_t needed = value_bytes(data_.plan) * total_size(sequences);
+    const size_t stride = std::max<uint64_t>(1, (needed + memory_bytes - 1) / memory_bytes);
+    const std::vector<Sequence> runs = thinned(sequences, stride);
+    allocate(static_cast<int64_t>(total_size(runs)));
+    for (const Sequence& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
+    ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
+    choose_scales();
+    normalise();
+    find_scenes(data_, start_);
+    if (start_ != nullptr) data_.error_price = start_->provenance.error_price;
+    return std::move(data_);
+  }
+
+ private:
+  void allocate(int64_t rows) {
+    for (const auto& image : data_.plan.images())
+      data_.images.push_back(torch::empty({rows, image.height, image.width, image.channels},
+                                          image.is_depth ? torch::kInt16 : torch::kUInt8));
+    data_.plain_numbers =
+        torch::empty({rows, static_cast<int64_t>(data_.plan.number_count())}, torch::kFloat64);
+  }
+
+  Status read(size_t index, int64_t row) {
+    if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
+    ENGRAM_ASSIGN_OR_RETURN(const idf::Data value, source_.read(index));
+    ENGRAM_ASSIGN_OR_RETURN(const auto split, data_.plan.layout().split(value));
+    for (size_t i = 0; i < data_.images.size(); ++i) {
+      const auto bytes = split.tensors[data_.plan.images()[i].member].bytes();
+      std::memcpy(data_.images[i].select(0, row).data_ptr(), bytes.data(), bytes.size());
+    }
+    const std::vector<double> numbers = data_.plan.read_numbers(split);
+    std::copy(numbers.begin(), numbers.end(),
+              data_.plain_numbers.select(0, row).data_ptr<double>());
+    data_.times.push_back(source_.times[index]);
+    data_.is_known.push_back(start_ != nullptr && !source_.is_known.empty() &&
+                             source_.is_known[index]);
+    return {};
+  }
+
+  Status read(const Sequence& run) {
+    const size_t row = data_.times.size();
+    for (size_t i = 0; i < run.size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(read(run.first + i, static_cast<int64_t>(row + i)));
+    data_.sequences.push_back({row, row + run.size()});
+    return {};
+  }
+
+  /// All conditions, where any has numbers. Those of another layout than the first count as unknown
+  /// and become the mean.
+  Status read_conditions(std::span<const Sequence> runs) {
+    if (!source_.read_condition || data_.images.empty()) return {};
+    encoders::Condition condition;
+    condition.entity = source_.condition_entity;
+    std::vector<std::vector<double>> rows;
+    for (const Sequence& run : runs)
+      for (size_t index = run.first; index < run.end; ++index) {
+        if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
+        ENGRAM_ASSIGN_OR_RETURN(const auto value, source_.read_condition(index));
+        auto& row = rows.emplace_back();
+        if (!value) continue;
+        if (condition.plan.number_count() == 0) {
+          auto plan = encoders::TensorPlan::create(idf::Layout::of(*value));
+          if (!plan.ok() || plan->number_count() == 0) return {};
+          condition.plan = *std::move(plan);
+        }
+        if (const auto split = condition.plan.layout().split(*value); split.ok())
+          row = condition.plan.read_numbers(*split);
+      }
+    const size_t count = condition.plan.number_count();
+    if (count == 0) return {};
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    const auto rows_count = static_cast<int64_t>(rows.size());
+    Tensor plain = torch::full({rows_count, static_cast<int64_t>(count)}, unknown, torch::kFloat64);
+    for (int64_t row = 0; row < rows_count; ++row)
+      std::ranges::copy(rows[static_cast<size_t>(row)], plain.select(0, row).data_ptr<double>());
+    if (start_ != nullptr && start_->condition &&
+        start_->condition->plan.layout() == condition.plan.layout()) {
+      condition.mean = start_->condition->mean;
+      condition.deviation = start_->condition->deviation;
+    }
+    data_.conditions = scaled(plain, condition.mean, condition.deviation);
+    data_.condition = std::move(condition);
+    return {};
+  }
+
+  void choose_scales() {
+    for (size_t i = 0; i < data_.images.size(); ++i) {
+      auto& image = data_.plan.images()[i];
+      if (!image.is_depth) continue;
+      const Tensor pixels = data_.images[i];
+      const auto* values = static_cast<const uint16_t*>(pixels.data_ptr());
+      const uint16_t largest = *std::max_element(values, values + pixels.numel());
+      image.scale = 255.0 / std::max<uint16_t>(largest, 1);
+      // A model's own reaches further, or as far.
+      if (start_ != nullptr) image.scale = std::min(image.scale, start_->plan.images()[i].scale);
+    }
+  }
+
+  void normalise() {
+    if (start_ != nullptr) {
+      data_.mean = start_->mean;
+      data_.deviation = start_->deviation;
+    }
+    const Tensor numbers = scaled(data_.plain_numbers, data_.mean, data_.deviation);
+    if (numbers.size(1) > 0) data_.numbers = numbers;
+  }
+
+  const TrainingSource& source_;
+  const encoders::DeepModel* start_;
+  const std::stop_token& stop_;
+  Dataset data_;
+};
+
+}  // namespace
+
+Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
+                             const encoders::DeepModel* start, const std::stop_token& stop) {
+  std::vector<Sequence> sequences = cut_sequences(source.times);
+  const auto left_out = static_cast<size_t>(options.hold_out_recordings);
+  if (left_out >= sequences.size())
+    return invalid_argument("{}: found {} recordings, needs more than the {} to leave out",
+                            source.entity, sequences.size(), left_out);
+  sequences.resize(sequences.size() - left_out);
+  ENGRAM_ASSIGN_OR_RETURN(
+      Dataset data, Loader(source, start, stop).load(std::move(sequences), options.memory_bytes));
+  data.left_out_sequences = left_out;
+  if (!source.augmented || options.augmented_share <= 0 || data.images.empty()) return data;
+  ENGRAM_ASSIGN_OR_RETURN(AugmentedRows rows,
+                          read_augmented(source, data, options.memory_bytes, stop));
+  if (rows.size() > 0) data.augmented = std::move(rows);
+  return data;
+}
+
+}  // namespace engram::training

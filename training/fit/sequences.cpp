@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/fit/sequences.h"
+
+#include <algorithm>
+
+namespace engram::training {
+
+Duration median_step(std::span<const Time> times) {
+  if (times.size() < 2) return {};
+  std::vector<Duration> steps;
+  for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+std::vector<Sequence> cut_sequences(std::span<const Time> times) {
+  if (times.empty()) return {};
+  const Duration longest = median_step(times) / 2 * 3;
+  std::vector<Sequence> sequences{{0, 1}};
+  for (size_t i = 1; i < times.size(); ++i) {
+    const Duration gap = times[i] - times[i - 1];
+    if (gap > longest || gap < Duration::zero()) sequences.push_back({i, i});
+    sequences.back().end = i + 1;
+  }
+  return sequences;
+}
+
+std::vector<std::vector<size_t>> interleaved(std::span<const Time> times, const Sequence& recording,
+                                             Duration every) {
+  const auto own = times.subspan(recording.first, recording.size());
+  const Duration least = every - median_step(own) / 2;
+  std::vector<std::vector<size_t>> runs;
+  for (size_t start = 0; start < own.size(); ++start) {
+    if (start > 0 && own[start] - own[0] >= least) break;
+    std::vector<size_t>& run = runs.emplace_back();
+    for (size_t i = start; i < own.size(); ++i)
+      if (run.empty() || own[i] - times[run.back()] >= least) run.push_back(recording.first + i);
+  }
+  return runs;
+}
+
+}  // namespace engram::training

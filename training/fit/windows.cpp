@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/fit/windows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace engram::training {
+
+namespace {
+
+constexpr double kHeldOutShare = 0.15;
+
+}  // namespace
+
+size_t held_out_from(const Sequence& sequence) {
+  const auto held_out =
+      static_cast<size_t>(std::ceil(kHeldOutShare * static_cast<double>(sequence.size())));
+  return sequence.end - std::min(held_out, sequence.size());
+}
+
+Windows make_windows(std::span<const Sequence> sequences, int horizon) {
+  Windows windows;
+  const auto ahead = static_cast<size_t>(horizon);
+  for (const Sequence& sequence : sequences) {
+    const size_t limit = held_out_from(sequence);
+    for (size_t row = sequence.first + 1; row + ahead < sequence.end; ++row) {
+      if (row + ahead < limit)
+        windows.training.push_back(static_cast<int64_t>(row));
+      else
+        windows.held_out.push_back(static_cast<int64_t>(row));
+    }
+  }
+  return windows;
+}
+
+}  // namespace engram::training

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/forms/block_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ranges>
+#include <utility>
+
+#include "training/forms/latent_refinement.h"
+#include "training/forms/view_choice.h"
+#include "training/quality/psnr.h"
+
+namespace engram::training {
+
+using encoders::ImageForm;
+using encoders::ImageRows;
+using encoders::LatentRows;
+
+namespace {
+
+int64_t as_int(uint64_t bytes) {
+  return static_cast<int64_t>(bytes);
+}
+
+/// Of the backgrounds that a block carries.
+uint64_t background_bytes(const LatentRows& rows) {
+  uint64_t bytes = 0;
+  for (const encoders::CodedBackground& background : rows.own) bytes += background.bytes.size();
+  return bytes;
+}
+
+constexpr auto kLessBytes = [](const auto& a, const auto& b) { return a.bytes < b.bytes; };
+
+}  // namespace
+
+BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options)
+    : model_(model),
+      options_(options),
+      bound_db_(options.bound_db + kDecodingMarginDb),
+      most_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)) {
+  ENGRAM_CHECK(options.kind == Representation::kLatents || options.bound_db > 0, "no bound for {}",
+               to_string(options.kind));
+  counts_.representation = to_string(options.kind);
+  counts_.bound_db = options.kind == Representation::kLatents ? 0 : options.bound_db;
+  counts_.noise_images = options.noise_images;
+  counts_.noise = options.noise;
+  for (size_t i = 0; i < model.plan.images().size(); ++i)
+    searches_.emplace_back(options.video, options.video_effort, options.bound_db);
+}
+
+encoders::StoredForms BlockChoice::counts() const {
+  encoders::StoredForms counts = counts_;
+  if (!can_correct_all_) counts.residual_bytes = 0;
+  return counts;
+}
+
+const idf::NdArray& BlockChoice::recorded(const idf::SplitValue& value, size_t image) const {
+  return value.tensors[model_.plan.images()[image].member];
+}
+
+Result<LatentRows> BlockChoice::seen(LatentRows rows, size_t count) const {
+  if (!model_.codec.chain.numbers) return rows;
+  const auto code = model_.codec.chain.numbers->encode(rows.numbers);
+  ENGRAM_ASSIGN_OR_RETURN(rows.numbers, model_.codec.chain.numbers->decode(code, count));
+  return rows;
+}
+
+Result<BlockChoice::Images> BlockChoice::decoded(const LatentRows& rows, size_t count) {
+  Images images;
+  for (size_t row = 0; row < count; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(images.emplace_back(), model_.decode_images(rows, row));
+  }
+  return images;
+}
+
+Result<std::vector<std::vector<double>>> BlockChoice::errors_of(
+    std::span<const idf::SplitValue> values, const Images& images) const {
+  std::vector<std::vector<double>> errors;
+  for (size_t row = 0; row < values.size(); ++row) {
+    auto& own = errors.emplace_back(images[row].size(), std::numeric_limits<double>::infinity());
+    for (size_t i = 0; i < own.size(); ++i) {
+      if (model_.plan.images()[i].is_depth) continue;
+      ENGRAM_ASSIGN_OR_RETURN(own[i], image_mse(recorded(values[row], i), images[row][i]));
+    }
+  }
+  return errors;
+}
+
+int BlockChoice::refine_steps(const std::vector<std::vector<double>>& errors) const {
+  if (options_.refine_steps > 0) return options_.refine_steps;
+  double worst = 0;
+  for (const auto& row : errors)
+    for (const double mse : row) worst = std::max(worst, std::isfinite(mse) ? mse : 0);
+  const double missed_by = bound_db_ - psnr_db(worst);
+  return worst > most_mse_ && missed_by <= options_.refine_within_db ? options_.few_refine_steps
+                                                                     : 0;
+}
+
+std::optional<BlockChoice::Candidate> BlockChoice::corrected(
+    std::span<const idf::SplitValue> values, size_t image, const ImageRows& rows,
+    const Images& images) const {
+  if (model_.plan.images()[image].is_depth) return std::nullopt;
+  encoders::ResidualEncoder residual(model_.codec.chain.frames[image].pixels());
+  for (size_t row = 0; row < values.size(); ++row) {
+    const auto wanted = recorded(values[row], image).values<uint8_t>();
+    const auto most_error = static_cast<uint64_t>(most_mse_ * static_cast<double>(wanted.size()));
+    if (!residual.add(images[row][image].values<uint8_t>(), wanted, most_error))
+      return std::nullopt;
+  }
+  Candidate candidate{rows, model_.codec.chain.images[image].encode(rows.latents).size()};
+  candidate.rows.residual = residual.finish();
+  candidate.bytes += candidate.rows.residual.size();
+  return candidate;
+}
+
+Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_candidates(
+    std::span<const idf::SplitValue> values, const LatentRows& rows, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows guess, seen(rows, values.size()));
+  ENGRAM_ASSIGN_OR_RETURN(const Images guessed, decoded(guess, values.size()));
+  ENGRAM_ASSIGN_OR_RETURN(const auto errors, errors_of(values, guessed));
+  for (const auto& row : errors)
+    counts_.below_bound_rows +=
+        std::ranges::count_if(row, [this](double mse) { return mse > most_mse_; });
+  std::vector<std::vector<Candidate>> candidates(rows.images.size());
+  const auto add = [&](size_t i, const ImageRows& latents, const Images& images) {
+    if (auto candidate = corrected(values, i, latents, images))
+      candidates[i].push_back(*std::move(candidate));
+  };
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    add(i, rows.images[i], guessed);
+    counts_.latent_bytes +=
+        as_int(model_.codec.chain.images[i].encode(rows.images[i].latents).size());
+  }
+  const int steps = refine_steps(errors);
+  if (steps == 0) return candidates;
+  counts_.refine_tried_rows += static_cast<int64_t>(values.size() * rows.images.size());
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows refined, refine_latents(model_, values, std::move(guess),
+                                                                   {steps, bound_db_}, stop));
+  ENGRAM_ASSIGN_OR_RETURN(const Images images, decoded(refined, values.size()));
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    if (refined.images[i].latents == rows.images[i].latents) continue;
+    ImageRows latents = refined.images[i];
+    latents.is_refined = true;
+    add(i, latents, images);
+  }
+  return candidates;
+}
+
+Status BlockChoice::add_videos(std::span<const idf::SplitValue> values, size_t image,
+                               std::vector<Candidate>& candidates) {
+  std::vector<idf::NdArray> images;
+  for (const idf::SplitValue& value : values) images.push_back(recorded(value, image));
+  ENGRAM_ASSIGN_OR_RETURN(auto video, searches_[image].find_lossy(images));
+  ENGRAM_ASSIGN_OR_RETURN(auto lossless, searches_[image].find_lossless(images));
+  const size_t before = candidates.size();
+  for (auto* found : {&video, &lossless}) {
+    if (!*found) continue;
+    Candidate& candidate = candidates.emplace_back();
+    candidate.rows.form = *encoders::form_of_codec((*found)->codec);
+    candidate.rows.video = std::move((*found)->bytes);
+    candidate.bytes = candidate.rows.video.size();
+  }
+  if (candidates.size() == before) return {};
+  if (lossless) counts_.lossless_bytes += as_int(candidates.back().bytes);
+  counts_.video_bytes += as_int(std::min(candidates[before].bytes, candidates.back().bytes));
+  return {};
+}
+
+void BlockChoice::count_kept(const Candidate& kept, size_t rows) {
+  const auto count = static_cast<int64_t>(rows);
+  const int64_t bytes = as_int(kept.bytes);
+  counts_.kept_bytes += bytes;
+  const auto add = [](int64_t& all_rows, int64_t more_rows, int64_t& all_bytes, int64_t more) {
+    all_rows += more_rows;
+    all_bytes += more;
+  };
+  if (kept.rows.form == ImageForm::kFfv1)
+    return add(counts_.lossless_rows, count, counts_.lossless_kept_bytes, bytes);
+  if (kept.rows.form != ImageForm::kLatents)
+    return add(counts_.video_rows, count, counts_.video_kept_bytes, bytes);
+  int64_t with_residual = 0;
+  if (!kept.rows.residual.empty()) {
+    const auto each = encoders::residual_bytes(kept.rows.residual, rows);
+    ENGRAM_CHECK(each.ok(), "{}", each.status().message());
+    with_residual = std::ranges::count_if(*each, [](const auto& row) { return row.has_value(); });
+  }
+  const int64_t latents = bytes - as_int(kept.rows.residual.size());
+  const int64_t alone = latents * (count - with_residual) / count;
+  add(counts_.residual_rows, with_residual, counts_.residual_kept_bytes, bytes - alone);
+  if (kept.rows.is_refined)
+    add(counts_.refined_rows, count - with_residual, counts_.refined_kept_bytes, alone);
+  else
+    add(counts_.latent_rows, count - with_residual, counts_.latent_kept_bytes, alone);
+}
+
+Result<BlockChoice::Choice> BlockChoice::choose(std::span<const idf::SplitValue> values,
+                                                size_t image, std::vector<Candidate> candidates) {
+  Choice choice;
+  if (candidates.empty())
+    can_correct_all_ = false;
+  else
+    choice.latents = std::move(*std::ranges::min_element(candidates, kLessBytes));
+  if (choice.latents && options_.kind == Representation::kCorrected) return choice;
+  candidates.clear();
+  ENGRAM_RETURN_IF_ERROR(add_videos(values, image, candidates));
+  if (!candidates.empty())
+    choice.video = std::move(*std::ranges::min_element(candidates, kLessBytes));
+  if (!choice.latents && !choice.video)
+    return invalid_argument("image '{}': no form keeps {} dB: no installed video codec takes it",
+                            model_.plan.layout().members()[model_.plan.images()[image].member].path,
+                            options_.bound_db);
+  return choice;
+}
+
+Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitValue> values,
+                                                     const LatentRows& rows,
+                                                     const std::stop_token& stop) {
+  std::vector<std::vector<Candidate>> candidates(rows.images.size());
+  if (options_.kind != Representation::kVideo && has_networks()) {
+    ENGRAM_ASSIGN_OR_RETURN(candidates, latent_candidates(values, rows, stop));
+  }
+  Choices choices;
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(), choose(values, i, std::move(candidates[i])));
+  }
+  return choices;
+}
+
+Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
+                               std::vector<LatentRows>& chains, const std::stop_token& stop,
+                               const Pause& pause) {
+  std::vector<Choices> choices;
+  for (size_t i = 0; i < chains.size(); ++i) {
+    if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
+    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
+                            choices_of(rows_of(values, i), chains[i], stop));
+  }
+  // The background is paid once, by the first chain that keeps latents.
+  const uint64_t background = background_bytes(chains.front());
+  uint64_t mixed = background, video = 0;
+  bool needs_latents = false, keeps_latents = false;
+  for (const Choice& choice : choices | std::views::join) {
+    mixed += choice.least().bytes;
+    if (choice.latents) counts_.residual_bytes += as_int(choice.latents->bytes);
+    keeps_latents = keeps_latents || choice.keeps_latents();
+    if (choice.video)
+      video += choice.video->bytes;
+    else
+      needs_latents = true;
+  }
+  if (has_networks()) {
+    counts_.latent_bytes += as_int(background);
+    counts_.residual_bytes += as_int(background);
+  }
+  const bool is_all_video = !keeps_latents || (!needs_latents && video < mixed);
+  uint64_t unpaid = is_all_video ? 0 : background;
+  for (size_t at = 0; at < chains.size(); ++at) {
+    if (is_all_video) chains[at].own.clear();
+    for (size_t i = 0; i < choices[at].size(); ++i) {
+      Choice& choice = choices[at][i];
+      Candidate& kept = is_all_video ? *choice.video : choice.least();
+      if (kept.rows.form == ImageForm::kLatents) kept.bytes += std::exchange(unpaid, 0);
+      count_kept(kept, rows_of(values, at).size());
+      chains[at].images[i] = std::move(kept.rows);
+    }
+  }
+  return {};
+}
+
+Status BlockChoice::keep_latents(std::span<const idf::SplitValue> values, LatentRows& rows,
+                                 uint64_t background, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows start, seen(rows, values.size()));
+  ENGRAM_ASSIGN_OR_RETURN(LatentRows refined, refine_latents(model_, values, std::move(start),
+                                                             {options_.refine_steps, 0}, stop));
+  counts_.latent_bytes += as_int(background);
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    const auto& codec = model_.codec.chain.images[i];
+    counts_.latent_bytes += as_int(codec.encode(rows.images[i].latents).size());
+    refined.images[i].is_refined = refined.images[i].latents != rows.images[i].latents;
+    rows.images[i] = std::move(refined.images[i]);
+    const uint64_t latents = codec.encode(rows.images[i].latents).size();
+    count_kept({rows.images[i], latents + std::exchange(background, 0)}, values.size());
+  }
+  if (options_.refine_steps > 0)
+    counts_.refine_tried_rows += static_cast<int64_t>(values.size() * rows.images.size());
+  return {};
+}
+
+std::span<const idf::SplitValue> BlockChoice::rows_of(std::span<const idf::SplitValue> values,
+                                                      size_t chain) const {
+  const auto rest = values.subspan(chain * model_.codec.chain_rows);
+  return rest.first(std::min(model_.codec.chain_rows, rest.size()));
+}
+
+bool BlockChoice::has_networks() const {
+  return !model_.autoencoder->images.empty();
+}
+
+Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> values,
+                                                     const std::stop_token& stop,
+                                                     const Pause& pause) {
+  std::vector<idf::SplitValue> split;
+  for (const idf::Data& value : values) {
+    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.split(value));
+  }
+  const auto choosing = [&]() -> Status {
+    if (stop.stop_requested()) return cancelled("encoding was stopped");
+    return pause ? pause(0) : Status();
+  };
+  ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, rows_on_best_view(model_, split, choosing));
+  counts_.rows += static_cast<int64_t>(split.size() * rows.images.size());
+  auto chains = encoders::cut_chains(rows, split.size(), model_.codec.chain_rows);
+  if (options_.kind == Representation::kLatents && has_networks()) {
+    uint64_t background = background_bytes(rows);
+    for (size_t i = 0; i < chains.size(); ++i) {
+      if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
+      ENGRAM_RETURN_IF_ERROR(
+          keep_latents(rows_of(split, i), chains[i], std::exchange(background, 0), stop));
+    }
+  } else {
+    ENGRAM_RETURN_IF_ERROR(keep_least(split, chains, stop, pause));
+  }
+  std::vector<std::byte> block = model_.codec.encode(chains, split.size());
+  return encoders::latents_of(std::move(block), std::move(split));
+}
+
+}  // namespace engram::training

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/measure/access_time.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace engram::training {
+
+namespace {
+
+using Entries = std::vector<const ltm::SnapshotEntry*>;
+
+constexpr size_t kMostSnapshots = 300;
+
+Result<double> median_ms(ltm::StoreReader& reader, const ltm::ModelInfo& model,
+                         const Entries& entries, ltm::Encoder& encoder) {
+  std::vector<double> times;
+  for (const ltm::SnapshotEntry* entry : entries) {
+    const auto start = std::chrono::steady_clock::now();
+    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader.read_latent(model.entity, *entry));
+    if (snapshot.model_version != model.version) continue;
+    for (const ltm::LatentInstance& instance : snapshot.instances)
+      ENGRAM_RETURN_IF_ERROR(encoder.decode({&instance.latent, 1}).status());
+    times.push_back(to_seconds(std::chrono::steady_clock::now() - start) * 1e3);
+  }
+  if (times.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = times.begin() + static_cast<ptrdiff_t>(times.size() / 2);
+  std::ranges::nth_element(times, middle);
+  return *middle;
+}
+
+}  // namespace
+
+Result<AccessTimes> measure_access(ltm::StoreReader& reader, const ltm::ModelInfo& model,
+                                   const std::vector<ltm::SnapshotEntry>& index,
+                                   ltm::Encoder& encoder) {
+  constexpr double kGoldenRatio = 0.618034;  // Its multiples lie far apart.
+  Entries coded;
+  for (const ltm::SnapshotEntry& entry : index)
+    if (entry.latent) coded.push_back(&entry);
+  const size_t count = std::min(coded.size(), kMostSnapshots);
+  const Entries in_order(coded.begin(), coded.begin() + static_cast<ptrdiff_t>(count));
+  Entries scattered;
+  for (size_t i = 0; i < count; ++i) {
+    const double share = std::fmod(kGoldenRatio * static_cast<double>(i), 1.0);
+    scattered.push_back(coded[static_cast<size_t>(share * static_cast<double>(coded.size()))]);
+  }
+  AccessTimes times;
+  ENGRAM_ASSIGN_OR_RETURN(times.in_order_ms, median_ms(reader, model, in_order, encoder));
+  ENGRAM_ASSIGN_OR_RETURN(times.scattered_ms, median_ms(reader, model, scattered, encoder));
+  return times;
+}
+
+}  // namespace engram::training

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/measure/crossval_options.h"
+
+#include <algorithm>
+#include <set>
+
+namespace engram::training {
+
+Status CrossvalOptions::validate() const {
+  if (every < Duration::zero())
+    return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
+                            engram::to_string(every));
+  if (ahead < kLeastAhead || ahead > kMostAhead)
+    return invalid_argument("snapshots ahead: found {}, needs {} to {}", ahead, kLeastAhead,
+                            kMostAhead);
+  if (std::ranges::find(folds, 0u) != folds.end())
+    return invalid_argument("folds: found 0, the first is 1");
+  if (std::set(folds.begin(), folds.end()).size() < folds.size())
+    return invalid_argument("folds: found one twice, needs each at most once");
+  if (variants.empty()) return invalid_argument("training variants: found none, needs at least 1");
+  if (std::set(variants.begin(), variants.end()).size() < variants.size())
+    return invalid_argument("training variants: found one twice, needs each at most once");
+  ENGRAM_RETURN_IF_ERROR(representation(true).validate());
+  return train.validate();
+}
+
+RepresentationOptions CrossvalOptions::representation(bool is_corrected) const {
+  RepresentationOptions chosen;
+  chosen.kind = is_corrected ? Representation::kCorrected : Representation::kLatents;
+  chosen.bound_db = is_corrected ? bound_db : 0;
+  chosen.refine_steps = refine_steps;
+  return chosen;
+}
+
+}  // namespace engram::training

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "training/measure/prediction_quality.h"
+
+// Private to this room.
+
+namespace engram::training {
+
+/// NaN and infinity become null.
+[[nodiscard]] nlohmann::ordered_json number_json(double value);
+[[nodiscard]] nlohmann::ordered_json quality_json(const Quality& quality);
+/// Of both kinds, those that predictions were told for.
+[[nodiscard]] nlohmann::ordered_json foresight_json(const Foresight& foresight);
+
+}  // namespace engram::training

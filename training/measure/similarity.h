@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "ltm/idf/data.h"
+#include "training/fit/sequences.h"
+#include "training/measure/crossval_report.h"
+
+// Private to this room.
+
+namespace engram::training {
+
+/// Adds up what was found for snapshots.
+struct SimilaritySums {
+  uint64_t snapshots = 0;
+  uint64_t others = 0;
+  double rank = 0;
+  uint64_t neighbours = 0, pixel_neighbours = 0;
+
+  void add(const SimilaritySums& more);
+  [[nodiscard]] SimilarityQuality quality() const;
+};
+
+/// Asks for what is nearest to snapshots of one recording, by global code and by pixels, among all
+/// others.
+///
+/// `codes[i]` is that of the value that read(i) returns; `asking` some of these, of one recording.
+/// At most 64 of them, evenly spaced, are asked for; a value costs some 50 us for each.
+/// Errors: those of `read`; kCancelled.
+Result<SimilaritySums> measure_similarity(std::span<const std::vector<float>> codes,
+                                          const Sequence& asking,
+                                          const std::function<Result<idf::Data>(size_t)>& read,
+                                          const std::stop_token& stop);
+
+}  // namespace engram::training

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "ltm/core/progress.h"
+#include "ltm/recall/model.h"
+#include "ltm/store/store_reader.h"
+#include "training/fit/job_pace.h"
+#include "training/forms/block_choice.h"
+#include "training/night/kept_quality.h"
+#include "training/quality/metrics.h"
+
+// Internal to the learning rooms: includes LibTorch.
+
+namespace engram::training {
+
+/// Codes recorded snapshots of an entity as blocks of latents, and compares what a query will see
+/// of each with what was recorded.
+///
+/// Threading: one thread.
+class EntityEncoding {
+ public:
+  /// All outlive it. `version` is that of the model.
+  EntityEncoding(ltm::StoreReader& reader, const ltm::MemoryId& entity, int version,
+                 encoders::DeepModel& model, ltm::Encoder& decoder,
+                 const RepresentationOptions& options)
+      : reader_(reader),
+        entity_(entity),
+        version_(version),
+        most_rows_(model.block_rows()),
+        choice_(model, options),
+        decoder_(decoder) {}
+
+  /// Blocks never cross a gap between recordings. Waits between chains while the robot is busy.
+  /// Errors: those of JobPace::pause, of the store and of the model.
+  Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
+
+  [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }
+
+  [[nodiscard]] KeptQuality quality() const;
+
+ private:
+  Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop,
+                    const BlockChoice::Pause& pause);
+  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values,
+                                                 const std::stop_token& stop,
+                                                 const BlockChoice::Pause& pause);
+  void count(const ltm::Latent& latent, const ltm::MeasuredError& error);
+
+  ltm::StoreReader& reader_;
+  const ltm::MemoryId& entity_;
+  int version_;
+  size_t most_rows_;
+  BlockChoice choice_;
+  ltm::Encoder& decoder_;
+  std::vector<ltm::LatentSnapshot> latents_;
+  PsnrStatistics psnr_;
+  RmseStatistics rmse_;
+  uint64_t raw_bytes_ = 0;
+  uint64_t latent_bytes_ = 0;
+};
+
+}  // namespace engram::training
