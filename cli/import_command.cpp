@@ -2,16 +2,16 @@
 #include <map>
 
 #include "cli/command.h"
-#include "cli/import_report.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "cli/type_options.h"
 #include "datasets/formats.h"
 #include "datasets/media/video_reader.h"
 #include "datasets/video_table.h"
 #include "ltm/core/log.h"
 #include "ltm/recording/recording_config.h"
+#include "reports/plain/import_report.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -156,10 +156,10 @@ void print_streams(const datasets::RecordingFormat& format, const datasets::Reco
     print_json({{"format", format.name()}, {"streams", std::move(streams)}});
     return;
   }
-  TextTable table({"in the " + std::string(format.name()), "becomes", "values"});
+  reports::TextTable table({"in the " + std::string(format.name()), "becomes", "values"});
   for (const datasets::RecordingStream& stream : reader.streams())
     table.add({stream.name, stream.entity.to_string(),
-               stream.values > 0 ? count_text(stream.values) : "-"});
+               stream.values > 0 ? reports::count_text(stream.values) : "-"});
   print(table.to_string());
 }
 
@@ -180,9 +180,9 @@ ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
   if (!closed.ok()) fail(closed);
   if (!report.ok() || !closed.ok()) return ExitCode::kFailed;
   if (arguments.is_json)
-    print_json(import_json(*report, recorder));
+    print_json(reports::import_json(*report, recorder));
   else
-    print_import(*report, recorder);
+    reports::print_import(*report, recorder);
   if (report->is_cancelled) return fail(cancelled("import was stopped; what was committed stays"));
   if (recorder.lost_frames() == 0) return ExitCode::kDone;
   log::warning("store '{}': {} damaged places in the journal of an earlier session",

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command.h"
 #include "cli/remote.h"
-#include "cli/result_text.h"
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
+#include "reports/plain/result_text.h"
 #include "server/prediction/entity_forecaster.h"
 
 namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(A query is NAMES @ SELECTOR. NAMES are Memory/Core/Provider/Entity, each a name or a regular
+constexpr const char* kFooter =
+    R"(A query is NAMES @ SELECTOR. NAMES are Memory/Core/Provider/Entity, each a name or a regular
 expression; missing ones match all. Without a selector: latest.
   latest  latest:3       the last one, the last three
   all                    every one
@@ -49,7 +50,7 @@ ExitCode run_remote(const QueryArguments& arguments, const ltm::Query& query) {
     return wrong_usage(invalid_argument("--prefer is of a store: a server has it configured"));
   const auto result = query_server(arguments.remote, query);
   if (!result.ok()) return fail(result.status());
-  return show_result(*result, arguments.save, arguments.is_json);
+  return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
 }
 
 ExitCode run(QueryArguments arguments) {
@@ -61,8 +62,8 @@ ExitCode run(QueryArguments arguments) {
   const auto query = ltm::Query::parse(arguments.query);
   if (!query.ok()) return wrong_usage(query.status());
   if (query->is_ids_only() && !arguments.save.empty())
-    return wrong_usage(invalid_argument("query '{}' asks for IDs alone: --save needs data",
-                                        arguments.query));
+    return wrong_usage(
+        invalid_argument("query '{}' asks for IDs alone: --save needs data", arguments.query));
   if (arguments.store.empty()) return run_remote(arguments, *query);
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
@@ -72,11 +73,11 @@ ExitCode run(QueryArguments arguments) {
   ltm::Recall recall(std::move(*reader), encoders::load_model, std::move(accesses),
                      server::make_entity_forecaster);
   ltm::Recall::Options options;
-  options.prefer = arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent
-                                                : ltm::Recall::Prefer::kRecorded;
+  options.prefer =
+      arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent : ltm::Recall::Prefer::kRecorded;
   const auto result = recall.query(*query, options);
   if (!result.ok()) return fail(result.status());
-  return show_result(*result, arguments.save, arguments.is_json);
+  return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
 }
 
 }  // namespace
@@ -88,7 +89,8 @@ void add_query_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store; none where a server is asked");
   command->add_option("query", arguments->query, "NAMES @ SELECTOR");
   add_remote_options(*command, arguments->remote);
-  command->add_option("--save", arguments->save, "Write images (PNG) and data (JSON) below a folder");
+  command->add_option("--save", arguments->save,
+                      "Write images (PNG) and data (JSON) below a folder");
   command->add_option("--prefer", arguments->prefer, "Which form answers where both are there")
       ->check(CLI::IsMember({"recorded", "latent"}))
       ->capture_default_str();
