@@ -99,51 +99,60 @@ void print_span(const std::optional<Time>& first, const std::optional<Time>& las
 
 }  // namespace
 
-Json import_json(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
-  return {{"frames", report.frames},
-          {"rows", report.rows},
-          {"damaged_frames", report.damaged_frames},
-          {"duplicate_frames", report.duplicate_frames},
-          {"rows_outside_video", report.rows_outside_video},
-          {"cancelled", report.is_cancelled},
-          {"damaged_journal_places", recorder.lost_frames()},
-          {"entities", entities_json(recorder)}};
+void show_streams(std::string_view format, const std::vector<datasets::RecordingStream>& streams,
+                  bool is_json) {
+  if (is_json) {
+    Json list = Json::array();
+    for (const datasets::RecordingStream& stream : streams)
+      list.push_back({{"name", stream.name},
+                      {"entity", stream.entity.to_string()},
+                      {"values", stream.values}});
+    print_json({{"format", format}, {"streams", std::move(list)}});
+    return;
+  }
+  TextTable table({fmt::format("in the {}", format), "becomes", "values"});
+  for (const datasets::RecordingStream& stream : streams)
+    table.add({stream.name, stream.entity.to_string(),
+               stream.values > 0 ? count_text(stream.values) : "-"});
+  print(table.to_string());
 }
 
 Json import_json(const datasets::RecordingImportReport& report, const ltm::Recorder& recorder) {
+  const datasets::ReadingReport& reading = report.reading;
   Json not_carried = Json::object();
-  for (const auto& [what, count] : report.reading.not_carried) not_carried[what] = count;
-  return {{"episodes", report.episodes},
-          {"values", report.values},
-          {"not_carried", std::move(not_carried)},
-          {"damaged", report.reading.damaged},
-          {"duplicate_images", report.reading.duplicate_images},
-          {"truncated_at", report.reading.truncated_at},
-          {"cancelled", report.is_cancelled},
-          {"damaged_journal_places", recorder.lost_frames()},
-          {"entities", entities_json(recorder)}};
-}
-
-void print_import(const datasets::ImportReport& report, const ltm::Recorder& recorder) {
-  print_recorder(recorder);
-  print_span(report.first, report.last);
-  if (report.duplicate_frames > 0)
-    print(fmt::format("{} frames repeat the one before exactly",
-                      count_text(report.duplicate_frames)));
-  if (report.rows_outside_video > 0)
-    print(fmt::format("{} rows lie outside of the video", count_text(report.rows_outside_video)));
+  for (const auto& [what, count] : reading.not_carried) not_carried[what] = count;
+  Json json{{"episodes", report.episodes}, {"values", report.values}};
+  for (const auto& [what, count] : report.counts) json[what] = count;
+  json.update({{"not_carried", std::move(not_carried)},
+               {"damaged", reading.damaged},
+               {"duplicate_images", reading.duplicate_images},
+               {"truncated_at", reading.truncated_at}});
+  // Videos have reported these since before they were imported as all other recordings.
+  if (report.counts.contains("frames"))
+    json.update({{"rows", report.counts.contains("rows") ? report.counts.at("rows") : 0},
+                 {"damaged_frames", reading.damaged},
+                 {"duplicate_frames", reading.duplicate_images},
+                 {"rows_outside_video", reading.rows_outside}});
+  json.update({{"cancelled", report.is_cancelled},
+               {"damaged_journal_places", recorder.lost_frames()},
+               {"entities", entities_json(recorder)}});
+  return json;
 }
 
 void print_import(const datasets::RecordingImportReport& report, const ltm::Recorder& recorder) {
+  const datasets::ReadingReport& reading = report.reading;
   print_recorder(recorder);
   print_span(report.first, report.last);
-  print(fmt::format("{} values of {} episodes", count_text(report.values),
-                    count_text(report.episodes)));
-  if (report.reading.duplicate_images > 0)
+  if (report.counts.empty())
+    print(fmt::format("{} values of {} episodes", count_text(report.values),
+                      count_text(report.episodes)));
+  if (reading.duplicate_images > 0)
     print(fmt::format("{} images repeat the one before exactly",
-                      count_text(report.reading.duplicate_images)));
-  if (!report.reading.not_carried.empty()) print("Not as it was:");
-  for (const auto& [what, count] : report.reading.not_carried)
+                      count_text(reading.duplicate_images)));
+  if (reading.rows_outside > 0)
+    print(fmt::format("{} rows lie outside of the video", count_text(reading.rows_outside)));
+  if (!reading.not_carried.empty()) print("Not as it was:");
+  for (const auto& [what, count] : reading.not_carried)
     print(fmt::format("  {:>10}  {}", count_text(count), what));
 }
 

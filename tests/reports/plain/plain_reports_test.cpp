@@ -7,6 +7,7 @@
 #include "ltm/core/file.h"
 #include "reports/plain/findings.h"
 #include "reports/plain/forget_text.h"
+#include "reports/plain/import_report.h"
 #include "reports/plain/result_text.h"
 #include "reports/plain/save.h"
 #include "tests/datasets/fixtures.h"
@@ -122,6 +123,56 @@ TEST(ResultText, TellsContentsShortOrByTheirBeginning) {
   EXPECT_TRUE(text.starts_with("{\"text\":\"xxx")) << text;
   EXPECT_TRUE(text.ends_with("...")) << text;
   EXPECT_EQ(text.size(), 60u);
+}
+
+TEST(ImportReport, CountsAVideoUnderTheNamesThatItAlwaysHad) {
+  const TemporaryDirectory directory;
+  ltm::Recorder recorder = *ltm::Recorder::open(directory / "store", {});
+  datasets::RecordingImportReport report;
+  report.values = 15;
+  report.counts = {{"frames", 10}, {"rows", 5}};
+  report.reading.damaged = 1;
+  report.reading.duplicate_images = 2;
+  report.reading.rows_outside = 3;
+  const Json json = import_json(report, recorder);
+  EXPECT_EQ(json["frames"], 10);
+  EXPECT_EQ(json["rows"], 5);
+  EXPECT_EQ(json["damaged_frames"], 1);
+  EXPECT_EQ(json["duplicate_frames"], 2);
+  EXPECT_EQ(json["rows_outside_video"], 3);
+  EXPECT_EQ(json["values"], 15);
+  const std::string text = printed([&] { print_import(report, recorder); });
+  EXPECT_THAT(text, HasSubstr("2 images repeat the one before exactly\n"));
+  EXPECT_THAT(text, HasSubstr("3 rows lie outside of the video\n"));
+  ASSERT_TRUE(recorder.close().ok());
+}
+
+TEST(ImportReport, TellsOfRecordingsWhatDidNotComeIn) {
+  const TemporaryDirectory directory;
+  ltm::Recorder recorder = *ltm::Recorder::open(directory / "store", {});
+  datasets::RecordingImportReport report;
+  report.values = 1500;
+  report.episodes = 2;
+  report.reading.not_carried["messages of foo/Bar"] = 4;
+  const Json json = import_json(report, recorder);
+  EXPECT_EQ(json["not_carried"]["messages of foo/Bar"], 4);
+  EXPECT_FALSE(json.contains("frames"));
+  const std::string text = printed([&] { print_import(report, recorder); });
+  EXPECT_THAT(text, HasSubstr("1,500 values of 2 episodes\n"));
+  EXPECT_THAT(text, HasSubstr("4  messages of foo/Bar\n"));
+  ASSERT_TRUE(recorder.close().ok());
+}
+
+TEST(ImportReport, ListsWhatIsInARecording) {
+  datasets::RecordingStream known{kCup, "/cup", 1234, {}};
+  datasets::RecordingStream unknown{*ltm::MemoryId::parse("A/B/C/d"), "/d", 0, {}};
+  const std::string text = printed([&] { show_streams("mcap", {known, unknown}, false); });
+  EXPECT_THAT(text, HasSubstr("in the mcap"));
+  EXPECT_THAT(text, HasSubstr("1,234"));
+  EXPECT_THAT(text, HasSubstr("A/B/C/d       -"));
+  const Json json = Json::parse(printed([&] { show_streams("mcap", {known}, true); }));
+  EXPECT_EQ(json["format"], "mcap");
+  EXPECT_EQ(json["streams"][0]["values"], 1234);
 }
 
 }  // namespace
