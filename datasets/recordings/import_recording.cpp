@@ -10,7 +10,7 @@ namespace engram::datasets {
 namespace {
 
 constexpr uint64_t kValuesPerProgress = 16;
-constexpr size_t kBytesAhead = 64 << 20;
+constexpr size_t kBytesAhead = 32 << 20;
 
 size_t bytes_of(const RecordingReader::Moment& moment) {
   if (moment.unmade) return moment.unmade->bytes;
