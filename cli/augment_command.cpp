@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/augment_picture.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/scene_sources.h"
-#include "cli/text.h"
 #include "ltm/core/log.h"
+#include "reports/augment_picture.h"
+#include "reports/plain/text.h"
 #include "training/augment/augment_store.h"
 #include "training/augment/render_store.h"
 
@@ -139,19 +139,20 @@ void print_report(const training::AugmentReport& report, const AugmentArguments&
       print("  skipped    " + entity.skipped_reason);
       continue;
     }
-    print(fmt::format("  made       {} of {} snapshots", count_text(entity.instances),
-                      count_text(entity.snapshots)));
+    print(fmt::format("  made       {} of {} snapshots", reports::count_text(entity.instances),
+                      reports::count_text(entity.snapshots)));
     if (entity.left_out > 0)
-      print(fmt::format("  left out   {}{}", count_text(entity.left_out), left_out_text(entity)));
-    print("  stored     " + bytes_text(static_cast<double>(entity.stored_bytes)));
+      print(fmt::format("  left out   {}{}", reports::count_text(entity.left_out),
+                        left_out_text(entity)));
+    print("  stored     " + reports::bytes_text(static_cast<double>(entity.stored_bytes)));
   }
 }
 
 Status write_picture(const AugmentArguments& arguments, const training::AugmentOptions& options) {
   if (arguments.picture.empty()) return {};
   if (arguments.is_rendering())
-    return write_rendered_examples(arguments.store, arguments.out, arguments.picture);
-  return write_change_examples(arguments.store, options, arguments.picture);
+    return reports::write_rendered_examples(arguments.store, arguments.out, arguments.picture);
+  return reports::write_change_examples(arguments.store, options, arguments.picture);
 }
 
 ExitCode run(const AugmentArguments& arguments) {

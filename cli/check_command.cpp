@@ -2,11 +2,11 @@
 #include "ltm/store/check.h"
 
 #include "cli/command.h"
-#include "cli/findings.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "encoders/load_model.h"
+#include "reports/plain/findings.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -29,13 +29,13 @@ struct CheckArguments {
 };
 
 void print_report(const ltm::CheckReport& report, const std::string& store) {
-  print_findings(report.findings);
-  print(
-      fmt::format("Checked {}: {} segments, {} models, {} journals; {} entities, {} snapshots, {} "
-                  "media, {} unsealed frames; {}",
-                  store, report.segments, report.models, report.journals, report.entities,
-                  count_text(report.snapshots), count_text(report.media), count_text(report.frames),
-                  bytes_text(static_cast<double>(report.bytes))));
+  reports::print_findings(report.findings);
+  print(fmt::format(
+      "Checked {}: {} segments, {} models, {} journals; {} entities, {} snapshots, {} "
+      "media, {} unsealed frames; {}",
+      store, report.segments, report.models, report.journals, report.entities,
+      reports::count_text(report.snapshots), reports::count_text(report.media),
+      reports::count_text(report.frames), reports::bytes_text(static_cast<double>(report.bytes))));
   print(report.is_clean() ? "It is whole."
                           : fmt::format("{} faults: data is damaged or lost.", report.faults()));
 }
@@ -50,7 +50,7 @@ ExitCode run(const CheckArguments& arguments) {
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
-    print_json(check_json(*report, arguments.store));
+    print_json(reports::check_json(*report, arguments.store));
   else
     print_report(*report, arguments.store);
   return report->is_clean() ? ExitCode::kDone : ExitCode::kDoneWithLoss;

@@ -14,7 +14,9 @@ namespace engram::cli {
 namespace {
 
 /// CLI11 takes an empty text for "valid".
-std::string problem(const Status& status) { return status.ok() ? "" : status.message(); }
+std::string problem(const Status& status) {
+  return status.ok() ? "" : status.message();
+}
 
 }  // namespace
 
@@ -43,17 +45,18 @@ ExitCode fail(const Status& status) {
   return ExitCode::kFailed;
 }
 
+ExitCode done_or_failed(const Status& status) {
+  return status.ok() ? ExitCode::kDone : fail(status);
+}
+
 ExitCode wrong_usage(const Status& status) {
   log::write(log::Level::kError, status.message());
   return ExitCode::kWrongUsage;
 }
 
-void print(const std::string& text) { fmt::print("{}\n", text); }
-
-void print_json(const Json& json) { print(json.dump(2)); }
-
 CLI::Validator duration_text() {
-  return {[](const std::string& text) { return problem(parse_duration(text).status()); }, "DURATION"};
+  return {[](const std::string& text) { return problem(parse_duration(text).status()); },
+          "DURATION"};
 }
 
 CLI::Validator time_text() {

@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "ltm/core/status.h"
+#include "reports/plain/output.h"
 
 namespace engram::cli {
 
@@ -18,7 +18,9 @@ enum class ExitCode : int {
   kDoneWithLoss = 3,  ///< Finished, but data was damaged or lost on the way.
 };
 
-using Json = nlohmann::ordered_json;
+using reports::Json;
+using reports::print;
+using reports::print_json;
 
 /// Adds a command to the program; running it sets `exit_code`.
 void add_import_command(CLI::App& app, ExitCode& exit_code);
@@ -55,12 +57,11 @@ void add_idf_commands(CLI::App& app, ExitCode& exit_code);
 /// Tells an error on stderr. The exit code is kFailed.
 ExitCode fail(const Status& status);
 
+/// kDone; where it is an error, tells it as fail() does.
+ExitCode done_or_failed(const Status& status);
+
 /// Tells an error of arguments on stderr. The exit code is kWrongUsage.
 ExitCode wrong_usage(const Status& status);
-
-/// Writes a result to stdout.
-void print(const std::string& text);
-void print_json(const Json& json);
 
 /// Checks for CLI11 that an argument reads as what it should be.
 [[nodiscard]] CLI::Validator duration_text();

@@ -6,12 +6,12 @@
 #include "cli/idf_files.h"
 #include "cli/remote_client.h"
 #include "cli/server_commands.h"
-#include "cli/text.h"
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"
 #include "ltm/idf/type_xml.h"
 #include "memory/prior/picture_file.h"
 #include "memory/prior/written_as.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -178,7 +178,7 @@ ExitCode commit_many(const CommitArguments& arguments) {
   if (arguments.is_json)
     print_json({{"committed", *taken}});
   else
-    print(fmt::format("{} snapshots committed", count_text(*taken)));
+    print(fmt::format("{} snapshots committed", reports::count_text(*taken)));
   return ExitCode::kDone;
 }
 

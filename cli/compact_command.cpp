@@ -2,11 +2,11 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "ltm/core/config.h"
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/store/rewrite.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -49,9 +49,10 @@ Json report_json(const ltm::RewriteReport& report) {
 std::string report_text(const ltm::RewriteReport& report) {
   if (report.segments_before == 0) return "There is nothing to join";
   return fmt::format("{} segments became {}: {} before, {} after",
-                     count_text(report.segments_before), count_text(report.segments_after),
-                     bytes_text(static_cast<double>(report.bytes_before)),
-                     bytes_text(static_cast<double>(report.bytes_after)));
+                     reports::count_text(report.segments_before),
+                     reports::count_text(report.segments_after),
+                     reports::bytes_text(static_cast<double>(report.bytes_before)),
+                     reports::bytes_text(static_cast<double>(report.bytes_after)));
 }
 
 ExitCode run(const CompactArguments& arguments) {

@@ -5,14 +5,17 @@
 #include "cli/child_process.h"
 #include "cli/command.h"
 #include "cli/consolidate_jobs.h"
-#include "cli/consolidate_text.h"
 #include "cli/interrupt.h"
 #include "cli/job_options.h"
 #include "cli/progress_line.h"
 #include "cli/training_options.h"
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
+#include "reports/consolidate_text.h"
+#include "training/consolidate.h"
+#include "training/drop_raw.h"
 #include "training/fit/job_pace.h"
+#include "training/job_pace.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
 
@@ -63,7 +66,7 @@ struct ConsolidateArguments {
 };
 
 Status drop_all(const ConsolidateArguments& arguments, const training::ConsolidateReport& report,
-                const ProgressSink& progress, std::vector<DroppedRaw>& dropped) {
+                const ProgressSink& progress, std::vector<reports::DroppedRaw>& dropped) {
   const training::JobControl& job = arguments.options.job;
   std::unique_ptr<training::RobotBusy> busy;
   if (!job.yield.file.empty() || !job.yield.command.empty()) {
@@ -98,9 +101,9 @@ ExitCode show_plan(const ConsolidateArguments& arguments) {
       training::plan_consolidation(arguments.store, arguments.options, interrupt_token());
   if (!plan.ok()) return fail(plan.status());
   if (arguments.is_json)
-    print_json(plan_json(*plan));
+    print_json(reports::plan_json(*plan));
   else
-    print_plan(*plan);
+    reports::print_plan(*plan);
   return ExitCode::kDone;
 }
 
@@ -110,24 +113,24 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
   const auto on_plan = [&](const training::ConsolidatePlan& made) {
     plan = made;
     if (arguments.is_json || arguments.is_part) return;
-    print_plan(made);
+    reports::print_plan(made);
     std::fflush(stdout);
   };
   const auto report = training::consolidate(arguments.store, arguments.options, progress.sink(),
                                             interrupt_token(), on_plan);
   progress.finish();
   if (!report.ok()) return fail(report.status());
-  if (!arguments.is_json) print_report(*report);
-  std::vector<DroppedRaw> dropped;
+  if (!arguments.is_json) reports::print_report(*report);
+  std::vector<reports::DroppedRaw> dropped;
   if (arguments.drops_raw) {
     const Status status = drop_all(arguments, *report, progress.sink(), dropped);
     progress.finish();
     if (!status.ok()) return fail(status);
   }
   if (arguments.is_json)
-    print_json(report_json(plan, *report, dropped));
+    print_json(reports::report_json(plan, *report, dropped));
   else
-    print_dropped(dropped);
+    reports::print_dropped(dropped);
   return ExitCode::kDone;
 }
 

@@ -5,11 +5,12 @@
 #include <thread>
 
 #include "cli/child_process.h"
-#include "cli/consolidate_text.h"
 #include "cli/interrupt.h"
 #include "cli/shared_progress.h"
 #include "ltm/core/log.h"
+#include "reports/consolidate_text.h"
 #include "training/night/parallel_speed.h"
+#include "training/parallel_speed.h"
 
 namespace engram::cli {
 
@@ -46,7 +47,8 @@ std::vector<std::string> child_arguments(const std::vector<ltm::MemoryId>& entit
 /// Reports of all parts as one, entities in the order of the plan.
 Json united_report(const training::ConsolidatePlan& plan,
                    const std::vector<ChildProcess>& children) {
-  Json all{{"plan", plan_json(plan)}, {"entities", Json::array()}, {"dropped", Json::array()}};
+  Json all{
+      {"plan", reports::plan_json(plan)}, {"entities", Json::array()}, {"dropped", Json::array()}};
   for (const ChildProcess& child : children) {
     const Json part = Json::parse(child.output, nullptr, false);
     for (const char* list : {"entities", "dropped"}) {
@@ -124,7 +126,7 @@ ExitCode run_jobs(const training::ConsolidatePlan& plan,
                           progress.tell(i, text, form == ProgressForm::kJson);
                         }});
   if (!is_json) {
-    print_plan(plan);
+    reports::print_plan(plan);
     std::fflush(stdout);
   }
   const Status run = run_children(children, interrupt_token());

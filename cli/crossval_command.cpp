@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command.h"
-#include "cli/crossval_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "cli/training_options.h"
 #include "ltm/core/log.h"
+#include "reports/crossval_text.h"
+#include "reports/plain/text.h"
+#include "training/crossval.h"
 #include "training/measure/crossval.h"
 
 namespace engram::cli {
@@ -62,7 +63,7 @@ ExitCode run(CrossvalArguments& arguments) {
   ProgressLine progress;
   const auto tell = [&](const training::CrossvalFold& fold, size_t number) {
     progress.finish();
-    log::write(log::Level::kInfo, fold_text(fold, number));
+    log::write(log::Level::kInfo, reports::fold_text(fold, number));
   };
   const auto report = training::crossval(arguments.store, arguments.options, progress.sink(),
                                          interrupt_token(), tell);
@@ -71,7 +72,7 @@ ExitCode run(CrossvalArguments& arguments) {
   if (arguments.is_json)
     print_json(training::to_json(*report));
   else
-    print(crossval_text(*report));
+    print(reports::crossval_text(*report));
   return ExitCode::kDone;
 }
 

@@ -2,11 +2,12 @@
 #include <cmath>
 
 #include "cli/command.h"
-#include "cli/eval_picture.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "ltm/memory/result.h"
+#include "reports/eval_picture.h"
+#include "reports/plain/text.h"
+#include "training/evaluate.h"
 #include "training/measure/evaluate.h"
 
 namespace engram::cli {
@@ -35,15 +36,15 @@ struct EvalArguments {
 
 std::vector<std::string> image_row(const std::string& what, const training::Quality& quality) {
   return {what,
-          count_text(quality.images),
-          db_text(quality.mean_psnr_db),
-          db_text(quality.pooled_psnr_db),
-          db_text(quality.low_psnr_db),
-          db_text(quality.minimum_psnr_db)};
+          reports::count_text(quality.images),
+          reports::db_text(quality.mean_psnr_db),
+          reports::db_text(quality.pooled_psnr_db),
+          reports::db_text(quality.low_psnr_db),
+          reports::db_text(quality.minimum_psnr_db)};
 }
 
 std::vector<std::string> number_row(const std::string& what, const training::Quality& quality) {
-  return {what, count_text(quality.numbers), number_text(quality.rmse)};
+  return {what, reports::count_text(quality.numbers), reports::number_text(quality.rmse)};
 }
 
 /// Calls `add` with a label and each quality of an entity, in the order of the report.
@@ -75,21 +76,21 @@ void for_each_foresight(const training::EntityEvaluation& entity, F add) {
 }
 
 void print_bounds(const training::EntityEvaluation& entity) {
-  TextTable table({fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability), "predictions",
-                   "within", "mean bound", "expected", "real, pooled"});
+  reports::TextTable table({fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability),
+                            "predictions", "within", "mean bound", "expected", "real, pooled"});
   bool has_any = false;
   const auto add = [&](const std::string& what, const training::Coverage& coverage, double real,
                        std::string (*text)(double)) {
     if (coverage.predictions == 0) return;
     has_any = true;
-    table.add({what, count_text(coverage.predictions),
+    table.add({what, reports::count_text(coverage.predictions),
                fmt::format("{:.1f} %", 100 * coverage.share()), text(coverage.mean_bound),
                text(coverage.expected), text(real)});
   };
   for_each_foresight(entity, [&](const std::string& what, const training::Foresight& foresight,
                                  const training::Quality& quality) {
-    add(what, foresight.images, quality.pooled_psnr_db, db_text);
-    add(what + ", numbers", foresight.numbers, quality.rmse, number_text);
+    add(what, foresight.images, quality.pooled_psnr_db, reports::db_text);
+    add(what + ", numbers", foresight.numbers, quality.rmse, reports::number_text);
   });
   if (has_any) print(table.to_string("  "));
 }
@@ -108,19 +109,19 @@ std::string code_text(const training::CodeLength& code) {
 
 void print_entity(const training::EntityEvaluation& entity) {
   print(fmt::format("\n{} v{}: {} snapshots as latents{}", entity.entity.to_string(),
-                    entity.model_version, count_text(entity.snapshots),
+                    entity.model_version, reports::count_text(entity.snapshots),
                     entity.not_evaluated == 0
                         ? ""
                         : fmt::format(", {} of them not evaluated: their recorded form is gone",
-                                      count_text(entity.not_evaluated))));
-  TextTable bytes({"bytes", "raw", "online", "latents", "model", "latents + model"});
+                                      reports::count_text(entity.not_evaluated))));
+  reports::TextTable bytes({"bytes", "raw", "online", "latents", "model", "latents + model"});
   const auto count = static_cast<double>(std::max<uint64_t>(entity.snapshots, 1));
   const auto add_bytes = [&bytes](const std::string& what, const training::EntityEvaluation& of,
                                   double divisor) {
     std::vector<std::string> row{what};
     for (const uint64_t value : {of.raw_bytes, of.stored_bytes, of.latent_bytes, of.model_bytes,
                                  of.latent_bytes + of.model_bytes})
-      row.push_back(bytes_text(static_cast<double>(value) / divisor));
+      row.push_back(reports::bytes_text(static_cast<double>(value) / divisor));
     bytes.add(std::move(row));
   };
   add_bytes("in all", entity, 1);
@@ -130,9 +131,9 @@ void print_entity(const training::EntityEvaluation& entity) {
     print(fmt::format("  decoded in {:.1f} ms each in order, {:.1f} ms scattered (median)",
                       entity.access.in_order_ms, entity.access.scattered_ms));
   if (entity.code.rows > 0) print(code_text(entity.code));
-  TextTable images(
+  reports::TextTable images(
       {"PSNR", "images", "mean over images", "pooled error", "5 % quantile", "minimum"});
-  TextTable numbers({"RMSE", "values", "over numbers"});
+  reports::TextTable numbers({"RMSE", "values", "over numbers"});
   bool has_images = false, has_numbers = false;
   for_each_quality(entity, [&](const std::string& what, const training::Quality& quality) {
     if (quality.images > 0) images.add(image_row(what, quality));
@@ -159,7 +160,8 @@ ExitCode run(const EvalArguments& arguments) {
     for (const training::EntityEvaluation& entity : report->entities) print_entity(entity);
   }
   if (!arguments.picture.empty())
-    if (const Status drawn = write_eval_picture(arguments.store, arguments.picture); !drawn.ok())
+    if (const Status drawn = reports::write_eval_picture(arguments.store, arguments.picture);
+        !drawn.ok())
       return fail(drawn);
   return ExitCode::kDone;
 }

@@ -2,11 +2,11 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "datasets/export.h"
 #include "datasets/formats.h"
 #include "encoders/load_model.h"
 #include "ltm/core/log.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -73,13 +73,13 @@ Json report_json(const datasets::ExportReport& report) {
 
 void print_report(const datasets::ExportReport& report, const ExportArguments& arguments) {
   print(fmt::format("{} snapshots with {} instances: {} files, {}, below {}",
-                    count_text(report.snapshots), count_text(report.instances),
-                    count_text(report.files), bytes_text(static_cast<double>(report.bytes)),
-                    arguments.directory));
+                    reports::count_text(report.snapshots), reports::count_text(report.instances),
+                    reports::count_text(report.files),
+                    reports::bytes_text(static_cast<double>(report.bytes)), arguments.directory));
   if (!report.not_carried.empty())
     print(fmt::format("Left out, as {} does not carry it:", arguments.format));
   for (const auto& [what, count] : report.not_carried)
-    print(fmt::format("  {:>10}  {}", count_text(count), what));
+    print(fmt::format("  {:>10}  {}", reports::count_text(count), what));
 }
 
 /// Writes one file or folder of a format of whole recordings.

@@ -6,12 +6,12 @@
 #include <iostream>
 
 #include "cli/command.h"
-#include "cli/forget_job.h"
-#include "cli/forget_text.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/forget_config.h"
+#include "reports/forget_job.h"
+#include "reports/plain/forget_text.h"
 
 namespace engram::cli {
 
@@ -71,17 +71,17 @@ ExitCode conclude(const ForgetArguments& arguments, const ltm::ForgetReport& rep
   return ExitCode::kDone;
 }
 
-ExitCode carry_out(const ForgetArguments& arguments, const ForgetJob& job, ltm::ForgetPlan plan,
-                   ProgressLine& progress) {
-  Json json{{"plan", plan_json(plan)}};
+ExitCode carry_out(const ForgetArguments& arguments, const reports::ForgetJob& job,
+                   ltm::ForgetPlan plan, ProgressLine& progress) {
+  Json json{{"plan", reports::plan_json(plan)}};
   const auto report = job.carry_out(std::move(plan));
   progress.finish();
   if (!report.ok()) return fail(report.status());
-  json["done"] = report_json(*report);
+  json["done"] = reports::report_json(*report);
   if (arguments.is_json)
     print_json(json);
   else
-    print_report(*report);
+    reports::print_report(*report);
   return conclude(arguments, *report);
 }
 
@@ -94,14 +94,14 @@ ExitCode run(const ForgetArguments& arguments) {
     options = *std::move(config);
   }
   ProgressLine progress;
-  const ForgetJob job{arguments.store, arguments.targets, std::move(options), progress.sink(),
-                      interrupt_token()};
+  const reports::ForgetJob job{arguments.store, arguments.targets, std::move(options),
+                               progress.sink(), interrupt_token()};
   auto plan = job.plan();
   progress.finish();
   if (!plan.ok()) return fail(plan.status());
-  if (!arguments.is_json) print_plan(*plan);
+  if (!arguments.is_json) reports::print_plan(*plan);
   if (arguments.is_dry_run) {
-    if (arguments.is_json) print_json({{"plan", plan_json(*plan)}});
+    if (arguments.is_json) print_json({{"plan", reports::plan_json(*plan)}});
     if (plan->missing_bytes > 0)
       log::warning("store '{}': the quota would not be met, by about {} bytes", arguments.store,
                    plan->missing_bytes);

@@ -4,10 +4,11 @@
 
 #include "cli/command.h"
 #include "cli/remote.h"
-#include "cli/text.h"
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/store/store_reader.h"
+#include "reports/plain/text.h"
+#include "training/metrics.h"
 #include "training/quality/metrics.h"
 
 namespace engram::cli {
@@ -90,18 +91,20 @@ Json entity_json(const ltm::EntitySummary& summary, const ltm::StoredForms& form
 std::string quality_text(const ltm::LatentSums& sums) {
   std::string text;
   if (sums.image_rows > 0)
-    text += fmt::format(", PSNR {} mean over images, {} pooled",
-                        db_text(mean_of(sums.psnr_db, sums.image_rows)),
-                        db_text(training::psnr_db(mean_of(sums.image_mse, sums.image_rows))));
+    text +=
+        fmt::format(", PSNR {} mean over images, {} pooled",
+                    reports::db_text(mean_of(sums.psnr_db, sums.image_rows)),
+                    reports::db_text(training::psnr_db(mean_of(sums.image_mse, sums.image_rows))));
   if (sums.number_rows > 0)
-    text += fmt::format(", RMSE {} over numbers",
-                        number_text(std::sqrt(mean_of(sums.number_mse, sums.number_rows))));
+    text +=
+        fmt::format(", RMSE {} over numbers",
+                    reports::number_text(std::sqrt(mean_of(sums.number_mse, sums.number_rows))));
   return text;
 }
 
 std::string bytes_each(uint64_t total, uint64_t count) {
-  return fmt::format("{} ({} each)", bytes_text(static_cast<double>(total)),
-                     bytes_text(each(total, count)));
+  return fmt::format("{} ({} each)", reports::bytes_text(static_cast<double>(total)),
+                     reports::bytes_text(each(total, count)));
 }
 
 /// ", as h264, numbers as columns"; nothing where neither says more than that it is stored.
@@ -117,29 +120,31 @@ void print_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& for
                   double rate_hz) {
   print("\n" + summary.id.to_string());
   print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
-                    count_text(summary.snapshots), count_text(summary.offered),
-                    count_text(summary.recorded_snapshots), count_text(summary.latent_snapshots)));
+                    reports::count_text(summary.snapshots), reports::count_text(summary.offered),
+                    reports::count_text(summary.recorded_snapshots),
+                    reports::count_text(summary.latent_snapshots)));
   if (summary.augmented_snapshots > 0)
     print(fmt::format("  augmented  {}: made of others, never perceived",
-                      count_text(summary.augmented_snapshots)));
+                      reports::count_text(summary.augmented_snapshots)));
   std::string reasons;
   for (const auto& [filter, count] : summary.dropped_by)
-    reasons += fmt::format("{}{} by {}", reasons.empty() ? "" : ", ", count_text(count), filter);
+    reasons +=
+        fmt::format("{}{} by {}", reasons.empty() ? "" : ", ", reports::count_text(count), filter);
   if (!reasons.empty()) print("  dropped    " + reasons);
   if (summary.forgotten.snapshots > 0)
-    print(fmt::format("  forgotten  {}", count_text(summary.forgotten.snapshots)));
+    print(fmt::format("  forgotten  {}", reports::count_text(summary.forgotten.snapshots)));
   if (summary.snapshots > 0)
     print(fmt::format("  span       {} to {}, {:.3g} Hz", to_string(summary.first),
                       to_string(summary.last), rate_hz));
   print(fmt::format("  raw        {} offered, {} kept",
-                    bytes_text(static_cast<double>(summary.offered_bytes)),
+                    reports::bytes_text(static_cast<double>(summary.offered_bytes)),
                     bytes_each(summary.raw_bytes, summary.snapshots)));
   print("  stored     " + bytes_each(summary.stored_bytes, summary.recorded_snapshots) +
         forms_text(forms));
   if (summary.latent_snapshots == 0) return;
   print(fmt::format(
       "  latent     {} + {} model = {}", bytes_each(summary.latent_bytes, summary.latent_snapshots),
-      bytes_text(static_cast<double>(summary.model_bytes)),
+      reports::bytes_text(static_cast<double>(summary.model_bytes)),
       bytes_each(summary.latent_bytes + summary.model_bytes, summary.latent_snapshots)));
   std::string models;
   for (const ltm::ModelInfo& model : summary.models)

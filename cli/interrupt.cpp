@@ -19,7 +19,9 @@ std::stop_source& source() {
 pthread_t waiter;
 
 /// Libraries make threads before main, which take signals too: they hand them on.
-void hand_on(int signal) { pthread_kill(waiter, signal); }
+void hand_on(int signal) {
+  pthread_kill(waiter, signal);
+}
 
 }  // namespace
 
@@ -48,6 +50,8 @@ void watch_for_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-std::stop_token interrupt_token() { return source().get_token(); }
+std::stop_token interrupt_token() {
+  return source().get_token();
+}
 
 }  // namespace engram::cli

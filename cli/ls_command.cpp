@@ -3,9 +3,9 @@
 #include <set>
 
 #include "cli/command.h"
-#include "cli/text.h"
 #include "datasets/recordings/snapshot_walk.h"
 #include "ltm/store/store_reader.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -120,16 +120,17 @@ class Listing {
   }
 
   void add(const std::map<std::string, Line>& lines, bool are_entities) {
-    TextTable table(
+    reports::TextTable table(
         are_entities
             ? std::vector<std::string>{"entity", "snapshots", "first", "last", "sealed"}
             : std::vector<std::string>{"name", "entities", "snapshots", "first", "last", "sealed"});
     json_["entries"] = Json::array();
     for (const auto& [name, line] : lines) {
-      std::vector<std::string> row{
-          name, count_text(line.snapshots), line.first ? to_string(*line.first) : "-",
-          line.last ? to_string(*line.last) : "-", bytes_text(static_cast<double>(line.bytes))};
-      if (!are_entities) row.insert(row.begin() + 1, count_text(line.entities));
+      std::vector<std::string> row{name, reports::count_text(line.snapshots),
+                                   line.first ? to_string(*line.first) : "-",
+                                   line.last ? to_string(*line.last) : "-",
+                                   reports::bytes_text(static_cast<double>(line.bytes))};
+      if (!are_entities) row.insert(row.begin() + 1, reports::count_text(line.entities));
       table.add(std::move(row));
       Json entry{{"id", name},
                  {"entities", line.entities},
@@ -174,7 +175,7 @@ class Listing {
       return {};
     }
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, timeline.count());
-    text_ += fmt::format("\n  and {} more", count_text(count - listed));
+    text_ += fmt::format("\n  and {} more", reports::count_text(count - listed));
     json["more"] = count - listed;
     return {};
   }

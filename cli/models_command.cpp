@@ -4,14 +4,15 @@
 #include <map>
 #include <set>
 
-#include "cli/choice_text.h"
 #include "cli/command.h"
-#include "cli/forms_text.h"
-#include "cli/text.h"
 #include "encoders/model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
+#include "reports/choice_text.h"
+#include "reports/forms_text.h"
+#include "reports/plain/text.h"
 #include "training/measure/stored_snapshots.h"
+#include "training/stored_snapshots.h"
 
 namespace engram::cli {
 
@@ -73,17 +74,17 @@ Json to_json(const Model& model) {
       {"variant", to_string(model.from.variant)},
       {"started_from_version",
        model.from.started_from > 0 ? Json(model.from.started_from) : Json(nullptr)},
-      {"choice", choice_json(model.from.choice)},
-      {"images", forms_json(model.from.forms)}};
+      {"choice", reports::choice_json(model.from.choice)},
+      {"images", reports::forms_json(model.from.forms)}};
 }
 
 std::string row(std::string_view form, int64_t bytes, int64_t rows, uint64_t model_bytes,
                 const std::string& note) {
   const double each = static_cast<double>(bytes) / static_cast<double>(rows);
   const auto with_model = [&](double images) {
-    return bytes_text(each + static_cast<double>(model_bytes) / images);
+    return reports::bytes_text(each + static_cast<double>(model_bytes) / images);
   };
-  return fmt::format("    {:<14} {:>10} {:>12} {:>14}  {}", form, bytes_text(each),
+  return fmt::format("    {:<14} {:>10} {:>12} {:>14}  {}", form, reports::bytes_text(each),
                      with_model(3000), with_model(30000), note);
 }
 
@@ -102,23 +103,24 @@ void print_forms(const encoders::StoredForms& forms, uint64_t model_bytes) {
                   : ""));
   if (forms.video_bytes > 0) print(row("video", forms.video_bytes, forms.rows, 0, ""));
   if (forms.lossless_bytes > 0) print(row("without loss", forms.lossless_bytes, forms.rows, 0, ""));
-  print(row("kept", forms.kept_bytes, forms.rows, model_bytes, kept_text(forms)));
-  if (forms.bound_db > 0) print("    bound " + bound_text(forms.bound_db, forms.noise_images));
+  print(row("kept", forms.kept_bytes, forms.rows, model_bytes, reports::kept_text(forms)));
+  if (forms.bound_db > 0)
+    print("    bound " + reports::bound_text(forms.bound_db, forms.noise_images));
 }
 
 void print_model(const Model& model) {
   const auto& [info, from] = model;
-  std::string text =
-      fmt::format("{}: {}, trained on {} snapshots of {} recordings, {} steps", info->name(),
-                  bytes_text(static_cast<double>(info->bytes)),
-                  count_text(static_cast<uint64_t>(from.snapshots)), from.autoencoder_spans.size(),
-                  count_text(static_cast<uint64_t>(from.steps)));
-  if (from.training_seconds > 0) text += " in " + seconds_text(from.training_seconds);
+  std::string text = fmt::format(
+      "{}: {}, trained on {} snapshots of {} recordings, {} steps", info->name(),
+      reports::bytes_text(static_cast<double>(info->bytes)),
+      reports::count_text(static_cast<uint64_t>(from.snapshots)), from.autoencoder_spans.size(),
+      reports::count_text(static_cast<uint64_t>(from.steps)));
+  if (from.training_seconds > 0) text += " in " + reports::seconds_text(from.training_seconds);
   if (from.started_from > 0) text += fmt::format(", started from v{}", from.started_from);
   if (from.variant != encoders::TrainingVariant::kRateAware)
     text += fmt::format(", variant {}", to_string(from.variant));
   print(text);
-  if (from.choice.previous_version > 0) print(choice_text(from.choice));
+  if (from.choice.previous_version > 0) print(reports::choice_text(from.choice));
   if (from.forms.rows > 0) print_forms(from.forms, info->bytes);
 }
 
@@ -153,18 +155,18 @@ Json to_json(const ltm::MemoryId& entity, const training::StoredSnapshot& snapsh
 }
 
 Status print_snapshots(ltm::StoreReader& reader, const std::vector<Model>& models) {
-  std::map<ltm::MemoryId, TextTable> tables;
+  std::map<ltm::MemoryId, reports::TextTable> tables;
   ENGRAM_RETURN_IF_ERROR(for_each_snapshot(
       reader, models,
       [&](const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot) -> Status {
         std::vector<std::string> forms;
         for (const auto& image : snapshot.images) forms.emplace_back(to_string(image.form));
-        const TextTable header({"time", "model", "form", "bytes", "PSNR"});
+        const reports::TextTable header({"time", "model", "form", "bytes", "PSNR"});
         tables.try_emplace(entity, header)
-            .first->second.add({to_string(snapshot.time),
-                                fmt::format("v{}", snapshot.model_version),
-                                fmt::format("{}", fmt::join(forms, "+")),
-                                fmt::format("{:.1f}", snapshot.bytes), db_text(snapshot.psnr_db)});
+            .first->second.add(
+                {to_string(snapshot.time), fmt::format("v{}", snapshot.model_version),
+                 fmt::format("{}", fmt::join(forms, "+")), fmt::format("{:.1f}", snapshot.bytes),
+                 reports::db_text(snapshot.psnr_db)});
         return {};
       }));
   for (const auto& [entity, table] : tables) {

@@ -4,15 +4,15 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
-#include "cli/predict_picture.h"
-#include "cli/predict_text.h"
 #include "cli/progress_line.h"
 #include "cli/remote.h"
-#include "cli/result_text.h"
-#include "cli/save.h"
-#include "cli/text.h"
 #include "encoders/load_model.h"
 #include "ltm/prediction/entity_forecaster.h"
+#include "reports/plain/result_text.h"
+#include "reports/plain/save.h"
+#include "reports/plain/text.h"
+#include "reports/predict_picture.h"
+#include "reports/predict_text.h"
 
 namespace engram::cli {
 
@@ -80,13 +80,13 @@ std::optional<Time> time_of(const std::string& text) {
 Status list(ltm::Recall& recall, const ltm::MemoryId& entity, Duration step,
             std::span<const Duration> horizons, const PredictArguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(const auto models, recall.engines(entity));
-  std::vector<EnginesAhead> measured;
+  std::vector<reports::EnginesAhead> measured;
   for (const Duration ahead : horizons) {
     ENGRAM_ASSIGN_OR_RETURN(auto records, recall.records(entity, time_of(arguments.at), ahead, {}));
     measured.push_back({ahead, std::move(records)});
   }
-  show(arguments, engines_text(entity, step, measured, models),
-       engines_json(entity, step, measured, models));
+  show(arguments, reports::engines_text(entity, step, measured, models),
+       reports::engines_json(entity, step, measured, models));
   return {};
 }
 
@@ -99,8 +99,8 @@ Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall
       training::sweep(recall, entity, outlook, options, progress.sink(), interrupt_token());
   progress.finish();
   ENGRAM_RETURN_IF_ERROR(qualities.status());
-  show(arguments, sweep_text(entity, arguments.engine, outlook.horizons, *qualities),
-       sweep_json(entity, arguments.engine, outlook.horizons, *qualities));
+  show(arguments, reports::sweep_text(entity, arguments.engine, outlook.horizons, *qualities),
+       reports::sweep_json(entity, arguments.engine, outlook.horizons, *qualities));
   return {};
 }
 
@@ -109,7 +109,7 @@ Status save(const ltm::MemoryId& entity, const training::PredictedMoment& moment
   size_t count = 0;
   for (const training::PredictedHorizon& horizon : moment.horizons) {
     ENGRAM_ASSIGN_OR_RETURN(const auto files,
-                            save_snapshot(entity, horizon.predicted, arguments.save));
+                            reports::save_snapshot(entity, horizon.predicted, arguments.save));
     count += files.size();
   }
   if (!arguments.is_json) print(fmt::format("{} files written below {}", count, arguments.save));
@@ -131,11 +131,11 @@ Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, ltm::Recall::Ou
   if (outlook.plan && moment.horizons.front().predicted.plan.empty())
     return not_found("entity '{}': nothing is planned after {}", outlook.plan->to_string(),
                      to_string(moment.last.time));
-  ENGRAM_ASSIGN_OR_RETURN(const Json json, moment_json(entity, moment));
-  show(arguments, moment_text(entity, moment), json);
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, reports::moment_json(entity, moment));
+  show(arguments, reports::moment_text(entity, moment), json);
   if (!arguments.save.empty()) ENGRAM_RETURN_IF_ERROR(save(entity, moment, arguments));
   if (!arguments.picture.empty())
-    ENGRAM_RETURN_IF_ERROR(write_predict_picture(moment, arguments.picture));
+    ENGRAM_RETURN_IF_ERROR(reports::write_predict_picture(moment, arguments.picture));
   return {};
 }
 
@@ -180,16 +180,16 @@ ExitCode run_remote(const PredictArguments& arguments, const ltm::MemoryId& enti
     if (!known.ok()) return fail(known.status());
     step = *known;
   }
-  const auto horizons = parse_horizons(horizons_text(arguments, step), step);
+  const auto horizons = reports::parse_horizons(horizons_text(arguments, step), step);
   if (!horizons.ok()) return wrong_usage(horizons.status());
   if (arguments.is_list) {
     auto records = engines_at_server(arguments.remote, entity, *horizons);
     if (!records.ok()) return fail(records.status());
-    std::vector<EnginesAhead> measured;
+    std::vector<reports::EnginesAhead> measured;
     for (size_t i = 0; i < horizons->size(); ++i)
       measured.push_back({(*horizons)[i], std::move((*records)[i])});
-    show(arguments, engines_text(entity, step, measured, {}),
-         engines_json(entity, step, measured, {}));
+    show(arguments, reports::engines_text(entity, step, measured, {}),
+         reports::engines_json(entity, step, measured, {}));
     return ExitCode::kDone;
   }
   ltm::QueryResult all;
@@ -200,7 +200,7 @@ ExitCode run_remote(const PredictArguments& arguments, const ltm::MemoryId& enti
     if (!result.ok()) return fail(result.status());
     if (const Status merged = all.merge(*std::move(result)); !merged.ok()) return fail(merged);
   }
-  return show_result(all, arguments.save, arguments.is_json);
+  return done_or_failed(reports::show_result(all, arguments.save, arguments.is_json));
 }
 
 ExitCode run(PredictArguments arguments) {
@@ -233,17 +233,17 @@ ExitCode run(PredictArguments arguments) {
   const ltm::MemoryId entity = *ltm::MemoryId::parse(arguments.entity);
   const auto step = step_of(recall, entity, arguments.engine);
   if (!step.ok()) return fail(step.status());
-  const auto horizons = parse_horizons(horizons_text(arguments, *step), *step);
+  const auto horizons = reports::parse_horizons(horizons_text(arguments, *step), *step);
   if (!horizons.ok()) return wrong_usage(horizons.status());
   if (arguments.is_list) {
     const Status listed = list(recall, entity, *step, *horizons, arguments);
-    return listed.ok() ? ExitCode::kDone : fail(listed);
+    return done_or_failed(listed);
   }
   ltm::Recall::Outlook outlook{time_of(arguments.at), *horizons, arguments.engine};
   if (!arguments.plan.empty()) outlook.plan = *ltm::MemoryId::parse(arguments.plan);
   const Status done = is_sweep ? sweep(recall, entity, outlook, arguments)
                                : predict(recall, entity, outlook, arguments);
-  return done.ok() ? ExitCode::kDone : fail(done);
+  return done_or_failed(done);
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 #include <string_view>
 
 #include "cli/command.h"
-#include "cli/text.h"
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -41,10 +41,11 @@ std::string line_of(const Progress& progress, bool has_bar) {
                           std::string(static_cast<size_t>(kBarCells - cells), '.'));
     line += fmt::format(" {:3.0f} %", 100 * share);
   } else {
-    line += fmt::format(" {}", count_text(progress.done));
+    line += fmt::format(" {}", reports::count_text(progress.done));
   }
   if (!progress.detail.empty()) line += "  " + progress.detail;
-  if (progress.seconds_left >= 0) line += fmt::format("  {} left", seconds_text(progress.seconds_left));
+  if (progress.seconds_left >= 0)
+    line += fmt::format("  {} left", reports::seconds_text(progress.seconds_left));
   return line;
 }
 
@@ -75,7 +76,9 @@ ProgressLine::ProgressLine(ProgressForm form)
       is_json_(form == ProgressForm::kJson),
       is_redrawn_(!is_json_ && ::isatty(STDERR_FILENO) != 0) {}
 
-ProgressLine::~ProgressLine() { finish(); }
+ProgressLine::~ProgressLine() {
+  finish();
+}
 
 ProgressSink ProgressLine::sink() {
   if (is_quiet_) return {};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command.h"
 #include "cli/remote.h"
-#include "cli/result_text.h"
 #include "encoders/load_model.h"
 #include "ltm/prediction/entity_forecaster.h"
 #include "ltm/recall/recall.h"
+#include "reports/plain/result_text.h"
 
 namespace engram::cli {
 
@@ -50,7 +50,7 @@ ExitCode run_remote(const QueryArguments& arguments, const ltm::Query& query) {
     return wrong_usage(invalid_argument("--prefer is of a store: a server has it configured"));
   const auto result = query_server(arguments.remote, query);
   if (!result.ok()) return fail(result.status());
-  return show_result(*result, arguments.save, arguments.is_json);
+  return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
 }
 
 ExitCode run(QueryArguments arguments) {
@@ -77,7 +77,7 @@ ExitCode run(QueryArguments arguments) {
       arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent : ltm::Recall::Prefer::kRecorded;
   const auto result = recall.query(*query, options);
   if (!result.ok()) return fail(result.status());
-  return show_result(*result, arguments.save, arguments.is_json);
+  return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 #include "ltm/store/recover.h"
 
 #include "cli/command.h"
-#include "cli/findings.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
-#include "cli/text.h"
 #include "encoders/load_model.h"
+#include "reports/plain/findings.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -52,16 +52,16 @@ Json to_json(const ltm::RecoverReport& report, const RecoverArguments& arguments
           {"journals", report.journals},
           {"damaged_journal_places", report.damaged_places},
           {"entities", entities_json(report)},
-          {"findings", findings_json(report.findings)}};
+          {"findings", reports::findings_json(report.findings)}};
 }
 
 void print_report(const ltm::RecoverReport& report, const RecoverArguments& arguments) {
-  print_findings(report.findings);
-  TextTable table({"snapshots", "recorded", "lost", "latent", "lost", "unsealed"});
+  reports::print_findings(report.findings);
+  reports::TextTable table({"snapshots", "recorded", "lost", "latent", "lost", "unsealed"});
   for (const auto& [id, counts] : report.entities)
-    table.add({id.to_string(), count_text(counts.recorded), count_text(counts.recorded_lost),
-               count_text(counts.latent), count_text(counts.latent_lost),
-               count_text(counts.unsealed)});
+    table.add({id.to_string(), reports::count_text(counts.recorded),
+               reports::count_text(counts.recorded_lost), reports::count_text(counts.latent),
+               reports::count_text(counts.latent_lost), reports::count_text(counts.unsealed)});
   print(table.to_string());
   print(fmt::format(
       "{}: {} segments copied, {} rewritten, {} lost; {} models, {} lost; {} journals "

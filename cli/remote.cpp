@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "cli/remote_client.h"
-#include "cli/text.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -55,14 +55,15 @@ std::string figure_text(const std::string& name, const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_number_unsigned()) return value.dump();
   const auto number = value.get<uint64_t>();
-  return name.ends_with("bytes") ? bytes_text(static_cast<double>(number)) : count_text(number);
+  return name.ends_with("bytes") ? reports::bytes_text(static_cast<double>(number))
+                                 : reports::count_text(number);
 }
 
 void print_figures(const Json& figures) {
   constexpr std::string_view kMemory = "memory_";
   constexpr std::string_view kStore = "store_";
   const auto print_part = [&figures](const std::string& title, std::string_view start) {
-    TextTable table({title, ""});
+    reports::TextTable table({title, ""});
     bool has_any = false;
     for (const auto& [name, value] : figures.items()) {
       const bool is_rest = !name.starts_with(kMemory) && !name.starts_with(kStore);

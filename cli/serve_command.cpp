@@ -4,9 +4,9 @@
 
 #include "cli/interrupt.h"
 #include "cli/server_commands.h"
-#include "cli/text.h"
 #include "encoders/load_model.h"
 #include "ltm/core/log.h"
+#include "reports/plain/text.h"
 #include "server/robot/robot.h"
 
 namespace engram::cli {
@@ -143,14 +143,14 @@ void wait_for_the_end() {
 bool tell_ended(const Robot::Ended& ended) {
   const ltm::MemoryCounters& memory = ended.counters.memory;
   log::info("server '{}' stopped: {} snapshots came{}, the store was given {}", ended.server,
-            count_text(memory.committed),
-            memory.superseded > 0
-                ? fmt::format(", {} of them in place of others", count_text(memory.superseded))
-                : "",
-            count_text(memory.stored));
+            reports::count_text(memory.committed),
+            memory.superseded > 0 ? fmt::format(", {} of them in place of others",
+                                                reports::count_text(memory.superseded))
+                                  : "",
+            reports::count_text(memory.stored));
   if (memory.dropped > 0)
     log::warning("server '{}': {} snapshots left memory and were not stored, as its mode says",
-                 ended.server, count_text(memory.dropped));
+                 ended.server, reports::count_text(memory.dropped));
   if (!ended.status.ok()) log::warning("server '{}': {}", ended.server, ended.status.message());
   return ended.status.ok();
 }

@@ -13,11 +13,11 @@
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/shared_progress.h"
-#include "cli/text.h"
 #include "datasets/export.h"
 #include "datasets/kitchen/kitchen.h"
 #include "datasets/plain_files.h"
 #include "ltm/recording/recording_config.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -134,7 +134,7 @@ void print_summary(const std::string& store, const datasets::KitchenOptions& opt
       fmt::format("{}: seed {}, {} stereo images in {:g} s, {}/s plain; actions: {} succeeded, {} "
                   "failed, {} stopped",
                   store, options.seed, summary.images, options.seconds,
-                  bytes_text(static_cast<double>(summary.raw_bytes) / options.seconds),
+                  reports::bytes_text(static_cast<double>(summary.raw_bytes) / options.seconds),
                   summary.succeeded, summary.failed, summary.stopped));
   std::fflush(stdout);
 }

@@ -5,12 +5,12 @@
 
 #include "cli/interrupt.h"
 #include "cli/remote_client.h"
-#include "cli/result_text.h"
 #include "cli/server_commands.h"
-#include "cli/text.h"
 #include "ltm/core/log.h"
 #include "ltm/idf/json.h"
 #include "ltm/memory/augmentation_json.h"
+#include "reports/plain/result_text.h"
+#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -64,7 +64,7 @@ Result<std::string> line_of(const ltm::Snapshot& snapshot, const WatchArguments&
     return json.dump();
   }
   std::string text = snapshot.id().to_string();
-  if (arguments.with_data) text += "  " + content_text(snapshot);
+  if (arguments.with_data) text += "  " + reports::content_text(snapshot);
   return text;
 }
 
@@ -128,7 +128,7 @@ ExitCode print_all(Inbox& inbox, const WatchArguments& arguments) {
   }
   if (inbox.lost() == 0) return ExitCode::kDone;
   log::warning("{} snapshots were not told: they came faster than they were read",
-               count_text(inbox.lost()));
+               reports::count_text(inbox.lost()));
   return ExitCode::kDoneWithLoss;
 }
 

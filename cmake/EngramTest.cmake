@@ -17,7 +17,7 @@ function(engram_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE ENGRAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  # Tests run beside each other: waiting threads must not spin for long (cli/openmp.h).
+  # Tests run beside each other: waiting threads must not spin for long (cli/learning_environment.h).
   set(environment ENVIRONMENT GOMP_SPINCOUNT=10000)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})

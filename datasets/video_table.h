@@ -3,79 +3,103 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
+#include <vector>
 
 #include "datasets/media/table.h"
-#include "ltm/core/progress.h"
+#include "datasets/media/video_reader.h"
+#include "datasets/recordings/recording_reader.h"
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
-#include "ltm/recording/recorder.h"
 
 namespace engram::datasets {
 
-/// Which video becomes the snapshots of one entity, and which table those of another.
-struct VideoTableImport {
-  std::filesystem::path video;
-  /// Numbers over time of the same recording; empty: the video alone.
-  std::filesystem::path table;
-
-  /// Gets a snapshot per frame: {"image": uint8 [H, W, 3], "state": link}.
-  ltm::MemoryId entity;
-  /// Gets a snapshot per row: Table::row_value and {"camera": link}. Needed with a table.
-  ltm::MemoryId state_entity;
-
-  /// When the video began.
-  Time start{};
-  /// Added to the times of the table to get those of the video.
-  Duration table_offset{};
-  Table::Options table_options;
-
-  /// Size and cut of the images; see VideoReader::Options. Unit: pixels.
-  int width = 0;
-  int height = 0;
-  bool crops_square = false;
-  int threads = 3;
-
-  /// Named in the metadata of every instance.
-  std::string provider = "import";
-  /// Says when an instance was sent and arrived.
-  Clock clock = system_now;
-
-  [[nodiscard]] Status validate() const;
-};
-
-/// What an import did.
-struct ImportReport {
-  uint64_t frames = 0;  ///< Committed, or dropped by the recorder for their time alone.
-  uint64_t rows = 0;    ///< Committed.
-  /// Could not be decoded, or only with guessed parts; the latter were committed.
-  uint64_t damaged_frames = 0;
-  /// Frames that repeat the one before exactly, before scaling; they were committed.
-  uint64_t duplicate_frames = 0;
-  /// Rows before the first frame or after the last; they were committed.
-  uint64_t rows_outside_video = 0;
-  std::optional<Time> first;  ///< Of what was committed.
-  std::optional<Time> last;
-  bool is_cancelled = false;  ///< Stopped on request: there was more.
-};
-
-/// Commits a video and the table of the same recording in the order of time, one commit per frame
-/// and row; a frame comes before a row of the same time.
+/// Reads a video as the snapshots of one entity, and the table of the same recording as those of
+/// another, in the order of time; a frame comes before a row of the same time.
 ///
 /// Every image links to the row nearest in time and every row to the nearest image, the earlier
-/// of two as near. The image of a frame that the recorder drops for its time alone is never made.
-/// A link names a snapshot that was offered to the recorder: its filters may have dropped it. The
-/// metadata's `created` is the time of the snapshot. A stop request is obeyed between two commits;
-/// what was committed stays.
-/// Errors: those of VideoReader and Table; kInvalidArgument where the options do not validate, the
-/// video has no frame or the table has a column "camera"; kFailedPrecondition, before anything is
-/// committed, where an entity has a snapshot at or after its first new one, naming a start that
-/// fits; those of Recorder::commit. An error on the way says how much had been committed.
-/// Memory: the table, and 32 MiB of decoded frames at most.
-/// Threading: one thread; `progress` is called from it.
-Result<ImportReport> import_video_table(const VideoTableImport& options, ltm::Recorder& recorder,
-                                        const ProgressSink& progress, std::stop_token stop);
+/// of two as near. A link names a snapshot that was offered to the recorder: its filters may have
+/// dropped it. The metadata's `created` is the time of the snapshot. Images are made only when they
+/// are asked for: Moment::unmade. Neither is an episode, so that nothing is stored beside the
+/// values. Memory: the table, and the decoder's frames. Threading: as RecordingReader; images are
+/// made in another thread than the one that reads.
+class VideoTable final : public RecordingReader {
+ public:
+  struct Options {
+    std::filesystem::path video;
+    /// Numbers over time of the same recording; empty: the video alone.
+    std::filesystem::path table;
+
+    /// Gets a snapshot per frame: {"image": uint8 [H, W, 3], "state": link}.
+    ltm::MemoryId entity;
+    /// Gets a snapshot per row: Table::row_value and {"camera": link}. Needed with a table.
+    ltm::MemoryId state_entity;
+
+    /// When the video began; nothing: as the video says, else 1970-01-01.
+    std::optional<Time> start;
+    /// Added to the times of the table to get those of the video.
+    Duration table_offset{};
+    Table::Options table_options;
+
+    /// Size and cut of the images; see VideoReader::Options. Unit: pixels.
+    int width = 0;
+    int height = 0;
+    bool crops_square = false;
+    int threads = 3;
+
+    /// Named in the metadata of every instance.
+    std::string provider = "import";
+    /// Says when an instance was sent and arrived. It is called from the thread that reads.
+    Clock clock = system_now;
+
+    [[nodiscard]] Status validate() const;
+  };
+
+  /// Errors: those of VideoReader and Table; kInvalidArgument where the options do not validate,
+  /// the video has no frame or the table has a column "camera".
+  static Result<std::unique_ptr<RecordingReader>> open(const Options& options);
+
+  [[nodiscard]] const std::vector<RecordingStream>& streams() const override { return streams_; }
+  [[nodiscard]] uint64_t total() const override;
+  [[nodiscard]] std::optional<Time> start() const override { return start_; }
+
+  /// Errors: those of VideoReader::decode, after the frames before it.
+  Result<std::optional<Moment>> next() override;
+
+ private:
+  /// The rows of the table with their absolute times.
+  struct Rows {
+    Table table;
+    std::vector<Time> times;
+  };
+
+  VideoTable(const Options& options, Time start, VideoReader video, std::optional<Rows> rows);
+
+  static Result<Rows> read_rows(const Options& options, Time start);
+  void add_stream(const ltm::MemoryId& entity, const std::filesystem::path& file,
+                  std::string counted_as, uint64_t values, Time first);
+  Status read_frame();
+  Moment frame_moment();
+  Moment row_moment();
+  [[nodiscard]] ltm::EntityUpdate update(const ltm::MemoryId& entity, Time time,
+                                         idf::Dict value) const;
+  [[nodiscard]] bool has_row() const { return rows_ && row_ < rows_->times.size(); }
+  [[nodiscard]] std::optional<Time> nearest_row(Time time) const;
+
+  const Options options_;
+  const Time start_;
+  VideoReader video_;
+  const idf::NdArray blank_;  ///< As large as the images of the video, in their place.
+  const std::optional<Rows> rows_;
+  std::vector<RecordingStream> streams_;
+  std::optional<DecodedFrame> frame_;       ///< The next one.
+  std::optional<Time> frame_time_;          ///< Its time.
+  std::optional<DecodedFrame> last_frame_;  ///< The one handed over last.
+  std::optional<Time> last_frame_time_;
+  size_t row_ = 0;
+  Status broken_;  ///< What ended the video, told after the frame before it.
+};
 
 }  // namespace engram::datasets

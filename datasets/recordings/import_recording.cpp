@@ -10,12 +10,12 @@ namespace engram::datasets {
 namespace {
 
 constexpr uint64_t kValuesPerProgress = 16;
-constexpr size_t kBytesAhead = 64 << 20;
+constexpr size_t kBytesAhead = 32 << 20;
 
 size_t bytes_of(const RecordingReader::Moment& moment) {
+  if (moment.unmade) return moment.unmade->bytes;
   size_t bytes = 0;
-  for (const ltm::EntityUpdate& update : moment.commit.updates)
-    bytes += ltm::Snapshot{{}, {}, update.instances}.raw_bytes();
+  for (const ltm::EntityUpdate& update : moment.commit.updates) bytes += update.raw_bytes();
   return bytes;
 }
 
@@ -23,9 +23,16 @@ class Import {
  public:
   Import(RecordingReader& reader, std::string_view format, ltm::Recorder& recorder,
          const ProgressSink& progress)
-      : reader_(reader), format_(format), recorder_(recorder), progress_(progress) {}
+      : reader_(reader), format_(format), recorder_(recorder), progress_(progress) {
+    for (const RecordingStream& stream : reader.streams())
+      if (!stream.counted_as.empty()) {
+        counted_as_[stream.entity] = stream.counted_as;
+        report_.counts[stream.counted_as] = 0;
+      }
+  }
 
   Status run(const std::stop_token& stop) {
+    ENGRAM_RETURN_IF_ERROR(check_streams());
     ReadAhead<RecordingReader::Moment> ahead([this] { return reader_.next(); }, bytes_of,
                                              kBytesAhead);
     while (true) {
@@ -49,14 +56,28 @@ class Import {
     if (moment.begins) ENGRAM_RETURN_IF_ERROR(begin(*moment.begins, moment.commit));
     for (const ltm::EntityUpdate& update : moment.commit.updates)
       ENGRAM_RETURN_IF_ERROR(check_is_new(update.entity, update.time));
-    for (const ltm::EntityUpdate& update : moment.commit.updates) {
-      if (!report_.first) report_.first = update.time;
-      report_.last = update.time;
-      ++report_.values;
-    }
-    ENGRAM_RETURN_IF_ERROR(recorder_.commit(std::move(moment.commit)));
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_dropped, is_dropped_unmade(moment));
+    if (!is_dropped) ENGRAM_RETURN_IF_ERROR(recorder_.commit(moment.commit));
+    for (const ltm::EntityUpdate& update : moment.commit.updates) count(update);
     tell(false);
     return {};
+  }
+
+  /// Makes a value that was not made yet, unless the recorder drops it for its time alone.
+  Result<bool> is_dropped_unmade(RecordingReader::Moment& moment) {
+    if (!moment.unmade) return false;
+    ltm::EntityUpdate& update = moment.commit.updates.front();
+    if (recorder_.drop_unmade(update.entity, update.time, update.raw_bytes())) return true;
+    ENGRAM_RETURN_IF_ERROR(moment.unmade->make(update));
+    return false;
+  }
+
+  void count(const ltm::EntityUpdate& update) {
+    if (!report_.first) report_.first = update.time;
+    report_.last = update.time;
+    ++report_.values;
+    if (const auto named = counted_as_.find(update.entity); named != counted_as_.end())
+      ++report_.counts[named->second];
   }
 
   /// Keeps the description of an episode and, before the first one, those of the streams.
@@ -77,12 +98,21 @@ class Import {
     return recorder_.commit(std::move(commit));
   }
 
+  /// Before anything is committed, where the reader knows when streams begin.
+  Status check_streams() {
+    for (const RecordingStream& stream : reader_.streams())
+      if (stream.first) ENGRAM_RETURN_IF_ERROR(check_is_new(stream.entity, *stream.first));
+    return {};
+  }
+
   /// Fails where the store has something of an entity that is not of this import, from here on.
   Status check_is_new(const ltm::MemoryId& entity, Time time) {
     if (!checked_.insert(entity).second) return {};
     const std::optional<Time> last = recorder_.last_time(entity);
     if (!last || *last < time) return {};
-    const auto fits = std::chrono::ceil<std::chrono::seconds>(*last + Duration(1));
+    // What comes at `time` moves with the start.
+    const Time start = reader_.start().value_or(time);
+    const auto fits = std::chrono::ceil<std::chrono::seconds>(start + (*last - time) + Duration(1));
     return failed_precondition(
         "entity '{}': has a snapshot at {}, the import would begin at {}; needs a start of {} or "
         "later",
@@ -91,10 +121,16 @@ class Import {
 
   void tell(bool is_last) const {
     if (!progress_ || (!is_last && report_.values % kValuesPerProgress != 0)) return;
+    const uint64_t total = is_last && !report_.is_cancelled ? report_.values : reader_.total();
     progress_({.what = fmt::format("import {}", format_),
                .done = report_.values,
-               .total = reader_.total(),
-               .detail = report_.last ? to_string(*report_.last) : ""});
+               // Some readers only know about how many there are.
+               .total = total == 0 ? 0 : std::max(total, report_.values),
+               .detail = report_.counts.empty() ? last_text() : report_.counted_text()});
+  }
+
+  [[nodiscard]] std::string last_text() const {
+    return report_.last ? to_string(*report_.last) : "";
   }
 
   RecordingReader& reader_;
@@ -102,10 +138,19 @@ class Import {
   ltm::Recorder& recorder_;
   const ProgressSink& progress_;
   std::set<ltm::MemoryId> checked_;
+  std::map<ltm::MemoryId, std::string> counted_as_;
   RecordingImportReport report_;
 };
 
 }  // namespace
+
+std::string RecordingImportReport::counted_text() const {
+  if (counts.empty()) return fmt::format("{} values", values);
+  std::string text;
+  for (const auto& [what, count] : counts)
+    text += fmt::format("{}{} {}", text.empty() ? "" : " and ", count, what);
+  return text;
+}
 
 Result<RecordingImportReport> import_recording(RecordingReader& reader, std::string_view format,
                                                ltm::Recorder& recorder,
@@ -114,7 +159,7 @@ Result<RecordingImportReport> import_recording(RecordingReader& reader, std::str
   Import import(reader, format, recorder, progress);
   if (const Status status = import.run(stop); !status.ok())
     return status.with_context(
-        fmt::format("import stopped after {} values, which stay", import.report().values));
+        fmt::format("import stopped after {}, which stay", import.report().counted_text()));
   RecordingImportReport report = import.report();
   report.reading = reader.report();
   return report;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,6 +26,11 @@ struct RecordingStream {
   uint64_t values = 0;  ///< In the whole recording; 0: not known before it is read.
   /// What the format says of it beside its values: the type of its messages, a unit.
   idf::Dict attributes;
+
+  /// When its first value is, where that is known before it is read. Not kept in the store.
+  std::optional<Time> first = std::nullopt;
+  /// What its values are called where they are counted: "frames"; empty: values. Likewise.
+  std::string counted_as = {};
 
   [[nodiscard]] idf::Data to_data() const;
 
@@ -63,10 +69,12 @@ struct RecordingEpisode {
 struct ReadingReport {
   /// What is in the files and did not come in, in words ("messages of foo/Bar"), and how often.
   std::map<std::string, uint64_t, std::less<>> not_carried;
-  /// Values that could not be read, and are missing.
+  /// Values that could not be read, and are missing; images that came in with guessed parts.
   uint64_t damaged = 0;
   /// Images that repeat the one before exactly; they came in.
   uint64_t duplicate_images = 0;
+  /// Rows of a table before the first image of their video or after the last; they came in.
+  uint64_t rows_outside = 0;
   /// Where the file ends before it should: file, offset and what was expected; empty: it does not.
   std::string truncated_at;
 
@@ -88,11 +96,24 @@ class RecordingReader {
   /// How many values there are in all, for progress; 0: not known. Likewise.
   [[nodiscard]] virtual uint64_t total() const = 0;
 
+  /// What the first moment's time was taken from, where a start was asked for or the file has one.
+  [[nodiscard]] virtual std::optional<Time> start() const { return std::nullopt; }
+
+  /// A value that costs much to make, so that it is made only where a recorder takes it.
+  struct UnmadeValue {
+    /// Puts the value in the place of one that is as large. Called once at most, in the order of
+    /// the moments, from one thread that need not be the one that reads; the reader outlives it.
+    std::function<Status(ltm::EntityUpdate& into)> make;
+    size_t bytes = 0;  ///< Memory that it holds until then.
+  };
+
   /// What becomes one commit: what has one time. Times never decrease; of one entity they increase.
   /// An episode comes with the first moment in it.
   struct Moment {
     std::optional<RecordingEpisode> begins;
     ltm::Commit commit;
+    /// Of the only update of the commit, where it is not made yet.
+    std::optional<UnmadeValue> unmade = std::nullopt;
   };
 
   /// Nothing behind the last one.

@@ -3,14 +3,15 @@
 
 #include <pybind11/stl.h>
 
-#include "cli/consolidate_text.h"
-#include "cli/findings.h"
-#include "cli/forget_job.h"
-#include "cli/forget_text.h"
 #include "encoders/load_model.h"
 #include "ltm/forgetting/forget_config.h"
 #include "ltm/store/check.h"
 #include "python/bindings/python_progress.h"
+#include "reports/consolidate_text.h"
+#include "reports/forget_job.h"
+#include "reports/plain/findings.h"
+#include "reports/plain/forget_text.h"
+#include "training/consolidate.h"
 #include "training/night/consolidate.h"
 
 namespace engram::python {
@@ -78,7 +79,7 @@ std::string check(const std::string& store, bool is_deep, const py::object& prog
                                   }};
   const ltm::CheckReport report =
       told.run([&] { return ltm::check_store(store, options, told.sink(), told.stop()); });
-  return cli::check_json(report, store).dump();
+  return reports::check_json(report, store).dump();
 }
 
 std::string forget(const std::string& store, const std::vector<std::string>& targets,
@@ -86,12 +87,12 @@ std::string forget(const std::string& store, const std::vector<std::string>& tar
   PythonProgress told(progress);
   ltm::ForgetOptions options;
   if (!config.empty()) options = value_or_raise(ltm::read_forget_config(config));
-  const cli::ForgetJob job{store, targets, std::move(options), told.sink(), told.stop()};
+  const reports::ForgetJob job{store, targets, std::move(options), told.sink(), told.stop()};
   ltm::ForgetPlan plan = told.run([&] { return job.plan(); });
-  cli::Json json{{"plan", cli::plan_json(plan)}};
+  reports::Json json{{"plan", reports::plan_json(plan)}};
   if (is_dry_run) return json.dump();
   const ltm::ForgetReport report = told.run([&] { return job.carry_out(std::move(plan)); });
-  json["done"] = cli::report_json(report);
+  json["done"] = reports::report_json(report);
   return json.dump();
 }
 
@@ -105,12 +106,12 @@ std::string consolidate(const std::string& store, const py::dict& options,
   bool is_dry_run = false;
   Options(options).take("dry_run", is_dry_run);
   if (is_dry_run)
-    return cli::plan_json(
+    return reports::plan_json(
                told.run([&] { return training::plan_consolidation(store, wanted, told.stop()); }))
         .dump();
   const training::ConsolidateReport report = told.run(
       [&] { return training::consolidate(store, wanted, told.sink(), told.stop(), keep); });
-  return cli::report_json(plan, report, {}).dump();
+  return reports::report_json(plan, report, {}).dump();
 }
 
 }  // namespace engram::python

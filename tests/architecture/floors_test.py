@@ -30,6 +30,19 @@ class Floors(unittest.TestCase):
         self.assertNotIn("encoders", floors.closure(rooms, "ltm/recall"))
         self.assertIn("ltm/h5", floors.closure(rooms, "cli"))
 
+    def test_python_stands_beside_the_program_and_not_above_it(self):
+        rooms = floors.read_table((ROOT / "docs/design.md").read_text(encoding="utf-8"))
+        self.assertNotIn("cli", floors.closure(rooms, "python"))
+        self.assertNotIn("python", floors.closure(rooms, "cli"))
+        for both in ("reports", "reports/plain", "training", "server", "ltm/recall"):
+            self.assertIn(both, floors.closure(rooms, "python"))
+            self.assertIn(both, floors.closure(rooms, "cli"))
+
+    def test_plain_reports_need_nothing_that_learns(self):
+        rooms = floors.read_table((ROOT / "docs/design.md").read_text(encoding="utf-8"))
+        self.assertNotIn("encoders", floors.closure(rooms, "reports/plain"))
+        self.assertNotIn("training", floors.closure(rooms, "reports/plain"))
+
     def test_a_name_that_means_nothing_is_refused(self):
         table = "## 3. Rooms and floors\n\n| `ltm/core` | x | boost |\n"
         with self.assertRaisesRegex(ValueError, "boost"):
@@ -85,6 +98,16 @@ class PlantedFaults(unittest.TestCase):
 
     def test_learning_below_its_floor(self):
         self.expect("ltm/recall/planted.cpp", SPDX + "#include <torch/torch.h>\n", 2, "LibTorch")
+
+    def test_the_python_module_and_the_program_beside_each_other(self):
+        self.expect("python/bindings/planted.cpp", SPDX + '#include "cli/command.h"\n', 2,
+                    "python may not include cli")
+        (self.root / "python/bindings/planted.cpp").unlink()
+        self.expect("cli/planted.cpp", SPDX + '#include "python/bindings/values.h"\n', 2,
+                    "cli may not include python")
+
+    def test_options_of_commands_in_a_report(self):
+        self.expect("reports/planted.cpp", SPDX + "#include <CLI/CLI.hpp>\n", 2, "stays in cli")
 
     def test_an_include_beside_the_file(self):
         self.expect("ltm/core/planted.cpp", SPDX + '#include "status.h"\n', 2, "root of the repository")

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "datasets/recordings/import_recording.h"
 #include "ltm/store/store_reader.h"
 #include "tests/datasets/fixtures.h"
 
@@ -20,9 +21,9 @@ const Time kStart = *parse_time("2022-02-18 13:06:56");
 const Time kNow = *parse_time("2024-01-01 00:00:00");
 
 /// A video at 10 Hz beside a store, and what imports it.
-class VideoTable : public ::testing::Test {
+class ImportedVideoTable : public ::testing::Test {
  protected:
-  VideoTable() {
+  ImportedVideoTable() {
     const Status status = testing::write_video(directory_ / "a.mp4", 10,
                                                {.width = 64, .height = 48, .rate_numerator = 10});
     EXPECT_TRUE(status.ok()) << status.to_string();
@@ -39,9 +40,10 @@ class VideoTable : public ::testing::Test {
 
   Result<ltm::Recorder> open() { return ltm::Recorder::open(directory_ / "store", {}); }
 
-  Result<ImportReport> run(std::stop_token stop = {}) {
+  Result<RecordingImportReport> run(std::stop_token stop = {}) {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Recorder recorder, open());
-    auto report = import_video_table(options_, recorder, progress_, stop);
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, VideoTable::open(options_));
+    auto report = import_recording(*reader, "video", recorder, progress_, stop);
     ENGRAM_RETURN_IF_ERROR(recorder.close());
     return report;
   }
@@ -70,18 +72,19 @@ class VideoTable : public ::testing::Test {
   }
 
   TemporaryDirectory directory_;
-  VideoTableImport options_;
+  VideoTable::Options options_;
   ProgressSink progress_;
 };
 
-TEST_F(VideoTable, ImportsAVideoAloneWithoutLinks) {
+TEST_F(ImportedVideoTable, ImportsAVideoAloneWithoutLinks) {
   options_.provider = "head";
   const auto report = run();
   ASSERT_TRUE(report.ok()) << report.status().to_string();
-  EXPECT_EQ(report->frames, 10u);
-  EXPECT_EQ(report->rows, 0u);
-  EXPECT_EQ(report->damaged_frames, 0u);
-  EXPECT_EQ(report->duplicate_frames, 0u);
+  EXPECT_EQ(report->counts.at("frames"), 10u);
+  EXPECT_EQ(report->values, 10u);
+  EXPECT_FALSE(report->counts.contains("rows"));
+  EXPECT_EQ(report->reading.damaged, 0u);
+  EXPECT_EQ(report->reading.duplicate_images, 0u);
   EXPECT_EQ(report->first, kStart);
   EXPECT_EQ(report->last, kStart + milliseconds(900));
   EXPECT_FALSE(report->is_cancelled);
@@ -100,15 +103,15 @@ TEST_F(VideoTable, ImportsAVideoAloneWithoutLinks) {
   }
 }
 
-TEST_F(VideoTable, LinksEqualTimesExactly) {
+TEST_F(ImportedVideoTable, LinksEqualTimesExactly) {
   std::string content = "timestamp,joint.elbow,n\n";
   for (int i = 0; i < 10; ++i) content += fmt::format("0.{},{},{}\n", i, 0.5 * i, i);
   write_table(content);
   const auto report = run();
   ASSERT_TRUE(report.ok()) << report.status().to_string();
-  EXPECT_EQ(report->frames, 10u);
-  EXPECT_EQ(report->rows, 10u);
-  EXPECT_EQ(report->rows_outside_video, 0u);
+  EXPECT_EQ(report->counts.at("frames"), 10u);
+  EXPECT_EQ(report->counts.at("rows"), 10u);
+  EXPECT_EQ(report->reading.rows_outside, 0u);
   const auto images = stored(options_.entity), rows = stored(options_.state_entity);
   ASSERT_EQ(images.size(), 10u);
   ASSERT_EQ(rows.size(), 10u);
@@ -121,12 +124,12 @@ TEST_F(VideoTable, LinksEqualTimesExactly) {
   EXPECT_EQ(value(rows[3]), expected);
 }
 
-TEST_F(VideoTable, LinksTheNearestAndTheEarlierOfTwoAsNear) {
+TEST_F(ImportedVideoTable, LinksTheNearestAndTheEarlierOfTwoAsNear) {
   write_table("t,a\n-0.3,0\n0.04,1\n0.06,2\n0.15,3\n0.81,4\n2,5\n");
   const auto report = run();
   ASSERT_TRUE(report.ok()) << report.status().to_string();
-  EXPECT_EQ(report->rows, 6u);
-  EXPECT_EQ(report->rows_outside_video, 2u);
+  EXPECT_EQ(report->counts.at("rows"), 6u);
+  EXPECT_EQ(report->reading.rows_outside, 2u);
   EXPECT_EQ(report->first, kStart - milliseconds(300));
   EXPECT_EQ(report->last, kStart + seconds(2));
   const auto images = stored(options_.entity), rows = stored(options_.state_entity);
@@ -139,7 +142,7 @@ TEST_F(VideoTable, LinksTheNearestAndTheEarlierOfTwoAsNear) {
     EXPECT_EQ(link(images[i], "state"), rows[row_of_image[i]].id().to_string()) << i;
 }
 
-TEST_F(VideoTable, MovesTheTableByItsOffset) {
+TEST_F(ImportedVideoTable, MovesTheTableByItsOffset) {
   write_table("t,a\n1000.0,0\n1000.1,1\n");
   options_.table_offset = -seconds(1000);
   ASSERT_TRUE(run().ok());
@@ -148,7 +151,7 @@ TEST_F(VideoTable, MovesTheTableByItsOffset) {
   EXPECT_EQ(rows[1].time, kStart + milliseconds(100));
 }
 
-TEST_F(VideoTable, ScalesAndCrops) {
+TEST_F(ImportedVideoTable, ScalesAndCrops) {
   options_.width = options_.height = 16;
   options_.crops_square = true;
   ASSERT_TRUE(run().ok());
@@ -156,11 +159,12 @@ TEST_F(VideoTable, ScalesAndCrops) {
             (idf::Shape{16, 16, 3}));
 }
 
-TEST_F(VideoTable, CountsAndKeepsWhatTheRateLeaves) {
+TEST_F(ImportedVideoTable, CountsAndKeepsWhatTheRateLeaves) {
   options_.width = 16;
   auto recorder = *ltm::Recorder::open(directory_ / "store", {.max_rate_hz = 5});
-  const auto report = *import_video_table(options_, recorder, progress_, {});
-  EXPECT_EQ(report.frames, 10u);
+  const auto table = *VideoTable::open(options_);
+  const auto report = *import_recording(*table, "video", recorder, progress_, {});
+  EXPECT_EQ(report.counts.at("frames"), 10u);
   EXPECT_EQ(report.last, kStart + milliseconds(900));
   const ltm::RecordingCounters counters = recorder.counters().at(options_.entity);
   EXPECT_EQ(counters.offered, 10u);
@@ -178,7 +182,7 @@ TEST_F(VideoTable, CountsAndKeepsWhatTheRateLeaves) {
   }
 }
 
-TEST_F(VideoTable, CountsFramesThatRepeatTheOneBefore) {
+TEST_F(ImportedVideoTable, CountsFramesThatRepeatTheOneBefore) {
   auto writer = VideoWriter::create(directory_ / "b.mp4",
                                     {.width = 64, .height = 48, .crf = 0, .keeps_chroma = true});
   ASSERT_TRUE(writer.ok());
@@ -189,11 +193,11 @@ TEST_F(VideoTable, CountsFramesThatRepeatTheOneBefore) {
   options_.video = directory_ / "b.mp4";
   const auto report = run();
   ASSERT_TRUE(report.ok()) << report.status().to_string();
-  EXPECT_EQ(report->frames, 6u);
-  EXPECT_EQ(report->duplicate_frames, 3u);
+  EXPECT_EQ(report->counts.at("frames"), 6u);
+  EXPECT_EQ(report->reading.duplicate_images, 3u);
 }
 
-TEST_F(VideoTable, RefusesAStartThatIsTakenAndNamesOneThatFits) {
+TEST_F(ImportedVideoTable, RefusesAStartThatIsTakenAndNamesOneThatFits) {
   ASSERT_TRUE(run().ok());
   options_.start = kStart + milliseconds(500);
   const auto second = run();
@@ -207,7 +211,7 @@ TEST_F(VideoTable, RefusesAStartThatIsTakenAndNamesOneThatFits) {
   EXPECT_EQ(stored(options_.entity).size(), 20u);
 }
 
-TEST_F(VideoTable, RefusesAStartThatIsTakenByTheTable) {
+TEST_F(ImportedVideoTable, RefusesAStartThatIsTakenByTheTable) {
   write_table("t,a\n0,1\n5,2\n");
   ASSERT_TRUE(run().ok());
   options_.start = kStart + seconds(2);
@@ -217,19 +221,77 @@ TEST_F(VideoTable, RefusesAStartThatIsTakenByTheTable) {
   EXPECT_EQ(stored(options_.entity).size(), 10u) << "nothing was committed";
 }
 
-TEST_F(VideoTable, StopsBetweenCommitsAndKeepsWhatItCommitted) {
-  write_table("t,a\n0,1\n0.1,2\n0.2,3\n0.3,4\n0.4,5\n0.5,6\n");
+TEST_F(ImportedVideoTable, CommitsNothingWhereTheTableIsTakenLater) {
+  write_table("t,a\n0,1\n5,2\n");
+  ASSERT_TRUE(run().ok());
+  write_table("t,a\n0.85,1\n");
+  options_.start = kStart + seconds(4);
+  EXPECT_EQ(run().status().code(), StatusCode::kFailedPrecondition);
+  EXPECT_EQ(stored(options_.entity).size(), 10u) << "nothing was committed";
+}
+
+TEST_F(ImportedVideoTable, NamesAStartThatFitsWhereTheTableBeginsBeforeTheVideo) {
+  write_table("t,a\n-2.5,1\n1,2\n");
+  ASSERT_TRUE(run().ok());
+  options_.start = kStart + seconds(2);
+  const auto second = run();
+  ASSERT_EQ(second.status().code(), StatusCode::kFailedPrecondition);
+  const Time fits = kStart + seconds(4);
+  EXPECT_NE(second.status().message().find("a start of " + to_string(fits)), std::string::npos)
+      << second.status().message();
+  options_.start = fits;
+  EXPECT_TRUE(run().ok());
+}
+
+TEST_F(ImportedVideoTable, ListsItsStreamsBeforeAnythingIsStored) {
+  write_table("t,a\n0,1\n0.1,2\n");
+  const auto reader = *VideoTable::open(options_);
+  ASSERT_EQ(reader->streams().size(), 2u);
+  EXPECT_EQ(reader->streams()[0].name, "a.mp4");
+  EXPECT_EQ(reader->streams()[0].entity, options_.entity);
+  EXPECT_EQ(reader->streams()[0].values, 10u);
+  EXPECT_EQ(reader->streams()[1].name, "a.csv");
+  EXPECT_EQ(reader->streams()[1].values, 2u);
+  EXPECT_EQ(reader->total(), 12u);
+}
+
+TEST_F(ImportedVideoTable, LeavesNothingInTheStoreBesideItsValues) {
+  write_table("t,a\n0,1\n");
+  ASSERT_TRUE(run().ok());
+  auto reader = *ltm::StoreReader::open(directory_ / "store");
+  EXPECT_EQ(reader->entities().size(), 2u);
+}
+
+TEST_F(ImportedVideoTable, HandsOverImagesUnmadeAndMakesThemOnDemand) {
+  const auto reader = *VideoTable::open(options_);
+  auto moment = *reader->next();
+  ASSERT_TRUE(moment && moment->unmade);
+  ltm::EntityUpdate& update = moment->commit.updates.at(0);
+  const size_t bytes = update.raw_bytes();
+  const idf::Data stand_in = update.instances.at(0).data;
+  ASSERT_TRUE((*reader->next())->unmade) << "the next one may be read before this one is made";
+  ASSERT_TRUE(moment->unmade->make(update).ok());
+  EXPECT_EQ(update.raw_bytes(), bytes);
+  EXPECT_FALSE(update.instances.at(0).data == stand_in);
+  auto video = *VideoReader::open(options_.video, {});
+  EXPECT_EQ(update.instances.at(0).data.at("image")->get<idf::NdArray>(), (*video.next())->image);
+}
+
+TEST_F(ImportedVideoTable, StopsBetweenCommitsAndKeepsWhatItCommitted) {
+  std::string content = "t,a\n";
+  for (int i = 0; i < 20; ++i) content += fmt::format("{},{}\n", 0.05 * i, i);
+  write_table(content);
   std::stop_source stop;
   progress_ = [&stop](const Progress&) { stop.request_stop(); };
   const auto report = run(stop.get_token());
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_TRUE(report->is_cancelled);
-  EXPECT_EQ(report->frames + report->rows, 8u);
-  EXPECT_EQ(stored(options_.entity).size(), report->frames);
-  EXPECT_EQ(stored(options_.state_entity).size(), report->rows);
+  EXPECT_EQ(report->counts.at("frames") + report->counts.at("rows"), 16u);
+  EXPECT_EQ(stored(options_.entity).size(), report->counts.at("frames"));
+  EXPECT_EQ(stored(options_.state_entity).size(), report->counts.at("rows"));
 }
 
-TEST_F(VideoTable, TellsItsProgressToTheEnd) {
+TEST_F(ImportedVideoTable, TellsItsProgressToTheEnd) {
   write_table("t,a\n0,1\n0.1,2\n");
   Progress last;
   progress_ = [&last](const Progress& progress) {
@@ -237,12 +299,12 @@ TEST_F(VideoTable, TellsItsProgressToTheEnd) {
     last = progress;
   };
   ASSERT_TRUE(run().ok());
-  EXPECT_EQ(last.what, "import Vision/RGB/head/camera");
+  EXPECT_EQ(last.what, "import video");
   EXPECT_EQ(last.done, 12u);
   EXPECT_EQ(last.total, 12u);
 }
 
-TEST_F(VideoTable, SaysHowMuchItCommittedBeforeTheVideoBroke) {
+TEST_F(ImportedVideoTable, SaysHowMuchItCommittedBeforeTheVideoBroke) {
   ASSERT_TRUE(testing::write_video(directory_ / "b.mp4", 60, {.width = 64, .height = 48}).ok());
   const std::string bytes = testing::content_of(directory_ / "b.mp4");
   options_.video = directory_.write("torn.mp4", bytes.substr(0, bytes.size() * 7 / 10));
@@ -255,7 +317,7 @@ TEST_F(VideoTable, SaysHowMuchItCommittedBeforeTheVideoBroke) {
       << report.status().message();
 }
 
-TEST_F(VideoTable, CommitsNothingWhereAnInputIsBroken) {
+TEST_F(ImportedVideoTable, CommitsNothingWhereAnInputIsBroken) {
   write_table("t,a\n0,1\n0.1,x\n");
   EXPECT_EQ(run().status().code(), StatusCode::kInvalidArgument);
   write_table("t,camera\n0,1\n");
@@ -270,8 +332,8 @@ TEST_F(VideoTable, CommitsNothingWhereAnInputIsBroken) {
   EXPECT_TRUE(stored(options_.entity).empty());
 }
 
-TEST_F(VideoTable, RejectsOptionsThatCannotBe) {
-  const VideoTableImport good = options_;
+TEST_F(ImportedVideoTable, RejectsOptionsThatCannotBe) {
+  const VideoTable::Options good = options_;
   options_.entity = *MemoryId::parse("Vision/RGB");
   EXPECT_EQ(run().status().code(), StatusCode::kInvalidArgument);
   options_ = good;
@@ -288,7 +350,7 @@ TEST_F(VideoTable, RejectsOptionsThatCannotBe) {
   EXPECT_EQ(run().status().code(), StatusCode::kInvalidArgument);
 }
 
-TEST_F(VideoTable, ImportsARealEpisode) {
+TEST_F(ImportedVideoTable, ImportsARealEpisode) {
   const auto data = testing::recordings();
   if (data.empty()) GTEST_SKIP() << "no recordings: set ENGRAM_RECORDINGS";
   options_.video = data / "g1/videos/chunk-000/observation.images.cam_high/episode_000010.mp4";
@@ -297,9 +359,9 @@ TEST_F(VideoTable, ImportsARealEpisode) {
   options_.crops_square = true;
   const auto report = run();
   ASSERT_TRUE(report.ok()) << report.status().to_string();
-  EXPECT_EQ(report->frames, 290u);
-  EXPECT_EQ(report->rows, 290u);
-  EXPECT_EQ(report->damaged_frames, 0u);
+  EXPECT_EQ(report->counts.at("frames"), 290u);
+  EXPECT_EQ(report->counts.at("rows"), 290u);
+  EXPECT_EQ(report->reading.damaged, 0u);
   const auto images = stored(options_.entity), rows = stored(options_.state_entity);
   ASSERT_EQ(images.size(), 290u);
   ASSERT_EQ(rows.size(), 290u);

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "cli/command.h"
+#include "reports/plain/output.h"
+#include "training/consolidate.h"
+#include "training/drop_raw.h"
+#include "training/night/consolidate.h"
+#include "training/night/drop_raw.h"
+
+namespace engram::reports {
+
+/// What was dropped of an entity.
+struct DroppedRaw {
+  ltm::MemoryId entity;
+  ltm::DropReport report;
+};
+
+/// What `engram consolidate` is going to do: an entity a line, those that are skipped below.
+void print_plan(const training::ConsolidatePlan& plan);
+[[nodiscard]] Json plan_json(const training::ConsolidatePlan& plan);
+
+/// What it did.
+void print_report(const training::ConsolidateReport& report);
+void print_dropped(const std::vector<DroppedRaw>& dropped);
+[[nodiscard]] Json report_json(const training::ConsolidatePlan& plan,
+                               const training::ConsolidateReport& report,
+                               const std::vector<DroppedRaw>& dropped);
+
+}  // namespace engram::reports

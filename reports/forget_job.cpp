@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reports/forget_job.h"
+
+#include "encoders/load_model.h"
+#include "ltm/core/log.h"
+#include "ltm/forgetting/plan_forgetting.h"
+
+namespace engram::reports {
+
+Result<ltm::ForgetPlan> ForgetJob::plan() const {
+  return plan_with(options);
+}
+
+Result<ltm::ForgetPlan> ForgetJob::plan_with(const ltm::ForgetOptions& with) const {
+  ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(store));
+  ENGRAM_ASSIGN_OR_RETURN(ltm::ForgetContext context, ltm::ForgetContext::of(store));
+  context.progress = progress;
+  context.stop = stop;
+  const ltm::AccessTable accesses = ltm::read_accesses(store);
+  ltm::Recall recall(std::move(reader), encoders::load_model);
+  ltm::ForgetSource source(recall, accesses);
+  if (targets.empty()) return ltm::plan_forgetting(source, with, context);
+  ENGRAM_ASSIGN_OR_RETURN(const auto chosen, ltm::find_forget_targets(recall, targets));
+  return ltm::plan_forgetting_of(source, chosen, with.protection, context);
+}
+
+Result<ltm::ForgetReport> ForgetJob::carry_out(ltm::ForgetPlan plan) const {
+  ltm::PlanAgain again;
+  if (targets.empty() && (options.most_bytes || options.least_free_disk_bytes))
+    again = [this, quota = ltm::quota_after(options, plan)] { return plan_with(quota); };
+  const ltm::ForgetSet gone = plan.to_set();
+  auto report = ltm::carry_out(store, std::move(plan), again, progress, stop);
+  // Notes of what went are of no use; that they could not be cleared does no harm.
+  if (report.ok() && !report->rewritten.is_cancelled)
+    if (const Status status = ltm::merge_accesses(store, gone); !status.ok())
+      log::warning("access logs stay as they are: {}", status.message());
+  return report;
+}
+
+}  // namespace engram::reports

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reports/plain/findings.h"
+
+#include <string_view>
+
+namespace engram::reports {
+
+namespace {
+
+std::string_view name_of(ltm::Severity severity) {
+  return severity == ltm::Severity::kFault ? "fault" : "note";
+}
+
+void print_finding(const ltm::Finding& finding) {
+  print(fmt::format("{}: {}{}{}", name_of(finding.severity), finding.file,
+                    finding.object.empty() ? "" : ": ", finding.object));
+  print("  what    " + finding.what);
+  print("  to do   " + finding.advice + "\n");
+}
+
+}  // namespace
+
+Json findings_json(const std::vector<ltm::Finding>& findings) {
+  Json json = Json::array();
+  for (const ltm::Finding& finding : findings)
+    json.push_back({{"severity", name_of(finding.severity)},
+                    {"file", finding.file},
+                    {"object", finding.object},
+                    {"what", finding.what},
+                    {"advice", finding.advice}});
+  return json;
+}
+
+Json check_json(const ltm::CheckReport& report, const std::string& store) {
+  return {{"store", store},
+          {"clean", report.is_clean()},
+          {"generation", report.generation},
+          {"segments", report.segments},
+          {"models", report.models},
+          {"journals", report.journals},
+          {"frames", report.frames},
+          {"entities", report.entities},
+          {"snapshots", report.snapshots},
+          {"instances", report.instances},
+          {"media", report.media},
+          {"bytes", report.bytes},
+          {"findings", findings_json(report.findings)}};
+}
+
+void print_findings(const std::vector<ltm::Finding>& findings) {
+  for (const ltm::Severity severity : {ltm::Severity::kFault, ltm::Severity::kNote})
+    for (const ltm::Finding& finding : findings)
+      if (finding.severity == severity) print_finding(finding);
+}
+
+}  // namespace engram::reports

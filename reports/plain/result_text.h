@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "ltm/memory/result.h"
+#include "reports/plain/output.h"
+
+namespace engram::reports {
+
+/// "image uint8 [128, 128, 3]", "52 numbers", a short value itself: what a snapshot holds.
+[[nodiscard]] std::string content_text(const ltm::Snapshot& snapshot);
+
+/// Prints the answer to a query, as tables or as JSON; with `save`, writes what it holds below that
+/// folder. Errors: those of snapshot_json and save_snapshot.
+Status show_result(const ltm::QueryResult& result, const std::string& save, bool is_json);
+
+}  // namespace engram::reports

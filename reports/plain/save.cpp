@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reports/plain/save.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ltm/codec/png.h"
+#include "ltm/core/file.h"
+#include "ltm/idf/json.h"
+#include "ltm/idf/layout.h"
+#include "ltm/memory/augmentation_json.h"
+#include "ltm/store/segment_format.h"
+#include "training/quality/metrics.h"
+#include "training/quality/psnr.h"
+
+namespace engram::reports {
+
+namespace {
+
+/// Replaces the images of a value by the names of their files.
+Json with_files(Json json, const std::vector<std::string>& paths,
+                const std::vector<std::string>& files) {
+  for (size_t i = 0; i < paths.size(); ++i) {
+    Json* place = &json;
+    for (const std::string& name : idf::split_path(paths[i]))
+      place = &(*place)[name.starts_with('$') ? "$" + name : name];
+    *place = Json{{"$file", files[i]}};
+  }
+  return json;
+}
+
+std::vector<std::string> image_paths(const idf::Data& data) {
+  std::vector<std::string> paths;
+  const idf::Layout layout = idf::Layout::of(data);
+  for (const idf::TensorMember& member : layout.members())
+    if (member.kind == idf::MemberKind::kImage) paths.push_back(member.path);
+  return paths;
+}
+
+/// "2022-02-18T13-06-56.492182": a time that every file system takes.
+std::string file_name(Time time) {
+  std::string name = to_string(time);
+  std::ranges::replace(name, ' ', 'T');
+  std::ranges::replace(name, ':', '-');
+  return name;
+}
+
+Status write_image(const std::filesystem::path& path, const idf::Data& image) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto png, ltm::png_codec().encode(image.get<idf::NdArray>()));
+  return replace_file(path, png);
+}
+
+}  // namespace
+
+Json error_json(const ltm::MeasuredError& error) {
+  Json json = Json::object();
+  if (!std::isnan(error.image_mse)) json["psnr_db"] = training::psnr_db(error.image_mse);
+  if (!std::isnan(error.number_mse)) json["rmse"] = std::sqrt(error.number_mse);
+  return json;
+}
+
+Json bound_json(const ltm::MeasuredError& bound) {
+  Json json{{"probability", ltm::kBoundProbability}};
+  json.update(error_json(bound));
+  return json;
+}
+
+Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResult& recalled,
+                           const std::vector<std::vector<std::string>>* image_files) {
+  Json json{{"id", entity.at(recalled.time).to_string()},
+            {"time_ns", to_ns(recalled.time)},
+            {"source", ltm::to_string(recalled.source)}};
+  if (!recalled.model.empty()) json["model"] = recalled.model;
+  if (!recalled.predictor.empty()) {
+    json["predictor"] = recalled.predictor;
+    json["horizon_s"] = to_seconds(recalled.horizon);
+    if (!recalled.plan.empty()) json["plan"] = recalled.plan;
+  }
+  json["instances"] = Json::array();
+  for (size_t i = 0; i < recalled.instances.size(); ++i) {
+    const ltm::InstanceResult& instance = recalled.instances[i];
+    ENGRAM_ASSIGN_OR_RETURN(Json data, idf::to_json(instance.data));
+    if (image_files != nullptr)
+      data = with_files(std::move(data), image_paths(instance.data), (*image_files)[i]);
+    Json entry{{"created_ns", to_ns(instance.metadata.created)},
+               {"provider", instance.metadata.provider},
+               {"confidence", instance.metadata.confidence}};
+    entry.update(ltm::augmentation_json(instance.metadata));
+    if (instance.error) {
+      const char* name = recalled.source == ltm::Source::kPredicted ? "expected_error" : "error";
+      entry[name] = error_json(*instance.error);
+    }
+    if (instance.bound) entry["error_bound"] = bound_json(*instance.bound);
+    entry["data"] = std::move(data);
+    json["instances"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& entity,
+                                                         const ltm::SnapshotResult& recalled,
+                                                         const std::filesystem::path& directory) {
+  const std::filesystem::path folder = directory.string() + ltm::segment_group(entity);
+  ENGRAM_RETURN_IF_ERROR(make_directories(folder));
+  const std::string base = file_name(recalled.time);
+  std::vector<std::filesystem::path> written;
+  std::vector<std::vector<std::string>> image_files;
+  for (size_t i = 0; i < recalled.instances.size(); ++i) {
+    const idf::Data& data = recalled.instances[i].data;
+    auto& files = image_files.emplace_back();
+    for (const std::string& path : image_paths(data)) {
+      std::string member = path;
+      std::ranges::replace(member, '/', '.');
+      files.push_back(recalled.instances.size() == 1
+                          ? fmt::format("{}.{}.png", base, member)
+                          : fmt::format("{}.{}.{}.png", base, i, member));
+      ENGRAM_RETURN_IF_ERROR(write_image(folder / files.back(), *data.at(path)));
+      written.push_back(folder / files.back());
+    }
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, snapshot_json(entity, recalled, &image_files));
+  written.push_back(folder / (base + ".json"));
+  ENGRAM_RETURN_IF_ERROR(replace_file(written.back(), as_bytes(json.dump(2) + "\n")));
+  return written;
+}
+
+}  // namespace engram::reports

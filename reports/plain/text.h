@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ltm/memory/source.h"
+
+namespace engram::reports {
+
+/// "1,234,567".
+[[nodiscard]] std::string count_text(uint64_t count);
+
+/// "512 B", "1.3 kB", "35.7 MB": powers of 1000.
+[[nodiscard]] std::string bytes_text(double bytes);
+
+/// "8 s", "2 min 05 s", "1 h 02 min".
+[[nodiscard]] std::string seconds_text(double seconds);
+
+/// "31.84 dB", or "-" where there is none.
+[[nodiscard]] std::string db_text(double db);
+
+/// "31.84 dB, RMSE 0.0123": what there is of it; or "-".
+[[nodiscard]] std::string error_text(const ltm::MeasuredError& error);
+
+/// "0.0123", or "-" where there is none.
+[[nodiscard]] std::string number_text(double number);
+
+/// Columns of text, aligned: the first to the left, the others to the right.
+class TextTable {
+ public:
+  explicit TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
+
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  [[nodiscard]] std::string to_string(std::string_view indent = "") const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace engram::reports
