@@ -12,10 +12,7 @@
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
 #include "reports/consolidate_text.h"
-#include "training/consolidate.h"
-#include "training/drop_raw.h"
 #include "training/fit/job_pace.h"
-#include "training/job_pace.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
 

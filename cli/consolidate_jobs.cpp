@@ -10,7 +10,6 @@
 #include "ltm/core/log.h"
 #include "reports/consolidate_text.h"
 #include "training/night/parallel_speed.h"
-#include "training/parallel_speed.h"
 
 namespace engram::cli {
 

@@ -6,7 +6,6 @@
 #include "ltm/core/log.h"
 #include "reports/crossval_text.h"
 #include "reports/plain/text.h"
-#include "training/crossval.h"
 #include "training/measure/crossval.h"
 
 namespace engram::cli {

@@ -7,7 +7,6 @@
 #include "ltm/memory/result.h"
 #include "reports/eval_picture.h"
 #include "reports/plain/text.h"
-#include "training/evaluate.h"
 #include "training/measure/evaluate.h"
 
 namespace engram::cli {

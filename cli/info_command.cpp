@@ -8,7 +8,6 @@
 #include "ltm/recall/access_log.h"
 #include "ltm/store/store_reader.h"
 #include "reports/plain/text.h"
-#include "training/metrics.h"
 #include "training/quality/metrics.h"
 
 namespace engram::cli {

@@ -12,7 +12,6 @@
 #include "reports/forms_text.h"
 #include "reports/plain/text.h"
 #include "training/measure/stored_snapshots.h"
-#include "training/stored_snapshots.h"
 
 namespace engram::cli {
 

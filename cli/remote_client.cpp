@@ -9,8 +9,8 @@
 #include <set>
 
 #include "ltm/core/file.h"
-#include "server/client/names_client.h"
 #include "server/access/default_endpoint.h"
+#include "server/client/names_client.h"
 
 namespace engram::cli {
 

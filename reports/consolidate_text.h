@@ -3,10 +3,7 @@
 
 #include <vector>
 
-#include "cli/command.h"
 #include "reports/plain/output.h"
-#include "training/consolidate.h"
-#include "training/drop_raw.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
 

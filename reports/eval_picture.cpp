@@ -7,7 +7,6 @@
 #include "ltm/recall/recall.h"
 #include "reports/picture.h"
 #include "reports/plain/text.h"
-#include "training/metrics.h"
 #include "training/quality/metrics.h"
 
 namespace engram::reports {

@@ -4,11 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cli/picture.h"
-#include "cli/text.h"
 #include "reports/picture.h"
 #include "reports/plain/text.h"
-#include "training/metrics.h"
 #include "training/quality/metrics.h"
 
 namespace engram::reports {

@@ -6,10 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/command.h"
 #include "reports/plain/output.h"
 #include "training/measure/predicted_moment.h"
-#include "training/predicted_moment.h"
 
 namespace engram::reports {
 

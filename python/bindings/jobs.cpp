@@ -11,7 +11,6 @@
 #include "reports/forget_job.h"
 #include "reports/plain/findings.h"
 #include "reports/plain/forget_text.h"
-#include "training/consolidate.h"
 #include "training/night/consolidate.h"
 
 namespace engram::python {
