@@ -129,7 +129,7 @@ ExitCode commit_one(const CommitArguments& arguments) {
     if (!type.ok()) return fail(type.status());
     if (const Status declared = (*client)->declare(update.entity.parent(), *type); !declared.ok())
       return fail(declared);
-    value = server::written_as(*type, *std::move(value));
+    value = memory::written_as(*type, *std::move(value));
   }
   update.instances.push_back(
       {*std::move(value),
