@@ -1,20 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/night/consolidate.h"
 
-#include <algorithm>
 #include <memory>
-#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "ltm/core/local_time.h"
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/store_reader.h"
 #include "training/fit/matching.h"
-#include "training/night/entity_job.h"
+#include "training/night/choose_form.h"
+#include "training/night/consolidate_entity.h"
+#include "training/night/entity_work.h"
+#include "training/night/expected_encoding.h"
+#include "training/night/plan_entity.h"
 
 namespace engram::training {
 
 namespace {
+
+/// One entity on its way through the steps.
+struct EntityJob {
+  EntityWork work;
+  PlannedEntity planned;
+  std::optional<ChosenForm> form;  ///< Where it had to be known to measure encoding.
+  ExpectedEncoding encoding;       ///< Zero where it was not measured.
+};
 
 /// The work on a store, entity by entity.
 struct Jobs {
@@ -34,73 +47,86 @@ struct Jobs {
                        jobs.reader->entities().size());
     double total_weight = 0;
     for (const ltm::MemoryId& entity : entities) {
-      EntityJob& job = jobs.entities.emplace_back(*jobs.reader, entity, options, pace);
-      ENGRAM_RETURN_IF_ERROR(job.plan());
-      total_weight += job.weight();
+      EntityWork work{*jobs.reader, entity, options, pace};
+      ENGRAM_ASSIGN_OR_RETURN(PlannedEntity planned, plan_entity(work));
+      total_weight += planned.weight();
+      jobs.entities.push_back({std::move(work), std::move(planned), {}, {}});
     }
     for (const EntityJob& job : jobs.entities) {
-      jobs.plan.entities.push_back(job.planned());
-      if (total_weight > 0) jobs.plan.entities.back().budget_share = job.weight() / total_weight;
+      EntityPlan& plan = jobs.plan.entities.emplace_back(job.planned.plan);
+      if (total_weight > 0) plan.budget_share = job.planned.weight() / total_weight;
     }
     return jobs;
   }
 };
 
+/// Chooses forms and measures what encoding will take, where everything ends at a moment: the time
+/// to train is what that leaves.
+Status measure_encoding(const ConsolidateOptions& options, std::vector<EntityJob>& jobs) {
+  if (!options.job.until) return {};
+  for (EntityJob& job : jobs) {
+    if (job.planned.is_skipped()) continue;
+    ENGRAM_ASSIGN_OR_RETURN(job.form, choose_form(job.work, job.planned));
+    ENGRAM_ASSIGN_OR_RETURN(job.encoding, measure_encoding(job.work, job.planned, *job.form));
+  }
+  return {};
+}
+
 /// Divides the time of a job among its entities by their weights.
 class TimeShares {
  public:
   /// Both outlive it.
-  TimeShares(const ConsolidateOptions& options, std::vector<EntityJob>& jobs)
-      : options_(options), jobs_(jobs), reserved_(jobs.size(), 0.0) {
-    for (const EntityJob& job : jobs) weights_.push_back(job.weight());
-  }
+  TimeShares(const ConsolidateOptions& options, const std::vector<EntityJob>& jobs)
+      : options_(options), jobs_(jobs) {}
 
-  /// Measures what encoding will take, where everything ends at a moment.
-  Status measure() {
-    if (!options_.job.until) return {};
-    for (size_t i = 0; i < jobs_.size(); ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(reserved_[i], jobs_[i].measure_encoding());
-    }
-    return {};
-  }
-
-  /// Skips the entity where no time is left for it.
-  Result<Allotment> next(size_t i) {
-    if (weights_[i] == 0) return Allotment{};
+  /// Time for the next entity; nothing where none is left for it.
+  Result<std::optional<Allotment>> next(size_t i) const {
+    using Time = std::optional<Allotment>;
+    const double weight = jobs_[i].planned.weight();
+    if (weight == 0) return Time(Allotment{});
     if (options_.job.until) return until(*options_.job.until, i);
     ENGRAM_ASSIGN_OR_RETURN(
         const Duration budget,
-        duration_from_seconds(to_seconds(options_.train.budget) * weights_[i] / sum(weights_, 0)));
-    return Allotment{budget, {}, {}};
+        duration_from_seconds(to_seconds(options_.train.budget) * weight / weights_from(0)));
+    return Time(Allotment{budget, {}, {}});
+  }
+
+  /// For encoding all entities from the i-th on. Unit: s.
+  [[nodiscard]] double reserved_from(size_t i) const {
+    double sum = 0;
+    for (; i < jobs_.size(); ++i) sum += jobs_[i].encoding.reserved;
+    return sum;
   }
 
  private:
-  static double sum(const std::vector<double>& values, size_t first) {
-    return std::accumulate(values.begin() + static_cast<ptrdiff_t>(first), values.end(), 0.0);
+  [[nodiscard]] double weights_from(size_t i) const {
+    double sum = 0;
+    for (; i < jobs_.size(); ++i) sum += jobs_[i].planned.weight();
+    return sum;
   }
 
-  Result<Allotment> until(Time end, size_t i) {
+  Result<std::optional<Allotment>> until(Time end, size_t i) const {
+    const EntityJob& job = jobs_[i];
     const Time now = system_now();
-    const double left = to_seconds(end - now) - sum(reserved_, i);
+    const double left = to_seconds(end - now) - reserved_from(i);
     ENGRAM_ASSIGN_OR_RETURN(const Duration budget,
-                            duration_from_seconds(left * weights_[i] / sum(weights_, i)));
-    ENGRAM_ASSIGN_OR_RETURN(const Duration encoding, duration_from_seconds(reserved_[i]));
-    if (budget <= Duration::zero() && !options_.reuses_models) {
-      ENGRAM_RETURN_IF_ERROR(jobs_[i].skip_for_want_of_time(
-          fmt::format("no time to train until {}: encoding may take {:.0f} s", to_local_string(end),
-                      sum(reserved_, i))));
-      return Allotment{};
-    }
-    log::info("{}: trains until {}, leaves {:.0f} s to encode",
-              jobs_[i].planned().entity.to_string(), to_local_string(now + budget), reserved_[i]);
-    return Allotment{budget, now + budget, now + budget + encoding};
+                            duration_from_seconds(left * job.planned.weight() / weights_from(i)));
+    ENGRAM_ASSIGN_OR_RETURN(const Duration encoding, duration_from_seconds(job.encoding.reserved));
+    if (budget <= Duration::zero() && !options_.reuses_models) return std::optional<Allotment>();
+    log::info("{}: trains until {}, leaves {:.0f} s to encode", job.work.entity.to_string(),
+              to_local_string(now + budget), job.encoding.reserved);
+    return std::optional(Allotment{budget, now + budget, now + budget + encoding});
   }
 
   const ConsolidateOptions& options_;
-  std::vector<EntityJob>& jobs_;
-  std::vector<double> weights_;
-  std::vector<double> reserved_;  ///< For encoding. Unit: s.
+  const std::vector<EntityJob>& jobs_;
 };
+
+Skipped no_time(const ConsolidateOptions& options, const TimeShares& time, size_t i) {
+  return {fmt::format("no time to train until {}: encoding may take {:.0f} s",
+                      to_local_string(*options.job.until), time.reserved_from(i)),
+          true};
+}
 
 }  // namespace
 
@@ -127,13 +153,20 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
       !removed.ok())
     log::warning("a stale checkpoint stays: {}", removed.message());
   if (plan) plan(jobs.plan);
-  TimeShares time(options, jobs.entities);
-  ENGRAM_RETURN_IF_ERROR(time.measure());
+  ENGRAM_RETURN_IF_ERROR(measure_encoding(options, jobs.entities));
+  const TimeShares time(options, jobs.entities);
   ConsolidateReport report;
   for (size_t i = 0; i < jobs.entities.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(const Allotment allotment, time.next(i));
-    ENGRAM_ASSIGN_OR_RETURN(EntityReport one, jobs.entities[i].run(allotment));
-    report.entities.push_back(std::move(one));
+    const EntityJob& job = jobs.entities[i];
+    ENGRAM_ASSIGN_OR_RETURN(const auto allotment, time.next(i));
+    if (!allotment) {
+      report.entities.push_back(skip_entity(job.work, job.planned, no_time(options, time, i)));
+    } else {
+      ENGRAM_ASSIGN_OR_RETURN(EntityReport one,
+                              consolidate_entity(job.work, job.planned, job.form, *allotment));
+      report.entities.push_back(std::move(one));
+    }
+    report.entities.back().expected_encoding_seconds = job.encoding.seconds;
   }
   return report;
 }

@@ -76,17 +76,19 @@ void EntityEncoding::count(const ltm::Latent& latent, const ltm::MeasuredError& 
   if (!latent.remainder.empty()) latent_bytes_ += idf::encoded_size(idf::Data(latent.remainder));
 }
 
-void EntityEncoding::report(EntityReport& report) const {
-  report.snapshots = latents_.size();
-  report.raw_bytes = raw_bytes_;
-  report.latent_bytes = latent_bytes_;
-  report.mean_psnr_db = psnr_.mean_db();
-  report.pooled_psnr_db = psnr_.pooled_db();
-  report.minimum_psnr_db = psnr_.minimum_db();
-  report.psnr_quantiles_db = {psnr_.quantile_db(0.05), psnr_.quantile_db(0.5),
-                              psnr_.quantile_db(0.95)};
-  report.rmse = rmse_.rmse();
-  report.forms = choice_.counts();
+KeptQuality EntityEncoding::quality() const {
+  KeptQuality quality;
+  quality.snapshots = latents_.size();
+  quality.raw_bytes = raw_bytes_;
+  quality.latent_bytes = latent_bytes_;
+  quality.mean_psnr_db = psnr_.mean_db();
+  quality.pooled_psnr_db = psnr_.pooled_db();
+  quality.minimum_psnr_db = psnr_.minimum_db();
+  quality.psnr_quantiles_db = {psnr_.quantile_db(0.05), psnr_.quantile_db(0.5),
+                               psnr_.quantile_db(0.95)};
+  quality.rmse = rmse_.rmse();
+  quality.forms = choice_.counts();
+  return quality;
 }
 
 }  // namespace engram::training

@@ -8,7 +8,7 @@
 #include "ltm/store/store_reader.h"
 #include "training/fit/job_pace.h"
 #include "training/forms/block_choice.h"
-#include "training/night/consolidate_report.h"
+#include "training/night/kept_quality.h"
 #include "training/quality/metrics.h"
 
 // Internal to the learning rooms: includes LibTorch.
@@ -38,8 +38,7 @@ class EntityEncoding {
 
   [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }
 
-  /// Adds bytes and errors.
-  void report(EntityReport& report) const;
+  [[nodiscard]] KeptQuality quality() const;
 
  private:
   Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop,

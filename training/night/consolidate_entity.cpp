@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/night/consolidate_entity.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "encoders/deep_model_file.h"
+#include "ltm/store/publish.h"
+#include "training/night/compare_models.h"
+#include "training/night/encode_entity.h"
+#include "training/night/expected_encoding.h"
+#include "training/night/fit_entity.h"
+#include "training/night/publish_entity.h"
+
+namespace engram::training {
+
+namespace {
+
+/// A second model, without networks for images, gets this part of the time again.
+constexpr int kSecondShare = 10;
+
+/// A model that was fitted, what it made of all snapshots, and its file.
+struct MadeModel {
+  FittedModel fitted;
+  EncodedEntity encoded;
+  ModelFile file;
+  double encoding_seconds = 0;  ///< That of models which were made before it, too.
+};
+
+/// What a step came to, where it may find that the entity stays as it is.
+template <typename T>
+using OrSkipped = std::variant<T, Skipped>;
+
+/// A value, or the reason to skip the entity. Errors: those that end the whole job.
+template <typename T>
+Result<OrSkipped<T>> or_skipped(Result<T> result, const JobPace& pace) {
+  if (result.ok()) return OrSkipped<T>(*std::move(result));
+  if (auto skipped = skipped_by(result.status(), pace)) return OrSkipped<T>(*std::move(skipped));
+  return result.status();
+}
+
+EntityReport report_of(const PlannedEntity& planned) {
+  EntityReport report;
+  report.entity = planned.plan.entity;
+  report.left_behind = planned.left_behind;
+  report.stored_bytes = planned.plan.stored_bytes;
+  return report;
+}
+
+void tell(const EncodedEntity& encoded, EntityReport& report) {
+  const KeptQuality& quality = encoded.quality;
+  report.model_version = encoded.model_version;
+  report.snapshots = quality.snapshots;
+  report.raw_bytes = quality.raw_bytes;
+  report.latent_bytes = quality.latent_bytes;
+  report.mean_psnr_db = quality.mean_psnr_db;
+  report.pooled_psnr_db = quality.pooled_psnr_db;
+  report.minimum_psnr_db = quality.minimum_psnr_db;
+  report.psnr_quantiles_db = quality.psnr_quantiles_db;
+  report.rmse = quality.rmse;
+  report.forms = quality.forms;
+}
+
+/// Fits a model, codes all snapshots with it, and writes it with how they were kept.
+Result<OrSkipped<MadeModel>> make(const EntityWork& work, const PlannedEntity& planned,
+                                  const TrainingSource& source, const ChosenForm& form,
+                                  const Allotment& time) {
+  using Made = OrSkipped<MadeModel>;
+  ENGRAM_ASSIGN_OR_RETURN(auto fitted,
+                          or_skipped(fit_entity(work, planned, source, form, time), work.pace));
+  if (auto* skipped = std::get_if<Skipped>(&fitted)) return Made(std::move(*skipped));
+  auto& model = std::get<FittedModel>(fitted);
+  const int version = ltm::next_model_version(work.reader.manifest(), work.entity);
+  ENGRAM_ASSIGN_OR_RETURN(
+      auto encoded,
+      or_skipped(encode_entity(work, model.model, version, planned.entries, form.representation),
+                 work.pace));
+  if (auto* skipped = std::get_if<Skipped>(&encoded)) return Made(std::move(*skipped));
+  auto& snapshots = std::get<EncodedEntity>(encoded);
+  model.model->provenance.forms = snapshots.quality.forms;
+  ENGRAM_ASSIGN_OR_RETURN(ModelFile file, write_model_file(work, planned, *model.model));
+  const double seconds = snapshots.seconds;
+  return Made(MadeModel{std::move(model), std::move(snapshots), std::move(file), seconds});
+}
+
+/// Time to code everything as video alone; nothing where it is over.
+std::optional<Allotment> second_allotment(const Allotment& first, double encoding_seconds) {
+  Allotment second{first.budget / kSecondShare, std::nullopt, first.encoded_end};
+  if (!first.end) return second;
+  const double left =
+      to_seconds(*first.encoded_end - system_now()) - with_encoding_margin(encoding_seconds);
+  second.budget = std::min(
+      second.budget, std::chrono::duration_cast<Duration>(std::chrono::duration<double>(left)));
+  if (second.budget <= Duration::zero()) return std::nullopt;
+  second.end = system_now() + second.budget;
+  return second;
+}
+
+/// The model that was made, or one of video alone where that takes fewer bytes; why, in a note.
+/// Where the time ends before, what was made first is good as well, only larger.
+Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const PlannedEntity& planned,
+                                            const TrainingSource& source, const ChosenForm& form,
+                                            const Allotment& time, MadeModel made,
+                                            std::vector<std::string>& notes) {
+  using Made = OrSkipped<MadeModel>;
+  if (form.representation.kind != Representation::kAuto) return Made(std::move(made));
+  auto why =
+      why_video_is_cheaper(made.encoded, made.file.bytes, work.options.representation.nights);
+  if (!why) return Made(std::move(made));
+  notes.push_back(*std::move(why));
+  const auto second = second_allotment(time, made.encoding_seconds);
+  if (!second) return Made(std::move(made));
+  ENGRAM_ASSIGN_OR_RETURN(Made again, make(work, planned, source, form.as_video_alone(), *second));
+  if (const auto* skipped = std::get_if<Skipped>(&again); skipped != nullptr && skipped->is_late)
+    return Made(std::move(made));
+  if (auto* video = std::get_if<MadeModel>(&again))
+    video->encoding_seconds += made.encoding_seconds;
+  return again;
+}
+
+/// Codes what has no latents yet, or all, with the newest model.
+Result<OrSkipped<EntityReport>> with_newest_model(const EntityWork& work,
+                                                  const PlannedEntity& planned) {
+  using Done = OrSkipped<EntityReport>;
+  const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
+  if (newest == nullptr)
+    return Done(Skipped{fmt::format("{}: has no model yet", work.entity.to_string())});
+  ENGRAM_ASSIGN_OR_RETURN(const auto model,
+                          encoders::read_model(work.reader.path() / newest->file));
+  std::vector<ltm::SnapshotEntry> entries = planned.entries;
+  if (!work.options.force)
+    std::erase_if(entries,
+                  [](const ltm::SnapshotEntry& entry) { return entry.latent.has_value(); });
+  ENGRAM_ASSIGN_OR_RETURN(auto encoded, or_skipped(encode_entity(work, model, newest->version,
+                                                                 entries, planned.representation),
+                                                   work.pace));
+  if (auto* skipped = std::get_if<Skipped>(&encoded)) return Done(std::move(*skipped));
+  const auto& snapshots = std::get<EncodedEntity>(encoded);
+  EntityReport report = report_of(planned);
+  tell(snapshots, report);
+  report.model_bytes = newest->bytes;
+  report.encoding_seconds = snapshots.seconds;
+  ENGRAM_RETURN_IF_ERROR(publish_more_latents(work, newest->version, snapshots.latents));
+  return Done(std::move(report));
+}
+
+/// Publishes what is worth more, the new model with its latents or more latents of the one before.
+Result<EntityReport> publish(const EntityWork& work, MadeModel made, ComparedModels compared,
+                             EntityReport report) {
+  std::ranges::move(compared.notes, std::back_inserter(report.notes));
+  report.choice = compared.choice;
+  report.training = std::move(made.fitted.training);
+  report.encoding_seconds = made.encoding_seconds;
+  if (compared.previous) report.encoding_seconds += compared.previous->seconds;
+  if (compared.choice.keeps_previous()) {
+    const EncodedEntity& kept = *compared.previous;
+    tell(kept, report);
+    report.model_bytes = work.reader.manifest().newest_model(work.entity)->bytes;
+    if (kept.latents.empty()) return report;
+    ENGRAM_RETURN_IF_ERROR(publish_more_latents(work, kept.model_version, kept.latents));
+    return report;
+  }
+  tell(made.encoded, report);
+  report.is_model_new = true;
+  report.model_bytes = made.file.bytes;
+  ENGRAM_RETURN_IF_ERROR(publish_new_model(work, made.encoded.model_version, made.file,
+                                           compared.choice, made.encoded.latents));
+  return report;
+}
+
+/// Fits a new model; publishes what is worth more, it or going on with the one before.
+Result<OrSkipped<EntityReport>> with_new_model(const EntityWork& work, const PlannedEntity& planned,
+                                               const ChosenForm& form, const Allotment& time) {
+  using Done = OrSkipped<EntityReport>;
+  ENGRAM_ASSIGN_OR_RETURN(const TrainingSource source, find_training_source(work, planned));
+  if (work.options.job.is_fresh) {
+    remove_stale_checkpoints(work);
+  } else {
+    const std::array kept{checkpoint_of(work, source, form.train),
+                          checkpoint_of(work, source, form.as_video_alone().train)};
+    remove_stale_checkpoints(work, kept);
+  }
+  ENGRAM_ASSIGN_OR_RETURN(auto first, make(work, planned, source, form, time));
+  if (auto* skipped = std::get_if<Skipped>(&first)) return Done(std::move(*skipped));
+  EntityReport report = report_of(planned);
+  report.notes = form.notes;
+  ENGRAM_ASSIGN_OR_RETURN(auto chosen,
+                          or_video_alone(work, planned, source, form, time,
+                                         std::move(std::get<MadeModel>(first)), report.notes));
+  if (auto* skipped = std::get_if<Skipped>(&chosen)) return Done(std::move(*skipped));
+  auto& made = std::get<MadeModel>(chosen);
+  ENGRAM_ASSIGN_OR_RETURN(ComparedModels compared,
+                          compare_models(work, planned, form, made.encoded, made.file.bytes));
+  if (compared.skipped) return Done(*std::move(compared.skipped));
+  ENGRAM_ASSIGN_OR_RETURN(EntityReport done,
+                          publish(work, std::move(made), std::move(compared), std::move(report)));
+  return Done(std::move(done));
+}
+
+}  // namespace
+
+EntityReport skip_entity(const EntityWork& work, const PlannedEntity& planned,
+                         const Skipped& skipped) {
+  if (!skipped.is_late) remove_stale_checkpoints(work);
+  EntityReport report = report_of(planned);
+  report.skipped_reason = skipped.reason;
+  return report;
+}
+
+Result<EntityReport> consolidate_entity(const EntityWork& work, const PlannedEntity& planned,
+                                        const std::optional<ChosenForm>& form,
+                                        const Allotment& time) {
+  if (planned.is_skipped()) return skip_entity(work, planned, {planned.plan.skipped_reason});
+  const auto start = std::chrono::steady_clock::now();
+  Result<OrSkipped<EntityReport>> done = [&]() -> Result<OrSkipped<EntityReport>> {
+    if (work.options.reuses_models) return with_newest_model(work, planned);
+    if (form) return with_new_model(work, planned, *form, time);
+    ENGRAM_ASSIGN_OR_RETURN(const ChosenForm chosen, choose_form(work, planned));
+    return with_new_model(work, planned, chosen, time);
+  }();
+  ENGRAM_RETURN_IF_ERROR(done.status());
+  const auto* skipped = std::get_if<Skipped>(&*done);
+  EntityReport report = skipped != nullptr ? skip_entity(work, planned, *skipped)
+                                           : std::move(std::get<EntityReport>(*done));
+  if (skipped == nullptr) remove_stale_checkpoints(work);
+  report.seconds = to_seconds(std::chrono::steady_clock::now() - start);
+  return report;
+}
+
+}  // namespace engram::training

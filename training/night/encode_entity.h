@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ltm/store/latent.h"
+#include "ltm/store/store_reader.h"
+#include "training/forms/representation.h"
+#include "training/night/entity_work.h"
+#include "training/night/kept_quality.h"
+
+// Private to this room.
+
+namespace engram::encoders {
+struct DeepModel;
+}
+
+namespace engram::training {
+
+/// Snapshots of an entity, coded with one model, and what a query will see of them beside what was
+/// recorded.
+struct EncodedEntity {
+  int model_version = 0;
+  std::vector<ltm::LatentSnapshot> latents;  ///< One per snapshot.
+  KeptQuality quality;
+  double seconds = 0;  ///< Encoding, decoding and comparing.
+};
+
+/// Codes some snapshots of an entity with a model, each block in the cheapest form that
+/// `representation` allows, decodes them as a query would and compares.
+/// Errors: those of EntityEncoding::run.
+Result<EncodedEntity> encode_entity(const EntityWork& work,
+                                    const std::shared_ptr<encoders::DeepModel>& model, int version,
+                                    std::span<const ltm::SnapshotEntry> entries,
+                                    const RepresentationOptions& representation);
+
+}  // namespace engram::training

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/night/entity_work.h"
+
+#include "ltm/core/check.h"
+
+namespace engram::training {
+
+std::optional<Skipped> skipped_by(const Status& error, const JobPace& pace) {
+  ENGRAM_CHECK(!error.ok(), "a step that succeeded skips nothing");
+  if (pace.is_time_over()) return Skipped{error.message(), true};
+  if (error.code() == StatusCode::kInvalidArgument) return Skipped{error.message(), false};
+  return std::nullopt;
+}
+
+}  // namespace engram::training

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/night/expected_encoding.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "training/fit/entity_source.h"
+#include "training/fit/network_width.h"
+#include "training/fit/trainer.h"
+#include "training/night/encode_entity.h"
+
+namespace engram::training {
+
+namespace {
+
+/// Snapshots that encoding is measured on.
+constexpr size_t kSample = 32;
+/// Predictions are measured beside encoding, on so many snapshots at most.
+constexpr size_t kMostMeasured = 256;
+
+}  // namespace
+
+double with_encoding_margin(double seconds) {
+  constexpr double kFactor = 1.25;
+  constexpr double kFixed = 3;  // Writing the model, publishing. Unit: s.
+  return kFactor * seconds + kFixed;
+}
+
+Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedEntity& planned,
+                                          const ChosenForm& form) {
+  const auto& entries = planned.entries;
+  const std::vector<ltm::SnapshotEntry> sample(
+      entries.begin(), entries.begin() + static_cast<ptrdiff_t>(std::min(kSample, entries.size())));
+  TrainOptions quick = form.train;
+  quick.steps = 2;
+  quick.width = network_width(form.train, entries.size());
+  quick.hold_out_recordings = 0;
+  const ProgressSink no_progress;
+  const auto fitted =
+      fit_model(EntitySource::values(work.reader, work.entity, planned.layout, sample), quick,
+                no_progress, work.pace.stop());
+  if (fitted.status().code() == StatusCode::kInvalidArgument) return ExpectedEncoding();
+  ENGRAM_RETURN_IF_ERROR(fitted.status());
+  // A pace of its own: what is measured is work, without waiting for the robot.
+  JobPace pace(nullptr, no_progress, work.pace.stop());
+  const EntityWork quiet{work.reader, work.entity, work.options, pace};
+  // So early a model misses every bound by far: later some blocks may be refined.
+  RepresentationOptions slowest = form.representation;
+  if (slowest.kind == Representation::kAuto)
+    slowest.refine_steps = std::max(slowest.refine_steps, slowest.few_refine_steps);
+  const auto encoded = encode_entity(quiet, fitted->model, 1, sample, slowest);
+  if (encoded.status().code() == StatusCode::kInvalidArgument) return ExpectedEncoding();
+  ENGRAM_RETURN_IF_ERROR(encoded.status());
+  const double per_snapshot = encoded->seconds / static_cast<double>(sample.size());
+  const auto count = static_cast<double>(entries.size());
+  // All may have to be coded again, as video alone, and what is new by the model before.
+  const bool may_repeat =
+      form.representation.kind == Representation::kAuto && form.train.has_networks;
+  const bool has_previous =
+      work.options.representation.kind == Representation::kAuto && planned.plan.newest_version > 0;
+  const auto news = static_cast<double>(has_previous ? planned.plan.new_snapshots : 0);
+  const auto measured = static_cast<double>(std::min(entries.size(), kMostMeasured));
+  return ExpectedEncoding{
+      per_snapshot * count,
+      with_encoding_margin(per_snapshot * (count * (may_repeat ? 2 : 1) + news + measured))};
+}
+
+}  // namespace engram::training
