@@ -141,10 +141,8 @@ Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntit
     else
       rest.push_back(entry);
   }
-  // The new model may have become one of video alone; the bound is the same.
-  RepresentationOptions representation = planned.representation;
-  representation.kind = Representation::kAuto;
-  auto encoded = encode_entity(work, previous, newest->version, rest, representation);
+  // As it was planned: the new model may have become one of video alone; the bound is the same.
+  auto encoded = encode_entity(work, previous, newest->version, rest, planned.representation);
   if (encoded.status().code() == StatusCode::kInvalidArgument) {
     compared.notes.push_back(not_compared(*newest, encoded.status().message()));
     return compared;

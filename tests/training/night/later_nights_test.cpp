@@ -247,6 +247,29 @@ TEST(LaterNight, EncodesWhatIsNewWithTheNewestModelWhereAskedTo) {
   expect_clean(store.path());
 }
 
+TEST(LaterNight, ComparesModelsOfNumbersAloneWithoutABoundOfImages) {
+  const ScratchPath store("numbers_nights");
+  constexpr const char* kArm = "Test/Joints/sim/arm";
+  auto chosen = automatic(20);
+  chosen.representation.bound_db = 0;
+  for (const int first : {0, 20}) {
+    auto recorder = ltm::Recorder::open(store.path(), {});
+    ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+    const auto times = scene_source(first + 20).times;
+    for (int i = first; i < first + 20; ++i)
+      ASSERT_TRUE(
+          recorder
+              ->commit({{{id(kArm), times[static_cast<size_t>(i)], {{scene_at(i, false), {}}}}}})
+              .ok());
+    ASSERT_TRUE(recorder->close().ok());
+    const auto report = consolidate(store.path(), chosen, {}, {});
+    ASSERT_TRUE(report.ok()) << report.status().to_string();
+    EXPECT_EQ(report->entities[0].skipped_reason, "");
+    EXPECT_EQ(report->entities[0].choice.previous_version, first == 0 ? 0 : 1);
+  }
+  EXPECT_EQ((*ltm::StoreReader::open(store.path()))->summary(id(kArm))->latent_snapshots, 40u);
+}
+
 TEST(ModelChoice, CountsWhatIsNewForEveryNight) {
   encoders::ModelChoice choice{1, 30, 10, 5, {1000, 100, 0}, {900, 60, 292}};
   EXPECT_EQ(choice.previous.total(5), 1500);
