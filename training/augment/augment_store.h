@@ -2,29 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <stop_token>
-#include <vector>
 
-#include "augmentation/augment.h"
+#include "augmentation/recipe.h"
 #include "ltm/core/progress.h"
+#include "training/augment/augment_options.h"
 #include "training/augment/augmented_store.h"
 
 namespace engram::training {
-
-/// How images are changed.
-struct AugmentOptions : AugmentedStoreOptions {
-  /// What recipes are drawn from. Empty: augmentation::usual_changes.
-  std::vector<augmentation::ChangeChoice> changes;
-  /// Members of the values that are labels or points.
-  augmentation::SceneMembers members;
-  /// An entity whose first image tells, at the same moment, which object is seen; empty: none.
-  std::optional<ltm::MemoryId> mask_entity;
-  /// The object to recolour or replace, as labels have it; 0: everything that has one.
-  int64_t label = 0;
-
-  [[nodiscard]] Status validate() const;
-};
 
 /// The recipe of copy `copy` of what was seen at `time`. Depends on nothing else.
 /// Source: docs/augmentation.md, section "Recipes".

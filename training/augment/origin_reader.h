@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "ltm/store/store_reader.h"
-#include "training/augment/augment_store.h"
+#include "training/augment/augment_options.h"
 
 // Private to this room.
 
