@@ -5,7 +5,7 @@
 #include "cli/scene_sources.h"
 #include "ltm/core/log.h"
 #include "reports/augment_picture.h"
-#include "reports/plain/text.h"
+#include "reports/augment_text.h"
 #include "training/augment/augment_store.h"
 #include "training/augment/render_store.h"
 
@@ -105,49 +105,6 @@ Result<training::AugmentReport> render(const AugmentArguments& arguments,
                                 interrupt_token());
 }
 
-/// Why snapshots were left out, where there is more to say.
-std::string left_out_text(const training::AugmentedEntity& entity) {
-  if (entity.without_mask > 0) return ", where nothing tells the object";
-  return entity.without_scene > 0 ? ", where not all that was there is known" : "";
-}
-
-Json report_json(const training::AugmentReport& report, const AugmentArguments& arguments) {
-  Json entities = Json::array();
-  for (const training::AugmentedEntity& entity : report.entities) {
-    Json json{{"id", entity.entity.to_string()},     {"snapshots", entity.snapshots},
-              {"instances", entity.instances},       {"left_out", entity.left_out},
-              {"without_mask", entity.without_mask}, {"without_scene", entity.without_scene},
-              {"stored_bytes", entity.stored_bytes}};
-    if (!entity.skipped_reason.empty()) json["skipped_reason"] = entity.skipped_reason;
-    entities.push_back(std::move(json));
-  }
-  return {{"store", arguments.store},
-          {"out", arguments.out},
-          {"source", ltm::to_string(ltm::Source::kAugmented)},
-          {"seed", arguments.options.seed},
-          {"copies", arguments.options.copies},
-          {"damaged_journal_places", report.damaged_places},
-          {"is_cancelled", report.is_cancelled},
-          {"entities", std::move(entities)}};
-}
-
-void print_report(const training::AugmentReport& report, const AugmentArguments& arguments) {
-  print(fmt::format("Augmented store {}", arguments.out));
-  for (const training::AugmentedEntity& entity : report.entities) {
-    print("\n" + entity.entity.to_string());
-    if (!entity.skipped_reason.empty()) {
-      print("  skipped    " + entity.skipped_reason);
-      continue;
-    }
-    print(fmt::format("  made       {} of {} snapshots", reports::count_text(entity.instances),
-                      reports::count_text(entity.snapshots)));
-    if (entity.left_out > 0)
-      print(fmt::format("  left out   {}{}", reports::count_text(entity.left_out),
-                        left_out_text(entity)));
-    print("  stored     " + reports::bytes_text(static_cast<double>(entity.stored_bytes)));
-  }
-}
-
 Status write_picture(const AugmentArguments& arguments, const training::AugmentOptions& options) {
   if (arguments.picture.empty()) return {};
   if (arguments.is_rendering())
@@ -169,9 +126,9 @@ ExitCode run(const AugmentArguments& arguments) {
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
-    print_json(report_json(*report, arguments));
+    print_json(reports::augment_json(*report, arguments.store, arguments.out, arguments.options));
   else
-    print_report(*report, arguments);
+    reports::print_augmented(*report, arguments.out);
   if (const Status shown = write_picture(arguments, *options); !shown.ok()) return fail(shown);
   if (report->is_cancelled) return fail(cancelled("augment was stopped; what is there is whole"));
   if (report->damaged_places == 0) return ExitCode::kDone;

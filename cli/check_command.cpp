@@ -6,7 +6,6 @@
 #include "cli/progress_line.h"
 #include "encoders/load_model.h"
 #include "reports/plain/findings.h"
-#include "reports/plain/text.h"
 
 namespace engram::cli {
 
@@ -28,18 +27,6 @@ struct CheckArguments {
   bool is_json = false;
 };
 
-void print_report(const ltm::CheckReport& report, const std::string& store) {
-  reports::print_findings(report.findings);
-  print(fmt::format(
-      "Checked {}: {} segments, {} models, {} journals; {} entities, {} snapshots, {} "
-      "media, {} unsealed frames; {}",
-      store, report.segments, report.models, report.journals, report.entities,
-      reports::count_text(report.snapshots), reports::count_text(report.media),
-      reports::count_text(report.frames), reports::bytes_text(static_cast<double>(report.bytes))));
-  print(report.is_clean() ? "It is whole."
-                          : fmt::format("{} faults: data is damaged or lost.", report.faults()));
-}
-
 ExitCode run(const CheckArguments& arguments) {
   const ltm::CheckOptions options{arguments.is_deep, [](const std::filesystem::path& file) {
                                     return encoders::load_model(file).status();
@@ -52,7 +39,7 @@ ExitCode run(const CheckArguments& arguments) {
   if (arguments.is_json)
     print_json(reports::check_json(*report, arguments.store));
   else
-    print_report(*report, arguments.store);
+    reports::print_check(*report, arguments.store);
   return report->is_clean() ? ExitCode::kDone : ExitCode::kDoneWithLoss;
 }
 

@@ -6,7 +6,7 @@
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/store/rewrite.h"
-#include "reports/plain/text.h"
+#include "reports/plain/compact_text.h"
 
 namespace engram::cli {
 
@@ -38,23 +38,6 @@ Result<uint64_t> parse_bytes(const std::string& text) {
   return value.bytes();
 }
 
-Json report_json(const ltm::RewriteReport& report) {
-  return {{"segments_before", report.segments_before},
-          {"segments_after", report.segments_after},
-          {"bytes_before", report.bytes_before},
-          {"bytes_after", report.bytes_after},
-          {"is_cancelled", report.is_cancelled}};
-}
-
-std::string report_text(const ltm::RewriteReport& report) {
-  if (report.segments_before == 0) return "There is nothing to join";
-  return fmt::format("{} segments became {}: {} before, {} after",
-                     reports::count_text(report.segments_before),
-                     reports::count_text(report.segments_after),
-                     reports::bytes_text(static_cast<double>(report.bytes_before)),
-                     reports::bytes_text(static_cast<double>(report.bytes_after)));
-}
-
 ExitCode run(const CompactArguments& arguments) {
   ltm::CompactOptions options;
   const auto bytes = parse_bytes(arguments.segment_size);
@@ -68,9 +51,9 @@ ExitCode run(const CompactArguments& arguments) {
   if (const Status status = ltm::merge_accesses(arguments.store); !status.ok())
     log::warning("access logs stay as they are: {}", status.message());
   if (arguments.is_json)
-    print_json(report_json(*report));
+    print_json(reports::compact_json(*report));
   else
-    print(report_text(*report));
+    print(reports::compact_text(*report));
   if (report->is_cancelled) return fail(cancelled("compact was stopped; what was joined stays so"));
   return ExitCode::kDone;
 }

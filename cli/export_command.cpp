@@ -6,7 +6,7 @@
 #include "datasets/formats.h"
 #include "encoders/load_model.h"
 #include "ltm/core/log.h"
-#include "reports/plain/text.h"
+#include "reports/plain/export_text.h"
 
 namespace engram::cli {
 
@@ -61,27 +61,6 @@ std::vector<std::string> format_names() {
   return names;
 }
 
-Json report_json(const datasets::ExportReport& report) {
-  Json left_out = Json::object();
-  for (const auto& [what, count] : report.not_carried) left_out[what] = count;
-  return {{"snapshots", report.snapshots},
-          {"instances", report.instances},
-          {"files", report.files},
-          {"bytes", report.bytes},
-          {"not_carried", std::move(left_out)}};
-}
-
-void print_report(const datasets::ExportReport& report, const ExportArguments& arguments) {
-  print(fmt::format("{} snapshots with {} instances: {} files, {}, below {}",
-                    reports::count_text(report.snapshots), reports::count_text(report.instances),
-                    reports::count_text(report.files),
-                    reports::bytes_text(static_cast<double>(report.bytes)), arguments.directory));
-  if (!report.not_carried.empty())
-    print(fmt::format("Left out, as {} does not carry it:", arguments.format));
-  for (const auto& [what, count] : report.not_carried)
-    print(fmt::format("  {:>10}  {}", reports::count_text(count), what));
-}
-
 /// Writes one file or folder of a format of whole recordings.
 Result<datasets::ExportReport> write_recording(const ExportArguments& arguments,
                                                const datasets::RecordingFormat& format,
@@ -116,9 +95,9 @@ ExitCode run_recording(const ExportArguments& arguments, const datasets::Recordi
   const auto report = write_recording(arguments, format, recall, *query);
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
-    print_json(report_json(*report));
+    print_json(reports::export_json(*report));
   else
-    print_report(*report, arguments);
+    reports::print_export(*report, arguments.format, arguments.directory);
   return damaged == 0 ? ExitCode::kDone : warn_of_damage(arguments, damaged);
 }
 
@@ -148,9 +127,9 @@ ExitCode run(const ExportArguments& arguments) {
   progress.finish();
   if (!done.ok() && done.code() != StatusCode::kCancelled) return fail(done);
   if (arguments.is_json)
-    print_json(report_json((*sink)->report()));
+    print_json(reports::export_json((*sink)->report()));
   else
-    print_report((*sink)->report(), arguments);
+    reports::print_export((*sink)->report(), arguments.format, arguments.directory);
   if (!done.ok()) return fail(done);
   return damaged == 0 ? ExitCode::kDone : warn_of_damage(arguments, damaged);
 }

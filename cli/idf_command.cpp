@@ -169,10 +169,6 @@ Status convert(const ConvertArguments& arguments) {
   return write_value(value, arguments.to);
 }
 
-ExitCode done_or_failed(const Status& status) {
-  return status.ok() ? ExitCode::kDone : fail(status);
-}
-
 void add_include_option(CLI::App& command, std::vector<std::string>& paths) {
   command.add_option("-I,--include", paths, "Where included XML files are looked for")
       ->type_name("DIR")

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 
 #include "cli/command.h"
 #include "cli/remote.h"
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/store/store_reader.h"
+#include "reports/plain/store_text.h"
 #include "reports/plain/text.h"
 #include "training/quality/metrics.h"
 
@@ -26,15 +26,6 @@ stored   their recorded form: segments and journal; the codecs are those of the 
 latent   their form as latents; the model that decodes them counts beside
 Of a server: what it has in memory, what came and went; of a name system: the servers that it knows.)";
 
-/// A figure per snapshot, or nothing where there are none.
-double each(uint64_t total, uint64_t count) {
-  return count == 0 ? 0 : static_cast<double>(total) / static_cast<double>(count);
-}
-
-double mean_of(double sum, uint64_t count) {
-  return count == 0 ? std::nan("") : sum / static_cast<double>(count);
-}
-
 /// Snapshots per second within recordings, gaps between them not counted: the median over the
 /// newest ones.
 Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
@@ -53,114 +44,6 @@ Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& en
   const auto middle = steps.begin() + static_cast<ptrdiff_t>(steps.size() / 2);
   std::ranges::nth_element(steps, middle);
   return 1 / to_seconds(*middle);
-}
-
-Json entity_json(const ltm::EntitySummary& summary, const ltm::StoredForms& forms, double rate_hz) {
-  Json models = Json::array();
-  for (const ltm::ModelInfo& model : summary.models)
-    models.push_back({{"version", model.version}, {"file", model.file}, {"bytes", model.bytes}});
-  Json json{{"id", summary.id.to_string()},
-            {"snapshots", summary.snapshots},
-            {"recorded_snapshots", summary.recorded_snapshots},
-            {"latent_snapshots", summary.latent_snapshots},
-            {"augmented_snapshots", summary.augmented_snapshots},
-            {"offered_snapshots", summary.offered},
-            {"first_ns", to_ns(summary.first)},
-            {"last_ns", to_ns(summary.last)},
-            {"rate_hz", rate_hz},
-            {"dropped_by", summary.dropped_by},
-            {"forgotten_snapshots", summary.forgotten.snapshots},
-            {"offered_bytes", summary.offered_bytes},
-            {"raw_bytes", summary.raw_bytes},
-            {"stored_bytes", summary.stored_bytes},
-            {"media_codecs", forms.media_codecs},
-            {"has_number_columns", forms.has_columns()},
-            {"latent_bytes", summary.latent_bytes},
-            {"model_bytes", summary.model_bytes},
-            {"models", std::move(models)}};
-  const ltm::LatentSums& sums = summary.latent;
-  if (sums.image_rows > 0) {
-    json["psnr_mean_over_images_db"] = mean_of(sums.psnr_db, sums.image_rows);
-    json["psnr_pooled_error_db"] = training::psnr_db(mean_of(sums.image_mse, sums.image_rows));
-  }
-  if (sums.number_rows > 0) json["rmse"] = std::sqrt(mean_of(sums.number_mse, sums.number_rows));
-  return json;
-}
-
-std::string quality_text(const ltm::LatentSums& sums) {
-  std::string text;
-  if (sums.image_rows > 0)
-    text +=
-        fmt::format(", PSNR {} mean over images, {} pooled",
-                    reports::db_text(mean_of(sums.psnr_db, sums.image_rows)),
-                    reports::db_text(training::psnr_db(mean_of(sums.image_mse, sums.image_rows))));
-  if (sums.number_rows > 0)
-    text +=
-        fmt::format(", RMSE {} over numbers",
-                    reports::number_text(std::sqrt(mean_of(sums.number_mse, sums.number_rows))));
-  return text;
-}
-
-std::string bytes_each(uint64_t total, uint64_t count) {
-  return fmt::format("{} ({} each)", reports::bytes_text(static_cast<double>(total)),
-                     reports::bytes_text(each(total, count)));
-}
-
-/// ", as h264, numbers as columns"; nothing where neither says more than that it is stored.
-std::string forms_text(const ltm::StoredForms& forms) {
-  std::string text;
-  for (const std::string& codec : forms.media_codecs)
-    text += (text.empty() ? ", as " : " and ") + codec;
-  if (forms.has_columns()) text += ", numbers as columns";
-  return text;
-}
-
-void print_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& forms,
-                  double rate_hz) {
-  print("\n" + summary.id.to_string());
-  print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
-                    reports::count_text(summary.snapshots), reports::count_text(summary.offered),
-                    reports::count_text(summary.recorded_snapshots),
-                    reports::count_text(summary.latent_snapshots)));
-  if (summary.augmented_snapshots > 0)
-    print(fmt::format("  augmented  {}: made of others, never perceived",
-                      reports::count_text(summary.augmented_snapshots)));
-  std::string reasons;
-  for (const auto& [filter, count] : summary.dropped_by)
-    reasons +=
-        fmt::format("{}{} by {}", reasons.empty() ? "" : ", ", reports::count_text(count), filter);
-  if (!reasons.empty()) print("  dropped    " + reasons);
-  if (summary.forgotten.snapshots > 0)
-    print(fmt::format("  forgotten  {}", reports::count_text(summary.forgotten.snapshots)));
-  if (summary.snapshots > 0)
-    print(fmt::format("  span       {} to {}, {:.3g} Hz", to_string(summary.first),
-                      to_string(summary.last), rate_hz));
-  print(fmt::format("  raw        {} offered, {} kept",
-                    reports::bytes_text(static_cast<double>(summary.offered_bytes)),
-                    bytes_each(summary.raw_bytes, summary.snapshots)));
-  print("  stored     " + bytes_each(summary.stored_bytes, summary.recorded_snapshots) +
-        forms_text(forms));
-  if (summary.latent_snapshots == 0) return;
-  print(fmt::format(
-      "  latent     {} + {} model = {}", bytes_each(summary.latent_bytes, summary.latent_snapshots),
-      reports::bytes_text(static_cast<double>(summary.model_bytes)),
-      bytes_each(summary.latent_bytes + summary.model_bytes, summary.latent_snapshots)));
-  std::string models;
-  for (const ltm::ModelInfo& model : summary.models)
-    models += fmt::format("{}v{}", models.empty() ? "" : ", ", model.version);
-  print("  models     " + models + quality_text(summary.latent));
-}
-
-Json types_json(const ltm::SegmentTypes& types) {
-  Json json = Json::object();
-  for (const auto& [segment, type] : types.all()) json[segment.to_string()] = to_string(type);
-  return json;
-}
-
-void print_types(const ltm::SegmentTypes& types) {
-  if (!types.all().empty()) print("\nTypes of segments");
-  for (const auto& [segment, type] : types.all())
-    print(fmt::format("  {}  {}", segment.to_string(), to_string(type)));
 }
 
 struct InfoArguments {
@@ -192,7 +75,7 @@ ExitCode run(const InfoArguments& arguments) {
             {"generation", manifest.generation},
             {"segments", manifest.segments.size()},
             {"damaged_journal_places", damaged},
-            {"types", types_json(manifest.types)},
+            {"types", reports::types_json(manifest.types)},
             {"entities", Json::array()}};
   if (!is_json)
     print(fmt::format("Store {}: {} entities, {} segments, {} models, generation {}", store,
@@ -207,14 +90,14 @@ ExitCode run(const InfoArguments& arguments) {
     const auto forms = (*reader)->newest_forms(entity);
     if (!forms.ok()) return fail(forms.status());
     if (is_json)
-      json["entities"].push_back(entity_json(*summary, *forms, *rate_hz));
+      json["entities"].push_back(reports::stored_entity_json(*summary, *forms, *rate_hz));
     else
-      print_entity(*summary, *forms, *rate_hz);
+      reports::print_stored_entity(*summary, *forms, *rate_hz);
   }
   if (is_json)
     print_json(json);
   else
-    print_types(manifest.types);
+    reports::print_types(manifest.types);
   // The store may be one that only can be read.
   (void)ltm::merge_grown_accesses(store).ok();
   if (damaged > 0)

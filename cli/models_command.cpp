@@ -8,8 +8,7 @@
 #include "encoders/model_file.h"
 #include "ltm/memory/query.h"
 #include "ltm/store/store_reader.h"
-#include "reports/choice_text.h"
-#include "reports/forms_text.h"
+#include "reports/models_text.h"
 #include "reports/plain/text.h"
 #include "training/measure/stored_snapshots.h"
 
@@ -36,16 +35,11 @@ struct ModelsArguments {
   bool is_json = false;
 };
 
-/// A model of a store and where it comes from.
-struct Model {
-  const ltm::ModelInfo* info = nullptr;
-  encoders::Provenance from;
-};
-
-Result<std::vector<Model>> models_of(const ltm::StoreReader& reader, const std::string& entity) {
+Result<std::vector<reports::StoredModel>> models_of(const ltm::StoreReader& reader,
+                                                    const std::string& entity) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query,
                           ltm::Query::parse(entity.empty() ? ".*" : entity));
-  std::vector<Model> models;
+  std::vector<reports::StoredModel> models;
   for (const ltm::ModelInfo& info : reader.manifest().models) {
     if (!entity.empty() && !query.matches(info.entity)) continue;
     ENGRAM_ASSIGN_OR_RETURN(auto from, encoders::read_provenance(reader.path() / info.file));
@@ -57,103 +51,21 @@ Result<std::vector<Model>> models_of(const ltm::StoreReader& reader, const std::
   return models;
 }
 
-Json to_json(const Model& model) {
-  return {
-      {"entity", model.info->entity.to_string()},
-      {"version", model.info->version},
-      {"file", model.info->file},
-      {"bytes", model.info->bytes},
-      {"snapshots", model.from.snapshots},
-      {"recordings", model.from.autoencoder_spans.size()},
-      {"steps", model.from.steps},
-      {"training_seconds", model.from.training_seconds},
-      {"seed", model.from.seed},
-      {"psnr_aimed_at_db", model.from.psnr_db},
-      {"number_bound", model.from.number_bound ? Json(*model.from.number_bound) : Json(nullptr)},
-      {"variant", to_string(model.from.variant)},
-      {"started_from_version",
-       model.from.started_from > 0 ? Json(model.from.started_from) : Json(nullptr)},
-      {"choice", reports::choice_json(model.from.choice)},
-      {"images", reports::forms_json(model.from.forms)}};
-}
-
-std::string row(std::string_view form, int64_t bytes, int64_t rows, uint64_t model_bytes,
-                const std::string& note) {
-  const double each = static_cast<double>(bytes) / static_cast<double>(rows);
-  const auto with_model = [&](double images) {
-    return reports::bytes_text(each + static_cast<double>(model_bytes) / images);
-  };
-  return fmt::format("    {:<14} {:>10} {:>12} {:>14}  {}", form, reports::bytes_text(each),
-                     with_model(3000), with_model(30000), note);
-}
-
-void print_forms(const encoders::StoredForms& forms, uint64_t model_bytes) {
-  print(fmt::format("    {:<14} {:>10} {:>12} {:>14}", "form", "an image", "with 3,000",
-                    "with 30,000"));
-  if (forms.latent_bytes > 0)
-    print(row("latents", forms.latent_bytes, forms.rows, model_bytes,
-              forms.bound_db > 0
-                  ? fmt::format("{} of {} below the bound", forms.below_bound_rows, forms.rows)
-                  : ""));
-  if (forms.residual_bytes > 0)
-    print(row("with residuals", forms.residual_bytes, forms.rows, model_bytes,
-              forms.refine_tried_rows > 0
-                  ? fmt::format("refining tried for {}", forms.refine_tried_rows)
-                  : ""));
-  if (forms.video_bytes > 0) print(row("video", forms.video_bytes, forms.rows, 0, ""));
-  if (forms.lossless_bytes > 0) print(row("without loss", forms.lossless_bytes, forms.rows, 0, ""));
-  print(row("kept", forms.kept_bytes, forms.rows, model_bytes, reports::kept_text(forms)));
-  if (forms.bound_db > 0)
-    print("    bound " + reports::bound_text(forms.bound_db, forms.noise_images));
-}
-
-void print_model(const Model& model) {
-  const auto& [info, from] = model;
-  std::string text = fmt::format(
-      "{}: {}, trained on {} snapshots of {} recordings, {} steps", info->name(),
-      reports::bytes_text(static_cast<double>(info->bytes)),
-      reports::count_text(static_cast<uint64_t>(from.snapshots)), from.autoencoder_spans.size(),
-      reports::count_text(static_cast<uint64_t>(from.steps)));
-  if (from.training_seconds > 0) text += " in " + reports::seconds_text(from.training_seconds);
-  if (from.started_from > 0) text += fmt::format(", started from v{}", from.started_from);
-  if (from.variant != encoders::TrainingVariant::kRateAware)
-    text += fmt::format(", variant {}", to_string(from.variant));
-  print(text);
-  if (from.choice.previous_version > 0) print(reports::choice_text(from.choice));
-  if (from.forms.rows > 0) print_forms(from.forms, info->bytes);
-}
-
 using SnapshotSink =
     std::function<Status(const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot)>;
 
 /// The snapshots of all entities that the models are of.
-Status for_each_snapshot(ltm::StoreReader& reader, const std::vector<Model>& models,
+Status for_each_snapshot(ltm::StoreReader& reader, const std::vector<reports::StoredModel>& models,
                          const SnapshotSink& sink) {
   std::set<ltm::MemoryId> entities;
-  for (const Model& model : models) entities.insert(model.info->entity);
+  for (const reports::StoredModel& model : models) entities.insert(model.info->entity);
   for (const ltm::MemoryId& entity : entities)
     ENGRAM_RETURN_IF_ERROR(training::list_stored_snapshots(
         reader, entity, [&](const training::StoredSnapshot& one) { return sink(entity, one); }));
   return {};
 }
 
-Json to_json(const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot) {
-  Json images = Json::array();
-  for (const training::StoredImage& image : snapshot.images)
-    images.push_back({{"member", image.member},
-                      {"form", to_string(image.form)},
-                      {"bytes", image.bytes},
-                      {"residual_bytes", image.residual_bytes}});
-  return {{"entity", entity.to_string()},
-          {"time", to_string(snapshot.time)},
-          {"model_version", snapshot.model_version},
-          {"images", std::move(images)},
-          {"bytes", snapshot.bytes},
-          {"psnr_db", std::isnan(snapshot.psnr_db) ? Json(nullptr) : Json(snapshot.psnr_db)},
-          {"rmse", std::isnan(snapshot.rmse) ? Json(nullptr) : Json(snapshot.rmse)}};
-}
-
-Status print_snapshots(ltm::StoreReader& reader, const std::vector<Model>& models) {
+Status print_snapshots(ltm::StoreReader& reader, const std::vector<reports::StoredModel>& models) {
   std::map<ltm::MemoryId, reports::TextTable> tables;
   ENGRAM_RETURN_IF_ERROR(for_each_snapshot(
       reader, models,
@@ -175,16 +87,17 @@ Status print_snapshots(ltm::StoreReader& reader, const std::vector<Model>& model
   return {};
 }
 
-Status print_as_json(ltm::StoreReader& reader, const std::vector<Model>& models,
+Status print_as_json(ltm::StoreReader& reader, const std::vector<reports::StoredModel>& models,
                      bool lists_snapshots) {
   Json report{{"models", Json::array()}};
-  for (const Model& model : models) report["models"].push_back(to_json(model));
+  for (const reports::StoredModel& model : models)
+    report["models"].push_back(reports::model_json(model));
   if (lists_snapshots) {
     Json& list = report["snapshots"] = Json::array();
     ENGRAM_RETURN_IF_ERROR(for_each_snapshot(
         reader, models,
         [&](const ltm::MemoryId& entity, const training::StoredSnapshot& one) -> Status {
-          list.push_back(to_json(entity, one));
+          list.push_back(reports::stored_snapshot_json(entity, one));
           return {};
         }));
   }
@@ -202,7 +115,7 @@ ExitCode run(const ModelsArguments& arguments) {
     printed = print_as_json(**reader, *models, arguments.lists_snapshots);
   } else {
     if (models->empty()) print(fmt::format("Store {}: no models", arguments.store));
-    for (const Model& model : *models) print_model(model);
+    for (const reports::StoredModel& model : *models) reports::print_model(model);
     if (arguments.lists_snapshots) printed = print_snapshots(**reader, *models);
   }
   return printed.ok() ? ExitCode::kDone : fail(printed);

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <functional>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/predict_options.h"
 #include "cli/progress_line.h"
-#include "cli/remote.h"
 #include "encoders/load_model.h"
 #include "ltm/prediction/entity_forecaster.h"
 #include "reports/plain/result_text.h"
 #include "reports/plain/save.h"
-#include "reports/plain/text.h"
 #include "reports/predict_picture.h"
 #include "reports/predict_text.h"
 
@@ -40,37 +38,6 @@ Examples:
   engram predict robot.engram RobotState/Proprioception/robot/joints --list --ahead 200ms,400ms,1s
   engram predict robot.engram Vision/RGB/head/cam --list --json
   engram predict --server 127.0.0.1:50051 Vision/RGB/head/cam --horizons +200ms,+400ms)";
-
-/// What --list measures where nobody says it; of entities with long steps, steps.
-constexpr std::string_view kAhead = "200ms,400ms,1s";
-constexpr std::string_view kAheadOfSlow = "1,2,5";
-constexpr Duration kSlow = std::chrono::milliseconds(250);
-
-struct PredictArguments {
-  std::string store;
-  std::string entity;
-  RemoteArguments remote;
-  std::string at;
-  std::string horizons = "1..3";
-  std::string engine;
-  std::string plan;
-  std::string ahead;
-  std::string picture;
-  std::string save;
-  std::string from, to;
-  size_t every = 0;
-  bool is_compared = false;
-  bool is_list = false;
-  bool is_json = false;
-};
-
-/// Text or JSON, as was asked for.
-void show(const PredictArguments& arguments, const std::string& text, const Json& json) {
-  if (arguments.is_json)
-    print_json(json);
-  else
-    print(text);
-}
 
 /// The time of an argument that was checked; nothing where it was not given.
 std::optional<Time> time_of(const std::string& text) {
@@ -149,60 +116,6 @@ Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
   return training::step_of(recall, entity, named != models.end() ? *named : models.front());
 }
 
-std::string horizons_text(const PredictArguments& arguments, Duration step) {
-  if (!arguments.is_list) return arguments.horizons;
-  if (!arguments.ahead.empty()) return arguments.ahead;
-  return std::string(step < kSlow ? kAhead : kAheadOfSlow);
-}
-
-/// The median step between the newest snapshots that a server has.
-Result<Duration> step_at_server(const RemoteArguments& remote, const ltm::MemoryId& entity) {
-  constexpr int64_t kSnapshots = 21;
-  const auto result =
-      query_server(remote, ltm::Query::of_entity(entity, ltm::select::Latest{kSnapshots}));
-  ENGRAM_RETURN_IF_ERROR(result.status());
-  std::vector<Duration> steps;
-  const ltm::EntityResult* found = result->find_entity(entity);
-  for (size_t i = 1; found != nullptr && i < found->snapshots.size(); ++i)
-    steps.push_back(found->snapshots[i].time - found->snapshots[i - 1].time);
-  if (steps.empty())
-    return not_found("entity '{}' has too few snapshots to know its step: needs --horizons +200ms",
-                     entity.to_string());
-  const auto middle = steps.begin() + static_cast<ptrdiff_t>(steps.size() / 2);
-  std::ranges::nth_element(steps, middle);
-  return *middle;
-}
-
-ExitCode run_remote(const PredictArguments& arguments, const ltm::MemoryId& entity) {
-  Duration step{};
-  if (arguments.is_list || arguments.horizons.find('+') == std::string::npos) {
-    const auto known = step_at_server(arguments.remote, entity);
-    if (!known.ok()) return fail(known.status());
-    step = *known;
-  }
-  const auto horizons = reports::parse_horizons(horizons_text(arguments, step), step);
-  if (!horizons.ok()) return wrong_usage(horizons.status());
-  if (arguments.is_list) {
-    auto records = engines_at_server(arguments.remote, entity, *horizons);
-    if (!records.ok()) return fail(records.status());
-    std::vector<reports::EnginesAhead> measured;
-    for (size_t i = 0; i < horizons->size(); ++i)
-      measured.push_back({(*horizons)[i], std::move((*records)[i])});
-    show(arguments, reports::engines_text(entity, step, measured, {}),
-         reports::engines_json(entity, step, measured, {}));
-    return ExitCode::kDone;
-  }
-  ltm::QueryResult all;
-  for (const Duration horizon : *horizons) {
-    auto result =
-        query_server(arguments.remote, ltm::Query::of_entity(entity, ltm::select::Ahead{horizon}),
-                     arguments.engine);
-    if (!result.ok()) return fail(result.status());
-    if (const Status merged = all.merge(*std::move(result)); !merged.ok()) return fail(merged);
-  }
-  return done_or_failed(reports::show_result(all, arguments.save, arguments.is_json));
-}
-
 ExitCode run(PredictArguments arguments) {
   // One text alone is the entity, of a server.
   if (arguments.entity.empty()) std::swap(arguments.store, arguments.entity);
@@ -220,7 +133,7 @@ ExitCode run(PredictArguments arguments) {
       return wrong_usage(invalid_argument(
           "a server predicts from now: --at, --plan, --compare, --picture, --every, --from "
           "and --to are of stores"));
-    return run_remote(arguments, *ltm::MemoryId::parse(arguments.entity));
+    return predict_at_server(arguments, *ltm::MemoryId::parse(arguments.entity));
   }
   if (is_sweep && is_moment)
     return wrong_usage(invalid_argument(
@@ -253,43 +166,7 @@ void add_predict_command(CLI::App& app, ExitCode& exit_code) {
   CLI::App* command =
       app.add_subcommand("predict", "Predict from any moment, and compare with what came");
   command->footer(kFooter);
-  command->add_option("store", arguments->store, "Store; none where a server is asked");
-  command->add_option("entity", arguments->entity, "Memory/Core/Provider/Entity");
-  add_remote_options(*command, arguments->remote);
-  command->add_option("--at", arguments->at, "The last moment that is known; else the newest one")
-      ->check(time_text());
-  command
-      ->add_option("--horizons", arguments->horizons,
-                   "Steps ahead ('1..3', '2') or durations ('+200ms,+400ms')")
-      ->capture_default_str();
-  command->add_option("--engine", arguments->engine,
-                      "What predicts (--list); else the best for each horizon");
-  command
-      ->add_option("--plan", arguments->plan,
-                   "Entity of planned numbers, of the same layout as what predictions start from "
-                   "beside the images; that one itself: what came of it")
-      ->check(entity_text());
-  command->add_flag("--compare", arguments->is_compared,
-                    "Only where something is known of what came; without --at from the last moment "
-                    "whose horizons are all known");
-  command->add_option("--picture", arguments->picture,
-                      "Draw the last image, what came, the prediction and its error (PNG)");
-  command->add_option("--save", arguments->save,
-                      "Write predicted images (PNG) and data (JSON) below a folder");
-  command
-      ->add_option("--every", arguments->every,
-                   "Means over the predictions from every N-th snapshot")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--from", arguments->from, "The first moment of these")->check(time_text());
-  command->add_option("--to", arguments->to, "The last moment of these")->check(time_text());
-  command->add_flag("--list", arguments->is_list,
-                    "What can predict the entity, its errors on the entity's own past, and which "
-                    "one answers");
-  command
-      ->add_option("--ahead", arguments->ahead,
-                   "Horizons of --list, as --horizons; else 200ms,400ms,1s")
-      ->needs("--list");
-  command->add_flag("--json", arguments->is_json, "As JSON, with all predicted data");
+  add_predict_options(*command, *arguments);
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 

@@ -5,8 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "encoders/load_model.h"
-#include "reports/plain/findings.h"
-#include "reports/plain/text.h"
+#include "reports/plain/recover_text.h"
 
 namespace engram::cli {
 
@@ -27,50 +26,6 @@ struct RecoverArguments {
   bool is_json = false;
 };
 
-Json entities_json(const ltm::RecoverReport& report) {
-  Json entities = Json::array();
-  for (const auto& [id, counts] : report.entities)
-    entities.push_back({{"id", id.to_string()},
-                        {"recorded_saved", counts.recorded},
-                        {"recorded_lost", counts.recorded_lost},
-                        {"latent_saved", counts.latent},
-                        {"latent_lost", counts.latent_lost},
-                        {"unsealed_saved", counts.unsealed}});
-  return entities;
-}
-
-Json to_json(const ltm::RecoverReport& report, const RecoverArguments& arguments) {
-  return {{"source", arguments.source},
-          {"target", arguments.target},
-          {"lossless", !report.has_loss()},
-          {"manifest_rebuilt", report.is_rebuilt},
-          {"segments_copied", report.segments_copied},
-          {"segments_rewritten", report.segments_rewritten},
-          {"segments_lost", report.segments_lost},
-          {"models_saved", report.models},
-          {"models_lost", report.models_lost},
-          {"journals", report.journals},
-          {"damaged_journal_places", report.damaged_places},
-          {"entities", entities_json(report)},
-          {"findings", reports::findings_json(report.findings)}};
-}
-
-void print_report(const ltm::RecoverReport& report, const RecoverArguments& arguments) {
-  reports::print_findings(report.findings);
-  reports::TextTable table({"snapshots", "recorded", "lost", "latent", "lost", "unsealed"});
-  for (const auto& [id, counts] : report.entities)
-    table.add({id.to_string(), reports::count_text(counts.recorded),
-               reports::count_text(counts.recorded_lost), reports::count_text(counts.latent),
-               reports::count_text(counts.latent_lost), reports::count_text(counts.unsealed)});
-  print(table.to_string());
-  print(fmt::format(
-      "{}: {} segments copied, {} rewritten, {} lost; {} models, {} lost; {} journals "
-      "with {} damaged places",
-      arguments.target, report.segments_copied, report.segments_rewritten, report.segments_lost,
-      report.models, report.models_lost, report.journals, report.damaged_places));
-  print(report.has_loss() ? "Something was lost: see above." : "Nothing was lost.");
-}
-
 ExitCode run(const RecoverArguments& arguments) {
   const ltm::RecoverOptions options{
       [](const std::filesystem::path& file) { return encoders::load_model(file).status(); }};
@@ -80,9 +35,9 @@ ExitCode run(const RecoverArguments& arguments) {
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
-    print_json(to_json(*report, arguments));
+    print_json(reports::recover_json(*report, arguments.source, arguments.target));
   else
-    print_report(*report, arguments);
+    reports::print_recovered(*report, arguments.target);
   return report->has_loss() ? ExitCode::kDoneWithLoss : ExitCode::kDone;
 }
 

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include "reports/plain/text.h"
+
 namespace engram::reports {
 
 namespace {
@@ -51,6 +53,18 @@ void print_findings(const std::vector<ltm::Finding>& findings) {
   for (const ltm::Severity severity : {ltm::Severity::kFault, ltm::Severity::kNote})
     for (const ltm::Finding& finding : findings)
       if (finding.severity == severity) print_finding(finding);
+}
+
+void print_check(const ltm::CheckReport& report, const std::string& store) {
+  print_findings(report.findings);
+  print(
+      fmt::format("Checked {}: {} segments, {} models, {} journals; {} entities, {} snapshots, {} "
+                  "media, {} unsealed frames; {}",
+                  store, report.segments, report.models, report.journals, report.entities,
+                  count_text(report.snapshots), count_text(report.media), count_text(report.frames),
+                  bytes_text(static_cast<double>(report.bytes))));
+  print(report.is_clean() ? "It is whole."
+                          : fmt::format("{} faults: data is damaged or lost.", report.faults()));
 }
 
 }  // namespace engram::reports

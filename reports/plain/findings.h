@@ -14,6 +14,9 @@ namespace engram::reports {
 /// What a check looked at and found, as `engram check --json` tells it.
 [[nodiscard]] Json check_json(const ltm::CheckReport& report, const std::string& store);
 
+/// The same for people.
+void print_check(const ltm::CheckReport& report, const std::string& store);
+
 /// A paragraph each, faults first.
 void print_findings(const std::vector<ltm::Finding>& findings);
 

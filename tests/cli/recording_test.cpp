@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -49,6 +50,16 @@ class ImportConfig : public ::testing::Test {
   static inline ScratchDirectory* directory_ = nullptr;
   static inline Recording recording_;
 };
+
+TEST_F(ImportConfig, ADryRunListsWhatIsInAVideoAndMakesNoStore) {
+  const RunResult result = import("dry", {"--dry-run", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json report = Json::parse(result.out);
+  EXPECT_EQ(report.at("format"), "video");
+  ASSERT_EQ(report.at("streams").size(), 2u);
+  EXPECT_GT(report.at("streams")[0].at("values"), 0);
+  EXPECT_FALSE(std::filesystem::exists(directory_->path() / "dry"));
+}
 
 TEST_F(ImportConfig, CountsPerFilterAndReason) {
   const std::string config = write("rec.yaml", R"(entities:

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reports/plain/recover_text.h"
+
+#include "reports/plain/findings.h"
+#include "reports/plain/text.h"
+
+namespace engram::reports {
+
+namespace {
+
+Json entities_json(const ltm::RecoverReport& report) {
+  Json entities = Json::array();
+  for (const auto& [id, counts] : report.entities)
+    entities.push_back({{"id", id.to_string()},
+                        {"recorded_saved", counts.recorded},
+                        {"recorded_lost", counts.recorded_lost},
+                        {"latent_saved", counts.latent},
+                        {"latent_lost", counts.latent_lost},
+                        {"unsealed_saved", counts.unsealed}});
+  return entities;
+}
+
+}  // namespace
+
+Json recover_json(const ltm::RecoverReport& report, const std::string& source,
+                  const std::string& target) {
+  return {{"source", source},
+          {"target", target},
+          {"lossless", !report.has_loss()},
+          {"manifest_rebuilt", report.is_rebuilt},
+          {"segments_copied", report.segments_copied},
+          {"segments_rewritten", report.segments_rewritten},
+          {"segments_lost", report.segments_lost},
+          {"models_saved", report.models},
+          {"models_lost", report.models_lost},
+          {"journals", report.journals},
+          {"damaged_journal_places", report.damaged_places},
+          {"entities", entities_json(report)},
+          {"findings", findings_json(report.findings)}};
+}
+
+void print_recovered(const ltm::RecoverReport& report, const std::string& target) {
+  print_findings(report.findings);
+  TextTable table({"snapshots", "recorded", "lost", "latent", "lost", "unsealed"});
+  for (const auto& [id, counts] : report.entities)
+    table.add({id.to_string(), count_text(counts.recorded), count_text(counts.recorded_lost),
+               count_text(counts.latent), count_text(counts.latent_lost),
+               count_text(counts.unsealed)});
+  print(table.to_string());
+  print(
+      fmt::format("{}: {} segments copied, {} rewritten, {} lost; {} models, {} lost; {} journals "
+                  "with {} damaged places",
+                  target, report.segments_copied, report.segments_rewritten, report.segments_lost,
+                  report.models, report.models_lost, report.journals, report.damaged_places));
+  print(report.has_loss() ? "Something was lost: see above." : "Nothing was lost.");
+}
+
+}  // namespace engram::reports

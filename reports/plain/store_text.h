@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ltm/store/store_reader.h"
+#include "reports/plain/output.h"
+
+namespace engram::reports {
+
+/// What a store holds of an entity. `rate_hz`: snapshots per second within recordings.
+[[nodiscard]] Json stored_entity_json(const ltm::EntitySummary& summary,
+                                      const ltm::StoredForms& forms, double rate_hz);
+void print_stored_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& forms,
+                         double rate_hz);
+
+/// {"Vision/RGB": "object ..."}: the types of segments.
+[[nodiscard]] Json types_json(const ltm::SegmentTypes& types);
+void print_types(const ltm::SegmentTypes& types);
+
+}  // namespace engram::reports
