@@ -17,7 +17,7 @@ Status remember_and_ask(const std::string& path) {
   ENGRAM_ASSIGN_OR_RETURN(const auto future, memory->query("Objects @ +400ms"));
   const ltm::SnapshotResult& next = future.find_entity(cup)->snapshots.front();
   fmt::print("{} remembered, x will be {:.1f} ({})\n", past.snapshot_count(),
-             *next.instances[0].data.at("x")->get<double>(), next.predictor);
+             next.instances[0].data.at("x")->get<double>(), next.predictor);
   return memory->close();
 }
 
