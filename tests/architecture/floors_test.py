@@ -34,14 +34,14 @@ class Floors(unittest.TestCase):
         rooms = floors.read_table((ROOT / "docs/design.md").read_text(encoding="utf-8"))
         self.assertNotIn("cli", floors.closure(rooms, "python"))
         self.assertNotIn("python", floors.closure(rooms, "cli"))
-        for both in ("reports", "reports/plain", "training", "server", "ltm/recall"):
+        for both in ("reports", "reports/plain", "training/night", "server", "ltm/recall"):
             self.assertIn(both, floors.closure(rooms, "python"))
             self.assertIn(both, floors.closure(rooms, "cli"))
 
     def test_plain_reports_need_nothing_that_learns(self):
         rooms = floors.read_table((ROOT / "docs/design.md").read_text(encoding="utf-8"))
         self.assertNotIn("encoders", floors.closure(rooms, "reports/plain"))
-        self.assertNotIn("training", floors.closure(rooms, "reports/plain"))
+        self.assertNotIn("training/night", floors.closure(rooms, "reports/plain"))
 
     def test_a_name_that_means_nothing_is_refused(self):
         table = "## 3. Rooms and floors\n\n| `ltm/core` | x | boost |\n"

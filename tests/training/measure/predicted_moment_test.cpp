@@ -27,7 +27,7 @@ Time time_at(int index) {
 }
 
 ltm::Recall open(const std::filesystem::path& store) {
-  return {*ltm::StoreReader::open(store), encoders::load_model};
+  return {*ltm::StoreReader::open(store), encoders::load_model, nullptr, {}};
 }
 
 TEST(PredictedMoment, StandsBesideWhatReallyCame) {
