@@ -14,7 +14,7 @@ namespace engram {
 
 namespace {
 
-/// A store that is read beside whoever writes to it. Each answer is of the store as it is then.
+/// A store that is read beside whoever writes to it, as it was when it was opened.
 class ReadMemory final : public Memory {
  public:
   ReadMemory(std::unique_ptr<ltm::StorePast> past, std::unique_ptr<ltm::AccessLog> accesses,
