@@ -14,7 +14,7 @@ namespace engram {
 
 namespace {
 
-/// A store that is read beside whoever writes to it, as it was when it was opened.
+/// A store that is read beside whoever writes to it, each answer of it as it is then.
 class ReadMemory final : public Memory {
  public:
   ReadMemory(std::unique_ptr<ltm::StorePast> past, std::unique_ptr<ltm::AccessLog> accesses,
@@ -115,7 +115,8 @@ class WrittenMemory final : public Memory {
 
 Result<std::unique_ptr<Memory>> open_to_read(const std::filesystem::path& store,
                                              const OpenOptions& options) {
-  ENGRAM_ASSIGN_OR_RETURN(auto past, ltm::StorePast::open(store, model_loader(), {}));
+  ENGRAM_ASSIGN_OR_RETURN(auto past,
+                          ltm::StorePast::open(store, model_loader(), {.follows_changes = true}));
   ltm::Recall::Options recalling;
   recalling.prefer = options.prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
   recalling.max_horizon = options.max_horizon;

@@ -27,8 +27,9 @@ enum class CommitDurability : uint8_t {
 
 /// How a program opens a memory of its own.
 struct OpenOptions {
-  /// Only asks. Any number of programs may, beside the one that writes, and each sees the store as
-  /// it was when it was opened. Nothing can be committed or subscribed to.
+  /// Only asks. Any number of programs may, beside the one that writes: each answer is of the store
+  /// as it is then. What the writer has in working memory alone is not seen, and nothing can be
+  /// committed or subscribed to.
   bool is_read_only = false;
   /// What working memory may hold before its oldest snapshots leave for the store. More of it makes
   /// answers about the last minutes quicker. Unit: plain bytes.

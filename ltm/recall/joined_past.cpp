@@ -215,6 +215,10 @@ Result<std::vector<Engine>> JoinedPast::models(const MemoryId& entity) {
   return store_->models(entity);
 }
 
+Status JoinedPast::follow() {
+  return store_ && store_->is_outdated() ? renew() : Status();
+}
+
 Status JoinedPast::renew() {
   if (!store_) return {};
   const uint64_t recorded = recorded_.recordings();

@@ -35,6 +35,8 @@ class JoinedPast final : public KnownPast {
   [[nodiscard]] std::optional<idf::Type> type_of(const MemoryId& entity) const override;
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
   Status renew() override;
+  /// What a night publishes, models above all: recordings are told of by themselves.
+  Status follow() override;
 
   /// Null without a store.
   [[nodiscard]] const StorePast* store() const { return store_.get(); }

@@ -165,6 +165,7 @@ StoreReader& Recall::store() {
 }
 
 Result<std::vector<Engine>> Recall::engines(const MemoryId& entity) {
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   ENGRAM_ASSIGN_OR_RETURN(const auto past, state_->past->of(entity));
   if (!past) return not_found("{}: has no entity '{}'", state_->past->name(), entity.to_string());
   return state_->forecaster.engines(entity);
@@ -177,6 +178,7 @@ Result<Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
 
 Result<std::vector<EngineRecord>> Recall::records(const MemoryId& entity, std::optional<Time> from,
                                                   Duration ahead, const Options& options) {
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   return retried(*state_->past, [&] {
     return state_->forecaster.records(entity, from, ahead, {options.prefer, options.max_horizon});
   });
@@ -187,12 +189,14 @@ Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity, cons
   if (outlook.horizons.empty())
     return invalid_argument("entity '{}': found no horizon to predict, needs one",
                             entity.to_string());
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   return retried(*state_->past, [&] {
     return state_->forecaster.predict(entity, outlook, {options.prefer, options.max_horizon});
   });
 }
 
 Result<Answer> Recall::answer(const Query& query, const Options& options) {
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   const std::vector<MemoryId> entities = state_->past->matching(query);
   if (entities.empty()) return state_->no_match(query);
   Answer answer{query.is_ids_only(), {}};

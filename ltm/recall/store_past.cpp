@@ -61,14 +61,18 @@ class StorePast::Entity final : public EntityPast {
 };
 
 StorePast::StorePast(std::unique_ptr<StoreReader> store, ModelLoader loader, const Options& options)
-    : models_(std::make_shared<LoadedModels>(std::move(loader))),
+    : options_(options),
+      models_(std::make_shared<LoadedModels>(std::move(loader))),
       reader_(std::make_shared<PastReader>(std::move(store), models_)),
       decoded_(options.max_decoded_bytes) {}
 
 Result<std::unique_ptr<StorePast>> StorePast::open(const std::filesystem::path& store,
                                                    ModelLoader loader, const Options& options) {
+  StoreMark mark = look_at_store(store);
   ENGRAM_ASSIGN_OR_RETURN(auto reader, StoreReader::open(store));
-  return std::make_unique<StorePast>(std::move(reader), std::move(loader), options);
+  auto past = std::make_unique<StorePast>(std::move(reader), std::move(loader), options);
+  past->mark_ = std::move(mark);
+  return past;
 }
 
 std::string StorePast::name() const {
@@ -109,10 +113,24 @@ Result<std::vector<Engine>> StorePast::models(const MemoryId& entity) {
 }
 
 Status StorePast::renew() {
+  StoreMark mark = look_at_store(reader_->store().path());
   ENGRAM_ASSIGN_OR_RETURN(auto store, StoreReader::open(reader_->store().path()));
   reader_ = std::make_shared<PastReader>(std::move(store), models_);
+  mark_ = std::move(mark);
   ++opened_;
   return {};
+}
+
+Status StorePast::follow() {
+  if (!options_.follows_changes || look_at_store(reader_->store().path()) == mark_) return {};
+  forget_decoded();
+  return renew();
+}
+
+bool StorePast::is_outdated() const {
+  const StoreMark now = look_at_store(reader_->store().path());
+  // A manifest that is gone was not published.
+  return now.manifest != StoreMark().manifest && now.manifest != mark_.manifest;
 }
 
 void StorePast::forget_decoded(const MemoryId& snapshot) {

@@ -8,6 +8,7 @@
 #include "ltm/recall/decoded_cache.h"
 #include "ltm/recall/known_past.h"
 #include "ltm/recall/past_reader.h"
+#include "ltm/store/store_mark.h"
 
 namespace engram::ltm {
 
@@ -20,6 +21,9 @@ class StorePast final : public KnownPast {
     /// Decoded snapshots that are kept for the next who asks. Unit: plain bytes. A server sets it;
     /// a program that reads each snapshot once gains nothing by it.
     size_t max_decoded_bytes = 0;
+    /// Each question is about the store as it is then. Else about that of the opening: who reads
+    /// much of it wants one generation.
+    bool follows_changes = false;
   };
 
   struct Counters {
@@ -48,6 +52,10 @@ class StorePast final : public KnownPast {
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
   /// Models stay loaded. Errors: those of StoreReader::open; then all stays as it was.
   Status renew() override;
+  Status follow() override;
+
+  /// Something was published since it was opened.
+  [[nodiscard]] bool is_outdated() const;
 
   /// What was decoded of this snapshot is not used again: it has been recorded anew.
   void forget_decoded(const MemoryId& snapshot);
@@ -59,6 +67,8 @@ class StorePast final : public KnownPast {
  private:
   class Entity;
 
+  const Options options_;
+  StoreMark mark_;  ///< Of before it was opened; empty where that is not known.
   std::shared_ptr<LoadedModels> models_;
   std::shared_ptr<PastReader> reader_;  ///< Shared with the entities' pasts of its generation.
   DecodedCache decoded_;

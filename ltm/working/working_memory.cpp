@@ -388,7 +388,6 @@ std::vector<MemoryId> WorkingMemory::matching(const Query& query) const {
   }
   for (const auto& [id, entity] : state_->entities)
     if (query.matches(id)) matching.push_back(id);
-  std::ranges::sort(matching);
   return matching;
 }
 

@@ -144,6 +144,10 @@ TEST(ReadMemory, SeesWhatAnotherHandedToTheStoreAndChangesNothing) {
   const auto reader = Memory::open(store, {.is_read_only = true});
   ASSERT_OK(reader);
   EXPECT_OK((*reader)->query("Objects @ latest"));
+  ASSERT_OK((*writer)->commit(at(2, 1)));
+  const auto both = (*reader)->query("Objects @ all");
+  ASSERT_OK(both);
+  EXPECT_THAT(both->find_entity(kCup)->snapshots, SizeIs(2)) << "what came after it was opened";
   const Status refused = (*reader)->commit(at(2, 1));
   EXPECT_EQ(refused.code(), StatusCode::kFailedPrecondition);
   EXPECT_THAT(refused.message(), HasSubstr("reading alone"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What Recall answers about the future.
+#include "ltm/recall/joined_past.h"
 #include "tests/ltm/recall/recalled_store.h"
 
 namespace engram::ltm {
@@ -108,6 +109,31 @@ TEST_F(RecallPrediction, RefusesToPredictTooFarAhead) {
   const Recall::Options near{.max_horizon = std::chrono::milliseconds(600)};
   EXPECT_OK(recall.query(ask("+600ms"), near));
   EXPECT_FAILS(recall.query(ask("+800ms"), near), StatusCode::kInvalidArgument, "600ms");
+}
+
+/// A server lives longer than a model.
+TEST_F(RecallPrediction, PredictsByAModelThatIsPublishedMeanwhile) {
+  make_store(6, false);
+  const auto memory = *WorkingMemory::create({.mode = StoreMode::kLatest});
+  RecordedEntities recorded;
+  auto joined =
+      JoinedPast::create("server", *memory, *StorePast::open(store_, loader(), {}), recorded);
+  ASSERT_OK(joined);
+  Recall recall(*std::move(joined));
+  const auto model = [&] {
+    const auto answer =
+        recall.predict(example_entity(), {{}, {std::chrono::milliseconds(200)}, "counting"}, {});
+    return answer.ok() ? answer->front().model : answer.status().to_string();
+  };
+  EXPECT_EQ(model(), "Vision/RGB/head/cam v1");
+  const auto file = temporary_file(store_, ".model");
+  ASSERT_OK(replace_file(*file, as_bytes("more weights")));
+  const idf::Data value = example_snapshot(example_entity(), 9).instances[0].data;
+  LatentSnapshot latent{example_time(9), 2, {}};
+  latent.instances.push_back(
+      {BytesEncoder().encode({&value, 1})->front(), example_metadata(9), {2.0, 0.25}});
+  ASSERT_OK(publish_model(store_, example_entity(), 2, *file, {latent}));
+  EXPECT_EQ(model(), "Vision/RGB/head/cam v2");
 }
 
 TEST_F(RecallPrediction, PredictsByCopyWithoutModels) {
