@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a working memory answers: searches under the shared lock, which change nothing but counts.
+#include "ltm/working/working_memory_state.h"
+
+namespace engram::ltm {
+
+uint64_t WorkingMemory::taken() const {
+  const std::shared_lock lock(state_->mutex);
+  return state_->queued - state_->waiting.size();
+}
+
+SharedSnapshot WorkingMemory::find(const MemoryId& id) const {
+  const std::shared_lock lock(state_->mutex);
+  if (!id.has_entity()) return nullptr;
+  const KeptEntity* entity = id.is_entity() ? state_->find(id) : state_->find(id.entity());
+  if (entity == nullptr || entity->history.empty()) return nullptr;
+  if (!id.time()) {
+    state_->count_reads(*entity, 1);
+    return entity->history.back().snapshot;
+  }
+  const auto index = entity->history.find(*id.time());
+  if (!index) return nullptr;
+  state_->count_reads(*entity, 1);
+  return entity->history[*index].snapshot;
+}
+
+std::vector<SelectedEntity> WorkingMemory::select(const Query& query,
+                                                  const KnownElsewhere& elsewhere) const {
+  std::vector<SelectedEntity> selected;
+  const auto names = query.named_entities();
+  const std::shared_lock lock(state_->mutex);
+  if (names) {
+    for (const MemoryId& id : *names)
+      if (const KeptEntity* entity = state_->find(id))
+        state_->select(*entity, query, elsewhere, selected);
+    return selected;
+  }
+  for (const auto& [id, entity] : state_->entities)
+    if (query.matches(id)) state_->select(*entity, query, elsewhere, selected);
+  return selected;
+}
+
+std::vector<MemoryId> WorkingMemory::matching(const Query& query) const {
+  std::vector<MemoryId> matching;
+  const auto names = query.named_entities();
+  const std::shared_lock lock(state_->mutex);
+  if (names) {
+    for (const MemoryId& id : *names)
+      if (state_->find(id) != nullptr) matching.push_back(id);
+    return matching;
+  }
+  for (const auto& [id, entity] : state_->entities)
+    if (query.matches(id)) matching.push_back(id);
+  return matching;
+}
+
+std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity, size_t most) const {
+  std::vector<SharedSnapshot> all;
+  const std::shared_lock lock(state_->mutex);
+  const KeptEntity* kept = state_->find(entity);
+  if (kept == nullptr) return all;
+  const size_t count = std::min(most, kept->history.size());
+  all.reserve(count);
+  for (size_t i = kept->history.size() - count; i < kept->history.size(); ++i)
+    all.push_back(kept->history[i].snapshot);
+  return all;
+}
+
+void WorkingMemory::count_reads(const MemoryId& entity, size_t count) const {
+  const std::shared_lock lock(state_->mutex);
+  if (const KeptEntity* kept = state_->find(entity)) state_->count_reads(*kept, count);
+}
+
+std::optional<idf::Type> WorkingMemory::type_of(const MemoryId& entity) const {
+  const std::shared_lock lock(state_->mutex);
+  const idf::Type* type = state_->types.of_entity(entity);
+  return type == nullptr ? std::nullopt : std::optional(*type);
+}
+
+QueryResult WorkingMemory::query(const Query& query) const {
+  QueryResult result(query.is_ids_only());
+  for (const SelectedEntity& entity : select(query)) {
+    EntityResult& answer = result.add_entity(entity.entity);
+    for (size_t i = 0; i < entity.snapshots.size(); ++i) {
+      const Snapshot& snapshot = *entity.snapshots[i];
+      const auto& asked = entity.instances[i];
+      SnapshotResult one;
+      one.time = snapshot.time;
+      if (snapshot.is_augmented()) one.source = Source::kAugmented;
+      for (size_t k = 0; k < snapshot.instances.size(); ++k) {
+        const auto index = static_cast<int32_t>(k);
+        if (!asked.empty() && !std::ranges::binary_search(asked, index)) continue;
+        const Instance& instance = snapshot.instances[k];
+        one.instances.push_back(query.is_ids_only()
+                                    ? InstanceResult{index, {}, {}}
+                                    : InstanceResult{index, instance.data, instance.metadata});
+      }
+      if (!one.instances.empty()) answer.add(std::move(one));
+    }
+  }
+  return result;
+}
+
+}  // namespace engram::ltm

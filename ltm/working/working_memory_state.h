@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: what a working memory holds, and what happens to it under its lock.
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <random>
+#include <shared_mutex>
+#include <unordered_map>
+
+#include "ltm/working/history_moments.h"
+#include "ltm/working/kept_entity.h"
+#include "ltm/working/working_memory.h"
+
+namespace engram::ltm {
+
+/// Entities that are compared for one that leaves.
+inline constexpr size_t kCompared = 16;
+
+/// A snapshot on its way in.
+struct ArrivingSnapshot {
+  SharedSnapshot snapshot;
+  size_t bytes = 0;
+  std::vector<MemoryId> links;  ///< Entities, each once.
+  bool has_links = false;       ///< It says what it links to: its type knows.
+};
+
+/// A snapshot that the online phase is to take.
+struct WaitingSnapshot {
+  SharedSnapshot snapshot;
+  size_t bytes = 0;
+};
+
+struct WorkingMemory::State {
+  State(const Options& given, Clock now)
+      : options(given), clock(std::move(now)), random(given.seed) {
+    parts.push_back({{}, options.all, 0, 0, {}});
+    for (const SegmentLimits& segment : options.segments)
+      parts.push_back({segment.segment, segment.limits, 0, 0, {}});
+  }
+
+  const Options options;
+  const Clock clock;
+
+  mutable std::shared_mutex mutex;
+  SegmentTypes types;
+  std::map<MemoryId, std::unique_ptr<KeptEntity>> entities;
+  std::unordered_map<MemoryId, KeptEntity*> by_id;
+  std::deque<LimitedPart> parts;  ///< The first: all.
+  std::deque<WaitingSnapshot> waiting;
+  std::vector<SharedSnapshot> gone;  ///< To be freed without the lock, see take_gone().
+  uint64_t queued = 0;               ///< That ever waited.
+  MemoryCounters counts;
+  mutable std::atomic<uint64_t> reads{0};
+  std::minstd_rand random;
+
+  std::mutex storing;  ///< Held while a sink runs; taken before `mutex`.
+
+  [[nodiscard]] KeptEntity* find(const MemoryId& entity) const {
+    const auto found = by_id.find(entity);
+    return found == by_id.end() ? nullptr : found->second;
+  }
+
+  KeptEntity& entity_of(const MemoryId& id) {
+    if (KeptEntity* known = find(id)) return *known;
+    auto made = std::make_unique<KeptEntity>(id);
+    for (LimitedPart& part : parts)
+      if (part.id.is_prefix_of(id)) made->parts.push_back({&part, 0});
+    KeptEntity& entity = *made;
+    by_id.emplace(id, &entity);
+    entities.emplace(id, std::move(made));
+    return entity;
+  }
+
+  void forget_if_empty(KeptEntity& entity) {
+    if (!entity.history.empty()) return;
+    entity.unlink();
+    const MemoryId id = entity.id;
+    by_id.erase(id);
+    entities.erase(id);
+  }
+
+  /// One snapshot more, or fewer, stays. Members of a part have one that does.
+  void count_staying(KeptEntity& entity, size_t bytes, bool is_more) {
+    for (KeptEntity::Membership& place : entity.parts) {
+      place.part->snapshots += is_more ? 1 : size_t(-1);
+      place.part->bytes += is_more ? bytes : 0 - bytes;
+    }
+    const bool is_member = entity.history.staying() > 0;
+    if (is_member == entity.is_member) return;
+    entity.is_member = is_member;
+    for (KeptEntity::Membership& place : entity.parts) {
+      auto& members = place.part->members;
+      if (is_member) {
+        place.index = members.size();
+        members.push_back(&entity);
+        continue;
+      }
+      KeptEntity* last = members.back();
+      members[place.index] = last;
+      for (KeptEntity::Membership& of_last : last->parts)
+        if (of_last.part == place.part) of_last.index = place.index;
+      members.pop_back();
+    }
+  }
+
+  void queue(EntityHistory::Entry& entry) {
+    if (entry.is_queued || entry.is_stored) return;
+    entry.is_queued = true;
+    ++queued;
+    waiting.push_back({entry.snapshot, entry.bytes});
+    counts.waiting_bytes += entry.bytes;
+  }
+
+  /// Whether what leaves has to be stored before.
+  [[nodiscard]] bool must_store() const { return options.mode != StoreMode::kLatest; }
+
+  /// The oldest one of `entity` that stays is not to stay.
+  void choose_oldest(KeptEntity& entity) {
+    EntityHistory::Entry& entry = entity.history.choose_oldest();
+    count_staying(entity, entry.bytes, false);
+    if (must_store()) queue(entry);
+    if (entry.is_queued) return;  // Leaves when it is stored.
+    ++(entry.is_stored ? counts.left : counts.dropped);
+    gone.push_back(entry.snapshot);
+    entity.history.erase(entity.history.leaving() - 1);
+    --counts.snapshots;
+    forget_if_empty(entity);
+  }
+
+  KeptEntity& most_gainful(const LimitedPart& part, Time now) {
+    KeptEntity* best = nullptr;
+    double most = -1;
+    const size_t count = std::min(part.members.size(), kCompared);
+    for (size_t i = 0; i < count; ++i) {
+      const size_t index = part.members.size() <= kCompared ? i : random() % part.members.size();
+      const double gain = leaving_gain(*part.members[index], now, options.read_half_life);
+      if (gain > most) {
+        most = gain;
+        best = part.members[index];
+      }
+    }
+    return *best;
+  }
+
+  std::vector<SharedSnapshot> take_gone() { return std::exchange(gone, {}); }
+
+  void keep_limits(Time now) {
+    for (LimitedPart& part : parts)
+      while (part.is_exceeded() && !part.members.empty()) choose_oldest(most_gainful(part, now));
+  }
+
+  void put(ArrivingSnapshot arrival, Time now, bool to_store) {
+    KeptEntity& entity = entity_of(arrival.snapshot->entity);
+    EntityHistory::Entry entry(std::move(arrival.snapshot), now, arrival.bytes);
+    auto placed = entity.history.put(std::move(entry));
+    ++counts.committed;
+    if (placed.replaced) {
+      // Where it waits it is stored yet: it came first.
+      ++counts.superseded;
+      if (!placed.is_leaving) count_staying(entity, placed.replaced->bytes, false);
+    } else {
+      ++counts.snapshots;
+    }
+    EntityHistory::Entry& added = entity.history[placed.index];
+    if (!placed.is_leaving) count_staying(entity, added.bytes, true);
+    const bool is_due =
+        options.mode == StoreMode::kLatest &&
+        (entity.last_queued == Time::min() || now - entity.last_queued >= options.store_interval);
+    if (is_due) entity.last_queued = now;
+    if (to_store || options.mode == StoreMode::kEverything || is_due ||
+        (placed.is_leaving && must_store()))
+      queue(added);
+    const bool is_newest = placed.index + 1 == entity.history.size();
+    if (arrival.has_links && is_newest) link(entity, arrival.links);
+  }
+
+  void link(KeptEntity& entity, const std::vector<MemoryId>& links) {
+    std::vector<KeptEntity*> targets;
+    for (const MemoryId& id : links)
+      if (KeptEntity* target = find(id); target != nullptr && target != &entity)
+        targets.push_back(target);
+    entity.link_to(std::move(targets));
+  }
+
+  /// Of what the sink took, what may go goes.
+  void stored(const SharedSnapshot& snapshot) {
+    ++counts.stored;
+    KeptEntity* entity = find(snapshot->entity);
+    const auto index = entity == nullptr ? std::nullopt : entity->history.find(snapshot->time);
+    if (!index || entity->history[*index].snapshot != snapshot) return;  // Superseded.
+    EntityHistory::Entry& entry = entity->history[*index];
+    entry.is_queued = false;
+    entry.is_stored = true;
+    if (*index >= entity->history.leaving()) return;
+    entity->history.erase(*index);
+    ++counts.left;
+    --counts.snapshots;
+    forget_if_empty(*entity);
+  }
+
+  void select(const KeptEntity& entity, const Query& query, const KnownElsewhere& elsewhere,
+              std::vector<SelectedEntity>& selected) const {
+    HistoryMoments moments(entity.history, elsewhere ? elsewhere(entity.id) : std::nullopt);
+    SelectedEntity one{entity.id, {}, {}, {}};
+    // Moments in memory do not fail.
+    auto asked = select_snapshots(query.snapshots_of(entity.id), moments);
+    if (moments.reaches_elsewhere()) {
+      one.reaches_elsewhere = true;
+      selected.push_back(std::move(one));
+      return;
+    }
+    for (SelectedSnapshot& snapshot : asked.value()) {
+      if (snapshot.is_future) {
+        one.future.push_back(snapshot.time);
+        continue;
+      }
+      one.snapshots.push_back(entity.history[*entity.history.find(snapshot.time)].snapshot);
+      one.instances.push_back(std::move(snapshot.instances));
+    }
+    if (!query.is_ids_only()) count_reads(entity, one.snapshots.size());
+    selected.push_back(std::move(one));
+  }
+
+  void count_reads(const KeptEntity& entity, size_t count) const {
+    entity.reads.fetch_add(static_cast<uint32_t>(count), std::memory_order_relaxed);
+    reads.fetch_add(count, std::memory_order_relaxed);
+  }
+};
+
+}  // namespace engram::ltm
