@@ -131,7 +131,8 @@ class WorkingMemory {
   [[nodiscard]] std::vector<SharedSnapshot> all_of(const MemoryId& entity,
                                                    size_t most = SIZE_MAX) const;
 
-  /// So many snapshots of an entity that all_of() gave were given out with their data.
+  /// So many snapshots of an entity that select() or all_of() gave were given out with their data:
+  /// who answers knows whether they were, and once.
   void count_reads(const MemoryId& entity, size_t count) const;
 
   /// What was declared for the entity's segment.

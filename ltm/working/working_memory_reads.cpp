@@ -81,6 +81,7 @@ QueryResult WorkingMemory::query(const Query& query) const {
   QueryResult result(query.is_ids_only());
   for (const SelectedEntity& entity : select(query)) {
     EntityResult& answer = result.add_entity(entity.entity);
+    if (!query.is_ids_only()) count_reads(entity.entity, entity.snapshots.size());
     for (size_t i = 0; i < entity.snapshots.size(); ++i) {
       const Snapshot& snapshot = *entity.snapshots[i];
       const auto& asked = entity.instances[i];

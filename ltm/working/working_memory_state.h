@@ -221,7 +221,6 @@ struct WorkingMemory::State {
       one.snapshots.push_back(entity.history[*entity.history.find(snapshot.time)].snapshot);
       one.instances.push_back(std::move(snapshot.instances));
     }
-    if (!query.is_ids_only()) count_reads(entity, one.snapshots.size());
     selected.push_back(std::move(one));
   }
 

@@ -312,6 +312,7 @@ std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query) 
       if (!std::ranges::binary_search(answer.entities, entity, {}, &ltm::RecalledEntity::id))
         return std::nullopt;
   ++state.queries;
+  state.count_answer(answer);
   return answer;
 }
 

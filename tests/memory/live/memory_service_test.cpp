@@ -30,6 +30,18 @@ TEST(MemoryService, AnswersFromMemoryAndStoreAsIfTheyWereOne) {
   EXPECT_THAT(*service.ask("A/b/c/d @ 0..1, -2..-1"), ElementsAre(1, 2, 8, 9));
 }
 
+TEST(MemoryService, CountsAReadOnceWhereverTheAnswerComesFrom) {
+  ServedMemory memory;
+  memory.open();
+  ASSERT_OK(memory->commit(ServedMemory::commit("A/b/c/d", 1)));
+  ASSERT_OK(memory.ask("A/b/c/d @ latest"));  // Working memory alone can tell.
+  EXPECT_EQ(memory->counters().memory.reads, 1u);
+  ASSERT_OK(memory.ask("A/b/c/d @ latest, +1s"));  // It cannot predict.
+  EXPECT_EQ(memory->counters().memory.reads, 2u);
+  ASSERT_OK(memory.ask("?ids A/b/c/d @ latest"));
+  EXPECT_EQ(memory->counters().memory.reads, 2u);
+}
+
 TEST(MemoryService, KeepsEverythingOverAnEnd) {
   ServedMemory service;
   service.open();
