@@ -145,12 +145,7 @@ struct RobotMemory::State {
   }
 
   [[nodiscard]] Status nobody_has(const CommitPart& part) const {
-    if (servers->all().empty()) ENGRAM_RETURN_IF_ERROR(servers->renew(RobotServers::kFreshFor));
-    const std::string& memory = part.updates[0]->entity.names()[0];
-    const std::string last = servers->last_holder(memory);
-    if (last.empty()) return not_found("no server has memory '{}'", memory);
-    return unavailable("no server has memory '{}'; server '{}', which had it, is gone", memory,
-                       last);
+    return servers->absence(part.updates[0]->entity.names()[0]);
   }
 
   /// Sends all parts, and waits for all of them.
@@ -202,7 +197,7 @@ struct RobotMemory::State {
     for (;;) {
       CommitParts parts = split(rest);
       if (parts.contains({})) {
-        (void)servers->renew(RobotServers::kFreshFor);
+        servers->refresh(RobotServers::kFreshFor);
         parts = split(rest);
       }
       rest.clear();
@@ -218,7 +213,7 @@ struct RobotMemory::State {
         failed.push_back(std::move(outcome));
       }
       if (!failed.empty() && patience.wait()) {
-        (void)servers->renew(kFirstWait);
+        servers->refresh(kFirstWait);
         continue;
       }
       outcomes.insert(outcomes.end(), failed.begin(), failed.end());
@@ -281,7 +276,7 @@ struct RobotMemory::State {
       if (has_answer && !is_any_open) break;
       if (is_any_open && ((!is_patient && round > 0) || !patience.wait())) break;
       // What nobody has may have moved, or arrived, since servers were found.
-      (void)servers->renew(is_any_open ? Duration(kFirstWait) : Duration(0));
+      servers->refresh(is_any_open ? Duration(kFirstWait) : Duration(0));
       if (is_any_open) continue;
       if (servers->all() == before || round > 0) break;
       asking = {};
@@ -357,18 +352,20 @@ Status RobotMemory::declare(const ltm::MemoryId& segment, const idf::Type& type)
   for (;;) {
     auto holder = state_->servers->holder(segment.names()[0]);
     if (!holder) {
-      (void)state_->servers->renew(RobotServers::kFreshFor);
+      state_->servers->refresh(RobotServers::kFreshFor);
       holder = state_->servers->holder(segment.names()[0]);
     }
-    Status status = not_found("no server has memory '{}'", segment.names()[0]);
-    if (holder) {
+    Status status;
+    if (!holder) {
+      status = state_->servers->absence(segment.names()[0]);
+    } else {
       auto client = state_->servers->client(*holder);
       status = client.ok() ? (*client)->declare(segment, type) : client.status();
       if (is_lost(status) && client.ok()) state_->servers->drop(holder->server, client->get());
     }
     const bool is_again = is_lost(status) || status.code() == StatusCode::kNotFound;
     if (!is_again || !patience.wait()) return status;
-    (void)state_->servers->renew(kFirstWait);
+    state_->servers->refresh(kFirstWait);
   }
 }
 

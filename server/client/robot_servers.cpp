@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ltm/core/log.h"
 #include "server/access/endpoint.h"
 
 namespace engram::server {
@@ -49,6 +50,27 @@ Status RobotServers::renew(Duration age) {
     for (const std::string& memory : server.memories)
       last_holders_[memory] = {server.server, renewed_};
   return {};
+}
+
+void RobotServers::refresh(Duration age) {
+  const bool could_ask = [this] {
+    const std::scoped_lock lock(renewing_);
+    return renewal_.ok();
+  }();
+  const Status status = renew(age);
+  if (!status.ok() && could_ask)
+    log::warning("servers are looked for as they were known last: {}", status.to_string());
+}
+
+Status RobotServers::absence(std::string_view memory) const {
+  {
+    const std::scoped_lock lock(renewing_);
+    if (!renewal_.ok())
+      return unavailable("no server is known to have memory '{}': {}", memory, renewal_.message());
+  }
+  const std::string last = last_holder(memory);
+  if (last.empty()) return not_found("no server has memory '{}'", memory);
+  return unavailable("no server has memory '{}'; server '{}', which had it, is gone", memory, last);
 }
 
 std::vector<Registration> RobotServers::all() const {

@@ -31,6 +31,14 @@ class RobotServers {
   /// Errors: those of NamesClient::resolve; what was known stays.
   Status renew(Duration age = Duration(0));
 
+  /// The same for who goes on with what was known: where the name system cannot be reached, that is
+  /// logged once until it can be, and absence() tells it to who misses something.
+  void refresh(Duration age);
+
+  /// Why no server is known to have a memory: kUnavailable where the name system could not be asked
+  /// last, or where the server that had it is gone; else kNotFound.
+  [[nodiscard]] Status absence(std::string_view memory) const;
+
   /// All that are known, by their names.
   [[nodiscard]] std::vector<Registration> all() const;
 
@@ -76,7 +84,7 @@ class RobotServers {
   ClientOptions options_;
   std::unique_ptr<NamesClient> names_;
 
-  std::mutex renewing_;  ///< Taken before `mutex_`.
+  mutable std::mutex renewing_;  ///< Taken before `mutex_`.
   SteadyTime renewed_{};
   Status renewal_;
 

@@ -217,6 +217,9 @@ TEST(RobotMemory, SaysThatItCannotReachTheNameSystem) {
   EXPECT_FALSE((*client)->info().ok());
   EXPECT_FAILS((*client)->commit(SmallRobot::commit({"A/b/c/d"}, 1)), StatusCode::kUnavailable,
                "name system");
+  // Nor does it say that nobody has a memory: that it cannot know.
+  EXPECT_FAILS((*client)->declare(*ltm::MemoryId::parse("A/b"), idf::Type::int64()),
+               StatusCode::kUnavailable, "name system");
   EXPECT_FALSE(RobotMemory::connect("no endpoint", options).ok());
 }
 
