@@ -75,16 +75,18 @@ class WrittenMemory final : public Memory {
       : service_(std::move(service)) {}
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
     return service_->declare(segment, type);
   }
 
   Status commit(const ltm::Commit& commit, CommitDurability durability) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
     const bool is_journal = durability != CommitDurability::kMemory;
     using Durability = memory::MemoryService::Durability;
     ENGRAM_ASSIGN_OR_RETURN(
         const ltm::Admission admission,
         service_->commit(commit, {}, is_journal ? Durability::kJournal : Durability::kMemory));
-    hub_.publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
+    hub_->publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
       return std::make_shared<memory::CommitEvent>(snapshot);
     });
     return is_journal ? service_->wait_stored(admission) : Status();
@@ -92,25 +94,37 @@ class WrittenMemory final : public Memory {
 
   using Memory::query;
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
     ENGRAM_ASSIGN_OR_RETURN(ltm::Answer answer, service_->query(query, engine));
     return std::move(answer).to_result();
   }
 
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
                                                  Duration ahead) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
     return service_->engines(entity, ahead);
   }
 
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
     return memory::subscribe_locally(hub_, options, std::move(handlers));
   }
 
-  Status close() override { return service_->close(); }
+  Status close() override {
+    is_closed_ = true;
+    return service_->close();
+  }
 
  private:
+  [[nodiscard]] Status check_open() const {
+    if (!is_closed_) return {};
+    return failed_precondition("memory '{}': is closed", service_->options().name);
+  }
+
   const std::unique_ptr<memory::MemoryService> service_;
-  memory::EventHub hub_;
+  const std::shared_ptr<memory::EventHub> hub_ = std::make_shared<memory::EventHub>();
+  std::atomic<bool> is_closed_{false};
 };
 
 Result<std::unique_ptr<Memory>> open_to_read(const std::filesystem::path& store,

@@ -29,7 +29,7 @@ class QueueingListener final : public EventListener {
 
   /// Calls the handlers until it is stopped.
   void tell(const std::stop_token& stop) {
-    uint64_t lost_before = 0;
+    uint64_t told_lost = 0;
     while (!stop.stop_requested()) {
       std::vector<ltm::SharedSnapshot> snapshots;
       uint64_t lost = 0;
@@ -37,8 +37,8 @@ class QueueingListener final : public EventListener {
         std::unique_lock lock(mutex_);
         if (!wake_.wait(lock, stop, [this] { return !queue_.empty(); })) return;
         while (!queue_.empty()) snapshots.push_back(queue_.pop());
-        lost = std::exchange(lost_before, queue_.lost());
-        lost = lost_before - lost;
+        lost = queue_.lost() - told_lost;
+        told_lost += lost;
       }
       if (lost > 0 && handlers_.on_lost) handlers_.on_lost(lost);
       std::vector<ToldSnapshot> told;
@@ -74,32 +74,33 @@ class QueueingListener final : public EventListener {
 
 class LocalSubscription final : public Subscription {
  public:
-  LocalSubscription(EventHub& hub, std::shared_ptr<QueueingListener> listener, ltm::Query names)
-      : hub_(hub), listener_(std::move(listener)) {
-    hub_.subscribe(listener_, [names = std::move(names)](const ltm::MemoryId& entity) {
+  LocalSubscription(std::shared_ptr<EventHub> hub, std::shared_ptr<QueueingListener> listener,
+                    ltm::Query names)
+      : hub_(std::move(hub)), listener_(std::move(listener)) {
+    hub_->subscribe(listener_, [names = std::move(names)](const ltm::MemoryId& entity) {
       return names.matches(entity);
     });
     thread_ = std::jthread([told = listener_](const std::stop_token& stop) { told->tell(stop); });
   }
   LocalSubscription(const LocalSubscription&) = delete;
   LocalSubscription& operator=(const LocalSubscription&) = delete;
-  ~LocalSubscription() override { hub_.unsubscribe(listener_.get()); }
+  ~LocalSubscription() override { hub_->unsubscribe(listener_.get()); }
 
  private:
-  EventHub& hub_;
+  const std::shared_ptr<EventHub> hub_;
   const std::shared_ptr<QueueingListener> listener_;
   std::jthread thread_;  ///< Ends before the others go.
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Subscription>> subscribe_locally(EventHub& hub,
+Result<std::unique_ptr<Subscription>> subscribe_locally(std::shared_ptr<EventHub> hub,
                                                         const SubscriptionOptions& options,
                                                         SubscriptionHandlers handlers) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Query names, subscribed_names(options.names));
   auto listener = std::make_shared<QueueingListener>(options, std::move(handlers));
   return std::unique_ptr<Subscription>(
-      std::make_unique<LocalSubscription>(hub, std::move(listener), std::move(names)));
+      std::make_unique<LocalSubscription>(std::move(hub), std::move(listener), std::move(names)));
 }
 
 }  // namespace engram::memory

@@ -8,9 +8,10 @@
 
 namespace engram::memory {
 
-/// Tells of what is published at `hub`, which outlives it, by a thread of its own.
+/// Tells of what is published at `hub`, by a thread of its own. The hub lives as long as this: a
+/// subscription may outlive the memory that it is of, and is told nothing more then.
 /// Errors: those of subscribed_names().
-Result<std::unique_ptr<Subscription>> subscribe_locally(EventHub& hub,
+Result<std::unique_ptr<Subscription>> subscribe_locally(std::shared_ptr<EventHub> hub,
                                                         const SubscriptionOptions& options,
                                                         SubscriptionHandlers handlers);
 

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
+#include <thread>
 
 #include "server/robot/memory_server.h"
 #include "tests/ltm/expect_status.h"
@@ -127,10 +129,42 @@ TEST_P(FrontDoor, AnswersNothingOnceItIsClosed) {
   ASSERT_OK(memory->commit(at(1, 1)));
   ASSERT_OK(memory->close());
   EXPECT_FALSE(memory->commit(at(2, 1)).ok());
+  EXPECT_FALSE(memory->query("Objects @ latest").ok());
+  EXPECT_FALSE(memory->engines(kCup, milliseconds(200)).ok());
+  EXPECT_FALSE(memory->subscribe({}, {}).ok());
+  EXPECT_FALSE(memory->declare(*ltm::MemoryId::parse("A/b"), idf::Type::int64()).ok());
   if (server) ASSERT_OK(server->stop());
   const auto again = Memory::open(store(), {.is_read_only = true});
   ASSERT_OK(again);
   EXPECT_OK((*again)->query("Objects @ latest"));
+}
+
+TEST(LocalSubscription, CountsWhatASlowSubscriberMissed) {
+  const ScratchDirectory scratch;
+  auto memory = Memory::open(scratch.path() / "robot.engram");
+  ASSERT_OK(memory);
+  std::promise<void> is_told, may_go_on;
+  std::atomic<uint64_t> lost{0}, told{0};
+  auto subscription = (*memory)->subscribe({.queue_bound = 2},
+                                           {.on_snapshots =
+                                                [&](const std::vector<ToldSnapshot>& snapshots) {
+                                                  if (told.fetch_add(snapshots.size()) > 0) return;
+                                                  is_told.set_value();
+                                                  may_go_on.get_future().wait();
+                                                },
+                                            .on_lost = [&](uint64_t more) { lost += more; }});
+  ASSERT_OK(subscription);
+  ASSERT_OK((*memory)->commit(at(1, 1), CommitDurability::kMemory));
+  is_told.get_future().wait();
+  for (int64_t step = 2; step <= 11; ++step)
+    ASSERT_OK((*memory)->commit(at(step, 1), CommitDurability::kMemory));
+  may_go_on.set_value();
+  for (int tries = 0; told < 3 && tries < 1000; ++tries)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_EQ(told, 3u);
+  EXPECT_EQ(lost, 8u);
+  memory->reset();  // What it is of may go first.
+  subscription->reset();
 }
 
 TEST(ReadMemory, SeesWhatAnotherHandedToTheStoreAndChangesNothing) {
