@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ltm/core/buffer.h"
-#include "ltm/memory/snapshot.h"
+#include "ltm/memory/result.h"
 
 namespace engram::ltm {
 
@@ -25,5 +25,10 @@ struct HeldSnapshot : Snapshot {
 
 /// A snapshot that is shared with whoever reads it, and never changes.
 using SharedSnapshot = std::shared_ptr<const HeldSnapshot>;
+
+/// A snapshot as a moment of an answer; `instances`: which, increasing, empty for all. Without any
+/// of these it has no instances.
+[[nodiscard]] SnapshotResult result_of(const HeldSnapshot& held,
+                                       const std::vector<int32_t>& instances, bool is_ids_only);
 
 }  // namespace engram::ltm

@@ -83,19 +83,8 @@ QueryResult WorkingMemory::query(const Query& query) const {
     EntityResult& answer = result.add_entity(entity.entity);
     if (!query.is_ids_only()) count_reads(entity.entity, entity.snapshots.size());
     for (size_t i = 0; i < entity.snapshots.size(); ++i) {
-      const Snapshot& snapshot = *entity.snapshots[i];
-      const auto& asked = entity.instances[i];
-      SnapshotResult one;
-      one.time = snapshot.time;
-      if (snapshot.is_augmented()) one.source = Source::kAugmented;
-      for (size_t k = 0; k < snapshot.instances.size(); ++k) {
-        const auto index = static_cast<int32_t>(k);
-        if (!asked.empty() && !std::ranges::binary_search(asked, index)) continue;
-        const Instance& instance = snapshot.instances[k];
-        one.instances.push_back(query.is_ids_only()
-                                    ? InstanceResult{index, {}, {}}
-                                    : InstanceResult{index, instance.data, instance.metadata});
-      }
+      SnapshotResult one =
+          result_of(*entity.snapshots[i], entity.instances[i], query.is_ids_only());
       if (!one.instances.empty()) answer.add(std::move(one));
     }
   }
