@@ -3,6 +3,8 @@
 # Settings that every target of ours shares.
 add_library(engram_options INTERFACE)
 target_compile_features(engram_options INTERFACE cxx_std_20)
+# Some of what we link asks for -pthread, and a precompiled header is for all or none.
+target_compile_options(engram_options INTERFACE $<BUILD_INTERFACE:-pthread>)
 # GCC 12 takes moved-from variants for uninitialised ones, joined strings for overlapping ones, and
 # empty ones for null pointers.
 target_compile_options(engram_options INTERFACE
@@ -15,9 +17,10 @@ install(TARGETS engram_options EXPORT engram)
 #
 # Declares one room as engram::<name>. Paths are relative to the room; headers are included from
 # the repository root, install under include/engram/ and must each compile alone
-# (target all_verify_interface_header_sets).
+# (target all_verify_interface_header_sets). PRECOMPILED names what its sources see first
+# (cmake/EngramPrecompiled.cmake): standard where nothing is said; none where the room has its own.
 function(engram_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "PRECOMPILED" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "engram_add_library(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
   endif()
@@ -29,6 +32,12 @@ function(engram_add_library name)
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
                                   FILES ${ARG_HEADERS})
   target_link_libraries(${target} PUBLIC engram_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  if(NOT ARG_PRECOMPILED)
+    set(ARG_PRECOMPILED standard)
+  endif()
+  if(NOT ARG_PRECOMPILED STREQUAL none)
+    engram_precompiled(${target} ${ARG_PRECOMPILED})
+  endif()
   install(TARGETS ${target} EXPORT engram FILE_SET HEADERS
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/engram)
 endfunction()
