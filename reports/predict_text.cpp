@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "reports/plain/members_text.h"
 #include "reports/plain/save.h"
 #include "reports/plain/text.h"
 
@@ -151,10 +152,14 @@ std::string moment_text(const MemoryId& entity, const PredictedMoment& moment) {
     table.add(cells);
   }
   const ltm::SnapshotResult& first = moment.horizons.front().predicted;
-  return fmt::format("{} from {}, predicted by {}{}\n{}", entity.to_string(),
-                     to_string(moment.last.time), is_one ? engine_of(first) : "the best engines",
-                     first.plan.empty() ? "" : ", told the plan " + first.plan,
-                     table.to_string("  "));
+  std::string text = fmt::format(
+      "{} from {}, predicted by {}{}\n{}", entity.to_string(), to_string(moment.last.time),
+      is_one ? engine_of(first) : "the best engines",
+      first.plan.empty() ? "" : ", told the plan " + first.plan, table.to_string("  "));
+  for (const PredictedHorizon& horizon : moment.horizons)
+    if (const std::string members = members_text(horizon.predicted); !members.empty())
+      text += fmt::format("\n  {} ahead: {}", to_string(horizon.predicted.horizon), members);
+  return text;
 }
 
 Result<Json> moment_json(const MemoryId& entity, const PredictedMoment& moment) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/memory/member_prediction.h"
 #include "ltm/memory/snapshot.h"
 #include "ltm/memory/source.h"
 
@@ -23,6 +24,9 @@ struct InstanceResult {
   /// What the error of a prediction stays within, with kBoundProbability; not a number where that
   /// is not known. Nothing unless predicted.
   std::optional<MeasuredError> bound = {};
+  /// How each tensor member was predicted, in the order of the value's layout; empty unless
+  /// predicted by a choice of engines. `error` and `bound` are the means of what counts here.
+  std::vector<MemberPrediction> members = {};
 
   friend bool operator==(const InstanceResult&, const InstanceResult&) = default;
 };
@@ -33,7 +37,9 @@ struct SnapshotResult {
   Source source = Source::kRecorded;
   /// "Vision/RGB/head/cam v1" where a model decoded or predicted it, else empty.
   std::string model;
-  /// Name of the predictor; empty unless predicted.
+  /// Name of the engine that predicted it; "copy-last" where nothing but copies is in it, "mixed"
+  /// where its members were predicted by several (see InstanceResult::members). Empty unless
+  /// predicted.
   std::string predictor;
   /// From the last known snapshot; zero unless predicted.
   Duration horizon{};

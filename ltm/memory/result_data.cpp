@@ -10,6 +10,19 @@ idf::Data error_data(const MeasuredError& error) {
   return idf::Dict{{"image_mse", error.image_mse}, {"number_mse", error.number_mse}};
 }
 
+idf::Data members_data(const std::vector<MemberPrediction>& members) {
+  idf::List list;
+  for (const MemberPrediction& member : members)
+    list.push_back(idf::Dict{{"path", member.path},
+                             {"engine", member.engine},
+                             {"expected_mse", member.expected_mse},
+                             {"bound_mse", member.bound_mse},
+                             {"copied", member.copied},
+                             {"is_image", member.is_image},
+                             {"is_moving", member.is_moving}});
+  return list;
+}
+
 idf::Data instance_data(const InstanceResult& instance, bool is_ids_only) {
   idf::Dict dict{{"index", instance.index}};
   if (is_ids_only) return dict;
@@ -17,6 +30,7 @@ idf::Data instance_data(const InstanceResult& instance, bool is_ids_only) {
   dict.set("metadata", instance.metadata.to_data());
   if (instance.error) dict.set("error", error_data(*instance.error));
   if (instance.bound) dict.set("bound", error_data(*instance.bound));
+  if (!instance.members.empty()) dict.set("members", members_data(instance.members));
   return dict;
 }
 
@@ -52,6 +66,19 @@ Result<std::optional<MeasuredError>> error_from(const DataFields& instance, cons
   return std::optional(error);
 }
 
+Result<MemberPrediction> member_from(const idf::Data& data) {
+  ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "member"));
+  MemberPrediction member;
+  ENGRAM_ASSIGN_OR_RETURN(member.path, fields.text("path"));
+  ENGRAM_ASSIGN_OR_RETURN(member.engine, fields.text("engine"));
+  ENGRAM_ASSIGN_OR_RETURN(member.expected_mse, fields.number("expected_mse"));
+  ENGRAM_ASSIGN_OR_RETURN(member.bound_mse, fields.number("bound_mse"));
+  ENGRAM_ASSIGN_OR_RETURN(member.copied, fields.number("copied"));
+  ENGRAM_ASSIGN_OR_RETURN(member.is_image, fields.boolean("is_image"));
+  ENGRAM_ASSIGN_OR_RETURN(member.is_moving, fields.boolean("is_moving"));
+  return member;
+}
+
 Result<InstanceResult> instance_from(const idf::Data& data, bool is_ids_only) {
   ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "instance"));
   InstanceResult instance;
@@ -63,6 +90,12 @@ Result<InstanceResult> instance_from(const idf::Data& data, bool is_ids_only) {
   ENGRAM_ASSIGN_OR_RETURN(instance.metadata, InstanceMetadata::from_data(*metadata));
   ENGRAM_ASSIGN_OR_RETURN(instance.error, error_from(fields, "error"));
   ENGRAM_ASSIGN_OR_RETURN(instance.bound, error_from(fields, "bound"));
+  if (fields.has("members")) {
+    ENGRAM_ASSIGN_OR_RETURN(const idf::List* members, fields.list("members"));
+    for (const idf::Data& one : *members) {
+      ENGRAM_ASSIGN_OR_RETURN(instance.members.emplace_back(), member_from(one));
+    }
+  }
   return instance;
 }
 

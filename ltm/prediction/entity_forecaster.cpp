@@ -12,6 +12,10 @@ namespace engram::ltm {
 
 namespace {
 
+constexpr std::string_view kCopyLast = "copy-last";
+/// Several engines: each member of an answer names its own.
+constexpr std::string_view kMixed = "mixed";
+
 /// Adds an instance's mean to the mean of others, by how many predictions they are of.
 void pool(double& mean, double& bound, uint64_t count, double more_mean, double more_bound,
           uint64_t more) {
@@ -47,6 +51,24 @@ bool is_better(const EngineRecord& a, const EngineRecord& b) {
   const int images = compared(a.mean.image_mse, b.mean.image_mse);
   if (images != 0) return images < 0;
   return compared(a.mean.number_mse, b.mean.number_mse) < 0;
+}
+
+/// Whether errors are told of it, or would be: bools and times are not.
+bool is_predicted(const MemberPrediction& member) {
+  return member.engine != kCopyLast || !std::isnan(member.expected_mse);
+}
+
+/// What answered: the engine that was named if it predicted anything, the only one, or several.
+std::string engine_of(const SnapshotResult& result, const std::string& named) {
+  std::string only;
+  for (const InstanceResult& instance : result.instances)
+    for (const MemberPrediction& member : instance.members) {
+      if (member.engine == named && !named.empty()) return named;
+      if (!is_predicted(member) || member.engine == only) continue;
+      if (!only.empty()) return named.empty() ? std::string(kMixed) : std::string(kCopyLast);
+      only = member.engine;
+    }
+  return only.empty() || !named.empty() ? std::string(kCopyLast) : only;
 }
 
 }  // namespace
@@ -89,51 +111,22 @@ std::vector<std::string> EntityForecaster::engines() const {
   return names;
 }
 
-Result<EntityForecaster::Measured> EntityForecaster::measured(Duration ahead,
-                                                              const std::string& only) {
-  Measured measured;
+Result<std::vector<EngineRecord>> EntityForecaster::records(Duration ahead) {
+  if (!last_) return not_found("entity '{}': has no snapshot", inputs_.entity.to_string());
+  std::vector<EngineRecord> pooled;
   for (size_t i = 0; i < metadata_.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(measured.instances.emplace_back(), instances_[i]->records(ahead, only));
-    for (const EngineRecord& one : measured.instances.back()) {
-      const auto known = std::ranges::find(measured.pooled, one.engine, &EngineRecord::engine);
-      if (known == measured.pooled.end())
-        measured.pooled.push_back(one);
+    ENGRAM_ASSIGN_OR_RETURN(const auto records, instances_[i]->records(ahead));
+    for (const EngineRecord& one : records) {
+      const auto known = std::ranges::find(pooled, one.engine, &EngineRecord::engine);
+      if (known == pooled.end())
+        pooled.push_back(one);
       else
         pool(*known, one);
     }
   }
   // Models stand first, the last value after them: so they do where nothing tells which is better.
-  std::ranges::stable_sort(measured.pooled, is_better);
-  return measured;
-}
-
-Result<std::vector<EngineRecord>> EntityForecaster::records(Duration ahead) {
-  if (!last_) return not_found("entity '{}': has no snapshot", inputs_.entity.to_string());
-  ENGRAM_ASSIGN_OR_RETURN(Measured measured, this->measured(ahead, {}));
-  return std::move(measured.pooled);
-}
-
-Result<SnapshotResult> EntityForecaster::predicted(Duration ahead, const std::string& engine) {
-  ENGRAM_ASSIGN_OR_RETURN(const Measured measured, this->measured(ahead, engine));
-  SnapshotResult result;
-  result.time = *last_ + ahead;
-  result.source = Source::kPredicted;
-  result.horizon = ahead;
-  result.predictor = measured.pooled.empty() ? "copy-last" : measured.pooled.front().engine;
-  if (!measured.pooled.empty()) result.model = measured.pooled.front().model;
-  for (size_t i = 0; i < metadata_.size(); ++i) {
-    auto own = measured.instances[i];
-    auto known = std::ranges::find(own, result.predictor, &EngineRecord::engine);
-    if (known == own.end()) {  // Without numbers it has no engines of them: it is copied.
-      ENGRAM_ASSIGN_OR_RETURN(own, instances_[i]->records(ahead, "copy-last"));
-      known = own.begin();
-    }
-    ENGRAM_ASSIGN_OR_RETURN(Prediction one, instances_[i]->predict(ahead, *known));
-    InstanceMetadata metadata = metadata_[i];
-    metadata.created = metadata.sent = metadata.arrived = result.time;
-    result.append(std::move(one.value), metadata, one.error.expected, one.error.bound);
-  }
-  return result;
+  std::ranges::stable_sort(pooled, is_better);
+  return pooled;
 }
 
 Result<std::vector<SnapshotResult>> EntityForecaster::predict(std::span<const Duration> horizons,
@@ -143,17 +136,28 @@ Result<std::vector<SnapshotResult>> EntityForecaster::predict(std::span<const Du
   if (!engine.empty() && !known.empty() && std::ranges::find(known, engine) == known.end())
     return not_found("entity '{}': nothing named '{}' predicts it; there is: {}",
                      inputs_.entity.to_string(), engine, fmt::join(known, ", "));
-  // The longest first: a model predicts the shorter ones on its way.
-  const Duration longest = horizons.empty() ? Duration(0) : std::ranges::max(horizons);
-  if (engine.empty() && longest > Duration(0))
-    ENGRAM_RETURN_IF_ERROR(measured(longest, engine).status());
   std::vector<SnapshotResult> results;
   for (const Duration ahead : horizons) {
     if (ahead <= Duration(0) || ahead.count() > INT64_MAX - std::max<int64_t>(0, to_ns(*last_)))
       return invalid_argument("entity '{}': found a horizon of {}, needs a moment after {}",
                               inputs_.entity.to_string(), to_string(ahead), to_string(*last_));
-    ENGRAM_ASSIGN_OR_RETURN(results.emplace_back(), predicted(ahead, engine));
+    SnapshotResult& result = results.emplace_back();
+    result.time = *last_ + ahead;
+    result.source = Source::kPredicted;
+    result.horizon = ahead;
   }
+  for (size_t i = 0; i < metadata_.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(auto predicted, instances_[i]->predict(horizons, engine));
+    for (size_t k = 0; k < results.size(); ++k) {
+      InstanceMetadata metadata = metadata_[i];
+      metadata.created = metadata.sent = metadata.arrived = results[k].time;
+      InstancePrediction& one = predicted[k];
+      results[k].append(std::move(one.value), metadata, one.error.expected, one.error.bound);
+      results[k].instances.back().members = std::move(one.members);
+      if (!one.model.empty()) results[k].model = std::move(one.model);
+    }
+  }
+  for (SnapshotResult& result : results) result.predictor = engine_of(result, engine);
   return results;
 }
 

@@ -11,7 +11,8 @@ namespace engram::ltm {
 
 class InstanceForecaster;
 
-/// Predicts an entity, whatever its values are, by the engine that was best on its own past.
+/// Predicts an entity, whatever its values are: each member by the engine that was best on its own
+/// past.
 ///
 ///     EntityForecaster forecaster({entity, type});  // Once per entity.
 ///     ENGRAM_RETURN_IF_ERROR(forecaster.add(snapshot));     // With every snapshot that comes.
@@ -22,8 +23,8 @@ class InstanceForecaster;
 /// and are measured when a prediction is asked for (up to a second for a hundred numbers or for a
 /// model), again when a tenth more snapshots have come.
 /// Engines: copy-last; for values with numbers those of make_series_engines(), which copy the rest;
-/// the entity's models. Where values have images the image error decides, among equal ones and for
-/// other values the number error. Instances are continued one by one, all by the same engine.
+/// the entity's models. Each member of each instance has the one that was best for it, at rest or
+/// moving as it is (InstanceForecaster); SnapshotResult::predictor names the one, or says "mixed".
 /// Time: a horizon between two steps of the entity lies on the straight line between what is
 /// predicted for these; models and errors are those of the closest step.
 /// Threading: one thread.
@@ -47,15 +48,7 @@ class EntityForecaster final : public EngineChoice {
   Result<std::vector<EngineRecord>> records(Duration ahead) override;
 
  private:
-  /// Records of one horizon: pooled, the best first, and of each instance.
-  struct Measured {
-    std::vector<EngineRecord> pooled;
-    std::vector<std::vector<EngineRecord>> instances;
-  };
-
-  Result<Measured> measured(Duration ahead, const std::string& only);
   [[nodiscard]] std::vector<std::string> engines() const;
-  Result<SnapshotResult> predicted(Duration ahead, const std::string& engine);
 
   EngineChoiceInputs inputs_;
   std::vector<std::unique_ptr<InstanceForecaster>> instances_;  ///< By index.

@@ -13,9 +13,11 @@ namespace engram::ltm {
 
 /// What the next of such errors is at most, with kBoundProbability. Needs at least one.
 [[nodiscard]] inline double bound_of(std::vector<double> errors) {
-  std::ranges::sort(errors);
   const double rank = std::ceil(kBoundProbability * static_cast<double>(errors.size() + 1)) - 1;
-  return errors[std::min(static_cast<size_t>(rank), errors.size() - 1)];
+  const size_t place = std::min(static_cast<size_t>(rank), errors.size() - 1);
+  const auto bound = errors.begin() + static_cast<std::ptrdiff_t>(place);
+  std::ranges::nth_element(errors, bound);
+  return *bound;
 }
 
 }  // namespace engram::ltm

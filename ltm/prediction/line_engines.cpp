@@ -72,6 +72,24 @@ class Moved final : public SeriesEngine {
   double share_;
 };
 
+/// The last value, moved on as it was, and as that itself changed, between the last three.
+class Quadratic final : public SeriesEngine {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "quadratic"; }
+  void predict(const NumberSeries& series, size_t row, size_t steps,
+               std::span<double> predicted) const override {
+    const size_t count = rows_until(series, row, 3);
+    const auto ahead = static_cast<double>(steps);
+    for (size_t number = 0; number < predicted.size(); ++number) {
+      const double last = series.row(row)[number];
+      const double change = count < 2 ? 0 : last - series.row(row - 1)[number];
+      const double bend =
+          count < 3 ? 0 : change - (series.row(row - 1)[number] - series.row(row - 2)[number]);
+      predicted[number] = last + ahead * change + ahead * (ahead + 1) / 2 * bend;
+    }
+  }
+};
+
 }  // namespace
 
 std::unique_ptr<SeriesEngine> make_copy_last() {
@@ -87,12 +105,17 @@ std::unique_ptr<SeriesEngine> make_constant_velocity() {
   return std::make_unique<Moved>("constant-velocity", 2, 1.0);
 }
 
+std::unique_ptr<SeriesEngine> make_quadratic() {
+  return std::make_unique<Quadratic>();
+}
+
 std::vector<std::unique_ptr<SeriesEngine>> make_series_engines() {
   std::vector<std::unique_ptr<SeriesEngine>> engines;
   engines.push_back(make_copy_last());
   engines.push_back(make_line());
   engines.push_back(make_damped_line());
   engines.push_back(make_constant_velocity());
+  engines.push_back(make_quadratic());
   engines.push_back(make_autoregression());
   engines.push_back(make_related());
   return engines;

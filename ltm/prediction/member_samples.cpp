@@ -71,9 +71,9 @@ MemberSample MemberSamples::sample(const idf::SplitValue& value) const {
   return sample;
 }
 
-MeasuredError MemberSamples::difference(const MemberSample& recorded,
-                                        const MemberSample& other) const {
-  WeightedMean images, numbers;
+std::vector<double> MemberSamples::differences(const MemberSample& recorded,
+                                               const MemberSample& other) const {
+  std::vector<double> squares;
   for (size_t i = 0; i < parts_.size(); ++i) {
     double sum = 0, count = 0;
     for (size_t k = 0; k < recorded.elements[i].size(); ++k) {
@@ -82,9 +82,19 @@ MeasuredError MemberSamples::difference(const MemberSample& recorded,
       sum += difference * difference;
       count += 1;
     }
-    if (count == 0) continue;
+    squares.push_back(count == 0 ? kNaN : sum / count * recorded.scales[i] * recorded.scales[i]);
+  }
+  return squares;
+}
+
+MeasuredError MemberSamples::difference(const MemberSample& recorded,
+                                        const MemberSample& other) const {
+  WeightedMean images, numbers;
+  const std::vector<double> squares = differences(recorded, other);
+  for (size_t i = 0; i < parts_.size(); ++i) {
+    if (std::isnan(squares[i])) continue;
     WeightedMean& mean = parts_[i].is_image ? images : numbers;
-    mean.sum += parts_[i].weight * sum / count * recorded.scales[i] * recorded.scales[i];
+    mean.sum += parts_[i].weight * squares[i];
     mean.weight += parts_[i].weight;
   }
   return {images.mean(), numbers.mean()};

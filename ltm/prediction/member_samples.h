@@ -32,6 +32,11 @@ class MemberSamples {
   [[nodiscard]] MeasuredError difference(const MemberSample& recorded,
                                          const MemberSample& other) const;
 
+  /// The same of each of ValueRow::other_members(), in their order; not a number without any finite
+  /// element.
+  [[nodiscard]] std::vector<double> differences(const MemberSample& recorded,
+                                                const MemberSample& other) const;
+
   [[nodiscard]] bool has_images() const { return images_ > 0; }
   /// Of all members that are no images.
   [[nodiscard]] size_t number_elements() const { return numbers_; }

@@ -49,6 +49,10 @@ struct ErrorEstimate {
 struct Prediction {
   idf::Data value;
   ErrorEstimate error;
+  /// How much of the last known value is in it, 0 to 1: a model may choose to copy what it cannot
+  /// tell. Where one is 1, members of that kind are those of the last value, bit for bit.
+  double copied_images = 0;
+  double copied_numbers = 0;
 };
 
 /// What is known of predictions so many steps ahead from data that the model was not trained on.
@@ -80,6 +84,11 @@ class Predictor {
   /// The values 1..`steps` steps after the last of `past`, and how wrong they may be.
   /// Errors: kInvalidArgument where a value, or a planned one, has another layout than the model's.
   virtual Result<std::vector<Prediction>> predict(const Past& past, int steps) = 0;
+
+  /// The values at some of the steps alone, in the order of `steps`: what lies between is passed
+  /// through and need not be made a value, which is most of what a prediction costs.
+  /// Needs at least one step, each at least 1. Errors: as predict().
+  virtual Result<std::vector<Prediction>> predict_at(const Past& past, std::span<const int> steps);
 
   /// By steps; empty where nothing was measured.
   [[nodiscard]] virtual std::vector<HorizonRecord> records(Told /*told*/) const { return {}; }

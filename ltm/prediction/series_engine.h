@@ -38,6 +38,8 @@ class SeriesEngine {
 [[nodiscard]] std::unique_ptr<SeriesEngine> make_damped_line();
 /// The last value, moved on as it was between the last two.
 [[nodiscard]] std::unique_ptr<SeriesEngine> make_constant_velocity();
+/// A parabola through the last three values: things that are carried start, turn and stop.
+[[nodiscard]] std::unique_ptr<SeriesEngine> make_quadratic();
 /// The last value and a weighted sum of the last seven changes; weights of each number and each
 /// horizon by ridge regression. Without enough to learn from: the last value.
 [[nodiscard]] std::unique_ptr<SeriesEngine> make_autoregression();

@@ -72,13 +72,21 @@ std::vector<size_t> SeriesForecaster::test_rows(size_t steps) const {
   return some;
 }
 
-std::vector<SeriesRecord> SeriesForecaster::measure(size_t steps) const {
+const std::vector<RowMember>& SeriesForecaster::members() const {
+  static const std::vector<RowMember> kNone;
+  return meaning_ ? meaning_->row_members() : kNone;
+}
+
+SeriesForecaster::Measured SeriesForecaster::measure(size_t steps) {
   const std::vector<size_t> rows = test_rows(steps);
   const size_t split = learned_rows();
-  std::vector<SeriesRecord> records;
+  const std::vector<RowMember>& members = this->members();
+  const MemberMotion& motion = this->motion();
+  Measured measured{series_.added(), {}, {}};
   std::vector<double> predicted(series_.numbers());
   for (const auto& engine : make_series_engines()) {
     std::vector<double> mean_squares;
+    std::vector<MotionErrors> errors(members.size());
     size_t learned_until = 0;
     for (const size_t row : rows) {
       // Of each block the rows before it are known.
@@ -92,11 +100,17 @@ std::vector<SeriesRecord> SeriesForecaster::measure(size_t steps) const {
       if (meaning_) meaning_->finish(series_.row(row), predicted);
       mean_squares.push_back(meaning_ ? meaning_->mean_square(predicted, truth)
                                       : mean_square(predicted, truth));
+      for (size_t i = 0; i < members.size(); ++i)
+        errors[i].add(motion.is_moving(series_, row, members[i], i),
+                      ValueRow::mean_square(members[i], predicted, truth));
     }
-    records.push_back(record_of(engine->name(), std::move(mean_squares)));
+    measured.records.push_back(record_of(engine->name(), std::move(mean_squares)));
+    MemberRecords& of_members =
+        measured.members.emplace_back(MemberRecords{std::string(engine->name())});
+    for (MotionErrors& one : errors) of_members.members.push_back(std::move(one).records());
   }
-  std::ranges::stable_sort(records, {}, &SeriesRecord::rmse);
-  return records;
+  std::ranges::stable_sort(measured.records, {}, &SeriesRecord::rmse);
+  return measured;
 }
 
 bool SeriesForecaster::is_fresh(uint64_t rows_then) const {
@@ -104,19 +118,39 @@ bool SeriesForecaster::is_fresh(uint64_t rows_then) const {
   return series_.added() < rows_then + std::max<uint64_t>(enough, 1);
 }
 
-const std::vector<SeriesRecord>& SeriesForecaster::measured(size_t steps) {
+const SeriesForecaster::Measured& SeriesForecaster::measured(size_t steps) {
   if (measured_.size() >= kMostHorizons && !measured_.contains(steps)) {
     measured_.clear();
     learned_.clear();
     engines_ = make_series_engines();
   }
-  Measured& known = measured_[steps];
-  if (known.records.empty() || !is_fresh(known.rows)) known = {series_.added(), measure(steps)};
-  return known.records;
+  const auto known = measured_.find(steps);
+  if (known != measured_.end() && is_fresh(known->second.rows)) return known->second;
+  return measured_.insert_or_assign(steps, measure(steps)).first->second;
 }
 
 const std::vector<SeriesRecord>& SeriesForecaster::records(Duration ahead) {
-  return measured(series_.steps_in(ahead));
+  return measured(series_.steps_in(ahead)).records;
+}
+
+const std::vector<MemberRecords>& SeriesForecaster::member_records(Duration ahead) {
+  return measured(series_.steps_in(ahead)).members;
+}
+
+const MemberMotion& SeriesForecaster::motion() {
+  if (!motion_ || !is_fresh(motion_rows_)) {
+    motion_.emplace(series_, members());
+    motion_rows_ = series_.added();
+  }
+  return *motion_;
+}
+
+std::vector<bool> SeriesForecaster::moving_members(size_t row) {
+  const MemberMotion& motion = this->motion();
+  std::vector<bool> moving;
+  for (size_t i = 0; i < members().size(); ++i)
+    moving.push_back(motion.is_moving(series_, row, members()[i], i));
+  return moving;
 }
 
 std::vector<double> SeriesForecaster::predicted_row(size_t engine, size_t steps) {
@@ -132,13 +166,34 @@ std::vector<double> SeriesForecaster::predicted_row(size_t engine, size_t steps)
   return row;
 }
 
+std::vector<double> SeriesForecaster::continued(Duration ahead, const std::string& engine) {
+  ENGRAM_CHECK(series_.rows() > 0 && ahead > Duration(0), "found {} rows and {} ahead",
+               series_.rows(), to_string(ahead));
+  const auto found =
+      std::ranges::find(engines_, engine, [](const auto& one) { return one->name(); });
+  ENGRAM_CHECK(found != engines_.end(), "found no engine '{}'", engine);
+  const auto used = static_cast<size_t>(found - engines_.begin());
+  const size_t steps = series_.steps_in(ahead);
+  std::vector<double> values = predicted_row(used, steps);
+  // What lies beside the closest step is between it and the other neighbour.
+  const double exact =
+      series_.step() > Duration(0) ? to_seconds(ahead) / to_seconds(series_.step()) : 1.0;
+  const double beside = exact - static_cast<double>(steps);
+  if (std::abs(beside) > kCloseToStep) {
+    const auto other = predicted_row(used, beside < 0 ? steps - 1 : steps + 1);
+    for (size_t i = 0; i < other.size(); ++i)
+      values[i] += std::abs(beside) * (other[i] - values[i]);
+  }
+  if (meaning_) meaning_->finish(series_.row(series_.rows() - 1), values);
+  return values;
+}
+
 Result<SeriesPrediction> SeriesForecaster::predict(Duration ahead, const std::string& engine) {
   if (series_.rows() == 0) return not_found("series: found no row, needs one to predict from");
   if (ahead <= Duration(0))
     return invalid_argument("series: found a horizon of {}, needs more than zero",
                             to_string(ahead));
-  const size_t steps = series_.steps_in(ahead);
-  const std::vector<SeriesRecord>& records = measured(steps);
+  const std::vector<SeriesRecord>& records = this->records(ahead);
   const auto record =
       engine.empty() ? records.begin() : std::ranges::find(records, engine, &SeriesRecord::engine);
   if (record == records.end()) {
@@ -147,21 +202,7 @@ Result<SeriesPrediction> SeriesForecaster::predict(Duration ahead, const std::st
       names += (names.empty() ? "" : ", ") + std::string(known->name());
     return not_found("series: nothing named '{}' predicts it; there is: {}", engine, names);
   }
-  const auto used = static_cast<size_t>(
-      std::ranges::find(engines_, record->engine, [](const auto& one) { return one->name(); }) -
-      engines_.begin());
-  SeriesPrediction prediction{predicted_row(used, steps), *record};
-  // What lies beside the closest step is between it and the other neighbour.
-  const double exact =
-      series_.step() > Duration(0) ? to_seconds(ahead) / to_seconds(series_.step()) : 1.0;
-  const double beside = exact - static_cast<double>(steps);
-  if (std::abs(beside) > kCloseToStep) {
-    const auto other = predicted_row(used, beside < 0 ? steps - 1 : steps + 1);
-    for (size_t i = 0; i < other.size(); ++i)
-      prediction.values[i] += std::abs(beside) * (other[i] - prediction.values[i]);
-  }
-  if (meaning_) meaning_->finish(series_.row(series_.rows() - 1), prediction.values);
-  return prediction;
+  return SeriesPrediction{continued(ahead, record->engine), *record};
 }
 
 }  // namespace engram::ltm

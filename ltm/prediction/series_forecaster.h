@@ -3,10 +3,13 @@
 
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "ltm/prediction/member_motion.h"
+#include "ltm/prediction/member_record.h"
 #include "ltm/prediction/series_engine.h"
 #include "ltm/prediction/value_row.h"
 
@@ -59,27 +62,43 @@ class SeriesForecaster {
   /// anything to measure: all with no predictions, the last value first.
   [[nodiscard]] const std::vector<SeriesRecord>& records(Duration ahead);
 
+  /// The same of each of the values' members, in the order of make_series_engines(); without
+  /// `meaning` of no member.
+  [[nodiscard]] const std::vector<MemberRecords>& member_records(Duration ahead);
+
+  /// Whether each of the members moves at a row.
+  [[nodiscard]] std::vector<bool> moving_members(size_t row);
+
+  /// From the last row on as predict() does, by the named engine alone, which is not measured.
+  /// Needs a row and a name that there is (checked), and `ahead` > 0 (checked).
+  [[nodiscard]] std::vector<double> continued(Duration ahead, const std::string& engine);
+
   /// The rows that engines are measured on: those from which so many steps
   /// later is known, and of the last third.
   [[nodiscard]] std::vector<size_t> test_rows(size_t steps) const;
 
  private:
   struct Measured {
-    uint64_t rows = 0;  ///< NumberSeries::added() when it was measured.
-    std::vector<SeriesRecord> records;
+    uint64_t rows = 0;                   ///< NumberSeries::added() when it was measured.
+    std::vector<SeriesRecord> records;   ///< The best first.
+    std::vector<MemberRecords> members;  ///< In the order of make_series_engines().
   };
 
   [[nodiscard]] size_t learned_rows() const;
   [[nodiscard]] bool is_fresh(uint64_t rows_then) const;
-  const std::vector<SeriesRecord>& measured(size_t steps);
-  [[nodiscard]] std::vector<SeriesRecord> measure(size_t steps) const;
+  const Measured& measured(size_t steps);
+  [[nodiscard]] Measured measure(size_t steps);
+  const MemberMotion& motion();
+  [[nodiscard]] const std::vector<RowMember>& members() const;
   std::vector<double> predicted_row(size_t engine, size_t steps);
 
   const NumberSeries& series_;
   std::optional<ValueRow> meaning_;
   Options options_;
   std::vector<std::unique_ptr<SeriesEngine>> engines_;
-  std::map<size_t, Measured> measured_;                    ///< By steps.
+  std::optional<MemberMotion> motion_;
+  uint64_t motion_rows_ = 0;             ///< NumberSeries::added() when it was looked at.
+  std::map<size_t, Measured> measured_;  ///< By steps.
   std::map<std::pair<size_t, size_t>, uint64_t> learned_;  ///< Rows then, by steps and engine.
 };
 

@@ -122,12 +122,8 @@ T moved(T last, double from, double to, double lowest, double highest) {
 }  // namespace
 
 struct ValueRow::State {
-  struct Part {
-    size_t member = 0;
-    size_t first = 0;  ///< Of its elements in a row.
-    size_t count = 0;
+  struct Part : RowMember {
     ElementType type = ElementType::kFloat64;
-    bool is_copied = false;
     std::optional<RotationForm> rotation;
     size_t turn = 0;  ///< Of its turns in a row.
     double lowest = 0;
@@ -136,13 +132,15 @@ struct ValueRow::State {
 
   idf::Layout layout;
   std::vector<Part> parts;
+  std::vector<RowMember> row_members;  ///< The same, for all to see.
   std::vector<size_t> others;
+  size_t counted = 0;
   size_t elements = 0;
   size_t numbers = 0;
 
   void add(size_t index, const std::optional<idf::Type>& type) {
     const TensorMember& member = layout.members()[index];
-    Part part{index, elements, count_of(member), member.type, ltm::is_copied(member, type)};
+    Part part{{index, elements, count_of(member), ltm::is_copied(member, type)}, member.type};
     idf::visit_element_type(member.type, [&]<typename T>(T) {
       part.lowest = static_cast<double>(std::numeric_limits<T>::lowest());
       part.highest = static_cast<double>(std::numeric_limits<T>::max());
@@ -156,6 +154,7 @@ struct ValueRow::State {
       part.highest = std::floor(part.highest);
     }
     elements += part.count;
+    counted += part.is_copied ? 0 : part.count;
     parts.push_back(part);
   }
 
@@ -258,9 +257,11 @@ ValueRow::ValueRow(const idf::Data& value, const idf::Type* type, bool has_rotat
     const auto form = has_rotations ? form_of(members[part.member]) : std::nullopt;
     if (!form || !rotation_of(*form, doubles_of(split->tensors[part.member]))) continue;
     part.rotation = form;
+    part.is_quaternion = *form == RotationForm::kQuaternion;
     part.turn = state->numbers;
     state->numbers += 3;
   }
+  state->row_members.assign(state->parts.begin(), state->parts.end());
   state_ = std::move(state);
 }
 
@@ -275,6 +276,12 @@ size_t ValueRow::numbers() const {
 }
 size_t ValueRow::elements() const {
   return state_->elements;
+}
+size_t ValueRow::counted() const {
+  return state_->counted;
+}
+const std::vector<RowMember>& ValueRow::row_members() const {
+  return state_->row_members;
 }
 
 bool ValueRow::has_continued() const {
@@ -309,17 +316,30 @@ void ValueRow::finish(std::span<const double> last, std::span<double> predicted)
       State::finish_numbers(part, last, predicted);
 }
 
+namespace {
+
+double sum_of_squares(const RowMember& member, std::span<const double> a,
+                      std::span<const double> b) {
+  double same = 0, opposite = 0;
+  for (size_t i = member.first; i < member.first + member.count; ++i) {
+    same += (a[i] - b[i]) * (a[i] - b[i]);
+    opposite += (a[i] + b[i]) * (a[i] + b[i]);
+  }
+  return member.is_quaternion ? std::min(same, opposite) : same;
+}
+
+}  // namespace
+
 double ValueRow::mean_square(std::span<const double> a, std::span<const double> b) const {
   double sum = 0;
-  for (const State::Part& part : state_->parts) {
-    double same = 0, opposite = 0;
-    for (size_t i = part.first; i < part.first + part.count; ++i) {
-      same += (a[i] - b[i]) * (a[i] - b[i]);
-      opposite += (a[i] + b[i]) * (a[i] + b[i]);
-    }
-    sum += part.rotation == RotationForm::kQuaternion ? std::min(same, opposite) : same;
-  }
-  return state_->elements == 0 ? kNaN : sum / static_cast<double>(state_->elements);
+  for (const RowMember& member : state_->row_members)
+    if (!member.is_copied) sum += sum_of_squares(member, a, b);
+  return state_->counted == 0 ? kNaN : sum / static_cast<double>(state_->counted);
+}
+
+double ValueRow::mean_square(const RowMember& member, std::span<const double> a,
+                             std::span<const double> b) {
+  return sum_of_squares(member, a, b) / static_cast<double>(std::max<size_t>(member.count, 1));
 }
 
 idf::Data ValueRow::value(const idf::SplitValue& value, std::span<const double> last,

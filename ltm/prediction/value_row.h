@@ -10,6 +10,15 @@
 
 namespace engram::ltm {
 
+/// A member of a value whose elements are part of rows.
+struct RowMember {
+  size_t member = 0;           ///< Of the layout.
+  size_t first = 0;            ///< Of its elements in a row.
+  size_t count = 0;            ///< Of its elements.
+  bool is_copied = false;      ///< Never continued, and counted in no error.
+  bool is_quaternion = false;  ///< The negative of it is the same.
+};
+
 /// Values of one layout as rows of numbers that can be continued, and such rows as values again.
 ///
 /// A row has the elements of all members but images, depth images, point clouds and arrays of more
@@ -36,8 +45,11 @@ class ValueRow {
   /// Indices of the layout's members that are no part of rows: images, clouds, large arrays.
   [[nodiscard]] const std::vector<size_t>& other_members() const;
 
-  [[nodiscard]] size_t numbers() const;      ///< Of a row.
-  [[nodiscard]] size_t elements() const;     ///< Those at its front that are elements of a value.
+  [[nodiscard]] size_t numbers() const;   ///< Of a row.
+  [[nodiscard]] size_t elements() const;  ///< Those at its front that are elements of a value.
+  [[nodiscard]] size_t counted() const;   ///< Elements of members that are not only copied.
+  /// The members whose elements are in rows, in the order of these.
+  [[nodiscard]] const std::vector<RowMember>& row_members() const;
   [[nodiscard]] bool has_continued() const;  ///< Whether any is predicted and not copied.
 
   /// The row of a value of the layout; `before`: the row before it, empty where there is none. What
@@ -50,9 +62,13 @@ class ValueRow {
   /// numbers within their bounds, what is copied. Shape: both [numbers()].
   void finish(std::span<const double> last, std::span<double> predicted) const;
 
-  /// Mean squared error over the elements; of quaternions that of the closer sign. Not a number
-  /// without any. Shape: both [numbers()].
+  /// Mean squared error over the elements that count; of quaternions that of the closer sign. Not a
+  /// number without any. Shape: both [numbers()].
   [[nodiscard]] double mean_square(std::span<const double> a, std::span<const double> b) const;
+
+  /// The same of one of row_members(), whether it counts or not.
+  [[nodiscard]] static double mean_square(const RowMember& member, std::span<const double> a,
+                                          std::span<const double> b);
 
   /// The value that a finished row says, predicted from `value` whose row is `last`. What did not
   /// change keeps its bits; numbers that never were finite stay as they are.

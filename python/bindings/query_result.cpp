@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "python/bindings/query_result.h"
 
+#include <cmath>
+
 #include "python/bindings/measured_error.h"
 #include "python/bindings/values.h"
 
@@ -9,6 +11,26 @@ namespace engram::python {
 namespace {
 
 namespace py = pybind11;
+
+py::object number_or_none(double number) {
+  return std::isnan(number) ? py::object(py::none()) : py::object(py::float_(number));
+}
+
+py::list members_of(const std::vector<ltm::MemberPrediction>& members) {
+  py::list list;
+  for (const ltm::MemberPrediction& member : members) {
+    py::dict dict;
+    dict["path"] = member.path;
+    dict["engine"] = member.engine;
+    dict["expected_mse"] = number_or_none(member.expected_mse);
+    dict["bound_mse"] = number_or_none(member.bound_mse);
+    dict["copied"] = member.copied;
+    dict["is_image"] = member.is_image;
+    dict["is_moving"] = member.is_moving;
+    list.append(std::move(dict));
+  }
+  return list;
+}
 
 py::dict instance_of(const ltm::InstanceResult& instance) {
   const ltm::InstanceMetadata& about = instance.metadata;
@@ -24,6 +46,7 @@ py::dict instance_of(const ltm::InstanceResult& instance) {
   dict["recipe"] = about.recipe;
   dict["error"] = to_python(instance.error);
   dict["bound"] = to_python(instance.bound);
+  dict["members"] = members_of(instance.members);
   return dict;
 }
 

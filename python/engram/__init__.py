@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from engram.model import Latents, Model, Prediction
     from engram.progress import Bar, Progress
     from engram.recording import Recorder, Update, record
-    from engram.snapshot import Engine, Instance, MeasuredError, Snapshot
+    from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
 
 _PLACES = {
     "Bar": "engram.progress",
@@ -39,6 +39,7 @@ _PLACES = {
     "Instance": "engram.snapshot",
     "Latents": "engram.model",
     "MeasuredError": "engram.snapshot",
+    "MemberPrediction": "engram.snapshot",
     "Memory": "engram.memory",
     "Model": "engram.model",
     "Prediction": "engram.model",
@@ -61,6 +62,7 @@ __all__ = [
     "Instance",
     "Latents",
     "MeasuredError",
+    "MemberPrediction",
     "Memory",
     "Model",
     "Prediction",

@@ -35,6 +35,24 @@ class MeasuredError:
         return None if self.number_mse is None else math.sqrt(self.number_mse)
 
 
+@dataclass(frozen=True)
+class MemberPrediction:
+    """How one member of a predicted value was predicted: each may have an engine of its own."""
+
+    path: str  #: "pose/position"; empty: the value itself.
+    engine: str  #: "copy-last" where it is the last known value.
+    expected_mse: float | None  #: Grey levels of an image, else the numbers' unit, squared.
+    bound_mse: float | None  #: What the real one stays within, 9 times of 10. None: no promise.
+    copied: float  #: Share of the last known value in it, 0 to 1.
+    is_image: bool
+    is_moving: bool  #: It moved when the prediction was made; errors are those of such moments.
+
+    @property
+    def rmse(self) -> float | None:
+        """The root mean squared error to expect. Unit: grey levels, or that of the numbers."""
+        return None if self.expected_mse is None else math.sqrt(self.expected_mse)
+
+
 @dataclass(frozen=True, eq=False)  # Arrays have no one truth.
 class Instance:
     """One datum of a moment, and where it comes from."""
@@ -50,6 +68,7 @@ class Instance:
     recipe: str  #: How; likewise.
     error: MeasuredError | None  #: None where it is as it was recorded.
     bound: MeasuredError | None  #: What a prediction stays within, 9 times of 10.
+    members: tuple[MemberPrediction, ...] = ()  #: Of a prediction: how each was predicted.
 
 
 @dataclass(frozen=True, eq=False)  # Arrays have no one truth.
@@ -60,7 +79,7 @@ class Snapshot:
     time: int  #: ns since 1970, UTC.
     source: str  #: "recorded", "reconstructed", "augmented", "predicted".
     model: str  #: Which decoded or predicted it; empty: none did.
-    predictor: str
+    predictor: str  #: The engine; "mixed": several, see Instance.members.
     horizon: int  #: ns behind the last known moment; 0 unless predicted.
     instances: tuple[Instance, ...]
 
@@ -124,7 +143,8 @@ def snapshot_of(found: dict[str, Any]) -> Snapshot:
 
 def _instance_of(found: dict[str, Any]) -> Instance:
     error, bound = _error_of(found.pop("error")), _error_of(found.pop("bound"))
-    return Instance(error=error, bound=bound, **found)
+    members = tuple(MemberPrediction(**one) for one in found.pop("members"))
+    return Instance(error=error, bound=bound, members=members, **found)
 
 
 def _error_of(found: dict[str, Any] | None) -> MeasuredError | None:

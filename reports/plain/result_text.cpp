@@ -5,6 +5,7 @@
 
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
+#include "reports/plain/members_text.h"
 #include "reports/plain/save.h"
 #include "reports/plain/text.h"
 
@@ -115,6 +116,9 @@ void print_result(const ltm::QueryResult& result) {
                  first_error_text(recalled), content_text(recalled)});
     }
     print(table.to_string("  "));
+    for (const ltm::SnapshotResult& recalled : entity->snapshots)
+      if (const std::string members = members_text(recalled); !members.empty())
+        print(fmt::format("  {} ahead: {}", to_string(recalled.horizon), members));
   }
 }
 

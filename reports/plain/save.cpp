@@ -65,6 +65,24 @@ Json bound_json(const ltm::MeasuredError& bound) {
   return json;
 }
 
+/// What is known of each member: nothing of errors that are not promised.
+Json members_json(const std::vector<ltm::MemberPrediction>& members) {
+  Json list = Json::array();
+  for (const ltm::MemberPrediction& member : members) {
+    const auto error_of = [&](double mse) {
+      return member.is_image ? ltm::MeasuredError{mse} : ltm::MeasuredError{std::nan(""), mse};
+    };
+    Json one{{"path", member.path}, {"engine", member.engine}};
+    if (!std::isnan(member.expected_mse))
+      one["expected_error"] = error_json(error_of(member.expected_mse));
+    if (!std::isnan(member.bound_mse)) one["error_bound"] = bound_json(error_of(member.bound_mse));
+    one["copied"] = member.copied;
+    one["is_moving"] = member.is_moving;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
 Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResult& recalled,
                            const std::vector<std::vector<std::string>>* image_files) {
   Json json{{"id", entity.at(recalled.time).to_string()},
@@ -91,6 +109,7 @@ Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResul
       entry[name] = error_json(*instance.error);
     }
     if (instance.bound) entry["error_bound"] = bound_json(*instance.bound);
+    if (!instance.members.empty()) entry["members"] = members_json(instance.members);
     entry["data"] = std::move(data);
     json["instances"].push_back(std::move(entry));
   }

@@ -144,6 +144,8 @@ Result<WireBytes> to_wire(const ltm::SnapshotResult& snapshot, bool with_data,
     set_metadata(rest, instance.metadata);
     if (instance.error) *rest.mutable_error() = to_message(*instance.error);
     if (instance.bound) *rest.mutable_bound() = to_message(*instance.bound);
+    for (const ltm::MemberPrediction& member : instance.members)
+      *rest.add_members() = to_message(member);
     if (bytes != nullptr) {
       append_instance(writer, rest, &(*bytes)[i]);
       continue;
@@ -193,6 +195,8 @@ Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& blo
     }
     if (instance.has_error()) one.error = to_error(instance.error());
     if (instance.has_bound()) one.bound = to_error(instance.bound());
+    for (const v1::MemberPrediction& member : instance.members())
+      one.members.push_back(to_member(member));
     answer.instances.push_back(std::move(one));
   }
   return answer;
@@ -237,6 +241,30 @@ ltm::MeasuredError to_error(const v1::Error& message) {
   if (message.has_image_mse()) error.image_mse = message.image_mse();
   if (message.has_number_mse()) error.number_mse = message.number_mse();
   return error;
+}
+
+v1::MemberPrediction to_message(const ltm::MemberPrediction& member) {
+  v1::MemberPrediction message;
+  message.set_path(member.path);
+  message.set_engine(member.engine);
+  if (!std::isnan(member.expected_mse)) message.set_expected_mse(member.expected_mse);
+  if (!std::isnan(member.bound_mse)) message.set_bound_mse(member.bound_mse);
+  message.set_copied(member.copied);
+  message.set_is_image(member.is_image);
+  message.set_is_moving(member.is_moving);
+  return message;
+}
+
+ltm::MemberPrediction to_member(const v1::MemberPrediction& message) {
+  ltm::MemberPrediction member;
+  member.path = message.path();
+  member.engine = message.engine();
+  if (message.has_expected_mse()) member.expected_mse = message.expected_mse();
+  if (message.has_bound_mse()) member.bound_mse = message.bound_mse();
+  member.copied = message.copied();
+  member.is_image = message.is_image();
+  member.is_moving = message.is_moving();
+  return member;
 }
 
 v1::Outcome to_outcome(const Status& status) {

@@ -48,6 +48,8 @@ void set_head(v1::Snapshot& message, const ltm::Snapshot& snapshot);
 void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata);
 
 [[nodiscard]] v1::Error to_message(const ltm::MeasuredError& error);
+[[nodiscard]] v1::MemberPrediction to_message(const ltm::MemberPrediction& member);
+[[nodiscard]] ltm::MemberPrediction to_member(const v1::MemberPrediction& message);
 [[nodiscard]] ltm::MeasuredError to_error(const v1::Error& message);
 
 [[nodiscard]] v1::Outcome to_outcome(const Status& status);

@@ -73,7 +73,13 @@ TEST(EntityForecaster, TellsEngineHorizonAndError) {
   });
   const SnapshotResult next = predict(forecaster, 5 * kStep);
   EXPECT_EQ(next.source, Source::kPredicted);
-  EXPECT_EQ(next.predictor, "autoregression");
+  EXPECT_EQ(next.predictor, "mixed") << "a straight line counts up";
+  const std::vector<MemberPrediction>& members = next.instances[0].members;
+  ASSERT_EQ(members.size(), 2u) << "a name is copied, and no tensor";
+  EXPECT_EQ(members[0].path, "angle");
+  EXPECT_EQ(members[0].engine, "autoregression");
+  EXPECT_EQ(members[1].path, "count");
+  EXPECT_TRUE(members[1].is_moving);
   EXPECT_EQ(next.model, "");
   EXPECT_EQ(next.horizon, 5 * kStep);
   EXPECT_EQ(next.time, moment(304));
@@ -92,7 +98,7 @@ TEST(EntityForecaster, TellsEngineHorizonAndError) {
   EXPECT_EQ(records->size(), make_series_engines().size());
   EXPECT_EQ(records->front().engine, "autoregression");
   EXPECT_GT(records->front().predictions, 90u);
-  EXPECT_EQ(records->front().mean, next.instances[0].error);
+  EXPECT_NEAR(records->front().mean.number_mse, next.instances[0].error->number_mse, 1e-6);
 }
 
 TEST(EntityForecaster, LiesOnTheLineBetweenTwoSteps) {
@@ -207,7 +213,7 @@ TEST(EntityForecaster, NeverAnswersWithWhatIsNoNumber) {
                 {"q", quaternion(odd[random() % 2] + row)}};
   });
   for (const char* engine :
-       {"", "copy-last", "line", "damped-line", "constant-velocity", "autoregression", "related"}) {
+       {"", "copy-last", "line", "damped-line", "constant-velocity", "quadratic", "autoregression", "related"}) {
     const SnapshotResult next = predict(forecaster, 3 * kStep, engine);
     EXPECT_TRUE(std::isfinite(next.instances[0].data.at("a")->get<double>())) << engine;
     for (const double part : next.instances[0].data.at("q")->get<NdArray>().values<double>())
@@ -292,12 +298,14 @@ TEST(EntityForecaster, AnswersWithTheModelWhereItsImagesAreBetter) {
   EntityForecaster forecaster(with_model(good));
   add(forecaster, 0, 60, moving);
   const SnapshotResult next = predict(forecaster, 2 * kStep);
-  EXPECT_EQ(next.predictor, "deep") << "images decide";
+  EXPECT_EQ(next.predictor, "mixed") << "the model's images are better, its numbers are not";
+  EXPECT_EQ(next.instances[0].members[0].engine, "deep");
+  EXPECT_NE(next.instances[0].members[1].engine, "deep");
   EXPECT_EQ(next.model, "Robot/State/arm/joints v3");
   EXPECT_EQ(*next.instances[0].data.at("rgb"), Data(picture(61)));
   EXPECT_EQ(next.instances[0].error->image_mse, 1.0) << "it tells itself";
   EXPECT_EQ(next.instances[0].bound->image_mse, 0.0) << "it does not: as measured";
-  EXPECT_NEAR(next.instances[0].bound->number_mse, 0.04 / 1, 1e-6);
+  EXPECT_NEAR(next.instances[0].bound->number_mse, 0, 1e-6) << "of the engine of the number";
   EXPECT_EQ(good.told, good.asked);
   const auto records = forecaster.records(2 * kStep);
   ASSERT_OK(records);

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/prediction/honest_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace engram::ltm {
+
+namespace {
+
+using Errors = std::vector<std::pair<size_t, MemberErrors>>;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0, count = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    count += 1;
+  }
+  return count > 0 ? sum / count : kNaN;
+}
+
+template <typename Kind>
+double mean_of(const Errors& errors, Kind kind) {
+  std::vector<double> values;
+  for (const auto& [row, error] : errors) values.push_back(error.pooled.*kind);
+  return mean_of(values);
+}
+
+/// The record so many steps ahead; beyond the last one, that.
+std::optional<MeasuredError> record_at(const Predictor& predictor, Told told, int steps) {
+  std::optional<MeasuredError> found;
+  for (const HorizonRecord& record : predictor.records(told)) {
+    if (record.predictions == 0 || (found && record.steps > steps)) continue;
+    found = record.mean;
+  }
+  return found;
+}
+
+/// What errors of one kind are multiplied with.
+template <typename Kind>
+double raise_of(const Errors& errors, const MeasuredError& held_out,
+                const std::optional<MeasuredError>& held_out_copy, const MeasuredError& copied,
+                Kind kind) {
+  const double measured = mean_of(errors, kind);
+  double honest = held_out.*kind;
+  if (held_out_copy && (*held_out_copy).*kind > 0 && copied.*kind > 0)
+    honest = copied.*kind * (held_out.*kind / ((*held_out_copy).*kind));
+  return measured > 0 && honest > measured ? honest / measured : 1;
+}
+
+}  // namespace
+
+MeasuredError copied_baseline(const InstanceHistory& history, const Errors& errors,
+                              Duration ahead) {
+  const NumberSeries& series = history.series();
+  std::vector<double> images, numbers;
+  for (const auto& [row, error] : errors) {
+    const size_t then = row + series.steps_in(ahead);
+    if (then >= series.rows()) continue;
+    const auto others = history.copied_error(row, then);
+    images.push_back(others ? others->pooled.image_mse : kNaN);
+    numbers.push_back(joined_error(
+        history.rows().mean_square(series.row(row), series.row(then)), history.rows().counted(),
+        others ? others->pooled.number_mse : kNaN, history.samples().number_elements()));
+  }
+  return {mean_of(images), mean_of(numbers)};
+}
+
+void make_honest(const EngineChoiceInputs& inputs, const idf::Layout& layout, const Engine& model,
+                 int steps, const MeasuredError& copied, Errors& errors) {
+  const bool is_told = inputs.condition_at && model.predictor->condition();
+  const Told told = is_told ? Told::kConditions : Told::kValues;
+  const auto held_out = record_at(*model.predictor, told, steps);
+  if (!held_out) return;
+  std::optional<MeasuredError> held_out_copy;
+  for (const Engine& other : inputs.models)
+    if (other.predictor->name() == "copy-last")
+      held_out_copy = record_at(*other.predictor, Told::kValues, steps);
+  const double images =
+      raise_of(errors, *held_out, held_out_copy, copied, &MeasuredError::image_mse);
+  const double numbers =
+      raise_of(errors, *held_out, held_out_copy, copied, &MeasuredError::number_mse);
+  for (auto& [row, error] : errors) {
+    error.pooled.image_mse *= images;
+    error.pooled.number_mse *= numbers;
+    for (size_t i = 0; i < error.squares.size(); ++i)
+      error.squares[i] *= layout.members()[i].kind == idf::MemberKind::kImage ? images : numbers;
+  }
+}
+
+}  // namespace engram::ltm

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/prediction/member_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ltm/core/check.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double known_or_infinite(const MemberRecord& record) {
+  return record.predictions > 0 && !std::isnan(record.mean) ? record.mean : kInfinity;
+}
+
+/// What decides about one member: the records of moments of one kind, or none.
+class MemberCase {
+ public:
+  MemberCase(const std::vector<MemberCandidate>& candidates, size_t member, bool is_moving)
+      : candidates_(candidates), member_(member) {
+    const size_t here = moments(is_moving), elsewhere = moments(!is_moving);
+    is_of_moving_ = is_moving;
+    if (here >= kMinMoments || elsewhere == 0) return;
+    // At rest, what is known of its movement tells more than a few moments of rest, and promises
+    // less. Of something that hardly ever moved nothing is known of movement.
+    is_of_moving_ = true;
+    is_unknown_movement_ = is_moving;
+  }
+
+  [[nodiscard]] const MemberRecord& record(size_t candidate) const {
+    return candidates_[candidate].members[member_].of(is_of_moving_);
+  }
+  [[nodiscard]] bool is_unknown_movement() const { return is_unknown_movement_; }
+  [[nodiscard]] bool is_known() const { return moments(is_of_moving_) > 0; }
+
+  /// The first of the best.
+  [[nodiscard]] size_t best() const {
+    size_t best = 0;
+    for (size_t i = 1; i < candidates_.size(); ++i)
+      if (known_or_infinite(record(i)) < known_or_infinite(record(best))) best = i;
+    return best;
+  }
+
+ private:
+  [[nodiscard]] size_t moments(bool is_moving) const {
+    size_t max = 0;
+    for (const MemberCandidate& candidate : candidates_)
+      max = std::max(max, candidate.members[member_].of(is_moving).predictions);
+    return max;
+  }
+
+  const std::vector<MemberCandidate>& candidates_;
+  size_t member_;
+  bool is_of_moving_ = false;
+  bool is_unknown_movement_ = false;
+};
+
+/// The candidate with the smallest error over members, each relative to that of a copy.
+std::optional<size_t> best_for_all(size_t candidates, const std::vector<MemberCase>& cases) {
+  std::optional<size_t> best;
+  double best_score = kInfinity;
+  for (size_t i = 0; i < candidates; ++i) {
+    double score = 0;
+    size_t counted = 0;
+    for (const MemberCase& one : cases) {
+      const double copy = known_or_infinite(one.record(0));
+      if (one.is_unknown_movement() || !(copy > 0) || std::isinf(copy)) continue;
+      score += known_or_infinite(one.record(i)) / copy;
+      ++counted;
+    }
+    if (counted == 0 || !(score < best_score)) continue;
+    best = i;
+    best_score = score;
+  }
+  return best;
+}
+
+size_t place_of(const std::vector<MemberCandidate>& candidates, std::string_view engine) {
+  const auto found = std::ranges::find(candidates, engine, &MemberCandidate::engine);
+  return found == candidates.end() ? 0 : static_cast<size_t>(found - candidates.begin());
+}
+
+MemberChoice chosen(const std::vector<MemberCandidate>& candidates, const MemberCase& one,
+                    std::optional<size_t> common) {
+  if (one.is_unknown_movement()) return {place_of(candidates, "constant-velocity"), {}};
+  if (!one.is_known()) return {};
+  size_t choice = common.value_or(0);
+  if (!(known_or_infinite(one.record(choice)) < known_or_infinite(one.record(0)))) choice = 0;
+  const size_t best = one.best();
+  if (known_or_infinite(one.record(best)) <= kClearGain * known_or_infinite(one.record(choice)))
+    choice = best;
+  return {choice, one.record(choice)};
+}
+
+}  // namespace
+
+bool MemberCandidate::is_measured() const {
+  return std::ranges::any_of(members, [](const MotionRecords& records) {
+    return records.at_rest.predictions + records.moving.predictions > 0;
+  });
+}
+
+std::vector<MemberChoice> choose_members(const std::vector<MemberCandidate>& candidates,
+                                         const ValueRow& rows, const std::vector<bool>& is_moving) {
+  ENGRAM_CHECK(!candidates.empty() && candidates.front().engine == "copy-last",
+               "found {} candidates, needs a copy first", candidates.size());
+  std::vector<MemberChoice> choices(rows.layout().members().size());
+  if (std::ranges::none_of(candidates, &MemberCandidate::is_measured)) {
+    // Before anything can be measured a model answers.
+    const auto model = std::ranges::find_if(
+        candidates, [](const MemberCandidate& one) { return one.model != nullptr; });
+    if (model != candidates.end())
+      for (MemberChoice& choice : choices)
+        choice.candidate = static_cast<size_t>(model - candidates.begin());
+    return choices;
+  }
+  std::vector<MemberCase> cases;
+  for (const RowMember& member : rows.row_members())
+    if (!member.is_copied) cases.emplace_back(candidates, member.member, is_moving[member.member]);
+  const std::optional<size_t> common = best_for_all(candidates.size(), cases);
+  size_t next = 0;
+  for (const RowMember& member : rows.row_members())
+    if (!member.is_copied) choices[member.member] = chosen(candidates, cases[next++], common);
+  for (const size_t member : rows.other_members()) {
+    const MemberCase one(candidates, member, false);
+    const size_t best = one.best();
+    choices[member] = {best, one.record(best)};
+  }
+  return choices;
+}
+
+std::vector<MemberChoice> named_members(const std::vector<MemberCandidate>& candidates,
+                                        const ValueRow& rows, const std::vector<bool>& is_moving) {
+  std::vector<MemberChoice> choices(rows.layout().members().size());
+  const size_t named = candidates.size() - 1;
+  for (const RowMember& member : rows.row_members()) {
+    if (member.is_copied) continue;
+    const MemberCase one(candidates, member.member, is_moving[member.member]);
+    choices[member.member] = {named,
+                              one.is_unknown_movement() ? MemberRecord{} : one.record(named)};
+  }
+  for (const size_t member : rows.other_members()) {
+    const size_t used = candidates[named].model != nullptr ? named : 0;
+    choices[member] = {used, MemberCase(candidates, member, false).record(used)};
+  }
+  return choices;
+}
+
+}  // namespace engram::ltm
