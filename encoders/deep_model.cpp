@@ -347,14 +347,35 @@ Result<idf::Data> DeepModel::decode(const LatentRows& rows, size_t row,
 }
 
 std::vector<Future> futures_of(DeepModel& model, const Parts& last, const Parts& before,
-                               int steps) {
-  const std::vector<Parts> latents =
-      roll_out(model.autoencoder, model.dynamics, last, round(model.autoencoder->encode(last)),
-               round(model.autoencoder->encode(before)), steps);
-  auto motion = model.dynamics->move(last, before, steps);
-  std::vector<Future> futures;
-  for (size_t i = 0; i < latents.size(); ++i) futures.push_back({latents[i], std::move(motion[i])});
+                               std::span<const FutureNeed> needs) {
+  std::vector<int> of_latents;
+  int of_motion = 0;
+  for (const FutureNeed& need : needs) {
+    if (need.latents) of_latents.push_back(need.step);
+    if (need.motion) of_motion = need.step;
+  }
+  std::vector<Parts> latents;
+  if (!of_latents.empty())
+    latents =
+        roll_out(model.autoencoder, model.dynamics, last, round(model.autoencoder->encode(last)),
+                 round(model.autoencoder->encode(before)), of_latents);
+  auto motion = of_motion > 0 ? model.dynamics->move(last, before, of_motion)
+                              : std::vector<std::vector<Tensor>>{};
+  std::vector<Future> futures(needs.size());
+  size_t next = 0;
+  for (size_t i = 0; i < needs.size(); ++i) {
+    if (needs[i].latents) futures[i].latents = std::move(latents[next++]);
+    if (needs[i].motion)
+      futures[i].motion = std::move(motion[static_cast<size_t>(needs[i].step) - 1]);
+  }
   return futures;
+}
+
+std::vector<Future> futures_of(DeepModel& model, const Parts& last, const Parts& before,
+                               int steps) {
+  std::vector<FutureNeed> needs;
+  for (int step = 1; step <= steps; ++step) needs.push_back({step});
+  return futures_of(model, last, before, needs);
 }
 
 Parts mix(const Parts& last, const Future& future, const Shares& shares) {
@@ -367,7 +388,8 @@ Parts mix(const Parts& last, const Future& future, const Shares& shares) {
       image = image + shares.motion * (future.motion[i] - last.images[i]);
     mixed.images.push_back(image);
   }
-  if (last.numbers.defined())
+  mixed.numbers = last.numbers;
+  if (last.numbers.defined() && shares.numbers > 0)
     mixed.numbers = last.numbers + shares.numbers * (future.latents.numbers - last.numbers);
   return mixed;
 }

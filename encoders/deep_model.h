@@ -146,6 +146,19 @@ struct Future {
   std::vector<torch::Tensor> motion;  ///< Images as their motion has them.
 };
 
+/// What is needed of one moment ahead: a closed gate needs nothing of what it lets through.
+struct FutureNeed {
+  int step = 1;
+  bool latents = true;
+  bool motion = true;
+};
+
+/// What is needed after each of some steps, in their order (ascending, each once): one rollout
+/// serves them all. What is not needed is left empty.
+[[nodiscard]] std::vector<Future> futures_of(DeepModel& model, const Parts& last,
+                                             const Parts& before,
+                                             std::span<const FutureNeed> needs);
+
 /// The futures of 1..`steps` steps after `last`, whose latents are made on the way.
 [[nodiscard]] std::vector<Future> futures_of(DeepModel& model, const Parts& last,
                                              const Parts& before, int steps);

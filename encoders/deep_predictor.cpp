@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
 
 #include "encoders/deep_model.h"
 
@@ -35,8 +38,17 @@ class DeepPredictor : public ltm::Predictor {
   }
 
   Result<std::vector<ltm::Prediction>> predict(const ltm::Past& past, int steps) override {
-    if (past.values.empty()) return invalid_argument("predict: found no history, needs one value");
     if (steps < 1) return invalid_argument("predict: found {} steps, needs at least 1", steps);
+    std::vector<int> all(static_cast<size_t>(steps));
+    std::iota(all.begin(), all.end(), 1);
+    return predict_at(past, all);
+  }
+
+  Result<std::vector<ltm::Prediction>> predict_at(const ltm::Past& past,
+                                                  std::span<const int> steps) override {
+    if (past.values.empty()) return invalid_argument("predict: found no history, needs one value");
+    for (const int step : steps)
+      if (step < 1) return invalid_argument("predict: found step {}, needs at least 1", step);
     return guarded("predict", [&] { return predict_checked(past, steps); });
   }
 
@@ -54,7 +66,15 @@ class DeepPredictor : public ltm::Predictor {
     return told == ltm::Told::kPlan ? model_->planned : model_->unconditioned;
   }
 
-  Result<std::vector<ltm::Prediction>> predict_checked(const ltm::Past& past, int steps) {
+  [[nodiscard]] static Shares shares_at(const PredictionRecord& record, int step) {
+    const size_t horizon = index_of(step);
+    return {record.image_gates[horizon], record.motion_gates[horizon],
+            record.number_gates[horizon]};
+  }
+
+  /// The values at `steps`, which may come in any order and more than once.
+  Result<std::vector<ltm::Prediction>> predict_checked(const ltm::Past& past,
+                                                       std::span<const int> steps) {
     torch::NoGradGuard no_grad;
     const auto history = past.values;
     ENGRAM_ASSIGN_OR_RETURN(const auto split, model_->plan.layout().split(history.back()));
@@ -71,16 +91,26 @@ class DeepPredictor : public ltm::Predictor {
       ENGRAM_ASSIGN_OR_RETURN(last.plan, read_plan(past.plan));
       told = ltm::Told::kPlan;
     }
-    const auto futures = futures_of(*model_, last, before, steps);
     const PredictionRecord& record = this->record(told);
     const ltm::MeasuredError change = change_of(*model_, history, last, before);
-    std::vector<ltm::Prediction> predictions;
-    for (int i = 0; i < steps; ++i) {
-      ENGRAM_ASSIGN_OR_RETURN(
-          idf::Data value,
-          value_at(history.back(), split, last, futures[static_cast<size_t>(i)], i, record));
-      predictions.push_back({std::move(value), record.estimate(change, i + 1)});
+    std::vector<FutureNeed> needs;
+    for (const int step : std::set<int>(steps.begin(), steps.end())) {
+      const Shares shares = shares_at(record, step);
+      needs.push_back({step, shares.latents > 0 || shares.numbers > 0, shares.motion > 0});
     }
+    const auto futures = futures_of(*model_, last, before, needs);
+    std::map<int, ltm::Prediction> known;
+    for (size_t i = 0; i < needs.size(); ++i) {
+      const int step = needs[i].step;
+      const Shares shares = shares_at(record, step);
+      ENGRAM_ASSIGN_OR_RETURN(idf::Data value,
+                              value_at(history.back(), split, last, futures[i], shares));
+      known.emplace(step, ltm::Prediction{std::move(value), record.estimate(change, step),
+                                          std::max(0.0, 1 - shares.latents - shares.motion),
+                                          1 - shares.numbers});
+    }
+    std::vector<ltm::Prediction> predictions;
+    for (const int step : steps) predictions.push_back(known.at(step));
     return predictions;
   }
 
@@ -104,11 +134,7 @@ class DeepPredictor : public ltm::Predictor {
 
   // Members whose gate is closed keep the last value bit for bit.
   Result<idf::Data> value_at(const idf::Data& newest, const idf::SplitValue& split,
-                             const Parts& last, const Future& future, int step,
-                             const PredictionRecord& record) const {
-    const size_t horizon = index_of(step + 1);
-    const Shares shares{record.image_gates[horizon], record.motion_gates[horizon],
-                        record.number_gates[horizon]};
+                             const Parts& last, const Future& future, const Shares& shares) const {
     const bool copies_images = shares.latents == 0 && shares.motion == 0;
     const bool copies_numbers = shares.numbers == 0;
     if (copies_images && copies_numbers) return newest;

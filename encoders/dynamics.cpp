@@ -222,16 +222,20 @@ Parts gated(const Parts& last, const DynamicsStep& step, const Parts& then, cons
 }  // namespace
 
 std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics, const Parts& last,
-                            const Latents& now, const Latents& before, int steps) {
+                            const Latents& now, const Latents& before, std::span<const int> steps) {
   const Views views = autoencoder->views_of(now.scene, now.backgrounds);
   const Parts decoded = autoencoder->decode(now, views);
   std::vector<Parts> values;
   Latents previous = before;
   Latents current = now;
-  for (int i = 0; i < steps; ++i) {
-    DynamicsStep step = dynamics->step(current, previous);
-    previous = current;
-    current = step.then;
+  int passed = 0;
+  for (const int wanted : steps) {
+    DynamicsStep step;
+    for (; passed < wanted; ++passed) {
+      step = dynamics->step(current, previous);
+      previous = current;
+      current = step.then;
+    }
     values.push_back(gated(last, step, autoencoder->decode(current, views), decoded));
   }
   return values;

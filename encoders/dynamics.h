@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "encoders/autoencoder.h"
@@ -119,10 +120,11 @@ TORCH_MODULE(Dynamics);
 /// Bits of the unit interval around a value `distance` from the mean of a Laplace distribution.
 [[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance, const torch::Tensor& scale);
 
-/// The values after 1..`steps` steps as the latents have them, from the last values and the last
-/// two latents. Values are grey levels (clamped to 0..255) and normalised numbers.
+/// The values after each of `steps` (ascending) as the latents have them, from the last values and
+/// the last two latents: what lies between stays latent, for decoding is most of what a step costs.
+/// Values are grey levels (clamped to 0..255) and normalised numbers.
 [[nodiscard]] std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics,
                                           const Parts& last, const Latents& now,
-                                          const Latents& before, int steps);
+                                          const Latents& before, std::span<const int> steps);
 
 }  // namespace engram::encoders

@@ -152,10 +152,10 @@ std::string moment_text(const MemoryId& entity, const PredictedMoment& moment) {
     table.add(cells);
   }
   const ltm::SnapshotResult& first = moment.horizons.front().predicted;
-  std::string text = fmt::format(
-      "{} from {}, predicted by {}{}\n{}", entity.to_string(), to_string(moment.last.time),
-      is_one ? engine_of(first) : "the best engines",
-      first.plan.empty() ? "" : ", told the plan " + first.plan, table.to_string("  "));
+  std::string text =
+      fmt::format("{} from {}, predicted by {}{}\n{}", entity.to_string(),
+                  to_string(moment.last.time), is_one ? engine_of(first) : "the best engines",
+                  first.plan.empty() ? "" : ", told the plan " + first.plan, table.to_string("  "));
   for (const PredictedHorizon& horizon : moment.horizons)
     if (const std::string members = members_text(horizon.predicted); !members.empty())
       text += fmt::format("\n  {} ahead: {}", to_string(horizon.predicted.horizon), members);
@@ -185,7 +185,8 @@ std::string sweep_text(const MemoryId& entity, const std::string& engine,
     return told.predictions > 0 ? fmt::format("{:.1f} %", 100 * told.share()) : "-";
   };
   for (size_t i = 0; i < horizons.size(); ++i) {
-    const auto& [number, model, copy_last, foresight, copy_foresight] = qualities[i];
+    const auto& [number, model, copy_last, foresight, copy_foresight, moving, moving_copy] =
+        qualities[i];
     if (model.images > 0)
       table.add({to_string(horizons[i]), count_text(model.images), db_text(model.mean_psnr_db),
                  db_text(copy_last.mean_psnr_db), db_text(model.pooled_psnr_db),
@@ -195,6 +196,9 @@ std::string sweep_text(const MemoryId& entity, const std::string& engine,
       table.add({to_string(horizons[i]) + ", RMSE", count_text(model.numbers), "", "",
                  number_text(model.rmse), number_text(copy_last.rmse), coverage(foresight.numbers),
                  number_text(foresight.numbers.mean_bound)});
+    if (moving.numbers > 0 && moving.numbers < model.numbers)
+      table.add({to_string(horizons[i]) + ", RMSE of what moves", count_text(moving.numbers), "",
+                 "", number_text(moving.rmse), number_text(moving_copy.rmse), "", ""});
   }
   return fmt::format("{}, predicted by {}\n{}", entity.to_string(),
                      engine.empty() ? "the best engine of each moment" : engine,

@@ -41,16 +41,25 @@ std::optional<MeasuredError> record_at(const Predictor& predictor, Told told, in
   return found;
 }
 
-/// What errors of one kind are multiplied with.
+/// How errors of one kind become honest: a model that is right to the last digit has no error that
+/// could be multiplied.
+struct Raise {
+  double factor = 1;
+  double offset = 0;
+
+  [[nodiscard]] double of(double error) const { return error * factor + offset; }
+};
+
 template <typename Kind>
-double raise_of(const Errors& errors, const MeasuredError& held_out,
-                const std::optional<MeasuredError>& held_out_copy, const MeasuredError& copied,
-                Kind kind) {
+Raise raise_of(const Errors& errors, const MeasuredError& held_out,
+               const std::optional<MeasuredError>& held_out_copy, const MeasuredError& copied,
+               Kind kind) {
   const double measured = mean_of(errors, kind);
   double honest = held_out.*kind;
   if (held_out_copy && (*held_out_copy).*kind > 0 && copied.*kind > 0)
     honest = copied.*kind * (held_out.*kind / ((*held_out_copy).*kind));
-  return measured > 0 && honest > measured ? honest / measured : 1;
+  if (!(honest > measured)) return {};
+  return measured > 0 ? Raise{honest / measured, 0} : Raise{1, honest};
 }
 
 }  // namespace
@@ -81,15 +90,17 @@ void make_honest(const EngineChoiceInputs& inputs, const idf::Layout& layout, co
   for (const Engine& other : inputs.models)
     if (other.predictor->name() == "copy-last")
       held_out_copy = record_at(*other.predictor, Told::kValues, steps);
-  const double images =
+  const Raise images =
       raise_of(errors, *held_out, held_out_copy, copied, &MeasuredError::image_mse);
-  const double numbers =
+  const Raise numbers =
       raise_of(errors, *held_out, held_out_copy, copied, &MeasuredError::number_mse);
   for (auto& [row, error] : errors) {
-    error.pooled.image_mse *= images;
-    error.pooled.number_mse *= numbers;
-    for (size_t i = 0; i < error.squares.size(); ++i)
-      error.squares[i] *= layout.members()[i].kind == idf::MemberKind::kImage ? images : numbers;
+    error.pooled.image_mse = images.of(error.pooled.image_mse);
+    error.pooled.number_mse = numbers.of(error.pooled.number_mse);
+    for (size_t i = 0; i < error.squares.size(); ++i) {
+      const bool is_image = layout.members()[i].kind == idf::MemberKind::kImage;
+      error.squares[i] = (is_image ? images : numbers).of(error.squares[i]);
+    }
   }
 }
 

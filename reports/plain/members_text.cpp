@@ -19,8 +19,8 @@ std::string member_text(const ltm::MemberPrediction& member) {
     return error_text(member.is_image ? ltm::MeasuredError{mse}
                                       : ltm::MeasuredError{std::nan(""), mse});
   };
-  std::string text = fmt::format("{} by {}", member.path.empty() ? "value" : member.path,
-                                 member.engine);
+  std::string text =
+      fmt::format("{} by {}", member.path.empty() ? "value" : member.path, member.engine);
   if (member.copied > 0 && member.copied < 1)
     text += fmt::format(", {:.0f} % copied", 100 * member.copied);
   if (!std::isnan(member.expected_mse)) text += ", " + error_of(member.expected_mse);

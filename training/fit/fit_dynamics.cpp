@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/fit/fit_dynamics.h"
 
+#include <array>
+#include <numeric>
+
 #include "training/fit/gradients.h"
 #include "training/fit/windows.h"
 
@@ -38,6 +41,8 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
   const Frozen frozen(*model.autoencoder);
   torch::optim::Adam optimiser(model.dynamics->parameters(), torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
+  std::array<int, kTrainedHorizons> horizons{};
+  std::iota(horizons.begin(), horizons.end(), 1);
   FitState state{model, optimiser, result, loss_mean.state()};
   ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++result.step) {
@@ -50,7 +55,7 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
     forget_gradients(optimiser);
     const auto futures = encoders::roll_out(
         model.autoencoder, model.dynamics, data.batch(model.autoencoder->shape, now),
-        latents.rows(now), latents.rows(now - 1), kTrainedHorizons);
+        latents.rows(now), latents.rows(now - 1), horizons);
     Tensor loss = torch::zeros({});
     for (size_t i = 0; i < futures.size(); ++i)
       loss = loss + error_of(futures[i], data.batch(model.autoencoder->shape,

@@ -262,7 +262,8 @@ class Crossval {
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
         const idf::Data& recorded = values[row + ahead + 1];
-        ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(recorded, futures[ahead].value));
+        ENGRAM_ASSIGN_OR_RETURN(const auto error,
+                                compare_prediction(recorded, futures[ahead].value));
         ENGRAM_ASSIGN_OR_RETURN(const double ssim, mean_ssim(recorded, futures[ahead].value));
         sums[ahead].add(futures[ahead].error, error, ssim);
       }

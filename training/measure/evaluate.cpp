@@ -153,8 +153,8 @@ class EntityMeasurement {
     if (!futures.ok()) return futures.status();
     ENGRAM_ASSIGN_OR_RETURN(const auto copies, model_.copy_last->predict({history, {}}, steps));
     for (size_t h = 0; h < truth.size(); ++h) {
-      const auto error = compare(truth[h], (*futures)[h].value);
-      const auto copy_error = compare(truth[h], copies[h].value);
+      const auto error = compare_prediction(truth[h], (*futures)[h].value);
+      const auto copy_error = compare_prediction(truth[h], copies[h].value);
       if (!error.ok() || !copy_error.ok()) return {};
       const auto kind = static_cast<size_t>(
           known_of(provenance_, recorded[row - 1]->time, recorded[row + h + 1]->time));

@@ -19,6 +19,10 @@ struct PredictionQuality {
   Quality copy_last;
   Foresight model_foresight = {};
   Foresight copy_foresight = {};
+  /// Of those moments alone when something moved as the prediction was made, where predictions tell
+  /// (MemberPrediction::is_moving): things at rest hide what an engine is worth. Else empty.
+  Quality moving = {};
+  Quality moving_copy = {};
 };
 
 /// What a model knew of the snapshots that it is measured on.

@@ -64,8 +64,15 @@ Result<std::optional<SnapshotResult>> actual_of(Recall& recall, const MemoryId& 
 std::optional<ltm::MeasuredError> error_of(const SnapshotResult& actual,
                                            const SnapshotResult& other) {
   if (actual.instances.empty() || other.instances.empty()) return std::nullopt;
-  const auto error = compare(actual.instances.front().data, other.instances.front().data);
+  const auto error =
+      compare_prediction(actual.instances.front().data, other.instances.front().data);
   return error.ok() ? std::optional(*error) : std::nullopt;
+}
+
+bool is_anything_moving(const SnapshotResult& predicted) {
+  return std::ranges::any_of(predicted.instances, [](const ltm::InstanceResult& instance) {
+    return std::ranges::any_of(instance.members, &ltm::MemberPrediction::is_moving);
+  });
 }
 
 ltm::ErrorEstimate told_by(const SnapshotResult& predicted) {
@@ -143,7 +150,8 @@ Result<std::vector<PredictionQuality>> sweep(Recall& recall, const MemoryId& ent
       if (times[row] >= options.first.value_or(times.front()) &&
           times[row] <= options.last.value_or(times.back()))
         moments.push_back(times[row]);
-  std::vector<PredictionSums> predicted(outlook.horizons.size()), copied(outlook.horizons.size());
+  const size_t count = outlook.horizons.size();
+  std::vector<PredictionSums> predicted(count), copied(count), moving(count), moving_copied(count);
   for (size_t i = 0; i < moments.size(); i += options.every) {
     if (stop.stop_requested()) return cancelled("predicting was stopped");
     if (progress) progress({"predict " + entity.to_string(), i, moments.size(), {}, -1});
@@ -154,13 +162,17 @@ Result<std::vector<PredictionQuality>> sweep(Recall& recall, const MemoryId& ent
       if (!horizon.error || !horizon.copy_error) continue;
       predicted[h].add(told_by(horizon.predicted), *horizon.error);
       copied[h].add(horizon.copy_told, *horizon.copy_error);
+      if (!is_anything_moving(horizon.predicted)) continue;
+      moving[h].add(told_by(horizon.predicted), *horizon.error);
+      moving_copied[h].add(horizon.copy_told, *horizon.copy_error);
     }
   }
   std::vector<PredictionQuality> qualities;
   for (size_t h = 0; h < predicted.size(); ++h)
     qualities.push_back({static_cast<int>(h + 1), predicted[h].quality.quality(),
                          copied[h].quality.quality(), predicted[h].foresight(),
-                         copied[h].foresight()});
+                         copied[h].foresight(), moving[h].quality.quality(),
+                         moving_copied[h].quality.quality()});
   return qualities;
 }
 

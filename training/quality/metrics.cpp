@@ -55,9 +55,36 @@ void add_numbers(const idf::NdArray& a, const idf::NdArray& b, ErrorSum& error) 
   });
 }
 
-}  // namespace
+bool is_unit_quaternion(const idf::NdArray& array) {
+  if (array.shape() != idf::Shape{4}) return false;
+  return idf::visit_element_type(array.type(), [&]<typename T>(T) {
+    if constexpr (!std::is_floating_point_v<T>) {
+      return false;
+    } else {
+      double square = 0;
+      for (const T element : array.values<T>()) square += double{element} * double{element};
+      return std::abs(std::sqrt(square) - 1) < 1e-3;
+    }
+  });
+}
 
-Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other) {
+/// The closer of a rotation's two signs.
+void add_rotation(const idf::NdArray& a, const idf::NdArray& b, ErrorSum& error) {
+  ErrorSum same, opposite;
+  idf::visit_element_type(a.type(), [&]<typename T>(T) {
+    for (size_t i = 0; i < 4; ++i) {
+      const auto left = static_cast<double>(a.values<T>()[i]);
+      const auto right = static_cast<double>(b.values<T>()[i]);
+      same.add(left, right, 1.0);
+      opposite.add(left, -right, 1.0);
+    }
+  });
+  error.sum += std::min(same.sum, opposite.sum);
+  error.count += same.count;
+}
+
+Result<ltm::MeasuredError> compared(const idf::Data& recorded, const idf::Data& other,
+                                    bool is_prediction) {
   const idf::Layout layout = idf::Layout::of(recorded);
   ENGRAM_ASSIGN_OR_RETURN(const auto a, layout.split(recorded));
   ENGRAM_ASSIGN_OR_RETURN(const auto b, layout.split(other));
@@ -65,8 +92,12 @@ Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& o
   ErrorSum numbers;
   for (size_t i = 0; i < a.tensors.size(); ++i) {
     const idf::TensorMember& member = layout.members()[i];
+    if (is_prediction && member.kind == idf::MemberKind::kBool) continue;
     if (member.kind != idf::MemberKind::kImage) {
-      add_numbers(a.tensors[i], b.tensors[i], numbers);
+      if (is_prediction && is_unit_quaternion(a.tensors[i]) && is_unit_quaternion(b.tensors[i]))
+        add_rotation(a.tensors[i], b.tensors[i], numbers);
+      else
+        add_numbers(a.tensors[i], b.tensors[i], numbers);
     } else if (member.type == idf::ElementType::kUInt8) {
       add_bytes(a.tensors[i].values<uint8_t>(), b.tensors[i].values<uint8_t>(), images);
     } else {
@@ -74,6 +105,17 @@ Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& o
     }
   }
   return ltm::MeasuredError{images.mean(), numbers.mean()};
+}
+
+}  // namespace
+
+Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other) {
+  return compared(recorded, other, false);
+}
+
+Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded,
+                                              const idf::Data& predicted) {
+  return compared(recorded, predicted, true);
 }
 
 Result<double> mean_ssim(const idf::Data& recorded, const idf::Data& other) {

@@ -17,6 +17,12 @@ namespace engram::training {
 /// Errors: kInvalidArgument where the two have different layouts.
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other);
 
+/// The same of a prediction, which is not blamed for what nobody predicts: bools are left out, and
+/// a unit quaternion (four floats) is the rotation that it says, whatever its sign. Errors:
+/// kInvalidArgument where the two have different layouts.
+Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded,
+                                              const idf::Data& predicted);
+
 /// Mean structural similarity (quality/ssim.h) of the images of 8 bits among their tensor members;
 /// NaN where none is at least 11 pixels wide and high.
 /// Errors: kInvalidArgument where the two have different layouts.

@@ -48,6 +48,16 @@ TEST(Compare, CallsALostNotANumberInfinitelyWrong) {
   EXPECT_TRUE(std::isinf(compare(idf::Data(std::nan("")), idf::Data(1.0))->number_mse));
 }
 
+TEST(Compare, BlamesAPredictionForNoBoolAndNoSign) {
+  const auto rotation = [](double sign) {
+    return idf::NdArray::take<double>({4}, {sign * 0.6, 0.0, sign * 0.8, 0.0});
+  };
+  const idf::Data seen = idf::Dict{{"seen", true}, {"x", 1.0}, {"turn", rotation(1)}};
+  const idf::Data predicted = idf::Dict{{"seen", false}, {"x", 3.0}, {"turn", rotation(-1)}};
+  EXPECT_DOUBLE_EQ(compare_prediction(seen, predicted)->number_mse, 4.0 / 5);
+  EXPECT_GT(compare(seen, predicted)->number_mse, 1.0);
+}
+
 TEST(Compare, RejectsAnotherLayout) {
   EXPECT_EQ(compare(idf::Data(1.0), idf::Data("text")).status().code(),
             StatusCode::kInvalidArgument);
