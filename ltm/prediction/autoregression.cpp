@@ -33,6 +33,7 @@ Changes changes_of(const NumberSeries& series, size_t row, size_t number) {
 class Autoregression final : public SeriesEngine {
  public:
   [[nodiscard]] std::string_view name() const override { return "autoregression"; }
+  [[nodiscard]] bool learns() const override { return true; }
 
   void learn(const NumberSeries& series, size_t end, size_t steps) override {
     std::vector<size_t> windows;

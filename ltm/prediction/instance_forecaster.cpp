@@ -263,8 +263,7 @@ Result<InstancePrediction> InstanceForecaster::joined(
   if (models.size() == 1 && !rows.layout().split(models.begin()->second.value).ok()) {
     // What a model that was named says may have members more than the values: it is answered whole.
     const auto& [model, one] = *models.begin();
-    return InstancePrediction{
-        one.value, model->model, one.error, {whole_prediction(*model, one)}};
+    return InstancePrediction{one.value, model->model, one.error, {whole_prediction(*model, one)}};
   }
   prediction.value =
       continued.empty() ? history_.values().back() : rows.value(history_.last(), last, row);

@@ -17,25 +17,48 @@ double known_or_infinite(const MemberRecord& record) {
   return record.predictions > 0 && !std::isnan(record.mean) ? record.mean : kInfinity;
 }
 
+/// Which moments decide about one member.
+enum class Moments { kAtRest, kMoving, kEverMoving, kNone };
+
+const MemberRecord& record_of(const MotionRecords& records, Moments moments) {
+  static const MemberRecord kNothing;
+  switch (moments) {
+    case Moments::kAtRest:
+      return records.at_rest;
+    case Moments::kMoving:
+      return records.moving;
+    case Moments::kEverMoving:
+      return records.ever_moving;
+    case Moments::kNone:
+      break;
+  }
+  return kNothing;
+}
+
 /// What decides about one member: the records of moments of one kind, or none.
 class MemberCase {
  public:
   MemberCase(const std::vector<MemberCandidate>& candidates, size_t member, bool is_moving)
       : candidates_(candidates), member_(member) {
-    const size_t here = moments(is_moving), elsewhere = moments(!is_moving);
-    is_of_moving_ = is_moving;
-    if (here >= kMinMoments || elsewhere == 0) return;
-    // At rest, what is known of its movement tells more than a few moments of rest, and promises
-    // less. Of something that hardly ever moved nothing is known of movement.
-    is_of_moving_ = true;
-    is_unknown_movement_ = is_moving;
+    const Moments here = is_moving ? Moments::kMoving : Moments::kAtRest;
+    const Moments elsewhere = is_moving ? Moments::kAtRest : Moments::kMoving;
+    if (count(here) >= kMinMoments || count(elsewhere) == 0)
+      moments_ = here;
+    else if (count(Moments::kEverMoving) >= kMinMoments)
+      moments_ = Moments::kEverMoving;
+    else if (!is_moving)
+      // What is known of its movement tells more than a few moments of rest, and promises less.
+      moments_ = count(Moments::kMoving) > count(here) ? Moments::kMoving : here;
+    else
+      is_unknown_movement_ = true;
   }
 
   [[nodiscard]] const MemberRecord& record(size_t candidate) const {
-    return candidates_[candidate].members[member_].of(is_of_moving_);
+    return record_of(candidates_[candidate].members[member_], moments_);
   }
+  /// It moves, and hardly ever did.
   [[nodiscard]] bool is_unknown_movement() const { return is_unknown_movement_; }
-  [[nodiscard]] bool is_known() const { return moments(is_of_moving_) > 0; }
+  [[nodiscard]] bool is_known() const { return count(moments_) > 0; }
 
   /// The first of the best.
   [[nodiscard]] size_t best() const {
@@ -46,16 +69,16 @@ class MemberCase {
   }
 
  private:
-  [[nodiscard]] size_t moments(bool is_moving) const {
+  [[nodiscard]] size_t count(Moments moments) const {
     size_t max = 0;
     for (const MemberCandidate& candidate : candidates_)
-      max = std::max(max, candidate.members[member_].of(is_moving).predictions);
+      max = std::max(max, record_of(candidate.members[member_], moments).predictions);
     return max;
   }
 
   const std::vector<MemberCandidate>& candidates_;
   size_t member_;
-  bool is_of_moving_ = false;
+  Moments moments_ = Moments::kNone;
   bool is_unknown_movement_ = false;
 };
 

@@ -33,6 +33,9 @@ struct MemberRecord {
 /// Of moments when the member was at rest, and of those when it moved.
 struct MotionRecords {
   MemberRecord at_rest, moving;
+  /// Of movements in all of the past, and not only where engines that learn are measured: movements
+  /// are rare. Of engines that do not learn alone.
+  MemberRecord ever_moving = {};
 
   [[nodiscard]] const MemberRecord& of(bool is_moving) const {
     return is_moving ? moving : at_rest;

@@ -87,6 +87,7 @@ Index best_pick(const Products& products, const Weights& fit, Index target) {
 class Related final : public SeriesEngine {
  public:
   [[nodiscard]] std::string_view name() const override { return "related"; }
+  [[nodiscard]] bool learns() const override { return true; }
 
   void learn(const NumberSeries& series, size_t end, size_t steps) override {
     auto& learned = weights_[steps];

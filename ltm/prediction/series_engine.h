@@ -21,6 +21,9 @@ class SeriesEngine {
   /// What an answer names as its engine.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
+  /// Whether it says something else after learn().
+  [[nodiscard]] virtual bool learns() const { return false; }
+
   /// Learns from the rows before `end` what comes so many steps later, if it learns at all.
   virtual void learn(const NumberSeries& /*series*/, size_t /*end*/, size_t /*steps*/) {}
 

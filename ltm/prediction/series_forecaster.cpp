@@ -108,9 +108,35 @@ SeriesForecaster::Measured SeriesForecaster::measure(size_t steps) {
     MemberRecords& of_members =
         measured.members.emplace_back(MemberRecords{std::string(engine->name())});
     for (MotionErrors& one : errors) of_members.members.push_back(std::move(one).records());
+    if (!engine->learns()) measure_movements(*engine, steps, of_members);
   }
   std::ranges::stable_sort(measured.records, {}, &SeriesRecord::rmse);
   return measured;
+}
+
+/// Rows when nothing moves cost no more than a look.
+void SeriesForecaster::measure_movements(const SeriesEngine& engine, size_t steps,
+                                         MemberRecords& records) {
+  const std::vector<RowMember>& members = this->members();
+  const MemberMotion& motion = this->motion();
+  std::vector<std::vector<double>> squares(members.size());
+  std::vector<double> predicted(series_.numbers());
+  std::vector<size_t> moving;
+  for (size_t row = 0; row + steps < series_.rows(); ++row) {
+    if (series_.run_start(row + steps) > row) continue;
+    moving.clear();
+    for (size_t i = 0; i < members.size(); ++i)
+      if (squares[i].size() < options_.most_predictions &&
+          motion.is_moving(series_, row, members[i], i))
+        moving.push_back(i);
+    if (moving.empty()) continue;
+    engine.predict(series_, row, steps, predicted);
+    meaning_->finish(series_.row(row), predicted);
+    for (const size_t i : moving)
+      squares[i].push_back(ValueRow::mean_square(members[i], predicted, series_.row(row + steps)));
+  }
+  for (size_t i = 0; i < members.size(); ++i)
+    records.members[i].ever_moving = MemberRecord::of(std::move(squares[i]));
 }
 
 bool SeriesForecaster::is_fresh(uint64_t rows_then) const {

@@ -89,6 +89,7 @@ class SeriesForecaster {
   const Measured& measured(size_t steps);
   [[nodiscard]] Measured measure(size_t steps);
   const MemberMotion& motion();
+  void measure_movements(const SeriesEngine& engine, size_t steps, MemberRecords& records);
   [[nodiscard]] const std::vector<RowMember>& members() const;
   std::vector<double> predicted_row(size_t engine, size_t steps);
 
