@@ -73,13 +73,15 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum);
 }
 
-/// The members that are looked at: the one that is named, or (empty) all numbers.
+/// The members that are looked at: the one that is named, or all numbers below "state/*" and "*".
 std::vector<std::string> members_of(const idf::Data& value, const std::string& named) {
   std::vector<std::string> paths;
+  const bool is_all = named.ends_with('*');
+  const std::string_view front = std::string_view(named).substr(0, named.size() - (is_all ? 1 : 0));
   const idf::Layout layout = idf::Layout::of(value);
   for (const idf::TensorMember& member : layout.members())
     if (member.kind != idf::MemberKind::kBool && member.kind != idf::MemberKind::kImage &&
-        (named == "*" || member.path == named))
+        (is_all ? member.path.starts_with(front) : member.path == front))
       paths.push_back(member.path);
   return paths;
 }

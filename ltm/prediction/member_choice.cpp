@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "ltm/core/check.h"
 
@@ -56,6 +57,7 @@ class MemberCase {
   [[nodiscard]] const MemberRecord& record(size_t candidate) const {
     return record_of(candidates_[candidate].members[member_], moments_);
   }
+  [[nodiscard]] Moments moments() const { return moments_; }
   /// It moves, and hardly ever did.
   [[nodiscard]] bool is_unknown_movement() const { return is_unknown_movement_; }
   [[nodiscard]] bool is_known() const { return count(moments_) > 0; }
@@ -82,8 +84,10 @@ class MemberCase {
   bool is_unknown_movement_ = false;
 };
 
-/// The candidate with the smallest error over members, each relative to that of a copy.
-std::optional<size_t> best_for_all(size_t candidates, const std::vector<MemberCase>& cases) {
+/// The candidate with the smallest error over the members that moments of one kind decide about,
+/// each relative to that of a copy.
+std::optional<size_t> best_for_all(size_t candidates, const std::vector<MemberCase>& cases,
+                                   Moments moments) {
   std::optional<size_t> best;
   double best_score = kInfinity;
   for (size_t i = 0; i < candidates; ++i) {
@@ -91,7 +95,7 @@ std::optional<size_t> best_for_all(size_t candidates, const std::vector<MemberCa
     size_t counted = 0;
     for (const MemberCase& one : cases) {
       const double copy = known_or_infinite(one.record(0));
-      if (one.is_unknown_movement() || !(copy > 0) || std::isinf(copy)) continue;
+      if (one.moments() != moments || !(copy > 0) || std::isinf(copy)) continue;
       score += known_or_infinite(one.record(i)) / copy;
       ++counted;
     }
@@ -144,10 +148,15 @@ std::vector<MemberChoice> choose_members(const std::vector<MemberCandidate>& can
   std::vector<MemberCase> cases;
   for (const RowMember& member : rows.row_members())
     if (!member.is_copied) cases.emplace_back(candidates, member.member, is_moving[member.member]);
-  const std::optional<size_t> common = best_for_all(candidates.size(), cases);
+  std::map<Moments, std::optional<size_t>> common;
+  for (const Moments moments : {Moments::kAtRest, Moments::kMoving, Moments::kEverMoving})
+    common[moments] = best_for_all(candidates.size(), cases, moments);
   size_t next = 0;
-  for (const RowMember& member : rows.row_members())
-    if (!member.is_copied) choices[member.member] = chosen(candidates, cases[next++], common);
+  for (const RowMember& member : rows.row_members()) {
+    if (member.is_copied) continue;
+    const MemberCase& one = cases[next++];
+    choices[member.member] = chosen(candidates, one, common[one.moments()]);
+  }
   for (const size_t member : rows.other_members()) {
     const MemberCase one(candidates, member, false);
     const size_t best = one.best();

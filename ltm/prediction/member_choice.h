@@ -31,7 +31,7 @@ struct MemberChoice {
 inline constexpr size_t kMinMoments = 10;
 /// A member has an engine of its own where that has at most this share of the squared error of the
 /// one that is best for all: of many engines one is always a little better by chance.
-inline constexpr double kClearGain = 0.8;
+inline constexpr double kClearGain = 0.9;
 
 /// For each member of the layout, the candidate that was best for it in the state that it is in
 /// (`is_moving`, by member). The first candidate copies the last value (checked): all that only is
