@@ -4,18 +4,72 @@
 #include <pybind11/stl.h>
 
 #include "encoders/threads.h"
+#include "python/bindings/front_door.h"
 #include "python/bindings/inspected_model.h"
 #include "python/bindings/jobs.h"
 #include "python/bindings/open_store.h"
 #include "python/bindings/store_recorder.h"
 #include "python/bindings/values.h"
+#include "python/bindings/watch.h"
 
 namespace {
 
 namespace py = pybind11;
+using engram::Duration;
+using engram::python::FrontDoor;
 using engram::python::InspectedModel;
 using engram::python::OpenStore;
 using engram::python::StoreRecorder;
+using engram::python::Watch;
+
+std::unique_ptr<FrontDoor> open_door(const std::string& store, size_t working_bytes,
+                                     bool prefers_latents, int64_t horizon,
+                                     const std::string& config) {
+  engram::OpenOptions options;
+  options.max_working_bytes = working_bytes;
+  options.prefers_latents = prefers_latents;
+  options.max_horizon = Duration(horizon);
+  options.recording_config = config;
+  return FrontDoor::open(store, options);
+}
+
+std::unique_ptr<FrontDoor> connect_door(const std::string& endpoint, const std::string& token,
+                                        const std::string& ca, int64_t timeout) {
+  engram::ConnectOptions options;
+  options.token = token;
+  options.ca = ca;
+  options.timeout = Duration(timeout);
+  return FrontDoor::connect(endpoint, options);
+}
+
+std::unique_ptr<Watch> watch(FrontDoor& door, std::vector<std::string> names, bool with_data,
+                             size_t inline_bytes, size_t queue_bound) {
+  return door.watch({std::move(names), with_data, inline_bytes, queue_bound});
+}
+
+void define_front_door(py::module_& module) {
+  py::class_<Watch>(module, "Watch")
+      .def("next", &Watch::next)
+      .def("close", &Watch::close)
+      .def("is_closed", &Watch::is_closed)
+      .def("lost", &Watch::lost)
+      .def("interruptions", &Watch::interruptions);
+  py::class_<FrontDoor>(module, "FrontDoor")
+      .def_static("open", &open_door)
+      .def_static("connect", &connect_door)
+      .def("entities", &FrontDoor::entities)
+      .def("summary", &FrontDoor::summary)
+      .def("span", &FrontDoor::span)
+      .def("times", &FrontDoor::times)
+      .def("select", &FrontDoor::select)
+      .def("query", &FrontDoor::query)
+      .def("predict", &FrontDoor::predict)
+      .def("engines", &FrontDoor::engines)
+      .def("declare", &FrontDoor::declare)
+      .def("commit", &FrontDoor::commit)
+      .def("watch", &watch)
+      .def("close", &FrontDoor::close);
+}
 
 }  // namespace
 
@@ -25,6 +79,7 @@ PYBIND11_MODULE(_core, module) {
       .def(py::init([](const std::string& path) { return std::make_unique<OpenStore>(path); }))
       .def("entities", &OpenStore::entities)
       .def("summary", &OpenStore::summary)
+      .def("span", &OpenStore::span)
       .def("times", &OpenStore::times)
       .def("select", &OpenStore::select)
       .def("query", &OpenStore::query)
@@ -40,6 +95,7 @@ PYBIND11_MODULE(_core, module) {
       .def("commit", &StoreRecorder::commit)
       .def("counts", &StoreRecorder::counts)
       .def("close", &StoreRecorder::close);
+  define_front_door(module);
   py::class_<InspectedModel>(module, "InspectedModel")
       .def(py::init<const std::string&>())
       .def("about", &InspectedModel::about)

@@ -8,8 +8,8 @@
 
 #include "encoders/load_model.h"
 #include "ltm/prediction/entity_forecaster.h"
+#include "python/bindings/commit.h"
 #include "python/bindings/errors.h"
-#include "python/bindings/measured_error.h"
 #include "python/bindings/query_result.h"
 #include "training/measure/stored_snapshots.h"
 
@@ -19,16 +19,11 @@ namespace {
 
 namespace py = pybind11;
 
-ltm::Recall::Options options_of(bool prefers_latents) {
+ltm::Recall::Options options_of(bool prefers_latents, const std::string& engine = {}) {
   ltm::Recall::Options options;
   if (prefers_latents) options.prefer = ltm::Prefer::kLatent;
+  options.engine = engine;
   return options;
-}
-
-Result<ltm::MemoryId> entity_of(const std::string& name) {
-  ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId id, ltm::MemoryId::parse(name));
-  if (id.is_entity()) return id;
-  return invalid_argument("'{}': needs an entity, four names", name);
 }
 
 Result<std::vector<int64_t>> times_behind(ltm::Timeline& timeline, std::optional<int64_t> after,
@@ -130,6 +125,14 @@ std::vector<std::string> OpenStore::entities() {
   });
 }
 
+std::pair<int64_t, int64_t> OpenStore::span(const std::string& entity) {
+  return with_recall([&](ltm::Recall& recall) -> Result<std::pair<int64_t, int64_t>> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::EntitySummary found, recall.store().summary(id));
+    return std::pair{to_ns(found.first), to_ns(found.last)};
+  });
+}
+
 py::dict OpenStore::summary(const std::string& entity) {
   const auto found = with_recall([&](ltm::Recall& recall) -> Result<ltm::EntitySummary> {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
@@ -172,15 +175,12 @@ py::list OpenStore::select(const std::string& entity, const std::string& selecto
   return snapshots;
 }
 
-py::list OpenStore::query(const std::string& text, bool prefers_latents) {
-  const auto result = with_recall([&](ltm::Recall& recall) -> Result<ltm::QueryResult> {
+py::list OpenStore::query(const std::string& text, bool prefers_latents,
+                          const std::string& engine) {
+  return answer_of(with_recall([&](ltm::Recall& recall) -> Result<ltm::QueryResult> {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse(text));
-    return recall.query(query, options_of(prefers_latents));
-  });
-  py::list answer;
-  for (const ltm::EntityResult* found : result.entities())
-    answer.append(py::make_tuple(found->id.to_string(), snapshots_of(found->id, found->snapshots)));
-  return answer;
+    return recall.query(query, options_of(prefers_latents, engine));
+  }));
 }
 
 py::list OpenStore::predict(const std::string& entity, const std::vector<int64_t>& horizons,
@@ -197,24 +197,12 @@ py::list OpenStore::predict(const std::string& entity, const std::vector<int64_t
 }
 
 py::list OpenStore::engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from) {
-  const auto records =
-      with_recall([&](ltm::Recall& recall) -> Result<std::vector<ltm::EngineRecord>> {
-        ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
-        std::optional<Time> time;
-        if (from) time = time_from_ns(*from);
-        return recall.records(id, time, Duration(ahead), {});
-      });
-  py::list engines;
-  for (const ltm::EngineRecord& record : records) {
-    py::dict engine;
-    engine["name"] = record.engine;
-    engine["model"] = record.model;
-    engine["predictions"] = record.predictions;
-    engine["error"] = to_python(record.mean);
-    engine["bound"] = to_python(record.bound);
-    engines.append(std::move(engine));
-  }
-  return engines;
+  return engines_of(with_recall([&](ltm::Recall& recall) -> Result<std::vector<ltm::EngineRecord>> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    std::optional<Time> time;
+    if (from) time = time_from_ns(*from);
+    return recall.records(id, time, Duration(ahead), {});
+  }));
 }
 
 py::list OpenStore::models() {

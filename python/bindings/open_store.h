@@ -29,6 +29,9 @@ class OpenStore {
   /// What the store says of an entity: counts, bytes, times in ns, models.
   pybind11::dict summary(const std::string& entity);
 
+  /// Times of the first and of the last snapshot of an entity. Unit: ns.
+  std::pair<int64_t, int64_t> span(const std::string& entity);
+
   /// Times of the first snapshots behind `after` (ns, None: from the beginning), `count` at most.
   std::vector<int64_t> times(const std::string& entity, std::optional<int64_t> after, size_t count);
 
@@ -36,8 +39,8 @@ class OpenStore {
   pybind11::list select(const std::string& entity, const std::string& selector,
                         bool prefers_latents);
 
-  /// The whole text form: a list of (entity, snapshots).
-  pybind11::list query(const std::string& text, bool prefers_latents);
+  /// The whole text form: a list of (entity, snapshots). `engine`: of predictions; empty: the best.
+  pybind11::list query(const std::string& text, bool prefers_latents, const std::string& engine);
 
   /// What is expected so long (ns) after the last snapshot up to `from` (None: the newest), by the
   /// engine of that name; empty: by the best. Snapshots, as dicts.

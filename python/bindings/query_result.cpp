@@ -66,10 +66,32 @@ py::list snapshots_of(const ltm::MemoryId& entity,
     dict["model"] = found.model;
     dict["predictor"] = found.predictor;
     dict["horizon"] = found.horizon.count();
+    dict["plan"] = found.plan;
     dict["instances"] = std::move(instances);
     snapshots.append(std::move(dict));
   }
   return snapshots;
+}
+
+py::list answer_of(const ltm::QueryResult& result) {
+  py::list answer;
+  for (const ltm::EntityResult* found : result.entities())
+    answer.append(py::make_tuple(found->id.to_string(), snapshots_of(found->id, found->snapshots)));
+  return answer;
+}
+
+py::list engines_of(const std::vector<ltm::EngineRecord>& records) {
+  py::list engines;
+  for (const ltm::EngineRecord& record : records) {
+    py::dict engine;
+    engine["name"] = record.engine;
+    engine["model"] = record.model;
+    engine["predictions"] = record.predictions;
+    engine["error"] = to_python(record.mean);
+    engine["bound"] = to_python(record.bound);
+    engines.append(std::move(engine));
+  }
+  return engines;
 }
 
 }  // namespace engram::python

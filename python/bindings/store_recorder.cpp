@@ -4,8 +4,8 @@
 #include <pybind11/stl.h>
 
 #include "ltm/recording/recording_config.h"
+#include "python/bindings/commit.h"
 #include "python/bindings/errors.h"
-#include "python/bindings/values.h"
 
 namespace engram::python {
 
@@ -18,29 +18,6 @@ Result<ltm::Recorder::Options> options_of(const std::string& config, const std::
   if (preset.empty()) return ltm::Recorder::Options{};
   ENGRAM_ASSIGN_OR_RETURN(const std::string_view yaml, ltm::recording_preset(preset));
   return ltm::parse_recording_config(yaml, "preset " + preset);
-}
-
-ltm::Instance instance_of(const py::dict& given, Time time) {
-  ltm::Instance instance;
-  instance.data = from_python(given["value"]);
-  const auto time_at = [&](const char* name, Time otherwise) {
-    return given[name].is_none() ? otherwise : time_from_ns(given[name].cast<int64_t>());
-  };
-  instance.metadata.created = time_at("created", time);
-  instance.metadata.sent = time_at("sent", instance.metadata.created);
-  instance.metadata.arrived = system_now();
-  instance.metadata.provider = given["provider"].cast<std::string>();
-  instance.metadata.confidence = given["confidence"].cast<float>();
-  return instance;
-}
-
-ltm::EntityUpdate update_of(const py::dict& given) {
-  ltm::EntityUpdate update;
-  update.entity = value_or_raise(ltm::MemoryId::parse(given["entity"].cast<std::string>()));
-  update.time = time_from_ns(given["time"].cast<int64_t>());
-  for (const py::handle& instance : given["instances"].cast<py::list>())
-    update.instances.push_back(instance_of(instance.cast<py::dict>(), update.time));
-  return update;
 }
 
 py::dict counts_of(const ltm::RecordingCounters& of) {
@@ -84,9 +61,7 @@ auto StoreRecorder::with_recorder(Work work) {
 }
 
 void StoreRecorder::commit(const py::list& updates) {
-  ltm::Commit commit;
-  for (const py::handle& update : updates)
-    commit.updates.push_back(update_of(update.cast<py::dict>()));
+  const ltm::Commit commit = commit_of(updates);
   with_recorder([&](ltm::Recorder& recorder) { return recorder.commit(commit); });
 }
 

@@ -22,8 +22,7 @@ class StoreRecorder {
   /// `config`: a file; `preset`: a name; both may be empty, and one at most is given.
   StoreRecorder(const std::string& store, const std::string& config, const std::string& preset);
 
-  /// Dicts with "entity", "time" (ns), "instances": of "value", "created", "sent", "provider",
-  /// "confidence"; all of them in one commit.
+  /// What commit_of() takes; all of them in one commit.
   void commit(const pybind11::list& updates);
 
   /// Per entity: what came in and what became of it.

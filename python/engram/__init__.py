@@ -14,6 +14,11 @@
             print(snapshot.time, snapshot.image.mean())
         print(camera.ahead(0.4).source)  # predicted
 
+    with engram.connect("unix:/run/engram.sock") as memory:  # A server; the same questions.
+        memory.commit("Objects/Things/kitchen/cup", {"x": 0.4})
+        for event in memory.watch("Objects"):
+            print(event.entity, event.value)
+
 `engram.idf`, values and types, needs NumPy alone; all else the module that CMake builds.
 """
 
@@ -23,19 +28,22 @@ import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from engram.entity import Entity
     from engram.errors import EngramError
     from engram.jobs import check, consolidate, forget
-    from engram.memory import Entity, Memory, open  # noqa: A004
+    from engram.memory import Memory, connect, open  # noqa: A004
     from engram.model import Latents, Model, Prediction
     from engram.progress import Bar, Progress
     from engram.recording import Recorder, Update, record
     from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
+    from engram.watching import Event, Watch
 
 _PLACES = {
     "Bar": "engram.progress",
     "EngramError": "engram.errors",
     "Engine": "engram.snapshot",
-    "Entity": "engram.memory",
+    "Entity": "engram.entity",
+    "Event": "engram.watching",
     "Instance": "engram.snapshot",
     "Latents": "engram.model",
     "MeasuredError": "engram.snapshot",
@@ -47,7 +55,9 @@ _PLACES = {
     "Recorder": "engram.recording",
     "Snapshot": "engram.snapshot",
     "Update": "engram.recording",
+    "Watch": "engram.watching",
     "check": "engram.jobs",
+    "connect": "engram.memory",
     "consolidate": "engram.jobs",
     "forget": "engram.jobs",
     "open": "engram.memory",
@@ -59,6 +69,7 @@ __all__ = [
     "EngramError",
     "Engine",
     "Entity",
+    "Event",
     "Instance",
     "Latents",
     "MeasuredError",
@@ -70,7 +81,9 @@ __all__ = [
     "Recorder",
     "Snapshot",
     "Update",
+    "Watch",
     "check",
+    "connect",
     "consolidate",
     "forget",
     "open",

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any, Union
 
 from engram import _core
-from engram.errors import InvalidArgumentError
+from engram.errors import FailedPreconditionError, InvalidArgumentError
 from engram.memory import Memory
 from engram.progress import ProgressLike, sink_of
 from engram.times import DurationLike, TimeLike, duration_ns, to_ns
@@ -125,7 +125,11 @@ def check(store: StoreLike, *, deep: bool = False, progress: ProgressLike = None
 
 
 def _path_of(store: StoreLike) -> str:
-    return store.path if isinstance(store, Memory) else os.fspath(store)
+    if not isinstance(store, Memory):
+        return os.fspath(store)
+    if not store.path:
+        raise FailedPreconditionError(f"{store!r}: has no files here, needs the path of its store")
+    return store.path
 
 
 def _conclude(store: StoreLike, report: str) -> Report:

@@ -1,260 +1,178 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A memory that is read: `with engram.open("robot.engram") as memory: ...`."""
+"""One memory behind every door: a store that is read, a live memory here, or one of a server."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import numpy.typing as npt
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from engram import _core
 from engram.closing import Closing
-from engram.errors import InvalidArgumentError, NotFoundError
-from engram.frame import frame_of
-from engram.model import Latents, Model, latents_of
-from engram.snapshot import Engine, Snapshot, engine_of, snapshot_of
-from engram.times import DurationLike, TimeLike, duration_ns, to_datetime64, to_ns
+from engram.doors import Door, LiveDoor, StoreDoor, prefers_latents, text_of
+from engram.entity import Entity
+from engram.errors import FailedPreconditionError, InvalidArgumentError
+from engram.idf.type_table import type_to_data
+from engram.idf.typed import TypedObject
+from engram.idf.types import Type
+from engram.model import Model
+from engram.recording import Update, dict_of
+from engram.snapshot import Snapshot, snapshot_of
+from engram.times import DurationLike, TimeLike, duration_ns
+from engram.watching import Watch
 
-if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import]
+__all__ = ["Entity", "Memory", "connect", "open"]
 
-_SNAPSHOTS_AT_ONCE = 16
-_TIMES_AT_ONCE = 100_000
-_PREFER = {"recorded": False, "latent": True}
-
-
-class Entity:
-    """One thing over time: its past, and what is predicted of it.
-
-    `prefer` is "recorded" or "latent": which form answers where a moment has both.
-    """
-
-    def __init__(self, store: _core.OpenStore, name: str, prefer: str) -> None:
-        self._store = store
-        self._prefers_latents = _prefers_latents(prefer)
-        self.name = name
-
-    def __len__(self) -> int:
-        """Moments that are kept."""
-        return int(self._store.summary(self.name)["snapshots"])
-
-    @property
-    def first(self) -> int:
-        """Time of the first moment, in ns."""
-        return int(self._store.summary(self.name)["first"])
-
-    @property
-    def last(self) -> int:
-        """Time of the last moment, in ns."""
-        return int(self._store.summary(self.name)["last"])
-
-    def summary(self) -> dict[str, Any]:
-        """What there is of it: "snapshots", "first", "last" (ns), "models" (versions), and bytes.
-
-        "raw_bytes": plain; "stored_bytes": as recorded; "latent_bytes", "model_bytes": as learned.
-        """
-        return self._store.summary(self.name)
-
-    def at(self, time: TimeLike) -> Snapshot:
-        """The moment at exactly this time; behind the last one, a prediction.
-
-        Raises NotFoundError where there is none.
-        """
-        return self._one(f"time:{to_ns(time)}")
-
-    def nearest(self, time: TimeLike) -> Snapshot:
-        """The moment that is closest in time, never a prediction."""
-        return self._one(f"nearest:{to_ns(time)}")
-
-    def latest(self, count: int = 1) -> list[Snapshot]:
-        """The last `count` moments, oldest first."""
-        return self._select(f"latest:{count}")
-
-    def ahead(self, duration: DurationLike) -> Snapshot:
-        """A prediction so long (seconds) behind the last moment."""
-        return self.at(self.last + duration_ns(duration))
-
-    def predict(
-        self,
-        ahead: DurationLike | Sequence[DurationLike],
-        start: TimeLike | None = None,
-        engine: str = "",
-    ) -> list[Snapshot]:
-        """What is expected so long (seconds) after the last moment up to `start` (None: the newest).
-
-        Nothing after `start` is looked at: what really came can be compared. `engine`: one of
-        engines(); empty: the one that was best on the past, for each horizon.
-        Raises NotFoundError, InvalidArgumentError where a horizon is too far ahead.
-        """
-        horizons = [ahead] if isinstance(ahead, (int, float, np.timedelta64)) else ahead
-        if not isinstance(horizons, Sequence):
-            horizons = [horizons]
-        found = self._store.predict(
-            self.name,
-            [duration_ns(one) for one in horizons],
-            None if start is None else to_ns(start),
-            engine,
-            self._prefers_latents,
-        )
-        return [snapshot_of(one) for one in found]
-
-    def engines(self, ahead: DurationLike, start: TimeLike | None = None) -> list[Engine]:
-        """All ways to predict so long (seconds) ahead, the best on the past of the entity first."""
-        found = self._store.engines(
-            self.name, duration_ns(ahead), None if start is None else to_ns(start)
-        )
-        return [engine_of(one) for one in found]
-
-    def window(self, time: TimeLike, offsets: Sequence[DurationLike]) -> list[Snapshot]:
-        """What was closest to each of `time` + offset (seconds); predictions of the future."""
-        times = [to_ns(time) + duration_ns(offset) for offset in offsets]
-        last = self.last
-        return [self.at(one) if one > last else self.nearest(one) for one in times]
-
-    def snapshots(
-        self, start: TimeLike | None = None, end: TimeLike | None = None
-    ) -> Iterator[Snapshot]:
-        """The moments from `start` to `end`, both included, in order; a few are in memory."""
-        after = None if start is None else to_ns(start) - 1
-        stop = None if end is None else to_ns(end)
-        while True:
-            times = self._store.times(self.name, after, _SNAPSHOTS_AT_ONCE)
-            wanted = [time for time in times if stop is None or time <= stop]
-            if not wanted:
-                return
-            yield from self._select(f"time:{wanted[0]}..{wanted[-1]}")
-            if len(wanted) < _SNAPSHOTS_AT_ONCE:
-                return
-            after = wanted[-1]
-
-    def __iter__(self) -> Iterator[Snapshot]:
-        return self.snapshots()
-
-    def times(
-        self, start: TimeLike | None = None, end: TimeLike | None = None
-    ) -> npt.NDArray[np.datetime64]:
-        """The moments from `start` to `end`, both included, as datetime64[ns]; decodes nothing."""
-        after = None if start is None else to_ns(start) - 1
-        stop = None if end is None else to_ns(end)
-        times: list[int] = []
-        while True:
-            found = self._store.times(self.name, after, _TIMES_AT_ONCE)
-            times += [time for time in found if stop is None or time <= stop]
-            if len(found) < _TIMES_AT_ONCE or (stop is not None and found[-1] > stop):
-                return np.asarray(times, np.int64).astype("datetime64[ns]")
-            after = found[-1]
-
-    def frame(self, start: TimeLike | None = None, end: TimeLike | None = None) -> pd.DataFrame:
-        """The numbers, bools and texts from `start` to `end` as a DataFrame (needs pandas).
-
-        A row per moment, indexed by time (UTC); arrays of up to 1,024 numbers are columns by place:
-        "position/0".
-        """
-        return frame_of(self.snapshots(start, end))
-
-    def errors(self) -> dict[str, npt.NDArray[Any]]:
-        """How each moment that has latents is kept, as columns, decoding nothing.
-
-        "time", "model" (version), "form" of its images ("latents", "refined", "residual", "video",
-        "lossless"), "bytes", "psnr_db" and "rmse" as they were measured when it was made.
-        `pandas.DataFrame(entity.errors())` takes it.
-        """
-        columns = self._store.stored_snapshots(self.name)
-        columns["time"] = columns["time"].astype("datetime64[ns]")
-        columns["form"] = np.asarray(columns["form"], dtype=str)
-        return columns
-
-    @property
-    def model(self) -> Model:
-        """The newest model. Raises NotFoundError where there is none."""
-        found = [one for one in self._store.models() if one["entity"] == self.name]
-        if not found:
-            raise NotFoundError(f"'{self.name}': has no model, needs engram.consolidate first")
-        return Model(**max(found, key=lambda one: int(one["version"])))
-
-    def latents(self, start: TimeLike | None = None, end: TimeLike | None = None) -> Latents:
-        """What the newest model keeps from `start` to `end`, as arrays: images are not decoded."""
-        model = self.model
-        first = -(2**63) if start is None else to_ns(start)
-        last = 2**63 - 1 if end is None else to_ns(end)
-        return latents_of(self._store.latents(self.name, model.version, first, last, model._open))
-
-    def __repr__(self) -> str:
-        about = self._store.summary(self.name)
-        models = f", model v{about['models'][-1]}" if about["models"] else ""
-        return (
-            f"<Entity {self.name}: {about['snapshots']:,} snapshots, "
-            f"{to_datetime64(about['first'])} to {to_datetime64(about['last'])}, "
-            f"{_bytes(about['stored_bytes'] + about['latent_bytes'])}{models}>"
-        )
-
-    def _select(self, selector: str) -> list[Snapshot]:
-        found = self._store.select(self.name, selector, self._prefers_latents)
-        return [snapshot_of(one) for one in found]
-
-    def _one(self, selector: str) -> Snapshot:
-        found = self._select(selector)
-        if not found:
-            raise NotFoundError(f"'{self.name}': has no moment '{selector}'")
-        return found[0]
+_WORKING_BYTES = 512 << 20
 
 
 class Memory(Closing):
-    """A store that is open for reading; any number may read beside one that writes.
+    """What engram.open and engram.connect give; the same questions have the same answers.
 
-    What is answered stays valid when the memory is closed. Any thread may ask; answers of one
-    memory come one after the other, and other threads of Python run meanwhile.
+    It is a store that is read (any number may, beside one that writes), a live memory that this
+    program opened (`read_only=False`), or one of a server (engram.connect). The last two are
+    committed to and watched.
+
+    What is answered stays valid when the memory is closed; images and arrays are views that keep
+    their owner. Any thread may ask, and other threads of Python run meanwhile; a store that is read
+    answers one after the other, a live memory several at once. A memory does not survive a fork.
     """
 
-    def __init__(self, path: str | os.PathLike[str], prefer: str = "recorded") -> None:
-        self.path = os.fspath(path)
+    def __init__(
+        self, path: str | os.PathLike[str], prefer: str = "recorded", *, door: Door | None = None
+    ) -> None:
+        """Opens a store for reading, as engram.open does. `door`: of engram.open and connect."""
+        self.path = os.fspath(path)  #: Of its store; empty where it is in a server.
+        self.endpoint = ""  #: Of its server; empty where there is none, or it is the usual one.
         self._prefer = prefer
-        self._prefers_latents = _prefers_latents(prefer)
-        self._store = _core.OpenStore(self.path)
+        self._reopen: tuple[Any, ...] | None = (Memory, (self.path, prefer))
+        self._door = StoreDoor(self.path, prefer) if door is None else door
 
     @property
     def entities(self) -> list[str]:
         """Their names, "Memory/Core/Provider/Entity", in order."""
-        return self._store.entities()
+        return self._door.entities()
 
     def __getitem__(self, name: str) -> Entity:
         """Raises NotFoundError, which lists what there is."""
-        self._store.summary(name)
-        return Entity(self._store, name, self._prefer)
+        self._door.span(name)
+        return Entity(self._door, name)
 
     def __contains__(self, name: object) -> bool:
         return name in self.entities
 
     def __iter__(self) -> Iterator[Entity]:
-        return (Entity(self._store, name, self._prefer) for name in self.entities)
+        return (Entity(self._door, name) for name in self.entities)
 
     def __len__(self) -> int:
         return len(self.entities)
 
-    def query(self, text: str) -> dict[str, list[Snapshot]]:
-        """The answer to a query in its text form (docs/query.md), by entity."""
-        found = self._store.query(text, self._prefers_latents)
+    def query(self, text: str, engine: str = "") -> dict[str, list[Snapshot]]:
+        """The answer to a query in its text form (docs/query.md), by entity.
+
+        `engine`: of predictions, by its name; empty: the best on the past of each entity.
+        Raises NotFoundError where no entity matches; InvalidArgumentError naming what cannot be
+        read, or where a prediction is asked too far ahead; of a server also UnavailableError,
+        after its timeout.
+        """
+        found = self._door.query(text, engine)
         return {entity: [snapshot_of(one) for one in snapshots] for entity, snapshots in found}
 
+    def commit(
+        self,
+        entity: str,
+        value: Any,
+        time: TimeLike | None = None,
+        confidence: float = 1.0,
+        *,
+        durability: str = "default",
+    ) -> None:
+        """Remembers one snapshot of a live memory; the rest as Recorder.commit.
+
+        After it returns the snapshot can be asked for, and survives a killed process where
+        `durability` is "journal", the default of a memory that this program opened. "memory" is
+        quicker: it may be lost until working memory hands it to the store. The default of a server
+        is what it is configured for.
+
+        Raises InvalidArgumentError naming every path where the value is not of its segment's type;
+        ResourceExhaustedError; FailedPreconditionError where it is opened for reading alone;
+        UnavailableError of a server: it may have arrived or not, and may be committed again.
+        """
+        self.commit_all([Update(entity, value, time, confidence)], durability=durability)
+
+    def commit_all(self, updates: Iterable[Update], *, durability: str = "default") -> None:
+        """Commits several snapshots as one: all of them are remembered, or none."""
+        live = self._door.live()
+        live.commit([dict_of(update) for update in updates], text_of("durability", durability))
+
+    def declare(self, segment: str, of: Type | type[TypedObject]) -> None:
+        """Says what the values of a core segment (two names) or provider segment (three) are.
+
+        `of`: a type, or a class that `engram idf generate --python` made. Commits are cast to it
+        where possible, and refused where not.
+        Raises InvalidArgumentError, also where a provider's type does not extend the core type.
+        """
+        live = self._door.live()
+        if isinstance(of, type) and issubclass(of, TypedObject):
+            of = of.idf_type()
+        if not isinstance(of, Type):
+            raise InvalidArgumentError(
+                f"type of '{segment}': found {of!r}, needs an engram.idf.Type or a generated class"
+            )
+        live.declare(text_of("segment", segment), type_to_data(of))
+
+    def watch(
+        self,
+        names: str | Sequence[str] = (),
+        *,
+        data: bool = True,
+        timeout: DurationLike | None = None,
+        max_bytes: int = 0,
+        queue: int = 0,
+    ) -> Watch:
+        """Tells of commits from now on, those of this program included; returns when it does.
+
+        `names`: of entities as in queries ("Vision/.*/head/cam"); none: all. `data`: with values;
+        `max_bytes`: larger ones without; 0: no limit. `timeout`: iteration ends after so many
+        seconds without an event. `queue`: how many may wait; 0: 1,024.
+        Raises InvalidArgumentError naming the pattern; FailedPreconditionError where it is opened
+        for reading alone; UnavailableError.
+        """
+        patterns = [names] if isinstance(names, str) else list(names)
+        for name, number in (("max_bytes", max_bytes), ("queue", queue)):
+            if not isinstance(number, int) or not 0 <= number < 2**32:
+                raise InvalidArgumentError(f"watch: found {name} {number!r}, needs an int from 0")
+        told = self._door.live().watch(
+            [text_of("name", one) for one in patterns], bool(data), max_bytes, queue
+        )
+        return Watch(told, timeout)
+
     def models(self) -> list[Model]:
-        """All models, older ones first."""
-        return [Model(**one) for one in self._store.models()]
+        """All models, older ones first. Of a server FailedPreconditionError: its files have them."""
+        return [Model(**one) for one in self._door.files().models()]
 
     def refresh(self) -> None:
-        """Sees what was committed, learned or forgotten since it was opened."""
-        self._store.refresh()
+        """Sees what was committed, learned or forgotten since it was opened; a live memory does."""
+        self._door.refresh()
 
     def close(self) -> None:
-        self._store.close()
+        """Ends watches, too. A live memory hands what it holds to its store and seals it.
+
+        Raises what the store refused then.
+        """
+        self._door.close()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled by path: another process opens it anew."""
-        return Memory, (self.path, self._prefer)
+        """Pickled by path or endpoint: another process opens it anew."""
+        if self._reopen is None:
+            raise FailedPreconditionError(
+                f"{self!r}: is not pickled: a store is written by one process, tokens stay secret"
+            )
+        return self._reopen
 
     def __repr__(self) -> str:
+        if not isinstance(self._door, StoreDoor):
+            return f"<Memory {self.path or self.endpoint or 'of the usual server'}: live>"
         entities = list(self)
         lines = [f"<Memory {self.path}: {len(entities)} entities"]
         lines += [f"  {entity!r}" for entity in entities[:20]]
@@ -263,24 +181,64 @@ class Memory(Closing):
         return "\n".join(lines) + ">"
 
 
-def open(path: str | os.PathLike[str], prefer: str = "recorded") -> Memory:  # noqa: A001
-    """Opens a store for reading. `prefer`: as Entity says.
+def open(  # noqa: A001
+    path: str | os.PathLike[str],
+    prefer: str = "recorded",
+    *,
+    read_only: bool = True,
+    working_bytes: int = _WORKING_BYTES,
+    horizon: DurationLike = 60,
+    config: str | os.PathLike[str] | None = None,
+) -> Memory:
+    """Opens a store: for reading, or with `read_only=False` as a live memory.
 
-    Raises NotFoundError, DataLossError, FailedPreconditionError (a newer format).
+    `prefer` is "recorded" or "latent": which form answers where a moment has both. A live memory is
+    made where there is none, and one process at a time has it. For it alone: `working_bytes` may
+    stay in working memory; predictions reach at most `horizon` seconds; `config` is a YAML file of
+    docs/recording.md, without one everything is kept as it came.
+
+    Raises NotFoundError where there is none to read, DataLossError, FailedPreconditionError (a
+    newer format; another process writes to it), InvalidArgumentError.
     """
-    return Memory(path, prefer)
+    if read_only:
+        return Memory(text_of("store", path), prefer)
+    place = text_of("store", path)
+    if not isinstance(working_bytes, int) or working_bytes < 0:
+        raise InvalidArgumentError(f"working_bytes {working_bytes!r}: needs an int from 0")
+    settings = "" if config is None else text_of("config", config)
+    front = _core.FrontDoor.open(
+        place, working_bytes, prefers_latents(prefer), duration_ns(horizon), settings
+    )
+    memory = Memory(place, prefer, door=LiveDoor(front, f"store '{place}'", place))
+    memory._reopen = None
+    return memory
 
 
-def _prefers_latents(prefer: str) -> bool:
-    if prefer not in _PREFER:
-        raise InvalidArgumentError(f"prefer '{prefer}': needs 'recorded' or 'latent'")
-    return _PREFER[prefer]
+def connect(
+    endpoint: str = "",
+    *,
+    token: str = "",
+    ca: str | os.PathLike[str] | None = None,
+    timeout: DurationLike = 10,
+) -> Memory:
+    """Reaches the memory server at an endpoint: "unix:/run/engram.sock", "head.local:4817".
+
+    Empty: where this user's server listens by default. It does not wait for the server: calls do,
+    `timeout` seconds each, retries included; Ctrl-C is seen when a call returns, and at once where
+    a watch waits. `token`: who asks (docs/access.md). `ca`: a PEM file, who vouches for servers on
+    other machines.
+
+    Raises InvalidArgumentError; FailedPreconditionError where the module was built without servers.
+    """
+    place, authority = text_of("endpoint", endpoint), "" if ca is None else text_of("ca", ca)
+    front = _core.FrontDoor.connect(
+        place, text_of("token", token), authority, duration_ns(timeout)
+    )
+    memory = Memory("", door=LiveDoor(front, f"server '{place}'" if place else "the server", ""))
+    memory.endpoint = place
+    memory._reopen = None if token else (_connected, (place, authority, duration_ns(timeout)))
+    return memory
 
 
-def _bytes(count: int) -> str:
-    size = float(count)
-    for unit in ("B", "kB", "MB", "GB"):
-        if size < 1000:
-            return f"{size:.3g} {unit}"
-        size /= 1000
-    return f"{size:.3g} TB"
+def _connected(endpoint: str, ca: str, timeout: int) -> Memory:
+    return connect(endpoint, ca=ca or None, timeout=timeout / 1e9)

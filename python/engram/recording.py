@@ -64,7 +64,7 @@ class Recorder(Closing):
 
     def commit_all(self, updates: Iterable[Update]) -> None:
         """Commits several snapshots as one: all of them are stored, or none."""
-        self._store.commit([_dict_of(update) for update in updates])
+        self._store.commit([dict_of(update) for update in updates])
 
     @property
     def counts(self) -> dict[str, dict[str, Any]]:
@@ -98,7 +98,8 @@ def record(
     return Recorder(path, config, preset)
 
 
-def _dict_of(update: Update) -> dict[str, Any]:
+def dict_of(update: Update) -> dict[str, Any]:
+    """What the C++ side takes."""
     now = clock.time_ns()
     time = now if update.time is None else to_ns(update.time)
     instance = {

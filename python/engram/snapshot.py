@@ -82,6 +82,7 @@ class Snapshot:
     predictor: str  #: The engine; "mixed": several, see Instance.members.
     horizon: int  #: ns behind the last known moment; 0 unless predicted.
     instances: tuple[Instance, ...]
+    plan: str = ""  #: Entity whose planned numbers a prediction was told; empty: none.
 
     @property
     def datetime(self) -> np.datetime64:

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from engram import _core
+from engram.entity import Entity
 from engram.errors import NotFoundError
 from engram.frame import numbers_of
-from engram.memory import Entity, Memory
+from engram.memory import Memory
 from engram.optional import needs
 from engram.snapshot import Snapshot
 from engram.times import TimeLike, to_ns

@@ -13,6 +13,7 @@ from engram.idf.errors import IdfError
 from engram.idf.json_text import from_json, to_json
 from engram.idf.pose import Pose
 from engram.idf.type_data import type_from_data
+from engram.idf.type_table import type_to_data
 from engram.idf.typed import TypedObject, from_value, to_value
 from engram.idf.types import Type
 from engram.idf.value import Value, at, describe, equal, join_path, kind_name, split_path
@@ -42,5 +43,6 @@ __all__ = [
     "to_json",
     "to_value",
     "type_from_data",
+    "type_to_data",
     "types",
 ]

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "python/bindings/front_door.h"
+
+#include <pybind11/stl.h>
+#include <unistd.h>
+
+#include "python/bindings/commit.h"
+#include "python/bindings/errors.h"
+#include "python/bindings/query_result.h"
+#include "python/bindings/values.h"
+
+namespace engram::python {
+
+namespace {
+
+namespace py = pybind11;
+
+CommitDurability durability_of(const std::string& name) {
+  if (name == "default") return CommitDurability::kDefault;
+  if (name == "memory") return CommitDurability::kMemory;
+  if (name == "journal") return CommitDurability::kJournal;
+  raise(invalid_argument("durability '{}': needs 'default', 'memory' or 'journal'", name));
+}
+
+/// What `make` gives, which is called without the GIL.
+template <typename F>
+std::unique_ptr<Memory> made(F make) {
+  auto memory = [&] {
+    const py::gil_scoped_release released;
+    return make();
+  }();
+  return value_or_raise(std::move(memory));
+}
+
+}  // namespace
+
+FrontDoor::FrontDoor(std::unique_ptr<Memory> memory)
+    : process_(::getpid()), memory_(std::move(memory)) {}
+
+std::unique_ptr<FrontDoor> FrontDoor::open(const std::string& store, const OpenOptions& options) {
+  return std::unique_ptr<FrontDoor>(
+      new FrontDoor(made([&] { return Memory::open(store, options); })));
+}
+
+std::unique_ptr<FrontDoor> FrontDoor::connect(const std::string& endpoint,
+                                              const ConnectOptions& options) {
+  return std::unique_ptr<FrontDoor>(
+      new FrontDoor(made([&] { return Memory::connect(endpoint, options); })));
+}
+
+FrontDoor::~FrontDoor() {
+  if (process_ != ::getpid()) {
+    // A forked process has none of the threads that ending would wait for.
+    static_cast<void>(new std::shared_ptr<Memory>(std::move(memory_)));
+    return;
+  }
+  const py::gil_scoped_release released;
+  memory_.reset();
+}
+
+/// Calls `work`, which gives a Result or Status, without the GIL.
+template <typename F>
+auto FrontDoor::with_memory(F work) {
+  using Answer = decltype(work(*memory_));
+  Answer result = [&]() -> Answer {
+    const py::gil_scoped_release released;
+    if (process_ != ::getpid())
+      return failed_precondition("the memory was opened by another process: open it in this one");
+    const auto memory = [&] {
+      const std::scoped_lock lock(mutex_);
+      return memory_;
+    }();
+    if (memory == nullptr) return failed_precondition("the memory is closed");
+    return work(*memory);
+  }();
+  if constexpr (std::is_same_v<Answer, Status>) {
+    if (!result.ok()) raise(result);
+  } else {
+    return value_or_raise(std::move(result));
+  }
+}
+
+Result<std::vector<int64_t>> FrontDoor::times_of(Memory& memory, const std::string& entity,
+                                                 const std::vector<ltm::Selector>& selectors) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query data, ltm::Query::of_entity(id, selectors));
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query ids, ltm::Query::create(data.memories(), true));
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, memory.query(ids));
+  std::vector<int64_t> times;
+  if (const ltm::EntityResult* found = answer.find_entity(id))
+    for (const ltm::SnapshotResult& one : found->snapshots) times.push_back(to_ns(one.time));
+  return times;
+}
+
+std::vector<std::string> FrontDoor::entities() {
+  return with_memory([](Memory& memory) -> Result<std::vector<std::string>> {
+    std::vector<std::string> names;
+    const auto answer = memory.query("?ids @ latest");
+    if (answer.status().code() == StatusCode::kNotFound) return names;
+    ENGRAM_RETURN_IF_ERROR(answer.status());
+    for (const ltm::EntityResult* found : answer->entities())
+      names.push_back(found->id.to_string());
+    return names;
+  });
+}
+
+py::dict FrontDoor::summary(const std::string& entity) {
+  const auto times =
+      with_memory([&](Memory& memory) { return times_of(memory, entity, {ltm::select::All{}}); });
+  if (times.empty()) raise(not_found("entity '{}': has no snapshot", entity));
+  py::dict dict;
+  dict["snapshots"] = times.size();
+  dict["first"] = times.front();
+  dict["last"] = times.back();
+  return dict;
+}
+
+std::pair<int64_t, int64_t> FrontDoor::span(const std::string& entity) {
+  const std::vector<ltm::Selector> ends{ltm::select::IndexRange{0, 0}, ltm::select::Latest{}};
+  const auto times = with_memory([&](Memory& memory) { return times_of(memory, entity, ends); });
+  if (times.empty()) raise(not_found("entity '{}': has no snapshot", entity));
+  return {times.front(), times.back()};
+}
+
+std::vector<int64_t> FrontDoor::times(const std::string& entity, std::optional<int64_t> after,
+                                      size_t /*count*/) {
+  ltm::select::TimeRange behind{Time::min(), Time::max()};
+  if (after) {
+    if (time_from_ns(*after) == Time::max()) return {};
+    behind.first = time_from_ns(*after) + Duration(1);
+  }
+  return with_memory([&](Memory& memory) { return times_of(memory, entity, {behind}); });
+}
+
+py::list FrontDoor::select(const std::string& entity, const std::string& selector) {
+  const auto result = with_memory([&](Memory& memory) -> Result<ltm::QueryResult> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Selector parsed, ltm::parse_selector(selector));
+    ENGRAM_RETURN_IF_ERROR(ltm::validate(parsed));
+    return memory.query(ltm::Query::of_entity(id, parsed));
+  });
+  py::list snapshots;
+  for (const ltm::EntityResult* found : result.entities())
+    snapshots = snapshots_of(found->id, found->snapshots);
+  return snapshots;
+}
+
+py::list FrontDoor::query(const std::string& text, const std::string& engine) {
+  return answer_of(with_memory([&](Memory& memory) { return memory.query(text, engine); }));
+}
+
+py::list FrontDoor::predict(const std::string& entity, const std::vector<int64_t>& horizons,
+                            const std::string& engine) {
+  const ltm::MemoryId id = value_or_raise(entity_of(entity));
+  const std::vector<Duration> ahead(horizons.begin(), horizons.end());
+  return snapshots_of(
+      id, with_memory([&](Memory& memory) { return memory.predict(id, ahead, engine); }));
+}
+
+py::list FrontDoor::engines(const std::string& entity, int64_t ahead) {
+  return engines_of(with_memory([&](Memory& memory) -> Result<std::vector<ltm::EngineRecord>> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    return memory.engines(id, Duration(ahead));
+  }));
+}
+
+void FrontDoor::declare(const std::string& segment, const py::object& type) {
+  const ltm::MemoryId id = value_or_raise(ltm::MemoryId::parse(segment));
+  const idf::Type read = value_or_raise(idf::type_from_data(from_python(type)));
+  with_memory([&](Memory& memory) { return memory.declare(id, read); });
+}
+
+void FrontDoor::commit(const py::list& updates, const std::string& durability) {
+  const CommitDurability until = durability_of(durability);
+  const ltm::Commit commit = commit_of(updates);
+  with_memory([&](Memory& memory) { return memory.commit(commit, until); });
+}
+
+std::unique_ptr<Watch> FrontDoor::watch(const SubscriptionOptions& options) {
+  const auto inbox = std::make_shared<Inbox>(options.queue_bound);
+  auto subscription = with_memory(
+      [&](Memory& memory) { return memory.subscribe(options, Inbox::handlers(inbox)); });
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(watches_, [](const std::weak_ptr<Inbox>& one) { return one.expired(); });
+  watches_.push_back(inbox);
+  if (memory_ == nullptr) inbox->close();  // By another thread meanwhile.
+  return std::make_unique<Watch>(inbox, std::move(subscription));
+}
+
+void FrontDoor::close() {
+  const Status status = [&]() -> Status {
+    const py::gil_scoped_release released;
+    if (process_ != ::getpid()) return {};
+    std::shared_ptr<Memory> memory;
+    {
+      const std::scoped_lock lock(mutex_);
+      memory.swap(memory_);
+      for (const std::weak_ptr<Inbox>& one : watches_)
+        if (const auto inbox = one.lock()) inbox->close();
+      watches_.clear();
+    }
+    return memory == nullptr ? Status() : memory->close();
+  }();
+  if (!status.ok()) raise(status);
+}
+
+}  // namespace engram::python

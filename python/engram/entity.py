@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One thing over time, as a memory has it: `memory["Vision/RGB/head/cam"]`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from engram.doors import Door
+from engram.errors import NotFoundError
+from engram.frame import frame_of
+from engram.model import Latents, Model, latents_of
+from engram.snapshot import Engine, Snapshot, engine_of, snapshot_of
+from engram.times import DurationLike, TimeLike, duration_ns, to_datetime64, to_ns
+
+if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import]
+
+_SNAPSHOTS_AT_ONCE = 16
+_TIMES_AT_ONCE = 100_000
+
+
+class Entity:
+    """One thing over time: its past, and what is predicted of it.
+
+    It asks the memory that gave it, as long as that is open, and sees what is committed meanwhile
+    where the memory is live. Threading: as Memory.
+    """
+
+    def __init__(self, door: Door, name: str) -> None:
+        self._door = door
+        self.name = name
+
+    def __len__(self) -> int:
+        """Moments that are kept."""
+        return int(self._door.summary(self.name)["snapshots"])
+
+    @property
+    def first(self) -> int:
+        """Time of the first moment, in ns."""
+        return self._door.span(self.name)[0]
+
+    @property
+    def last(self) -> int:
+        """Time of the last moment, in ns."""
+        return self._door.span(self.name)[1]
+
+    def summary(self) -> dict[str, Any]:
+        """What there is of it: "snapshots", "first", "last" (ns), "models" (versions), and bytes.
+
+        "raw_bytes": plain; "stored_bytes": as recorded; "latent_bytes", "model_bytes": as learned.
+        Of a live memory the first three alone.
+        """
+        return self._door.summary(self.name)
+
+    def at(self, time: TimeLike) -> Snapshot:
+        """The moment at exactly this time; behind the last one, a prediction.
+
+        Raises NotFoundError where there is none.
+        """
+        return self._one(f"time:{to_ns(time)}")
+
+    def nearest(self, time: TimeLike) -> Snapshot:
+        """The moment that is closest in time, never a prediction."""
+        return self._one(f"nearest:{to_ns(time)}")
+
+    def latest(self, count: int = 1) -> list[Snapshot]:
+        """The last `count` moments, oldest first."""
+        return self._select(f"latest:{count}")
+
+    def ahead(self, duration: DurationLike) -> Snapshot:
+        """A prediction so long (seconds) behind the last moment."""
+        offset = duration_ns(duration)
+        # In one question: another moment may come between two.
+        return self._one(f"+{offset}ns") if offset > 0 else self.at(self.last + offset)
+
+    def predict(
+        self,
+        ahead: DurationLike | Sequence[DurationLike],
+        start: TimeLike | None = None,
+        engine: str = "",
+    ) -> list[Snapshot]:
+        """What is expected so long (seconds) after the last moment up to `start` (None: the newest).
+
+        Nothing after `start` is looked at: what really came can be compared. `engine`: one of
+        engines(); empty: the one that was best on the past, for each horizon.
+        Raises NotFoundError, InvalidArgumentError where a horizon is too far ahead,
+        FailedPreconditionError where a live memory is given a `start`.
+        """
+        horizons = [ahead] if isinstance(ahead, (int, float, np.timedelta64)) else ahead
+        if not isinstance(horizons, Sequence):
+            horizons = [horizons]
+        found = self._door.predict(
+            self.name,
+            [duration_ns(one) for one in horizons],
+            None if start is None else to_ns(start),
+            engine,
+        )
+        return [snapshot_of(one) for one in found]
+
+    def engines(self, ahead: DurationLike, start: TimeLike | None = None) -> list[Engine]:
+        """All ways to predict so long (seconds) ahead, the best on the past of the entity first."""
+        found = self._door.engines(
+            self.name, duration_ns(ahead), None if start is None else to_ns(start)
+        )
+        return [engine_of(one) for one in found]
+
+    def window(self, time: TimeLike, offsets: Sequence[DurationLike]) -> list[Snapshot]:
+        """What was closest to each of `time` + offset (seconds); predictions of the future."""
+        times = [to_ns(time) + duration_ns(offset) for offset in offsets]
+        last = self.last
+        return [self.at(one) if one > last else self.nearest(one) for one in times]
+
+    def snapshots(
+        self, start: TimeLike | None = None, end: TimeLike | None = None
+    ) -> Iterator[Snapshot]:
+        """The moments from `start` to `end`, both included, in order; a few are in memory."""
+        after = None if start is None else to_ns(start) - 1
+        stop = None if end is None else to_ns(end)
+        while True:
+            found = self._door.times(self.name, after, _SNAPSHOTS_AT_ONCE)
+            wanted = [time for time in found if stop is None or time <= stop]
+            # A live memory tells all of them at once.
+            for i in range(0, len(wanted), _SNAPSHOTS_AT_ONCE):
+                some = wanted[i : i + _SNAPSHOTS_AT_ONCE]
+                yield from self._select(f"time:{some[0]}..{some[-1]}")
+            if len(wanted) != _SNAPSHOTS_AT_ONCE:
+                return
+            after = wanted[-1]
+
+    def __iter__(self) -> Iterator[Snapshot]:
+        return self.snapshots()
+
+    def times(
+        self, start: TimeLike | None = None, end: TimeLike | None = None
+    ) -> npt.NDArray[np.datetime64]:
+        """The moments from `start` to `end`, both included, as datetime64[ns]; decodes nothing."""
+        after = None if start is None else to_ns(start) - 1
+        stop = None if end is None else to_ns(end)
+        times: list[int] = []
+        while True:
+            found = self._door.times(self.name, after, _TIMES_AT_ONCE)
+            times += [time for time in found if stop is None or time <= stop]
+            if len(found) != _TIMES_AT_ONCE or (stop is not None and found[-1] > stop):
+                return np.asarray(times, np.int64).astype("datetime64[ns]")
+            after = found[-1]
+
+    def frame(self, start: TimeLike | None = None, end: TimeLike | None = None) -> pd.DataFrame:
+        """The numbers, bools and texts from `start` to `end` as a DataFrame (needs pandas).
+
+        A row per moment, indexed by time (UTC); arrays of up to 1,024 numbers are columns by place:
+        "position/0".
+        """
+        return frame_of(self.snapshots(start, end))
+
+    def errors(self) -> dict[str, npt.NDArray[Any]]:
+        """How each moment that has latents is kept, as columns, decoding nothing.
+
+        "time", "model" (version), "form" of its images ("latents", "refined", "residual", "video",
+        "lossless"), "bytes", "psnr_db" and "rmse" as they were measured when it was made.
+        `pandas.DataFrame(entity.errors())` takes it.
+        """
+        columns = self._door.files().stored_snapshots(self.name)
+        columns["time"] = columns["time"].astype("datetime64[ns]")
+        columns["form"] = np.asarray(columns["form"], dtype=str)
+        return columns
+
+    @property
+    def model(self) -> Model:
+        """The newest model. Raises NotFoundError where there is none."""
+        found = [one for one in self._door.files().models() if one["entity"] == self.name]
+        if not found:
+            raise NotFoundError(f"'{self.name}': has no model, needs engram.consolidate first")
+        return Model(**max(found, key=lambda one: int(one["version"])))
+
+    def latents(self, start: TimeLike | None = None, end: TimeLike | None = None) -> Latents:
+        """What the newest model keeps from `start` to `end`, as arrays: images are not decoded."""
+        model = self.model
+        first = -(2**63) if start is None else to_ns(start)
+        last = 2**63 - 1 if end is None else to_ns(end)
+        store = self._door.files()
+        return latents_of(store.latents(self.name, model.version, first, last, model._open))
+
+    def __repr__(self) -> str:
+        about = self.summary()
+        sizes = ""
+        if "stored_bytes" in about:
+            sizes = f", {_bytes(about['stored_bytes'] + about['latent_bytes'])}"
+        models = f", model v{about['models'][-1]}" if about.get("models") else ""
+        return (
+            f"<Entity {self.name}: {about['snapshots']:,} snapshots, "
+            f"{to_datetime64(about['first'])} to {to_datetime64(about['last'])}{sizes}{models}>"
+        )
+
+    def _select(self, selector: str) -> list[Snapshot]:
+        found = self._door.select(self.name, selector)
+        return [snapshot_of(one) for one in found]
+
+    def _one(self, selector: str) -> Snapshot:
+        found = self._select(selector)
+        if not found:
+            raise NotFoundError(f"'{self.name}': has no moment '{selector}'")
+        return found[0]
+
+
+def _bytes(count: int) -> str:
+    size = float(count)
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.3g} TB"
