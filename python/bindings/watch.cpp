@@ -52,7 +52,7 @@ SubscriptionHandlers Inbox::handlers(const std::shared_ptr<Inbox>& inbox) {
   handlers.on_interrupted = [inbox](const Status& status) {
     const std::scoped_lock lock(inbox->mutex_);
     ++inbox->interruptions_;
-    inbox->interruption_ = status.message();
+    inbox->interruption_ = status.ok() ? "the server ended the stream" : status.message();
   };
   return handlers;
 }

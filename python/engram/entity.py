@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from engram.doors import Door
-from engram.errors import NotFoundError
+from engram.errors import InvalidArgumentError, NotFoundError
 from engram.frame import frame_of
 from engram.model import Latents, Model, latents_of
 from engram.snapshot import Engine, Snapshot, engine_of, snapshot_of
@@ -93,9 +93,17 @@ class Entity:
         horizons = [ahead] if isinstance(ahead, (int, float, np.timedelta64)) else ahead
         if not isinstance(horizons, Sequence):
             horizons = [horizons]
+        wanted = [duration_ns(one) for one in horizons]
+        for one in wanted:
+            if one <= 0:
+                raise InvalidArgumentError(
+                    f"entity '{self.name}': found a horizon of {one} ns, needs more than zero"
+                )
+        if not wanted:
+            return []
         found = self._door.predict(
             self.name,
-            [duration_ns(one) for one in horizons],
+            wanted,
             None if start is None else to_ns(start),
             engine,
         )

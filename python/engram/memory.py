@@ -231,12 +231,13 @@ def connect(
     Raises InvalidArgumentError; FailedPreconditionError where the module was built without servers.
     """
     place, authority = text_of("endpoint", endpoint), "" if ca is None else text_of("ca", ca)
-    front = _core.FrontDoor.connect(
-        place, text_of("token", token), authority, duration_ns(timeout)
-    )
+    longest = duration_ns(timeout)
+    if longest <= 0:
+        raise InvalidArgumentError(f"timeout {timeout!r}: needs more than zero seconds")
+    front = _core.FrontDoor.connect(place, text_of("token", token), authority, longest)
     memory = Memory("", door=LiveDoor(front, f"server '{place}'" if place else "the server", ""))
     memory.endpoint = place
-    memory._reopen = None if token else (_connected, (place, authority, duration_ns(timeout)))
+    memory._reopen = None if token else (_connected, (place, authority, longest))
     return memory
 
 

@@ -259,7 +259,8 @@ class Connected(Committing, ConnectedDoor, unittest.TestCase):
     def test_endpoints_and_options_are_checked(self):
         for arguments in (dict(endpoint=5), dict(endpoint="no endpoint"), dict(endpoint="a:b:c"),
                           dict(endpoint="unix:" + "x" * 300), dict(endpoint="h:4817", token=5),
-                          dict(endpoint="h:4817", ca=5), dict(endpoint="head.local:99999")):
+                          dict(endpoint="h:4817", ca=5), dict(endpoint="head.local:99999"),
+                          dict(endpoint="h:4817", timeout=0)):
             with self.subTest(**arguments), self.assertRaises(errors.EngramError) as raised:
                 engram.connect(**arguments).close()
             self.assertIsInstance(raised.exception, errors.InvalidArgumentError)
