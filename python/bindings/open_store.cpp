@@ -196,12 +196,13 @@ py::list OpenStore::predict(const std::string& entity, const std::vector<int64_t
                       }));
 }
 
-py::list OpenStore::engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from) {
+py::list OpenStore::engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from,
+                            bool prefers_latents) {
   return engines_of(with_recall([&](ltm::Recall& recall) -> Result<std::vector<ltm::EngineRecord>> {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
     std::optional<Time> time;
     if (from) time = time_from_ns(*from);
-    return recall.records(id, time, Duration(ahead), {});
+    return recall.records(id, time, Duration(ahead), options_of(prefers_latents));
   }));
 }
 

@@ -49,7 +49,8 @@ class OpenStore {
                          bool prefers_latents);
 
   /// {"name", "model", "predictions", "error", "bound"} of each way to predict, the best one first.
-  pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from);
+  pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from,
+                         bool prefers_latents);
 
   /// {"entity", "version", "file", "bytes"} of each model, older ones first.
   pybind11::list models();

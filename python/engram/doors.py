@@ -10,7 +10,7 @@ import os
 from typing import Any, Union
 
 from engram import _core
-from engram.errors import FailedPreconditionError, InvalidArgumentError
+from engram.errors import FailedPreconditionError, InvalidArgumentError, NotFoundError
 
 _PREFER = {"recorded": False, "latent": True}
 
@@ -32,7 +32,6 @@ class StoreDoor:
         self.summary = self._store.summary
         self.span = self._store.span
         self.times = self._store.times
-        self.engines = self._store.engines
         self.refresh = self._store.refresh
         self.close = self._store.close
 
@@ -46,6 +45,9 @@ class StoreDoor:
         self, entity: str, horizons: list[int], start: int | None, engine: str
     ) -> list[dict[str, Any]]:
         return self._store.predict(entity, horizons, start, engine, self._prefers_latents)
+
+    def engines(self, entity: str, ahead: int, start: int | None) -> list[dict[str, Any]]:
+        return self._store.engines(entity, ahead, start, self._prefers_latents)
 
     def files(self) -> _core.OpenStore:
         """What is in files and no part of an answer: models, latents."""
@@ -67,11 +69,17 @@ class LiveDoor:
         self._path = path  # Empty: it has no files here.
         self.entities = front.entities
         self.summary = front.summary
-        self.span = front.span
         self.times = front.times
         self.select = front.select
         self.query = front.query
         self.close = front.close
+
+    def span(self, entity: str) -> tuple[int, int]:
+        try:
+            return self._front.span(entity)
+        except NotFoundError:
+            names = ", ".join(self._front.entities()[:20]) or "nothing"
+        raise NotFoundError(f"{self._place} has no entity '{entity}'; it has: {names}")
 
     def predict(
         self, entity: str, horizons: list[int], start: int | None, engine: str

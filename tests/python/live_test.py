@@ -84,7 +84,8 @@ class Committing:
 
             @staticmethod
             def idf_type():
-                return types.Object(name="Cup", members=(types.Member("x", types.Double()),))
+                return types.Object(name="Cup", python=Cup,
+                                    members=(types.Member("x", types.Double()),))
 
         self.memory.declare("Objects/Things", Cup)
         self.memory.commit(CUP, Cup(2), START)
@@ -221,12 +222,13 @@ class Opened(Committing, OpenedDoor, unittest.TestCase):
             with self.assertRaises(errors.InvalidArgumentError):
                 memory[CUP].ahead(2)
 
-    def test_a_night_beside_it_is_seen(self):
-        for i in range(40):
+    def test_the_files_of_its_store_are_read_beside_it(self):
+        for i in range(5):
             self.commit(i)
-        self.assertEqual(engram.forget(self.memory, CUP + " @ latest:3")["plan"]["snapshots"], 3)
-        with self.assertRaises(errors.NotFoundError):
+        self.assertTrue(engram.check(self.memory)["clean"])
+        with self.assertRaisesRegex(errors.NotFoundError, "no model"):
             _ = self.memory[CUP].model
+        self.assertEqual(list(self.memory[CUP].errors()["time"]), [])
 
 
 class Connected(Committing, ConnectedDoor, unittest.TestCase):
