@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <string_view>
+
 namespace engram::cli {
 
 namespace {
@@ -21,13 +23,24 @@ bool is_set(const char* name) {
 
 }  // namespace
 
-void prepare_to_learn(char** argv) {
+bool is_learning(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (const std::string_view word = argv[i];
+        word == "consolidate" || word == "eval" || word == "crossval" || word == "predict")
+      return true;
+  return false;
+}
+
+bool set_learning_environment() {
   const bool has_spins = is_set("OMP_WAIT_POLICY") || is_set("GOMP_SPINCOUNT");
   const bool has_memory = is_set("GLIBC_TUNABLES");
-  if (has_spins && has_memory) return;
   if (!has_spins) ::setenv("GOMP_SPINCOUNT", kSpins, 1);
   if (!has_memory) ::setenv("GLIBC_TUNABLES", kMemory, 1);
-  ::execv("/proc/self/exe", argv);
+  return !has_spins || !has_memory;
+}
+
+void prepare_to_learn(char** argv) {
+  if (set_learning_environment()) ::execv("/proc/self/exe", argv);
   // Where that is not possible it is slower, not wrong.
 }
 

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "cli/command.h"
+#include "cli/help_texts.h"
 #include "cli/interrupt.h"
 #include "cli/learning_environment.h"
 #include "ltm/core/log.h"
@@ -36,15 +37,6 @@ constexpr const char* kFooter = R"(Examples:
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
 
-/// Commands that run networks for long.
-bool is_learning(int argc, char** argv) {
-  for (int i = 1; i < argc; ++i)
-    if (const std::string_view word = argv[i];
-        word == "consolidate" || word == "eval" || word == "crossval" || word == "predict")
-      return true;
-  return false;
-}
-
 ExitCode run(int argc, char** argv) {
   CLI::App app{"Engram: a deep episodic memory for robots"};
   app.name("engram");
@@ -74,6 +66,9 @@ ExitCode run(int argc, char** argv) {
   add_server_commands(app, exit_code);
   add_check_command(app, exit_code);
   add_recover_command(app, exit_code);
+  // While it is built, for the launcher.
+  if (argc == 3 && std::string_view(argv[1]) == "--write-help-texts")
+    return done_or_failed(write_help_texts(app, argv[2]));
   return run_command(app, argc, argv, exit_code);
 }
 

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is installed as `engram`. The program itself stands beside, linked with all that learns,
+// simulates and talks over networks: loading that takes half a second of processor time. The
+// launcher says what needs none of it (--help, --version, that a command is missing), in the words
+// that the program wrote when it was built, and becomes the program for all else.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "cli/learning_environment.h"
+
+namespace engram::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "engram-program";
+constexpr int kWrongUsage = 2;
+constexpr int kCannotStart = 126;
+
+/// Where the program is: as it was installed, else as it is built.
+fs::path program_directory() {
+  std::error_code error;
+  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path installed = (here / ENGRAM_PROGRAM_DIRECTORY).lexically_normal();
+  if (fs::exists(installed / kProgram, error)) return installed;
+  return (here / "../libexec/engram").lexically_normal();
+}
+
+bool is_help(std::string_view word) {
+  return word == "--help" || word == "-h";
+}
+
+/// Nothing else can be the name of a command.
+bool is_name(std::string_view word) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz-_";
+  return !word.empty() && word.front() != '-' &&
+         word.find_first_not_of(kLetters) == std::string_view::npos;
+}
+
+/// The file with what --help says of a command.
+std::optional<fs::path> help_file(const fs::path& directory, std::span<char*> command) {
+  std::string name = "help";
+  for (const std::string_view word : command) {
+    if (!is_name(word)) return std::nullopt;
+    name.append(".").append(word);
+  }
+  fs::path file = directory / "help" / (name + ".txt");
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return std::nullopt;
+  return file;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Whether no word is in the list of commands that --help ends with, and none says anything else.
+bool has_no_command(const fs::path& directory, std::span<char*> words) {
+  const auto file = help_file(directory, {});
+  const std::string commands = file ? text_of(*file) : "";
+  if (commands.empty()) return false;
+  return std::ranges::none_of(words, [&](const std::string word) {
+    return word.empty() || word.front() == '-' ||
+           commands.find("\n  " + word + " ") != std::string::npos;
+  });
+}
+
+/// The exit code where the program is not needed.
+std::optional<int> answer(const fs::path& directory, std::span<char*> words) {
+  if (words.size() == 1 && std::string_view(words[0]) == "--version") {
+    std::puts("engram " ENGRAM_VERSION);
+    return 0;
+  }
+  if (!words.empty() && is_help(words.back())) {
+    const auto file = help_file(directory, words.first(words.size() - 1));
+    const std::string text = file ? text_of(*file) : "";
+    if (text.empty()) return std::nullopt;
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return 0;
+  }
+  if (has_no_command(directory, words)) {
+    std::fputs("A subcommand is required\nRun with --help for more information.\n", stderr);
+    return kWrongUsage;
+  }
+  return std::nullopt;
+}
+
+int run(int argc, char** argv) {
+  const fs::path directory = program_directory();
+  const std::span<char*> all(argv, static_cast<size_t>(argc));
+  if (const auto exit_code = answer(directory, all.subspan(std::min<size_t>(1, all.size()))))
+    return *exit_code;
+  // The program would start over for it, and be loaded twice.
+  if (is_learning(argc, argv)) set_learning_environment();
+  const std::string program = directory / kProgram;
+  ::execv(program.c_str(), argv);
+  std::fprintf(stderr, "engram: cannot start '%s': %s\n", program.c_str(), std::strerror(errno));
+  return kCannotStart;
+}
+
+}  // namespace
+
+}  // namespace engram::cli
+
+int main(int argc, char** argv) {
+  return engram::cli::run(argc, argv);
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// `engram` as it is installed: what it says itself is what the program says, and all else is the
+// program's.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const fs::path kProgram = ENGRAM_REAL_PROGRAM;
+const fs::path kHelp = kProgram.parent_path() / "help";
+
+struct Said {
+  int exit_code = -1;
+  std::string text;  ///< On stdout and stderr.
+};
+
+/// Runs a line of the shell.
+Said run(const std::string& line) {
+  std::FILE* pipe = ::popen(("{ " + line + "; } 2>&1").c_str(), "r");
+  Said said;
+  std::array<char, 4096> piece;
+  while (const size_t count = std::fread(piece.data(), 1, piece.size(), pipe))
+    said.text.append(piece.data(), count);
+  const int status = ::pclose(pipe);
+  said.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return said;
+}
+
+/// The words of each command that has a text: " idf generate" for help.idf.generate.txt.
+std::vector<std::string> commands() {
+  std::vector<std::string> all;
+  for (const auto& entry : fs::directory_iterator(kHelp)) {
+    std::string words = entry.path().stem().string().substr(std::string("help").size());
+    std::ranges::replace(words, '.', ' ');
+    all.push_back(words);
+  }
+  return all;
+}
+
+TEST(Launcher, SaysWhatTheProgramSays) {
+  const std::vector<std::string> all = commands();
+  EXPECT_GT(all.size(), 20u);
+  EXPECT_THAT(all, ::testing::IsSupersetOf({"", " query", " idf generate"}));
+  for (const std::string& words : all) {
+    const Said program = run(kProgram.string() + words + " --help");
+    EXPECT_EQ(program.exit_code, 0) << words;
+    EXPECT_THAT(program.text, HasSubstr("Usage: engram" + words)) << words;
+    EXPECT_EQ(run(ENGRAM_PROGRAM + words + " --help").text, program.text) << words;
+  }
+  for (const std::string line :
+       {" --version", "", " fly", " fly high", " --fly", " fly query a b c", " -q", " idf",
+        " --version fly", " fly --help"}) {
+    const Said program = run(kProgram.string() + line);
+    const Said launcher = run(ENGRAM_PROGRAM + line);
+    EXPECT_EQ(launcher.text, program.text) << line;
+    EXPECT_EQ(launcher.exit_code, program.exit_code) << line;
+  }
+}
+
+/// The launcher as it is installed, with a program beside it that says how it was started.
+class Installed : public ::testing::Test {
+ protected:
+  Installed() {
+    fs::create_directories(engram_.parent_path());
+    fs::create_directories(program_.parent_path());
+    fs::copy_file(ENGRAM_PROGRAM, engram_);
+    fs::copy(kHelp, program_.parent_path() / "help", fs::copy_options::recursive);
+    std::ofstream(program_) << "#!/bin/sh\necho \"program $$ $#: $* ($WORD)\"\ncat\nexit 7\n";
+    fs::permissions(program_, fs::perms::owner_all);
+  }
+
+  [[nodiscard]] Said engram(const std::string& arguments) const {
+    return run("echo typed | WORD=said '" + engram_.string() + "' " + arguments);
+  }
+
+  ScratchDirectory directory_;
+  const fs::path engram_ = directory_.path() / "bin/engram";
+  const fs::path program_ = directory_.path() / "libexec/engram/engram-program";
+};
+
+TEST_F(Installed, AnswersWithoutTheProgramWhatNeedsNoneOfIt) {
+  for (const std::string line :
+       {"--help", "-h", "query --help", "idf generate -h", "--version", "fly", ""})
+    EXPECT_THAT(engram(line).text, ::testing::Not(HasSubstr("program "))) << line;
+  EXPECT_EQ(engram("--version").exit_code, 0);
+  EXPECT_EQ(engram("query --help").exit_code, 0);
+  EXPECT_EQ(engram("fly").exit_code, 2);
+}
+
+TEST_F(Installed, BecomesTheProgramForAllElse) {
+  const Said said = engram("query 'a b' --json");
+  EXPECT_EQ(said.exit_code, 7);
+  EXPECT_THAT(said.text, HasSubstr(" 3: query a b --json (said)\ntyped\n"));
+  for (const std::string line : {"query", "-q query", "query --help x", "../x --help", "--fly"})
+    EXPECT_THAT(engram(line).text, HasSubstr("program ")) << line;
+  fs::remove(program_.parent_path() / "help/help.query.txt");
+  for (const std::string line : {"query --help", "query a"})
+    EXPECT_THAT(engram(line).text, HasSubstr("program ")) << "it has no text: " << line;
+}
+
+TEST_F(Installed, KeepsItsProcessAndIsFoundByALink) {
+  const fs::path link = directory_.path() / "link";
+  fs::create_symlink(engram_, link);
+  const Said said = run("'" + link.string() + "' query < /dev/null & pid=$!; wait $pid; echo $pid");
+  const size_t begin = said.text.find("program ") + std::string("program ").size();
+  const std::string pid = said.text.substr(begin, said.text.find(' ', begin) - begin);
+  EXPECT_THAT(said.text, HasSubstr("\n" + pid + "\n"));
+}
+
+TEST_F(Installed, SaysWhatIsMissingWhereThereIsNoProgram) {
+  fs::remove(program_);
+  const Said said = engram("query a b");
+  EXPECT_EQ(said.exit_code, 126);
+  EXPECT_THAT(said.text, HasSubstr("cannot start '" + program_.string()));
+}
+
+}  // namespace
+}  // namespace engram::cli
