@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <vector>
 
+#include "cli/old_words.h"
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
@@ -20,9 +23,23 @@ std::string problem(const Status& status) {
 
 }  // namespace
 
+CLI::Validator old_value(const std::string& old, const std::string& now) {
+  return {[old, now](std::string& value) {
+            if (value != old) return std::string();
+            log::warning("{}", is_now(old, now));
+            value = now;
+            return std::string();
+          },
+          ""};
+}
+
 ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code) {
   try {
-    app.parse(argc, argv);
+    const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
+    auto [arguments, old] = with_todays_words(given);
+    for (const std::string& told : old) log::warning("{}", told);
+    std::ranges::reverse(arguments);  // As CLI11 wants them.
+    app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;
   }

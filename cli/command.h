@@ -45,8 +45,13 @@ void add_idf_command(CLI::App& app, ExitCode& exit_code);
 void add_server_commands(CLI::App& app, ExitCode& exit_code);
 
 /// Reads the arguments and runs the command that they name, which sets `exit_code`. Returns it, or
-/// kWrongUsage after telling what is wrong with the arguments.
+/// kWrongUsage after telling what is wrong with the arguments. Options' words of earlier versions
+/// are taken with a warning.
 ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code);
+
+/// Takes a value of earlier versions for the one in its place, with a warning, until version 0.3.
+/// For Option::transform.
+[[nodiscard]] CLI::Validator old_value(const std::string& old, const std::string& now);
 
 /// Runs a program: an exception that nobody caught is told on stderr.
 int exit_code_of(const std::function<ExitCode()>& program);

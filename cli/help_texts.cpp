@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "cli/usage.h"
 #include "ltm/core/file.h"
 
 namespace engram::cli {
@@ -34,7 +35,8 @@ Status write_help_texts(CLI::App& app, const std::filesystem::path& directory) {
           again(*below, words + " " + below->get_name(), name + "." + below->get_name(), again));
     return {};
   };
-  return write(app, "", "help", write);
+  ENGRAM_RETURN_IF_ERROR(write(app, "", "help", write));
+  return replace_file(directory / "usage.txt", as_bytes(usage_text(app)));
 }
 
 }  // namespace engram::cli

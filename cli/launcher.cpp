@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is installed as `engram`. The program itself stands beside, linked with all that learns,
 // simulates and talks over networks: loading that takes half a second of processor time. The
-// launcher says what needs none of it (--help, --version, that a command is missing), in the words
-// that the program wrote when it was built, and becomes the program for all else.
+// launcher says what needs none of it (--help, --version, that there is no such option), in the
+// words that the program wrote when it was built, and becomes the program for all else.
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -16,8 +17,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/learning_environment.h"
+#include "cli/old_words.h"
+#include "cli/usage.h"
 
 namespace engram::cli {
 
@@ -67,15 +71,14 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Whether no word is in the list of commands that --help ends with, and none says anything else.
-bool has_no_command(const fs::path& directory, std::span<char*> words) {
-  const auto file = help_file(directory, {});
-  const std::string commands = file ? text_of(*file) : "";
-  if (commands.empty()) return false;
-  return std::ranges::none_of(words, [&](const std::string word) {
-    return word.empty() || word.front() == '-' ||
-           commands.find("\n  " + word + " ") != std::string::npos;
-  });
+/// What the program says of words that it does not take; empty where it has to be asked.
+std::string wrong_usage(const fs::path& directory, std::span<char*> words) {
+  const std::vector<std::string> given(words.begin(), words.end());
+  CLI::App app;
+  if (with_todays_words(given).arguments != given ||
+      !read_usage(text_of(directory / "help/usage.txt"), app))
+    return "";
+  return wrong_usage_text(app, given);
 }
 
 /// The exit code where the program is not needed.
@@ -91,8 +94,8 @@ std::optional<int> answer(const fs::path& directory, std::span<char*> words) {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return 0;
   }
-  if (has_no_command(directory, words)) {
-    std::fputs("A subcommand is required\nRun with --help for more information.\n", stderr);
+  if (const std::string wrong = wrong_usage(directory, words); !wrong.empty()) {
+    std::fputs(wrong.c_str(), stderr);
     return kWrongUsage;
   }
   return std::nullopt;
