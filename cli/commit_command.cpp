@@ -4,7 +4,7 @@
 
 #include "cli/commit_lines.h"
 #include "cli/idf_files.h"
-#include "cli/remote_client.h"
+#include "cli/remote.h"
 #include "cli/server_commands.h"
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"
@@ -18,32 +18,34 @@ namespace engram::cli {
 namespace {
 
 constexpr const char* kFooter =
-    R"(Tells a server a snapshot, and prints its ID when the server has it. Values are IDF's JSON form
-(ltm/idf/json.h): plain JSON, with tags as in {"$float32": 0.5} where needed. With --lines many:
-one object per line, {"entity": ID, "time": TIME, "data": VALUE}, or what 'engram watch --data
---json' and 'engram export --to jsonl' write.
+    R"(Tells a server a snapshot, or with --db a store that nobody else writes to, and prints its ID when
+it is there. Values are IDF's JSON form (ltm/idf/json.h): plain JSON, with tags as in
+{"$float32": 0.5} where needed. With --lines many: one object per line, {"entity": ID, "time": TIME,
+"data": VALUE}, or what 'engram watch --data --json' and 'engram export --to jsonl' write.
 
-With --type the last object of an XML file is declared to be what the values of the entity's
+With --types the last object of an XML file is declared to be what the values of the entity's
 provider segment are; lists of numbers become its arrays, names the values of its enums.
 
 Examples:
   engram commit Objects/Things/kitchen/cup --data '{"height": 0.11}'
   engram commit Vision/RGB/head/cam --image image=cam.png --time '2022-02-18 13:06:56.49'
-  engram commit Objects/Things/kitchen/cup --file cup.json --type things.xml
+  engram commit Objects/Things/kitchen/cup --file cup.json --types things.xml
   engram commit --lines snapshots.jsonl --durability journal
+  engram commit --db robot.engram --lines snapshots.jsonl
   engram watch Vision --data --json | engram commit --server 10.0.0.2:50051 --lines -)";
 
 constexpr int64_t kMostPixels = 256'000'000;
 
 struct CommitArguments {
+  std::string store;
   RemoteArguments remote;
   std::string entity;
   std::string data;
   std::string file;
   std::vector<std::string> images;
   std::string time;
+  std::string types;
   std::string type;
-  std::string type_name;
   std::string lines;
   std::string durability = "server";
   bool is_json = false;
@@ -99,13 +101,13 @@ Result<idf::Data> value_of(const CommitArguments& arguments) {
 
 /// The type of a file that was named, else its last object.
 Result<idf::Type> read_type(const CommitArguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(const idf::TypeFile file, idf::read_type_file(arguments.type));
-  if (!arguments.type_name.empty()) return find_type(file, arguments.type_name);
+  ENGRAM_ASSIGN_OR_RETURN(const idf::TypeFile file, idf::read_type_file(arguments.types));
+  if (!arguments.type.empty()) return find_type(file, arguments.type);
   const auto last = std::find_if(file.types.rbegin(), file.types.rend(), [](const idf::Type& type) {
     return type.kind() == idf::TypeKind::kObject;
   });
   if (last != file.types.rend()) return *last;
-  return not_found("'{}' defines no object, needs one", arguments.type);
+  return not_found("'{}' defines no object, needs one", arguments.types);
 }
 
 void tell(const CommitArguments& arguments, const ltm::MemoryId& id) {
@@ -122,12 +124,12 @@ ExitCode commit_one(const CommitArguments& arguments) {
   if (!value.ok())
     return value.status().code() == StatusCode::kInvalidArgument ? wrong_usage(value.status())
                                                                  : fail(value.status());
-  const auto client = open_client(arguments.remote, update.entity.names().front());
-  if (!client.ok()) return fail(client.status());
-  if (!arguments.type.empty()) {
+  const auto memory = open_memory(arguments.store, {}, arguments.remote);
+  if (!memory.ok()) return fail(memory.status());
+  if (!arguments.types.empty()) {
     const auto type = read_type(arguments);
     if (!type.ok()) return fail(type.status());
-    if (const Status declared = (*client)->declare(update.entity.parent(), *type); !declared.ok())
+    if (const Status declared = (*memory)->declare(update.entity.parent(), *type); !declared.ok())
       return fail(declared);
     value = memory::written_as(*type, *std::move(value));
   }
@@ -135,46 +137,25 @@ ExitCode commit_one(const CommitArguments& arguments) {
       {*std::move(value),
        {.created = update.time, .sent = system_now(), .provider = "engram commit"}});
   const ltm::MemoryId id = update.id();
-  const Status done = (*client)->commit({{std::move(update)}}, durability_of(arguments));
+  Status done = (*memory)->commit({{std::move(update)}}, durability_of(arguments));
+  if (done.ok()) done = (*memory)->close();
   if (!done.ok()) return fail(done);
   tell(arguments, id);
   return ExitCode::kDone;
 }
 
-/// Takes each part of a commit to the server that has its memory.
-class ByMemory {
- public:
-  explicit ByMemory(const CommitArguments& arguments) : arguments_(arguments) {}
-
-  Status commit(const ltm::Commit& all) {
-    std::map<std::string, ltm::Commit> parts;
-    for (const ltm::EntityUpdate& update : all.updates) {
-      const bool is_one = arguments_.remote.names.empty();
-      parts[is_one ? "" : update.entity.names().front()].updates.push_back(update);
-    }
-    for (const auto& [memory, part] : parts) {
-      auto& client = clients_[memory];
-      if (!client) {
-        ENGRAM_ASSIGN_OR_RETURN(client, open_client(arguments_.remote, memory));
-      }
-      ENGRAM_RETURN_IF_ERROR(client->commit(part, durability_of(arguments_)));
-    }
-    return {};
-  }
-
- private:
-  const CommitArguments& arguments_;
-  std::map<std::string, std::unique_ptr<server::MemoryClient>> clients_;
-};
-
 ExitCode commit_many(const CommitArguments& arguments) {
   const bool is_stdin = arguments.lines == "-";
   std::ifstream file(is_stdin ? "/dev/stdin" : arguments.lines);
   if (!file) return fail(not_found("'{}' cannot be read", arguments.lines));
-  ByMemory servers(arguments);
-  const auto taken =
-      commit_lines(file, [&servers](const ltm::Commit& commit) { return servers.commit(commit); });
+  const auto memory = open_memory(arguments.store, {}, arguments.remote);
+  if (!memory.ok()) return fail(memory.status());
+  const auto taken = commit_lines(file, [&](const ltm::Commit& commit) {
+    return (*memory)->commit(commit, durability_of(arguments));
+  });
+  const Status closed = (*memory)->close();
   if (!taken.ok()) return fail(taken.status());
+  if (!closed.ok()) return fail(closed);
   if (arguments.is_json)
     print_json({{"committed", *taken}});
   else
@@ -183,7 +164,7 @@ ExitCode commit_many(const CommitArguments& arguments) {
 }
 
 ExitCode run(const CommitArguments& arguments) {
-  if (const Status named = check_source("", arguments.remote); !named.ok())
+  if (const Status named = check_source(arguments.store, arguments.remote); !named.ok())
     return wrong_usage(named);
   if (arguments.entity.empty() == arguments.lines.empty())
     return wrong_usage(invalid_argument("needs either an entity or --lines"));
@@ -194,7 +175,8 @@ ExitCode run(const CommitArguments& arguments) {
 
 void add_commit_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<CommitArguments>();
-  CLI::App* command = app.add_subcommand("commit", "Tell a server the state of an entity");
+  CLI::App* command =
+      app.add_subcommand("commit", "Tell a server or a store the state of an entity");
   command->footer(kFooter);
   auto* lines = command->add_option("--lines", arguments->lines,
                                     "Many snapshots, a line of JSON each; '-': stdin");
@@ -207,13 +189,14 @@ void add_commit_command(CLI::App& app, ExitCode& exit_code) {
   add("--image", arguments->images, "PNG or JPEG file that is the value, or NAME=FILE: a member")
       ->allow_extra_args(false);
   add("--time", arguments->time, "When it was like that; else now")->check(time_text());
-  auto* type = add("--type", arguments->type, "XML file that says what the values are");
-  add("--type-name", arguments->type_name, "Which type of the file; else its last object")
-      ->needs(type);
+  auto* types = add("--types", arguments->types, "XML file that says what the values are");
+  add("--type", arguments->type, "Which type of the file; else its last object")->needs(types);
+  command->add_option("--db", arguments->store,
+                      "Store to tell in place of a server; made where there is none");
   command
       ->add_option("--durability", arguments->durability,
-                   "When it counts as done: as the server says, when others can read it, or "
-                   "when it survives kill -9")
+                   "When it counts as done: as the server says (a store: journal), when others can "
+                   "read it, or when it survives kill -9")
       ->check(CLI::IsMember({"server", "memory", "journal"}))
       ->capture_default_str();
   command->add_flag("--json", arguments->is_json, "As JSON");

@@ -10,10 +10,9 @@ namespace engram::cli {
 namespace {
 
 /// The median step between the newest snapshots that a server has.
-Result<Duration> step_at_server(const RemoteArguments& remote, const ltm::MemoryId& entity) {
+Result<Duration> step_at_server(Memory& memory, const ltm::MemoryId& entity) {
   constexpr int64_t kSnapshots = 21;
-  const auto result =
-      query_server(remote, ltm::Query::of_entity(entity, ltm::select::Latest{kSnapshots}));
+  const auto result = memory.query(ltm::Query::of_entity(entity, ltm::select::Latest{kSnapshots}));
   ENGRAM_RETURN_IF_ERROR(result.status());
   std::vector<Duration> steps;
   const ltm::EntityResult* found = result->find_entity(entity);
@@ -30,29 +29,31 @@ Result<Duration> step_at_server(const RemoteArguments& remote, const ltm::Memory
 }  // namespace
 
 ExitCode predict_at_server(const PredictArguments& arguments, const ltm::MemoryId& entity) {
+  const auto memory = connect_memory(arguments.remote);
+  if (!memory.ok()) return fail(memory.status());
   Duration step{};
   if (arguments.is_list || arguments.horizons.find('+') == std::string::npos) {
-    const auto known = step_at_server(arguments.remote, entity);
+    const auto known = step_at_server(**memory, entity);
     if (!known.ok()) return fail(known.status());
     step = *known;
   }
   const auto horizons = reports::parse_horizons(horizons_text(arguments, step), step);
   if (!horizons.ok()) return wrong_usage(horizons.status());
   if (arguments.is_list) {
-    auto records = engines_at_server(arguments.remote, entity, *horizons);
-    if (!records.ok()) return fail(records.status());
     std::vector<reports::EnginesAhead> measured;
-    for (size_t i = 0; i < horizons->size(); ++i)
-      measured.push_back({(*horizons)[i], std::move((*records)[i])});
+    for (const Duration horizon : *horizons) {
+      auto records = (*memory)->engines(entity, horizon);
+      if (!records.ok()) return fail(records.status());
+      measured.push_back({horizon, *std::move(records)});
+    }
     show(arguments, reports::engines_text(entity, step, measured, {}),
          reports::engines_json(entity, step, measured, {}));
     return ExitCode::kDone;
   }
   ltm::QueryResult all;
   for (const Duration horizon : *horizons) {
-    auto result =
-        query_server(arguments.remote, ltm::Query::of_entity(entity, ltm::select::Ahead{horizon}),
-                     arguments.engine);
+    auto result = (*memory)->query(ltm::Query::of_entity(entity, ltm::select::Ahead{horizon}),
+                                   arguments.engine);
     if (!result.ok()) return fail(result.status());
     if (const Status merged = all.merge(*std::move(result)); !merged.ok()) return fail(merged);
   }

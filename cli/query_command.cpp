@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command.h"
 #include "cli/remote.h"
-#include "encoders/load_model.h"
-#include "ltm/prediction/entity_forecaster.h"
-#include "ltm/recall/recall.h"
 #include "reports/plain/result_text.h"
 
 namespace engram::cli {
@@ -45,14 +42,6 @@ struct QueryArguments {
   bool is_unnoted = false;
 };
 
-ExitCode run_remote(const QueryArguments& arguments, const ltm::Query& query) {
-  if (arguments.prefer != "recorded")
-    return wrong_usage(invalid_argument("--prefer is of a store: a server has it configured"));
-  const auto result = query_server(arguments.remote, query);
-  if (!result.ok()) return fail(result.status());
-  return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
-}
-
 ExitCode run(QueryArguments arguments) {
   // One text alone is what is asked, of a server.
   if (arguments.query.empty()) std::swap(arguments.store, arguments.query);
@@ -64,18 +53,14 @@ ExitCode run(QueryArguments arguments) {
   if (query->is_ids_only() && !arguments.save.empty())
     return wrong_usage(
         invalid_argument("query '{}' asks for IDs alone: --save needs data", arguments.query));
-  if (arguments.store.empty()) return run_remote(arguments, *query);
-  auto reader = ltm::StoreReader::open(arguments.store);
-  if (!reader.ok()) return fail(reader.status());
-  auto accesses = arguments.is_unnoted ? nullptr
-                                       : std::make_unique<ltm::AccessLog>(
-                                             arguments.store, ltm::AccessLog::Options{});
-  ltm::Recall recall(std::move(*reader), encoders::load_model, std::move(accesses),
-                     ltm::make_entity_forecaster);
-  ltm::Recall::Options options;
-  options.prefer =
-      arguments.prefer == "latent" ? ltm::Recall::Prefer::kLatent : ltm::Recall::Prefer::kRecorded;
-  const auto result = recall.query(*query, options);
+  if (arguments.store.empty() && arguments.prefer != "recorded")
+    return wrong_usage(invalid_argument("--prefer is of a store: a server has it configured"));
+  const OpenOptions options{.is_read_only = true,
+                            .prefers_latents = arguments.prefer == "latent",
+                            .notes_reads = !arguments.is_unnoted};
+  const auto memory = open_memory(arguments.store, options, arguments.remote);
+  if (!memory.ok()) return fail(memory.status());
+  const auto result = (*memory)->query(*query);
   if (!result.ok()) return fail(result.status());
   return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
 }

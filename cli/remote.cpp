@@ -12,13 +12,6 @@ using server::Registration;
 
 namespace {
 
-/// Names of the memories that a query asks for, as patterns.
-std::vector<std::string> memories_of(const ltm::Query& query) {
-  std::vector<std::string> names;
-  for (const ltm::MemoryQuery& memory : query.memories()) names.push_back(memory.name.to_string());
-  return names;
-}
-
 std::string memories_text(const std::vector<std::string>& memories) {
   return memories.empty() ? "all memories" : fmt::format("{}", fmt::join(memories, ", "));
 }
@@ -26,7 +19,7 @@ std::string memories_text(const std::vector<std::string>& memories) {
 ExitCode show_names(const RemoteArguments& arguments, ServerFigures form) {
   if (form == ServerFigures::kMetrics)
     return wrong_usage(invalid_argument("--metrics is of a server: needs --server"));
-  auto servers = known_servers(arguments, "");
+  auto servers = known_servers(arguments);
   if (!servers.ok()) return fail(servers.status());
   std::ranges::sort(*servers, {}, &Registration::server);
   if (form == ServerFigures::kJson) {
@@ -80,36 +73,9 @@ void print_figures(const Json& figures) {
 
 }  // namespace
 
-Result<ltm::QueryResult> query_server(const RemoteArguments& arguments, const ltm::Query& query,
-                                      const std::string& engine) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto clients, open_clients(arguments, memories_of(query)));
-  ltm::QueryResult all(query.is_ids_only());
-  std::optional<Status> unknown;
-  bool is_known = false;
-  for (const auto& client : clients) {
-    auto result = client->query(query, engine);
-    if (!result.ok() && result.status().code() == StatusCode::kNotFound) {
-      unknown = result.status();
-      continue;
-    }
-    ENGRAM_RETURN_IF_ERROR(result.status());
-    ENGRAM_RETURN_IF_ERROR(all.merge(*std::move(result)));
-    is_known = true;
-  }
-  if (!is_known && unknown) return *unknown;
-  return all;
-}
-
-Result<std::vector<std::vector<ltm::EngineRecord>>> engines_at_server(
-    const RemoteArguments& arguments, const ltm::MemoryId& entity,
-    std::span<const Duration> horizons) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto client, open_client(arguments, entity.names()[0]));
-  return client->engines(entity, horizons);
-}
-
 ExitCode show_server(const RemoteArguments& arguments, ServerFigures form) {
   if (!arguments.names.empty()) return show_names(arguments, form);
-  const auto client = open_client(arguments, "");
+  const auto client = open_client(arguments);
   if (!client.ok()) return fail(client.status());
   if (form == ServerFigures::kMetrics) {
     const auto metrics = (*client)->metrics();

@@ -2,14 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <span>
+#include <memory>
 #include <string>
-#include <vector>
 
 #include "cli/command.h"
-#include "ltm/memory/query.h"
-#include "ltm/memory/result.h"
-#include "ltm/prediction/engine_choice.h"
+#include "memory/memory.h"
 
 namespace engram::cli {
 
@@ -32,15 +29,15 @@ void add_remote_options(CLI::App& command, RemoteArguments& arguments);
 /// Errors: kInvalidArgument.
 [[nodiscard]] Status check_source(const std::string& store, const RemoteArguments& arguments);
 
-/// Asks the server, or all servers that a name system knows for the memories that are asked for.
-/// `engine`: of predictions; empty: the best.
-Result<ltm::QueryResult> query_server(const RemoteArguments& arguments, const ltm::Query& query,
-                                      const std::string& engine = {});
+/// The memory of a command: the store that it names, opened as `options` say, else the server, or
+/// all servers that the name system knows.
+/// Errors: those of Memory::open and Memory::connect; kUnavailable where no server listens at the
+/// socket that is meant.
+Result<std::unique_ptr<Memory>> open_memory(const std::string& store, const OpenOptions& options,
+                                            const RemoteArguments& arguments);
 
-/// What predicts an entity at its server, measured for each horizon; the one that answers first.
-Result<std::vector<std::vector<ltm::EngineRecord>>> engines_at_server(
-    const RemoteArguments& arguments, const ltm::MemoryId& entity,
-    std::span<const Duration> horizons);
+/// The same of servers alone.
+Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& arguments);
 
 enum class ServerFigures { kText, kJson, kMetrics };
 

@@ -3,10 +3,8 @@
 
 #include <stdlib.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <set>
 
 #include "ltm/core/file.h"
 #include "server/access/default_endpoint.h"
@@ -16,7 +14,6 @@ namespace engram::cli {
 
 using server::Endpoint;
 using server::MemoryClient;
-using server::Registration;
 
 namespace {
 
@@ -35,13 +32,44 @@ Status check_endpoint(const std::string& text, std::string_view option) {
   return status.ok() ? status : status.with_context(option);
 }
 
-/// The best of those that a server listens on that can be on this machine.
-Result<std::string> reachable(const Registration& registration) {
-  for (const std::string& endpoint : registration.endpoints)
-    if (const auto place = Endpoint::parse(endpoint); place.ok() && is_there(*place))
-      return endpoint;
-  return unavailable("server '{}' cannot be reached from here: it listens at {}",
-                     registration.server, fmt::join(registration.endpoints, ", "));
+/// Token, CA and timeout of the arguments and the environment (ENGRAM_TOKEN).
+Result<ConnectOptions> connect_options(const RemoteArguments& arguments) {
+  // What goes wrong there comes back as a status; gRPC would tell it on stderr too, for each try.
+  ::setenv("GRPC_VERBOSITY", "NONE", 0);
+  ConnectOptions options;
+  options.is_name_system = !arguments.names.empty();
+  options.token = from_environment("ENGRAM_TOKEN");
+  if (!arguments.token.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(arguments.token));
+    options.token = as_text(text.bytes());
+    options.token.erase(options.token.find_last_not_of("\r\n") + 1);
+  }
+  options.ca = arguments.ca;
+  ENGRAM_ASSIGN_OR_RETURN(options.timeout, parse_duration(arguments.timeout));
+  return options;
+}
+
+Result<server::ClientOptions> client_options(const RemoteArguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConnectOptions options, connect_options(arguments));
+  server::ClientOptions client;
+  client.token = options.token;
+  client.ca = options.ca;
+  client.timeout = options.timeout;
+  return client;
+}
+
+/// The endpoint that was named: --server, ENGRAM_SERVER, or the usual one.
+/// Errors: kInvalidArgument; kUnavailable where there is no such socket.
+Result<std::string> named_endpoint(const RemoteArguments& arguments) {
+  std::string text = arguments.server;
+  if (text.empty()) text = from_environment("ENGRAM_SERVER");
+  if (text.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const Endpoint usual, server::default_endpoint());
+    text = usual.to_string();
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const Endpoint endpoint, Endpoint::parse(text));
+  if (!is_there(endpoint)) return unavailable("no server listens at '{}'", text);
+  return text;
 }
 
 }  // namespace
@@ -89,72 +117,23 @@ Status check_source(const std::string& store, const RemoteArguments& arguments) 
                                      : usual.status().message());
 }
 
-Result<server::ClientOptions> client_options(const RemoteArguments& arguments) {
-  // What goes wrong there comes back as a status; gRPC would tell it on stderr too, for each try.
-  ::setenv("GRPC_VERBOSITY", "NONE", 0);
-  server::ClientOptions options;
-  options.token = from_environment("ENGRAM_TOKEN");
-  if (!arguments.token.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(arguments.token));
-    options.token = as_text(text.bytes());
-    options.token.erase(options.token.find_last_not_of("\r\n") + 1);
-  }
-  options.ca = arguments.ca;
-  ENGRAM_ASSIGN_OR_RETURN(options.timeout, parse_duration(arguments.timeout));
-  return options;
+Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConnectOptions options, connect_options(arguments));
+  if (options.is_name_system) return Memory::connect(arguments.names, options);
+  ENGRAM_ASSIGN_OR_RETURN(const std::string endpoint, named_endpoint(arguments));
+  return Memory::connect(endpoint, options);
 }
 
-Result<std::string> named_endpoint(const RemoteArguments& arguments) {
-  std::string text = arguments.server;
-  if (text.empty()) text = from_environment("ENGRAM_SERVER");
-  if (text.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(const Endpoint usual, server::default_endpoint());
-    text = usual.to_string();
-  }
-  ENGRAM_ASSIGN_OR_RETURN(const Endpoint endpoint, Endpoint::parse(text));
-  if (!is_there(endpoint)) return unavailable("no server listens at '{}'", text);
-  return text;
-}
-
-Result<std::vector<Registration>> known_servers(const RemoteArguments& arguments,
-                                                const std::string& memory) {
+Result<std::vector<server::Registration>> known_servers(const RemoteArguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(const auto options, client_options(arguments));
   ENGRAM_ASSIGN_OR_RETURN(const auto names, server::NamesClient::connect(arguments.names, options));
-  ENGRAM_ASSIGN_OR_RETURN(auto servers, names->resolve(memory));
-  if (servers.empty() && !memory.empty())
-    return not_found("the name system at '{}' knows no server of '{}'", arguments.names, memory);
-  return servers;
+  return names->resolve("");
 }
 
-Result<std::vector<std::unique_ptr<MemoryClient>>> open_clients(
-    const RemoteArguments& arguments, const std::vector<std::string>& memories) {
+Result<std::unique_ptr<MemoryClient>> open_client(const RemoteArguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(const auto options, client_options(arguments));
-  std::vector<std::string> endpoints;
-  if (arguments.names.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(endpoints.emplace_back(), named_endpoint(arguments));
-  } else {
-    std::set<std::string> seen;
-    for (const std::string& memory : memories) {
-      ENGRAM_ASSIGN_OR_RETURN(const auto servers, known_servers(arguments, memory));
-      for (const Registration& registration : servers) {
-        if (!seen.insert(registration.server).second) continue;
-        ENGRAM_ASSIGN_OR_RETURN(endpoints.emplace_back(), reachable(registration));
-      }
-    }
-    if (endpoints.empty())
-      return not_found("the name system at '{}' knows no server", arguments.names);
-  }
-  std::vector<std::unique_ptr<MemoryClient>> clients;
-  for (const std::string& endpoint : endpoints) {
-    ENGRAM_ASSIGN_OR_RETURN(clients.emplace_back(), MemoryClient::connect(endpoint, options));
-  }
-  return clients;
-}
-
-Result<std::unique_ptr<MemoryClient>> open_client(const RemoteArguments& arguments,
-                                                  const std::string& memory) {
-  ENGRAM_ASSIGN_OR_RETURN(auto clients, open_clients(arguments, {memory}));
-  return std::move(clients.front());
+  ENGRAM_ASSIGN_OR_RETURN(const std::string endpoint, named_endpoint(arguments));
+  return MemoryClient::connect(endpoint, options);
 }
 
 }  // namespace engram::cli

@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "cli/interrupt.h"
-#include "cli/remote_client.h"
+#include "cli/remote.h"
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
 #include "ltm/idf/json.h"
@@ -112,12 +112,6 @@ class Inbox {
   uint64_t lost_ = 0;
 };
 
-/// The memory that names begin with, as a pattern.
-Result<std::string> memory_of(const std::string& names) {
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse(names));
-  return query.memories().front().name.to_string();
-}
-
 ExitCode print_all(Inbox& inbox, const WatchArguments& arguments) {
   for (uint64_t shown = 0; arguments.count == 0 || shown < arguments.count; ++shown) {
     const auto snapshot = inbox.next(interrupt_token());
@@ -135,23 +129,15 @@ ExitCode print_all(Inbox& inbox, const WatchArguments& arguments) {
 ExitCode run(const WatchArguments& arguments) {
   if (const Status named = check_source("", arguments.remote); !named.ok())
     return wrong_usage(named);
-  std::vector<std::string> memories;
-  for (const std::string& names : arguments.names) {
-    auto memory = memory_of(names);
-    if (!memory.ok()) return wrong_usage(memory.status());
-    memories.push_back(*std::move(memory));
-  }
-  if (memories.empty()) memories.emplace_back();
-  const auto clients = open_clients(arguments.remote, memories);
-  if (!clients.ok()) return fail(clients.status());
+  for (const std::string& names : arguments.names)
+    if (const auto query = ltm::Query::parse(names); !query.ok())
+      return wrong_usage(query.status());
+  const auto memory = connect_memory(arguments.remote);
+  if (!memory.ok()) return fail(memory.status());
   Inbox inbox;
-  std::vector<std::unique_ptr<Subscription>> subscriptions;
-  for (const auto& client : *clients) {
-    auto subscription = client->subscribe(
-        {.names = arguments.names, .with_data = arguments.with_data}, inbox.handlers());
-    if (!subscription.ok()) return fail(subscription.status());
-    subscriptions.push_back(*std::move(subscription));
-  }
+  const auto subscription = (*memory)->subscribe(
+      {.names = arguments.names, .with_data = arguments.with_data}, inbox.handlers());
+  if (!subscription.ok()) return fail(subscription.status());
   log::info("watching");
   return print_all(inbox, arguments);
 }

@@ -14,14 +14,7 @@ Status check_source(const std::string& store, const RemoteArguments& /*arguments
   return store.empty() ? invalid_argument("store is required") : Status();
 }
 
-Result<ltm::QueryResult> query_server(const RemoteArguments& /*arguments*/,
-                                      const ltm::Query& /*query*/, const std::string& /*engine*/) {
-  return failed_precondition("this program was built without servers");
-}
-
-Result<std::vector<std::vector<ltm::EngineRecord>>> engines_at_server(
-    const RemoteArguments& /*arguments*/, const ltm::MemoryId& /*entity*/,
-    std::span<const Duration> /*horizons*/) {
+Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& /*arguments*/) {
   return failed_precondition("this program was built without servers");
 }
 

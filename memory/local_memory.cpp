@@ -134,7 +134,9 @@ Result<std::unique_ptr<Memory>> open_to_read(const std::filesystem::path& store,
   ltm::Recall::Options recalling;
   recalling.prefer = options.prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
   recalling.max_horizon = options.max_horizon;
-  auto accesses = std::make_unique<ltm::AccessLog>(store, ltm::AccessLog::Options{});
+  auto accesses = options.notes_reads
+                      ? std::make_unique<ltm::AccessLog>(store, ltm::AccessLog::Options{})
+                      : nullptr;
   return std::unique_ptr<Memory>(
       std::make_unique<ReadMemory>(std::move(past), std::move(accesses), recalling));
 }

@@ -37,14 +37,21 @@ struct OpenOptions {
   /// Answer from latents where a snapshot has both forms: as it will be once what was recorded is
   /// dropped.
   bool prefers_latents = false;
+  /// Notes in the store which snapshots are read, which is what forgetting goes by. Of one that is
+  /// written to always.
+  bool notes_reads = true;
   /// Predictions reach at most so far after the last snapshot.
   Duration max_horizon = std::chrono::minutes(1);
   /// Lossless compression and no filters, or the rules of a file: see docs/recording.md.
   std::filesystem::path recording_config{};
 };
 
-/// How a program reaches a memory server.
+/// How a program reaches a memory server, or all servers of a robot.
 struct ConnectOptions {
+  /// The endpoint is that of a name system: what is asked and told goes to the servers that it
+  /// knows, each memory to the one that has it, wherever they are and move to. An answer unites
+  /// theirs; a server that is gone is looked for until the timeout.
+  bool is_name_system = false;
   std::string token{};                          ///< Empty: none.
   std::filesystem::path ca{};                   ///< PEM: who vouches for servers elsewhere.
   Duration timeout = std::chrono::seconds(10);  ///< Of each call, retries included.
@@ -58,8 +65,9 @@ struct ConnectOptions {
 ///     ENGRAM_ASSIGN_OR_RETURN(auto past, memory->query("Objects @ last:10s"));
 ///     ENGRAM_ASSIGN_OR_RETURN(auto future, memory->query("Objects/Things/kitchen/cup @ +400ms"));
 ///
-/// It is the same wherever it is: in a store that this program opens, or in a server that other
-/// programs use too. The same data give the same answers (docs/query.md, section "Answers").
+/// It is the same wherever it is: in a store that this program opens, in a server that other
+/// programs use too, or in all servers of a robot. The same data give the same answers
+/// (docs/query.md, section "Answers").
 ///
 /// Threading: thread-safe.
 /// Source: docs/cpp_api.md.
@@ -73,7 +81,8 @@ class Memory {
 
   /// Reaches the memory server at an endpoint ("unix:/run/engram.sock", "host:4817"); empty: where
   /// this user's server listens by default. Does not wait for it: calls do, until their timeout.
-  /// Errors: kInvalidArgument; kFailedPrecondition where this program was built without servers.
+  /// Errors: kInvalidArgument, as where a name system has no endpoint; kFailedPrecondition where
+  /// this program was built without servers.
   static Result<std::unique_ptr<Memory>> connect(const std::string& endpoint = {},
                                                  const ConnectOptions& options = {});
 

@@ -5,14 +5,17 @@
 #include "memory/memory.h"
 #include "server/access/default_endpoint.h"
 #include "server/client/memory_client.h"
+#include "server/client/robot_memory.h"
 
 namespace engram {
 
 namespace {
 
+/// One server (MemoryClient), or all that a name system knows (RobotMemory).
+template <typename Client>
 class ConnectedMemory final : public Memory {
  public:
-  ConnectedMemory(std::string endpoint, std::shared_ptr<server::MemoryClient> client)
+  ConnectedMemory(std::string endpoint, std::shared_ptr<Client> client)
       : endpoint_(std::move(endpoint)), client_(std::move(client)) {}
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
@@ -58,7 +61,7 @@ class ConnectedMemory final : public Memory {
 
  private:
   /// Shared with calls that go on while another thread closes.
-  [[nodiscard]] std::shared_ptr<server::MemoryClient> client() {
+  [[nodiscard]] std::shared_ptr<Client> client() {
     const std::scoped_lock lock(mutex_);
     return client_;
   }
@@ -69,25 +72,32 @@ class ConnectedMemory final : public Memory {
 
   const std::string endpoint_;
   std::mutex mutex_;  ///< Guards `client_`.
-  std::shared_ptr<server::MemoryClient> client_;
+  std::shared_ptr<Client> client_;
 };
+
+template <typename Client>
+Result<std::unique_ptr<Memory>> connect_to(const std::string& endpoint,
+                                           const server::ClientOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(auto client, Client::connect(endpoint, options));
+  return std::unique_ptr<Memory>(
+      std::make_unique<ConnectedMemory<Client>>(endpoint, std::move(client)));
+}
 
 }  // namespace
 
 Result<std::unique_ptr<Memory>> Memory::connect(const std::string& endpoint,
                                                 const ConnectOptions& options) {
-  std::string reached = endpoint;
-  if (reached.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(const server::Endpoint found, server::default_endpoint());
-    reached = found.to_string();
-  }
   server::ClientOptions client;
   client.token = options.token;
   client.ca = options.ca;
   client.timeout = options.timeout;
-  ENGRAM_ASSIGN_OR_RETURN(auto connected, server::MemoryClient::connect(reached, client));
-  return std::unique_ptr<Memory>(
-      std::make_unique<ConnectedMemory>(std::move(reached), std::move(connected)));
+  if (options.is_name_system) {
+    if (endpoint.empty()) return invalid_argument("found no endpoint of a name system, needs one");
+    return connect_to<server::RobotMemory>(endpoint, client);
+  }
+  if (!endpoint.empty()) return connect_to<server::MemoryClient>(endpoint, client);
+  ENGRAM_ASSIGN_OR_RETURN(const server::Endpoint usual, server::default_endpoint());
+  return connect_to<server::MemoryClient>(usual.to_string(), client);
 }
 
 }  // namespace engram

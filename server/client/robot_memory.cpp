@@ -6,23 +6,14 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <thread>
 
+#include "server/client/patience.h"
 #include "server/client/robot_servers.h"
 #include "server/client/robot_subscription.h"
-#include "server/wire/polling_threads.h"
 
 namespace engram::server {
 
 namespace {
-
-constexpr auto kFirstWait = std::chrono::milliseconds(50);
-constexpr auto kLongestWait = std::chrono::milliseconds(300);
-
-/// The server is gone, stops, or is not the one that has the memory.
-bool is_lost(const Status& status) {
-  return status.code() == StatusCode::kUnavailable || status.code() == StatusCode::kCancelled;
-}
 
 std::string told_by(const ServerOutcome& outcome) {
   return outcome.server.empty()
@@ -40,33 +31,6 @@ Status joined(const std::vector<ServerOutcome>& outcomes) {
     messages.push_back(told_by(outcome));
   }
   return code ? Status(*code, fmt::format("{}", fmt::join(messages, "; "))) : Status();
-}
-
-/// Waits longer each time; false where `deadline` comes first.
-class Patience {
- public:
-  explicit Patience(SteadyTime deadline) : deadline_(deadline) {}
-
-  bool wait() {
-    if (steady_now() + next_ >= deadline_) return false;
-    const BlockingScope blocking;
-    std::this_thread::sleep_for(next_);
-    next_ = std::min<Duration>(2 * next_, kLongestWait);
-    return true;
-  }
-
- private:
-  SteadyTime deadline_;
-  Duration next_ = kFirstWait;
-};
-
-/// Calls `work(i)` for each i below `count`, at once.
-template <typename Work>
-void at_once(size_t count, const Work& work) {
-  const BlockingScope blocking;
-  std::vector<std::jthread> threads;
-  for (size_t i = 1; i < count; ++i) threads.emplace_back([&work, i] { work(i); });
-  if (count > 0) work(0);
 }
 
 using Updates = std::vector<const ltm::EntityUpdate*>;
@@ -221,6 +185,30 @@ struct RobotMemory::State {
     }
   }
 
+  /// Does something at the server of a memory; again where it is gone or has given it away.
+  template <typename Work>
+  Status at_holder(const std::string& memory, const Work& work) {
+    Patience patience(deadline());
+    for (;;) {
+      auto holder = servers->holder(memory);
+      if (!holder) {
+        servers->refresh(RobotServers::kFreshFor);
+        holder = servers->holder(memory);
+      }
+      Status status;
+      if (!holder) {
+        status = servers->absence(memory);
+      } else {
+        auto client = servers->client(*holder);
+        status = client.ok() ? work(**client) : client.status();
+        if (is_lost(status) && client.ok()) servers->drop(holder->server, client->get());
+      }
+      const bool is_again = is_lost(status) || status.code() == StatusCode::kNotFound;
+      if (!is_again || !patience.wait()) return status;
+      servers->refresh(kFirstWait);
+    }
+  }
+
   // Of queries.
 
   /// One that was to be asked and is gone is still owed, unless others have its memories now.
@@ -348,25 +336,21 @@ Result<RobotAnswer> RobotMemory::query_reachable(const ltm::Query& query,
 
 Status RobotMemory::declare(const ltm::MemoryId& segment, const idf::Type& type) {
   if (segment.names().empty()) return invalid_argument("found no segment, needs one to declare");
-  Patience patience(state_->deadline());
-  for (;;) {
-    auto holder = state_->servers->holder(segment.names()[0]);
-    if (!holder) {
-      state_->servers->refresh(RobotServers::kFreshFor);
-      holder = state_->servers->holder(segment.names()[0]);
-    }
-    Status status;
-    if (!holder) {
-      status = state_->servers->absence(segment.names()[0]);
-    } else {
-      auto client = state_->servers->client(*holder);
-      status = client.ok() ? (*client)->declare(segment, type) : client.status();
-      if (is_lost(status) && client.ok()) state_->servers->drop(holder->server, client->get());
-    }
-    const bool is_again = is_lost(status) || status.code() == StatusCode::kNotFound;
-    if (!is_again || !patience.wait()) return status;
-    state_->servers->refresh(kFirstWait);
-  }
+  return state_->at_holder(segment.names()[0],
+                           [&](MemoryClient& client) { return client.declare(segment, type); });
+}
+
+Result<std::vector<std::vector<ltm::EngineRecord>>> RobotMemory::engines(
+    const ltm::MemoryId& entity, std::span<const Duration> horizons) {
+  if (!entity.has_entity())
+    return invalid_argument("'{}': needs the ID of an entity", entity.to_string());
+  Result<std::vector<std::vector<ltm::EngineRecord>>> records = cancelled("not asked");
+  ENGRAM_RETURN_IF_ERROR(state_->at_holder(entity.names()[0], [&](MemoryClient& client) {
+    records = client.engines(entity, horizons);
+    // That it has no such entity is an answer.
+    return is_lost(records.status()) ? records.status() : Status();
+  }));
+  return records;
 }
 
 Result<std::unique_ptr<Subscription>> RobotMemory::subscribe(const SubscriptionOptions& options,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,10 @@ class RobotMemory {
 
   /// See MemoryClient::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
+
+  /// See MemoryClient::engines.
+  Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
+                                                              std::span<const Duration> horizons);
 
   /// Subscribes to all servers that may have such entities, those that arrive or move later
   /// included; what is lost meanwhile is told by on_interrupted. Handlers are called one at a time.

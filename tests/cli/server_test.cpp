@@ -143,6 +143,17 @@ TEST_F(Server, IsFoundByTheNameSystem) {
   EXPECT_THAT(all.out, HasSubstr("Objects/a/b/c"));
   EXPECT_THAT(all.out, HasSubstr("Robot/a/b/c"));
   EXPECT_EQ(run_engram({"query", "Grasp @ latest", "--names", at("n")}).exit_code, 1);
+  EXPECT_THAT(run_engram({"predict", "Robot/a/b/c", "--horizons", "+1s", "--names", at("n")}).out,
+              HasSubstr("Robot/a/b/c"));
+  EXPECT_THAT(run_engram({"predict", "Robot/a/b/d", "--list", "--names", at("n")}).err,
+              HasSubstr("Robot/a/b/d"));
+  RunningEngram watch({"watch", "--names", at("n"), "--count", "2"});
+  ASSERT_TRUE(watch.wait_for("watching"));
+  EXPECT_EQ(commit("Robot/a/b/c", "3", "1", {"--names", at("n")}).exit_code, 0);
+  EXPECT_EQ(commit("Objects/a/b/c", "3", "1", {"--names", at("n")}).exit_code, 0);
+  const RunResult watched = watch.end(0);
+  EXPECT_THAT(watched.out, HasSubstr("Robot/a/b/c"));
+  EXPECT_THAT(watched.out, HasSubstr("Objects/a/b/c"));
 }
 
 TEST_F(Server, TakesTypesAndRefusesWhatBreaksThem) {
@@ -153,11 +164,47 @@ TEST_F(Server, TakesTypesAndRefusesWhatBreaksThem) {
   RunningEngram server({"serve", path("robot.engram"), "--no-system-state"});
   ASSERT_TRUE(server.wait_for("listens at"));
   const RunResult typed = commit(kCup, "{\"height\": 0.5, \"middle\": [[1], [2], [3]]}", "1000",
-                                 {"--type", path("cup.xml")});
+                                 {"--types", path("cup.xml")});
   EXPECT_EQ(typed.exit_code, 0) << typed.err;
+  EXPECT_EQ(typed.err, "");
+  const std::string flat = "{\"height\": 0.5, \"middle\": [[1], [2], [3]]}";
+  const RunResult named = commit(kCup, flat, "1500", {"--types", path("cup.xml"), "--type", "Mug"});
+  EXPECT_EQ(named.exit_code, 1);
+  EXPECT_THAT(named.err, HasSubstr("Mug"));
+  const RunResult old =
+      commit(kCup, flat, "1500", {"--type=" + path("cup.xml"), "--type-name", "kitchen::Cup"});
+  EXPECT_EQ(old.exit_code, 0) << old.err;
+  EXPECT_THAT(old.err, HasSubstr("'--type' is '--types' now"));
+  EXPECT_THAT(old.err, HasSubstr("'--type-name' is '--type' now"));
   const RunResult broken = commit(kCup, "{\"width\": 1}", "2000");
   EXPECT_EQ(broken.exit_code, 1);
   EXPECT_THAT(broken.err, HasSubstr("height"));
+}
+
+TEST_F(Server, IsNotNeededByAStore) {
+  const std::string store = path("robot.engram");
+  const RunResult first = commit(kCup, "{\"height\": 0.25}", "1000", {"--db", store});
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(first.out, std::string(kCup) + "/1970-01-01 00:00:00.000001\n");
+  write("lines.jsonl", "{\"entity\": \"" + std::string(kCup) +
+                           "\", \"time\": 2000, \"data\": {\"height\": 0.5}}\n"
+                           "{\"entity\": \"Robot/a/b/c\", \"time\": 1, \"data\": 1}\n");
+  for (const char* durability : {"memory", "server"})
+    EXPECT_EQ(run_engram({"commit", "--db", store, "--lines", path("lines.jsonl"), "--durability",
+                          durability})
+                  .out,
+              "2 snapshots committed\n");
+  const Json all = json_of(run_engram({"query", store, std::string(kCup) + " @ all", "--json"}));
+  const Json& snapshots = all.at("entities").at(0).at("snapshots");
+  ASSERT_THAT(snapshots, SizeIs(2)) << "of the same time counts once";
+  EXPECT_EQ(snapshots[1].at("instances")[0].at("data").at("height"), 0.5);
+  EXPECT_EQ(run_engram({"commit", kCup, "--data", "1", "--db", store, "--server", at("s")}).exit_code,
+            2);
+  RunningEngram server({"serve", store, "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("listens at"));
+  const RunResult held = commit(kCup, "{\"height\": 1}", "3000", {"--db", store});
+  EXPECT_EQ(held.exit_code, 1);
+  EXPECT_THAT(held.err, HasSubstr("robot.engram"));
 }
 
 TEST_F(Server, SaysWhatIsWrongWithArgumentsAndLines) {

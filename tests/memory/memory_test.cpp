@@ -4,13 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <future>
 #include <thread>
 
+#include "ltm/recall/access_log.h"
 #include "server/robot/memory_server.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
+#include "tests/server/robot/running_names.h"
 
 namespace engram {
 namespace {
@@ -25,11 +28,14 @@ ltm::Commit at(int64_t step, double x) {
   return {{{kCup, time_from_ns(step * 200'000'000), {{idf::Dict{{"x", x}}, {}}}}}};
 }
 
-/// The same memory as a program of its own has it, and as a server has it.
-class FrontDoor : public ::testing::TestWithParam<bool> {
+enum class Door { kOpened, kConnected, kNamed };
+
+/// The same memory as a program of its own has it, as a server has it, and as a name system finds
+/// it.
+class FrontDoor : public ::testing::TestWithParam<Door> {
  protected:
   void SetUp() override {
-    if (!GetParam()) {
+    if (GetParam() == Door::kOpened) {
       auto opened = Memory::open(store());
       ASSERT_OK(opened);
       memory = *std::move(opened);
@@ -40,10 +46,16 @@ class FrontDoor : public ::testing::TestWithParam<bool> {
     options.service.store->store = store();
     const std::string endpoint = "unix:" + (scratch.path() / "s").string();
     options.rpc.endpoints = {*server::Endpoint::parse(endpoint)};
-    auto started = server::MemoryServer::start(options, nullptr);
+    const bool is_named = GetParam() == Door::kNamed;
+    if (is_named) {
+      names.start();
+      names_client = names.client();
+    }
+    auto started = server::MemoryServer::start(options, nullptr, names_client.get());
     ASSERT_OK(started);
     server = *std::move(started);
-    auto connected = Memory::connect(endpoint);
+    auto connected =
+        Memory::connect(is_named ? names.endpoint() : endpoint, {.is_name_system = is_named});
     ASSERT_OK(connected);
     memory = *std::move(connected);
   }
@@ -51,13 +63,19 @@ class FrontDoor : public ::testing::TestWithParam<bool> {
   [[nodiscard]] std::filesystem::path store() const { return scratch.path() / "robot.engram"; }
 
   ScratchDirectory scratch;
+  testing::RunningNames names;
+  std::unique_ptr<server::NamesClient> names_client;
   std::unique_ptr<server::MemoryServer> server;
   std::unique_ptr<Memory> memory;
 };
 
-INSTANTIATE_TEST_SUITE_P(Doors, FrontDoor, ::testing::Bool(), [](const auto& parameter) {
-  return parameter.param ? "Connected" : "Opened";
-});
+std::string name_of(const ::testing::TestParamInfo<Door>& door) {
+  constexpr std::array kNames{"Opened", "Connected", "Named"};
+  return kNames.at(static_cast<size_t>(door.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(Doors, FrontDoor,
+                         ::testing::Values(Door::kOpened, Door::kConnected, Door::kNamed), name_of);
 
 TEST_P(FrontDoor, RemembersAsksThePastAndAsksTheFuture) {
   for (int64_t step = 0; step < 30; ++step)
@@ -137,6 +155,58 @@ TEST_P(FrontDoor, AnswersNothingOnceItIsClosed) {
   const auto again = Memory::open(store(), {.is_read_only = true});
   ASSERT_OK(again);
   EXPECT_OK((*again)->query("Objects @ latest"));
+}
+
+TEST(NamedMemory, UnitesTheServersOfARobot) {
+  testing::RunningNames names;
+  names.start();
+  const auto client = names.client();
+  const ScratchDirectory scratch;
+  std::vector<std::unique_ptr<server::MemoryServer>> servers;
+  for (const std::string memory : {"Objects", "Robot"}) {
+    server::MemoryServer::Options options;
+    options.service.name = memory + "-server";
+    options.service.memories = {memory};
+    options.service.memory.mode = ltm::StoreMode::kLatest;
+    options.rpc.endpoints = {
+        *server::Endpoint::parse("unix:" + (scratch.path() / memory).string())};
+    auto started = server::MemoryServer::start(options, nullptr, client.get());
+    ASSERT_OK(started);
+    servers.push_back(*std::move(started));
+  }
+  const auto memory = Memory::connect(names.endpoint(), {.is_name_system = true});
+  ASSERT_OK(memory);
+  const ltm::MemoryId arm = *ltm::MemoryId::parse("Robot/Joints/arm/left");
+  ltm::Commit both = at(1, 1);
+  both.updates.push_back(both.updates[0]);
+  both.updates[1].entity = arm;
+  ASSERT_OK((*memory)->commit(both));
+  const auto answer = (*memory)->query(".* @ latest");
+  ASSERT_OK(answer);
+  EXPECT_NE(answer->find_entity(kCup), nullptr);
+  EXPECT_NE(answer->find_entity(arm), nullptr);
+  EXPECT_OK((*memory)->engines(arm, milliseconds(200)));
+  EXPECT_EQ(
+      (*memory)->engines(*ltm::MemoryId::parse("Robot/a/b/c"), milliseconds(200)).status().code(),
+      StatusCode::kNotFound);
+  EXPECT_EQ(Memory::connect("", {.is_name_system = true}).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST(ReadMemory, NotesReadsUnlessItIsToldNotTo) {
+  const ScratchDirectory scratch;
+  const auto store = scratch.path() / "robot.engram";
+  const auto writer = Memory::open(store);
+  ASSERT_OK(writer);
+  ASSERT_OK((*writer)->commit(at(1, 1)));
+  ASSERT_OK((*writer)->close());
+  for (const bool notes : {false, true}) {
+    const auto reader = Memory::open(store, {.is_read_only = true, .notes_reads = notes});
+    ASSERT_OK(reader);
+    ASSERT_OK((*reader)->query("Objects @ latest"));
+    ASSERT_OK((*reader)->close());
+    EXPECT_EQ(ltm::read_accesses(store).empty(), !notes);
+  }
 }
 
 TEST(LocalSubscription, CountsWhatASlowSubscriberMissed) {
