@@ -49,7 +49,7 @@ void add_recover_command(CLI::App& app, ExitCode& exit_code) {
       app.add_subcommand("recover", "Save what can be read of a damaged store into a new one");
   command->footer(kFooter);
   command->add_option("store", arguments->source, "Store that is damaged")->required();
-  command->add_option("-o,--output", arguments->target, "New store; must not exist")->required();
+  command->add_option("-o,--out", arguments->target, "New store; must not exist")->required();
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

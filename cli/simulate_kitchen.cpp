@@ -44,7 +44,7 @@ struct KitchenArguments {
   std::string start;
   std::string config;
   std::string preset = "recorder";
-  std::string progress = "text";
+  std::string progress = "line";
   int jobs = 1;
   bool is_fast = false;
   bool is_plain = false;  ///< Files instead of stores.
@@ -271,8 +271,10 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
   kitchen->add_option("--config", arguments->config, "Recording configuration, YAML")
       ->check(CLI::ExistingFile)
       ->excludes(preset);
-  kitchen->add_option("--progress", arguments->progress, "text, json (a line each) or none")
-      ->check(CLI::IsMember({"text", "json", "none"}))
+  kitchen
+      ->add_option("--progress", arguments->progress, "On stderr: line, json (a line each) or none")
+      ->transform(old_value("text", "line"))
+      ->check(CLI::IsMember({"line", "json", "none"}))
       ->capture_default_str();
   kitchen->callback([arguments, kitchen, &exit_code] {
     exit_code = run(*arguments, arguments_of(*kitchen, {"--seed", "--jobs", "--progress"}));

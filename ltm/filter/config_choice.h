@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ltm/core/config.h"
+#include "ltm/core/log.h"
 
 namespace engram::ltm {
 
@@ -15,9 +16,11 @@ template <typename T>
 struct Choice {
   std::string_view word;
   T value;
+  /// Where it is a word of earlier versions: what stands for it now.
+  std::string_view now{};
 };
 
-/// Sets `out` to what the word at `key` means, if there is one.
+/// Sets `out` to what the word at `key` means, if there is one. Warns of old words.
 /// Errors: kInvalidArgument naming the words there are.
 template <typename T, size_t N>
 Status read_choice(ConfigMap& map, std::string_view key, T& out,
@@ -28,10 +31,15 @@ Status read_choice(ConfigMap& map, std::string_view key, T& out,
   std::vector<std::string> known;
   for (const Choice<T>& choice : choices) {
     if (choice.word == word) {
+      if (!choice.now.empty())
+        log::warning(
+            "{}",
+            value->error(fmt::format("'{}' is '{}' now, and is taken until 0.3", word, choice.now))
+                .message());
       out = choice.value;
       return {};
     }
-    known.emplace_back(choice.word);
+    if (choice.now.empty()) known.emplace_back(choice.word);
   }
   return value->error(fmt::format("found '{}', needs one of {}", word, fmt::join(known, ", ")));
 }

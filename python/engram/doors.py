@@ -108,7 +108,7 @@ class LiveDoor:
     def _check_start(self, start: int | None) -> None:
         if start is not None:
             raise FailedPreconditionError(
-                f"{self._place}: predicts from the newest moment and found a start,"
+                f"{self._place}: predicts from the newest moment and found an earlier one,"
                 " needs engram.open(path) of its store"
             )
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -80,15 +81,18 @@ class Entity:
     def predict(
         self,
         ahead: DurationLike | Sequence[DurationLike],
-        start: TimeLike | None = None,
+        at: TimeLike | None = None,
         engine: str = "",
+        *,
+        start: TimeLike | None = None,
     ) -> list[Snapshot]:
-        """What is expected so long (seconds) after the last moment up to `start` (None: the newest).
+        """What is expected so long (seconds) after the last moment up to `at` (None: the newest).
 
-        Nothing after `start` is looked at: what really came can be compared. `engine`: one of
-        engines(); empty: the one that was best on the past, for each horizon.
+        Nothing after `at` is looked at: what really came can be compared. `engine`: one of
+        engines(); empty: those that were best on the past, for each horizon and member. `start`: `at`
+        in programs of earlier versions; it is taken until 0.3.
         Raises NotFoundError, InvalidArgumentError where a horizon is too far ahead,
-        FailedPreconditionError where a live memory is given a `start`.
+        FailedPreconditionError where a live memory is given a moment.
         """
         horizons = [ahead] if isinstance(ahead, (int, float, np.timedelta64)) else ahead
         if not isinstance(horizons, Sequence):
@@ -101,19 +105,14 @@ class Entity:
                 )
         if not wanted:
             return []
-        found = self._door.predict(
-            self.name,
-            wanted,
-            None if start is None else to_ns(start),
-            engine,
-        )
+        found = self._door.predict(self.name, wanted, _last_known(at, start), engine)
         return [snapshot_of(one) for one in found]
 
-    def engines(self, ahead: DurationLike, start: TimeLike | None = None) -> list[Engine]:
+    def engines(
+        self, ahead: DurationLike, at: TimeLike | None = None, *, start: TimeLike | None = None
+    ) -> list[Engine]:
         """All ways to predict so long (seconds) ahead, the best on the past of the entity first."""
-        found = self._door.engines(
-            self.name, duration_ns(ahead), None if start is None else to_ns(start)
-        )
+        found = self._door.engines(self.name, duration_ns(ahead), _last_known(at, start))
         return [engine_of(one) for one in found]
 
     def window(self, time: TimeLike, offsets: Sequence[DurationLike]) -> list[Snapshot]:
@@ -221,3 +220,10 @@ def _bytes(count: int) -> str:
             return f"{size:.3g} {unit}"
         size /= 1000
     return f"{size:.3g} TB"
+
+
+def _last_known(at: TimeLike | None, start: TimeLike | None) -> int | None:
+    if start is not None:
+        warnings.warn("'start' is 'at' now, and is taken until 0.3", DeprecationWarning, 3)
+        at = start
+    return None if at is None else to_ns(at)

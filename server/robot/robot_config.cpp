@@ -202,7 +202,8 @@ class RobotReader {
       ENGRAM_RETURN_IF_ERROR(map.read("decoded", store.most_decoded_bytes, &ConfigValue::bytes));
       ENGRAM_RETURN_IF_ERROR(
           read_choice(map, "prefer", store.prefers_latents,
-                      std::array<Choice<bool>, 2>{{{"recorded", false}, {"latents", true}}}));
+                      std::array<Choice<bool>, 3>{
+                          {{"recorded", false}, {"latent", true}, {"latents", true, "latent"}}}));
     }
     ENGRAM_RETURN_IF_ERROR(read_choice(map, "mode", service.memory.mode, kModes));
     if (!service.store && service.memory.mode != ltm::StoreMode::kLatest)

@@ -182,6 +182,21 @@ TEST_F(Errors, WrongUsageExitsWithTwo) {
             kWrongUsage);
 }
 
+TEST_F(Errors, WordsOfEarlierVersionsAreTakenWithAWarning) {
+  ASSERT_TRUE(ltm::create_store(path("store")).ok());
+  const RunResult now = run_engram({"recover", path("store"), "--out", path("now")});
+  EXPECT_EQ(now.exit_code, 0) << now.err;
+  EXPECT_THAT(now.err, ::testing::Not(HasSubstr("--out")));
+  const RunResult old = run_engram({"recover", path("store"), "--output=" + path("old")});
+  EXPECT_EQ(old.exit_code, 0) << old.err;
+  EXPECT_THAT(old.err, HasSubstr("'--output' is '--out' now, and is taken until 0.3"));
+  EXPECT_TRUE(std::filesystem::exists(path("old/MANIFEST.json")));
+  const RunResult quiet = run_engram({"-q", "recover", path("store"), "--output", path("quiet")});
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_EQ(run_engram({"recover", path("store"), "--output", path("a"), "--out", path("b")}).exit_code,
+            kWrongUsage);
+}
+
 TEST_F(Errors, HelpAndVersionSucceed) {
   EXPECT_EQ(run_engram({"--version"}).exit_code, 0);
   for (const char* command : {"import", "info", "consolidate", "query", "eval", "simulate", "check",

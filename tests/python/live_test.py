@@ -144,9 +144,9 @@ class Committing:
     def test_a_start_and_files_are_of_stores_alone(self):
         self.commit(1)
         with self.assertRaisesRegex(errors.FailedPreconditionError, "start"):
-            self.memory[CUP].predict(0.2, start=START)
+            self.memory[CUP].predict(0.2, at=START)
         with self.assertRaisesRegex(errors.FailedPreconditionError, "start"):
-            self.memory[CUP].engines(0.2, start=START)
+            self.memory[CUP].engines(0.2, at=START)
 
     def test_a_closed_memory_answers_nothing(self):
         self.commit(1)

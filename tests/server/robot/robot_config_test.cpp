@@ -40,6 +40,17 @@ TEST(RobotConfig, NeedsNoMoreThanAStore) {
   EXPECT_EQ(config->system_state, 0u);
 }
 
+TEST(RobotConfig, TakesTheWordOfEarlierVersionsForLatents) {
+  for (const char* word : {"latent", "latents"}) {
+    const auto config = parse(fmt::format("servers: [{{store: a, prefer: {}}}]", word));
+    ASSERT_TRUE(config.ok()) << config.status().to_string();
+    EXPECT_TRUE(config->servers[0].options.service.store->prefers_latents) << word;
+  }
+  const std::string wrong = problem("servers: [{store: a, prefer: raw}]");
+  EXPECT_THAT(wrong, HasSubstr("needs one of recorded, latent"));
+  EXPECT_THAT(wrong, ::testing::Not(HasSubstr("latents")));
+}
+
 TEST(RobotConfig, IsThatOfAStoreWithoutAFile) {
   const auto given = robot_of_store("robot.engram");
   const auto read = parse_robot_config("servers: [{store: robot.engram}]", "robot.yaml", "");
@@ -75,7 +86,7 @@ servers:
     segments:
       - {match: Vision/RGB, snapshots: 300, bytes: 256MiB, age: 1min}
     decoded: 32MiB
-    prefer: latents
+    prefer: latent
     prior: prior
     furthest_prediction: 5s
     threads: 3
