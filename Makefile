@@ -103,6 +103,7 @@ server-cut: build/dev/build.ninja packages
 experiments: build/store/build.ninja packages
 	cmake --build --preset store
 	cmake --install build/store --prefix build/store/installed > build/store/install.log
+	cmake --install build/store --prefix build/store/installed --component internals >> build/store/install.log
 	cmake -S experiments -B build/experiments -G Ninja -DCMAKE_BUILD_TYPE=Release \
 	  -DCMAKE_PREFIX_PATH="$(CURDIR)/build/store/installed"
 	cmake --build build/experiments
@@ -181,7 +182,7 @@ reference: build
 	doxygen docs/Doxyfile
 	@echo build/reference/html/index.html
 
-# Every public header compiles alone.
+# Every header that a room declares compiles alone.
 check-headers: build/dev/build.ninja packages
 	cmake --build --preset dev --target all_verify_interface_header_sets
 

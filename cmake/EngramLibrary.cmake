@@ -16,8 +16,9 @@ install(TARGETS engram_options EXPORT engram)
 # engram_add_library(store SOURCES a.cpp HEADERS a.h PUBLIC engram::codec PRIVATE hdf5)
 #
 # Declares one room as engram::<name>. Paths are relative to the room; headers are included from
-# the repository root, install under include/engram/ and must each compile alone
-# (target all_verify_interface_header_sets). PRECOMPILED names what its sources see first
+# the repository root and must each compile alone (target all_verify_interface_header_sets); the
+# public ones install under include/engram/, the rest with the component `internals`
+# (cmake/EngramPublicHeaders.cmake). PRECOMPILED names what its sources see first
 # (cmake/EngramPrecompiled.cmake): standard where nothing is said; none where the room has its own.
 function(engram_add_library name)
   cmake_parse_arguments(ARG "" "PRECOMPILED" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
@@ -27,10 +28,8 @@ function(engram_add_library name)
   set(target engram_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(engram::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERIFY_INTERFACE_HEADER_SETS ON
-                                             POSITION_INDEPENDENT_CODE ON)
-  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
-                                  FILES ${ARG_HEADERS})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  engram_add_headers(${target} ${ARG_HEADERS})
   target_link_libraries(${target} PUBLIC engram_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   if(NOT ARG_PRECOMPILED)
     set(ARG_PRECOMPILED standard)
@@ -38,6 +37,4 @@ function(engram_add_library name)
   if(NOT ARG_PRECOMPILED STREQUAL none)
     engram_precompiled(${target} ${ARG_PRECOMPILED})
   endif()
-  install(TARGETS ${target} EXPORT engram FILE_SET HEADERS
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/engram)
 endfunction()
