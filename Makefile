@@ -10,6 +10,8 @@ DEMO_SECONDS ?= 60
 DEMO_PRESET ?= release
 # Options of the measurements of the store, such as BARS="--seconds 5".
 BARS ?=
+# Options of bench-build.
+BENCH ?=
 # How long each fuzzer searches, and the soak lasts.
 SECONDS ?= 600
 # How many processes `make crash` and `make crash-night` kill.
@@ -22,7 +24,7 @@ VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo bench crash crash-night faults soak server-cut fuzz \
+.PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers clean reference experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
         import-bars latent-trial training-speed learning-bars age-bars paper storage loocv transfer
 
@@ -32,6 +34,8 @@ help:
 	@echo "make test    build with debug information and run all tests"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
+	@echo "make bench-build     processor time of a fresh release build, per room and of the dearest sources"
+	@echo "             (BENCH=--json, or BENCH='--report build/release' for a build that is there)"
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
 	@echo "make crash-night     kill nightly jobs at random moments, look for what they lost (KILLS=100)"
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
@@ -78,6 +82,10 @@ bench: build
 	  engram_recording_speed
 	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
+
+# A fresh release build without ccache, in build/bench; BENCH=--help.
+bench-build: packages
+	/usr/bin/python3 -B tests/benchmark/build_time.py $(BENCH)
 
 crash: build/dev/build.ninja packages
 	cmake --build --preset dev --target crash
