@@ -1,26 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/memory/commit.h"
 
-#include <unordered_set>
-
+#include "ltm/memory/checked_snapshot.h"
 #include "ltm/memory/data_fields.h"
 
 namespace engram::ltm {
 
 Status Commit::check() const {
-  std::unordered_set<MemoryId> seen;
-  for (const EntityUpdate& update : updates) {
-    if (!update.entity.is_entity())
-      return invalid_argument("commit: '{}' is no entity: needs four names",
-                              update.entity.to_string());
-    if (update.instances.empty())
-      return invalid_argument("commit: '{}' has no instance, needs at least one",
-                              update.id().to_string());
-    if (updates.size() > 1 && !seen.insert(update.id()).second)
-      return invalid_argument("commit: has '{}' twice, needs each entity and time once",
-                              update.id().to_string());
-  }
-  return {};
+  return check_updates(pointers_to(updates));
 }
 
 idf::Data Commit::to_data() const {

@@ -49,7 +49,10 @@ Status SegmentTypes::declare(const MemoryId& segment, const idf::Type& type) {
       if (is_provider_segment(id) && segment.is_prefix_of(id))
         ENGRAM_RETURN_IF_ERROR(check_extension(id, provider, segment, type));
   }
-  types_.insert_or_assign(segment, type);
+  // Who declares the same again, as producers do when they start, keeps what was declared: types of
+  // one declaration are compared at once.
+  const auto [known, is_new] = types_.try_emplace(segment, type);
+  if (!is_new && known->second != type) known->second = type;
   return {};
 }
 
@@ -78,8 +81,15 @@ SegmentTypes SegmentTypes::of_entities(const std::vector<MemoryId>& entities) co
 
 Result<ReinterpretedValue> SegmentTypes::reinterpret(const MemoryId& entity,
                                                      const idf::Data& value) const {
+  ENGRAM_ASSIGN_OR_RETURN(auto cast, cast_misfit(entity, value));
+  if (!cast) return ReinterpretedValue{value, {}, false};
+  return ReinterpretedValue{std::move(cast->value), std::move(cast->notes), true};
+}
+
+Result<std::optional<idf::CastResult>> SegmentTypes::cast_misfit(const MemoryId& entity,
+                                                                 const idf::Data& value) const {
   const idf::Type* type = of_entity(entity);
-  if (type == nullptr || idf::check(value, *type).empty()) return ReinterpretedValue{value, {}, false};
+  if (type == nullptr || idf::check(value, *type).empty()) return std::optional<idf::CastResult>();
   idf::CastResult cast = idf::cast(value, *type);
   std::vector<idf::Mismatch> mismatches;
   for (const idf::CastNote& note : cast.notes)
@@ -87,7 +97,7 @@ Result<ReinterpretedValue> SegmentTypes::reinterpret(const MemoryId& entity,
   if (const Status status = idf::to_status(mismatches); !status.ok())
     return status.with_context(
         fmt::format("'{}' is not of its segment's type", entity.to_string()));
-  return ReinterpretedValue{std::move(cast.value), std::move(cast.notes), true};
+  return std::optional(std::move(cast));
 }
 
 idf::Data SegmentTypes::to_data() const {

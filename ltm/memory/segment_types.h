@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "ltm/idf/cast.h"
@@ -42,6 +43,10 @@ class SegmentTypes {
   /// cast, where all that the type needs is there.
   /// Errors: kInvalidArgument with all paths that do not fit.
   Result<ReinterpretedValue> reinterpret(const MemoryId& entity, const idf::Data& value) const;
+
+  /// The same without a copy: nothing where the value stays as it is.
+  Result<std::optional<idf::CastResult>> cast_misfit(const MemoryId& entity,
+                                                     const idf::Data& value) const;
 
   /// Only the types that are asked for when these entities are read.
   [[nodiscard]] SegmentTypes of_entities(const std::vector<MemoryId>& entities) const;

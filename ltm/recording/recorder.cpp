@@ -6,6 +6,7 @@
 
 #include "ltm/core/log.h"
 #include "ltm/recording/entity_seal_rules.h"
+#include "ltm/recording/offered_snapshot.h"
 #include "ltm/recording/recording_channel.h"
 #include "ltm/recording/worker_pool.h"
 #include "ltm/store/manifest.h"
@@ -18,16 +19,6 @@ namespace {
 constexpr uint64_t kLeastSharedBytes = 64 << 10;
 /// Most that waits for a disk that fails, after filters let it go. Plain bytes.
 constexpr uint64_t kMostPendingBytes = uint64_t{256} << 20;
-
-/// An update of a commit, checked and cast.
-struct Offered {
-  const Snapshot* given = nullptr;
-  std::optional<Snapshot> cast;  ///< Where its segment has a type.
-  std::vector<std::string> notes;
-  uint64_t raw_bytes = 0;
-
-  [[nodiscard]] const Snapshot& snapshot() const { return cast ? *cast : *given; }
-};
 
 /// A snapshot that filters kept.
 struct Kept {
@@ -76,36 +67,34 @@ struct Recorder::State {
     return {};
   }
 
-  /// The snapshot with its values as their segment's type has them.
-  Status reinterpret(Offered& offered) const {
-    const Snapshot& snapshot = *offered.given;
-    if (writer->types().of_entity(snapshot.entity) == nullptr) return {};
-    offered.cast = Snapshot{snapshot.entity, snapshot.time, {}};
-    for (const Instance& instance : snapshot.instances) {
-      auto value = writer->types().reinterpret(snapshot.entity, instance.data);
-      if (!value.ok()) return value.status();
-      if (!value->notes.empty()) offered.notes.push_back(value->notes.front().to_string());
-      offered.cast->instances.push_back({std::move(value->value), instance.metadata});
-    }
-    return {};
-  }
-
   /// Checks all of a commit before any of it changes anything.
-  Result<std::vector<Offered>> prepare(const Commit& commit) const {
-    ENGRAM_RETURN_IF_ERROR(commit.check());
-    std::vector<Offered> all;
-    all.reserve(commit.updates.size());
-    for (const Snapshot& snapshot : commit.updates) {
-      ENGRAM_RETURN_IF_ERROR(check_order(snapshot));
-      Offered offered{&snapshot, std::nullopt, {}, 0};
-      ENGRAM_RETURN_IF_ERROR(reinterpret(offered));
-      offered.raw_bytes = offered.snapshot().raw_bytes();
+  template <typename Update>
+  Result<std::vector<OfferedSnapshot>> prepare(std::span<const Update* const> updates) const {
+    const std::vector<const Snapshot*> plain(updates.begin(), updates.end());
+    ENGRAM_RETURN_IF_ERROR(check_updates(plain));
+    std::vector<OfferedSnapshot> all;
+    all.reserve(updates.size());
+    for (const Update* update : updates) {
+      ENGRAM_RETURN_IF_ERROR(check_order(*update));
+      ENGRAM_ASSIGN_OR_RETURN(auto offered, OfferedSnapshot::of(*update, writer->types()));
       all.push_back(std::move(offered));
     }
     return all;
   }
 
-  static void count(const Offered& offered, RecordingCounters& counters) {
+  template <typename Update>
+  Status commit(std::span<const Update* const> updates) {
+    ENGRAM_ASSIGN_OR_RETURN(std::vector<OfferedSnapshot> offered, prepare(updates));
+    ++commits;
+    std::vector<Kept> kept;
+    kept.reserve(offered.size());
+    for (const OfferedSnapshot& each : offered) filter(each, kept);
+    ENGRAM_RETURN_IF_ERROR(store(kept));
+    note_drops_if_due();
+    return {};
+  }
+
+  static void count(const OfferedSnapshot& offered, RecordingCounters& counters) {
     ++counters.offered;
     counters.offered_bytes += offered.raw_bytes;
     counters.reinterpreted += offered.notes.size();
@@ -120,7 +109,7 @@ struct Recorder::State {
       kept.push_back({&channel, nullptr, std::move(candidate), std::nullopt});
   }
 
-  void filter(Offered& offered, std::vector<Kept>& kept) {
+  void filter(const OfferedSnapshot& offered, std::vector<Kept>& kept) {
     const Snapshot& snapshot = offered.snapshot();
     RecordingChannel& channel = channels.of(snapshot.entity);
     count(offered, *channel.counters);
@@ -347,14 +336,15 @@ Status Recorder::declare(const MemoryId& segment, const idf::Type& type) {
 }
 
 Status Recorder::commit(const Commit& commit) {
-  ENGRAM_ASSIGN_OR_RETURN(std::vector<Offered> offered, state_->prepare(commit));
-  ++state_->commits;
-  std::vector<Kept> kept;
-  kept.reserve(offered.size());
-  for (Offered& each : offered) state_->filter(each, kept);
-  ENGRAM_RETURN_IF_ERROR(state_->store(kept));
-  state_->note_drops_if_due();
-  return {};
+  return state_->commit<Snapshot>(pointers_to(commit.updates));
+}
+
+Status Recorder::commit_checked(std::span<const CheckedSnapshot* const> updates) {
+  return state_->commit(updates);
+}
+
+const SegmentTypes& Recorder::types() const {
+  return state_->writer->types();
 }
 
 bool Recorder::drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes) {

@@ -5,10 +5,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "ltm/filter/filter_chain.h"
+#include "ltm/memory/checked_snapshot.h"
 #include "ltm/memory/commit.h"
 #include "ltm/recording/entity_rule.h"
 #include "ltm/store/store_writer.h"
@@ -90,6 +92,13 @@ class Recorder {
   /// every path where a value is not of its segment's type; kResourceExhausted, kUnavailable where
   /// the disk fails: then nothing of the commit was acknowledged, and it may be tried again.
   Status commit(const Commit& commit);
+
+  /// The same of snapshots that were checked on their way here, as working memory's were: their
+  /// values are not looked at again, but where their segment's type is another by now.
+  Status commit_checked(std::span<const CheckedSnapshot* const> updates);
+
+  /// The types of all segments, as they were declared here or in sessions before.
+  [[nodiscard]] const SegmentTypes& types() const;
 
   /// Drops a snapshot that is not made yet, where the entity's filters would by its time alone, and
   /// counts it as any other. For values that cost much to make. False: nothing happened; make it

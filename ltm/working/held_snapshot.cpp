@@ -5,6 +5,11 @@
 
 namespace engram::ltm {
 
+SharedSnapshot hold_untyped(Snapshot snapshot, std::vector<Buffer> encoded) {
+  auto held = CheckedSnapshot::check<HeldSnapshot>(std::move(snapshot), {}, std::move(encoded));
+  return held.value().snapshot;
+}
+
 SnapshotResult result_of(const HeldSnapshot& held, const std::vector<int32_t>& instances,
                          bool is_ids_only) {
   SnapshotResult result;

@@ -5,12 +5,18 @@
 #include <vector>
 
 #include "ltm/core/buffer.h"
+#include "ltm/memory/checked_snapshot.h"
 #include "ltm/memory/result.h"
 
 namespace engram::ltm {
 
-/// A snapshot of working memory, and the bytes as which it came.
-struct HeldSnapshot : Snapshot {
+/// A snapshot of working memory, checked, and the bytes as which it came. check() makes it.
+struct HeldSnapshot : CheckedSnapshot {
+  /// `came` is forgotten where values were cast: it says what they were before.
+  HeldSnapshot(Proof proof, const SnapshotCast& cast, std::vector<Buffer> came)
+      : CheckedSnapshot(std::move(proof), cast),
+        encoded(cast.is_cast ? std::vector<Buffer>() : std::move(came)) {}
+
   /// The data of each instance in IDF's binary form; empty where it did not come so.
   std::vector<Buffer> encoded;
 
@@ -25,6 +31,9 @@ struct HeldSnapshot : Snapshot {
 
 /// A snapshot that is shared with whoever reads it, and never changes.
 using SharedSnapshot = std::shared_ptr<const HeldSnapshot>;
+
+/// A snapshot whose segment has no type.
+[[nodiscard]] SharedSnapshot hold_untyped(Snapshot snapshot, std::vector<Buffer> encoded = {});
 
 /// A snapshot as a moment of an answer; `instances`: which, increasing, empty for all. Without any
 /// of these it has no instances.

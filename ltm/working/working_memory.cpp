@@ -22,19 +22,6 @@ void note_links(ArrivingSnapshot& arrival, const idf::Type* type) {
   arrival.links.erase(same.begin(), same.end());
 }
 
-/// Makes the values what their segment's type wants. Returns how many lost something by it.
-Result<size_t> reinterpret(HeldSnapshot& held, const idf::Type* type, const SegmentTypes& types) {
-  size_t lost = 0;
-  if (type == nullptr) return lost;
-  for (Instance& instance : held.instances) {
-    ENGRAM_ASSIGN_OR_RETURN(auto value, types.reinterpret(held.entity, instance.data));
-    if (value.is_cast) held.encoded.clear();
-    if (!value.notes.empty()) ++lost;
-    instance.data = std::move(value.value);
-  }
-  return lost;
-}
-
 }  // namespace
 
 Status WorkingMemory::Options::validate() const {
@@ -86,15 +73,15 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   const auto prepare = [&]() -> Status {
     const std::shared_lock lock(state.mutex);
     for (size_t i = 0; i < commit.updates.size(); ++i) {
-      HeldSnapshot held{std::move(commit.updates[i]), {}};
-      if (!encoded.empty()) held.encoded = std::move(encoded[i]);
-      const idf::Type* type = state.types.of_entity(held.entity);
-      ENGRAM_ASSIGN_OR_RETURN(const size_t cast, reinterpret(held, type, state.types));
-      reinterpreted += cast;
-      for (Instance& instance : held.instances) instance.metadata.arrived = now;
-      const size_t bytes = held.plain_bytes() + kSnapshotOverhead;
-      arrivals.push_back({std::make_shared<const HeldSnapshot>(std::move(held)), bytes, {}, false});
-      note_links(arrivals.back(), type);
+      Snapshot& update = commit.updates[i];
+      for (Instance& instance : update.instances) instance.metadata.arrived = now;
+      std::vector<Buffer> came = encoded.empty() ? std::vector<Buffer>() : std::move(encoded[i]);
+      ENGRAM_ASSIGN_OR_RETURN(auto checked, CheckedSnapshot::check<HeldSnapshot>(
+                                                std::move(update), state.types, std::move(came)));
+      reinterpreted += checked.cast.notes.size();
+      const size_t bytes = checked.snapshot->plain_bytes() + kSnapshotOverhead;
+      arrivals.push_back({std::move(checked.snapshot), bytes, {}, false});
+      note_links(arrivals.back(), state.types.of_entity(arrivals.back().snapshot->entity));
     }
     return {};
   };

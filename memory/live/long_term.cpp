@@ -21,14 +21,13 @@ struct LongTerm::State {
 
   /// All at once; where one of them cannot be stored at all, each alone.
   Status record(std::span<const ltm::SharedSnapshot> snapshots, std::vector<Refused>& refused) {
-    ltm::Commit all;
-    for (const ltm::SharedSnapshot& snapshot : snapshots) all.updates.push_back(*snapshot);
-    const Status together = recorder->commit(all);
+    std::vector<const ltm::CheckedSnapshot*> all;
+    for (const ltm::SharedSnapshot& snapshot : snapshots) all.push_back(snapshot.get());
+    const Status together = recorder->commit_checked(all);
     if (together.code() != StatusCode::kInvalidArgument) return together;
-    for (const ltm::SharedSnapshot& snapshot : snapshots) {
-      ltm::Commit one;
-      one.updates.push_back(*snapshot);
-      const Status alone = recorder->commit(one);
+    for (size_t i = 0; i < all.size(); ++i) {
+      const ltm::SharedSnapshot& snapshot = snapshots[i];
+      const Status alone = recorder->commit_checked({&all[i], 1});
       if (alone.code() == StatusCode::kInvalidArgument)
         refused.push_back({snapshot, alone});
       else
@@ -74,6 +73,11 @@ Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
   state_->recorded_count += snapshots.size() - refused.size();
   state_->refused_count += refused.size();
   return {};
+}
+
+ltm::SegmentTypes LongTerm::types() const {
+  const std::scoped_lock lock(state_->writing);
+  return state_->recorder->types();
 }
 
 ltm::RecordedEntities& LongTerm::recorded() {

@@ -47,6 +47,10 @@ class LongTerm {
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
 
+  /// The types of all segments. Who checks snapshots with these very types spares it to check them
+  /// again.
+  [[nodiscard]] ltm::SegmentTypes types() const;
+
   /// After ok they survive `kill -9` as far as the filters keep them, but for those that are told
   /// as `refused`: their segment's type, which may be younger than they are, has no place for their
   /// values. They hold up no others.

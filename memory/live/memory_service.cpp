@@ -175,7 +175,8 @@ struct MemoryService::State {
                                                            {options.store->most_decoded_bytes}));
       accesses = std::make_unique<ltm::AccessLog>(path, ltm::AccessLog::Options{});
       recorded = &store->recorded();
-      for (const auto& [segment, type] : stored->store().manifest().types.all())
+      const ltm::SegmentTypes types = store->types();
+      for (const auto& [segment, type] : types.all())
         ENGRAM_RETURN_IF_ERROR(memory->declare(segment, type));
       recalling_options.prefer =
           options.store->prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;

@@ -27,9 +27,8 @@ engram::Status record_and_recall(const char* path) {
   ENGRAM_ASSIGN_OR_RETURN(const auto query, ltm::Query::parse("Object/Pose/tracker/cup @ latest"));
   ENGRAM_ASSIGN_OR_RETURN(const auto answer, recall.query(query));
   const ltm::EntityResult* cup = answer.find_entity(entity);
-  ENGRAM_ASSIGN_OR_RETURN(
-      const auto scene,
-      tracker::Scene::from_idf(cup->snapshots.front().instances.front().data));
+  ENGRAM_ASSIGN_OR_RETURN(const auto scene,
+                          tracker::Scene::from_idf(cup->snapshots.front().instances.front().data));
   fmt::print("x = {}\n", scene.cup.x_m);
   return {};
 }

@@ -21,9 +21,8 @@ engram::Status remember_and_ask(const char* path) {
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto answer, memory->query("Object/Pose/tracker/cup @ latest"));
   const ltm::EntityResult* cup = answer.find_entity(entity);
-  ENGRAM_ASSIGN_OR_RETURN(
-      const auto scene,
-      tracker::Scene::from_idf(cup->snapshots.front().instances.front().data));
+  ENGRAM_ASSIGN_OR_RETURN(const auto scene,
+                          tracker::Scene::from_idf(cup->snapshots.front().instances.front().data));
   fmt::print("x = {}\n", scene.cup.x_m);
   return memory->close();
 }

@@ -18,10 +18,7 @@ MemoryId entity() {
 }
 
 SharedSnapshot held_at(int64_t at) {
-  HeldSnapshot held;
-  held.entity = entity();
-  held.time = time_from_ns(at);
-  return std::make_shared<const HeldSnapshot>(std::move(held));
+  return hold_untyped({entity(), time_from_ns(at), {}});
 }
 
 /// Some of the times from 0 to kTimes.

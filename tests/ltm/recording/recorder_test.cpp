@@ -181,7 +181,8 @@ idf::Type reading_type() {
 }
 
 Snapshot reading(int64_t index, idf::Data value) {
-  return {*MemoryId::parse("Sensors/Range/robot/front"), example_time(index),
+  return {*MemoryId::parse("Sensors/Range/robot/front"),
+          example_time(index),
           {{idf::Dict{{"value", std::move(value)}}, {}}}};
 }
 
@@ -214,6 +215,57 @@ TEST_F(RecorderTest, RefusesAWholeCommitWhereAValueBreaksItsType) {
   EXPECT_FAILS(recorder.commit({{reading(1, 11.0f)}}), StatusCode::kInvalidArgument, "'value'");
   ASSERT_OK(recorder.close());
   EXPECT_TRUE((*StoreReader::open(store()))->entities().empty());
+}
+
+TEST_F(RecorderTest, LetsNoWrongSnapshotPastByEitherRoad) {
+  auto recorder = *Recorder::open(store(), {});
+  ASSERT_OK(recorder.declare(*MemoryId::parse("Sensors/Range"), reading_type()));
+  SegmentTypes any, text;
+  ASSERT_OK(text.declare(*MemoryId::parse("Sensors/Range"),
+                         idf::Type::object("Said", {{"value", idf::Type::string()}})));
+  const Snapshot wrong = reading(1, "far");
+  // What was checked where there was no type, or another one, is checked again.
+  for (const SegmentTypes& types : {any, text}) {
+    const auto checked = CheckedSnapshot::check(wrong, types);
+    ASSERT_OK(checked);
+    const CheckedSnapshot* update = checked->snapshot.get();
+    const Status by_proof = recorder.commit_checked({&update, 1});
+    EXPECT_FAILS(by_proof, StatusCode::kInvalidArgument, "'value'");
+    EXPECT_EQ(by_proof.message(), recorder.commit({{wrong}}).message());
+  }
+  EXPECT_FAILS(CheckedSnapshot::check(wrong, recorder.types()), StatusCode::kInvalidArgument,
+               "'value'");
+  ASSERT_OK(recorder.close());
+  EXPECT_TRUE((*StoreReader::open(store()))->entities().empty());
+}
+
+TEST_F(RecorderTest, StoresTheSameByBothRoads) {
+  const MemoryId core = *MemoryId::parse("Sensors/Range");
+  std::vector<Snapshot> stored;
+  for (const bool is_checked : {false, true}) {
+    const std::filesystem::path path = scratch_ / (is_checked ? "checked" : "direct");
+    auto recorder = *Recorder::open(path, {});
+    ASSERT_OK(recorder.declare(core, reading_type()));
+    const Snapshot given = reading(1, int32_t{3});
+    if (is_checked) {
+      const auto checked = CheckedSnapshot::check(given, recorder.types());
+      ASSERT_OK(checked);
+      const CheckedSnapshot* updates[] = {checked->snapshot.get()};
+      ASSERT_OK(recorder.commit_checked(updates));
+      const CheckedSnapshot* twice[] = {updates[0], updates[0]};
+      EXPECT_FAILS(recorder.commit_checked(twice), StatusCode::kInvalidArgument, "twice");
+    } else {
+      ASSERT_OK(recorder.commit({{given}}));
+    }
+    ASSERT_OK(recorder.close());
+    const auto reader = *StoreReader::open(path);
+    const auto found = read_all(*reader, given.entity);
+    ASSERT_OK(found);
+    ASSERT_EQ(found->size(), 1u);
+    stored.push_back(found->front());
+  }
+  EXPECT_EQ(stored[0], stored[1]);
+  EXPECT_EQ(stored[0].instances[0].data, (idf::Dict{{"value", 3.0f}}));
 }
 
 TEST_F(RecorderTest, KnowsTheTypesOfEarlierSessions) {

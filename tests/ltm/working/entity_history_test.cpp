@@ -11,8 +11,7 @@ namespace engram::ltm {
 namespace {
 
 EntityHistory::Entry entry(int64_t at) {
-  const Snapshot snapshot{*MemoryId::parse("A/b/c/d"), time_from_ns(at), {{at, {}}}};
-  return {std::make_shared<const HeldSnapshot>(HeldSnapshot{snapshot, {}}), Time(), 8};
+  return {hold_untyped({*MemoryId::parse("A/b/c/d"), time_from_ns(at), {{at, {}}}}), Time(), 8};
 }
 
 std::vector<int64_t> times(const EntityHistory& history) {

@@ -15,11 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 ltm::SharedSnapshot snapshot(const std::string& entity, int64_t at) {
-  ltm::HeldSnapshot held;
-  held.entity = *ltm::MemoryId::parse(entity);
-  held.time = time_from_ns(at);
-  held.instances.push_back({int64_t{1}, {}});
-  return std::make_shared<const ltm::HeldSnapshot>(std::move(held));
+  return ltm::hold_untyped({*ltm::MemoryId::parse(entity), time_from_ns(at), {{int64_t{1}, {}}}});
 }
 
 /// Remembers what it is told.

@@ -42,11 +42,8 @@ class LongTermTest : public ::testing::Test {
 
   static ltm::SharedSnapshot snapshot(int64_t at, idf::Data data,
                                       const std::string& entity = kEntity) {
-    ltm::HeldSnapshot held;
-    held.entity = *ltm::MemoryId::parse(entity);
-    held.time = time_from_ns(at);
-    held.instances.push_back({std::move(data), {}});
-    return std::make_shared<const ltm::HeldSnapshot>(std::move(held));
+    return ltm::hold_untyped(
+        {*ltm::MemoryId::parse(entity), time_from_ns(at), {{std::move(data), {}}}});
   }
 
   std::vector<LongTerm::Refused> record(const std::vector<ltm::SharedSnapshot>& snapshots) {

@@ -21,12 +21,13 @@ ltm::RecalledSnapshot moment(int64_t at, size_t bytes) {
 
 /// A moment that is in working memory, with the bytes as which it came.
 ltm::RecalledSnapshot held_moment(int64_t at, size_t bytes) {
-  ltm::HeldSnapshot held{{*ltm::MemoryId::parse("A/b/c/d"), time_from_ns(at), {}}, {}};
+  ltm::Snapshot snapshot{*ltm::MemoryId::parse("A/b/c/d"), time_from_ns(at), {}};
+  std::vector<Buffer> encoded;
   for (int i = 0; i < 3; ++i) {
-    held.instances.push_back({std::string(bytes, static_cast<char>('x' + i)), {}});
-    held.encoded.push_back(Buffer::take(*idf::encode(held.instances.back().data)));
+    snapshot.instances.push_back({std::string(bytes, static_cast<char>('x' + i)), {}});
+    encoded.push_back(Buffer::take(*idf::encode(snapshot.instances.back().data)));
   }
-  return ltm::recalled(std::make_shared<const ltm::HeldSnapshot>(std::move(held)), {0, 2}, false);
+  return ltm::recalled(ltm::hold_untyped(std::move(snapshot), std::move(encoded)), {0, 2}, false);
 }
 
 /// Its parts as the other side reads them.

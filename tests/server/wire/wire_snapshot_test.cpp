@@ -65,10 +65,13 @@ TEST(WireSnapshot, CarriesCommits) {
 TEST(WireSnapshot, CarriesEvents) {
   RandomValues random(4);
   for (const bool has_bytes : {false, true}) {
-    ltm::HeldSnapshot held{example(random), {}};
+    const ltm::Snapshot snapshot = example(random);
+    std::vector<Buffer> encoded;
     if (has_bytes)
-      for (const ltm::Instance& instance : held.instances)
-        held.encoded.push_back(Buffer::take(*idf::encode(instance.data)));
+      for (const ltm::Instance& instance : snapshot.instances)
+        encoded.push_back(Buffer::take(*idf::encode(instance.data)));
+    const ltm::SharedSnapshot shared = ltm::hold_untyped(snapshot, std::move(encoded));
+    const ltm::HeldSnapshot& held = *shared;
     auto with_data = sent(to_wire(held, true));
     const auto all = take_snapshot(with_data, {});
     ASSERT_OK(all);

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/recording/offered_snapshot.h"
+
+namespace engram::ltm {
+
+Result<OfferedSnapshot> OfferedSnapshot::of(const Snapshot& update, const SegmentTypes& types) {
+  OfferedSnapshot offered{&update, std::nullopt, {}, 0};
+  for (size_t i = 0; i < update.instances.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(auto cast, types.cast_misfit(update.entity, update.instances[i].data));
+    if (!cast) continue;
+    if (!offered.cast) offered.cast = update;
+    offered.cast->instances[i].data = std::move(cast->value);
+    if (!cast->notes.empty()) offered.notes.push_back(cast->notes.front().to_string());
+  }
+  offered.raw_bytes = offered.snapshot().raw_bytes();
+  return offered;
+}
+
+Result<OfferedSnapshot> OfferedSnapshot::of(const CheckedSnapshot& update,
+                                            const SegmentTypes& types) {
+  if (update.is_of(types)) return OfferedSnapshot{&update, std::nullopt, {}, update.raw_bytes()};
+  return of(static_cast<const Snapshot&>(update), types);
+}
+
+}  // namespace engram::ltm
