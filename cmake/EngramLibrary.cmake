@@ -38,3 +38,19 @@ function(engram_add_library name)
     engram_precompiled(${target} ${ARG_PRECOMPILED})
   endif()
 endfunction()
+
+# engram_cold(engram_measure [HOT similarity.cpp] [ONLY options.cpp])
+#
+# A room where no program spends its time, but for its HOT sources, or ONLY these sources of a room:
+# release builds optimise them with -O1 and not with -O3. Whoever calls this says there why nothing
+# in them is hot; loops over pixels, numbers or snapshots belong elsewhere. -O1 and not -Os, because
+# a precompiled header is for both or for neither.
+function(engram_cold target)
+  cmake_parse_arguments(ARG "" "" "HOT;ONLY" ${ARGN})
+  if(ARG_ONLY)
+    set_property(SOURCE ${ARG_ONLY} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+    return()
+  endif()
+  target_compile_options(${target} PRIVATE "$<BUILD_INTERFACE:$<$<CONFIG:Release>:-O1>>")
+  set_property(SOURCE ${ARG_HOT} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-O3>")
+endfunction()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # Headers that are parsed once and not in each source: half of what a small source costs is the
-# standard library, fmt and JSON, and LibTorch costs 16 s (docs/design.md, section 7). A compiler
+# standard library, fmt and JSON, and LibTorch costs 16 s (docs/design.md, section 5). A compiler
 # takes a precompiled header only with the options that it was made with, so there is one for each
 # kind of target, made by a library of one empty source.
 option(ENGRAM_PRECOMPILED "Parse common headers once for all sources of a kind" ON)
