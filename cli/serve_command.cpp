@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <condition_variable>
-#include <mutex>
 
 #include "cli/interrupt.h"
 #include "cli/server_commands.h"
 #include "encoders/load_model.h"
 #include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
 #include "reports/plain/text.h"
 #include "server/robot/robot.h"
 
@@ -133,10 +132,10 @@ void tell_served(const Robot& robot, bool is_json) {
 }
 
 void wait_for_the_end() {
-  std::mutex mutex;
-  std::condition_variable_any wake;
-  std::unique_lock lock(mutex);
-  wake.wait(lock, interrupt_token(), [] { return false; });
+  Mutex mutex;  // What `wake` needs; it guards nothing.
+  StoppableCondition wake;
+  const MutexLock lock(mutex);
+  wake.wait(mutex, interrupt_token(), [] { return false; });
 }
 
 /// Says what became of it; false where something is lost.

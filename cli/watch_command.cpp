@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 
 #include "cli/interrupt.h"
 #include "cli/remote.h"
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
 #include "ltm/idf/json.h"
 #include "ltm/memory/augmentation_json.h"
 #include "reports/plain/result_text.h"
@@ -81,35 +80,37 @@ class Inbox {
 
   /// Nothing where a stop is asked for.
   std::optional<ltm::Snapshot> next(const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) return std::nullopt;
+    const MutexLock lock(mutex_);
+    if (!changed_.wait(mutex_, stop,
+                       [this]() ENGRAM_REQUIRES(mutex_) { return !waiting_.empty(); }))
+      return std::nullopt;
     ltm::Snapshot snapshot = std::move(waiting_.front());
     waiting_.pop_front();
     return snapshot;
   }
 
   [[nodiscard]] uint64_t lost() const {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return lost_;
   }
 
  private:
   void put(std::vector<ToldSnapshot> told) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     for (ToldSnapshot& one : told) waiting_.push_back(std::move(one.snapshot));
     for (; waiting_.size() > kMostWaiting; ++lost_) waiting_.pop_front();
     changed_.notify_one();
   }
 
   void lose(uint64_t count) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     lost_ += count;
   }
 
-  mutable std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::deque<ltm::Snapshot> waiting_;
-  uint64_t lost_ = 0;
+  mutable Mutex mutex_;
+  StoppableCondition changed_;
+  std::deque<ltm::Snapshot> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  uint64_t lost_ ENGRAM_GUARDED_BY(mutex_) = 0;
 };
 
 ExitCode print_all(Inbox& inbox, const WatchArguments& arguments) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memories that this program opens itself: Memory::open.
 #include <atomic>
-#include <mutex>
 
 #include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
 #include "ltm/recording/recording_config.h"
 #include "memory/live/local_subscription.h"
 #include "memory/live/memory_service.h"
@@ -36,7 +36,7 @@ class ReadMemory final : public Memory {
 
   using Memory::query;
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!recall_) return is_closed();
     ltm::Recall::Options options = options_;
     options.engine = engine;
@@ -45,13 +45,13 @@ class ReadMemory final : public Memory {
 
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
                                                  Duration ahead) override {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!recall_) return is_closed();
     return recall_->records(entity, {}, ahead, options_);
   }
 
   Status close() override {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     recall_.reset();
     return {};
   }
@@ -63,8 +63,8 @@ class ReadMemory final : public Memory {
   [[nodiscard]] Status is_closed() const { return failed_precondition("{}: is closed", name_); }
 
   const std::string name_;
-  std::mutex mutex_;  ///< Guards `recall_`.
-  std::optional<ltm::Recall> recall_;
+  Mutex mutex_;
+  std::optional<ltm::Recall> recall_ ENGRAM_GUARDED_BY(mutex_);
   const ltm::Recall::Options options_;
 };
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/status.h"
 
 namespace engram {
@@ -35,8 +34,8 @@ class ReadAhead {
   ReadAhead& operator=(const ReadAhead&) = delete;
 
   Item next() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !waiting_.empty(); });
+    MutexLock lock(mutex_);
+    changed_.wait(mutex_, [this]() ENGRAM_REQUIRES(mutex_) { return !waiting_.empty(); });
     if (const Item& front = waiting_.front().item; !front.ok())
       return front.status();
     else if (!*front)
@@ -62,8 +61,8 @@ class ReadAhead {
       Item item = read_();
       const bool is_last = !item.ok() || !*item;
       const size_t bytes = is_last ? 0 : size_of_(**item);
-      std::unique_lock lock(mutex_);
-      const bool has_room = changed_.wait(lock, stop, [&] {
+      MutexLock lock(mutex_);
+      const bool has_room = changed_.wait(mutex_, stop, [&]() ENGRAM_REQUIRES(mutex_) {
         return waiting_.empty() || (bytes_ + bytes <= limit_ && waiting_.size() < kMostItems);
       });
       if (!has_room) return;
@@ -79,11 +78,10 @@ class ReadAhead {
   const std::function<size_t(const T&)> size_of_;
   const size_t limit_;
 
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  // Guarded by mutex_:
-  std::deque<Waiting> waiting_;
-  size_t bytes_ = 0;
+  Mutex mutex_;
+  StoppableCondition changed_;
+  std::deque<Waiting> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  size_t bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
 
   std::jthread thread_;  ///< Last: it uses all the others.
 };

@@ -16,14 +16,17 @@ std::optional<Type> type_of(hid_t h5_type) {
   return std::nullopt;
 }
 
+Mutex& library_mutex() {
+  static Mutex mutex;  ///< What HDF5 keeps for itself, in this process.
+  return mutex;
+}
+
 }  // namespace
 
-LibraryLock::LibraryLock() {
-  static std::mutex mutex;
+LibraryLock::LibraryLock() : lock_(library_mutex()) {
   // A file that could not be written to the end (a full disk) stays half-open inside HDF5, whose
   // clean-up at exit then crashes. We close all that we open.
   [[maybe_unused]] static const herr_t is_unregistered = H5dont_atexit();
-  lock_ = std::unique_lock(mutex);
   // A file must not make us open others.
   [[maybe_unused]] static const herr_t has_no_outer_links = H5Lunregister(H5L_TYPE_EXTERNAL);
   // Kept by thread: errors are told by status, not printed.

@@ -7,10 +7,10 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "ltm/core/mutex.h"
 #include "ltm/h5/chunk_filters.h"
 #include "ltm/h5/h5.h"
 #include "ltm/h5/object_header.h"
@@ -19,13 +19,13 @@
 namespace engram::h5 {
 
 /// HDF5 keeps global state; one lock serialises all our calls, whatever the library's build. In the
-/// thread that has it HDF5 prints nothing.
+/// thread that has it HDF5 prints nothing. It guards what is HDF5's own, no member of ours.
 class LibraryLock {
  public:
   LibraryLock();
 
  private:
-  std::unique_lock<std::mutex> lock_;
+  const MutexLock lock_;
 };
 
 /// Closes an HDF5 identifier when it goes.

@@ -2,7 +2,6 @@
 #include "ltm/recall/recorded_entities.h"
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
 namespace engram::ltm {
@@ -15,12 +14,12 @@ constexpr size_t kMaxChanged = 65'536;
 }  // namespace
 
 void RecordedEntities::add(const MemoryId& entity, std::optional<Time> until) {
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   entities_[entity].until = until;
 }
 
 void RecordedEntities::begin(std::span<const SharedSnapshot> snapshots) {
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   ++recordings_;
   for (const SharedSnapshot& snapshot : snapshots) {
     Recorded& entity = entities_[snapshot->entity];
@@ -29,7 +28,7 @@ void RecordedEntities::begin(std::span<const SharedSnapshot> snapshots) {
 }
 
 void RecordedEntities::finish(std::span<const SharedSnapshot> snapshots) {
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   ++recordings_;
   if (changed_.snapshots.size() + snapshots.size() > kMaxChanged) changed_ = {{}, true};
   for (const SharedSnapshot& snapshot : snapshots) {
@@ -39,31 +38,31 @@ void RecordedEntities::finish(std::span<const SharedSnapshot> snapshots) {
 }
 
 RecordedEntities::Changed RecordedEntities::take_changed() {
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   return std::exchange(changed_, {});
 }
 
 std::optional<Time> RecordedEntities::known_until(const MemoryId& entity) const {
-  const std::shared_lock lock(mutex_);
+  const SharedLock lock(mutex_);
   const auto found = entities_.find(entity);
   return found == entities_.end() ? std::nullopt : found->second.until;
 }
 
 uint64_t RecordedEntities::recorded_at(const MemoryId& entity) const {
-  const std::shared_lock lock(mutex_);
+  const SharedLock lock(mutex_);
   const auto found = entities_.find(entity);
   return found == entities_.end() ? 0 : found->second.at;
 }
 
 uint64_t RecordedEntities::recordings() const {
-  const std::shared_lock lock(mutex_);
+  const SharedLock lock(mutex_);
   return recordings_;
 }
 
 std::vector<MemoryId> RecordedEntities::matching(const Query& query) const {
   std::vector<MemoryId> matching;
   const auto names = query.named_entities();
-  const std::shared_lock lock(mutex_);
+  const SharedLock lock(mutex_);
   if (names) {
     for (const MemoryId& name : *names)
       if (entities_.contains(name)) matching.push_back(name);

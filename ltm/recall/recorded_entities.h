@@ -3,10 +3,10 @@
 
 #include <map>
 #include <optional>
-#include <shared_mutex>
 #include <span>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/memory/query.h"
 #include "ltm/working/held_snapshot.h"
 
@@ -52,10 +52,10 @@ class RecordedEntities {
     uint64_t at = 0;
   };
 
-  mutable std::shared_mutex mutex_;
-  std::map<MemoryId, Recorded> entities_;
-  uint64_t recordings_ = 0;
-  Changed changed_;
+  mutable SharedMutex mutex_;
+  std::map<MemoryId, Recorded> entities_ ENGRAM_GUARDED_BY(mutex_);
+  uint64_t recordings_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  Changed changed_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::ltm

@@ -13,27 +13,28 @@ void WorkerPool::run(size_t count, const std::function<void(size_t)>& work) {
     for (size_t i = 0; i < count; ++i) work(i);
     return;
   }
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   work_ = &work;
   count_ = count;
   next_ = finished_ = 0;
   more_.notify_all();
-  while (next_ < count_) take_one(lock);
-  done_.wait(lock, [this] { return finished_ == count_; });
+  while (next_ < count_) take_one();
+  done_.wait(mutex_, [this]() ENGRAM_REQUIRES(mutex_) { return finished_ == count_; });
   count_ = next_ = 0;
 }
 
 void WorkerPool::serve(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  while (more_.wait(lock, stop, [this] { return next_ < count_; })) take_one(lock);
+  const MutexLock lock(mutex_);
+  while (more_.wait(mutex_, stop, [this]() ENGRAM_REQUIRES(mutex_) { return next_ < count_; }))
+    take_one();
 }
 
-void WorkerPool::take_one(std::unique_lock<std::mutex>& lock) {
+void WorkerPool::take_one() {
   const size_t index = next_++;
   const auto& work = *work_;
-  lock.unlock();
+  mutex_.unlock();
   work(index);
-  lock.lock();
+  mutex_.lock();
   if (++finished_ == count_) done_.notify_one();
 }
 

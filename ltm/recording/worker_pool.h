@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <cstddef>
 #include <functional>
-#include <mutex>
 #include <stop_token>
 #include <thread>
 #include <vector>
+
+#include "ltm/core/mutex.h"
 
 namespace engram::ltm {
 
@@ -25,16 +25,15 @@ class WorkerPool {
 
  private:
   void serve(const std::stop_token& stop);
-  void take_one(std::unique_lock<std::mutex>& lock);
+  void take_one() ENGRAM_REQUIRES(mutex_);
 
-  std::mutex mutex_;
-  std::condition_variable_any more_;
-  std::condition_variable done_;
-  // Guarded by mutex_:
-  const std::function<void(size_t)>* work_ = nullptr;
-  size_t count_ = 0;
-  size_t next_ = 0;
-  size_t finished_ = 0;
+  Mutex mutex_;
+  StoppableCondition more_;
+  ConditionVariable done_;
+  const std::function<void(size_t)>* work_ ENGRAM_GUARDED_BY(mutex_) = nullptr;
+  size_t count_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  size_t next_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  size_t finished_ ENGRAM_GUARDED_BY(mutex_) = 0;
 
   std::vector<std::jthread> threads_;  ///< Last: they end before what they use.
 };

@@ -12,8 +12,9 @@ JournalSyncer::JournalSyncer(Duration interval)
 JournalSyncer::~JournalSyncer() = default;
 
 void JournalSyncer::run(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return !dirty_.empty(); })) {
+  MutexLock lock(mutex_);
+  while (
+      changed_.wait(mutex_, stop, [this]() ENGRAM_REQUIRES(mutex_) { return !dirty_.empty(); })) {
     const auto journals = std::exchange(dirty_, {});
     lock.unlock();
     Status status;
@@ -21,19 +22,19 @@ void JournalSyncer::run(const std::stop_token& stop) {
       if (Status each = journal->sync(); !each.ok()) status = std::move(each);
     lock.lock();
     if (!status.ok()) error_ = std::move(status);
-    changed_.wait_for(lock, stop, interval_, [] { return false; });
+    changed_.wait_for(mutex_, stop, interval_, [] { return false; });
   }
 }
 
 void JournalSyncer::note_append(const std::shared_ptr<Journal>& journal) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (std::ranges::find(dirty_, journal) != dirty_.end()) return;
   dirty_.push_back(journal);
   changed_.notify_all();
 }
 
 Status JournalSyncer::take_error() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return std::exchange(error_, Status());
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/time.h"
 #include "ltm/store/journal.h"
 
@@ -29,11 +28,12 @@ class JournalSyncer {
  private:
   void run(const std::stop_token& stop);
 
-  Duration interval_;
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::vector<std::shared_ptr<Journal>> dirty_;  ///< Appended to since they were forced.
-  Status error_;
+  const Duration interval_;
+  Mutex mutex_;
+  StoppableCondition changed_;
+  /// Appended to since they were forced.
+  std::vector<std::shared_ptr<Journal>> dirty_ ENGRAM_GUARDED_BY(mutex_);
+  Status error_ ENGRAM_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< Last: it uses all the others.
 };
 

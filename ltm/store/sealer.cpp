@@ -98,8 +98,9 @@ Sealer::Sealer(std::filesystem::path store, const Options& options)
 Sealer::~Sealer() = default;
 
 void Sealer::run(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return !jobs_.empty(); }) && !stop.stop_requested()) {
+  MutexLock lock(mutex_);
+  while (changed_.wait(mutex_, stop, [this]() ENGRAM_REQUIRES(mutex_) { return !jobs_.empty(); }) &&
+         !stop.stop_requested()) {
     const Job job = jobs_.front();
     lock.unlock();
     Status status = seal_journals(store_, job);
@@ -113,30 +114,31 @@ void Sealer::run(const std::stop_token& stop) {
     changed_.notify_all();
     if (!last_.ok()) {
       const uint64_t hurries = hurries_;
-      changed_.wait_for(lock, stop, options_.retry_after,
-                        [this, hurries] { return hurries_ != hurries; });
+      changed_.wait_for(mutex_, stop, options_.retry_after,
+                        [this, hurries]() ENGRAM_REQUIRES(mutex_) { return hurries_ != hurries; });
     }
   }
 }
 
 void Sealer::add(Job job) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   jobs_.push_back(std::move(job));
   changed_.notify_all();
 }
 
 void Sealer::wait_below(size_t count) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return jobs_.size() < count || !last_.ok(); });
+  const MutexLock lock(mutex_);
+  changed_.wait(mutex_,
+                [&]() ENGRAM_REQUIRES(mutex_) { return jobs_.size() < count || !last_.ok(); });
 }
 
 Status Sealer::finish() {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   ++hurries_;
   changed_.notify_all();
   while (!jobs_.empty()) {
     const uint64_t attempts = attempts_;
-    changed_.wait(lock, [&] { return attempts_ != attempts; });
+    changed_.wait(mutex_, [&]() ENGRAM_REQUIRES(mutex_) { return attempts_ != attempts; });
     if (!last_.ok()) return last_;
   }
   return {};

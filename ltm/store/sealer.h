@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "ltm/codec/seal_rules.h"
+#include "ltm/core/mutex.h"
 #include "ltm/store/manifest.h"
 
 namespace engram::ltm {
@@ -32,8 +31,8 @@ class Sealer {
   /// What one segment is made of.
   struct Job {
     std::vector<uint64_t> journals;
-    uint64_t bytes = 0;  ///< Of the journals.
-    SegmentTypes types;  ///< That their values came under.
+    uint64_t bytes = 0;                          ///< Of the journals.
+    SegmentTypes types;                          ///< That their values came under.
     std::map<MemoryId, DropReasons> dropped_by;  ///< Since the job before.
     SealRulesOf rules;  ///< Empty: all is stored as it lies in the journals.
   };
@@ -54,14 +53,15 @@ class Sealer {
  private:
   void run(const std::stop_token& stop);
 
-  std::filesystem::path store_;
-  Options options_;
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::deque<Job> jobs_;  ///< The first one is at work.
-  uint64_t attempts_ = 0;  ///< That have ended.
-  uint64_t hurries_ = 0;   ///< Calls of finish, which end a wait between tries.
-  Status last_;
+  const std::filesystem::path store_;
+  const Options options_;
+  Mutex mutex_;
+  StoppableCondition changed_;
+  std::deque<Job> jobs_ ENGRAM_GUARDED_BY(mutex_);   ///< The first one is at work.
+  uint64_t attempts_ ENGRAM_GUARDED_BY(mutex_) = 0;  ///< That have ended.
+  /// Calls of finish, which end a wait between tries.
+  uint64_t hurries_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  Status last_ ENGRAM_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< Last: it uses all the others.
 };
 

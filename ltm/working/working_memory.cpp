@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "ltm/core/mutex.h"
 #include "ltm/memory/links.h"
 #include "ltm/working/working_memory_state.h"
 
@@ -18,8 +19,7 @@ void note_links(ArrivingSnapshot& arrival, const idf::Type* type) {
     for (const Link& link : find_links(instance.data, *type))
       if (link.id.has_entity()) arrival.links.push_back(link.id.entity());
   std::ranges::sort(arrival.links);
-  const auto same = std::ranges::unique(arrival.links);
-  arrival.links.erase(same.begin(), same.end());
+  arrival.links.erase(std::unique(arrival.links.begin(), arrival.links.end()), arrival.links.end());
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ Result<std::unique_ptr<WorkingMemory>> WorkingMemory::create(const Options& opti
 }
 
 Status WorkingMemory::declare(const MemoryId& segment, const idf::Type& type) {
-  const std::unique_lock lock(state_->mutex);
+  const ExclusiveLock lock(state_->mutex);
   return state_->types.declare(segment, type);
 }
 
@@ -59,7 +59,7 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
                                        bool to_store) {
   State& state = *state_;
   const auto refuse = [&state](Status status) {
-    const std::unique_lock lock(state.mutex);
+    const ExclusiveLock lock(state.mutex);
     ++state.counts.refused;
     return status;
   };
@@ -71,7 +71,7 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   arrivals.reserve(commit.updates.size());
   uint64_t reinterpreted = 0;
   const auto prepare = [&]() -> Status {
-    const std::shared_lock lock(state.mutex);
+    const SharedLock lock(state.mutex);
     for (size_t i = 0; i < commit.updates.size(); ++i) {
       Snapshot& update = commit.updates[i];
       for (Instance& instance : update.instances) instance.metadata.arrived = now;
@@ -89,7 +89,7 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   Admission admission;
   admission.snapshots.reserve(arrivals.size());
   for (const ArrivingSnapshot& arrival : arrivals) admission.snapshots.push_back(arrival.snapshot);
-  const std::unique_lock lock(state.mutex);
+  const ExclusiveLock lock(state.mutex);
   if (state.counts.waiting_bytes > state.options.most_waiting_bytes) {
     ++state.counts.refused;
     return resource_exhausted(
@@ -107,10 +107,10 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
 
 Result<size_t> WorkingMemory::store(const Sink& sink, size_t most_bytes) {
   State& state = *state_;
-  const std::scoped_lock one_at_a_time(state.storing);
+  const MutexLock one_at_a_time(state.storing);
   std::vector<SharedSnapshot> taken;
   {
-    const std::shared_lock lock(state.mutex);
+    const SharedLock lock(state.mutex);
     size_t bytes = 0;
     for (const WaitingSnapshot& next : state.waiting) {
       bytes += next.bytes;
@@ -120,7 +120,7 @@ Result<size_t> WorkingMemory::store(const Sink& sink, size_t most_bytes) {
   }
   if (taken.empty()) return size_t{0};
   ENGRAM_RETURN_IF_ERROR(sink(taken));
-  const std::unique_lock lock(state.mutex);
+  const ExclusiveLock lock(state.mutex);
   for (size_t i = 0; i < taken.size(); ++i) {
     state.counts.waiting_bytes -= state.waiting[i].bytes;
     state.stored(taken[i]);
@@ -134,7 +134,7 @@ void WorkingMemory::expire() {
   State& state = *state_;
   const Time now = state.clock();
   std::vector<SharedSnapshot> gone;
-  const std::unique_lock lock(state.mutex);
+  const ExclusiveLock lock(state.mutex);
   for (LimitedPart& part : state.parts) {
     if (!part.limits.age) continue;
     const auto is_old = [&](const KeptEntity& entity) {
@@ -152,7 +152,7 @@ void WorkingMemory::expire() {
 
 void WorkingMemory::release_all() {
   std::vector<SharedSnapshot> gone;
-  const std::unique_lock lock(state_->mutex);
+  const ExclusiveLock lock(state_->mutex);
   LimitedPart& all = state_->parts.front();
   while (!all.members.empty()) state_->choose_oldest(*all.members.back());
   gone = state_->take_gone();
@@ -162,7 +162,7 @@ Status WorkingMemory::set_limits(const MemoryLimits& all) {
   ENGRAM_RETURN_IF_ERROR(all.validate());
   const Time now = state_->clock();
   std::vector<SharedSnapshot> gone;
-  const std::unique_lock lock(state_->mutex);
+  const ExclusiveLock lock(state_->mutex);
   state_->parts.front().limits = all;
   state_->keep_limits(now);
   gone = state_->take_gone();
@@ -170,7 +170,7 @@ Status WorkingMemory::set_limits(const MemoryLimits& all) {
 }
 
 MemoryCounters WorkingMemory::counters() const {
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   MemoryCounters counts = state_->counts;
   counts.entities = state_->entities.size();
   counts.bytes = state_->parts.front().bytes;

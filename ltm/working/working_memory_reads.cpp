@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a working memory answers: searches under the shared lock, which change nothing but counts.
+#include "ltm/core/mutex.h"
 #include "ltm/working/working_memory_state.h"
 
 namespace engram::ltm {
 
 uint64_t WorkingMemory::taken() const {
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   return state_->queued - state_->waiting.size();
 }
 
 SharedSnapshot WorkingMemory::find(const MemoryId& id) const {
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   if (!id.has_entity()) return nullptr;
   const KeptEntity* entity = id.is_entity() ? state_->find(id) : state_->find(id.entity());
   if (entity == nullptr || entity->history.empty()) return nullptr;
@@ -28,7 +29,7 @@ std::vector<SelectedEntity> WorkingMemory::select(const Query& query,
                                                   const KnownElsewhere& elsewhere) const {
   std::vector<SelectedEntity> selected;
   const auto names = query.named_entities();
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   if (names) {
     for (const MemoryId& id : *names)
       if (const KeptEntity* entity = state_->find(id))
@@ -43,7 +44,7 @@ std::vector<SelectedEntity> WorkingMemory::select(const Query& query,
 std::vector<MemoryId> WorkingMemory::matching(const Query& query) const {
   std::vector<MemoryId> matching;
   const auto names = query.named_entities();
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   if (names) {
     for (const MemoryId& id : *names)
       if (state_->find(id) != nullptr) matching.push_back(id);
@@ -56,7 +57,7 @@ std::vector<MemoryId> WorkingMemory::matching(const Query& query) const {
 
 std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity, size_t most) const {
   std::vector<SharedSnapshot> all;
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   const KeptEntity* kept = state_->find(entity);
   if (kept == nullptr) return all;
   const size_t count = std::min(most, kept->history.size());
@@ -67,12 +68,12 @@ std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity, size_t
 }
 
 void WorkingMemory::count_reads(const MemoryId& entity, size_t count) const {
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   if (const KeptEntity* kept = state_->find(entity)) state_->count_reads(*kept, count);
 }
 
 std::optional<idf::Type> WorkingMemory::type_of(const MemoryId& entity) const {
-  const std::shared_lock lock(state_->mutex);
+  const SharedLock lock(state_->mutex);
   const idf::Type* type = state_->types.of_entity(entity);
   return type == nullptr ? std::nullopt : std::optional(*type);
 }

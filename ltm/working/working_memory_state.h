@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <random>
-#include <shared_mutex>
 #include <unordered_map>
 
+#include "ltm/core/mutex.h"
 #include "ltm/working/history_moments.h"
 #include "ltm/working/kept_entity.h"
 #include "ltm/working/working_memory.h"
@@ -45,26 +44,26 @@ struct WorkingMemory::State {
   const Options options;
   const Clock clock;
 
-  mutable std::shared_mutex mutex;
-  SegmentTypes types;
-  std::map<MemoryId, std::unique_ptr<KeptEntity>> entities;
-  std::unordered_map<MemoryId, KeptEntity*> by_id;
-  std::deque<LimitedPart> parts;  ///< The first: all.
-  std::deque<WaitingSnapshot> waiting;
-  std::vector<SharedSnapshot> gone;  ///< To be freed without the lock, see take_gone().
-  uint64_t queued = 0;               ///< That ever waited.
-  MemoryCounters counts;
+  Mutex storing ENGRAM_ACQUIRED_BEFORE(mutex);  ///< Held while a sink runs: one at a time.
+  mutable SharedMutex mutex;
+  SegmentTypes types ENGRAM_GUARDED_BY(mutex);
+  std::map<MemoryId, std::unique_ptr<KeptEntity>> entities ENGRAM_GUARDED_BY(mutex);
+  std::unordered_map<MemoryId, KeptEntity*> by_id ENGRAM_GUARDED_BY(mutex);
+  std::deque<LimitedPart> parts ENGRAM_GUARDED_BY(mutex);  ///< The first: all.
+  std::deque<WaitingSnapshot> waiting ENGRAM_GUARDED_BY(mutex);
+  /// To be freed without the lock, see take_gone().
+  std::vector<SharedSnapshot> gone ENGRAM_GUARDED_BY(mutex);
+  uint64_t queued ENGRAM_GUARDED_BY(mutex) = 0;  ///< That ever waited.
+  MemoryCounters counts ENGRAM_GUARDED_BY(mutex);
   mutable std::atomic<uint64_t> reads{0};
-  std::minstd_rand random;
+  std::minstd_rand random ENGRAM_GUARDED_BY(mutex);
 
-  std::mutex storing;  ///< Held while a sink runs; taken before `mutex`.
-
-  [[nodiscard]] KeptEntity* find(const MemoryId& entity) const {
+  [[nodiscard]] KeptEntity* find(const MemoryId& entity) const ENGRAM_REQUIRES_SHARED(mutex) {
     const auto found = by_id.find(entity);
     return found == by_id.end() ? nullptr : found->second;
   }
 
-  KeptEntity& entity_of(const MemoryId& id) {
+  KeptEntity& entity_of(const MemoryId& id) ENGRAM_REQUIRES(mutex) {
     if (KeptEntity* known = find(id)) return *known;
     auto made = std::make_unique<KeptEntity>(id);
     for (LimitedPart& part : parts)
@@ -75,7 +74,7 @@ struct WorkingMemory::State {
     return entity;
   }
 
-  void forget_if_empty(KeptEntity& entity) {
+  void forget_if_empty(KeptEntity& entity) ENGRAM_REQUIRES(mutex) {
     if (!entity.history.empty()) return;
     entity.unlink();
     const MemoryId id = entity.id;
@@ -84,7 +83,7 @@ struct WorkingMemory::State {
   }
 
   /// One snapshot more, or fewer, stays. Members of a part have one that does.
-  void count_staying(KeptEntity& entity, size_t bytes, bool is_more) {
+  void count_staying(KeptEntity& entity, size_t bytes, bool is_more) ENGRAM_REQUIRES(mutex) {
     for (KeptEntity::Membership& place : entity.parts) {
       place.part->snapshots += is_more ? 1 : size_t(-1);
       place.part->bytes += is_more ? bytes : 0 - bytes;
@@ -107,7 +106,7 @@ struct WorkingMemory::State {
     }
   }
 
-  void queue(EntityHistory::Entry& entry) {
+  void queue(EntityHistory::Entry& entry) ENGRAM_REQUIRES(mutex) {
     if (entry.is_queued || entry.is_stored) return;
     entry.is_queued = true;
     ++queued;
@@ -119,7 +118,7 @@ struct WorkingMemory::State {
   [[nodiscard]] bool must_store() const { return options.mode != StoreMode::kLatest; }
 
   /// The oldest one of `entity` that stays is not to stay.
-  void choose_oldest(KeptEntity& entity) {
+  void choose_oldest(KeptEntity& entity) ENGRAM_REQUIRES(mutex) {
     EntityHistory::Entry& entry = entity.history.choose_oldest();
     count_staying(entity, entry.bytes, false);
     if (must_store()) queue(entry);
@@ -131,7 +130,7 @@ struct WorkingMemory::State {
     forget_if_empty(entity);
   }
 
-  KeptEntity& most_gainful(const LimitedPart& part, Time now) {
+  KeptEntity& most_gainful(const LimitedPart& part, Time now) ENGRAM_REQUIRES(mutex) {
     KeptEntity* best = nullptr;
     double most = -1;
     const size_t count = std::min(part.members.size(), kCompared);
@@ -146,14 +145,14 @@ struct WorkingMemory::State {
     return *best;
   }
 
-  std::vector<SharedSnapshot> take_gone() { return std::exchange(gone, {}); }
+  std::vector<SharedSnapshot> take_gone() ENGRAM_REQUIRES(mutex) { return std::exchange(gone, {}); }
 
-  void keep_limits(Time now) {
+  void keep_limits(Time now) ENGRAM_REQUIRES(mutex) {
     for (LimitedPart& part : parts)
       while (part.is_exceeded() && !part.members.empty()) choose_oldest(most_gainful(part, now));
   }
 
-  void put(ArrivingSnapshot arrival, Time now, bool to_store) {
+  void put(ArrivingSnapshot arrival, Time now, bool to_store) ENGRAM_REQUIRES(mutex) {
     KeptEntity& entity = entity_of(arrival.snapshot->entity);
     EntityHistory::Entry entry(std::move(arrival.snapshot), now, arrival.bytes);
     auto placed = entity.history.put(std::move(entry));
@@ -178,7 +177,7 @@ struct WorkingMemory::State {
     if (arrival.has_links && is_newest) link(entity, arrival.links);
   }
 
-  void link(KeptEntity& entity, const std::vector<MemoryId>& links) {
+  void link(KeptEntity& entity, const std::vector<MemoryId>& links) ENGRAM_REQUIRES(mutex) {
     std::vector<KeptEntity*> targets;
     for (const MemoryId& id : links)
       if (KeptEntity* target = find(id); target != nullptr && target != &entity)
@@ -187,7 +186,7 @@ struct WorkingMemory::State {
   }
 
   /// Of what the sink took, what may go goes.
-  void stored(const SharedSnapshot& snapshot) {
+  void stored(const SharedSnapshot& snapshot) ENGRAM_REQUIRES(mutex) {
     ++counts.stored;
     KeptEntity* entity = find(snapshot->entity);
     const auto index = entity == nullptr ? std::nullopt : entity->history.find(snapshot->time);
@@ -203,7 +202,7 @@ struct WorkingMemory::State {
   }
 
   void select(const KeptEntity& entity, const Query& query, const KnownElsewhere& elsewhere,
-              std::vector<SelectedEntity>& selected) const {
+              std::vector<SelectedEntity>& selected) const ENGRAM_REQUIRES_SHARED(mutex) {
     HistoryMoments moments(entity.history, elsewhere ? elsewhere(entity.id) : std::nullopt);
     SelectedEntity one{entity.id, {}, {}, {}};
     // Moments in memory do not fail.
@@ -224,7 +223,7 @@ struct WorkingMemory::State {
     selected.push_back(std::move(one));
   }
 
-  void count_reads(const KeptEntity& entity, size_t count) const {
+  void count_reads(const KeptEntity& entity, size_t count) const ENGRAM_REQUIRES_SHARED(mutex) {
     entity.reads.fetch_add(static_cast<uint32_t>(count), std::memory_order_relaxed);
     reads.fetch_add(count, std::memory_order_relaxed);
   }

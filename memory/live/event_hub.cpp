@@ -2,7 +2,6 @@
 #include "memory/live/event_hub.h"
 
 #include <algorithm>
-#include <mutex>
 
 namespace engram::memory {
 
@@ -14,13 +13,13 @@ constexpr size_t kRemembered = size_t{1} << 16;
 }  // namespace
 
 void EventHub::subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted) {
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   subscriptions_.push_back({std::move(listener), std::move(is_wanted)});
   by_entity_.clear();
 }
 
 void EventHub::unsubscribe(const EventListener* listener) {
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   std::erase_if(subscriptions_, [listener](const Subscription& subscription) {
     return subscription.listener.get() == listener;
   });
@@ -29,11 +28,11 @@ void EventHub::unsubscribe(const EventListener* listener) {
 
 std::shared_ptr<const EventHub::Listeners> EventHub::listeners(const ltm::MemoryId& entity) {
   {
-    const std::shared_lock lock(mutex_);
+    const SharedLock lock(mutex_);
     if (subscriptions_.empty()) return nullptr;
     if (const auto known = by_entity_.find(entity); known != by_entity_.end()) return known->second;
   }
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   auto found = std::make_shared<Listeners>();
   for (const Subscription& subscription : subscriptions_)
     if (subscription.is_wanted(entity)) found->push_back(subscription.listener);
@@ -44,7 +43,7 @@ std::shared_ptr<const EventHub::Listeners> EventHub::listeners(const ltm::Memory
 }
 
 size_t EventHub::size() const {
-  const std::shared_lock lock(mutex_);
+  const SharedLock lock(mutex_);
   return subscriptions_.size();
 }
 

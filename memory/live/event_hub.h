@@ -3,11 +3,11 @@
 
 #include <functional>
 #include <memory>
-#include <shared_mutex>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/memory/memory_id.h"
 #include "ltm/working/held_snapshot.h"
 
@@ -66,10 +66,11 @@ class EventHub {
     Wanted is_wanted;
   };
 
-  mutable std::shared_mutex mutex_;
-  std::vector<Subscription> subscriptions_;
+  mutable SharedMutex mutex_;
+  std::vector<Subscription> subscriptions_ ENGRAM_GUARDED_BY(mutex_);
   /// Of entities that were published; emptied when subscriptions change or it grows too large.
-  std::unordered_map<ltm::MemoryId, std::shared_ptr<const Listeners>> by_entity_;
+  std::unordered_map<ltm::MemoryId, std::shared_ptr<const Listeners>> by_entity_
+      ENGRAM_GUARDED_BY(mutex_);
 };
 
 template <typename Make>

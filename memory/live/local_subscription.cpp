@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/live/local_subscription.h"
 
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
+#include "ltm/core/mutex.h"
 #include "memory/live/event_queue.h"
 
 namespace engram::memory {
@@ -21,7 +20,7 @@ class QueueingListener final : public EventListener {
       : options_(options), handlers_(std::move(handlers)), queue_(bounds(options)) {}
 
   void offer(std::span<const SharedEvent> events) override {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const SharedEvent& event : events)
       queue_.push(event->snapshot, kEventBytes + event->snapshot->plain_bytes());
     wake_.notify_one();
@@ -34,8 +33,9 @@ class QueueingListener final : public EventListener {
       std::vector<ltm::SharedSnapshot> snapshots;
       uint64_t lost = 0;
       {
-        std::unique_lock lock(mutex_);
-        if (!wake_.wait(lock, stop, [this] { return !queue_.empty(); })) return;
+        const MutexLock lock(mutex_);
+        if (!wake_.wait(mutex_, stop, [this]() ENGRAM_REQUIRES(mutex_) { return !queue_.empty(); }))
+          return;
         while (!queue_.empty()) snapshots.push_back(queue_.pop());
         lost = queue_.lost() - told_lost;
         told_lost += lost;
@@ -67,9 +67,9 @@ class QueueingListener final : public EventListener {
 
   const SubscriptionOptions options_;
   const SubscriptionHandlers handlers_;
-  std::mutex mutex_;
-  std::condition_variable_any wake_;
-  EventQueue<ltm::SharedSnapshot> queue_;
+  Mutex mutex_;
+  StoppableCondition wake_;
+  EventQueue<ltm::SharedSnapshot> queue_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 class LocalSubscription final : public Subscription {

@@ -3,24 +3,29 @@
 
 #include <atomic>
 #include <map>
-#include <mutex>
+
+#include "ltm/core/mutex.h"
 
 namespace engram::memory {
 
 using ltm::MemoryId;
 
 struct LongTerm::State {
-  std::mutex writing;
-  std::optional<ltm::Recorder> recorder;
-  bool is_closed = false;
+  explicit State(ltm::Recorder opened)
+      : recorder(std::move(opened)), lost_frames(recorder->lost_frames()) {}
+
+  Mutex writing;  ///< Held while the recorder is called: commits come one after the other.
+  std::optional<ltm::Recorder> recorder ENGRAM_GUARDED_BY(writing);
+  bool is_closed ENGRAM_GUARDED_BY(writing) = false;
 
   ltm::RecordedEntities recorded;
   std::atomic<uint64_t> recorded_count{0};
   std::atomic<uint64_t> refused_count{0};
-  uint64_t lost_frames = 0;
+  const uint64_t lost_frames;
 
   /// All at once; where one of them cannot be stored at all, each alone.
-  Status record(std::span<const ltm::SharedSnapshot> snapshots, std::vector<Refused>& refused) {
+  Status record(std::span<const ltm::SharedSnapshot> snapshots, std::vector<Refused>& refused)
+      ENGRAM_REQUIRES(writing) {
     std::vector<const ltm::CheckedSnapshot*> all;
     for (const ltm::SharedSnapshot& snapshot : snapshots) all.push_back(snapshot.get());
     const Status together = recorder->commit_checked(all);
@@ -41,23 +46,20 @@ LongTerm::LongTerm(std::unique_ptr<State> state) : state_(std::move(state)) {}
 LongTerm::~LongTerm() = default;
 
 Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock clock) {
-  auto state = std::make_unique<State>();
   ENGRAM_ASSIGN_OR_RETURN(auto recorder,
                           ltm::Recorder::open(options.store, options.recording, std::move(clock)));
-  state->recorder.emplace(std::move(recorder));
-  state->lost_frames = state->recorder->lost_frames();
-  return std::unique_ptr<LongTerm>(new LongTerm(std::move(state)));
+  return std::unique_ptr<LongTerm>(new LongTerm(std::make_unique<State>(std::move(recorder))));
 }
 
 Status LongTerm::declare(const MemoryId& segment, const idf::Type& type) {
-  const std::scoped_lock lock(state_->writing);
+  const MutexLock lock(state_->writing);
   if (state_->is_closed) return failed_precondition("store: is closed");
   return state_->recorder->declare(segment, type);
 }
 
 Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
                         std::vector<Refused>& refused) {
-  const std::scoped_lock lock(state_->writing);
+  const MutexLock lock(state_->writing);
   if (state_->is_closed) return failed_precondition("store: is closed");
   // Of one entity and time the last one counts; a commit has each once.
   std::vector<std::vector<ltm::SharedSnapshot>> commits(1);
@@ -89,7 +91,7 @@ LongTerm::Counters LongTerm::counters() const {
 }
 
 Status LongTerm::close() {
-  const std::scoped_lock lock(state_->writing);
+  const MutexLock lock(state_->writing);
   if (state_->is_closed) return {};
   state_->is_closed = true;
   return state_->recorder->close();

@@ -2,14 +2,12 @@
 #include "memory/live/memory_service.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <deque>
 #include <future>
-#include <mutex>
-#include <shared_mutex>
 #include <thread>
 
 #include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
 
 namespace engram::memory {
 
@@ -57,8 +55,8 @@ struct MemoryService::State {
   const Clock clock;
   std::unique_ptr<ltm::WorkingMemory> memory;
   std::unique_ptr<LongTerm> store;  ///< May be null.
-  std::mutex recalling;             ///< Held while `recall` is asked.
-  std::optional<ltm::Recall> recall;
+  Mutex recalling;                  ///< Held while `recall` is asked: one question at a time.
+  std::optional<ltm::Recall> recall ENGRAM_GUARDED_BY(recalling);
   const ltm::JoinedPast* past = nullptr;  ///< That `recall` answers from.
   ltm::Recall::Options recalling_options;
   ltm::RecordedEntities nothing_recorded;  ///< Where there is no store.
@@ -67,24 +65,24 @@ struct MemoryService::State {
   std::atomic<uint64_t> queries_of_store{0};
   std::atomic<uint64_t> counts_of_predictions{0};
   std::atomic<bool> is_closed{false};
-  std::shared_mutex admitting;  ///< Shared by commits, taken alone by the end.
+  SharedMutex admitting;  ///< Shared by commits, taken alone by the end.
 
-  mutable std::mutex mutex;
-  std::condition_variable_any wake;
-  std::vector<Waiter> waiters;
-  uint64_t last_waiter = 0;
-  std::deque<RefusedSnapshot> refused;  ///< The last ones.
-  uint64_t store_failures = 0;
-  std::string last_store_failure;
-  bool has_handed_over_all = false;  ///< Nobody tells waiters any more.
-  std::jthread thread;               ///< The last member: ends first.
+  mutable Mutex mutex;
+  StoppableCondition wake;
+  std::vector<Waiter> waiters ENGRAM_GUARDED_BY(mutex);
+  uint64_t last_waiter ENGRAM_GUARDED_BY(mutex) = 0;
+  std::deque<RefusedSnapshot> refused ENGRAM_GUARDED_BY(mutex);  ///< The last ones.
+  uint64_t store_failures ENGRAM_GUARDED_BY(mutex) = 0;
+  std::string last_store_failure ENGRAM_GUARDED_BY(mutex);
+  bool has_handed_over_all ENGRAM_GUARDED_BY(mutex) = false;  ///< Nobody tells waiters any more.
+  std::jthread thread;                                        ///< The last member: ends first.
 
   /// Hands over all that waits; tells those who wait for it.
   Status hand_over() {
     Status status;
     // Who comes while this fails is told of the next try.
     const uint64_t until = [this] {
-      const std::scoped_lock lock(mutex);
+      const MutexLock lock(mutex);
       return last_waiter;
     }();
     while (status.ok()) {
@@ -103,7 +101,7 @@ struct MemoryService::State {
   Status record(std::span<const ltm::SharedSnapshot> snapshots) {
     std::vector<LongTerm::Refused> never;
     ENGRAM_RETURN_IF_ERROR(store->record(snapshots, never));
-    const std::scoped_lock lock(mutex);
+    const MutexLock lock(mutex);
     for (LongTerm::Refused& one : never) {
       log::warning("server '{}': '{}' is lost to the store: {}", options.name,
                    one.snapshot->id().to_string(), one.status.message());
@@ -114,8 +112,8 @@ struct MemoryService::State {
     return {};
   }
 
-  /// What became of a commit that the online phase took. Needs the lock.
-  [[nodiscard]] Status outcome(const ltm::Admission& admission) const {
+  /// What became of a commit that the online phase took.
+  [[nodiscard]] Status outcome(const ltm::Admission& admission) const ENGRAM_REQUIRES(mutex) {
     for (const RefusedSnapshot& one : refused)
       for (const ltm::SharedSnapshot& snapshot : admission.snapshots)
         if (!one.snapshot.owner_before(snapshot) && !snapshot.owner_before(one.snapshot))
@@ -127,7 +125,7 @@ struct MemoryService::State {
     const uint64_t taken = memory->taken();
     std::vector<std::pair<Waiter, Status>> told;
     {
-      const std::scoped_lock lock(mutex);
+      const MutexLock lock(mutex);
       if (!status.ok()) {
         ++store_failures;
         if (last_store_failure != status.message())
@@ -135,7 +133,7 @@ struct MemoryService::State {
                        memory->counters().waiting, status.to_string());
         last_store_failure = status.message();
       }
-      std::erase_if(waiters, [&](Waiter& waiter) {
+      std::erase_if(waiters, [&](Waiter& waiter) ENGRAM_REQUIRES(mutex) {
         const bool is_taken = waiter.admission.queued <= taken;
         if (!is_taken && (status.ok() || waiter.number > until)) return false;
         Status outcome =
@@ -150,15 +148,16 @@ struct MemoryService::State {
   void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       {
-        std::unique_lock lock(mutex);
-        wake.wait_for(lock, stop, options.store_interval, [this] { return !waiters.empty(); });
+        const MutexLock lock(mutex);
+        wake.wait_for(mutex, stop, options.store_interval,
+                      [this]() ENGRAM_REQUIRES(mutex) { return !waiters.empty(); });
       }
       memory->expire();
       // Told to those who wait, and logged.
       const Status status = hand_over();
       if (!status.ok()) {
-        std::unique_lock lock(mutex);
-        wake.wait_for(lock, stop, options.store_interval, [] { return false; });
+        const MutexLock lock(mutex);
+        wake.wait_for(mutex, stop, options.store_interval, [] { return false; });
       }
     }
   }
@@ -187,6 +186,7 @@ struct MemoryService::State {
                             ltm::JoinedPast::create("server '" + options.name + "'", *memory,
                                                     std::move(stored), *recorded));
     past = joined.get();
+    const MutexLock lock(recalling);
     recall.emplace(std::move(joined), std::move(accesses));
     return {};
   }
@@ -261,7 +261,7 @@ Status MemoryService::declare(const MemoryId& segment, const idf::Type& type) {
 Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
                                              std::vector<std::vector<Buffer>> encoded,
                                              Durability durability) {
-  const std::shared_lock admitting(state_->admitting);
+  const SharedLock admitting(state_->admitting);
   if (state_->is_closed) return unavailable("server '{}' is stopping", state_->options.name);
   for (const ltm::EntityUpdate& update : commit.updates)
     ENGRAM_RETURN_IF_ERROR(owns(update.entity));
@@ -279,7 +279,7 @@ void MemoryService::when_stored(const ltm::Admission& admission,
   const uint64_t taken = state_->memory->taken();
   std::optional<Status> outcome;
   {
-    const std::scoped_lock lock(state_->mutex);
+    const MutexLock lock(state_->mutex);
     if (admission.queued <= taken)
       outcome = state_->outcome(admission);
     else if (state_->has_handed_over_all)
@@ -325,7 +325,7 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
   ++state.queries_of_store;
   ltm::Recall::Options options = state.recalling_options;
   options.engine = engine;
-  const std::scoped_lock lock(state.recalling);
+  const MutexLock lock(state.recalling);
   auto answer = state.recall->answer(query, options);
   if (answer.ok()) state.count_answer(*answer);
   return answer;
@@ -333,7 +333,7 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
 
 Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& entity,
                                                               Duration ahead) {
-  const std::scoped_lock lock(state_->recalling);
+  const MutexLock lock(state_->recalling);
   return state_->recall->records(entity, {}, ahead, state_->recalling_options);
 }
 
@@ -345,7 +345,7 @@ MemoryService::Counters MemoryService::counters() const {
   counters.queries = state_->queries;
   counters.queries_of_store = state_->queries_of_store;
   counters.predictions = state_->counts_of_predictions;
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   counters.store_failures = state_->store_failures;
   counters.last_store_failure = state_->last_store_failure;
   return counters;
@@ -360,11 +360,11 @@ Status MemoryService::close() {
   if (state.is_closed.exchange(true)) return {};
   state.thread.request_stop();
   state.thread.join();
-  { const std::unique_lock last_commits(state.admitting); }
+  { const ExclusiveLock last_commits(state.admitting); }
   state.memory->release_all();
   Status status = state.hand_over();
   {
-    const std::scoped_lock lock(state.mutex);
+    const MutexLock lock(state.mutex);
     state.has_handed_over_all = true;
   }
   // For those who began to wait after the last ones were told.

@@ -124,7 +124,7 @@ template <typename Work>
 auto InspectedModel::without_gil(Work work) {
   auto result = [&] {
     const py::gil_scoped_release released;
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return work();
   }();
   return value_or_raise(std::move(result));
@@ -158,7 +158,7 @@ py::dict InspectedModel::about() {
 py::dict InspectedModel::weights() {
   const auto found = [&] {
     const py::gil_scoped_release released;
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return model_.weights();
   }();
   py::dict weights;

@@ -5,10 +5,10 @@
 
 #include <pybind11/numpy.h>
 
-#include <mutex>
 #include <string>
 
 #include "encoders/open_model.h"
+#include "ltm/core/mutex.h"
 
 namespace engram::python {
 
@@ -41,7 +41,7 @@ class InspectedModel {
   template <typename Work>
   auto without_gil(Work work);
 
-  std::mutex mutex_;
+  Mutex mutex_;  ///< Held while networks of `model_` run; what it only tells needs no lock.
   encoders::OpenModel model_;
 };
 

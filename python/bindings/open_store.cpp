@@ -107,7 +107,7 @@ template <typename F>
 auto OpenStore::with_recall(F work) {
   auto result = [&]() -> decltype(work(*recall_)) {
     const py::gil_scoped_release released;
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (process_ != ::getpid())
       return failed_precondition("the memory was opened by another process: open it in this one");
     if (recall_ == nullptr) return failed_precondition("the memory is closed");
@@ -255,7 +255,7 @@ py::dict OpenStore::latents(const std::string& entity, int version, int64_t firs
 }
 
 void OpenStore::refresh() {
-  with_recall([&](ltm::Recall&) -> Result<bool> {
+  with_recall([&](ltm::Recall&) ENGRAM_REQUIRES(mutex_) -> Result<bool> {
     ENGRAM_ASSIGN_OR_RETURN(recall_, open_recall(path_));
     return true;
   });
@@ -263,7 +263,7 @@ void OpenStore::refresh() {
 
 void OpenStore::close() {
   const py::gil_scoped_release released;
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   recall_.reset();
 }
 

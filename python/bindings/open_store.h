@@ -7,9 +7,9 @@
 
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/recall/recall.h"
 #include "python/bindings/inspected_model.h"
 
@@ -76,8 +76,8 @@ class OpenStore {
 
   std::filesystem::path path_;
   int process_ = 0;  ///< That opened it: locks and threads of a store do not survive a fork.
-  std::mutex mutex_;
-  std::unique_ptr<ltm::Recall> recall_;  ///< Null once it is closed.
+  Mutex mutex_;
+  std::unique_ptr<ltm::Recall> recall_ ENGRAM_GUARDED_BY(mutex_);  ///< Null once it is closed.
 };
 
 }  // namespace engram::python

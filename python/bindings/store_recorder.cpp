@@ -53,7 +53,7 @@ template <typename Work>
 auto StoreRecorder::with_recorder(Work work) {
   const Status status = [&]() -> Status {
     const py::gil_scoped_release released;
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!recorder_) return failed_precondition("the recorder is closed");
     return work(*recorder_);
   }();
@@ -68,7 +68,7 @@ void StoreRecorder::commit(const py::list& updates) {
 py::dict StoreRecorder::counts() {
   const auto found = [&] {
     const py::gil_scoped_release released;
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return recorder_ ? recorder_->counters() : counters_;
   }();
   py::dict counts;
@@ -79,7 +79,7 @@ py::dict StoreRecorder::counts() {
 void StoreRecorder::close() {
   const Status status = [&]() -> Status {
     const py::gil_scoped_release released;
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!recorder_) return {};
     const Status closed = recorder_->close();
     counters_ = recorder_->counters();

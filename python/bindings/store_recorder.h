@@ -5,10 +5,10 @@
 
 #include <pybind11/pybind11.h>
 
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "ltm/core/mutex.h"
 #include "ltm/recording/recorder.h"
 
 namespace engram::python {
@@ -35,9 +35,9 @@ class StoreRecorder {
   template <typename Work>
   auto with_recorder(Work work);
 
-  std::mutex mutex_;
-  std::optional<ltm::Recorder> recorder_;  ///< Empty once it is closed.
-  std::map<ltm::MemoryId, ltm::RecordingCounters> counters_;
+  Mutex mutex_;
+  std::optional<ltm::Recorder> recorder_ ENGRAM_GUARDED_BY(mutex_);  ///< Empty once it is closed.
+  std::map<ltm::MemoryId, ltm::RecordingCounters> counters_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::python

@@ -12,7 +12,7 @@ RateLimit::RateLimit(double rate_hz, SteadyTime now)
 }
 
 bool RateLimit::take(SteadyTime now) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   // Threads read the clock before they come here, not always in that order.
   if (now > filled_) {
     tokens_ = std::min(most_tokens_, tokens_ + rate_hz_ * to_seconds(now - filled_));

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <mutex>
-
+#include "ltm/core/mutex.h"
 #include "ltm/core/time.h"
 
 namespace engram::server {
@@ -24,10 +23,9 @@ class RateLimit {
   const double rate_hz_;
   const double most_tokens_;
 
-  std::mutex mutex_;
-  // Guarded by mutex_:
-  double tokens_;
-  SteadyTime filled_;
+  Mutex mutex_;
+  double tokens_ ENGRAM_GUARDED_BY(mutex_);
+  SteadyTime filled_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

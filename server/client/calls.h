@@ -8,9 +8,9 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "ltm/core/mutex.h"
 #include "server/client/client_stream.h"
 #include "server/wire/byte_message.h"
 
@@ -39,7 +39,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     std::shared_ptr<ClientStream> stream;
     uint64_t number = 0;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!stream_ || !stream_->is_open()) open();
       stream = stream_;
       number = ++numbers_;
@@ -51,7 +51,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
 
   /// Lets go of a request that nobody waits for any more.
   void forget(uint64_t number) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     pending_.erase(number);
   }
 
@@ -59,7 +59,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   void close() {
     std::shared_ptr<ClientStream> stream;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       stream = std::move(stream_);
     }
     if (stream) stream->cancel();
@@ -68,7 +68,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   }
 
  private:
-  void open() {
+  void open() ENGRAM_REQUIRES(mutex_) {
     const uint64_t generation = ++generation_;
     const std::weak_ptr<Calls> weak = this->weak_from_this();
     stream_ = ClientStream::open(channel_, method_, token_, streams_,
@@ -88,7 +88,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     if (!read_message(bytes, reply).ok()) return;
     Pending pending;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       const auto found = pending_.find(reply.number());
       if (found == pending_.end()) return;
       pending = found->second.second;
@@ -99,7 +99,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   void fail_one(uint64_t number, const Status& status) {
     Pending failed;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       const auto found = pending_.find(number);
       if (found == pending_.end()) return;
       failed = std::move(found->second.second);
@@ -111,7 +111,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   void fail_all(uint64_t generation, const Status& status) {
     std::vector<Pending> failed;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       for (auto one = pending_.begin(); one != pending_.end();) {
         if (one->second.first > generation) {
           ++one;
@@ -129,11 +129,11 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   const std::string token_;
   const std::string session_;
   OpenStreams streams_;
-  std::mutex mutex_;
-  std::shared_ptr<ClientStream> stream_;
-  uint64_t generation_ = 0;
-  uint64_t numbers_ = 0;
-  std::map<uint64_t, std::pair<uint64_t, Pending>> pending_;
+  Mutex mutex_;
+  std::shared_ptr<ClientStream> stream_ ENGRAM_GUARDED_BY(mutex_);
+  uint64_t generation_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  uint64_t numbers_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  std::map<uint64_t, std::pair<uint64_t, Pending>> pending_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

@@ -9,11 +9,11 @@ namespace engram::server {
 
 std::shared_ptr<void> OpenStreams::enter() {
   {
-    const std::scoped_lock lock(state_->mutex);
+    const MutexLock lock(state_->mutex);
     ++state_->count;
   }
   const auto leave = [state = state_](void*) {
-    const std::scoped_lock lock(state->mutex);
+    const MutexLock lock(state->mutex);
     --state->count;
     state->changed.notify_all();
   };
@@ -21,8 +21,9 @@ std::shared_ptr<void> OpenStreams::enter() {
 }
 
 void OpenStreams::wait() {
-  std::unique_lock lock(state_->mutex);
-  state_->changed.wait(lock, [this] { return state_->count == 0; });
+  const MutexLock lock(state_->mutex);
+  state_->changed.wait(state_->mutex,
+                       [this]() ENGRAM_REQUIRES(state_->mutex) { return state_->count == 0; });
 }
 
 std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Channel>& channel,
@@ -44,7 +45,7 @@ std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Cha
 
 Status ClientStream::send(grpc::ByteBuffer request) {
   // Begun with the lock held: nothing may be begun after the hold was removed.
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!is_open_) return unavailable("the stream has ended");
   if (is_writing_) {
     waiting_.push_back(std::move(request));
@@ -57,7 +58,7 @@ Status ClientStream::send(grpc::ByteBuffer request) {
 }
 
 bool ClientStream::is_open() const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return is_open_;
 }
 
@@ -73,7 +74,7 @@ void ClientStream::OnReadDone(bool ok) {
     return;
   }
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     is_open_ = false;
     waiting_.clear();
   }
@@ -82,7 +83,7 @@ void ClientStream::OnReadDone(bool ok) {
 }
 
 void ClientStream::OnWriteDone(bool ok) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   is_writing_ = false;
   if (!ok || !is_open_ || waiting_.empty()) return;
   written_ = std::move(waiting_.front());

@@ -5,13 +5,12 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/status.h"
 
 namespace engram::server {
@@ -32,9 +31,9 @@ class OpenStreams {
 
  private:
   struct State {
-    std::mutex mutex;
-    std::condition_variable changed;
-    size_t count = 0;
+    Mutex mutex;
+    ConditionVariable changed;
+    size_t count ENGRAM_GUARDED_BY(mutex) = 0;
   };
 
   const std::shared_ptr<State> state_ = std::make_shared<State>();
@@ -81,11 +80,11 @@ class ClientStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
   std::shared_ptr<ClientStream> self_;
   grpc::ByteBuffer reply_;
 
-  mutable std::mutex mutex_;
-  std::deque<grpc::ByteBuffer> waiting_;
-  grpc::ByteBuffer written_;
-  bool is_writing_ = false;
-  bool is_open_ = true;
+  mutable Mutex mutex_;
+  std::deque<grpc::ByteBuffer> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  grpc::ByteBuffer written_ ENGRAM_GUARDED_BY(mutex_);
+  bool is_writing_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_open_ ENGRAM_GUARDED_BY(mutex_) = true;
 };
 
 }  // namespace engram::server

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memories of servers behind the interface of those that a program opens: Memory::connect.
-#include <mutex>
 
+#include "ltm/core/mutex.h"
 #include "memory/memory.h"
 #include "server/access/default_endpoint.h"
 #include "server/client/memory_client.h"
@@ -54,7 +54,7 @@ class ConnectedMemory final : public Memory {
   }
 
   Status close() override {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     client_.reset();
     return {};
   }
@@ -62,7 +62,7 @@ class ConnectedMemory final : public Memory {
  private:
   /// Shared with calls that go on while another thread closes.
   [[nodiscard]] std::shared_ptr<Client> client() {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return client_;
   }
 
@@ -71,8 +71,8 @@ class ConnectedMemory final : public Memory {
   }
 
   const std::string endpoint_;
-  std::mutex mutex_;  ///< Guards `client_`.
-  std::shared_ptr<Client> client_;
+  Mutex mutex_;
+  std::shared_ptr<Client> client_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 template <typename Client>

@@ -4,12 +4,11 @@
 #include <engram/v1/memory.grpc.pb.h>
 
 #include <algorithm>
-#include <condition_variable>
 #include <future>
 #include <map>
-#include <mutex>
 #include <thread>
 
+#include "ltm/core/mutex.h"
 #include "ltm/idf/binary.h"
 #include "server/client/calls.h"
 #include "server/client/channel.h"
@@ -94,13 +93,13 @@ struct MemoryClient::State {
   std::shared_ptr<Calls<v1::CommitReply>> commits;
   std::shared_ptr<Calls<v1::QueryReply>> queries;
 
-  std::mutex sharing_mutex;
-  SharedCommits sharing;
-  SteadyTime share_again{};  ///< Not before that.
+  Mutex sharing_mutex;
+  SharedCommits sharing ENGRAM_GUARDED_BY(sharing_mutex);
+  SteadyTime share_again ENGRAM_GUARDED_BY(sharing_mutex){};  ///< Not before that.
 
   /// Shared memory with the server, where both are on this host; asks for it where there is none.
   SharedCommits shared() {
-    const std::scoped_lock lock(sharing_mutex);
+    const MutexLock lock(sharing_mutex);
     if (sharing.lane && sharing.lane->is_alive()) return sharing;
     if (sharing.calls) sharing.calls->close();
     sharing = {};
@@ -213,7 +212,7 @@ MemoryClient::MemoryClient(std::shared_ptr<State> state) : state_(std::move(stat
 MemoryClient::~MemoryClient() {
   state_->commits->close();
   {
-    const std::scoped_lock lock(state_->sharing_mutex);
+    const MutexLock lock(state_->sharing_mutex);
     if (state_->sharing.calls) state_->sharing.calls->close();
   }
   state_->queries->close();

@@ -4,11 +4,10 @@
 #include <engram/v1/names.grpc.pb.h>
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
 #include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
 #include "server/client/channel.h"
 #include "server/wire/wire_status.h"
 
@@ -123,8 +122,8 @@ struct Registrar::State {
   NamesClient& names;
   const Registration registration;
   std::atomic<bool> is_registered{false};
-  std::mutex mutex;
-  std::condition_variable_any wake;
+  Mutex mutex;  ///< What `wake` needs; it guards nothing.
+  StoppableCondition wake;
   std::jthread thread;
 
   /// How long until the next word is due.
@@ -153,8 +152,8 @@ struct Registrar::State {
   void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const Duration next = say();
-      std::unique_lock lock(mutex);
-      wake.wait_for(lock, stop, next, [] { return false; });
+      const MutexLock lock(mutex);
+      wake.wait_for(mutex, stop, next, [] { return false; });
     }
     if (is_registered && !names.remove(registration.server, registration.incarnation).ok())
       log::debug("server '{}': could not say that it leaves", registration.server);

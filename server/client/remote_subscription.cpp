@@ -3,10 +3,9 @@
 
 #include <engram/v1/memory.pb.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
+#include "ltm/core/mutex.h"
 #include "server/client/client_stream.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/polling_threads.h"
@@ -37,7 +36,7 @@ class RemoteSubscription final : public Subscription {
 
   ~RemoteSubscription() override {
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       is_ending_ = true;
     }
     changed_.notify_all();
@@ -52,9 +51,10 @@ class RemoteSubscription final : public Subscription {
     const BlockingScope blocking;
     open();
     keep_alive();
-    std::unique_lock lock(mutex_);
-    const bool is_told = changed_.wait_for(lock, client_.timeout,
-                                           [this] { return is_started_ || !is_lasting_.ok(); });
+    const MutexLock lock(mutex_);
+    const bool is_told = changed_.wait_for(
+        mutex_, client_.timeout,
+        [this]() ENGRAM_REQUIRES(mutex_) { return is_started_ || !is_lasting_.ok(); });
     if (!is_lasting_.ok()) return is_lasting_;
     if (!is_told)
       return unavailable("subscription: no answer within {}", to_string(client_.timeout));
@@ -65,10 +65,11 @@ class RemoteSubscription final : public Subscription {
   /// Opens the stream again where it broke.
   void keep_alive() {
     thread_ = std::thread([this] {
-      std::unique_lock lock(mutex_);
+      MutexLock lock(mutex_);
       while (!is_ending_) {
-        const bool is_due = changed_.wait_for(lock, kReleaseEvery,
-                                              [this] { return is_ending_ || open_streams_ == 0; });
+        const bool is_due = changed_.wait_for(
+            mutex_, kReleaseEvery,
+            [this]() ENGRAM_REQUIRES(mutex_) { return is_ending_ || open_streams_ == 0; });
         if (is_ending_) return;
         if (!is_due) {
           const auto stream = stream_;
@@ -77,7 +78,9 @@ class RemoteSubscription final : public Subscription {
           lock.lock();
           continue;
         }
-        if (changed_.wait_for(lock, kAgainAfter, [this] { return is_ending_; })) return;
+        if (changed_.wait_for(mutex_, kAgainAfter,
+                              [this]() ENGRAM_REQUIRES(mutex_) { return is_ending_; }))
+          return;
         lock.unlock();
         open();
         lock.lock();
@@ -87,7 +90,7 @@ class RemoteSubscription final : public Subscription {
 
   void open() {
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       ++open_streams_;
       lost_ = 0;
       is_telling_ = false;
@@ -96,7 +99,7 @@ class RemoteSubscription final : public Subscription {
     v1::SubscribeRequest request = request_;
     request.set_with_shared_memory(lane != nullptr);
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       lane_ = lane;
     }
     auto stream =
@@ -105,7 +108,7 @@ class RemoteSubscription final : public Subscription {
                             [this](const Status& status) { end(status); }},
                            lane ? lane->session() : "");
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       stream_ = stream;
     }
     // Where it ended already, end() says so.
@@ -117,7 +120,7 @@ class RemoteSubscription final : public Subscription {
     if (!read_message(bytes, notification).ok()) return;
     if (notification.is_started()) {
       {
-        const std::scoped_lock lock(mutex_);
+        const MutexLock lock(mutex_);
         is_started_ = true;
         is_telling_ = true;
       }
@@ -151,13 +154,13 @@ class RemoteSubscription final : public Subscription {
   Buffer readable(const BlockRef& block) {
     std::shared_ptr<SharedLane> lane;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       lane = lane_;
     }
     if (!lane) return {};
     auto bytes =
         lane->memory().readable(block, block.capacity, [list = released_](const BlockRef& gone) {
-          const std::scoped_lock lock(list->mutex);
+          const MutexLock lock(list->mutex);
           list->blocks.push_back(gone);
         });
     return bytes.ok() ? *std::move(bytes) : Buffer();
@@ -167,7 +170,7 @@ class RemoteSubscription final : public Subscription {
   void release(const std::shared_ptr<ClientStream>& stream) {
     std::vector<BlockRef> blocks;
     {
-      const std::scoped_lock lock(released_->mutex);
+      const MutexLock lock(released_->mutex);
       blocks.swap(released_->blocks);
     }
     if (blocks.empty() || !stream) return;
@@ -179,13 +182,13 @@ class RemoteSubscription final : public Subscription {
   void end(const Status& status) {
     bool is_loss = false;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!is_started_ && status.code() != StatusCode::kUnavailable) is_lasting_ = status;
       // Told once: what comes between the loss and the next beginning is lost anyway.
       is_loss = is_telling_ && !is_ending_;
     }
     if (is_loss && handlers_.on_interrupted) handlers_.on_interrupted(status);
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     --open_streams_;
     changed_.notify_all();
   }
@@ -196,23 +199,23 @@ class RemoteSubscription final : public Subscription {
   const LaneSource lanes_;
   /// Buffers may outlive the subscription.
   struct Released {
-    std::mutex mutex;
-    std::vector<BlockRef> blocks;
+    Mutex mutex;
+    std::vector<BlockRef> blocks ENGRAM_GUARDED_BY(mutex);
   };
   const std::shared_ptr<Released> released_ = std::make_shared<Released>();
   v1::SubscribeRequest request_;
   uint64_t lost_ = 0;  ///< Used by one thread at a time: that of the stream.
 
   OpenStreams streams_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::shared_ptr<ClientStream> stream_;
-  std::shared_ptr<SharedLane> lane_;
-  int open_streams_ = 0;
-  bool is_started_ = false;  ///< The server said so, at any time.
-  bool is_telling_ = false;  ///< And on this stream.
-  bool is_ending_ = false;
-  Status is_lasting_;  ///< Why it will not begin.
+  Mutex mutex_;
+  ConditionVariable changed_;
+  std::shared_ptr<ClientStream> stream_ ENGRAM_GUARDED_BY(mutex_);
+  std::shared_ptr<SharedLane> lane_ ENGRAM_GUARDED_BY(mutex_);
+  int open_streams_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  bool is_started_ ENGRAM_GUARDED_BY(mutex_) = false;  ///< The server said so, at any time.
+  bool is_telling_ ENGRAM_GUARDED_BY(mutex_) = false;  ///< And on this stream.
+  bool is_ending_ ENGRAM_GUARDED_BY(mutex_) = false;
+  Status is_lasting_ ENGRAM_GUARDED_BY(mutex_);  ///< Why it will not begin.
   std::thread thread_;
 };
 

@@ -37,13 +37,13 @@ Result<std::unique_ptr<RobotServers>> RobotServers::connect(const std::string& n
 }
 
 Status RobotServers::renew(Duration age) {
-  const std::scoped_lock one_at_a_time(renewing_);
+  const MutexLock one_at_a_time(renewing_);
   if (renewed_ != SteadyTime() && steady_now() - renewed_ < age) return renewal_;
   auto found = names_->resolve("");
   renewed_ = steady_now();
   renewal_ = found.status();
   if (!found.ok()) return renewal_;
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   servers_ = *std::move(found);
   if (last_holders_.size() > kMostLastHolders) last_holders_.clear();
   for (const Registration& server : servers_)
@@ -54,7 +54,7 @@ Status RobotServers::renew(Duration age) {
 
 void RobotServers::refresh(Duration age) {
   const bool could_ask = [this] {
-    const std::scoped_lock lock(renewing_);
+    const MutexLock lock(renewing_);
     return renewal_.ok();
   }();
   const Status status = renew(age);
@@ -64,7 +64,7 @@ void RobotServers::refresh(Duration age) {
 
 Status RobotServers::absence(std::string_view memory) const {
   {
-    const std::scoped_lock lock(renewing_);
+    const MutexLock lock(renewing_);
     if (!renewal_.ok())
       return unavailable("no server is known to have memory '{}': {}", memory, renewal_.message());
   }
@@ -74,12 +74,12 @@ Status RobotServers::absence(std::string_view memory) const {
 }
 
 std::vector<Registration> RobotServers::all() const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return servers_;
 }
 
 std::optional<Registration> RobotServers::holder(std::string_view memory) const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const Registration* found = nullptr;
   for (const Registration& server : servers_) {
     if (server.holds(memory)) return server;
@@ -90,14 +90,14 @@ std::optional<Registration> RobotServers::holder(std::string_view memory) const 
 
 std::vector<Registration> RobotServers::holders(const ltm::Query& query) const {
   std::vector<Registration> found;
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const Registration& server : servers_)
     if (may_have(server, query)) found.push_back(server);
   return found;
 }
 
 std::string RobotServers::last_holder(std::string_view memory) const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = last_holders_.find(memory);
   return found == last_holders_.end() ? std::string() : found->second.server;
 }
@@ -105,8 +105,11 @@ std::string RobotServers::last_holder(std::string_view memory) const {
 std::map<std::string, std::string> RobotServers::gone(const ltm::Query& query) const {
   std::map<std::string, std::string> gone;
   const SteadyTime now = steady_now();
-  const std::scoped_lock lock(mutex_);
-  for (const auto& [memory, last] : last_holders_) {
+  const MutexLock lock(mutex_);
+  for (const auto& known : last_holders_) {
+    // No structured binding: clang 14 does not let lambdas use one.
+    const std::string& memory = known.first;
+    const LastHolder& last = known.second;
     const auto is_asked = [&](const ltm::MemoryQuery& asked) {
       const bool is_named = asked.name.kind() == ltm::NamePattern::Kind::kName;
       return asked.name.matches(memory) && (is_named || now - last.seen < kGoneAfter);
@@ -121,7 +124,7 @@ std::map<std::string, std::string> RobotServers::gone(const ltm::Query& query) c
 }
 
 std::shared_ptr<RobotServers::Connection> RobotServers::connection(const std::string& server) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   auto& connection = connections_[server];
   if (!connection) connection = std::make_shared<Connection>();
   return connection;
@@ -129,7 +132,7 @@ std::shared_ptr<RobotServers::Connection> RobotServers::connection(const std::st
 
 Result<std::shared_ptr<MemoryClient>> RobotServers::client(const Registration& server) {
   const auto connection = this->connection(server.server);
-  const std::scoped_lock lock(connection->opening);
+  const MutexLock lock(connection->opening);
   if (connection->client && connection->endpoints == server.endpoints) return connection->client;
   ENGRAM_ASSIGN_OR_RETURN(auto opened, own_client(server, options_));
   connection->client = std::move(opened);
@@ -145,7 +148,7 @@ Result<std::unique_ptr<MemoryClient>> RobotServers::own_client(const Registratio
 
 void RobotServers::drop(const std::string& server, const MemoryClient* client) {
   const auto connection = this->connection(server);
-  const std::scoped_lock lock(connection->opening);
+  const MutexLock lock(connection->opening);
   if (connection->client.get() == client) connection->client.reset();
 }
 
@@ -165,7 +168,7 @@ Result<std::string> RobotServers::nearest(const Registration& server) {
   if (far.empty())
     return unavailable("server '{}' cannot be reached from this host at {}", server.server,
                        fmt::join(server.endpoints, ", "));
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return far[tries_[server.server]++ % far.size()];
 }
 

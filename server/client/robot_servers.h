@@ -3,12 +3,12 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "server/client/memory_client.h"
 #include "server/client/names_client.h"
 
@@ -70,9 +70,9 @@ class RobotServers {
 
  private:
   struct Connection {
-    std::mutex opening;
-    std::shared_ptr<MemoryClient> client;
-    std::vector<std::string> endpoints;  ///< Among which it was chosen.
+    Mutex opening;  ///< Held while it is made, so that it is made once.
+    std::shared_ptr<MemoryClient> client ENGRAM_GUARDED_BY(opening);
+    std::vector<std::string> endpoints ENGRAM_GUARDED_BY(opening);  ///< Among which it was chosen.
   };
 
   explicit RobotServers(const ClientOptions& options) : options_(options) {}
@@ -84,19 +84,22 @@ class RobotServers {
   ClientOptions options_;
   std::unique_ptr<NamesClient> names_;
 
-  mutable std::mutex renewing_;  ///< Taken before `mutex_`.
-  SteadyTime renewed_{};
-  Status renewal_;
+  /// Held while the name system is asked.
+  mutable Mutex renewing_ ENGRAM_ACQUIRED_BEFORE(mutex_);
+  SteadyTime renewed_ ENGRAM_GUARDED_BY(renewing_){};
+  Status renewal_ ENGRAM_GUARDED_BY(renewing_);
 
-  mutable std::mutex mutex_;
-  std::vector<Registration> servers_;
+  mutable Mutex mutex_;
+  std::vector<Registration> servers_ ENGRAM_GUARDED_BY(mutex_);
   struct LastHolder {
     std::string server;
     SteadyTime seen;
   };
-  std::map<std::string, LastHolder, std::less<>> last_holders_;  ///< By memory.
-  std::map<std::string, std::shared_ptr<Connection>> connections_;
-  std::map<std::string, size_t> tries_;  ///< Of endpoints of other hosts, by server.
+  /// By memory.
+  std::map<std::string, LastHolder, std::less<>> last_holders_ ENGRAM_GUARDED_BY(mutex_);
+  std::map<std::string, std::shared_ptr<Connection>> connections_ ENGRAM_GUARDED_BY(mutex_);
+  /// Of endpoints of other hosts, by server.
+  std::map<std::string, size_t> tries_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

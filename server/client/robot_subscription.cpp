@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/client/robot_subscription.h"
 
-#include <condition_variable>
-#include <mutex>
 #include <set>
 #include <thread>
+
+#include "ltm/core/mutex.h"
 
 namespace engram::server {
 
@@ -53,8 +53,8 @@ class RobotSubscription final : public Subscription {
   void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       {
-        std::unique_lock lock(waiting_);
-        wake_.wait_for(lock, stop, kLookEvery, [] { return false; });
+        const MutexLock lock(waiting_);
+        wake_.wait_for(waiting_, stop, kLookEvery, [] { return false; });
       }
       if (stop.stop_requested()) return;
       // What a server refuses now it took before: it is told, and tried again.
@@ -106,11 +106,11 @@ class RobotSubscription final : public Subscription {
     feed.endpoints = server.endpoints;
     SubscriptionHandlers handlers;
     handlers.on_snapshots = [this](std::vector<ToldSnapshot> told) {
-      const std::scoped_lock one_at_a_time(telling_);
+      const MutexLock one_at_a_time(telling_);
       if (handlers_.on_snapshots) handlers_.on_snapshots(std::move(told));
     };
     handlers.on_lost = [this](uint64_t lost) {
-      const std::scoped_lock one_at_a_time(telling_);
+      const MutexLock one_at_a_time(telling_);
       if (handlers_.on_lost) handlers_.on_lost(lost);
     };
     handlers.on_interrupted = [this, name = server.server](const Status& status) {
@@ -122,7 +122,7 @@ class RobotSubscription final : public Subscription {
   }
 
   void interrupted(const Status& status) {
-    const std::scoped_lock one_at_a_time(telling_);
+    const MutexLock one_at_a_time(telling_);
     if (handlers_.on_interrupted) handlers_.on_interrupted(status);
   }
 
@@ -145,14 +145,14 @@ class RobotSubscription final : public Subscription {
   const SubscriptionOptions options_;
   const ltm::Query entities_;
   const SubscriptionHandlers handlers_;
-  std::mutex telling_;  ///< Held while a handler runs.
+  Mutex telling_;  ///< Held while a handler runs: they are called one at a time.
 
   // Used by one thread at a time: first by begin(), then by `thread_`.
   std::map<std::string, Feed> feeds_;
   std::set<std::string> unreachable_;
 
-  std::mutex waiting_;
-  std::condition_variable_any wake_;
+  Mutex waiting_;  ///< What `wake_` needs; it guards nothing.
+  StoppableCondition wake_;
   std::jthread thread_;
 };
 

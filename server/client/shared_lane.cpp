@@ -43,7 +43,7 @@ std::shared_ptr<SharedLane> SharedLane::open(v1::MemoryServer::Stub& stub,
 }
 
 std::optional<BlockRef> SharedLane::take_lease(const std::string& memory, size_t bytes) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = std::ranges::find_if(leases_, [&](const Lease& lease) {
     return lease.memory == memory && lease.block.capacity >= bytes;
   });
@@ -54,7 +54,7 @@ std::optional<BlockRef> SharedLane::take_lease(const std::string& memory, size_t
 }
 
 void SharedLane::keep_lease(const std::string& memory, const BlockRef& block) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (leases_.size() < kMostLeases) leases_.push_back({memory, block});
 }
 

@@ -4,11 +4,11 @@
 #include <engram/v1/memory.grpc.pb.h>
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/memory/commit.h"
 #include "server/client/memory_client.h"
 #include "server/sharing/sharing_client.h"
@@ -48,8 +48,8 @@ class SharedLane {
 
   std::string session_;
   std::unique_ptr<SharingClient> memory_;
-  std::mutex mutex_;
-  std::vector<Lease> leases_;
+  Mutex mutex_;
+  std::vector<Lease> leases_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 /// Bytes that write_in_block needs for the data of a commit.

@@ -46,7 +46,7 @@ Result<std::unique_ptr<NameRegistry>> NameRegistry::create(const Options& option
 
 Result<Lease> NameRegistry::add(const Registration& registration) {
   ENGRAM_RETURN_IF_ERROR(registration.check(options_.registration));
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const SteadyTime now = let_go_of_lost();
   ENGRAM_RETURN_IF_ERROR(check_claims(registration));
   auto entry = entries_.find(registration.server);
@@ -71,14 +71,14 @@ Result<Lease> NameRegistry::add(const Registration& registration) {
 }
 
 Result<Lease> NameRegistry::heartbeat(std::string_view server, uint64_t incarnation) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const SteadyTime now = let_go_of_lost();
   ENGRAM_ASSIGN_OR_RETURN(const auto entry, entry_of(server, incarnation));
   return renew(entry->second, now);
 }
 
 Status NameRegistry::remove(std::string_view server, uint64_t incarnation) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   let_go_of_lost();
   ENGRAM_ASSIGN_OR_RETURN(const auto entry, entry_of(server, incarnation));
   let_go(entry, NameEventKind::kUnregistered);
@@ -86,21 +86,21 @@ Status NameRegistry::remove(std::string_view server, uint64_t incarnation) {
 }
 
 size_t NameRegistry::expire() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const size_t before = entries_.size();
   let_go_of_lost();
   return before - entries_.size();
 }
 
 Result<Registration> NameRegistry::find(std::string_view memory) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   let_go_of_lost();
   if (const Entry* entry = holder(memory)) return entry->registration;
   return not_found("memory '{}': no server that is registered holds it", memory);
 }
 
 std::vector<Registration> NameRegistry::resolve(const ltm::MemoryId& id) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   let_go_of_lost();
   if (id.names().empty()) return everything();
   const Entry* entry = holder(id.names().front());
@@ -109,7 +109,7 @@ std::vector<Registration> NameRegistry::resolve(const ltm::MemoryId& id) {
 }
 
 std::vector<Registration> NameRegistry::resolve(const ltm::NamePattern& memory) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   let_go_of_lost();
   std::vector<Registration> servers;
   const auto matches = [&](const std::string& name) { return memory.matches(name); };
@@ -121,26 +121,26 @@ std::vector<Registration> NameRegistry::resolve(const ltm::NamePattern& memory) 
 
 Result<Registration> NameRegistry::wait_for(std::string_view memory, SteadyTime deadline,
                                             const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  const auto is_held = [&] {
+  const MutexLock lock(mutex_);
+  const auto is_held = [&]() ENGRAM_REQUIRES(mutex_) {
     let_go_of_lost();
     return holder(memory) != nullptr;
   };
-  if (changed_.wait_until(lock, stop, deadline, is_held)) return holder(memory)->registration;
+  if (changed_.wait_until(mutex_, stop, deadline, is_held)) return holder(memory)->registration;
   if (stop.stop_requested()) return cancelled("memory '{}': asked to wait no longer", memory);
   return unavailable("memory '{}': no server that holds it came in time", memory);
 }
 
 NameChanges NameRegistry::changes_since(const NameVersion& version) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   let_go_of_lost();
   return changes(version);
 }
 
 NameChanges NameRegistry::wait_for_changes(const NameVersion& version, SteadyTime deadline,
                                            const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, stop, deadline, [&] {
+  const MutexLock lock(mutex_);
+  changed_.wait_until(mutex_, stop, deadline, [&]() ENGRAM_REQUIRES(mutex_) {
     let_go_of_lost();
     return !is_current(version);
   });

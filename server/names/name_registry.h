@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <deque>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
 #include "ltm/memory/name_pattern.h"
@@ -135,32 +134,31 @@ class NameRegistry {
 
   NameRegistry(const Options& options, uint64_t registry, SteadyClock clock);
 
-  // All need the lock.
-  SteadyTime let_go_of_lost();
-  Status check_claims(const Registration& registration) const;
-  Result<Entries::iterator> entry_of(std::string_view server, uint64_t incarnation);
-  void claim(const Registration& registration);
-  void release(const Registration& registration);
-  void let_go(Entries::iterator entry, NameEventKind reason);
-  void tell(NameEventKind kind, const Registration& server);
-  Lease renew(Entry& entry, SteadyTime now) const;
-  const Entry* holder(std::string_view memory) const;
-  std::vector<Registration> everything() const;
-  NameChanges changes(const NameVersion& version) const;
-  bool is_current(const NameVersion& version) const;
+  SteadyTime let_go_of_lost() ENGRAM_REQUIRES(mutex_);
+  Status check_claims(const Registration& registration) const ENGRAM_REQUIRES(mutex_);
+  Result<Entries::iterator> entry_of(std::string_view server, uint64_t incarnation)
+      ENGRAM_REQUIRES(mutex_);
+  void claim(const Registration& registration) ENGRAM_REQUIRES(mutex_);
+  void release(const Registration& registration) ENGRAM_REQUIRES(mutex_);
+  void let_go(Entries::iterator entry, NameEventKind reason) ENGRAM_REQUIRES(mutex_);
+  void tell(NameEventKind kind, const Registration& server) ENGRAM_REQUIRES(mutex_);
+  Lease renew(Entry& entry, SteadyTime now) const ENGRAM_REQUIRES(mutex_);
+  const Entry* holder(std::string_view memory) const ENGRAM_REQUIRES(mutex_);
+  std::vector<Registration> everything() const ENGRAM_REQUIRES(mutex_);
+  NameChanges changes(const NameVersion& version) const ENGRAM_REQUIRES(mutex_);
+  bool is_current(const NameVersion& version) const ENGRAM_REQUIRES(mutex_);
 
   const Options options_;
   const uint64_t registry_;
   const SteadyClock clock_;
 
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  // Guarded by mutex_:
-  Entries entries_;
-  std::map<std::string, std::string, std::less<>> servers_of_memories_;
-  std::deque<NameEvent> events_;  ///< The last ones.
-  uint64_t told_ = 0;             ///< Events that there ever were.
-  SteadyTime soonest_{};          ///< No lease ends before.
+  Mutex mutex_;
+  StoppableCondition changed_;
+  Entries entries_ ENGRAM_GUARDED_BY(mutex_);
+  std::map<std::string, std::string, std::less<>> servers_of_memories_ ENGRAM_GUARDED_BY(mutex_);
+  std::deque<NameEvent> events_ ENGRAM_GUARDED_BY(mutex_);  ///< The last ones.
+  uint64_t told_ ENGRAM_GUARDED_BY(mutex_) = 0;             ///< Events that there ever were.
+  SteadyTime soonest_ ENGRAM_GUARDED_BY(mutex_){};          ///< No lease ends before.
 };
 
 }  // namespace engram::server

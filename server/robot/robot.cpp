@@ -4,14 +4,13 @@
 #include <unistd.h>
 
 #include <array>
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
-#include "server/client/names_client.h"
+#include "ltm/core/mutex.h"
 #include "server/access/default_endpoint.h"
+#include "server/client/names_client.h"
 #include "server/robot/host_watch.h"
 #include "server/robot/names_server.h"
 #include "server/robot/prior_commits.h"
@@ -45,8 +44,8 @@ struct Robot::State {
   std::unique_ptr<NamesClient> names_client;
   std::vector<std::unique_ptr<MemoryServer>> servers;
   std::optional<HostWatch> watch;
-  std::mutex mutex;
-  std::condition_variable_any wake;
+  Mutex mutex;  ///< What `wake` needs; it guards nothing.
+  StoppableCondition wake;
   std::jthread thread;  ///< The last member: ends first.
 
   Status start_names() {
@@ -120,8 +119,8 @@ struct Robot::State {
     while (!stop.stop_requested()) {
       keep_registered();
       watch->look(steady_now());
-      std::unique_lock lock(mutex);
-      wake.wait_for(lock, stop, surroundings.interval, [] { return false; });
+      const MutexLock lock(mutex);
+      wake.wait_for(mutex, stop, surroundings.interval, [] { return false; });
     }
   }
 

@@ -3,6 +3,7 @@
 
 #include <engram/v1/memory.grpc.pb.h>
 
+#include "ltm/core/mutex.h"
 #include "ltm/idf/binary.h"
 #include "ltm/idf/type.h"
 #include "server/rpc/caller.h"
@@ -146,7 +147,7 @@ class MemoryRpc final : public ServiceBase {
     if (context_.streams >= context_.most_streams)
       return resource_exhausted("found {} open streams, needs fewer", context_.most_streams);
     if (context_.access.is_everyone()) return {};
-    const std::scoped_lock lock(context_.counting);
+    const MutexLock lock(context_.counting);
     const auto known = context_.streams_of.find(who.name());
     if (known == context_.streams_of.end() || known->second < context_.most_streams_of_one)
       return {};

@@ -147,11 +147,11 @@ Metric& MetricFamily<Metric>::with(std::vector<std::string> values) {
                info_.name, info_.labels.size(), values.size());
   for (std::string& value : values) value = bounded_value(std::move(value), kMostValueBytes);
   {
-    const std::shared_lock lock(mutex_);
+    const SharedLock lock(mutex_);
     const auto found = series_.find(values);
     if (found != series_.end()) return *found->second;
   }
-  const std::unique_lock lock(mutex_);
+  const ExclusiveLock lock(mutex_);
   if (series_.size() >= kMostSeries && !series_.contains(values))
     values.assign(values.size(), std::string(kOther));
   auto& metric = series_[std::move(values)];
@@ -182,7 +182,7 @@ MetricRegistry::Family& MetricRegistry::family(const MetricInfo& info) {
 }
 
 MetricFamily<Counter>& MetricRegistry::counters(MetricInfo info) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   Family& one = family(info);
   ENGRAM_CHECK(!one.gauges && !one.histograms, "'{}' is no counter", info.name);
   if (!one.counters)
@@ -192,7 +192,7 @@ MetricFamily<Counter>& MetricRegistry::counters(MetricInfo info) {
 }
 
 MetricFamily<Gauge>& MetricRegistry::gauges(MetricInfo info) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   Family& one = family(info);
   ENGRAM_CHECK(!one.counters && !one.histograms, "'{}' is no gauge", info.name);
   if (!one.gauges)
@@ -203,7 +203,7 @@ MetricFamily<Gauge>& MetricRegistry::gauges(MetricInfo info) {
 
 MetricFamily<Histogram>& MetricRegistry::histograms(MetricInfo info,
                                                     const std::vector<double>& bounds) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   Family& one = family(info);
   ENGRAM_CHECK(!one.counters && !one.gauges, "'{}' is no histogram", info.name);
   ENGRAM_CHECK(std::ranges::find(info.labels, "le") == info.labels.end(),
@@ -235,7 +235,7 @@ Histogram& MetricRegistry::histogram(std::string name, std::string help,
 
 std::string MetricRegistry::to_text() const {
   std::string text;
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [name, family] : families_) {
     if (family.counters) write(*family.counters, text);
     if (family.gauges) write(*family.gauges, text);

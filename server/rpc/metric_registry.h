@@ -4,11 +4,10 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
-#include <shared_mutex>
 #include <string>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "server/rpc/metrics.h"
 
 namespace engram::server {
@@ -50,7 +49,7 @@ class MetricFamily {
   /// Calls `visit(values, metric)` for each, in the order of their values.
   template <typename Visit>
   void for_each(const Visit& visit) const {
-    const std::shared_lock lock(mutex_);
+    const SharedLock lock(mutex_);
     for (const auto& [values, metric] : series_) visit(values, *metric);
   }
 
@@ -58,8 +57,8 @@ class MetricFamily {
   const MetricInfo info_;
   const Make make_;
 
-  mutable std::shared_mutex mutex_;
-  Series series_;  ///< Guarded by mutex_.
+  mutable SharedMutex mutex_;
+  Series series_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 extern template class MetricFamily<Counter>;
@@ -101,10 +100,10 @@ class MetricRegistry {
     std::vector<double> bounds;
   };
 
-  Family& family(const MetricInfo& info);
+  Family& family(const MetricInfo& info) ENGRAM_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;
-  std::map<std::string, Family> families_;  ///< Guarded by mutex_.
+  mutable Mutex mutex_;
+  std::map<std::string, Family> families_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

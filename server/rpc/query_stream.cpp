@@ -42,7 +42,7 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
   }
   promise();
   {
-    const std::scoped_lock lock(asking_);
+    const MutexLock lock(asking_);
     asked_.push_back({number, *std::move(query), message.engine()});
   }
   answer_next();
@@ -52,13 +52,13 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
 void QueryStream::answer_next() {
   // Asked without the lock: who sends takes them in the other order.
   if (!has_room()) return;
-  const std::scoped_lock lock(asking_);
+  const MutexLock lock(asking_);
   if (is_answering_ || asked_.empty()) return;
   is_answering_ = true;
   context_.work.add([kept = shared_from_this(), this, asked = std::move(asked_.front())] {
     answer(asked.number, context_.service.query(asked.query, asked.engine));
     {
-      const std::scoped_lock answered(asking_);
+      const MutexLock answered(asking_);
       is_answering_ = false;
     }
     fulfil();

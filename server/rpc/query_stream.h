@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "ltm/core/mutex.h"
 #include "server/rpc/reply_stream.h"
 #include "server/rpc/rpc_context.h"
 
@@ -31,9 +32,9 @@ class QueryStream final : public ReplyStream {
   const Identity who_;
   const StreamSlot slot_{context_, who_};
 
-  std::mutex asking_;
-  std::deque<Asked> asked_;  ///< For other threads. Each is promised.
-  bool is_answering_ = false;
+  Mutex asking_;
+  std::deque<Asked> asked_ ENGRAM_GUARDED_BY(asking_);  ///< For other threads. Each is promised.
+  bool is_answering_ ENGRAM_GUARDED_BY(asking_) = false;
 };
 
 }  // namespace engram::server

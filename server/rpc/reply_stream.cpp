@@ -8,7 +8,7 @@ namespace engram::server {
 void ReplyStream::begin() {
   self_ = shared_from_this();
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     is_reading_ = true;
   }
   StartRead(&request_);
@@ -18,7 +18,7 @@ void ReplyStream::OnReadDone(bool ok) {
   Status status;
   if (ok) status = on_request(request_);
   request_.Clear();
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   is_reading_ = false;
   if (!status.ok() && status_.ok()) status_ = std::move(status);
   if (!ok || !status_.ok()) is_read_to_end_ = true;
@@ -27,7 +27,7 @@ void ReplyStream::OnReadDone(bool ok) {
 
 void ReplyStream::OnWriteDone(bool ok) {
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     is_writing_ = false;
     written_.Clear();
     if (!ok) is_broken_ = true;
@@ -37,7 +37,7 @@ void ReplyStream::OnWriteDone(bool ok) {
 }
 
 void ReplyStream::OnCancel() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   is_broken_ = true;
   go_on();
 }
@@ -48,18 +48,18 @@ void ReplyStream::OnDone() {
 }
 
 void ReplyStream::promise() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   ++promised_;
 }
 
 void ReplyStream::fulfil() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   --promised_;
   go_on();
 }
 
 void ReplyStream::send(grpc::ByteBuffer reply) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (is_broken_ || is_finished_) return;
   waiting_bytes_ += reply.Length();
   waiting_.push_back(std::move(reply));
@@ -67,13 +67,13 @@ void ReplyStream::send(grpc::ByteBuffer reply) {
 }
 
 bool ReplyStream::has_room() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return !is_broken_ && !is_finished_ && waiting_.size() < kMostReplies &&
          waiting_bytes_ < kMostReplyBytes;
 }
 
 void ReplyStream::end(const Status& status) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (status_.ok()) status_ = status;
   is_read_to_end_ = true;
   go_on();

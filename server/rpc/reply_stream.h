@@ -6,8 +6,8 @@
 
 #include <deque>
 #include <memory>
-#include <mutex>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/status.h"
 
 namespace engram::server {
@@ -52,23 +52,22 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   void end(const Status& status);
 
  private:
-  /// Needs the lock.
-  void go_on();
+  void go_on() ENGRAM_REQUIRES(mutex_);
 
   std::shared_ptr<ReplyStream> self_;
   grpc::ByteBuffer request_;
 
-  std::mutex mutex_;
-  std::deque<grpc::ByteBuffer> waiting_;
-  grpc::ByteBuffer written_;
-  size_t waiting_bytes_ = 0;
-  size_t promised_ = 0;
-  bool is_writing_ = false;
-  bool is_reading_ = false;
-  bool is_read_to_end_ = false;
-  bool is_broken_ = false;
-  bool is_finished_ = false;
-  Status status_;
+  Mutex mutex_;
+  std::deque<grpc::ByteBuffer> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  grpc::ByteBuffer written_ ENGRAM_GUARDED_BY(mutex_);
+  size_t waiting_bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  size_t promised_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  bool is_writing_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_reading_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_read_to_end_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_broken_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_finished_ ENGRAM_GUARDED_BY(mutex_) = false;
+  Status status_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

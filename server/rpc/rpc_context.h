@@ -4,9 +4,9 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "ltm/core/mutex.h"
 #include "memory/live/event_hub.h"
 #include "memory/live/memory_service.h"
 #include "server/access/access_policy.h"
@@ -32,8 +32,8 @@ struct RpcContext {
   int most_streams = 4096;
   /// Of one token, so that others still find room.
   int most_streams_of_one = 1024;
-  std::mutex counting;
-  std::map<std::string, int> streams_of;  ///< By the names of tokens. Guarded by `counting`.
+  Mutex counting;
+  std::map<std::string, int> streams_of ENGRAM_GUARDED_BY(counting);  ///< By the names of tokens.
   memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
   WorkQueue work;  ///< What takes longer than a stream's thread should. Ends first.
 };
@@ -52,7 +52,7 @@ class StreamSlot {
   void count(int more) {
     context_.streams += more;
     context_.metrics.streams.add(more);
-    const std::scoped_lock lock(context_.counting);
+    const MutexLock lock(context_.counting);
     int& of_one = context_.streams_of[name_];
     of_one += more;
     if (of_one == 0) context_.streams_of.erase(name_);

@@ -32,7 +32,7 @@ Result<v1::SharedMemory> SharedSessions::offer(const Identity& who) {
   ENGRAM_ASSIGN_OR_RETURN(std::string secret, make_token());
   ClientId client = 0;
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (sessions_.size() >= kMostSessions)
       return resource_exhausted("shared memory: found {} clients, needs fewer", sessions_.size());
     client = ++last_client_;
@@ -52,7 +52,7 @@ Result<v1::SharedMemory> SharedSessions::offer(const Identity& who) {
 }
 
 ClientId SharedSessions::find(const std::string& session) const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = by_secret_.find(session);
   return found == by_secret_.end() ? kServerItself : found->second;
 }
@@ -74,7 +74,7 @@ Status SharedSessions::share(const BlockRef& block, const std::string& memory, C
   if (status.code() != StatusCode::kFailedPrecondition) return status;
   ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto session = sessions_.find(reader);
     if (session == sessions_.end()) return status;
     ENGRAM_RETURN_IF_ERROR(session->second.who.check(Role::kRead, id));
@@ -89,14 +89,14 @@ void SharedSessions::release(ClientId reader, const BlockRef& block) {
 }
 
 GroupId SharedSessions::group_of(const std::string& memory) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto [group, is_new] =
       groups_.try_emplace(memory, static_cast<GroupId>(groups_.size() + 1));
   return group->second;
 }
 
 void SharedSessions::forget(ClientId client) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = sessions_.find(client);
   if (found == sessions_.end()) return;
   by_secret_.erase(found->second.secret);

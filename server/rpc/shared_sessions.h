@@ -5,10 +5,10 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <unordered_map>
 
+#include "ltm/core/mutex.h"
 #include "server/access/access_policy.h"
 #include "server/sharing/shared_pool.h"
 #include "server/sharing/sharing_server.h"
@@ -57,11 +57,11 @@ class SharedSessions {
 
   const std::filesystem::path socket_;
   std::unique_ptr<SharedPool> pool_;
-  mutable std::mutex mutex_;
-  ClientId last_client_ = 0;
-  std::map<ClientId, Session> sessions_;
-  std::unordered_map<std::string, ClientId> by_secret_;
-  std::map<std::string, GroupId> groups_;
+  mutable Mutex mutex_;
+  ClientId last_client_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  std::map<ClientId, Session> sessions_ ENGRAM_GUARDED_BY(mutex_);
+  std::unordered_map<std::string, ClientId> by_secret_ ENGRAM_GUARDED_BY(mutex_);
+  std::map<std::string, GroupId> groups_ ENGRAM_GUARDED_BY(mutex_);
   std::unique_ptr<SharingServer> server_;  ///< Ends first: it calls forget().
 };
 

@@ -38,7 +38,7 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   started.set_is_started(true);
   {
     // From here on all is told: what comes waits behind this message.
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (is_finished_) return {};
     queue_.emplace(bounds);
     is_writing_ = true;
@@ -48,7 +48,7 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
                          [this, names = std::move(names)](const ltm::MemoryId& entity) {
                            return names.matches(entity) && who_.may_read(entity);
                          });
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!is_finished_) StartWrite(&written_);
   return {};
 }
@@ -69,7 +69,7 @@ void SubscribeStream::OnReadDone(bool ok) {
     finish(status);
     return;
   }
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!is_finished_) StartRead(&request_);
 }
 
@@ -104,7 +104,7 @@ const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& las
 }
 
 void SubscribeStream::offer(std::span<const memory::SharedEvent> events) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (is_finished_) return;
   const uint64_t lost = queue_->lost();
   for (const memory::SharedEvent& event : events)
@@ -137,7 +137,7 @@ void SubscribeStream::OnWriteDone(bool ok) {
     finish(cancelled("the subscriber is gone"));
     return;
   }
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   is_writing_ = false;
   write_next();
 }
@@ -148,7 +148,7 @@ void SubscribeStream::OnCancel() {
 
 void SubscribeStream::finish(const Status& status) {
   context_.hub.unsubscribe(this);
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (is_finished_) return;
   is_finished_ = true;
   Finish(to_grpc(status));

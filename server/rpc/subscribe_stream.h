@@ -5,9 +5,9 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <atomic>
-#include <mutex>
 #include <optional>
 
+#include "ltm/core/mutex.h"
 #include "memory/live/event_queue.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/wire_event.h"
@@ -41,8 +41,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   [[nodiscard]] size_t kept_bytes(const WireEvent& event) const;
   /// The event in shared memory where it lies there, is large, and the subscriber may see it.
   [[nodiscard]] const WireBytes* shared_form_of(WireEvent& event, uint64_t& last_shared) const;
-  /// Needs the lock.
-  void write_next();
+  void write_next() ENGRAM_REQUIRES(mutex_);
   void finish(const Status& status);
 
   RpcContext& context_;
@@ -56,11 +55,11 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   bool with_shared_memory_ = false;
   size_t inline_bytes_ = SIZE_MAX;
 
-  std::mutex mutex_;
-  std::optional<memory::EventQueue<memory::SharedEvent>> queue_;
-  grpc::ByteBuffer written_;
-  bool is_writing_ = false;
-  bool is_finished_ = false;
+  Mutex mutex_;
+  std::optional<memory::EventQueue<memory::SharedEvent>> queue_ ENGRAM_GUARDED_BY(mutex_);
+  grpc::ByteBuffer written_ ENGRAM_GUARDED_BY(mutex_);
+  bool is_writing_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_finished_ ENGRAM_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace engram::server

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "memory/live/event_hub.h"
 #include "server/sharing/shared_pool.h"
 #include "server/wire/wire_block.h"
@@ -20,7 +20,7 @@ class WireEvent final : public memory::CommitEvent {
   using memory::CommitEvent::CommitEvent;
 
   const WireBytes& with_data() {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!data_) data_ = to_wire(*snapshot, true);
     return *data_;
   }
@@ -31,12 +31,12 @@ class WireEvent final : public memory::CommitEvent {
   };
   /// Null where they do not, or are small.
   const Shared* shared(const SharedPool& pool) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!shared_) shared_ = make_shared(pool);
     return *shared_ ? &**shared_ : nullptr;
   }
   const WireBytes& ids_only() {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!ids_) ids_ = to_wire(*snapshot, false);
     return *ids_;
   }
@@ -60,11 +60,10 @@ class WireEvent final : public memory::CommitEvent {
     return Shared{*block, to_wire_in_block(*snapshot, to_message(*block), offsets)};
   }
 
-  // Not call_once(), which enters the kernel.
-  std::mutex mutex_;
-  std::optional<WireBytes> data_;
-  std::optional<WireBytes> ids_;
-  std::optional<std::optional<Shared>> shared_;
+  Mutex mutex_;  ///< Not call_once(), which enters the kernel.
+  std::optional<WireBytes> data_ ENGRAM_GUARDED_BY(mutex_);
+  std::optional<WireBytes> ids_ ENGRAM_GUARDED_BY(mutex_);
+  std::optional<std::optional<Shared>> shared_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

@@ -9,7 +9,7 @@ WorkQueue::WorkQueue(int threads) {
 
 WorkQueue::~WorkQueue() {
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     is_ending_ = true;
   }
   wake_.notify_all();
@@ -17,15 +17,16 @@ WorkQueue::~WorkQueue() {
 
 void WorkQueue::add(std::function<void()> work) {
   {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     waiting_.push_back(std::move(work));
   }
   wake_.notify_one();
 }
 
 void WorkQueue::run() {
-  for (std::unique_lock lock(mutex_);;) {
-    wake_.wait(lock, [this] { return is_ending_ || !waiting_.empty(); });
+  for (MutexLock lock(mutex_);;) {
+    wake_.wait(mutex_,
+               [this]() ENGRAM_REQUIRES(mutex_) { return is_ending_ || !waiting_.empty(); });
     if (waiting_.empty()) return;
     const auto work = std::move(waiting_.front());
     waiting_.pop_front();

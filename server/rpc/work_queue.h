@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
+
+#include "ltm/core/mutex.h"
 
 namespace engram::server {
 
@@ -24,10 +24,10 @@ class WorkQueue {
  private:
   void run();
 
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> waiting_;
-  bool is_ending_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  std::deque<std::function<void()>> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  bool is_ending_ ENGRAM_GUARDED_BY(mutex_) = false;
   std::vector<std::jthread> threads_;
 };
 

@@ -106,7 +106,7 @@ Status SharedPool::State::add_slab(PoolClient& writer, BlockSpace& space, size_t
   const size_t least = whole_pages(bytes);
   const size_t growth = std::bit_ceil(std::max(space.bytes, options.first_slab_bytes));
   size_t size = std::max(least, whole_pages(std::min(growth, options.slab_bytes)));
-  const auto room = [&] {
+  const auto room = [&]() ENGRAM_REQUIRES(mutex) {
     return std::min(options.most_bytes - counts.slab_bytes,
                     options.most_writer_bytes - writer.slab_bytes);
   };

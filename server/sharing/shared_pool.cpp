@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/sharing/shared_pool.h"
 
+#include "ltm/core/mutex.h"
 #include "server/sharing/pool_state.h"
 
 namespace engram::server {
@@ -32,6 +33,7 @@ Status SharedPool::Options::validate() const {
 
 /// Keeps a block, and the memory that it is in.
 struct SharedPool::View {
+  /// Needs the lock of `pool`.
   View(std::shared_ptr<State> pool, const BlockSpace::Taken& taken)
       : state(std::move(pool)), slab(taken.slab), place(taken.place) {
     ++place->second.views;
@@ -40,14 +42,13 @@ struct SharedPool::View {
   View& operator=(const View&) = delete;
   ~View() {
     Dropped dropped;
-    const std::scoped_lock lock(state->mutex);
+    const MutexLock lock(state->mutex);
     --place->second.views;
     state->free_if_unused(*slab, place, dropped);
   }
 
-  /// Needs the lock.
   static Buffer make(const std::shared_ptr<State>& state, const BlockSpace::Taken& taken,
-                     size_t bytes) {
+                     size_t bytes) ENGRAM_REQUIRES(state->mutex) {
     const std::byte* const start = taken.slab->memory.mapping()->data() + taken.place->first;
     return Buffer(std::make_shared<const View>(state, taken), {start, bytes});
   }
@@ -64,7 +65,7 @@ SharedPool::SharedPool(std::shared_ptr<State> state) : state_(std::move(state)) 
 SharedPool::~SharedPool() {
   // Of the slabs, those stay that a Buffer views.
   Dropped dropped;
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   while (!state_->clients.empty()) state_->remove(*state_->clients.begin()->second, dropped);
 }
 
@@ -76,7 +77,7 @@ Result<std::unique_ptr<SharedPool>> SharedPool::create(const Options& options) {
 Status SharedPool::add_client(ClientId client) {
   if (client == kServerItself)
     return invalid_argument("client {}: is the server itself, needs another name", client);
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   if (state_->find(client) != nullptr)
     return already_exists("client {}: is connected already", client);
   auto added = std::make_unique<PoolClient>();
@@ -89,12 +90,12 @@ Status SharedPool::add_client(ClientId client) {
 void SharedPool::remove_client(ClientId client) {
   if (client == kServerItself) return;
   Dropped dropped;
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   if (PoolClient* const found = state_->find(client)) state_->remove(*found, dropped);
 }
 
 Status SharedPool::grant_read(ClientId client, GroupId group) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   PoolClient* const found = state_->find(client);
   if (found == nullptr) return failed_precondition("client {}: is not connected", client);
   found->readable.insert(group);
@@ -104,7 +105,7 @@ Status SharedPool::grant_read(ClientId client, GroupId group) {
 Result<BlockRef> SharedPool::lease(ClientId writer, GroupId group, size_t bytes) {
   Dropped dropped;
   State& state = *state_;
-  const std::scoped_lock lock(state.mutex);
+  const MutexLock lock(state.mutex);
   PoolClient* const client = state.find(writer);
   if (client == nullptr) return failed_precondition("client {}: is not connected", writer);
   if (bytes == 0) return invalid_argument("client {}: a block of no bytes", writer);
@@ -128,7 +129,7 @@ Result<BlockRef> SharedPool::lease(ClientId writer, GroupId group, size_t bytes)
 }
 
 Result<std::span<std::byte>> SharedPool::writable(const BlockRef& block) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const auto found = state_->find_lease(kServerItself, block);
   if (!found) return state_->refuse("writable", block, "one that the server has not committed");
   return found->slab->memory.mapping()->writable().subspan(block.offset, block.capacity);
@@ -136,7 +137,7 @@ Result<std::span<std::byte>> SharedPool::writable(const BlockRef& block) {
 
 Result<Buffer> SharedPool::commit(ClientId writer, GroupId group, const BlockRef& block,
                                   size_t bytes) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const auto found = state_->find_lease(writer, block);
   if (!found || found->slab->space->group != group)
     return state_->refuse("commit", block,
@@ -152,7 +153,7 @@ Result<Buffer> SharedPool::commit(ClientId writer, GroupId group, const BlockRef
 
 Status SharedPool::abandon(ClientId writer, const BlockRef& block) {
   Dropped dropped;
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const auto found = state_->find_lease(writer, block);
   if (!found)
     return state_->refuse("abandon", block, fmt::format("one leased to client {}", writer));
@@ -161,7 +162,7 @@ Status SharedPool::abandon(ClientId writer, const BlockRef& block) {
 }
 
 Result<Buffer> SharedPool::view(const BlockRef& block, size_t bytes) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const auto found = state_->find_block(block);
   if (!found || !found->place->second.is_committed())
     return state_->refuse("view", block, "one that was committed");
@@ -171,7 +172,7 @@ Result<Buffer> SharedPool::view(const BlockRef& block, size_t bytes) {
 }
 
 std::optional<SharedPool::Located> SharedPool::locate(std::span<const std::byte> bytes) const {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   auto after = state_->by_address.upper_bound(bytes.data());
   if (bytes.empty() || after == state_->by_address.begin()) return std::nullopt;
   DividedSlab& slab = *std::prev(after)->second;
@@ -186,7 +187,7 @@ std::optional<SharedPool::Located> SharedPool::locate(std::span<const std::byte>
 }
 
 Status SharedPool::share(const BlockRef& block, ClientId reader) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const auto found = state_->find_block(block);
   if (!found || !found->place->second.is_committed())
     return state_->refuse("share", block, "one that was committed");
@@ -213,7 +214,7 @@ Status SharedPool::share(const BlockRef& block, ClientId reader) {
 
 Status SharedPool::release(ClientId reader, const BlockRef& block, uint64_t count) {
   Dropped dropped;
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   PoolClient* const client = state_->find(reader);
   if (client == nullptr) return state_->refuse("release", block, "a client that is connected");
   const auto known = client->shares.find(block.generation);
@@ -236,7 +237,7 @@ Status SharedPool::release(ClientId reader, const BlockRef& block, uint64_t coun
 }
 
 Result<SharedPool::OpenedSlab> SharedPool::open_slab(ClientId client, SlabId slab) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const PoolClient* const asking = state_->find(client);
   const DividedSlab* const found = state_->find_slab(slab);
   const bool is_writer = asking != nullptr && found != nullptr && found->space->writer == asking;
@@ -255,7 +256,7 @@ Result<SharedPool::OpenedSlab> SharedPool::open_slab(ClientId client, SlabId sla
 }
 
 Status SharedPool::seal(ClientId writer, SlabId slab) {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   DividedSlab* const found = state_->find_slab(slab);
   const PoolClient* const owner = found == nullptr ? nullptr : found->space->writer;
   if (owner == nullptr || owner->id != writer) {
@@ -266,13 +267,13 @@ Status SharedPool::seal(ClientId writer, SlabId slab) {
 }
 
 bool SharedPool::has_slab(SlabId slab) const {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return state_->slabs.contains(slab);
 }
 
 void SharedPool::trim(Time now) {
   Dropped dropped;
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   const Duration keep = state_->options.keep_free;
   state_->drop_where(
       [&](DividedSlab& slab) {
@@ -283,7 +284,7 @@ void SharedPool::trim(Time now) {
 }
 
 PoolCounters SharedPool::counters() const {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return state_->counts;
 }
 

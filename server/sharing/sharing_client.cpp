@@ -9,12 +9,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
-#include <shared_mutex>
 #include <thread>
 #include <unordered_map>
 
+#include "ltm/core/mutex.h"
 #include "server/sharing/channel.h"
 #include "server/sharing/listening_socket.h"
 #include "server/sharing/slab.h"
@@ -25,8 +23,8 @@ namespace {
 
 /// What Buffers leave behind; they may outlive the client.
 struct Released {
-  std::mutex mutex;
-  std::vector<BlockRef> blocks;
+  Mutex mutex;
+  std::vector<BlockRef> blocks ENGRAM_GUARDED_BY(mutex);
 };
 
 /// Keeps the mapping that a Buffer views, and says when the Buffer is gone.
@@ -44,7 +42,7 @@ struct Reading {
       on_release(block);
       return;
     }
-    const std::scoped_lock lock(released->mutex);
+    const MutexLock lock(released->mutex);
     released->blocks.push_back(block);
   }
 
@@ -120,16 +118,16 @@ struct SharingClient::State {
   Descriptor socket;
   std::atomic<bool> is_connected{true};
 
-  mutable std::shared_mutex mapping_mutex;
-  std::unordered_map<SlabId, std::shared_ptr<Mapping>> mappings;  ///< Guarded by mapping_mutex.
+  mutable SharedMutex mapping_mutex;
+  std::unordered_map<SlabId, std::shared_ptr<Mapping>> mappings ENGRAM_GUARDED_BY(mapping_mutex);
 
   /// A slab that was asked for, by one thread or several.
   struct Opening {
     std::optional<Status> outcome;
   };
-  std::mutex opening_mutex;
-  std::condition_variable opened;
-  std::unordered_map<SlabId, std::shared_ptr<Opening>> openings;  ///< Guarded by opening_mutex.
+  Mutex opening_mutex;
+  ConditionVariable opened;
+  std::unordered_map<SlabId, std::shared_ptr<Opening>> openings ENGRAM_GUARDED_BY(opening_mutex);
   /// Mapped for writing; waits until the server knows. Of the thread alone.
   std::unordered_map<SlabId, std::shared_ptr<Mapping>> unsealed;
 
@@ -137,19 +135,19 @@ struct SharingClient::State {
   std::jthread thread;
 
   [[nodiscard]] std::shared_ptr<Mapping> find(SlabId slab) const {
-    const std::shared_lock lock(mapping_mutex);
+    const SharedLock lock(mapping_mutex);
     const auto found = mappings.find(slab);
     return found == mappings.end() ? nullptr : found->second;
   }
 
   void keep(SlabId slab, std::shared_ptr<Mapping> mapping) {
-    const std::unique_lock lock(mapping_mutex);
+    const ExclusiveLock lock(mapping_mutex);
     mappings.emplace(slab, std::move(mapping));
   }
 
   void forget(SlabId slab) {
     std::shared_ptr<Mapping> last;  // Unmapped when nobody waits for the lock.
-    const std::unique_lock lock(mapping_mutex);
+    const ExclusiveLock lock(mapping_mutex);
     const auto found = mappings.find(slab);
     if (found == mappings.end()) return;
     last = std::move(found->second);
@@ -158,7 +156,7 @@ struct SharingClient::State {
 
   /// Tells all who wait for the slab.
   void finish(SlabId slab, Status outcome) {
-    const std::scoped_lock lock(opening_mutex);
+    const MutexLock lock(opening_mutex);
     const auto found = openings.find(slab);
     if (found == openings.end()) return;  // It took too long.
     found->second->outcome = std::move(outcome);
@@ -168,7 +166,7 @@ struct SharingClient::State {
 
   void end() {
     is_connected = false;
-    const std::scoped_lock lock(opening_mutex);
+    const MutexLock lock(opening_mutex);
     for (auto& [slab, opening] : openings) opening->outcome = gone();
     openings.clear();
     opened.notify_all();
@@ -231,7 +229,7 @@ Status SharingClient::State::handle(const Arrived& arrived) {
 }
 
 Status SharingClient::State::ask(SlabId slab) {
-  std::unique_lock lock(opening_mutex);
+  const MutexLock lock(opening_mutex);
   if (find(slab) != nullptr) return {};  // Another thread's answer came before the lock.
   auto& entry = openings[slab];
   if (entry == nullptr) {
@@ -245,8 +243,10 @@ Status SharingClient::State::ask(SlabId slab) {
     }
   }
   const std::shared_ptr<Opening> opening = entry;
-  const auto is_done = [&] { return opening->outcome || !is_connected; };
-  if (!opened.wait_for(lock, options.timeout, is_done)) {
+  const auto is_done = [&]() ENGRAM_REQUIRES(opening_mutex) {
+    return opening->outcome || !is_connected;
+  };
+  if (!opened.wait_for(opening_mutex, options.timeout, is_done)) {
     std::erase_if(openings, [&](const auto& one) { return one.second == opening; });
     return unavailable("sharing: the server does not answer for slab {}", slab);
   }
@@ -314,7 +314,7 @@ Result<Buffer> SharingClient::readable(const BlockRef& block, size_t bytes, OnRe
 }
 
 std::vector<BlockRef> SharingClient::take_released() {
-  const std::scoped_lock lock(state_->released->mutex);
+  const MutexLock lock(state_->released->mutex);
   return std::exchange(state_->released->blocks, {});
 }
 

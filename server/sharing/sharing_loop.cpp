@@ -56,18 +56,18 @@ Result<Ticket> SharingServer::Loop::issue_ticket(ClientId client, std::vector<Gr
 }
 
 bool SharingServer::Loop::is_connected(ClientId client) const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return sockets_.contains(client);
 }
 
 void SharingServer::Loop::disconnect(ClientId client) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = sockets_.find(client);
   if (found != sockets_.end()) ::shutdown(found->second, SHUT_RDWR);
 }
 
 SharingCounters SharingServer::Loop::counters() const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return {sockets_.size(), accepted_, welcomed_, refused_, cut_off_};
 }
 
@@ -202,7 +202,7 @@ Status SharingServer::Loop::welcome(Key key, Connection& connection, const Messa
   if (admitted.ok()) {
     std::erase_if(pending_, [key](const Pending& one) { return one.key == key; });
     watch_process(key, connection);
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     sockets_[connection.client] = connection.socket.get();
     ++welcomed_;
   }
@@ -239,7 +239,7 @@ void SharingServer::Loop::close(Key key) {
   const ClientId client = found->second.client;
   std::erase_if(pending_, [key](const Pending& one) { return one.key == key; });
   if (client != kServerItself) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     sockets_.erase(client);
   }
   // What is closed is not watched any more: only its owner has the descriptor.

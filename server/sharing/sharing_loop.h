@@ -3,11 +3,11 @@
 
 #include <atomic>
 #include <deque>
-#include <mutex>
 #include <set>
 #include <thread>
 #include <unordered_map>
 
+#include "ltm/core/mutex.h"
 #include "server/sharing/channel.h"
 #include "server/sharing/listening_socket.h"
 #include "server/sharing/sharing_server.h"
@@ -86,8 +86,8 @@ class SharingServer::Loop {
   bool is_listening_ = true;
   Time next_trim_{};
 
-  mutable std::mutex mutex_;
-  std::unordered_map<ClientId, int> sockets_;  ///< Of clients. Guarded by mutex_.
+  mutable Mutex mutex_;
+  std::unordered_map<ClientId, int> sockets_ ENGRAM_GUARDED_BY(mutex_);  ///< Of clients.
 
   std::atomic<uint64_t> accepted_{0}, welcomed_{0}, refused_{0}, cut_off_{0};
   std::jthread thread_;

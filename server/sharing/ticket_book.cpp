@@ -22,7 +22,7 @@ Result<Ticket> TicketBook::issue(TicketHolder holder, Time now) {
   Ticket ticket;
   if (::getrandom(ticket.data(), ticket.size(), 0) != static_cast<ssize_t>(ticket.size()))
     return system_status("sharing: no random numbers");
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(issued_, [&](const Issued& one) {
     return one.expires <= now || one.holder.client == holder.client;
   });
@@ -34,7 +34,7 @@ Result<Ticket> TicketBook::issue(TicketHolder holder, Time now) {
 }
 
 std::optional<TicketHolder> TicketBook::redeem(const Ticket& ticket, Time now) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(issued_, [&](const Issued& one) { return one.expires <= now; });
   auto found = issued_.end();
   for (auto one = issued_.begin(); one != issued_.end(); ++one)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/status.h"
 #include "ltm/core/time.h"
 #include "server/sharing/block_ref.h"
@@ -40,8 +40,8 @@ class TicketBook {
 
   const Duration lifetime_;
   const size_t most_;
-  std::mutex mutex_;
-  std::vector<Issued> issued_;
+  Mutex mutex_;
+  std::vector<Issued> issued_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::server

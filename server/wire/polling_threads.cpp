@@ -6,10 +6,9 @@
 #include <grpcpp/support/byte_buffer.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/time.h"
 
 namespace engram::server {
@@ -60,70 +59,70 @@ void PollingThreads::call(std::function<void()> back) {
 }
 
 struct PollingThreads::State : std::enable_shared_from_this<State> {
-  mutable std::mutex mutex;
-  std::condition_variable changed;   ///< For the keeper.
-  std::condition_variable released;  ///< For who is held.
-  int held = 0;                      ///< Threads that wait here.
-  int blocked = 0;                   ///< Threads that wait elsewhere, in handlers.
-  bool is_asked = false;             ///< A thread was called to be held.
-  bool is_holding = false;
-  bool is_ending = false;
-  SteadyTime all_until{};
-  uint64_t asked_at_last = 0;  ///< Number of the last call that asks whether somebody works.
-  uint64_t answered = 0;
+  mutable Mutex mutex;
+  ConditionVariable changed;                       ///< For the keeper.
+  ConditionVariable released;                      ///< For who is held.
+  int held ENGRAM_GUARDED_BY(mutex) = 0;           ///< Threads that wait here.
+  int blocked ENGRAM_GUARDED_BY(mutex) = 0;        ///< Threads that wait elsewhere, in handlers.
+  bool is_asked ENGRAM_GUARDED_BY(mutex) = false;  ///< A thread was called to be held.
+  bool is_holding ENGRAM_GUARDED_BY(mutex) = false;
+  bool is_ending ENGRAM_GUARDED_BY(mutex) = false;
+  SteadyTime all_until ENGRAM_GUARDED_BY(mutex){};
+  /// Number of the last call that asks whether somebody works.
+  uint64_t asked_at_last ENGRAM_GUARDED_BY(mutex) = 0;
+  uint64_t answered ENGRAM_GUARDED_BY(mutex) = 0;
   std::thread keeper;
 
   /// In a polling thread.
   void be_held() {
-    std::unique_lock lock(mutex);
+    const MutexLock lock(mutex);
     is_asked = false;
     ++held;
-    released.wait(lock, [this] { return !is_holding || is_ending; });
+    released.wait(mutex, [this]() ENGRAM_REQUIRES(mutex) { return !is_holding || is_ending; });
     --held;
   }
 
-  /// Needs the lock.
-  void let_all_work() {
+  void let_all_work() ENGRAM_REQUIRES(mutex) {
     is_holding = false;
     all_until = steady_now() + kAllFor;
     released.notify_all();
   }
 
-  /// Needs the lock.
-  void hold_one(std::unique_lock<std::mutex>& lock) {
+  void hold_one() ENGRAM_REQUIRES(mutex) {
     is_holding = true;
     is_asked = true;
-    lock.unlock();
+    mutex.unlock();
     call([self = shared_from_this()] { self->be_held(); });
-    lock.lock();
+    mutex.lock();
   }
 
-  /// Whether the one that works answers within `time`. Needs the lock.
-  bool keeps_up(std::unique_lock<std::mutex>& lock, Duration time) {
+  /// Whether the one that works answers within `time`.
+  bool keeps_up(Duration time) ENGRAM_REQUIRES(mutex) {
     const uint64_t number = ++asked_at_last;
-    lock.unlock();
+    mutex.unlock();
     call([self = shared_from_this(), number] {
-      const std::scoped_lock answering(self->mutex);
+      const MutexLock answering(self->mutex);
       self->answered = std::max(self->answered, number);
       self->changed.notify_all();
     });
-    lock.lock();
-    return changed.wait_for(lock, time, [&] { return answered >= number || is_ending; });
+    mutex.lock();
+    return changed.wait_for(
+        mutex, time, [&]() ENGRAM_REQUIRES(mutex) { return answered >= number || is_ending; });
   }
 
   void keep() {
-    std::unique_lock lock(mutex);
+    const MutexLock lock(mutex);
     while (!is_ending) {
-      if (is_holding && !is_asked && !keeps_up(lock, kKeepsUp)) let_all_work();
+      if (is_holding && !is_asked && !keeps_up(kKeepsUp)) let_all_work();
       const bool all_work = !is_holding && !is_asked && held == 0 && blocked == 0;
-      if (all_work && steady_now() >= all_until) hold_one(lock);
-      changed.wait_for(lock, kTick, [this] { return is_ending; });
+      if (all_work && steady_now() >= all_until) hold_one();
+      changed.wait_for(mutex, kTick, [this]() ENGRAM_REQUIRES(mutex) { return is_ending; });
     }
   }
 
   void end() {
     {
-      const std::scoped_lock lock(mutex);
+      const MutexLock lock(mutex);
       is_ending = true;
     }
     changed.notify_all();
@@ -149,19 +148,19 @@ PollingThreads::PollingThreads() : state_(std::make_shared<State>()) {
 }
 
 int PollingThreads::blocked() const {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return state_->blocked;
 }
 
 int PollingThreads::held() const {
-  const std::scoped_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   return state_->held;
 }
 
 BlockingScope::BlockingScope() : is_polling_thread_(is_polling_thread) {
   if (!is_polling_thread_) return;
   auto& state = *PollingThreads::of_process().state_;
-  const std::scoped_lock lock(state.mutex);
+  const MutexLock lock(state.mutex);
   ++state.blocked;
   state.let_all_work();
 }
@@ -169,7 +168,7 @@ BlockingScope::BlockingScope() : is_polling_thread_(is_polling_thread) {
 BlockingScope::~BlockingScope() {
   if (!is_polling_thread_) return;
   auto& state = *PollingThreads::of_process().state_;
-  const std::scoped_lock lock(state.mutex);
+  const MutexLock lock(state.mutex);
   --state.blocked;
 }
 
