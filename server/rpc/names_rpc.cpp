@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <atomic>
 #include <deque>
-#include <mutex>
 #include <set>
 #include <thread>
 
+#include "ltm/core/mutex.h"
 #include "server/rpc/caller.h"
 #include "server/wire/wire_status.h"
 
@@ -46,7 +46,7 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
 
   /// False where it has ended.
   bool look() {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (is_finished_) return false;
     if (is_writing_) return true;
     const NameChanges changes = names_.changes_since(version_);
@@ -60,7 +60,7 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
   }
 
   void end(const Status& status) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (is_finished_) return;
     is_finished_ = true;
     Finish(to_grpc(status));
@@ -68,7 +68,7 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
 
   void OnWriteDone(bool ok) override {
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       is_writing_ = false;
     }
     if (ok)
@@ -82,11 +82,11 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
  private:
   NameRegistry& names_;
   std::shared_ptr<WatchStream> self_;
-  std::mutex mutex_;
-  NameVersion version_;
-  v1::NameChanges written_;
-  bool is_writing_ = false;
-  bool is_finished_ = false;
+  Mutex mutex_;
+  NameVersion version_ ENGRAM_GUARDED_BY(mutex_);
+  v1::NameChanges written_ ENGRAM_GUARDED_BY(mutex_);
+  bool is_writing_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool is_finished_ ENGRAM_GUARDED_BY(mutex_) = false;
 };
 
 /// A client that waits for a memory.
@@ -148,7 +148,8 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     for (const Registration& server : *servers) *reply->add_servers() = to_message(server);
     if (reply->servers_size() > 0 || request->wait_ns() <= 0 || request->names().empty())
       return finish(call, {});
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
+    if (is_ending_) return finish(call, ended());
     if (resolves_.size() >= kMostWaiting)
       return finish(call, resource_exhausted("name system: found {} clients that wait, needs fewer",
                                              kMostWaiting));
@@ -168,7 +169,11 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
       return stream.get();
     }
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
+      if (is_ending_) {
+        stream->end(ended());
+        return stream.get();
+      }
       if (watchers_.size() >= kMostWaiting) {
         stream->end(
             resource_exhausted("name system: found {} watchers, needs fewer", kMostWaiting));
@@ -193,6 +198,8 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     ENGRAM_ASSIGN_OR_RETURN(const auto pattern, ltm::NamePattern::parse(memory));
     return names_.resolve(pattern);
   }
+
+  static Status ended() { return unavailable("the name system stops"); }
 
   Result<Identity> let_in(const grpc::CallbackServerContext& call) const {
     ENGRAM_ASSIGN_OR_RETURN(Identity who, caller(access_, call));
@@ -223,21 +230,28 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
       answer_resolves(steady_now(), stop.stop_requested());
       std::vector<std::shared_ptr<WatchStream>> watchers;
       {
-        const std::scoped_lock lock(mutex_);
+        const MutexLock lock(mutex_);
         watchers = watchers_;
       }
       for (const auto& watcher : watchers)
         if (!watcher->look()) {
-          const std::scoped_lock lock(mutex_);
+          const MutexLock lock(mutex_);
           std::erase(watchers_, watcher);
         }
     }
+    std::vector<std::shared_ptr<WatchStream>> watchers;
+    {
+      const MutexLock lock(mutex_);
+      // Who comes from here on is refused: nobody would tell them anything.
+      is_ending_ = true;
+      watchers.swap(watchers_);
+    }
     answer_resolves(steady_now(), true);
-    for (const auto& watcher : watchers_) watcher->end(unavailable("the name system stops"));
+    for (const auto& watcher : watchers) watcher->end(ended());
   }
 
   void answer_resolves(SteadyTime now, bool is_ending) {
-    const std::scoped_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     std::erase_if(resolves_, [&](WaitingResolve& waiting) {
       const auto servers = resolve(waiting.memory).value_or({});
       if (servers.empty() && now < waiting.deadline && !is_ending && !waiting.call->IsCancelled())
@@ -250,9 +264,10 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
 
   NameRegistry& names_;
   const AccessPolicy& access_;
-  std::mutex mutex_;
-  std::vector<WaitingResolve> resolves_;
-  std::vector<std::shared_ptr<WatchStream>> watchers_;
+  Mutex mutex_;
+  std::vector<WaitingResolve> resolves_ ENGRAM_GUARDED_BY(mutex_);
+  std::vector<std::shared_ptr<WatchStream>> watchers_ ENGRAM_GUARDED_BY(mutex_);
+  bool is_ending_ ENGRAM_GUARDED_BY(mutex_) = false;
   std::jthread thread_;  ///< The last member: ends first.
 };
 
