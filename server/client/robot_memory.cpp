@@ -2,14 +2,12 @@
 #include "server/client/robot_memory.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <map>
-#include <mutex>
 #include <optional>
 
-#include "server/client/patience.h"
 #include "server/client/robot_servers.h"
 #include "server/client/robot_subscription.h"
+#include "server/client/robot_waits.h"
 
 namespace engram::server {
 
@@ -43,21 +41,6 @@ struct CommitPart {
 
 /// By the names of servers.
 using CommitParts = std::map<std::string, CommitPart>;
-
-/// What several servers still owe.
-struct Owed {
-  std::mutex mutex;
-  std::condition_variable changed;
-  size_t count = 0;
-  std::vector<Status> statuses;
-
-  void set(size_t index, const Status& status) {
-    const std::scoped_lock lock(mutex);
-    statuses[index] = status;
-    --count;
-    changed.notify_all();
-  }
-};
 
 /// A question to several servers, and what they have said so far.
 struct Asking {
@@ -115,9 +98,7 @@ struct RobotMemory::State {
   /// Sends all parts, and waits for all of them.
   std::vector<ServerOutcome> send(const CommitParts& parts, CommitDurability durability,
                                   SteadyTime deadline) {
-    auto owed = std::make_shared<Owed>();
-    owed->count = parts.size();
-    owed->statuses.assign(
+    const auto owed = std::make_shared<Owed>(
         parts.size(), unavailable("no answer within {}", to_string(servers->options().timeout)));
     std::vector<std::shared_ptr<MemoryClient>> clients(parts.size());
     size_t index = 0;
@@ -138,12 +119,13 @@ struct RobotMemory::State {
       clients[at]->commit(commit, durability,
                           [owed, at](const Status& status) { owed->set(at, status); });
     }
+    // Without the lock from here on: who drops a connection may wait for another that is opened,
+    // and late answers want it meanwhile.
+    const std::vector<Status> statuses = owed->wait(deadline);
     std::vector<ServerOutcome> outcomes;
-    std::unique_lock lock(owed->mutex);
-    owed->changed.wait_until(lock, deadline, [&owed] { return owed->count == 0; });
     index = 0;
     for (const auto& [server, part] : parts) {
-      const Status& status = owed->statuses[index];
+      const Status& status = statuses[index];
       outcomes.push_back({server, status});
       if (is_lost(status)) servers->drop(server, clients[index].get());
       ++index;

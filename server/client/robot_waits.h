@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: how servers that are gone for a moment are waited for.
+// Private to this room: how calls that concern several servers wait for them.
 
 #include <algorithm>
-#include <chrono>
-#include <cstddef>
 #include <thread>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/status.h"
 #include "ltm/core/time.h"
 #include "server/wire/polling_threads.h"
 
 namespace engram::server {
 
+/// Before what could not be reached is tried again: at first, and at most.
 inline constexpr auto kFirstWait = std::chrono::milliseconds(50);
 inline constexpr auto kLongestWait = std::chrono::milliseconds(300);
 
@@ -23,14 +23,11 @@ inline constexpr auto kLongestWait = std::chrono::milliseconds(300);
   return status.code() == StatusCode::kUnavailable || status.code() == StatusCode::kCancelled;
 }
 
-/// Waits longer each time.
-///
-/// Threading: one thread.
+/// Waits longer each time; false where `deadline` comes first.
 class Patience {
  public:
   explicit Patience(SteadyTime deadline) : deadline_(deadline) {}
 
-  /// False where the deadline comes first.
   bool wait() {
     if (steady_now() + next_ >= deadline_) return false;
     const BlockingScope blocking;
@@ -52,5 +49,34 @@ void at_once(size_t count, const Work& work) {
   for (size_t i = 1; i < count; ++i) threads.emplace_back([&work, i] { work(i); });
   if (count > 0) work(0);
 }
+
+/// What several servers still owe.
+///
+/// Threading: thread-safe.
+class Owed {
+ public:
+  /// `unanswered` is what a part that nothing is said of comes to.
+  Owed(size_t parts, const Status& unanswered) : count_(parts), statuses_(parts, unanswered) {}
+
+  void set(size_t index, const Status& status) {
+    const MutexLock lock(mutex_);
+    statuses_[index] = status;
+    --count_;
+    changed_.notify_all();
+  }
+
+  /// What all have said, or have not said until then.
+  std::vector<Status> wait(SteadyTime deadline) {
+    const MutexLock lock(mutex_);
+    changed_.wait_until(mutex_, deadline, [this]() ENGRAM_REQUIRES(mutex_) { return count_ == 0; });
+    return statuses_;
+  }
+
+ private:
+  Mutex mutex_;
+  ConditionVariable changed_;
+  size_t count_ ENGRAM_GUARDED_BY(mutex_);
+  std::vector<Status> statuses_ ENGRAM_GUARDED_BY(mutex_);
+};
 
 }  // namespace engram::server
