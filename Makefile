@@ -25,13 +25,15 @@ DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
-        check-headers clean reference experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
+        check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
         import-bars latent-trial training-speed learning-bars age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
 	@echo "             (RECORDINGS=dir, DEMO_BUDGET=150s, DEMO_SECONDS=60, DEMO_PRESET=release)"
 	@echo "make test    build with debug information and run all tests"
+	@echo "make check-headers   compile every public header alone"
+	@echo "make check-locks     is what a mutex guards used with it held? (clang 14)"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
 	@echo "make bench-build     processor time of a fresh release build, per room and of the dearest sources"
@@ -56,7 +58,7 @@ help:
 	@echo "make reference       docs/reference from the program and the package, the C++ API as HTML"
 	@echo "make paper   the paper's tables and figures on RECORDINGS: build/paper/full/paper.html"
 	@echo "             (PAPER=short: minutes, not hours; PAPER_OPTIONS=--help; also make storage, loocv, transfer)"
-	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each; needs clang 14)"
+	@echo "make fuzz    search for inputs that break a parser (SECONDS=600 each)"
 	@echo "make clean   remove what was built and the demo's memory"
 
 packages:
@@ -173,8 +175,7 @@ store-peers:
 
 # What is found new stays in build/fuzz/found; an input that breaks a parser is named and kept.
 fuzz: packages
-	@command -v clang++-14 >/dev/null || \
-	  { echo "engram: needs clang: apt-get install clang-14 libclang-rt-14-dev" >&2; exit 1; }
+	@cmake/install_packages.sh tests/packages.txt
 	cmake --preset fuzz
 	cmake --build --preset fuzz
 	@set -e; for corpus in tests/fuzz/corpus/*; do \
@@ -193,6 +194,12 @@ reference: build
 # Every header that a room declares compiles alone.
 check-headers: build/dev/build.ninja packages
 	cmake --build --preset dev --target all_verify_interface_header_sets
+
+# What is generated of messages has to be there: sources include it.
+check-locks: build/dev/build.ninja packages
+	@cmake/install_packages.sh tests/packages.txt
+	cmake --build --preset dev --target engram_protocol
+	tests/architecture/check_locks.py --build build/dev
 
 clean:
 	rm -rf build demo
