@@ -98,8 +98,9 @@ ExitCode run(const InfoArguments& arguments) {
     print_json(json);
   else
     reports::print_types(manifest.types);
-  // The store may be one that only can be read.
-  (void)ltm::merge_grown_accesses(store).ok();
+  // The store may be one that only can be read: no warning.
+  if (const Status status = ltm::merge_grown_accesses(store); !status.ok())
+    log::debug("store '{}': {}", store, status.to_string());
   if (damaged > 0)
     log::warning("store '{}': {} places in its journals were found damaged; what was there is lost",
                  store, damaged);

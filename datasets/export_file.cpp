@@ -3,6 +3,8 @@
 
 #include <system_error>
 
+#include "ltm/core/log.h"
+
 namespace engram::datasets {
 
 namespace {
@@ -28,8 +30,10 @@ Result<ExportFile> ExportFile::create(const std::filesystem::path& path) {
 }
 
 ExportFile::~ExportFile() {
-  // Moved from, or closed. Nobody is left to hear of a file that cannot be removed.
-  if (file_ && !path_.empty()) static_cast<void>(remove_file(part_of(path_)).ok());
+  // Moved from, or closed.
+  if (!file_ || path_.empty()) return;
+  if (const Status status = remove_file(part_of(path_)); !status.ok())
+    log::warning("an unfinished export stays: {}", status.message());
 }
 
 Status ExportFile::write(std::string_view text) {

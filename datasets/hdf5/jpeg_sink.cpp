@@ -4,6 +4,7 @@
 #include "datasets/hdf5/row_sink.h"
 #include "ltm/codec/codec.h"
 #include "ltm/core/file.h"
+#include "ltm/core/log.h"
 
 namespace engram::datasets {
 
@@ -23,7 +24,10 @@ class JpegSink final : public RowSink {
         waiting_(std::move(waiting)),
         sizes_(sizes) {}
 
-  ~JpegSink() override { (void)remove_file(waiting_.path()); }
+  ~JpegSink() override {
+    if (const Status status = remove_file(waiting_.path()); !status.ok())
+      log::warning("what waited for an export stays: {}", status.message());
+  }
 
   Status add(const idf::Data& value) override {
     const idf::Data* member = value.at(column_.member);

@@ -16,6 +16,7 @@ extern "C" {
 
 #include "datasets/media/libav.h"
 #include "ltm/core/file.h"
+#include "ltm/core/log.h"
 
 namespace engram::datasets {
 
@@ -173,8 +174,9 @@ struct VideoWriter::State {
 VideoWriter::State::~State() {
   const bool is_open = output != nullptr;
   output.reset();
-  // Nobody is left to hear of a file that cannot be removed.
-  if (is_open) static_cast<void>(remove_file(beside).ok());
+  if (!is_open) return;
+  if (const Status status = remove_file(beside); !status.ok())
+    log::warning("an unfinished video stays: {}", status.message());
 }
 
 Status VideoWriter::State::open() {

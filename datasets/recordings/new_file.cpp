@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "ltm/core/check.h"
+#include "ltm/core/log.h"
 
 namespace engram::datasets {
 
@@ -27,8 +28,10 @@ Result<NewFile> NewFile::create(const std::filesystem::path& path) {
 }
 
 NewFile::~NewFile() {
-  // Moved from, or published. Nobody is left to hear of a file that cannot be removed.
-  if (file_ && !path_.empty()) static_cast<void>(remove_file(part_of(path_)).ok());
+  // Moved from, or published.
+  if (!file_ || path_.empty()) return;
+  if (const Status status = remove_file(part_of(path_)); !status.ok())
+    log::warning("an unfinished export stays: {}", status.message());
 }
 
 Status NewFile::append(std::string_view bytes) {

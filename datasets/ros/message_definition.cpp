@@ -158,8 +158,7 @@ class DefinitionParser {
     for (const auto& [name, builtin] : kBuiltin)
       if (!sections_.contains(std::string(name)))
         ENGRAM_RETURN_IF_ERROR(read_sections(std::string(name), builtin));
-    ENGRAM_ASSIGN_OR_RETURN(const size_t index, add(root, 0));
-    static_cast<void>(index);
+    ENGRAM_RETURN_IF_ERROR(add(root, 0).status());
     return std::move(definition_);
   }
 

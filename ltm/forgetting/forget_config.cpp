@@ -109,7 +109,7 @@ Status read_protection(ConfigMap& section, ForgetProtection& protection) {
 Result<ForgetOptions> read_options(const ConfigValue& file) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap top, file.map());
   // Others read these (docs/recording.md).
-  for (const char* key : {"preset", "entities", "store", "recording"}) (void)top.find(key);
+  for (const char* key : {"preset", "entities", "store", "recording"}) top.find(key);
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue section, top.require("forget"));
   ENGRAM_RETURN_IF_ERROR(top.finish());
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, section.map());

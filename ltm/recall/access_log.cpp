@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "ltm/core/log.h"
 #include "ltm/idf/binary.h"
 #include "ltm/store/journal.h"
 
@@ -94,11 +95,11 @@ void add_file(const std::filesystem::path& file, Notes& notes) {
   std::error_code error;
   const uint64_t bytes = std::filesystem::file_size(file, error);
   if (error || bytes > kMostFileBytes) return;
-  const auto scan = scan_journal(file, [&notes](uint64_t, const Buffer& payload) -> Status {
+  const auto scanned = scan_journal(file, [&notes](uint64_t, const Buffer& payload) -> Status {
     if (const auto value = idf::decode(payload); value.ok()) add_frame(*value, notes);
     return {};
   });
-  (void)scan;
+  if (!scanned.ok()) log::debug("accesses '{}': {}", file.string(), scanned.status().to_string());
 }
 
 struct Files {
@@ -159,8 +160,9 @@ void AccessLog::note(const MemoryId& entity, Time snapshot) {
 
 void AccessLog::flush() {
   if (noted_.empty()) return;
-  // A store that only may be read is read all the same.
-  (void)write().ok();
+  // A store that only may be read is read all the same: no warning.
+  if (const Status status = write(); !status.ok())
+    log::debug("store '{}': accesses are not kept: {}", store_.string(), status.to_string());
   noted_.clear();
   reads_ = 0;
 }

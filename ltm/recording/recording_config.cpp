@@ -136,7 +136,7 @@ Result<Recorder::Options> read_options(const ConfigValue& file) {
   ENGRAM_RETURN_IF_ERROR(read_entities(top, options));
   ENGRAM_RETURN_IF_ERROR(read_store(top, options.store));
   ENGRAM_RETURN_IF_ERROR(read_recording(top, options));
-  (void)top.find("forget");  // ltm/forgetting reads it.
+  top.find("forget");  // ltm/forgetting reads it.
   ENGRAM_RETURN_IF_ERROR(top.finish());
   if (const Status status = options.validate(); !status.ok()) return file.error(status);
   return options;

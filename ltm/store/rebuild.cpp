@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ltm/core/file.h"
+#include "ltm/core/log.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/segment_format.h"
@@ -37,7 +38,9 @@ void add_types(const std::filesystem::path& file, SegmentTypes& types) {
   if (!found.ok()) return;
   for (const auto& [segment, type] : found->all()) {
     // What contradicts the types that are known stays in its segment only.
-    [[maybe_unused]] const Status declared = types.declare(segment, type);
+    if (const Status declared = types.declare(segment, type); !declared.ok())
+      log::warning("'{}': its type of '{}' is not the store's: {}", file.string(),
+                   segment.to_string(), declared.message());
   }
 }
 

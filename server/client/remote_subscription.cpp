@@ -5,6 +5,7 @@
 
 #include <thread>
 
+#include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
 #include "server/client/client_stream.h"
 #include "server/wire/byte_message.h"
@@ -111,8 +112,9 @@ class RemoteSubscription final : public Subscription {
       const MutexLock lock(mutex_);
       stream_ = stream;
     }
-    // Where it ended already, end() says so.
-    (void)stream->send(to_bytes(request));
+    // Where it ended already, end() says so, and it is opened again.
+    if (const Status status = stream->send(to_bytes(request)); !status.ok())
+      log::debug("subscription: {}", status.message());
   }
 
   void take(grpc::ByteBuffer& bytes) {
@@ -176,7 +178,9 @@ class RemoteSubscription final : public Subscription {
     if (blocks.empty() || !stream) return;
     v1::SubscribeRequest request;
     for (const BlockRef& block : blocks) *request.add_released() = to_message(block);
-    (void)stream->send(to_bytes(request));
+    // The server takes back what a client has whose stream ended.
+    if (const Status status = stream->send(to_bytes(request)); !status.ok())
+      log::debug("subscription: {} blocks not given back: {}", blocks.size(), status.message());
   }
 
   void end(const Status& status) {

@@ -115,6 +115,13 @@ struct Robot::State {
     }
   }
 
+  /// One that has left already is fine too.
+  void let_go(const Registration& said) {
+    const Status status = names_server->registry().remove(said.server, said.incarnation);
+    if (!status.ok() && status.code() != StatusCode::kNotFound)
+      log::warning("{}", status.message());
+  }
+
   void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       keep_registered();
@@ -169,9 +176,7 @@ std::vector<Robot::Ended> Robot::stop() {
   std::vector<Ended> all;
   for (const auto& server : state_->servers) {
     const Registration said = server->registration();
-    // One that has left already is fine too.
-    if (state_->names_server)
-      (void)state_->names_server->registry().remove(said.server, said.incarnation).ok();
+    if (state_->names_server) state_->let_go(said);
     Status status = server->stop();
     all.push_back({said.server, std::move(status), server->service().counters()});
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/shared_sessions.h"
 
+#include "ltm/core/log.h"
 #include "server/access/token.h"
 
 namespace engram::server {
@@ -84,8 +85,9 @@ Status SharedSessions::share(const BlockRef& block, const std::string& memory, C
 }
 
 void SharedSessions::release(ClientId reader, const BlockRef& block) {
-  // One that it does not have is its own affair.
-  (void)pool_->release(reader, block);
+  // One that it does not have is its own affair, and counted by the pool.
+  if (const Status status = pool_->release(reader, block); !status.ok())
+    log::debug("shared memory: client {}: {}", reader, status.message());
 }
 
 GroupId SharedSessions::group_of(const std::string& memory) {

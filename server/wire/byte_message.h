@@ -4,6 +4,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "ltm/core/log.h"
 #include "ltm/core/status.h"
 
 namespace engram::server {
@@ -13,7 +14,9 @@ template <typename Message>
   grpc::ByteBuffer bytes;
   bool is_owned = false;
   // Fails for messages of 2 GB alone, which are not made.
-  (void)grpc::SerializationTraits<Message>::Serialize(message, &bytes, &is_owned);
+  if (!grpc::SerializationTraits<Message>::Serialize(message, &bytes, &is_owned).ok())
+    log::warning("a {} of {} bytes is too large to be sent", message.GetTypeName(),
+                 message.ByteSizeLong());
   return bytes;
 }
 
