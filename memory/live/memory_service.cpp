@@ -78,7 +78,7 @@ struct MemoryService::State {
   std::jthread thread;                                        ///< The last member: ends first.
 
   /// Hands over all that waits; tells those who wait for it.
-  Status hand_over() {
+  Status hand_over() ENGRAM_EXCLUDES(mutex) {
     Status status;
     // Who comes while this fails is told of the next try.
     const uint64_t until = [this] {
@@ -98,7 +98,7 @@ struct MemoryService::State {
     return status;
   }
 
-  Status record(std::span<const ltm::SharedSnapshot> snapshots) {
+  Status record(std::span<const ltm::SharedSnapshot> snapshots) ENGRAM_EXCLUDES(mutex) {
     std::vector<LongTerm::Refused> never;
     ENGRAM_RETURN_IF_ERROR(store->record(snapshots, never));
     const MutexLock lock(mutex);
@@ -121,7 +121,7 @@ struct MemoryService::State {
     return {};
   }
 
-  void tell(const Status& status, uint64_t until) {
+  void tell(const Status& status, uint64_t until) ENGRAM_EXCLUDES(mutex) {
     const uint64_t taken = memory->taken();
     std::vector<std::pair<Waiter, Status>> told;
     {

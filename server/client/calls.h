@@ -50,7 +50,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
   }
 
   /// Lets go of a request that nobody waits for any more.
-  void forget(uint64_t number) {
+  void forget(uint64_t number) ENGRAM_EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     pending_.erase(number);
   }
@@ -96,7 +96,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     if (pending.on_reply(reply)) forget(reply.number());
   }
 
-  void fail_one(uint64_t number, const Status& status) {
+  void fail_one(uint64_t number, const Status& status) ENGRAM_EXCLUDES(mutex_) {
     Pending failed;
     {
       const MutexLock lock(mutex_);
@@ -108,7 +108,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     failed.on_failure(status);
   }
 
-  void fail_all(uint64_t generation, const Status& status) {
+  void fail_all(uint64_t generation, const Status& status) ENGRAM_EXCLUDES(mutex_) {
     std::vector<Pending> failed;
     {
       const MutexLock lock(mutex_);

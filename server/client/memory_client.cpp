@@ -98,7 +98,7 @@ struct MemoryClient::State {
   SteadyTime share_again ENGRAM_GUARDED_BY(sharing_mutex){};  ///< Not before that.
 
   /// Shared memory with the server, where both are on this host; asks for it where there is none.
-  SharedCommits shared() {
+  SharedCommits shared() ENGRAM_EXCLUDES(sharing_mutex) {
     const MutexLock lock(sharing_mutex);
     if (sharing.lane && sharing.lane->is_alive()) return sharing;
     if (sharing.calls) sharing.calls->close();

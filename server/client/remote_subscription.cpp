@@ -89,7 +89,7 @@ class RemoteSubscription final : public Subscription {
     });
   }
 
-  void open() {
+  void open() ENGRAM_EXCLUDES(mutex_) {
     {
       const MutexLock lock(mutex_);
       ++open_streams_;
@@ -183,7 +183,7 @@ class RemoteSubscription final : public Subscription {
       log::debug("subscription: {} blocks not given back: {}", blocks.size(), status.message());
   }
 
-  void end(const Status& status) {
+  void end(const Status& status) ENGRAM_EXCLUDES(mutex_) {
     bool is_loss = false;
     {
       const MutexLock lock(mutex_);

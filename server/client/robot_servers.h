@@ -29,7 +29,7 @@ class RobotServers {
 
   /// Asks the name system, unless that was done within `age`, with success or not.
   /// Errors: those of NamesClient::resolve; what was known stays.
-  Status renew(Duration age = Duration(0));
+  Status renew(Duration age = Duration(0)) ENGRAM_EXCLUDES(renewing_, mutex_);
 
   /// The same for who goes on with what was known: where the name system cannot be reached, that is
   /// logged once until it can be, and absence() tells it to who misses something.
@@ -49,7 +49,7 @@ class RobotServers {
   [[nodiscard]] std::vector<Registration> holders(const ltm::Query& query) const;
 
   /// The server that had a memory when it was last told; empty where none ever did.
-  [[nodiscard]] std::string last_holder(std::string_view memory) const;
+  [[nodiscard]] std::string last_holder(std::string_view memory) const ENGRAM_EXCLUDES(mutex_);
 
   /// Memories that are asked for, had a server and have none now, with that server. Those that are
   /// not asked for by name only for kGoneAfter: a server that starts over is back by then.
@@ -77,9 +77,9 @@ class RobotServers {
 
   explicit RobotServers(const ClientOptions& options) : options_(options) {}
 
-  Result<std::string> nearest(const Registration& server);
+  Result<std::string> nearest(const Registration& server) ENGRAM_EXCLUDES(mutex_);
   [[nodiscard]] bool answers(const std::string& endpoint, const std::string& server) const;
-  std::shared_ptr<Connection> connection(const std::string& server);
+  std::shared_ptr<Connection> connection(const std::string& server) ENGRAM_EXCLUDES(mutex_);
 
   ClientOptions options_;
   std::unique_ptr<NamesClient> names_;

@@ -250,7 +250,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     for (const auto& watcher : watchers) watcher->end(ended());
   }
 
-  void answer_resolves(SteadyTime now, bool is_ending) {
+  void answer_resolves(SteadyTime now, bool is_ending) ENGRAM_EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     std::erase_if(resolves_, [&](WaitingResolve& waiting) {
       const auto servers = resolve(waiting.memory).value_or({});

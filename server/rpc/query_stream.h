@@ -20,7 +20,7 @@ class QueryStream final : public ReplyStream {
   void on_sent() override { answer_next(); }
   void answer(uint64_t number, Result<ltm::Answer> answer);
   /// Lets another thread answer what waits, where that may be.
-  void answer_next();
+  void answer_next() ENGRAM_EXCLUDES(asking_);
 
   struct Asked {
     uint64_t number = 0;

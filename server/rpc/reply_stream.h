@@ -41,15 +41,15 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   virtual void on_sent() {}
 
   /// Few enough replies wait for more of them to be made.
-  [[nodiscard]] bool has_room();
+  [[nodiscard]] bool has_room() ENGRAM_EXCLUDES(mutex_);
 
   /// One reply more, or fewer, will come later: the stream does not end before.
-  void promise();
-  void fulfil();
+  void promise() ENGRAM_EXCLUDES(mutex_);
+  void fulfil() ENGRAM_EXCLUDES(mutex_);
 
-  void send(grpc::ByteBuffer reply);
+  void send(grpc::ByteBuffer reply) ENGRAM_EXCLUDES(mutex_);
   /// Sends what waits, then ends the stream.
-  void end(const Status& status);
+  void end(const Status& status) ENGRAM_EXCLUDES(mutex_);
 
  private:
   void go_on() ENGRAM_REQUIRES(mutex_);

@@ -52,8 +52,8 @@ class SharedSessions {
   };
 
   explicit SharedSessions(std::filesystem::path socket) : socket_(std::move(socket)) {}
-  GroupId group_of(const std::string& memory);
-  void forget(ClientId client);
+  GroupId group_of(const std::string& memory) ENGRAM_EXCLUDES(mutex_);
+  void forget(ClientId client) ENGRAM_EXCLUDES(mutex_);
 
   const std::filesystem::path socket_;
   std::unique_ptr<SharedPool> pool_;

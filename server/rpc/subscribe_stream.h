@@ -33,7 +33,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   void OnDone() override;
 
  private:
-  Status start(const v1::SubscribeRequest& request);
+  Status start(const v1::SubscribeRequest& request) ENGRAM_EXCLUDES(mutex_);
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
   /// What it takes in a message.
   [[nodiscard]] size_t told_bytes(WireEvent& event) const;
@@ -42,7 +42,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   /// The event in shared memory where it lies there, is large, and the subscriber may see it.
   [[nodiscard]] const WireBytes* shared_form_of(WireEvent& event, uint64_t& last_shared) const;
   void write_next() ENGRAM_REQUIRES(mutex_);
-  void finish(const Status& status);
+  void finish(const Status& status) ENGRAM_EXCLUDES(mutex_);
 
   RpcContext& context_;
   const Identity who_;

@@ -155,7 +155,7 @@ struct SharingClient::State {
   }
 
   /// Tells all who wait for the slab.
-  void finish(SlabId slab, Status outcome) {
+  void finish(SlabId slab, Status outcome) ENGRAM_EXCLUDES(opening_mutex) {
     const MutexLock lock(opening_mutex);
     const auto found = openings.find(slab);
     if (found == openings.end()) return;  // It took too long.
@@ -174,7 +174,7 @@ struct SharingClient::State {
 
   void listen();
   Status handle(const Arrived& arrived);
-  Status ask(SlabId slab);
+  Status ask(SlabId slab) ENGRAM_EXCLUDES(opening_mutex);
   Result<std::shared_ptr<Mapping>> mapping_of(const BlockRef& block);
 };
 
