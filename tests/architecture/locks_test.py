@@ -2,13 +2,15 @@
 """Every mutex is one that clang checks, and says what it guards. `make check-locks` does the rest."""
 
 import re
+import shutil
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from check_locks import MUTEX, ROOMS, ROOT, arguments_for, sees_mutex  # noqa: E402
+from check_locks import (COMPILER, MUTEX, ROOMS, ROOT, arguments_for, check,  # noqa: E402
+                         sees_mutex)
 
 #: Where the standard library's may stand, and why.
 BARE = {
@@ -103,6 +105,54 @@ class Check(unittest.TestCase):
             (root / "ltm/b.cpp").write_text("#include <mutex>\n")
             self.assertTrue(sees_mutex(root / "ltm/a.cpp", root, {}))
             self.assertFalse(sees_mutex(root / "ltm/b.cpp", root, {}))
+
+
+#: A class that uses what its mutex guards, and in what a test puts there.
+_COUNTED = """
+#include "ltm/core/mutex.h"
+class Counted {{
+ public:
+  void wait() {{
+    const engram::MutexLock lock(mutex_);
+    changed_.wait(mutex_, [this]() ENGRAM_REQUIRES(mutex_) {{ return count_ > 0; }});
+  }}
+  void add() {{ {body} }}
+ private:
+  void add_locked() ENGRAM_REQUIRES(mutex_) {{ ++count_; }}
+  engram::Mutex first_ ENGRAM_ACQUIRED_BEFORE(mutex_);
+  engram::Mutex mutex_;
+  engram::ConditionVariable changed_;
+  int count_ ENGRAM_GUARDED_BY(mutex_) = 0;
+}};
+"""
+_LOCK = "const engram::MutexLock lock(mutex_);"
+_LOCK_FIRST = "const engram::MutexLock first(first_);"
+
+
+@unittest.skipUnless(shutil.which(COMPILER), "clang is not installed: make check-locks does it")
+class Analysis(unittest.TestCase):
+    def errors(self, body: str) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            source = Path(folder) / "counted.cpp"
+            source.write_text(_COUNTED.format(body=body), encoding="utf-8")
+            is_good, said = check((folder, arguments_for(
+                f"c++ -std=gnu++20 -I{ROOT} -o counted.o -c {source}")))
+        self.assertEqual(is_good, not said)
+        return said
+
+    def test_accepts_what_holds_the_lock(self) -> None:
+        self.assertEqual(self.errors(f"{_LOCK} ++count_;"), "")
+        self.assertEqual(self.errors(f"{_LOCK_FIRST} {_LOCK} add_locked();"), "")
+
+    def test_refuses_what_does_not(self) -> None:
+        self.assertIn("requires holding mutex 'mutex_'", self.errors("++count_;"))
+        self.assertIn("requires holding mutex 'mutex_'", self.errors("add_locked();"))
+        self.assertIn("requires holding mutex 'mutex_'",
+                      self.errors("changed_.wait(mutex_, [] { return true; });"))
+
+    def test_refuses_locks_taken_twice_or_in_another_order(self) -> None:
+        self.assertIn("already held", self.errors(f"{_LOCK} {_LOCK.replace('lock(', 'again(')}"))
+        self.assertIn("must be acquired before", self.errors(f"{_LOCK} {_LOCK_FIRST}"))
 
 
 if __name__ == "__main__":
