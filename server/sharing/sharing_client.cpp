@@ -125,7 +125,7 @@ struct SharingClient::State {
   struct Opening {
     std::optional<Status> outcome;
   };
-  Mutex opening_mutex;
+  Mutex opening_mutex ENGRAM_ACQUIRED_BEFORE(mapping_mutex);
   ConditionVariable opened;
   std::unordered_map<SlabId, std::shared_ptr<Opening>> openings ENGRAM_GUARDED_BY(opening_mutex);
   /// Mapped for writing; waits until the server knows. Of the thread alone.
