@@ -25,7 +25,7 @@ DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
-        check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars forecast-bars codec-bars \
+        check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars \
         import-bars latent-trial training-speed learning-bars age-bars paper storage loocv transfer
 
 help:
@@ -49,7 +49,8 @@ help:
 	@echo "make store-peers     the same stream in ROS bags, HDF5 and SQLite"
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
 	@echo "make learning-bars   what learning reaches on recordings, hours (RECORDINGS, BARS=options)"
-	@echo "make forecast-bars   how well joints are predicted from their past (RECORDINGS)"
+	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
+	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make import-bars     how fast videos come in, beside FFmpeg (RECORDINGS, BARS=options)"
@@ -131,11 +132,18 @@ store-scale: experiments
 store-readers: experiments
 	$(MEASURE) store/store_readers --json store_readers.json $(BARS)
 
+# DB is a store, such as one of engram simulate kitchen.
+member-bars: experiments
+	$(MEASURE) learning/member_bars "$(abspath $(DB))" --json member_bars.json $(BARS)
+
 number-bars: experiments
 	$(MEASURE) learning/number_bars --json number_bars.json $(BARS)
 
-forecast-bars: experiments
-	$(MEASURE) learning/forecast_bars --json forecast_bars.json $(BARS)
+prediction-bars: experiments
+	$(MEASURE) learning/prediction_bars --json prediction_bars.json $(BARS)
+
+# The old name, until version 0.3.
+forecast-bars: prediction-bars
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)

@@ -154,7 +154,7 @@ Recipe draw_recipe(std::span<const ChangeChoice> choices, int64_t label, Random&
 Recipe with_seed(Recipe recipe, uint64_t seed) {
   for (Change& change : recipe.changes)
     if (change.parameters.find("seed") != nullptr)
-      change.parameters.set("seed", static_cast<int64_t>(seed & static_cast<uint64_t>(kMostSeed)));
+      change.parameters.set("seed", static_cast<int64_t>(seed & static_cast<uint64_t>(kMaxSeed)));
   return recipe;
 }
 

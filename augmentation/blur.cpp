@@ -9,7 +9,7 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 200;
+constexpr int64_t kMaxDrawn = 200;
 constexpr std::array<Parameter, 1> kParameters{
     {{"sigma_hundredths", 0, 1000, "standard deviation, hundredths of a pixel"}}};
 
@@ -20,7 +20,7 @@ class Blur final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"sigma_hundredths", random.between(0, kMostDrawn * strength_percent / 100)}};
+    return {{"sigma_hundredths", random.between(0, kMaxDrawn * strength_percent / 100)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

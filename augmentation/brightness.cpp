@@ -8,7 +8,7 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 64;
+constexpr int64_t kMaxDrawn = 64;
 constexpr std::array<Parameter, 1> kParameters{{{"levels", -255, 255, "grey levels added"}}};
 
 class Brightness final : public ImageChange {
@@ -18,7 +18,7 @@ class Brightness final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"levels", draw_around_zero(random, kMostDrawn, strength_percent)}};
+    return {{"levels", draw_around_zero(random, kMaxDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

@@ -8,7 +8,7 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 50;
+constexpr int64_t kMaxDrawn = 50;
 constexpr int64_t kMiddle = 128;
 constexpr std::array<Parameter, 1> kParameters{
     {{"percent", 0, 400, "distance of levels from the middle grey, 100: as it was"}}};
@@ -20,7 +20,7 @@ class Contrast final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"percent", 100 + draw_around_zero(random, kMostDrawn, strength_percent)}};
+    return {{"percent", 100 + draw_around_zero(random, kMaxDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

@@ -49,10 +49,9 @@ Result<Parameters> check_parameters(const ImageChange& kind, const Change& chang
   Parameters numbers;
   for (const Parameter& parameter : kind.parameters()) {
     ENGRAM_ASSIGN_OR_RETURN(const int64_t value, change.integer(parameter.name));
-    if (value < parameter.least || value > parameter.most)
+    if (value < parameter.min || value > parameter.max)
       return invalid_argument("recipe: change '{}': '{}' is {}, needs {} to {} ({})", change.name,
-                              parameter.name, value, parameter.least, parameter.most,
-                              parameter.what);
+                              parameter.name, value, parameter.min, parameter.max, parameter.what);
     numbers.emplace(parameter.name, value);
   }
   for (const auto& [key, value] : change.parameters)

@@ -19,8 +19,8 @@ struct SceneImages;
 /// A whole number that a change needs, within bounds.
 struct Parameter {
   std::string_view name;
-  int64_t least = 0;
-  int64_t most = 0;
+  int64_t min = 0;
+  int64_t max = 0;
   std::string_view what;  ///< With its unit.
 };
 

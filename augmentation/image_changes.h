@@ -21,11 +21,11 @@ std::unique_ptr<const ImageChange> make_blur();
 std::unique_ptr<const ImageChange> make_noise();
 
 /// Largest seed: every JSON reader keeps such numbers.
-inline constexpr int64_t kMostSeed = (int64_t{1} << 48) - 1;
+inline constexpr int64_t kMaxSeed = (int64_t{1} << 48) - 1;
 
-/// Up to `most` at full strength, both signs.
-[[nodiscard]] inline int64_t draw_around_zero(Random& random, int64_t most, int strength_percent) {
-  const int64_t reach = most * strength_percent / 100;
+/// Up to `max` at full strength, both signs.
+[[nodiscard]] inline int64_t draw_around_zero(Random& random, int64_t max, int strength_percent) {
+  const int64_t reach = max * strength_percent / 100;
   return random.between(-reach, reach);
 }
 

@@ -8,10 +8,10 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 120;
+constexpr int64_t kMaxDrawn = 120;
 constexpr std::array<Parameter, 2> kParameters{
     {{"sigma_tenths", 0, 1000, "standard deviation, tenths of a grey level"},
-     {"seed", 0, kMostSeed, "of the noise"}}};
+     {"seed", 0, kMaxSeed, "of the noise"}}};
 
 /// The sum of four bytes: nearly a Gaussian.
 constexpr int64_t kMean = 510;
@@ -41,8 +41,8 @@ class Noise final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"sigma_tenths", random.between(0, kMostDrawn * strength_percent / 100)},
-            {"seed", random.between(0, kMostSeed)}};
+    return {{"sigma_tenths", random.between(0, kMaxDrawn * strength_percent / 100)},
+            {"seed", random.between(0, kMaxSeed)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

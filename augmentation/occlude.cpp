@@ -9,8 +9,8 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostSide = 400;
-constexpr int64_t kLeastSide = 50;
+constexpr int64_t kMaxSide = 400;
+constexpr int64_t kMinSide = 50;
 constexpr std::array<Parameter, 8> kParameters{
     {{"left_permille", 0, 1000, "of the width"},
      {"top_permille", 0, 1000, "of the height"},
@@ -45,9 +45,9 @@ class Occlude final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    const int64_t most = std::max(kLeastSide, kMostSide * strength_percent / 100);
-    const int64_t width = random.between(kLeastSide, most);
-    const int64_t height = random.between(kLeastSide, most);
+    const int64_t max = std::max(kMinSide, kMaxSide * strength_percent / 100);
+    const int64_t width = random.between(kMinSide, max);
+    const int64_t height = random.between(kMinSide, max);
     Parameters drawn{{"left_permille", random.between(0, 1000 - width)},
                      {"top_permille", random.between(0, 1000 - height)},
                      {"width_permille", width},

@@ -28,11 +28,11 @@ class Random {
 
   constexpr uint64_t next() { return random_at(seed_, count_++); }
 
-  /// Both ends included; `least` is not above `most`. Uniform up to 2^-32 of the range.
-  constexpr int64_t between(int64_t least, int64_t most) {
-    const auto count = static_cast<uint64_t>(most - least) + 1;
-    if (count > (uint64_t{1} << 32)) return least + static_cast<int64_t>(next() % count);
-    return least + static_cast<int64_t>(((next() >> 32) * count) >> 32);
+  /// Both ends included; `min` is not above `max`. Uniform up to 2^-32 of the range.
+  constexpr int64_t between(int64_t min, int64_t max) {
+    const auto count = static_cast<uint64_t>(max - min) + 1;
+    if (count > (uint64_t{1} << 32)) return min + static_cast<int64_t>(next() % count);
+    return min + static_cast<int64_t>(((next() >> 32) * count) >> 32);
   }
 
  private:

@@ -8,7 +8,7 @@ namespace engram::augmentation {
 namespace {
 
 constexpr int64_t kVersion = 1;
-constexpr size_t kMostChanges = 64;
+constexpr size_t kMaxChanges = 64;
 
 Result<Change> change_from(const idf::Data& data, size_t number) {
   const auto* dict = data.get_if<idf::Dict>();
@@ -50,8 +50,8 @@ Result<Recipe> Recipe::from_data(const idf::Data& data) {
     return invalid_argument("recipe: needs version {}", kVersion);
   const idf::Data* changes = data.at("changes");
   const auto* list = changes == nullptr ? nullptr : changes->get_if<idf::List>();
-  if (list == nullptr || list->size() > kMostChanges)
-    return invalid_argument("recipe: needs a list of at most {} 'changes'", kMostChanges);
+  if (list == nullptr || list->size() > kMaxChanges)
+    return invalid_argument("recipe: needs a list of at most {} 'changes'", kMaxChanges);
   Recipe recipe;
   for (const idf::Data& one : *list) {
     ENGRAM_ASSIGN_OR_RETURN(Change change, change_from(one, recipe.changes.size()));

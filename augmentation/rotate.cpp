@@ -8,7 +8,7 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 10'000;
+constexpr int64_t kMaxDrawn = 10'000;
 constexpr std::array<Parameter, 1> kParameters{
     {{"millidegrees", -45'000, 45'000, "clockwise as seen, about the middle"}}};
 
@@ -19,7 +19,7 @@ class Rotate final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"millidegrees", draw_around_zero(random, kMostDrawn, strength_percent)}};
+    return {{"millidegrees", draw_around_zero(random, kMaxDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

@@ -17,10 +17,10 @@ using RowMajorPose = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 constexpr std::string_view kPrefix = "scene_";
 /// At full strength.
-constexpr int64_t kMostShift_mm = 200;
-constexpr int64_t kMostTurn_mdeg = 12'000;
-constexpr int64_t kMostLampShift_mm = 800;
-constexpr int64_t kMostPercent = 60;
+constexpr int64_t kMaxShift_mm = 200;
+constexpr int64_t kMaxTurn_mdeg = 12'000;
+constexpr int64_t kMaxLampShift_mm = 800;
+constexpr int64_t kMaxPercent = 60;
 
 Eigen::Isometry3d to_isometry(const PartPose& pose) {
   return Eigen::Isometry3d(Eigen::Map<const RowMajorPose>(pose.data()).eval());
@@ -32,8 +32,8 @@ PartPose to_part(const Eigen::Isometry3d& pose) {
   return part;
 }
 
-int64_t within(Random& random, int64_t most, int strength_percent) {
-  const int64_t reach = most * strength_percent / 100;
+int64_t within(Random& random, int64_t max, int strength_percent) {
+  const int64_t reach = max * strength_percent / 100;
   return random.between(-reach, reach);
 }
 
@@ -72,18 +72,18 @@ idf::Dict draw_colour(Random& random) {
 idf::Dict draw_view(int strength_percent, Random& random) {
   idf::Dict drawn;
   for (const char* name : {"right_mm", "down_mm", "forward_mm"})
-    drawn.set(name, within(random, kMostShift_mm, strength_percent));
+    drawn.set(name, within(random, kMaxShift_mm, strength_percent));
   for (const char* name : {"up_millidegrees", "right_millidegrees", "roll_millidegrees"})
-    drawn.set(name, within(random, kMostTurn_mdeg, strength_percent));
+    drawn.set(name, within(random, kMaxTurn_mdeg, strength_percent));
   return drawn;
 }
 
 idf::Dict draw_light(int strength_percent, Random& random) {
-  return {{"lamps_percent", 100 + within(random, kMostPercent, strength_percent)},
-          {"ambient_percent", 100 + within(random, kMostPercent / 2, strength_percent)},
+  return {{"lamps_percent", 100 + within(random, kMaxPercent, strength_percent)},
+          {"ambient_percent", 100 + within(random, kMaxPercent / 2, strength_percent)},
           {"warmth_percent", within(random, 100, strength_percent)},
-          {"lamps_x_mm", within(random, kMostLampShift_mm, strength_percent)},
-          {"lamps_y_mm", within(random, kMostLampShift_mm, strength_percent)}};
+          {"lamps_x_mm", within(random, kMaxLampShift_mm, strength_percent)},
+          {"lamps_y_mm", within(random, kMaxLampShift_mm, strength_percent)}};
 }
 
 Result<std::string> text_of(const Change& change, std::string_view parameter) {
@@ -94,12 +94,12 @@ Result<std::string> text_of(const Change& change, std::string_view parameter) {
 }
 
 /// A whole number within bounds.
-Result<double> number_of(const Change& change, std::string_view parameter, int64_t least,
-                         int64_t most) {
+Result<double> number_of(const Change& change, std::string_view parameter, int64_t min,
+                         int64_t max) {
   ENGRAM_ASSIGN_OR_RETURN(const int64_t value, change.integer(parameter));
-  if (value < least || value > most)
+  if (value < min || value > max)
     return invalid_argument("recipe: change '{}': '{}' is {}, needs {} to {}", change.name,
-                            parameter, value, least, most);
+                            parameter, value, min, max);
   return static_cast<double>(value);
 }
 

@@ -38,10 +38,10 @@ cv::Mat SceneImages::mask_of(int64_t label, cv::Size size) const {
 Result<cv::Mat> to_mat(const idf::NdArray& array) {
   const idf::Shape& shape = array.shape();
   const int depth = depth_of(array.type());
-  constexpr int64_t kMostSide = 1 << 15;
+  constexpr int64_t kMaxSide = 1 << 15;
   const bool is_flat = shape.size() == 2;
   if (depth < 0 || (shape.size() != 3 && !is_flat) || shape[0] < 1 || shape[1] < 1 ||
-      shape[0] > kMostSide || shape[1] > kMostSide ||
+      shape[0] > kMaxSide || shape[1] > kMaxSide ||
       (!is_flat && shape[2] != 1 && (shape[2] != 3 || depth != CV_8U)))
     return invalid_argument(
         "found {} {}, needs an image: uint8 [H, W, 3], or uint8, uint16 or "

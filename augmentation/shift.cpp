@@ -8,7 +8,7 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 100;
+constexpr int64_t kMaxDrawn = 100;
 constexpr std::array<Parameter, 2> kParameters{
     {{"right_permille", -1000, 1000, "of the width, rounded to whole pixels"},
      {"down_permille", -1000, 1000, "of the height, rounded to whole pixels"}}};
@@ -22,8 +22,8 @@ class Shift final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"right_permille", draw_around_zero(random, kMostDrawn, strength_percent)},
-            {"down_permille", draw_around_zero(random, kMostDrawn, strength_percent)}};
+    return {{"right_permille", draw_around_zero(random, kMaxDrawn, strength_percent)},
+            {"down_permille", draw_around_zero(random, kMaxDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

@@ -8,9 +8,9 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMostDrawn = 100;
+constexpr int64_t kMaxDrawn = 100;
 /// Gain of red, and loss of blue, at 100 percent. Unit: thousandths.
-constexpr int64_t kMostGain = 250;
+constexpr int64_t kMaxGain = 250;
 constexpr std::array<Parameter, 1> kParameters{
     {{"percent", -100, 100, "warmer where positive: red gains and blue loses a quarter at 100"}}};
 
@@ -23,11 +23,11 @@ class Temperature final : public ImageChange {
   [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"percent", draw_around_zero(random, kMostDrawn, strength_percent)}};
+    return {{"percent", draw_around_zero(random, kMaxDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {
-    const int64_t gain = parameters.at("percent") * kMostGain;
+    const int64_t gain = parameters.at("percent") * kMaxGain;
     map_levels(images, [=](int channel, int level) {
       const int64_t sign = 1 - channel;  // Red, green, blue: 1, 0, -1.
       return divided(level * (100'000 + sign * gain), 100'000);

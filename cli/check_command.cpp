@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 
 #include "cli/command.h"
 #include "cli/interrupt.h"

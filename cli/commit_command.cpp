@@ -34,7 +34,7 @@ Examples:
   engram commit --db robot.engram --lines snapshots.jsonl
   engram watch Vision --data --json | engram commit --server 10.0.0.2:50051 --lines -)";
 
-constexpr int64_t kMostPixels = 256'000'000;
+constexpr int64_t kMaxPixels = 256'000'000;
 
 struct CommitArguments {
   std::string store;
@@ -64,7 +64,7 @@ Status add_image(const std::string& text, std::optional<idf::Data>& value) {
   const size_t equals = text.find('=');
   const std::string file = equals == std::string::npos ? text : text.substr(equals + 1);
   ENGRAM_ASSIGN_OR_RETURN(const Buffer bytes, read_file(file));
-  auto image = memory::read_picture(bytes.bytes(), kMostPixels);
+  auto image = memory::read_picture(bytes.bytes(), kMaxPixels);
   if (!image.ok()) return image.status().with_context(file);
   if (equals == std::string::npos) {
     if (value)

@@ -14,9 +14,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr size_t kMostAtOnce = 500;
-constexpr size_t kMostBytesAtOnce = size_t{4} << 20;
-constexpr size_t kMostLineBytes = size_t{256} << 20;
+constexpr size_t kMaxAtOnce = 500;
+constexpr size_t kMaxBytesAtOnce = size_t{4} << 20;
+constexpr size_t kMaxLineBytes = size_t{256} << 20;
 
 const Json* find(const Json& object, const char* key) {
   const auto found = object.find(key);
@@ -119,7 +119,7 @@ Result<size_t> commit_lines(std::istream& lines,
       ++number;
       continue;
     }
-    auto update = line.size() > kMostLineBytes
+    auto update = line.size() > kMaxLineBytes
                       ? Result<ltm::EntityUpdate>(invalid_argument("is too long"))
                       : parse_commit_line(line, system_now());
     // Two of one entity and time are no one commit.
@@ -136,7 +136,7 @@ Result<size_t> commit_lines(std::istream& lines,
     bytes += line.size();
     waiting.updates.push_back(*std::move(update));
     const bool has_more = lines.rdbuf()->in_avail() > 0;
-    if (waiting.updates.size() >= kMostAtOnce || bytes >= kMostBytesAtOnce || !has_more)
+    if (waiting.updates.size() >= kMaxAtOnce || bytes >= kMaxBytesAtOnce || !has_more)
       ENGRAM_RETURN_IF_ERROR(hand_over());
   }
   ENGRAM_RETURN_IF_ERROR(hand_over());

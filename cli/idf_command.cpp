@@ -5,10 +5,10 @@
 #include "cli/idf_files.h"
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
-#include "ltm/idf/check.h"
 #include "ltm/idf/generate_cpp.h"
 #include "ltm/idf/generate_python.h"
 #include "ltm/idf/json.h"
+#include "ltm/idf/type_check.h"
 
 namespace engram::cli {
 

@@ -8,7 +8,7 @@
 #include "ltm/store/store_reader.h"
 #include "reports/plain/store_text.h"
 #include "reports/plain/text.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::cli {
 
@@ -29,11 +29,11 @@ Of a server: what it has in memory, what came and went; of a name system: the se
 /// Snapshots per second within recordings, gaps between them not counted: the median over the
 /// newest ones.
 Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
-  constexpr size_t kMostSteps = 1000;
+  constexpr size_t kMaxSteps = 1000;
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader.timeline(entity));
   std::vector<Duration> steps;
   std::optional<Time> later = timeline->last();
-  while (later && steps.size() < kMostSteps && *later != *timeline->first()) {
+  while (later && steps.size() < kMaxSteps && *later != *timeline->first()) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entry,
                             timeline->at_or_before(time_from_ns(to_ns(*later) - 1)));
     if (!entry) break;

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "cli/command.h"
-#include "datasets/recordings/snapshot_walk.h"
+#include "datasets/recordings/snapshot_cursor.h"
 #include "ltm/store/store_reader.h"
 #include "reports/plain/text.h"
 
@@ -146,12 +146,12 @@ class Listing {
   Status list_snapshots(const ltm::MemoryId& entity,
                         const std::vector<ltm::SnapshotQuery>& queries) {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
-    ENGRAM_ASSIGN_OR_RETURN(auto walk, datasets::SnapshotWalk::create(*timeline, queries));
+    ENGRAM_ASSIGN_OR_RETURN(auto cursor, datasets::SnapshotCursor::create(*timeline, queries));
     Json times = Json::array();
     text_ += (text_.empty() ? "" : "\n") + entity.to_string();
     bool has_more = false;
     while (true) {
-      ENGRAM_ASSIGN_OR_RETURN(const auto step, walk.next());
+      ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
       if (!step || step->is_future) break;
       has_more = times.size() >= arguments_.limit;
       if (has_more) break;

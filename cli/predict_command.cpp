@@ -6,7 +6,7 @@
 #include "cli/predict_options.h"
 #include "cli/progress_line.h"
 #include "encoders/load_model.h"
-#include "ltm/prediction/entity_forecaster.h"
+#include "ltm/prediction/entity_predictor.h"
 #include "reports/plain/result_text.h"
 #include "reports/plain/save.h"
 #include "reports/predict_picture.h"
@@ -57,17 +57,17 @@ Status list(ltm::Recall& recall, const ltm::MemoryId& entity, Duration step,
   return {};
 }
 
-Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity, const ltm::Recall::Outlook& outlook,
-             const PredictArguments& arguments) {
+Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity,
+             const ltm::Recall::PredictionRequest& request, const PredictArguments& arguments) {
   const training::SweepOptions options{time_of(arguments.from), time_of(arguments.to),
                                        std::max<size_t>(arguments.every, 1)};
   ProgressLine progress;
   const auto qualities =
-      training::sweep(recall, entity, outlook, options, progress.sink(), interrupt_token());
+      training::sweep(recall, entity, request, options, progress.sink(), interrupt_token());
   progress.finish();
   ENGRAM_RETURN_IF_ERROR(qualities.status());
-  show(arguments, reports::sweep_text(entity, arguments.engine, outlook.horizons, *qualities),
-       reports::sweep_json(entity, arguments.engine, outlook.horizons, *qualities));
+  show(arguments, reports::sweep_text(entity, arguments.engine, request.horizons, *qualities),
+       reports::sweep_json(entity, arguments.engine, request.horizons, *qualities));
   return {};
 }
 
@@ -83,20 +83,20 @@ Status save(const ltm::MemoryId& entity, const training::PredictedMoment& moment
   return {};
 }
 
-Status predict(ltm::Recall& recall, const ltm::MemoryId& entity, ltm::Recall::Outlook outlook,
-               const PredictArguments& arguments) {
-  if (arguments.is_compared && !outlook.from) {
-    ENGRAM_ASSIGN_OR_RETURN(outlook.from, training::last_known_from(
-                                              recall, entity, std::ranges::max(outlook.horizons)));
+Status predict(ltm::Recall& recall, const ltm::MemoryId& entity,
+               ltm::Recall::PredictionRequest request, const PredictArguments& arguments) {
+  if (arguments.is_compared && !request.from) {
+    ENGRAM_ASSIGN_OR_RETURN(request.from, training::last_known_from(
+                                              recall, entity, std::ranges::max(request.horizons)));
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto moment, training::predict_moment(recall, entity, outlook));
+  ENGRAM_ASSIGN_OR_RETURN(const auto moment, training::predict_moment(recall, entity, request));
   if (arguments.is_compared && std::ranges::none_of(moment.horizons, [](const auto& horizon) {
         return horizon.error.has_value();
       }))
     return not_found("entity '{}': nothing is known of what came after {}, needs it to compare",
                      entity.to_string(), to_string(moment.last.time));
-  if (outlook.plan && moment.horizons.front().predicted.plan.empty())
-    return not_found("entity '{}': nothing is planned after {}", outlook.plan->to_string(),
+  if (request.plan && moment.horizons.front().predicted.plan.empty())
+    return not_found("entity '{}': nothing is planned after {}", request.plan->to_string(),
                      to_string(moment.last.time));
   ENGRAM_ASSIGN_OR_RETURN(const Json json, reports::moment_json(entity, moment));
   show(arguments, reports::moment_text(entity, moment), json);
@@ -141,8 +141,7 @@ ExitCode run(PredictArguments arguments) {
         "one"));
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
-  ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr,
-                     ltm::make_entity_forecaster);
+  ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr, ltm::make_entity_predictor);
   const ltm::MemoryId entity = *ltm::MemoryId::parse(arguments.entity);
   const auto step = step_of(recall, entity, arguments.engine);
   if (!step.ok()) return fail(step.status());
@@ -152,10 +151,10 @@ ExitCode run(PredictArguments arguments) {
     const Status listed = list(recall, entity, *step, *horizons, arguments);
     return done_or_failed(listed);
   }
-  ltm::Recall::Outlook outlook{time_of(arguments.at), *horizons, arguments.engine};
-  if (!arguments.plan.empty()) outlook.plan = *ltm::MemoryId::parse(arguments.plan);
-  const Status done = is_sweep ? sweep(recall, entity, outlook, arguments)
-                               : predict(recall, entity, outlook, arguments);
+  ltm::Recall::PredictionRequest request{time_of(arguments.at), *horizons, arguments.engine};
+  if (!arguments.plan.empty()) request.plan = *ltm::MemoryId::parse(arguments.plan);
+  const Status done = is_sweep ? sweep(recall, entity, request, arguments)
+                               : predict(recall, entity, request, arguments);
   return done_or_failed(done);
 }
 

@@ -109,7 +109,7 @@ std::string memories_text(const std::vector<std::string>& memories) {
 
 Json served_json(const Robot& robot) {
   Json servers = Json::array();
-  for (const Robot::Served& served : robot.servers())
+  for (const Robot::ServerSummary& served : robot.servers())
     servers.push_back({{"server", served.name},
                        {"memories", served.memories},
                        {"endpoints", served.endpoints},
@@ -124,7 +124,7 @@ void tell_served(const Robot& robot, bool is_json) {
   }
   if (!robot.names().empty())
     print_now(fmt::format("Name system listens at {}", fmt::join(robot.names(), ", ")));
-  for (const Robot::Served& served : robot.servers())
+  for (const Robot::ServerSummary& served : robot.servers())
     print_now(fmt::format(
         "Server {} listens at {}: {}, {}", served.name, fmt::join(served.endpoints, ", "),
         memories_text(served.memories),
@@ -139,7 +139,7 @@ void wait_for_the_end() {
 }
 
 /// Says what became of it; false where something is lost.
-bool tell_ended(const Robot::Ended& ended) {
+bool tell_ended(const Robot::StoppedServer& ended) {
   const ltm::MemoryCounters& memory = ended.counters.memory;
   log::info("server '{}' stopped: {} snapshots came{}, the store was given {}", ended.server,
             reports::count_text(memory.committed),
@@ -155,15 +155,16 @@ bool tell_ended(const Robot::Ended& ended) {
 }
 
 ExitCode run_robot(const RobotConfig& config, bool is_json) {
-  Robot::Surroundings surroundings;
-  surroundings.loader = encoders::load_model;
-  auto robot = Robot::start(config, std::move(surroundings));
+  Robot::Options options;
+  options.loader = encoders::load_model;
+  auto robot = Robot::start(config, std::move(options));
   if (!robot.ok()) return fail(robot.status());
   tell_served(**robot, is_json);
   wait_for_the_end();
   log::info("stopping");
   bool is_whole = true;
-  for (const Robot::Ended& ended : (*robot)->stop()) is_whole = tell_ended(ended) && is_whole;
+  for (const Robot::StoppedServer& ended : (*robot)->stop())
+    is_whole = tell_ended(ended) && is_whole;
   return is_whole ? ExitCode::kDone : ExitCode::kDoneWithLoss;
 }
 

@@ -2,7 +2,7 @@
 #include "cli/command.h"
 #include "cli/progress_line.h"
 #include "cli/simulate_kitchen.h"
-#include "datasets/scene.h"
+#include "datasets/drawn_scene.h"
 
 namespace engram::cli {
 

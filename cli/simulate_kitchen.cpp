@@ -52,7 +52,7 @@ struct KitchenArguments {
 
 /// "3", "1..5", or several of these with commas between them.
 Result<std::vector<uint64_t>> read_seeds(const std::string& text) {
-  constexpr unsigned long long kMost = 1'000'000;
+  constexpr unsigned long long kMax = 1'000'000;
   std::vector<uint64_t> seeds;
   std::stringstream parts(text + ",");
   for (std::string part; std::getline(parts, part, ',');) {
@@ -64,10 +64,10 @@ Result<std::vector<uint64_t>> read_seeds(const std::string& text) {
     if (used >= 0 && static_cast<size_t>(used) < part.size() &&
         std::sscanf(part.c_str(), "%llu..%llu%n", &first, &last, &used) != 2)
       used = -1;
-    if (used < 0 || static_cast<size_t>(used) != part.size() || first > last || last > kMost ||
+    if (used < 0 || static_cast<size_t>(used) != part.size() || first > last || last > kMax ||
         first < 1)
       return invalid_argument("--seed '{}': needs numbers from 1 to {}, as in 3, 1..5 or 1,4", text,
-                              kMost);
+                              kMax);
     for (unsigned long long seed = first; seed <= last; ++seed) seeds.push_back(seed);
   }
   return seeds;

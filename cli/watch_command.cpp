@@ -28,7 +28,7 @@ Examples:
   engram watch Vision --data --json | engram commit --server 10.0.0.2:50051 --lines -)";
 
 /// What waits to be printed. Larger ones wait at the server, which bounds them.
-constexpr size_t kMostWaiting = 4096;
+constexpr size_t kMaxWaiting = 4096;
 
 struct WatchArguments {
   RemoteArguments remote;
@@ -98,7 +98,7 @@ class Inbox {
   void put(std::vector<ToldSnapshot> told) {
     const MutexLock lock(mutex_);
     for (ToldSnapshot& one : told) waiting_.push_back(std::move(one.snapshot));
-    for (; waiting_.size() > kMostWaiting; ++lost_) waiting_.pop_front();
+    for (; waiting_.size() > kMaxWaiting; ++lost_) waiting_.pop_front();
     changed_.notify_one();
   }
 

@@ -21,9 +21,9 @@ class Exporter {
   Status run(const ltm::MemoryId& entity, const std::vector<ltm::SnapshotQuery>& queries) {
     ENGRAM_RETURN_IF_ERROR(sink_.begin(entity));
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall_.store().timeline(entity));
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotWalk walk, SnapshotWalk::create(*timeline, queries));
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor, SnapshotCursor::create(*timeline, queries));
     while (!stop_.stop_requested()) {
-      ENGRAM_ASSIGN_OR_RETURN(const auto step, walk.next());
+      ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
       if (!step) break;
       ENGRAM_RETURN_IF_ERROR(add(entity, *step));
       if (progress_)
@@ -34,7 +34,7 @@ class Exporter {
   }
 
  private:
-  Status add(const ltm::MemoryId& entity, const SnapshotWalk::Step& step) {
+  Status add(const ltm::MemoryId& entity, const SnapshotCursor::Step& step) {
     ENGRAM_ASSIGN_OR_RETURN(const auto found, recalled_snapshot(recall_, entity, step, options_));
     if (found) ENGRAM_RETURN_IF_ERROR(sink_.add(*found));
     return {};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: how the drawn scene looks (datasets/scene.h). Throws cv::Exception.
+// Private to this room: how the drawn scene looks (datasets/drawn_scene.h). Throws cv::Exception.
 
 #include <opencv2/core.hpp>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what moves when in the drawn scene (datasets/scene.h).
+// Private to this room: what moves when in the drawn scene (datasets/drawn_scene.h).
 
 #include <array>
 #include <cstdint>
 #include <random>
 #include <vector>
 
-#include "datasets/scene.h"
+#include "datasets/drawn_scene.h"
 
 namespace engram::datasets::scene {
 

@@ -9,7 +9,7 @@ namespace engram::encoders {
 namespace {
 
 /// Deviations that a number counts as at most.
-constexpr double kMost = 1e4;
+constexpr double kMax = 1e4;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ std::vector<float> normalised(std::span<const double> numbers, std::span<const d
   std::vector<float> result;
   for (size_t i = 0; i < numbers.size(); ++i) {
     const double x = deviation[i] > 0 ? (numbers[i] - mean[i]) / deviation[i] : 0.0;
-    result.push_back(std::isfinite(x) ? static_cast<float>(std::clamp(x, -kMost, kMost)) : 0.0F);
+    result.push_back(std::isfinite(x) ? static_cast<float>(std::clamp(x, -kMax, kMax)) : 0.0F);
   }
   return result;
 }

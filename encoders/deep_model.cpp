@@ -241,14 +241,14 @@ Tensor DeepModel::best_scene(std::span<const Parts> parts) {
   const Tensor nearest = distances.squeeze(0).argsort().slice(0, 0, kTried);
   Tensor best = nearest.slice(0, 0, 1);
   if (nearest.size(0) == 1) return best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int64_t i = 0; i < nearest.size(0); ++i) {
     const Tensor scene = nearest.slice(0, i, i + 1);
     double error = 0;
     for (const size_t row : {size_t{0}, parts.size() / 2, parts.size() - 1})
       error += reconstruction_error(parts[row], scene);
-    if (error >= least) continue;
-    least = error;
+    if (error >= min) continue;
+    min = error;
     best = scene;
   }
   return best;
@@ -295,13 +295,13 @@ std::vector<ltm::Latent> latents_of(std::vector<std::byte> block,
 }
 
 size_t DeepModel::block_rows() const {
-  constexpr size_t kMostBytes = size_t{64} << 20;
+  constexpr size_t kMaxBytes = size_t{64} << 20;
   size_t bytes = 1;
   for (const FrameShape& frame : codec.chain.frames)
-    bytes += idf::size_bytes(frame.type, frame.shape).value_or(kMostBytes);
+    bytes += idf::size_bytes(frame.type, frame.shape).value_or(kMaxBytes);
   const size_t chains =
-      std::min(kMostBytes / (bytes * codec.chain_rows), kMostBlockRows / codec.chain_rows);
-  return codec.chain_rows * std::clamp<size_t>(chains, 1, kMostChains);
+      std::min(kMaxBytes / (bytes * codec.chain_rows), kMaxBlockRows / codec.chain_rows);
+  return codec.chain_rows * std::clamp<size_t>(chains, 1, kMaxChains);
 }
 
 Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> values) {
@@ -378,7 +378,7 @@ std::vector<Future> futures_of(DeepModel& model, const Parts& last, const Parts&
   return futures_of(model, last, before, needs);
 }
 
-Parts mix(const Parts& last, const Future& future, const Shares& shares) {
+Parts mix(const Parts& last, const Future& future, const BlendShares& shares) {
   Parts mixed;
   for (size_t i = 0; i < last.images.size(); ++i) {
     Tensor image = last.images[i];

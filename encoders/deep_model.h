@@ -134,7 +134,7 @@ struct DeepModel {
 [[nodiscard]] std::unique_ptr<ltm::Predictor> make_copies(std::shared_ptr<DeepModel> model);
 
 /// Shares of a prediction.
-struct Shares {
+struct BlendShares {
   double latents = 0;  ///< Of images.
   double motion = 0;   ///< Of images.
   double numbers = 0;
@@ -164,6 +164,6 @@ struct FutureNeed {
                                              const Parts& before, int steps);
 
 /// The last value, plus the shares of how expectations differ from it.
-[[nodiscard]] Parts mix(const Parts& last, const Future& future, const Shares& shares);
+[[nodiscard]] Parts mix(const Parts& last, const Future& future, const BlendShares& shares);
 
 }  // namespace engram::encoders

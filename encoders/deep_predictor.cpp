@@ -52,7 +52,7 @@ class DeepPredictor : public ltm::Predictor {
     return guarded("predict", [&] { return predict_checked(past, steps); });
   }
 
-  [[nodiscard]] std::vector<ltm::HorizonRecord> records(ltm::Told told) const override {
+  [[nodiscard]] std::vector<ltm::HorizonRecord> records(ltm::PredictorInputs told) const override {
     return record(told).horizons();
   }
 
@@ -61,12 +61,12 @@ class DeepPredictor : public ltm::Predictor {
     return static_cast<size_t>(std::clamp(steps, 1, kMeasuredHorizons) - 1);
   }
 
-  [[nodiscard]] const PredictionRecord& record(ltm::Told told) const {
-    if (!model_->condition || told == ltm::Told::kConditions) return model_->prediction;
-    return told == ltm::Told::kPlan ? model_->planned : model_->unconditioned;
+  [[nodiscard]] const PredictionRecord& record(ltm::PredictorInputs told) const {
+    if (!model_->condition || told == ltm::PredictorInputs::kConditions) return model_->prediction;
+    return told == ltm::PredictorInputs::kPlan ? model_->planned : model_->unconditioned;
   }
 
-  [[nodiscard]] static Shares shares_at(const PredictionRecord& record, int step) {
+  [[nodiscard]] static BlendShares shares_at(const PredictionRecord& record, int step) {
     const size_t horizon = index_of(step);
     return {record.image_gates[horizon], record.motion_gates[horizon],
             record.number_gates[horizon]};
@@ -86,23 +86,24 @@ class DeepPredictor : public ltm::Predictor {
         model_->condition && past.conditions.size() == history.size() &&
         add_conditions(past.conditions.back(), last) &&
         add_conditions(past.conditions[history.size() > 1 ? history.size() - 2 : 0], before);
-    ltm::Told told = has_conditions ? ltm::Told::kConditions : ltm::Told::kValues;
+    ltm::PredictorInputs told =
+        has_conditions ? ltm::PredictorInputs::kConditions : ltm::PredictorInputs::kValues;
     if (has_conditions && !past.plan.empty()) {
       ENGRAM_ASSIGN_OR_RETURN(last.plan, read_plan(past.plan));
-      told = ltm::Told::kPlan;
+      told = ltm::PredictorInputs::kPlan;
     }
     const PredictionRecord& record = this->record(told);
     const ltm::MeasuredError change = change_of(*model_, history, last, before);
     std::vector<FutureNeed> needs;
     for (const int step : std::set<int>(steps.begin(), steps.end())) {
-      const Shares shares = shares_at(record, step);
+      const BlendShares shares = shares_at(record, step);
       needs.push_back({step, shares.latents > 0 || shares.numbers > 0, shares.motion > 0});
     }
     const auto futures = futures_of(*model_, last, before, needs);
     std::map<int, ltm::Prediction> known;
     for (size_t i = 0; i < needs.size(); ++i) {
       const int step = needs[i].step;
-      const Shares shares = shares_at(record, step);
+      const BlendShares shares = shares_at(record, step);
       ENGRAM_ASSIGN_OR_RETURN(idf::Data value,
                               value_at(history.back(), split, last, futures[i], shares));
       known.emplace(step, ltm::Prediction{std::move(value), record.estimate(change, step),
@@ -134,7 +135,8 @@ class DeepPredictor : public ltm::Predictor {
 
   // Members whose gate is closed keep the last value bit for bit.
   Result<idf::Data> value_at(const idf::Data& newest, const idf::SplitValue& split,
-                             const Parts& last, const Future& future, const Shares& shares) const {
+                             const Parts& last, const Future& future,
+                             const BlendShares& shares) const {
     const bool copies_images = shares.latents == 0 && shares.motion == 0;
     const bool copies_numbers = shares.numbers == 0;
     if (copies_images && copies_numbers) return newest;
@@ -176,7 +178,8 @@ class MeasuredCopies : public ltm::Predictor {
     return copies;
   }
 
-  [[nodiscard]] std::vector<ltm::HorizonRecord> records(ltm::Told /*told*/) const override {
+  [[nodiscard]] std::vector<ltm::HorizonRecord> records(
+      ltm::PredictorInputs /*told*/) const override {
     return model_->copied.horizons();
   }
 

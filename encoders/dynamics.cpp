@@ -22,11 +22,11 @@ constexpr double kChangeGain = 3.0;
 constexpr double kFirstGate = -1.0;
 /// Deviations from the mean that numbers and their changes count as at most. Beyond what they were
 /// trained on linear layers go on without end.
-constexpr double kMostDeviations = 5.0;
-constexpr double kLeastLogScale = -4.0;
-constexpr double kMostLogScale = 6.0;
+constexpr double kMaxDeviations = 5.0;
+constexpr double kMinLogScale = -4.0;
+constexpr double kMaxLogScale = 6.0;
 /// No latent costs more than -log2 of it.
-constexpr double kLeastProbability = 1e-7;
+constexpr double kMinProbability = 1e-7;
 
 Tensor twice_as_large(const Tensor& x) {
   namespace F = torch::nn::functional;
@@ -37,11 +37,11 @@ Tensor twice_as_large(const Tensor& x) {
 
 /// Of normalised numbers.
 Tensor saturated(const Tensor& numbers) {
-  return numbers.clamp(-kMostDeviations, kMostDeviations);
+  return numbers.clamp(-kMaxDeviations, kMaxDeviations);
 }
 
 /// [B]
-Tensor bits_of(const Tensor& z, const Expected& expected) {
+Tensor bits_of(const Tensor& z, const ExpectedLatents& expected) {
   return laplace_bits((z - expected.mean).abs(), expected.log_scale.exp()).sum({1, 2, 3});
 }
 
@@ -52,7 +52,7 @@ Tensor laplace_bits(const Tensor& distance, const Tensor& scale) {
   const Tensor outside = 0.5 * torch::exp(-(distance - 0.5).clamp_min(0) / scale) - above;
   const Tensor inside = 1 - 0.5 * torch::exp(-(0.5 - distance).clamp_min(0) / scale) - above;
   const Tensor probability = torch::where(distance > 0.5, outside, inside);
-  return torch::log(probability.clamp_min(kLeastProbability)) * (-1.0 / std::numbers::ln2);
+  return torch::log(probability.clamp_min(kMinProbability)) * (-1.0 / std::numbers::ln2);
 }
 
 LatentPriorImpl::LatentPriorImpl(int channels, int known, int features)
@@ -60,15 +60,15 @@ LatentPriorImpl::LatentPriorImpl(int channels, int known, int features)
       output(register_module("output", make_conv(features, 2 * channels, 1, true))),
       block(register_module("block", ResidualBlock(features))) {}
 
-Expected LatentPriorImpl::forward(const Tensor& last, const Tensor& before, const Tensor& known,
-                                  const Tensor& added) {
+ExpectedLatents LatentPriorImpl::forward(const Tensor& last, const Tensor& before,
+                                         const Tensor& known, const Tensor& added) {
   std::vector<Tensor> inputs{last, last - before};
   if (known.defined()) inputs.push_back(known);
   Tensor x = input(torch::cat(inputs, 1));
   if (added.defined()) x = with_features(x, added);
   x = activate(block(x));
   const std::vector<Tensor> outputs = output(x).chunk(2, 1);
-  return {last + outputs[0], outputs[1].clamp(kLeastLogScale, kMostLogScale), x};
+  return {last + outputs[0], outputs[1].clamp(kMinLogScale, kMaxLogScale), x};
 }
 
 ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes,
@@ -86,14 +86,14 @@ ImageDynamicsImpl::ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes
   gate_output->bias.fill_(kFirstGate);
 }
 
-Expected ImageDynamicsImpl::coarse(const ImageLatents& last, const ImageLatents& before,
-                                   const Tensor& number_features) {
+ExpectedLatents ImageDynamicsImpl::coarse(const ImageLatents& last, const ImageLatents& before,
+                                          const Tensor& number_features) {
   return coarse_prior(last.coarse, before.coarse, Tensor(),
                       from_numbers ? from_numbers(number_features) : Tensor());
 }
 
-Expected ImageDynamicsImpl::fine(const ImageLatents& last, const ImageLatents& before,
-                                 const Tensor& then) {
+ExpectedLatents ImageDynamicsImpl::fine(const ImageLatents& last, const ImageLatents& before,
+                                        const Tensor& then) {
   return fine_prior(last.fine, before.fine, twice_as_large(then), Tensor());
 }
 
@@ -180,8 +180,8 @@ DynamicsStep DynamicsImpl::step(const Latents& last, const Latents& before) {
     step.number_gate = torch::sigmoid(number_gate(features));
   }
   for (size_t i = 0; i < images.size(); ++i) {
-    const Expected coarse = images[i]->coarse(last.images[i], before.images[i], features);
-    const Expected fine = images[i]->fine(last.images[i], before.images[i], coarse.mean);
+    const ExpectedLatents coarse = images[i]->coarse(last.images[i], before.images[i], features);
+    const ExpectedLatents fine = images[i]->fine(last.images[i], before.images[i], coarse.mean);
     step.then.images.push_back({coarse.mean, fine.mean});
     step.gates.push_back(images[i]->gate(coarse.features));
   }

@@ -12,7 +12,7 @@
 namespace engram::encoders {
 
 /// What is expected of the latents of one grid before they are known. [B, z, h, w] each.
-struct Expected {
+struct ExpectedLatents {
   torch::Tensor mean;
   torch::Tensor log_scale;  ///< Of a Laplace distribution around the mean.
   torch::Tensor features;   ///< What it was concluded from.
@@ -23,7 +23,7 @@ struct Expected {
 ///
 ///     last, last - before, known   [B, 2z + K', h, w]
 ///           | input 3x3, + added
-///     [B, G, h, w]   block -- activate --> Expected::features
+///     [B, G, h, w]   block -- activate --> ExpectedLatents::features
 ///           | output 1x1
 ///     change of the mean, log scale   [B, z, h, w] each
 ///
@@ -33,8 +33,8 @@ struct LatentPriorImpl : torch::nn::Module {
   LatentPriorImpl(int channels, int known, int features);
 
   /// `known` [B, K', h, w] or undefined; `added` [B, features] or undefined.
-  Expected forward(const torch::Tensor& last, const torch::Tensor& before,
-                   const torch::Tensor& known, const torch::Tensor& added);
+  ExpectedLatents forward(const torch::Tensor& last, const torch::Tensor& before,
+                          const torch::Tensor& known, const torch::Tensor& added);
 
   torch::nn::Conv2d input{nullptr}, output{nullptr};
   ResidualBlock block{nullptr};
@@ -53,11 +53,12 @@ struct ImageDynamicsImpl : torch::nn::Module {
   ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features,
                     int motion_features);
 
-  Expected coarse(const ImageLatents& last, const ImageLatents& before,
-                  const torch::Tensor& number_features);
+  ExpectedLatents coarse(const ImageLatents& last, const ImageLatents& before,
+                         const torch::Tensor& number_features);
   /// `then`: the coarse latents of the snapshot whose fine ones are asked for.
-  Expected fine(const ImageLatents& last, const ImageLatents& before, const torch::Tensor& then);
-  /// Of Expected::features of coarse(): [B, 1, H, W], 0 to 1.
+  ExpectedLatents fine(const ImageLatents& last, const ImageLatents& before,
+                       const torch::Tensor& then);
+  /// Of ExpectedLatents::features of coarse(): [B, 1, H, W], 0 to 1.
   torch::Tensor gate(const torch::Tensor& features);
 
   int stride;

@@ -6,7 +6,7 @@
 namespace engram::encoders {
 
 double ErrorCalibration::scale(double change) const {
-  return std::pow(change + least_change, exponent);
+  return std::pow(change + min_change, exponent);
 }
 
 double ErrorCalibration::expected(double change) const {
@@ -18,10 +18,10 @@ double ErrorCalibration::bound(double change) const {
 }
 
 Status ErrorCalibration::validate() const {
-  const bool has_scale = least_change > 0 && std::isfinite(least_change) && exponent >= 0 &&
+  const bool has_scale = min_change > 0 && std::isfinite(min_change) && exponent >= 0 &&
                          exponent <= 1 && measured >= 0;
   if (!has_scale)
-    return data_loss("found errors of {} predictions by (change + {}) ^ {}", measured, least_change,
+    return data_loss("found errors of {} predictions by (change + {}) ^ {}", measured, min_change,
                      exponent);
   for (const double error : {expected_per_scale, bound_per_scale, mean})
     if (error < 0 || std::isinf(error))

@@ -10,7 +10,7 @@ namespace engram::encoders {
 
 /// How wrong predictions of one kind and horizon are, told by how much changed just before them:
 ///
-///     scale = (change + least_change) ^ exponent
+///     scale = (change + min_change) ^ exponent
 ///
 /// so that calm moments are told small errors and busy ones large errors. Changes and errors are
 /// mean squares, in grey levels or in the units of numbers.
@@ -18,8 +18,8 @@ namespace engram::encoders {
 /// Threading: immutable but for assignment.
 /// Source: docs/learning_methods.md, section "How wrong predictions are".
 struct ErrorCalibration {
-  double least_change = 1;  ///< More than 0: noise alone changes that much.
-  double exponent = 0;      ///< 0 to 1; 0: errors do not depend on what changed.
+  double min_change = 1;  ///< More than 0: noise alone changes that much.
+  double exponent = 0;    ///< 0 to 1; 0: errors do not depend on what changed.
   /// Mean error, and what it stays within with kBoundProbability, per scale. Not a number where too
   /// little was measured.
   double expected_per_scale = std::numeric_limits<double>::quiet_NaN();

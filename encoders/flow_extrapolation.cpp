@@ -11,11 +11,11 @@ namespace engram::encoders {
 namespace {
 
 /// Smaller images have no flow: OpenCV takes none below 12 pixels.
-constexpr int kLeastSide = 16;
+constexpr int kMinSide = 16;
 /// What a pixel that stands still counts, beside the squared speed of others.
 constexpr float kStillWeight = 0.01F;
 /// Share of a pixel that must have arrived, or it stays as it was.
-constexpr float kLeastCoverage = 0.5F;
+constexpr float kMinCoverage = 0.5F;
 
 /// Shares the pixels; only read.
 cv::Mat view(const idf::NdArray& image) {
@@ -46,7 +46,7 @@ double largest_of(const cv::Mat& image) {
 /// How far each pixel of `last` moved since `before`. Unit: pixels. [H, W, 2]
 cv::Mat motion_of(const cv::Mat& before, const cv::Mat& last) {
   cv::Mat flow = cv::Mat::zeros(last.size(), CV_32FC2);
-  if (std::min(last.rows, last.cols) < kLeastSide) return flow;
+  if (std::min(last.rows, last.cols) < kMinSide) return flow;
   double scale = 1;
   if (last.depth() == CV_16U) scale = 255.0 / std::max({largest_of(before), largest_of(last), 1.0});
   const auto search = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
@@ -80,7 +80,7 @@ class Arrivals {
   void put_over(cv::Mat& image) const {
     for (int y = 0; y < image.rows; ++y)
       for (int x = 0; x < image.cols; ++x) {
-        if (coverage_.at<float>(y, x) < kLeastCoverage) continue;
+        if (coverage_.at<float>(y, x) < kMinCoverage) continue;
         const float* sum = sums_.ptr<float>(y) + x * channels_;
         float* pixel = image.ptr<float>(y) + x * channels_;
         for (int c = 0; c < channels_; ++c) pixel[c] = sum[c] / weights_.at<float>(y, x);

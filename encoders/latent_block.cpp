@@ -35,8 +35,8 @@ Result<ImageForm> read_form(ByteReader& reader) {
 }
 
 Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, size_t images) {
-  if (count < 1 || count > kMostBlockRows)
-    return data_loss("{}: found {} rows, needs 1 to {}", kWhat, count, kMostBlockRows);
+  if (count < 1 || count > kMaxBlockRows)
+    return data_loss("{}: found {} rows, needs 1 to {}", kWhat, count, kMaxBlockRows);
   ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, kWhat, count));
   ByteReader reader(bytes);
   BlockParts parts;
@@ -49,8 +49,8 @@ Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, si
       sizes.push_back(reader.get_varint());
     }
   const int64_t rows = reader.get_varint();
-  if (reader.failed() || rows < 1 || rows > static_cast<int64_t>(kMostBlockRows))
-    return data_loss("{}: found chains of {} rows, needs 1 to {}", kWhat, rows, kMostBlockRows);
+  if (reader.failed() || rows < 1 || rows > static_cast<int64_t>(kMaxBlockRows))
+    return data_loss("{}: found chains of {} rows, needs 1 to {}", kWhat, rows, kMaxBlockRows);
   parts.chain_rows = static_cast<size_t>(rows);
   parts.chains.resize((count + parts.chain_rows - 1) / parts.chain_rows);
   for (size_t i = 0; i < parts.chains.size(); ++i) sizes.push_back(reader.get_varint());

@@ -12,9 +12,9 @@
 namespace engram::encoders {
 
 /// Chains of a block. What they share, a background of their own, is then cheap.
-inline constexpr size_t kMostChains = 8;
+inline constexpr size_t kMaxChains = 8;
 /// Most rows of a block.
-inline constexpr size_t kMostBlockRows = ltm::kMaxGroupImages;
+inline constexpr size_t kMaxBlockRows = ltm::kMaxGroupImages;
 
 /// A block whose checksum fits, and what its chains share. Lives as long as the bytes.
 struct OpenBlock {

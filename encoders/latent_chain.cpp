@@ -25,10 +25,10 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   ImageHead head;
   const int64_t form = reader.get_varint();
   const int64_t codec = form & (kRefined - 1);
-  constexpr auto kMostCodec = static_cast<int64_t>(ImageForm::kFfv1);
-  const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMostCodec;
+  constexpr auto kMaxCodec = static_cast<int64_t>(ImageForm::kFfv1);
+  const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxCodec;
   if (!is_known || (codec != 0 && form != codec))
-    return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kWhat, form, kMostCodec,
+    return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kWhat, form, kMaxCodec,
                      kRefined, kHasResidual, kRefined + kHasResidual);
   head.form = static_cast<ImageForm>(codec);
   head.is_refined = (form & kRefined) != 0;

@@ -105,13 +105,13 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(TensorPlan plan, read_plan(file));
   ENGRAM_ASSIGN_OR_RETURN(const NetworkSizes sizes, read_sizes(file));
   for (const ImageShape& image : network_shape(plan, sizes).images)
-    if (sizes.scenes > most_scenes(image))
+    if (sizes.scenes > max_scenes(image))
       return data_loss("found {} backgrounds of {} x {} pixels, needs at most {}", sizes.scenes,
-                       image.height, image.width, most_scenes(image));
+                       image.height, image.width, max_scenes(image));
   auto model = std::make_shared<DeepModel>(std::move(plan), sizes);
   ENGRAM_ASSIGN_OR_RETURN(const int64_t rows, file.int_attribute("/", "chain_rows"));
-  if (rows < 1 || rows > static_cast<int64_t>(kMostBlockRows))
-    return data_loss("found chains of {} rows, needs 1 to {}", rows, kMostBlockRows);
+  if (rows < 1 || rows > static_cast<int64_t>(kMaxBlockRows))
+    return data_loss("found chains of {} rows, needs 1 to {}", rows, kMaxBlockRows);
   model->codec.chain_rows = static_cast<size_t>(rows);
   ENGRAM_ASSIGN_OR_RETURN(model->mean, read_vector<double>(file, "/normaliser/mean"));
   ENGRAM_ASSIGN_OR_RETURN(model->deviation, read_vector<double>(file, "/normaliser/deviation"));

@@ -47,8 +47,8 @@ Result<std::vector<CurvePoint>> read_curve(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(const bool is_there, file.exists(kCurve));
   if (!is_there) return curve;
   ENGRAM_ASSIGN_OR_RETURN(const auto rows, read_vector<float>(file, kCurve));
-  constexpr float kMostSteps = 1e15f;
-  const auto is_number = [](float x) { return x >= 0 && x <= kMostSteps; };
+  constexpr float kMaxSteps = 1e15f;
+  const auto is_number = [](float x) { return x >= 0 && x <= kMaxSteps; };
   for (size_t i = 0; i + kCurveColumns <= rows.size(); i += kCurveColumns) {
     if (!is_number(rows[i]) || !is_number(rows[i + 1]) || rows[i] > 2)
       return data_loss("'{}': found phase {} and step {}", kCurve, rows[i], rows[i + 1]);
@@ -134,7 +134,7 @@ namespace {
 /// The numbers of one kind of error, in their order.
 template <typename Calibration, typename Visit>
 void for_each_number(Calibration& errors, Visit visit) {
-  visit(errors.least_change);
+  visit(errors.min_change);
   visit(errors.exponent);
   visit(errors.expected_per_scale);
   visit(errors.bound_per_scale);
@@ -175,10 +175,10 @@ Result<PredictionRecord> read_prediction(const h5::File& file, const std::string
   PredictionRecord record;
   size_t at = 0;
   for_each_number_of(record, [&]<typename T>(T& number) {
-    constexpr double kMost = 1e15;
+    constexpr double kMax = 1e15;
     const double value = numbers[at++];
     if constexpr (std::is_integral_v<T>)
-      number = value >= 0 && value <= kMost ? static_cast<T>(value) : -1;
+      number = value >= 0 && value <= kMax ? static_cast<T>(value) : -1;
     else
       number = value;
   });

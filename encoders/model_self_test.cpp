@@ -25,7 +25,7 @@ struct SelfTest {
 };
 
 Result<SelfTest> decoded_example(DeepModel& model, std::span<const std::byte> code) {
-  constexpr int64_t kMostPixels = 512;
+  constexpr int64_t kMaxPixels = 512;
   torch::NoGradGuard no_grad;
   SelfTest test;
   ENGRAM_ASSIGN_OR_RETURN(const auto chains, model.codec.decode_all(code, 1));
@@ -33,7 +33,7 @@ Result<SelfTest> decoded_example(DeepModel& model, std::span<const std::byte> co
   for (const Tensor& image : model.autoencoder->decode(latents).images) {
     if (!image.defined()) continue;
     const Tensor flat = image.contiguous().flatten().clamp(0, 255);
-    const int64_t stride = std::max<int64_t>(1, flat.numel() / kMostPixels);
+    const int64_t stride = std::max<int64_t>(1, flat.numel() / kMaxPixels);
     for (int64_t i = 0; i < flat.numel(); i += stride)
       test.grey_levels.push_back(flat.data_ptr<float>()[i]);
   }

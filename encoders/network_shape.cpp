@@ -8,7 +8,7 @@ namespace engram::encoders {
 namespace {
 
 /// The longest side of an image, in units.
-constexpr int kMostUnits = 256;
+constexpr int kMaxUnits = 256;
 
 int padded(int size, int multiple) {
   return (size + multiple - 1) / multiple * multiple;
@@ -17,9 +17,9 @@ int padded(int size, int multiple) {
 }  // namespace
 
 bool NetworkSizes::is_valid() const {
-  return width >= 0 && width <= kMostWidth && width % 16 == 0 && coarse_channels >= 1 &&
-         coarse_channels <= kMostChannels && fine_channels >= 1 && fine_channels <= kMostChannels &&
-         scenes >= 1 && scenes <= kMostScenes && conditions >= 0 &&
+  return width >= 0 && width <= kMaxWidth && width % 16 == 0 && coarse_channels >= 1 &&
+         coarse_channels <= kMaxChannels && fine_channels >= 1 && fine_channels <= kMaxChannels &&
+         scenes >= 1 && scenes <= kMaxScenes && conditions >= 0 &&
          conditions <= static_cast<int>(TensorPlan::kMaxNumbers);
 }
 
@@ -31,10 +31,10 @@ std::vector<LatentGrid> NetworkShape::grids(size_t image) const {
           {sizes.fine_channels, shape.height / fine, shape.width / fine}};
 }
 
-int most_scenes(const ImageShape& image) {
+int max_scenes(const ImageShape& image) {
   const int64_t pixels = int64_t{image.channels} * image.height * image.width;
-  return static_cast<int>(std::clamp<int64_t>(NetworkSizes::kMostBackgroundPixels / pixels, 1,
-                                              NetworkSizes::kMostScenes));
+  return static_cast<int>(std::clamp<int64_t>(NetworkSizes::kMaxBackgroundPixels / pixels, 1,
+                                              NetworkSizes::kMaxScenes));
 }
 
 NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes) {
@@ -42,7 +42,7 @@ NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes) {
   shape.sizes = sizes;
   for (const ImageMember& image : plan.images()) {
     ImageShape one{image.channels, 0, 0, 1};
-    while (std::max(image.height, image.width) > kMostUnits * one.unit) one.unit *= 2;
+    while (std::max(image.height, image.width) > kMaxUnits * one.unit) one.unit *= 2;
     one.height = padded(image.height, one.coarse_stride());
     one.width = padded(image.width, one.coarse_stride());
     shape.images.push_back(one);

@@ -27,11 +27,11 @@ struct NetworkSizes {
   int scenes = 1;            ///< Backgrounds of each image member.
   int conditions = 0;        ///< Numbers of another entity that predictions start from.
 
-  static constexpr int kMostWidth = 512;
-  static constexpr int kMostChannels = 256;
-  static constexpr int kMostScenes = 64;
+  static constexpr int kMaxWidth = 512;
+  static constexpr int kMaxChannels = 256;
+  static constexpr int kMaxScenes = 64;
   /// Of an image member, of all scenes.
-  static constexpr int64_t kMostBackgroundPixels = int64_t{1} << 26;
+  static constexpr int64_t kMaxBackgroundPixels = int64_t{1} << 26;
 
   [[nodiscard]] bool is_valid() const;
 };
@@ -47,7 +47,7 @@ struct NetworkShape {
 };
 
 /// Backgrounds of an image member that fit: at least one.
-[[nodiscard]] int most_scenes(const ImageShape& image);
+[[nodiscard]] int max_scenes(const ImageShape& image);
 
 /// The shape for a layout.
 [[nodiscard]] NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes);

@@ -76,11 +76,11 @@ struct ModelChoice {
 
   /// What a new model has to save at least, relative to going on with the one before it: encoders
   /// of video do not always give equal bytes for equal images.
-  static constexpr double kLeastGain = 0.005;
+  static constexpr double kMinGain = 0.005;
 
   /// Whether the new model is not worth its bytes.
   [[nodiscard]] bool keeps_previous() const {
-    return previous_version > 0 && previous.total(nights) * (1 - kLeastGain) <= made.total(nights);
+    return previous_version > 0 && previous.total(nights) * (1 - kMinGain) <= made.total(nights);
   }
   friend bool operator==(const ModelChoice&, const ModelChoice&) = default;
 };

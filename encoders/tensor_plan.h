@@ -38,7 +38,7 @@ class TensorPlan {
   /// Most pixels along a side of an image.
   static constexpr int64_t kMaxImageSide = 4096;
   /// Most numbers of all members together.
-  static constexpr size_t kMaxNumbers = NumberModel::kMostNumbers;
+  static constexpr size_t kMaxNumbers = NumberModel::kMaxNumbers;
 
   TensorPlan() = default;
 

@@ -16,7 +16,7 @@ TrainingCurve::TrainingCurve(std::vector<CurvePoint> points) : points_(std::move
 void TrainingCurve::add(const CurvePoint& point) {
   if (point.step % stride_ != 0) return;
   points_.push_back(point);
-  while (points_.size() > kMostPoints) {
+  while (points_.size() > kMaxPoints) {
     stride_ *= 2;
     std::erase_if(points_, [&](const CurvePoint& one) { return one.step % stride_ != 0; });
   }

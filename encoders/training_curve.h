@@ -25,7 +25,7 @@ struct CurvePoint {
 /// Threading: one thread.
 class TrainingCurve {
  public:
-  static constexpr size_t kMostPoints = 64;
+  static constexpr size_t kMaxPoints = 64;
 
   TrainingCurve() = default;
   /// Goes on from the points of another one as that would have.

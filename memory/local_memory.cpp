@@ -149,7 +149,7 @@ Result<std::unique_ptr<Memory>> Memory::open(const std::filesystem::path& store,
   memory::MemoryService::Options service;
   service.name = store.filename().string().empty() ? store.string() : store.filename().string();
   service.memory.all.bytes = options.max_working_bytes;
-  service.furthest_prediction = options.max_horizon;
+  service.max_horizon = options.max_horizon;
   memory::LongTerm::Options& kept = service.store.emplace();
   kept.store = store;
   kept.prefers_latents = options.prefers_latents;

@@ -5,7 +5,7 @@
 
 #include "augmentation/recipe.h"
 #include "ltm/store/store_reader.h"
-#include "reports/picture.h"
+#include "reports/contact_sheet.h"
 #include "training/augment/change_examples.h"
 
 namespace engram::reports {

@@ -91,11 +91,11 @@ std::string bound_table(const CrossvalReport& report, size_t index) {
   return table_of_folds(report, header, [index](const std::string& name, const CrossvalFold& fold) {
     const VariantQuality& variant = fold.variants[index];
     std::vector<std::string> row{name};
-    for (size_t ahead = 0; ahead < training::kLeastAhead; ++ahead) {
+    for (size_t ahead = 0; ahead < training::kMinAhead; ++ahead) {
       const Quality& quality = variant.prediction[ahead];
       const bool has_images = quality.images > 0;
       const training::Coverage& told =
-          has_images ? variant.foresight[ahead].images : variant.foresight[ahead].numbers;
+          has_images ? variant.bound_coverage[ahead].images : variant.bound_coverage[ahead].numbers;
       const auto text = has_images ? db_text : number_text;
       row.push_back(told.predictions > 0 ? fmt::format("{:.1f} %", 100 * told.share()) : "-");
       row.push_back(text(told.mean_bound));
@@ -137,7 +137,7 @@ std::string baseline_table(const CrossvalReport& report) {
           fmt::format("{}: {}", ahead, to_string(static_cast<training::Baseline>(way))));
   return table_of_folds(report, header, [](const std::string& name, const CrossvalFold& fold) {
     std::vector<std::string> row{name};
-    for (size_t ahead = 0; ahead < training::kLeastAhead; ++ahead)
+    for (size_t ahead = 0; ahead < training::kMinAhead; ++ahead)
       for (const auto& way : fold.baselines) row.push_back(quality_text(way[ahead]));
     return row;
   });
@@ -160,7 +160,7 @@ std::string comparison_table(const CrossvalFold& all) {
 /// How predictions get worse; empty where next and over-next are all that was measured.
 std::string ahead_table(const CrossvalFold& all) {
   const size_t ahead = all.baselines.front().size();
-  if (ahead <= training::kLeastAhead) return "";
+  if (ahead <= training::kMinAhead) return "";
   std::vector<std::string> header{"snapshots ahead"};
   for (size_t step = 1; step <= ahead; ++step) header.push_back(std::to_string(step));
   TextTable table(header);

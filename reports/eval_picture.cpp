@@ -5,9 +5,9 @@
 
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
-#include "reports/picture.h"
+#include "reports/contact_sheet.h"
 #include "reports/plain/text.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::reports {
 

@@ -40,15 +40,15 @@ void for_each_quality(const training::EntityEvaluation& entity, F add) {
   }
 }
 
-/// Calls `add` with a label, a foresight and the quality that it is about.
+/// Calls `add` with a label, what bounds covered and the quality that it is about.
 template <typename F>
-void for_each_foresight(const training::EntityEvaluation& entity, F add) {
+void for_each_bound_coverage(const training::EntityEvaluation& entity, F add) {
   for (size_t known = 0; known < entity.prediction.size(); ++known) {
     const std::string name(training::to_string(static_cast<training::Known>(known)));
     for (const training::PredictionQuality& prediction : entity.prediction[known]) {
       const std::string ahead = fmt::format("{} ahead, {}", prediction.horizon, name);
-      add("predicted " + ahead, prediction.model_foresight, prediction.model);
-      add("copy-last " + ahead, prediction.copy_foresight, prediction.copy_last);
+      add("predicted " + ahead, prediction.model_bound_coverage, prediction.model);
+      add("copy-last " + ahead, prediction.copy_bound_coverage, prediction.copy_last);
     }
   }
 }
@@ -65,11 +65,12 @@ void print_bounds(const training::EntityEvaluation& entity) {
                fmt::format("{:.1f} %", 100 * coverage.share()), text(coverage.mean_bound),
                text(coverage.expected), text(real)});
   };
-  for_each_foresight(entity, [&](const std::string& what, const training::Foresight& foresight,
-                                 const training::Quality& quality) {
-    add(what, foresight.images, quality.pooled_psnr_db, db_text);
-    add(what + ", numbers", foresight.numbers, quality.rmse, number_text);
-  });
+  for_each_bound_coverage(
+      entity, [&](const std::string& what, const training::BoundCoverage& bound_coverage,
+                  const training::Quality& quality) {
+        add(what, bound_coverage.images, quality.pooled_psnr_db, db_text);
+        add(what + ", numbers", bound_coverage.numbers, quality.rmse, number_text);
+      });
   if (has_any) print(table.to_string("  "));
 }
 

@@ -26,7 +26,7 @@ Result<ltm::ForgetPlan> ForgetJob::plan_with(const ltm::ForgetOptions& with) con
 
 Result<ltm::ForgetReport> ForgetJob::carry_out(ltm::ForgetPlan plan) const {
   ltm::PlanAgain again;
-  if (targets.empty() && (options.most_bytes || options.least_free_disk_bytes))
+  if (targets.empty() && (options.max_bytes || options.min_free_disk_bytes))
     again = [this, quota = ltm::quota_after(options, plan)] { return plan_with(quota); };
   const ltm::ForgetSet gone = plan.to_set();
   auto report = ltm::carry_out(store, std::move(plan), again, progress, stop);

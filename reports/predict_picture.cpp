@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reports/picture.h"
+#include "reports/contact_sheet.h"
 #include "reports/plain/text.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::reports {
 

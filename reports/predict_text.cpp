@@ -19,20 +19,20 @@ using training::PredictedHorizon;
 using training::PredictedMoment;
 using training::PredictionQuality;
 
-constexpr int kMostSteps = 1000;
+constexpr int kMaxSteps = 1000;
 
 /// A whole number of steps; nothing where the text is anything else.
 std::optional<int> steps_from(std::string_view text) {
   int steps = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);
   const bool is_number = error == std::errc() && end == text.data() + text.size();
-  return is_number && steps >= 1 && steps <= kMostSteps ? std::optional(steps) : std::nullopt;
+  return is_number && steps >= 1 && steps <= kMaxSteps ? std::optional(steps) : std::nullopt;
 }
 
 Status unfitting(const std::string& text) {
   return invalid_argument(
       "horizons '{}': needs steps from 1 to {} as '1..3' or '2', or durations as '+200ms,+400ms'",
-      text, kMostSteps);
+      text, kMaxSteps);
 }
 
 /// The error of first instances that a prediction was told to expect, and its bound.
@@ -85,10 +85,11 @@ template <typename F>
 void for_each_record(std::span<const Recall::Engine> engines, F add) {
   for (const Recall::Engine& engine : engines) {
     const bool has_condition = engine.predictor->condition().has_value();
-    add(engine, has_condition ? "known" : "", engine.predictor->records(ltm::Told::kConditions));
+    add(engine, has_condition ? "known" : "",
+        engine.predictor->records(ltm::PredictorInputs::kConditions));
     if (!has_condition) continue;
-    add(engine, "planned", engine.predictor->records(ltm::Told::kPlan));
-    add(engine, "unknown", engine.predictor->records(ltm::Told::kValues));
+    add(engine, "planned", engine.predictor->records(ltm::PredictorInputs::kPlan));
+    add(engine, "unknown", engine.predictor->records(ltm::PredictorInputs::kValues));
   }
 }
 
@@ -185,17 +186,17 @@ std::string sweep_text(const MemoryId& entity, const std::string& engine,
     return told.predictions > 0 ? fmt::format("{:.1f} %", 100 * told.share()) : "-";
   };
   for (size_t i = 0; i < horizons.size(); ++i) {
-    const auto& [number, model, copy_last, foresight, copy_foresight, moving, moving_copy] =
-        qualities[i];
+    const auto& [number, model, copy_last, bound_coverage, copy_bound_coverage, moving,
+                 moving_copy] = qualities[i];
     if (model.images > 0)
       table.add({to_string(horizons[i]), count_text(model.images), db_text(model.mean_psnr_db),
                  db_text(copy_last.mean_psnr_db), db_text(model.pooled_psnr_db),
-                 db_text(copy_last.pooled_psnr_db), coverage(foresight.images),
-                 db_text(foresight.images.mean_bound)});
+                 db_text(copy_last.pooled_psnr_db), coverage(bound_coverage.images),
+                 db_text(bound_coverage.images.mean_bound)});
     if (model.numbers > 0)
       table.add({to_string(horizons[i]) + ", RMSE", count_text(model.numbers), "", "",
-                 number_text(model.rmse), number_text(copy_last.rmse), coverage(foresight.numbers),
-                 number_text(foresight.numbers.mean_bound)});
+                 number_text(model.rmse), number_text(copy_last.rmse),
+                 coverage(bound_coverage.numbers), number_text(bound_coverage.numbers.mean_bound)});
     if (moving.numbers > 0 && moving.numbers < model.numbers)
       table.add({to_string(horizons[i]) + ", RMSE of what moves", count_text(moving.numbers), "",
                  "", number_text(moving.rmse), number_text(moving_copy.rmse), "", ""});

@@ -11,7 +11,7 @@ namespace engram::datasets {
 
 namespace {
 
-constexpr uintmax_t kMostYamlBytes = 1 << 20;
+constexpr uintmax_t kMaxYamlBytes = 1 << 20;
 
 /// A kind of sensor: how its folders begin, and what the columns behind the time are.
 struct Sensor {
@@ -60,7 +60,7 @@ std::filesystem::path sensor_folder(const std::filesystem::path& folder) {
 std::string sensor_text(const std::filesystem::path& folder, const std::string& sensor) {
   const auto path = file_in_folder(folder, sensor + "/sensor.yaml");
   std::error_code error;
-  if (!path.ok() || std::filesystem::file_size(*path, error) > kMostYamlBytes || error) return "";
+  if (!path.ok() || std::filesystem::file_size(*path, error) > kMaxYamlBytes || error) return "";
   const auto text = read_file(*path);
   return text.ok() ? std::string(as_text(text->bytes())) : "";
 }

@@ -2,7 +2,7 @@
 #include "datasets/folders/folder_image.h"
 
 #include "datasets/recordings/folder_file.h"
-#include "datasets/recordings/image_file.h"
+#include "datasets/recordings/read_image_file.h"
 
 namespace engram::datasets {
 

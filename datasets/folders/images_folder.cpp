@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "datasets/recordings/folder_file.h"
-#include "datasets/recordings/image_file.h"
+#include "datasets/recordings/read_image_file.h"
 
 namespace engram::datasets {
 

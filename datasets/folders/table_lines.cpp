@@ -9,15 +9,15 @@
 #include <sstream>
 #include <utility>
 
-#include "datasets/recordings/image_file.h"
+#include "datasets/recordings/read_image_file.h"
 
 namespace engram::datasets {
 
 namespace {
 
 constexpr size_t kMaxLineBytes = size_t{1} << 16;
-constexpr size_t kMostColumns = 10'000;
-constexpr size_t kMostShown = 40;
+constexpr size_t kMaxColumns = 10'000;
+constexpr size_t kMaxShown = 40;
 
 std::string trimmed(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r");
@@ -84,9 +84,9 @@ Result<TableLines> TableLines::open(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(const bool has_line, lines.next_cells());
   if (!has_line)
     return invalid_argument("'{}': is empty, needs a line for each image", path.string());
-  if (lines.cells_.size() > kMostColumns)
+  if (lines.cells_.size() > kMaxColumns)
     return invalid_argument("'{}': has {} columns, needs at most {}", path.string(),
-                            lines.cells_.size(), kMostColumns);
+                            lines.cells_.size(), kMaxColumns);
   lines.has_names_ = are_names(lines.cells_);
   lines.has_first_ = !lines.has_names_;
   for (size_t i = 0; i < lines.cells_.size(); ++i)
@@ -148,9 +148,9 @@ Result<Time> TableLines::time(size_t column, TimeUnit unit) const {
 
 Status TableLines::broken(size_t column, std::string_view what) const {
   const std::string& cell = cells_[column];
-  return invalid_argument(
-      "'{}': line {}, column '{}': found '{}', {}", path_.string(), line(), names_[column],
-      cell.size() > kMostShown ? cell.substr(0, kMostShown) + "..." : cell, what);
+  return invalid_argument("'{}': line {}, column '{}': found '{}', {}", path_.string(), line(),
+                          names_[column],
+                          cell.size() > kMaxShown ? cell.substr(0, kMaxShown) + "..." : cell, what);
 }
 
 }  // namespace engram::datasets

@@ -47,22 +47,22 @@ Result<EpisodeCursors> EpisodeCursors::create(ltm::Recall& recall, const ltm::Qu
   for (size_t i = 0; i < entities.size(); ++i) {
     const ltm::MemoryId& entity = entities[i].entity;
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotWalk walk,
-                            SnapshotWalk::create(*timeline, query.snapshots_of(entity)));
-    cursors.cursors_.push_back({std::move(walk), std::nullopt});
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor snapshots,
+                            SnapshotCursor::create(*timeline, query.snapshots_of(entity)));
+    cursors.cursors_.push_back({std::move(snapshots), std::nullopt});
     ENGRAM_RETURN_IF_ERROR(cursors.advance(i));
   }
   return cursors;
 }
 
-std::optional<SnapshotWalk::Step> EpisodeCursors::peek(size_t entity, Time end) const {
+std::optional<SnapshotCursor::Step> EpisodeCursors::peek(size_t entity, Time end) const {
   const auto& step = cursors_[entity].step;
   return step && step->entry.time < end ? step : std::nullopt;
 }
 
 Status EpisodeCursors::advance(size_t entity) {
   Cursor& cursor = cursors_[entity];
-  ENGRAM_ASSIGN_OR_RETURN(cursor.step, cursor.walk.next());
+  ENGRAM_ASSIGN_OR_RETURN(cursor.step, cursor.snapshots.next());
   if (cursor.step && cursor.step->is_future) cursor.step.reset();
   return {};
 }
@@ -86,10 +86,10 @@ Result<std::vector<EpisodeRows>> plan_episodes(ltm::Recall& recall, const ltm::Q
     const Time end = e + 1 < episodes.size() ? episodes[e + 1].start : Time::max();
     EpisodeRows one{episodes[e], end, {}, 0};
     ENGRAM_ASSIGN_OR_RETURN(one.rows, count_values(counted, count, end));
-    const auto most = std::ranges::max_element(one.rows);
-    if (most == one.rows.end() || *most == 0) continue;
-    one.longest = *most;
-    const auto leader = static_cast<size_t>(most - one.rows.begin());
+    const auto longest = std::ranges::max_element(one.rows);
+    if (longest == one.rows.end() || *longest == 0) continue;
+    one.longest = *longest;
+    const auto leader = static_cast<size_t>(longest - one.rows.begin());
     ENGRAM_ASSIGN_OR_RETURN(const auto fits, are_in_step(compared, count, leader, end));
     for (size_t i = 0; i < count; ++i)
       if (!fits[i] && one.rows[i] > 0) {

@@ -4,7 +4,7 @@
 // Private to this room: which snapshots are rows of which episode.
 
 #include "datasets/hdf5/columns.h"
-#include "datasets/recordings/snapshot_walk.h"
+#include "datasets/recordings/snapshot_cursor.h"
 
 namespace engram::datasets {
 
@@ -16,13 +16,13 @@ class EpisodeCursors {
                                        const std::vector<ExportedEntity>& entities);
 
   /// The next time of an entity before `end`; nothing where there is none.
-  [[nodiscard]] std::optional<SnapshotWalk::Step> peek(size_t entity, Time end) const;
+  [[nodiscard]] std::optional<SnapshotCursor::Step> peek(size_t entity, Time end) const;
   Status advance(size_t entity);
 
  private:
   struct Cursor {
-    SnapshotWalk walk;
-    std::optional<SnapshotWalk::Step> step;
+    SnapshotCursor snapshots;
+    std::optional<SnapshotCursor::Step> step;
   };
   std::vector<Cursor> cursors_;
 };

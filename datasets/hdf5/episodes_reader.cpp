@@ -175,8 +175,8 @@ Result<Time> EpisodesReader::time_of(uint64_t row) const {
   // Beyond a day in nanoseconds, a double has less than 53 bits for them: whole seconds apart.
   const double seconds = static_cast<double>(row) / episode.rate_hz;
   const double whole = std::floor(seconds);
-  constexpr double kMostSeconds = 9.2e9;
-  if (whole + to_seconds(start_.time_since_epoch()) > kMostSeconds)
+  constexpr double kMaxSeconds = 9.2e9;
+  if (whole + to_seconds(start_.time_since_epoch()) > kMaxSeconds)
     return invalid_argument("'{}': row {} of '{}' would be later than times can be",
                             episode.file.string(), row, episode.group.name);
   const int64_t ns =

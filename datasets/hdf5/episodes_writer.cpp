@@ -175,7 +175,7 @@ class EpisodesWriter {
   }
 
   Status write_row(const std::vector<std::unique_ptr<RowSink>>& columns,
-                   const ltm::MemoryId& entity, const SnapshotWalk::Step& step) {
+                   const ltm::MemoryId& entity, const SnapshotCursor::Step& step) {
     if (stop_.stop_requested())
       return cancelled("export stopped after {} snapshots; nothing was kept", report_.snapshots);
     ENGRAM_ASSIGN_OR_RETURN(const auto found,

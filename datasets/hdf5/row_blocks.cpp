@@ -35,9 +35,9 @@ RowBlocks::RowBlocks(std::string path, h5::ArrayInfo info, RowRole role)
 
 void RowBlocks::load(const h5::File& file, uint64_t row) {
   // Where a block is damaged, chunks of it may not be.
-  const uint64_t least = std::max<uint64_t>(info_.chunk_rows, 1);
+  const uint64_t min = std::max<uint64_t>(info_.chunk_rows, 1);
   is_damaged_ = !read(file, row, block_rows_);
-  if (is_damaged_ && least < block_rows_) is_damaged_ = !read(file, row, least);
+  if (is_damaged_ && min < block_rows_) is_damaged_ = !read(file, row, min);
 }
 
 bool RowBlocks::read(const h5::File& file, uint64_t row, uint64_t rows) {

@@ -35,7 +35,7 @@ Episode::Episode(const KitchenOptions& options, World& world, Reporter& reporter
       reporter_(reporter),
       progress_(std::move(progress)),
       script_(world.layout()),
-      reach_(world),
+      kinematics_(world),
       trajectory_(RobotVector::Zero()),
       seed_(options.seed),
       samples_(static_cast<uint64_t>(std::llround(options.seconds * Reporter::kRate_hz))) {}
@@ -68,7 +68,7 @@ Status Episode::wait(double seconds) {
 void Episode::follow() {
   const Eigen::Vector3d at =
       gaze_.thing ? world_.thing_pose(*gaze_.thing).translation() : gaze_.point;
-  const auto [yaw, pitch] = reach_.look_at(world_.positions(), at);
+  const auto [yaw, pitch] = kinematics_.look_at(world_.positions(), at);
   trajectory_.move(joint_index("neck_yaw"), yaw, now_s(), kLookAhead_s);
   trajectory_.move(joint_index("neck_pitch"), pitch, now_s(), kLookAhead_s);
 }
@@ -80,7 +80,7 @@ void Episode::move_joints(const std::vector<int>& joints, const std::vector<doub
 }
 
 double Episode::move_hand(Side side, const Pose& pose_world_hand, double seconds) {
-  const Reach::Answer answer = reach_.solve(trajectory_.goal(), side, pose_world_hand);
+  const Kinematics::Answer answer = kinematics_.solve(trajectory_.goal(), side, pose_world_hand);
   std::vector<int> joints = arm_joints(side);
   for (const char* name : {"torso_lift", "torso_pitch", "torso_yaw"})
     joints.push_back(joint_index(name));
@@ -106,7 +106,7 @@ Status Episode::run() {
   pose.head<2>() += Eigen::Vector2d(-0.25, -0.25);
   pose[2] = 0.75 * std::numbers::pi;
   gaze_.point = table.top_m;
-  const auto [yaw, pitch] = reach_.look_at(pose, gaze_.point);
+  const auto [yaw, pitch] = kinematics_.look_at(pose, gaze_.point);
   pose[joint_index("neck_yaw")] = yaw;
   pose[joint_index("neck_pitch")] = pitch;
   trajectory_ = Trajectory(pose);

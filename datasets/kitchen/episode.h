@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "datasets/kitchen/reach.h"
+#include "datasets/kitchen/kinematics.h"
 #include "datasets/kitchen/reporter.h"
 #include "datasets/kitchen/script.h"
 #include "datasets/kitchen/trajectory.h"
@@ -71,7 +71,7 @@ class Episode {
   Reporter& reporter_;
   ProgressSink progress_;
   Script script_;
-  Reach reach_;
+  Kinematics kinematics_;
   Trajectory trajectory_;
   Gaze gaze_;
   uint64_t seed_;

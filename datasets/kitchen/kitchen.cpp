@@ -2,20 +2,20 @@
 #include "datasets/kitchen/kitchen.h"
 
 #include "datasets/kitchen/episode.h"
-#include "datasets/kitchen/layout.h"
+#include "datasets/kitchen/kitchen_layout.h"
 #include "datasets/kitchen/renderer.h"
 
 namespace engram::datasets {
 
 namespace {
 
-constexpr int kLeastSide = 32;
-constexpr int kMostSide = 1024;
-constexpr double kMostSeconds = 3600;
+constexpr int kMinSide = 32;
+constexpr int kMaxSide = 1024;
+constexpr double kMaxSeconds = 3600;
 constexpr int kFastSide = 128;
 
 bool is_side(int pixels) {
-  return pixels >= kLeastSide && pixels <= kMostSide && pixels % 2 == 0;
+  return pixels >= kMinSide && pixels <= kMaxSide && pixels % 2 == 0;
 }
 
 }  // namespace
@@ -27,9 +27,9 @@ KitchenOptions KitchenOptions::fast() {
 Status KitchenOptions::validate() const {
   if (!is_side(width) || !is_side(height))
     return invalid_argument("kitchen: size {} x {}, needs even numbers of {} to {}", width, height,
-                            kLeastSide, kMostSide);
-  if (!(seconds >= 1) || seconds > kMostSeconds)
-    return invalid_argument("kitchen: {} seconds, needs 1 to {}", seconds, kMostSeconds);
+                            kMinSide, kMaxSide);
+  if (!(seconds >= 1) || seconds > kMaxSeconds)
+    return invalid_argument("kitchen: {} seconds, needs 1 to {}", seconds, kMaxSeconds);
   const std::chrono::years since_1970 =
       std::chrono::floor<std::chrono::years>(start.time_since_epoch());
   if (since_1970.count() < 0 || since_1970.count() >= 230)

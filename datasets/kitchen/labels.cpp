@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "datasets/kitchen/random.h"
+#include "datasets/kitchen/kitchen_random.h"
 #include "datasets/kitchen/textures.h"
 
 namespace engram::datasets::kitchen {

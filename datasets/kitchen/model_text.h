@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/kitchen/layout.h"
+#include "datasets/kitchen/kitchen_layout.h"
 
 namespace engram::datasets::kitchen {
 

@@ -11,7 +11,7 @@ namespace engram::datasets::kitchen {
 
 namespace {
 
-constexpr int kMostGeoms = 2000;
+constexpr int kMaxGeoms = 2000;
 constexpr float kNear_m = 0.03f;
 constexpr float kFar_m = 12.0f;
 
@@ -78,15 +78,15 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const World& world, const Dra
   mjv_defaultOption(&parts->option);
   ENGRAM_ASSIGN_OR_RETURN(parts->gl, GlContext::create());
   const mjModel* model = &world.model();
-  mjv_makeScene(model, &parts->scene, kMostGeoms);
+  mjv_makeScene(model, &parts->scene, kMaxGeoms);
   mjr_makeContext(model, &parts->context, mjFONTSCALE_50);
   mjr_setBuffer(mjFB_OFFSCREEN, &parts->context);
   if (parts->context.currentBuffer != mjFB_OFFSCREEN)
     return unavailable("kitchen: OpenGL draws into no memory; needs framebuffer objects");
-  const mjrRect most = mjr_maxViewport(&parts->context);
-  if (most.width < 2 * size.width || most.height < size.height)
-    return unavailable("kitchen: OpenGL draws {} x {} pixels at most, needs {} x {}", most.width,
-                       most.height, 2 * size.width, size.height);
+  const mjrRect max = mjr_maxViewport(&parts->context);
+  if (max.width < 2 * size.width || max.height < size.height)
+    return unavailable("kitchen: OpenGL draws {} x {} pixels at most, needs {} x {}", max.width,
+                       max.height, 2 * size.width, size.height);
   parts->option.geomgroup[3] = 0;
   parts->scene.flags[mjRND_SHADOW] = size.shadow_map > 0;
   parts->scene.flags[mjRND_REFLECTION] = 0;

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "datasets/kitchen/model_text.h"
-#include "datasets/kitchen/robot.h"
+#include "datasets/kitchen/robot_body.h"
 
 namespace engram::datasets::kitchen {
 

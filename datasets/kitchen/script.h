@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "datasets/kitchen/layout.h"
-#include "datasets/kitchen/random.h"
-#include "datasets/kitchen/robot.h"
+#include "datasets/kitchen/kitchen_layout.h"
+#include "datasets/kitchen/kitchen_random.h"
+#include "datasets/kitchen/robot_body.h"
 
 namespace engram::datasets::kitchen {
 

@@ -13,7 +13,7 @@ constexpr double kBack_m = 0.12;
 constexpr double kAside_m = 0.025;
 constexpr double kCarryAhead_m = 0.40;
 constexpr double kCarryAside_m = 0.20;
-constexpr double kCarryLeast_z_m = 1.02;
+constexpr double kMinCarry_z_m = 1.02;
 constexpr double kUpright = 0.95;  ///< Of the z axis.
 
 }  // namespace
@@ -35,7 +35,7 @@ Pose carrying_pose(const RobotVector& robot, Side side, const Pose& pose_world_h
   Pose pose = pose_world_hand;
   pose.translation() =
       turn * Eigen::Vector3d(kCarryAhead_m, sign_of(side) * kCarryAside_m, 0) +
-      Eigen::Vector3d(robot[0], robot[1], std::max(pose.translation().z() + 0.04, kCarryLeast_z_m));
+      Eigen::Vector3d(robot[0], robot[1], std::max(pose.translation().z() + 0.04, kMinCarry_z_m));
   return pose;
 }
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "datasets/kitchen/random.h"
+#include "datasets/kitchen/kitchen_random.h"
 
 namespace engram::datasets::kitchen {
 

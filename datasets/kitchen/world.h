@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/kitchen/layout.h"
+#include "datasets/kitchen/kitchen_layout.h"
 #include "datasets/kitchen/model_text.h"
-#include "datasets/kitchen/robot.h"
+#include "datasets/kitchen/robot_body.h"
 #include "ltm/core/status.h"
 
 namespace engram::datasets::kitchen {

@@ -16,10 +16,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kMostNumbers = 1'000'000;
-constexpr size_t kMostFeatures = 10'000;
-constexpr size_t kMostInfoBytes = size_t{64} << 20;
-constexpr size_t kMostShown = 40;
+constexpr size_t kMaxNumbers = 1'000'000;
+constexpr size_t kMaxFeatures = 10'000;
+constexpr size_t kMaxInfoBytes = size_t{64} << 20;
+constexpr size_t kMaxShown = 40;
 constexpr double kLowestHz = 1e-3;
 constexpr double kHighestHz = 1e6;
 
@@ -29,7 +29,7 @@ std::string shown(const json& object, const char* name) {
   if (found == object.end()) return "nothing";
   if (found->is_structured()) return found->type_name();
   const std::string text = found->dump(-1, ' ', false, json::error_handler_t::replace);
-  return text.size() > kMostShown ? text.substr(0, kMostShown) + "..." : text;
+  return text.size() > kMaxShown ? text.substr(0, kMaxShown) + "..." : text;
 }
 
 std::string text_member(const json& object, const char* name) {
@@ -58,11 +58,11 @@ Result<Feature> feature_of(const std::filesystem::path& path, const std::string&
                             path.string(), key, shown(value, "shape"));
   feature.count = 1;
   for (const json& size : *shape) {
-    const auto extent = size.is_number_unsigned() ? size.get<uint64_t>() : kMostNumbers + 1;
-    feature.count = extent > kMostNumbers ? kMostNumbers + 1 : feature.count * extent;
-    if (feature.count == 0 || feature.count > kMostNumbers)
+    const auto extent = size.is_number_unsigned() ? size.get<uint64_t>() : kMaxNumbers + 1;
+    feature.count = extent > kMaxNumbers ? kMaxNumbers + 1 : feature.count * extent;
+    if (feature.count == 0 || feature.count > kMaxNumbers)
       return invalid_argument("'{}': feature '{}': needs a 'shape' of 1 to {} numbers",
-                              path.string(), key, kMostNumbers);
+                              path.string(), key, kMaxNumbers);
     feature.shape.push_back(static_cast<int64_t>(extent));
   }
   if (feature.shape.empty()) feature.shape.push_back(1);
@@ -163,9 +163,9 @@ Result<Description> parse_info(const std::filesystem::path& root, const std::str
   description.data_path = text_member(info, "data_path");
   description.video_path = text_member(info, "video_path");
   const auto features = info.find("features");
-  if (features == info.end() || !features->is_object() || features->size() > kMostFeatures)
+  if (features == info.end() || !features->is_object() || features->size() > kMaxFeatures)
     return invalid_argument("'{}': found {} as 'features', needs an object of at most {}",
-                            path.string(), shown(info, "features"), kMostFeatures);
+                            path.string(), shown(info, "features"), kMaxFeatures);
   for (const auto& [key, value] : features->items()) {
     ENGRAM_ASSIGN_OR_RETURN(Feature feature, feature_of(path, key, value));
     if (feature.kind == Feature::Kind::kVideo && description.video_path.empty())
@@ -178,9 +178,9 @@ Result<Description> parse_info(const std::filesystem::path& root, const std::str
 Result<Description> read_description(const std::filesystem::path& root) {
   ENGRAM_ASSIGN_OR_RETURN(const auto path, file_in_folder(root, "meta/info.json"));
   std::error_code error;
-  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMostInfoBytes)
+  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMaxInfoBytes)
     return invalid_argument("'{}': found {} bytes, needs at most {}", path.string(), bytes,
-                            kMostInfoBytes);
+                            kMaxInfoBytes);
   ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(path));
   ENGRAM_ASSIGN_OR_RETURN(Description description,
                           parse_info(root, std::string(as_text(text.bytes()))));

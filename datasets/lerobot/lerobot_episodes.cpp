@@ -14,14 +14,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kMostEpisodes = 1'000'000;
-constexpr size_t kMostTasks = 1'000'000;
-constexpr size_t kMostLineBytes = size_t{1} << 20;
-constexpr int kMostDepth = 8;
+constexpr size_t kMaxEpisodes = 1'000'000;
+constexpr size_t kMaxTasks = 1'000'000;
+constexpr size_t kMaxLineBytes = size_t{1} << 20;
+constexpr int kMaxDepth = 8;
 
 void collect(const json& value, int depth, std::vector<std::string>& texts) {
   if (value.is_string()) texts.push_back(value.get<std::string>());
-  if (value.is_structured() && depth < kMostDepth)
+  if (value.is_structured() && depth < kMaxDepth)
     for (const json& part : value) collect(part, depth + 1, texts);
 }
 
@@ -36,9 +36,9 @@ Result<bool> next_object(const std::filesystem::path& path, std::istream& lines,
   std::string line;
   for (int byte = lines.get(); byte >= 0; byte = lines.get()) {
     if (byte != '\n') line.push_back(static_cast<char>(byte));
-    if (line.size() > kMostLineBytes)
+    if (line.size() > kMaxLineBytes)
       return invalid_argument("'{}': line {} has more than {} bytes", path.string(), number + 1,
-                              kMostLineBytes);
+                              kMaxLineBytes);
     if (byte != '\n' && lines.peek() >= 0) continue;
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos) {
@@ -112,8 +112,8 @@ Result<std::set<std::filesystem::path>> episode_tables(const std::filesystem::pa
     std::filesystem::path path = entry->path().lexically_relative(root);
     if (path.extension() != ".parquet" && path.extension() != ".csv") continue;
     tables.insert(path.replace_extension(".parquet"));
-    if (tables.size() > kMostEpisodes)
-      return invalid_argument("'{}': needs at most {} tables", folder.string(), kMostEpisodes);
+    if (tables.size() > kMaxEpisodes)
+      return invalid_argument("'{}': needs at most {} tables", folder.string(), kMaxEpisodes);
   }
   if (tables.empty())
     return not_found("'{}': has no chunk-000/file-000.parquet with the episodes of the data set",
@@ -144,7 +144,7 @@ Result<std::map<int64_t, std::string>> task_lines(const std::filesystem::path& p
   std::map<int64_t, std::string> tasks;
   uint64_t number = 0;
   json value;
-  while (tasks.size() < kMostTasks) {
+  while (tasks.size() < kMaxTasks) {
     ENGRAM_ASSIGN_OR_RETURN(const bool has_line, next_object(path, lines, number, value));
     if (!has_line) return tasks;
     const auto text = value.find("task");
@@ -154,7 +154,7 @@ Result<std::map<int64_t, std::string>> task_lines(const std::filesystem::path& p
                               number);
     tasks[index] = text->get<std::string>();
   }
-  return invalid_argument("'{}': needs less than {} tasks", path.string(), kMostTasks);
+  return invalid_argument("'{}': needs less than {} tasks", path.string(), kMaxTasks);
 }
 
 Result<std::map<int64_t, std::string>> task_rows(RowTable& rows) {
@@ -164,13 +164,13 @@ Result<std::map<int64_t, std::string>> task_rows(RowTable& rows) {
   const auto unnamed = rows.find({"__index_level_0__"});
   ENGRAM_ASSIGN_OR_RETURN(const size_t task,
                           unnamed ? Result<size_t>(*unnamed) : rows.need("task"));
-  while (tasks.size() < kMostTasks) {
+  while (tasks.size() < kMaxTasks) {
     ENGRAM_ASSIGN_OR_RETURN(const bool has_row, rows.next());
     if (!has_row) return tasks;
     ENGRAM_ASSIGN_OR_RETURN(const int64_t number, rows.whole(index));
     tasks[number] = rows.text(task);
   }
-  return rows.broken(index, fmt::format("needs less than {} tasks", kMostTasks));
+  return rows.broken(index, fmt::format("needs less than {} tasks", kMaxTasks));
 }
 
 }  // namespace
@@ -193,9 +193,9 @@ Result<std::vector<Episode>> parse_episode_lines(const std::filesystem::path& pa
     if (episode.index < 0 || episode.length < 0)
       return invalid_argument("'{}': line {}: needs an 'episode_index' and a 'length' of 0 or more",
                               path.string(), number);
-    if (episodes.size() >= kMostEpisodes)
+    if (episodes.size() >= kMaxEpisodes)
       return invalid_argument("'{}': line {}: needs at most {} episodes", path.string(), number,
-                              kMostEpisodes);
+                              kMaxEpisodes);
     if (const auto tasks = value.find("tasks"); tasks != value.end())
       collect_texts(*tasks, episode.tasks);
     episodes.push_back(std::move(episode));
@@ -218,8 +218,8 @@ Result<std::vector<Episode>> parse_episode_rows(const Description& description, 
   while (true) {
     ENGRAM_ASSIGN_OR_RETURN(const bool has_row, rows.next());
     if (!has_row) return episodes;
-    if (episodes.size() >= kMostEpisodes)
-      return rows.broken(index, fmt::format("needs at most {} episodes", kMostEpisodes));
+    if (episodes.size() >= kMaxEpisodes)
+      return rows.broken(index, fmt::format("needs at most {} episodes", kMaxEpisodes));
     Episode& episode = episodes.emplace_back();
     ENGRAM_ASSIGN_OR_RETURN(episode.index, rows.whole(index));
     ENGRAM_ASSIGN_OR_RETURN(episode.length, rows.whole(length));

@@ -9,8 +9,8 @@
 #include "datasets/lerobot/step_numbers.h"
 #include "datasets/lerobot/step_rows.h"
 #include "datasets/recordings/folder_file.h"
-#include "datasets/recordings/image_file.h"
 #include "datasets/recordings/moment_order.h"
+#include "datasets/recordings/read_image_file.h"
 
 namespace engram::datasets::lerobot {
 

@@ -17,8 +17,8 @@ namespace engram::datasets::lerobot {
 namespace {
 
 constexpr auto kPatience = std::chrono::minutes(10);
-constexpr Duration kMostSeconds = std::chrono::seconds(100'000'000);
-constexpr size_t kMostShown = 40;
+constexpr Duration kMaxSeconds = std::chrono::seconds(100'000'000);
+constexpr size_t kMaxShown = 40;
 
 std::string_view trimmed(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t");
@@ -171,7 +171,7 @@ Result<int64_t> RowTable::whole(size_t column) const {
 
 Result<Duration> RowTable::seconds(size_t column) const {
   const auto time = parse_decimal_time(cells_[column], TimeUnit::kSeconds);
-  if (time.ok() && *time >= Duration::zero() && *time <= kMostSeconds) return *time;
+  if (time.ok() && *time >= Duration::zero() && *time <= kMaxSeconds) return *time;
   return broken(column, "needs seconds from 0 to 1e8");
 }
 
@@ -185,8 +185,7 @@ Result<std::filesystem::path> RowTable::file(size_t column) const {
 Status RowTable::broken(size_t column, std::string_view what) const {
   const std::string& cell = cells_[column];
   return invalid_argument("'{}': row {}, column '{}': found '{}', {}", title_, row_, names_[column],
-                          cell.size() > kMostShown ? cell.substr(0, kMostShown) + "..." : cell,
-                          what);
+                          cell.size() > kMaxShown ? cell.substr(0, kMaxShown) + "..." : cell, what);
 }
 
 }  // namespace engram::datasets::lerobot

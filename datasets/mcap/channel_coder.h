@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "datasets/mcap/records.h"
+#include "datasets/mcap/mcap_records.h"
 #include "datasets/ros/message_type.h"
 #include "ltm/memory/memory_id.h"
 

@@ -4,20 +4,20 @@
 #include <algorithm>
 #include <cstring>
 
-#include "datasets/mcap/compression.h"
+#include "datasets/mcap/mcap_compression.h"
 
 namespace engram::datasets::mcap {
 
 namespace {
 
 constexpr uint64_t kLooseRegionBytes = 1 << 20;
-constexpr uint64_t kMostMetadataBytes = 16 << 20;
+constexpr uint64_t kMaxMetadataBytes = 16 << 20;
 /// A chunk's fields before its records; names of compressions are short.
 constexpr uint64_t kChunkStartBytes = 256;
 
-class Walk {
+class FileMapper {
  public:
-  Walk(FileWindow& file, ReadingReport& report) : file_(file), report_(report) {}
+  FileMapper(FileWindow& file, ReadingReport& report) : file_(file), report_(report) {}
 
   Result<FileMap> run() {
     ENGRAM_RETURN_IF_ERROR(check_magic());
@@ -54,8 +54,8 @@ class Walk {
 
   void note(uint64_t offset, std::string_view what) {
     // Files may be wrong in a million places.
-    constexpr size_t kMostNotes = 20;
-    if (notes_++ < kMostNotes)
+    constexpr size_t kMaxNotes = 20;
+    if (notes_++ < kMaxNotes)
       ++report_.not_carried[fmt::format("{}: {}", place(offset), what)];
     else
       ++report_.not_carried["further damaged records"];
@@ -105,7 +105,7 @@ class Walk {
                                           static_cast<int>(start.opcode))];
         return {};
     }
-    if (start.length > kMostRecordBytes) return note(at_, "record is too large"), Status();
+    if (start.length > kMaxRecordBytes) return note(at_, "record is too large"), Status();
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file_.read(content, start.length));
     if (const Status status = take_small(start.opcode, bytes); !status.ok()) {
       if (status.code() != StatusCode::kDataLoss) return status;
@@ -128,7 +128,7 @@ class Walk {
     } else if (opcode == Opcode::kMetadata) {
       ENGRAM_ASSIGN_OR_RETURN(auto metadata, read_metadata(bytes));
       metadata_bytes_ += bytes.size();
-      if (metadata_bytes_ > kMostMetadataBytes)
+      if (metadata_bytes_ > kMaxMetadataBytes)
         ++report_.not_carried["metadata records beyond 16 MiB"];
       else
         map_.metadata.push_back(std::move(metadata));
@@ -181,7 +181,7 @@ class Walk {
     const uint64_t count = std::min(length, MessageRecord::kStartBytes);
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file_.read(content, count));
     const auto message = read_message(bytes);
-    if (!message.ok() || length > kMostRecordBytes) {
+    if (!message.ok() || length > kMaxRecordBytes) {
       ++report_.damaged;
       note(at_, message.ok() ? "message is too large" : message.status().message());
       return {};
@@ -215,7 +215,7 @@ class Walk {
 
   Status take_attachment(uint64_t length, uint64_t content) {
     uint64_t log_time = 0;
-    if (length > kMostRecordBytes || length < sizeof(log_time)) {
+    if (length > kMaxRecordBytes || length < sizeof(log_time)) {
       ++report_.damaged;
       note(at_, "attachment is too large, or too small");
       return {};
@@ -303,8 +303,8 @@ Status list_records(LoadedRegion& loaded) {
 }
 
 Result<Buffer> region_bytes(FileWindow& file, const Region& region) {
-  if (region.length > kMostRecordBytes + kChunkStartBytes)
-    return data_loss("has {} bytes, needs at most {}", region.length, kMostRecordBytes);
+  if (region.length > kMaxRecordBytes + kChunkStartBytes)
+    return data_loss("has {} bytes, needs at most {}", region.length, kMaxRecordBytes);
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file.read(region.offset, region.length));
   if (!region.is_chunk) return Buffer::copy(bytes);
   const auto content = bytes.subspan(kRecordStartBytes);
@@ -340,7 +340,7 @@ MessageRecord message_at(std::span<const std::byte> bytes) {
 }
 
 Result<FileMap> map_file(FileWindow& file, ReadingReport& report) {
-  return Walk(file, report).run();
+  return FileMapper(file, report).run();
 }
 
 }  // namespace engram::datasets::mcap

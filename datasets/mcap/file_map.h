@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/mcap/records.h"
+#include "datasets/mcap/mcap_records.h"
 #include "datasets/recordings/file_window.h"
 #include "datasets/recordings/ordered_regions.h"
 

@@ -11,10 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostDepth = 64;
+constexpr int kMaxDepth = 64;
 
 Result<idf::Data> value_of(const Json& json, int depth) {
-  if (depth > kMostDepth) return data_loss("JSON nests deeper than {}", kMostDepth);
+  if (depth > kMaxDepth) return data_loss("JSON nests deeper than {}", kMaxDepth);
   switch (json.type()) {
     case Json::value_t::boolean:
       return idf::Data(json.get<bool>());
@@ -96,7 +96,7 @@ Result<idf::Data> value_of_json(std::string_view text) {
       ++depth;
     else if (!is_text && (text[i] == ']' || text[i] == '}'))
       --depth;
-    if (depth > kMostDepth) return data_loss("byte {}: JSON nests deeper than {}", i, kMostDepth);
+    if (depth > kMaxDepth) return data_loss("byte {}: JSON nests deeper than {}", i, kMaxDepth);
   }
   try {
     return value_of(Json::parse(text), 0);

@@ -14,7 +14,7 @@ namespace engram::datasets::mcap {
 
 namespace {
 
-constexpr size_t kMostChannels = std::numeric_limits<uint16_t>::max();
+constexpr size_t kMaxChannels = std::numeric_limits<uint16_t>::max();
 
 std::map<std::string, std::string> texts_of(const idf::Data* value) {
   std::map<std::string, std::string> texts;
@@ -42,7 +42,7 @@ class Planner {
       if (stream.newest) plan_.attachments.insert(stream.entity);
       return {};
     }
-    if (plan_.channels.size() == kMostChannels)
+    if (plan_.channels.size() == kMaxChannels)
       return resource_exhausted("an MCAP file has at most 65535 channels");
     auto records = records_of(stream);
     if (!records) return {};

@@ -11,7 +11,7 @@ namespace engram::datasets::mcap {
 
 namespace {
 
-constexpr uint64_t kMostTime = std::numeric_limits<int64_t>::max();
+constexpr uint64_t kMaxTime = std::numeric_limits<int64_t>::max();
 
 idf::Dict texts_value(const std::map<std::string, std::string>& texts, ReadingReport& report) {
   idf::Dict value;
@@ -117,7 +117,7 @@ Result<idf::Data> McapReader::first_value(uint16_t id, const ChannelCoder& coder
 }
 
 Time McapReader::shifted(uint64_t ns) {
-  return shift_.shifted(static_cast<int64_t>(std::min(ns, kMostTime)));
+  return shift_.shifted(static_cast<int64_t>(std::min(ns, kMaxTime)));
 }
 
 void McapReader::watch_sequence(Channel& channel, uint32_t sequence) {
@@ -130,13 +130,13 @@ void McapReader::watch_sequence(Channel& channel, uint32_t sequence) {
 std::optional<ltm::EntityUpdate> McapReader::update_of(Channel& channel,
                                                        const MessageRecord& message) {
   watch_sequence(channel, message.sequence);
-  auto value = message.log_time > kMostTime
+  auto value = message.log_time > kMaxTime
                    ? data_loss("log time {} is after the year 2262", message.log_time)
                    : channel.coder.decode(message.data);
   if (!value.ok()) {
     ++report_.damaged;
-    constexpr size_t kMostNotes = 40;
-    if (report_.not_carried.size() < kMostNotes)
+    constexpr size_t kMaxNotes = 40;
+    if (report_.not_carried.size() < kMaxNotes)
       ++report_.not_carried[fmt::format("messages of '{}': {}", channel.entity.to_string(),
                                         value.status().message())];
     return std::nullopt;
@@ -165,7 +165,7 @@ Result<std::optional<ltm::EntityUpdate>> McapReader::next_attachment() {
   const AttachmentPlace& place = map_.attachments[next_attachment_++];
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file_.read(place.offset, place.length));
   const auto record = read_attachment(bytes);
-  if (!record.ok() || record->log_time > kMostTime) {
+  if (!record.ok() || record->log_time > kMaxTime) {
     ++report_.damaged;
     ++report_.not_carried[fmt::format(
         "'{}', offset {}: {}", file_.path().string(), place.offset,

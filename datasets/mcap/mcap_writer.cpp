@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "datasets/mcap/compression.h"
+#include "datasets/mcap/mcap_compression.h"
 
 namespace engram::datasets::mcap {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/mcap/records.h"
+#include "datasets/mcap/mcap_records.h"
 #include "datasets/recordings/new_file.h"
 
 namespace engram::datasets::mcap {

@@ -3,7 +3,7 @@
 
 // Private to this room.
 
-#include "datasets/media/libav.h"
+#include "datasets/media/libav_input.h"
 
 namespace engram::datasets {
 

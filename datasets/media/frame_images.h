@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "datasets/media/decoded_picture.h"
-#include "datasets/media/libav.h"
+#include "datasets/media/libav_input.h"
 #include "datasets/media/video_reader.h"
 
 namespace engram::datasets {

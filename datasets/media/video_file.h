@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "datasets/media/libav.h"
+#include "datasets/media/libav_input.h"
 #include "datasets/media/video_reader.h"
 
 namespace engram::datasets {

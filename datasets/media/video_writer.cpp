@@ -14,7 +14,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
-#include "datasets/media/libav.h"
+#include "datasets/media/libav_input.h"
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
 

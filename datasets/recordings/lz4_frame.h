@@ -10,7 +10,7 @@
 namespace engram::datasets {
 
 /// How many bytes one byte of LZ4 stands for at most.
-inline constexpr uint64_t kMostLz4Expansion = 256;
+inline constexpr uint64_t kMaxLz4Expansion = 256;
 
 /// What readers of a format need of a frame. roslz4 of ROS 1 needs both.
 struct Lz4FrameOptions {

@@ -21,7 +21,7 @@ Result<std::vector<ltm::MemoryId>> exported_entities(ltm::Recall& recall, const 
 
 Result<std::optional<ltm::SnapshotResult>> recalled_snapshot(ltm::Recall& recall,
                                                              const ltm::MemoryId& entity,
-                                                             const SnapshotWalk::Step& step,
+                                                             const SnapshotCursor::Step& step,
                                                              const ltm::Recall::Options& options) {
   const auto& names = entity.names();
   std::array<ltm::NamePattern, ltm::MemoryId::kNameLevels> patterns;
@@ -45,9 +45,9 @@ Result<MergedSnapshots> MergedSnapshots::create(ltm::Recall& recall, const ltm::
   ENGRAM_ASSIGN_OR_RETURN(const auto entities, exported_entities(recall, query));
   for (const ltm::MemoryId& entity : entities) {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotWalk walk,
-                            SnapshotWalk::create(*timeline, query.snapshots_of(entity)));
-    Source source{entity, std::move(walk), std::nullopt};
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor,
+                            SnapshotCursor::create(*timeline, query.snapshots_of(entity)));
+    Source source{entity, std::move(cursor), std::nullopt};
     ENGRAM_RETURN_IF_ERROR(advance(source));
     if (source.step) merged.sources_.push_back(std::move(source));
   }
@@ -55,7 +55,7 @@ Result<MergedSnapshots> MergedSnapshots::create(ltm::Recall& recall, const ltm::
 }
 
 Status MergedSnapshots::advance(Source& source) {
-  ENGRAM_ASSIGN_OR_RETURN(source.step, source.walk.next());
+  ENGRAM_ASSIGN_OR_RETURN(source.step, source.cursor.next());
   if (source.step && source.step->is_future) source.step.reset();
   return {};
 }

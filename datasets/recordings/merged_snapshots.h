@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/recordings/snapshot_walk.h"
+#include "datasets/recordings/snapshot_cursor.h"
 #include "ltm/recall/recall.h"
 
 namespace engram::datasets {
@@ -16,7 +16,7 @@ Result<std::vector<ltm::MemoryId>> exported_entities(ltm::Recall& recall, const 
 /// One snapshot, decoded.
 Result<std::optional<ltm::SnapshotResult>> recalled_snapshot(ltm::Recall& recall,
                                                              const ltm::MemoryId& entity,
-                                                             const SnapshotWalk::Step& step,
+                                                             const SnapshotCursor::Step& step,
                                                              const ltm::Recall::Options& options);
 
 /// What a query asks for of several entities, in the order of time and, at one time, of names;
@@ -38,8 +38,8 @@ class MergedSnapshots {
  private:
   struct Source {
     ltm::MemoryId entity;
-    SnapshotWalk walk;
-    std::optional<SnapshotWalk::Step> step;  ///< The next one.
+    SnapshotCursor cursor;
+    std::optional<SnapshotCursor::Step> step;  ///< The next one.
   };
 
   MergedSnapshots(ltm::Recall& recall, const ltm::Recall::Options& options)

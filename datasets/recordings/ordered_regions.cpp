@@ -6,7 +6,7 @@
 namespace engram::datasets {
 
 OrderedRegions::OrderedRegions(Load load, std::vector<Region> regions, uint64_t memory_bytes)
-    : load_(std::move(load)), most_bytes_(memory_bytes), regions_(std::move(regions)) {
+    : load_(std::move(load)), max_bytes_(memory_bytes), regions_(std::move(regions)) {
   std::ranges::stable_sort(regions_, {}, &Region::start_time);
 }
 
@@ -19,8 +19,8 @@ Status OrderedRegions::open_next(ReadingReport& report) {
   if (!loaded.ok()) {
     if (loaded.status().code() == StatusCode::kUnavailable) return loaded.status();
     report.damaged += std::max<uint64_t>(region.messages, 1);
-    constexpr size_t kMostNotes = 40;
-    const bool has_room = report.not_carried.size() < kMostNotes;
+    constexpr size_t kMaxNotes = 40;
+    const bool has_room = report.not_carried.size() < kMaxNotes;
     ++report.not_carried[has_room ? loaded.status().message() : "further damaged chunks"];
     opened_.back().reset();
     return {};
@@ -41,7 +41,7 @@ Status OrderedRegions::open_next(ReadingReport& report) {
 }
 
 void OrderedRegions::give_up_others(size_t index) {
-  while (memory_bytes_ > most_bytes_ && in_memory_.back() != index) {
+  while (memory_bytes_ > max_bytes_ && in_memory_.back() != index) {
     Buffer& last = opened_[in_memory_.back()]->bytes;
     memory_bytes_ -= last.size();
     last = {};

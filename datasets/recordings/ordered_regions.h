@@ -75,7 +75,7 @@ class OrderedRegions {
   void give_up_others(size_t index);
 
   Load load_;
-  uint64_t most_bytes_;
+  uint64_t max_bytes_;
   std::vector<Region> regions_;                ///< In the order of their first times.
   std::vector<std::unique_ptr<Open>> opened_;  ///< Null where all was read.
   std::priority_queue<Head, std::vector<Head>, IsLater> heads_;

@@ -73,10 +73,10 @@ std::optional<Layout> layout_of(const idf::Data& message) {
                 whole(message, "step"),
                 whole(message, "is_bigendian") != 0,
                 data->get_if<idf::NdArray>()};
-  constexpr size_t kMostSide = 1 << 24;
+  constexpr size_t kMaxSide = 1 << 24;
   if (layout.encoding == nullptr || layout.data->type() != ElementType::kUInt8 ||
-      layout.height == 0 || layout.width == 0 || layout.height > kMostSide ||
-      layout.width > kMostSide || layout.step < layout.row_bytes() ||
+      layout.height == 0 || layout.width == 0 || layout.height > kMaxSide ||
+      layout.width > kMaxSide || layout.step < layout.row_bytes() ||
       layout.step > layout.data->buffer().size() ||
       layout.data->buffer().size() != layout.height * layout.step)
     return std::nullopt;

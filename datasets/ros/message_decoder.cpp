@@ -10,7 +10,7 @@ namespace engram::datasets::ros {
 namespace {
 
 constexpr size_t kEncapsulationBytes = 4;
-constexpr size_t kMostPadding = 8;
+constexpr size_t kMaxPadding = 8;
 /// Messages without fields cost no bytes: so many of them may there be.
 constexpr uint64_t kFreeValues = 1 << 12;
 
@@ -32,7 +32,7 @@ class Decoder {
     idf::Dict value;
     ENGRAM_RETURN_IF_ERROR(take_message(definition_.root(), value));
     // Some writers of CDR fill up to their alignment.
-    if (left() > (is_cdr_ ? kMostPadding : 0))
+    if (left() > (is_cdr_ ? kMaxPadding : 0))
       return data_loss("offset {}: {} bytes follow the last field", at_, left());
     return idf::Data(std::move(value));
   }

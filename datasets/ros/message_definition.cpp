@@ -12,8 +12,8 @@ namespace engram::datasets::ros {
 
 namespace {
 
-constexpr size_t kMostTextBytes = 1 << 20;
-constexpr int kMostDepth = 32;
+constexpr size_t kMaxTextBytes = 1 << 20;
+constexpr int kMaxDepth = 32;
 constexpr std::string_view kSpace = " \t\r";
 
 struct NamedKind {
@@ -150,9 +150,9 @@ std::string plain_type_name(std::string_view type) {
 class DefinitionParser {
  public:
   Result<MessageDefinition> parse(std::string_view type, std::string_view text) {
-    if (text.size() > kMostTextBytes)
+    if (text.size() > kMaxTextBytes)
       return invalid_argument("definition has {} bytes, needs at most {}", text.size(),
-                              kMostTextBytes);
+                              kMaxTextBytes);
     const std::string root = plain_type_name(type);
     ENGRAM_RETURN_IF_ERROR(read_sections(root, text));
     for (const auto& [name, builtin] : kBuiltin)
@@ -198,7 +198,7 @@ class DefinitionParser {
   }
 
   Result<size_t> add(const std::string& name, int depth) {
-    if (depth >= kMostDepth)
+    if (depth >= kMaxDepth)
       return invalid_argument("{}: messages nest {} deep, or in themselves", name, depth);
     if (const auto known = indices_.find(name); known != indices_.end()) {
       // What is not whole yet contains itself.

@@ -12,7 +12,7 @@ namespace engram::datasets::ros {
 
 namespace {
 
-constexpr int kMostDepth = 32;
+constexpr int kMaxDepth = 32;
 constexpr std::string_view kSpace = " \t\r";
 constexpr std::array<std::string_view, 16> kPlainTypes{
     "bool",   "int8",  "uint8",  "byte",    "char",    "int16",  "uint16", "int32",
@@ -87,7 +87,7 @@ class Digest {
 
   Result<std::string> of(const std::string& type, int depth = 0) {
     if (const auto known = sums_.find(type); known != sums_.end()) return known->second;
-    if (depth > kMostDepth) return invalid_argument("'{}' nests deeper than {}", type, kMostDepth);
+    if (depth > kMaxDepth) return invalid_argument("'{}' nests deeper than {}", type, kMaxDepth);
     const Section& section = sections_.find(type)->second;
     std::string text = section.constants;
     for (const auto& [field_type, name] : section.fields) {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "datasets/ros/message_coding.h"
-#include "ltm/idf/convert.h"
+#include "ltm/idf/convert_elements.h"
 #include "ltm/idf/element_visit.h"
 
 namespace engram::datasets::ros {

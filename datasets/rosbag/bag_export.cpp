@@ -42,7 +42,7 @@ class Export {
       tell_misfit(entity, report_);
       return {};
     }
-    if (bytes->size() > BagWriter::kMostMessageBytes) {
+    if (bytes->size() > BagWriter::kMaxMessageBytes) {
       ++report_.not_carried["values of more than 256 MiB"];
       return {};
     }

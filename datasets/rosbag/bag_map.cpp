@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "datasets/rosbag/compression.h"
+#include "datasets/rosbag/bag_compression.h"
 
 namespace engram::datasets::rosbag {
 
@@ -29,9 +29,9 @@ struct RecordPlace {
   [[nodiscard]] uint64_t end() const { return data_at() + data_bytes; }
 };
 
-class Walk {
+class BagMapper {
  public:
-  Walk(FileWindow& file, ReadingReport& report) : file_(file), report_(report) {}
+  BagMapper(FileWindow& file, ReadingReport& report) : file_(file), report_(report) {}
 
   Result<BagMap> run() {
     ENGRAM_RETURN_IF_ERROR(check_magic());
@@ -73,8 +73,8 @@ class Walk {
 
   void note(uint64_t offset, std::string_view what) {
     // Files may be wrong in a million places.
-    constexpr size_t kMostNotes = 20;
-    if (notes_++ < kMostNotes)
+    constexpr size_t kMaxNotes = 20;
+    if (notes_++ < kMaxNotes)
       ++report_.not_carried[fmt::format("{}: {}", place(file_, offset), what)];
     else
       ++report_.not_carried["further damaged records"];
@@ -87,9 +87,9 @@ class Walk {
     if (left < kLengthBytes) return end_early("a record"), std::optional<RecordPlace>();
     ENGRAM_ASSIGN_OR_RETURN(const auto length, file_.read(at_, kLengthBytes));
     record.header_bytes = read_u32(length);
-    if (record.header_bytes > kMostHeaderBytes || record.header_bytes + 2 * kLengthBytes > left)
+    if (record.header_bytes > kMaxHeaderBytes || record.header_bytes + 2 * kLengthBytes > left)
       return end_early(fmt::format("a header of {} bytes (at most {}), and a length",
-                                   record.header_bytes, kMostHeaderBytes)),
+                                   record.header_bytes, kMaxHeaderBytes)),
              std::optional<RecordPlace>();
     ENGRAM_ASSIGN_OR_RETURN(const auto data,
                             file_.read(record.data_at() - kLengthBytes, kLengthBytes));
@@ -110,7 +110,7 @@ class Walk {
   Status take_bag_header() {
     const std::string needed = fmt::format("{}: needs a bag header", place(file_, at_));
     ENGRAM_ASSIGN_OR_RETURN(const auto found, next_record());
-    if (!found || found->data_bytes > kMostRecordBytes)
+    if (!found || found->data_bytes > kMaxRecordBytes)
       return data_loss("{}; the file has {} bytes", needed, file_.size());
     const auto take = [&]() -> Status {
       ENGRAM_ASSIGN_OR_RETURN(const Record record, read(*found));
@@ -155,7 +155,7 @@ class Walk {
         ++chunk_infos_;
         return take_chunk_info(header);
       case Opcode::kConnection: {
-        if (found.data_bytes > kMostRecordBytes) return data_loss("connection is too large");
+        if (found.data_bytes > kMaxRecordBytes) return data_loss("connection is too large");
         ENGRAM_ASSIGN_OR_RETURN(const Record record, read(found));
         ENGRAM_ASSIGN_OR_RETURN(Connection connection, read_connection(record));
         add(std::move(connection), found.offset);
@@ -178,7 +178,7 @@ class Walk {
   /// Messages outside of chunks: what was written of the last chunk when a recorder was killed.
   Status take_message(const RecordPlace& found, const Header& header) {
     ENGRAM_ASSIGN_OR_RETURN(const Message message, read_message({header, {}, 0}));
-    if (found.data_bytes > kMostRecordBytes) return data_loss("message is too large");
+    if (found.data_bytes > kMaxRecordBytes) return data_loss("message is too large");
     Region* last = map_.regions.empty() ? nullptr : &map_.regions.back();
     if (last == nullptr || last->is_chunk || last->offset + last->length != found.offset ||
         last->length > kLooseRegionBytes) {
@@ -203,7 +203,7 @@ class Walk {
   /// Of the chunk before it.
   Status take_index(const RecordPlace& found, const Header& header) {
     constexpr uint64_t kEntryBytes = 12;
-    constexpr uint64_t kMostAtOnce = 4096;
+    constexpr uint64_t kMaxAtOnce = 4096;
     ENGRAM_ASSIGN_OR_RETURN(const auto version, header.number<uint32_t>("ver"));
     ENGRAM_ASSIGN_OR_RETURN(const auto connection, header.number<uint32_t>("conn"));
     ENGRAM_ASSIGN_OR_RETURN(const auto messages, header.number<uint32_t>("count"));
@@ -215,7 +215,7 @@ class Walk {
       return data_loss("index without a chunk before it");
     Region& chunk = map_.regions.back();
     for (uint64_t at = found.data_at(); at < found.end();) {
-      const uint64_t bytes = std::min(found.end() - at, kMostAtOnce * kEntryBytes);
+      const uint64_t bytes = std::min(found.end() - at, kMaxAtOnce * kEntryBytes);
       ENGRAM_ASSIGN_OR_RETURN(const auto entries, file_.read(at, bytes));
       for (uint64_t i = 0; i < bytes; i += kEntryBytes) {
         const uint64_t seconds = read_u32(entries.subspan(i));
@@ -327,9 +327,9 @@ Result<LoadedRegion> load_region(FileWindow& file, const Region& region, std::st
   const auto fail = [&](const Status& status) {
     return status.with_context(place(file, region.offset));
   };
-  constexpr uint64_t kMost = kMostRecordBytes + kMostHeaderBytes;
-  if (region.length > kMost)
-    return fail(data_loss("chunk of {} bytes, needs at most {}", region.length, kMost));
+  constexpr uint64_t kMax = kMaxRecordBytes + kMaxHeaderBytes;
+  if (region.length > kMax)
+    return fail(data_loss("chunk of {} bytes, needs at most {}", region.length, kMax));
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file.read(region.offset, region.length));
   LoadedRegion loaded;
   auto plain = region_bytes(bytes, region);
@@ -344,7 +344,7 @@ Message message_at(std::span<const std::byte> bytes) {
 }
 
 Result<BagMap> map_bag(FileWindow& file, ReadingReport& report) {
-  return Walk(file, report).run();
+  return BagMapper(file, report).run();
 }
 
 }  // namespace engram::datasets::rosbag

@@ -8,7 +8,7 @@
 
 #include "datasets/recordings/file_window.h"
 #include "datasets/recordings/ordered_regions.h"
-#include "datasets/rosbag/records.h"
+#include "datasets/rosbag/bag_records.h"
 
 namespace engram::datasets::rosbag {
 

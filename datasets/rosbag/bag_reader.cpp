@@ -89,8 +89,8 @@ void BagReader::describe(const Connection& connection, const Topic& topic) {
 
 void BagReader::note(const std::string& what) {
   // Files may be wrong in a million places.
-  constexpr size_t kMostNotes = 40;
-  ++report_.not_carried[report_.not_carried.size() < kMostNotes ? what : "further damaged chunks"];
+  constexpr size_t kMaxNotes = 40;
+  ++report_.not_carried[report_.not_carried.size() < kMaxNotes ? what : "further damaged chunks"];
 }
 
 Result<RegionMessages> BagReader::load(const Region& region) {

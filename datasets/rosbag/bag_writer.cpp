@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "datasets/rosbag/compression.h"
+#include "datasets/rosbag/bag_compression.h"
 #include "ltm/core/check.h"
 
 namespace engram::datasets::rosbag {
@@ -25,12 +25,11 @@ void BagWriter::add(Connection connection) {
 }
 
 Status BagWriter::write(const Message& message) {
-  if (message.data.size() > kMostMessageBytes)
+  if (message.data.size() > kMaxMessageBytes)
     return invalid_argument("message of {} bytes, a bag of ours has at most {}",
-                            message.data.size(), kMostMessageBytes);
+                            message.data.size(), kMaxMessageBytes);
   // What is large gets a chunk of its own, so that none exceeds what can be read.
-  if (chunk_.size() + message.data.size() > kMostMessageBytes)
-    ENGRAM_RETURN_IF_ERROR(flush_chunk());
+  if (chunk_.size() + message.data.size() > kMaxMessageBytes) ENGRAM_RETURN_IF_ERROR(flush_chunk());
   if (described_.insert(message.connection).second)
     append(chunk_, connections_.at(message.connection));
   index_[message.connection].push_back({message.time, static_cast<uint32_t>(chunk_.size())});

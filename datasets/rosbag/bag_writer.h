@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "datasets/recordings/new_file.h"
-#include "datasets/rosbag/records.h"
+#include "datasets/rosbag/bag_records.h"
 
 namespace engram::datasets::rosbag {
 
@@ -23,7 +23,7 @@ namespace engram::datasets::rosbag {
 class BagWriter {
  public:
   /// Of one message: a chunk of it alone can be read again. Unit: bytes.
-  static constexpr uint64_t kMostMessageBytes = kMostRecordBytes / 2;
+  static constexpr uint64_t kMaxMessageBytes = kMaxRecordBytes / 2;
 
   struct Options {
     /// Of a chunk before it is compressed; that of rosbag. Larger ones compress better and cost

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/ros/message_type.h"
-#include "datasets/rosbag/records.h"
+#include "datasets/rosbag/bag_records.h"
 #include "ltm/memory/memory_id.h"
 
 namespace engram::datasets::rosbag {

@@ -19,7 +19,7 @@ class AdaptiveBit {
  public:
   static constexpr int kFastRate = 6;  ///< A bit moves the estimate by 2^-rate of the way.
   static constexpr int kSlowRate = 7;
-  static constexpr BitProbability kLeast = 32;  ///< No estimate is nearer to certain.
+  static constexpr BitProbability kMin = 32;  ///< No estimate is nearer to certain.
 
   AdaptiveBit() = default;
   /// Starts as if `seen` bits (at most 255) had taught it `one` (1 to 65535).
@@ -27,7 +27,7 @@ class AdaptiveBit {
       : fast_(static_cast<uint16_t>(one)), slow_(fast_), seen_(static_cast<uint8_t>(seen)) {}
 
   [[nodiscard]] BitProbability one() const {
-    return std::clamp<uint32_t>(mean(), kLeast, 65536 - kLeast);
+    return std::clamp<uint32_t>(mean(), kMin, 65536 - kMin);
   }
 
   /// one() before it is clamped: 0 to 65535.

@@ -19,10 +19,10 @@ int median_edge(int left, int up, int corner) {
   return left + up - corner;
 }
 
-/// Walks over the pixels of one scene in the order of their channels.
-class SceneWalk {
+/// Codes the pixels of one scene in the order of their channels.
+class ScenePixelCoder {
  public:
-  SceneWalk(std::span<uint8_t> pixels, const LatentGrid& shape, bool follows_channels)
+  ScenePixelCoder(std::span<uint8_t> pixels, const LatentGrid& shape, bool follows_channels)
       : pixels_(pixels),
         width_(static_cast<size_t>(shape.width)),
         height_(static_cast<size_t>(shape.height)),
@@ -72,7 +72,8 @@ void code_scenes(Port& port, std::span<uint8_t> pixels, const LatentGrid& shape,
                  bool follows_channels) {
   ByteModel model;
   for (size_t first = 0; first < pixels.size(); first += shape.count())
-    SceneWalk(pixels.subspan(first, shape.count()), shape, follows_channels).code(port, model);
+    ScenePixelCoder(pixels.subspan(first, shape.count()), shape, follows_channels)
+        .code(port, model);
 }
 
 constexpr BitProbability kEven = 1u << 15;
@@ -90,16 +91,16 @@ std::vector<std::byte> encode_backgrounds(std::span<const uint8_t> pixels,
                                           const LatentGrid& shape) {
   ENGRAM_CHECK(shape.count() > 0 && pixels.size() % shape.count() == 0, "{} pixels in scenes of {}",
                pixels.size(), shape.count());
-  std::vector<std::byte> least;
+  std::vector<std::byte> smallest;
   for (const bool follows_channels : {false, true}) {
     BinaryEncoder encoder;
     encoder.code(follows_channels, kEven);
     std::vector<uint8_t> copy(pixels.begin(), pixels.end());
     code_scenes(encoder, copy, shape, follows_channels);
     std::vector<std::byte> bytes = encoder.finish();
-    if (!follows_channels || bytes.size() < least.size()) least = std::move(bytes);
+    if (!follows_channels || bytes.size() < smallest.size()) smallest = std::move(bytes);
   }
-  return with_checksum(std::move(least), scenes_identity(pixels.size() / shape.count(), shape));
+  return with_checksum(std::move(smallest), scenes_identity(pixels.size() / shape.count(), shape));
 }
 
 Result<std::vector<uint8_t>> decode_backgrounds(std::span<const std::byte> bytes, size_t scenes,

@@ -52,7 +52,7 @@ int32_t scaled(int32_t sum, int bits) {
 }
 
 int32_t clamped(int32_t value) {
-  return std::clamp(value, -kMostCoefficient, kMostCoefficient);
+  return std::clamp(value, -kMaxCoefficient, kMaxCoefficient);
 }
 
 /// Transforms each row of a block and lays it down as a column: done twice, both ways.

@@ -37,7 +37,7 @@ struct BlockGrid {
 };
 
 /// Coefficients are in 1/8 grey level and lie within this, either way.
-inline constexpr int kMostCoefficient = 32767;
+inline constexpr int kMaxCoefficient = 32767;
 inline constexpr int kCoefficientUnit = 8;
 
 /// Differences of images (-255 to 255) as coefficients whose squares sum to theirs: three channels

@@ -8,7 +8,7 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr size_t kMostSamples = 20000;
+constexpr size_t kMaxSamples = 20000;
 constexpr int kSteps = 300;
 constexpr double kRate = 0.02;
 
@@ -76,13 +76,13 @@ std::vector<double> descend(const std::vector<ResidualTrace>& samples, size_t ch
 int8_t best_bias(const std::vector<const ResidualTrace*>& samples, size_t estimate,
                  const std::vector<double>& parameters) {
   int best = 0;
-  double least = INFINITY;
+  double min = INFINITY;
   for (int bias = -32; bias <= 64; bias += 4) {
     double sum = 0;
     for (const ResidualTrace* sample : samples)
       sum += cost(*sample, estimate, log_scale_of(*sample, parameters) + bias * kNatsPerSixteenth);
-    if (sum >= least) continue;
-    least = sum;
+    if (sum >= min) continue;
+    min = sum;
     best = bias;
   }
   return static_cast<int8_t>(best);
@@ -92,7 +92,7 @@ int8_t best_bias(const std::vector<const ResidualTrace*>& samples, size_t estima
 
 void fit_scales(std::span<const ResidualTrace> trace, NumberModel& model) {
   std::vector<ResidualTrace> samples;
-  const size_t stride = trace.size() / kMostSamples + 1;
+  const size_t stride = trace.size() / kMaxSamples + 1;
   for (size_t i = 0; i < trace.size(); i += stride)
     if (!trace[i].is_first) samples.push_back(trace[i]);
   if (samples.empty()) return;

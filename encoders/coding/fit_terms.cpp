@@ -10,7 +10,7 @@ namespace engram::encoders {
 namespace {
 
 /// Beyond, channels are taken for strangers: the search stays quick for many numbers.
-constexpr size_t kMostDistance = 64;
+constexpr size_t kMaxDistance = 64;
 /// Ridge, in squared steps.
 constexpr double kRidge = 4.0;
 constexpr int kReweightings = 4;
@@ -72,8 +72,8 @@ class TermSearch {
       : channel_(channel), recordings_(recordings) {
     collect_target();
     const std::vector<double> bounds = bounds_of(model);
-    const size_t first = channel - std::min(channel, kMostDistance);
-    const size_t end = std::min(model.channels.size(), channel + kMostDistance + 1);
+    const size_t first = channel - std::min(channel, kMaxDistance);
+    const size_t end = std::min(model.channels.size(), channel + kMaxDistance + 1);
     for (size_t kind = 0; kind < kFeatureKinds; ++kind)
       for (size_t from = first; from < end; ++from) {
         const PredictorTerm term{static_cast<FeatureKind>(kind), static_cast<uint16_t>(from), 0};
@@ -82,8 +82,8 @@ class TermSearch {
     residual_ = target_;
   }
 
-  std::vector<PredictorTerm> run(size_t most_terms, double least_gain_bits) {
-    while (chosen_.size() < most_terms) {
+  std::vector<PredictorTerm> run(size_t max_terms, double min_gain_bits) {
+    while (chosen_.size() < max_terms) {
       const double before = mean_size();
       const auto best = best_candidate();
       if (!best) break;
@@ -93,7 +93,7 @@ class TermSearch {
       refit();
       const double gain =
           static_cast<double>(target_.size()) * std::log2((before + 0.2) / (mean_size() + 0.2));
-      if (gain >= least_gain_bits) continue;
+      if (gain >= min_gain_bits) continue;
       chosen_.pop_back();
       weights_ = kept_weights;
       residual_ = kept_residual;
@@ -208,7 +208,7 @@ std::vector<PredictorTerm> fit_terms(const NumberModel& model, size_t channel,
                                      const NumberTraining& options) {
   if (kinds_of(model)[channel] == NumberKind::kOrientation) return {};
   return TermSearch(model, channel, recordings)
-      .run(std::min(options.most_terms, NumberChannel::kMostTerms), options.least_gain_bits);
+      .run(std::min(options.max_terms, NumberChannel::kMaxTerms), options.min_gain_bits);
 }
 
 }  // namespace engram::encoders

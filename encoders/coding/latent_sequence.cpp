@@ -7,7 +7,7 @@
 
 #include "encoders/coding/byte_stream.h"
 #include "encoders/coding/checked_block.h"
-#include "encoders/coding/latent_walk.h"
+#include "encoders/coding/latent_row_coder.h"
 #include "ltm/core/check.h"
 
 namespace engram::encoders {
@@ -37,8 +37,8 @@ LatentModel::LatentModel(std::vector<LatentGrid> grids) : grids_(std::move(grids
   for (const LatentGrid& grid : grids_)
     ENGRAM_CHECK(grid.channels > 0 && grid.height > 0 && grid.width > 0,
                  "a grid of {} x {} x {} latents", grid.channels, grid.height, grid.width);
-  starts_.assign(LatentWalk::start_count(grids_), INT8_MIN);
-  weights_.assign(LatentWalk::weight_count(grids_),
+  starts_.assign(LatentRowCoder::start_count(grids_), INT8_MIN);
+  weights_.assign(LatentRowCoder::weight_count(grids_),
                   static_cast<int16_t>((1 << LatentMixer::kWeightBits) / 4));
 }
 
@@ -47,16 +47,16 @@ LatentModel LatentModel::train(std::vector<LatentGrid> grids,
   LatentModel model(std::move(grids));
   const size_t latents = model.latents();
   for (int pass = 0; pass < kTrainingPasses; ++pass) {
-    LatentWalk walk(model);
+    LatentRowCoder coder(model);
     BinaryListener listener;
     for (std::vector<int32_t> sequence : sequences) {
       ENGRAM_CHECK(sequence.size() % latents == 0, "{} latents in rows of {}", sequence.size(),
                    latents);
-      walk.begin_block();
+      coder.begin_block();
       for (size_t at = 0; at < sequence.size(); at += latents)
-        walk.code_row(listener, std::span(sequence).subspan(at, latents));
+        coder.code_row(listener, std::span(sequence).subspan(at, latents));
     }
-    walk.store(model);
+    coder.store(model);
   }
   return model;
 }
@@ -106,12 +106,12 @@ Result<LatentModel> LatentModel::from_bytes(std::span<const std::byte> bytes,
 std::vector<std::byte> LatentSequenceCodec::encode(std::span<const int32_t> latents) const {
   const size_t each = model_.latents();
   ENGRAM_CHECK(latents.size() % each == 0, "{} latents in rows of {}", latents.size(), each);
-  LatentWalk walk(model_);
+  LatentRowCoder coder(model_);
   BinaryEncoder encoder;
   std::vector<int32_t> row(each);
   for (size_t at = 0; at < latents.size(); at += each) {
     std::ranges::copy(latents.subspan(at, each), row.begin());
-    walk.code_row(encoder, row);
+    coder.code_row(encoder, row);
   }
   return with_checksum(encoder.finish(), latents.size() / each);
 }
@@ -121,24 +121,24 @@ Result<std::vector<int32_t>> LatentSequenceCodec::decode(std::span<const std::by
   ENGRAM_CHECK(wanted <= rows, "{} of {} rows", wanted, rows);
   ENGRAM_ASSIGN_OR_RETURN(const auto content, without_checksum(block, "block of latents", rows));
   const size_t each = model_.latents();
-  LatentWalk walk(model_);
+  LatentRowCoder coder(model_);
   BinaryDecoder decoder(content);
   std::vector<int32_t> latents(wanted * each);
   for (size_t at = 0; at < latents.size(); at += each)
-    walk.code_row(decoder, std::span(latents).subspan(at, each));
+    coder.code_row(decoder, std::span(latents).subspan(at, each));
   return latents;
 }
 
 std::vector<double> LatentSequenceCodec::cost_bits(std::span<const int32_t> latents) const {
   const size_t each = model_.latents();
   ENGRAM_CHECK(latents.size() % each == 0, "{} latents in rows of {}", latents.size(), each);
-  LatentWalk walk(model_);
+  LatentRowCoder coder(model_);
   std::vector<double> costs;
   std::vector<int32_t> row(each);
   for (size_t at = 0; at < latents.size(); at += each) {
     BitCounter counter;
     std::ranges::copy(latents.subspan(at, each), row.begin());
-    walk.code_row(counter, row);
+    coder.code_row(counter, row);
     costs.push_back(counter.bits());
   }
   return costs;

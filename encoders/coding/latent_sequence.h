@@ -42,7 +42,7 @@ class LatentModel {
   friend bool operator==(const LatentModel&, const LatentModel&) = default;
 
  private:
-  friend class LatentWalk;
+  friend class LatentRowCoder;
 
   std::vector<LatentGrid> grids_;
   std::vector<int8_t> starts_;    ///< Log odds per context and node, see latent_walk.h.

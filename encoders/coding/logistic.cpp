@@ -84,14 +84,14 @@ constexpr int kOddsStep = 8;  // Computed so many units apart, straight lines be
 
 }  // namespace
 
-constexpr std::array<uint16_t, 2 * kMostLogOdds + 1> kProbabilityOf = [] {
+constexpr std::array<uint16_t, 2 * kMaxLogOdds + 1> kProbabilityOf = [] {
   const auto at = [](int32_t steps) {
-    const double odds = (static_cast<double>(steps) * kOddsStep - (kMostLogOdds + 1)) / 256.0;
+    const double odds = (static_cast<double>(steps) * kOddsStep - (kMaxLogOdds + 1)) / 256.0;
     return static_cast<int32_t>(65536.0 / (1.0 + exp_of(-odds)));
   };
-  std::array<uint16_t, 2 * kMostLogOdds + 1> table{};
+  std::array<uint16_t, 2 * kMaxLogOdds + 1> table{};
   int32_t step = 0, low = at(0), high = at(1);
-  for (int32_t i = 1; i <= 2 * kMostLogOdds + 1; ++i) {
+  for (int32_t i = 1; i <= 2 * kMaxLogOdds + 1; ++i) {
     if (i / kOddsStep != step) {
       step = i / kOddsStep;
       low = high;
@@ -105,7 +105,7 @@ constexpr std::array<uint16_t, 2 * kMostLogOdds + 1> kProbabilityOf = [] {
 
 LogOdds log_odds(uint64_t part, uint64_t rest) {
   const int64_t odds = (ln_65536(part + 1) - ln_65536(rest + 1)) / 256;
-  return static_cast<LogOdds>(std::clamp<int64_t>(odds, -kMostLogOdds, kMostLogOdds));
+  return static_cast<LogOdds>(std::clamp<int64_t>(odds, -kMaxLogOdds, kMaxLogOdds));
 }
 
 LogOdds log_odds(BitProbability one) {
@@ -117,7 +117,7 @@ const OddsTable& odds_table() {
     OddsTable made{};
     for (BitProbability mean = 0; mean < made.size(); ++mean)
       made[mean] = static_cast<int16_t>(
-          log_odds(std::clamp(mean, AdaptiveBit::kLeast, 65536 - AdaptiveBit::kLeast)));
+          log_odds(std::clamp(mean, AdaptiveBit::kMin, 65536 - AdaptiveBit::kMin)));
     return made;
   }();
   return table;

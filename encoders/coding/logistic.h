@@ -10,18 +10,18 @@
 
 namespace engram::encoders {
 
-/// Natural logarithms of odds in units of 1/256, at most kMostLogOdds either way: a probability of
+/// Natural logarithms of odds in units of 1/256, at most kMaxLogOdds either way: a probability of
 /// 6.2e-6 at the least.
 using LogOdds = int32_t;
-inline constexpr LogOdds kMostLogOdds = 3071;
+inline constexpr LogOdds kMaxLogOdds = 3071;
 
 /// What squash looks up. Made at compile time: the same on every machine.
-extern const std::array<uint16_t, 2 * kMostLogOdds + 1> kProbabilityOf;
+extern const std::array<uint16_t, 2 * kMaxLogOdds + 1> kProbabilityOf;
 
 /// The probability of these odds, 16 to 65520 of 65536.
 [[nodiscard]] inline BitProbability squash(LogOdds odds) {
-  const LogOdds known = std::clamp(odds, -kMostLogOdds, kMostLogOdds);
-  return kProbabilityOf[static_cast<size_t>(known + kMostLogOdds)];
+  const LogOdds known = std::clamp(odds, -kMaxLogOdds, kMaxLogOdds);
+  return kProbabilityOf[static_cast<size_t>(known + kMaxLogOdds)];
 }
 
 /// ln(p / (1 - p)) where p = part / (part + rest), each counted as one more than it is; needs each

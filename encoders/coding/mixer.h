@@ -34,12 +34,12 @@ class Mixer {
     return result;
   }
 
-  /// Needs odds of at most kMostLogOdds either way.
+  /// Needs odds of at most kMaxLogOdds either way.
   [[nodiscard]] BitProbability mix(std::span<const LogOdds, N> odds) const {
     int64_t sum = 0;
     for (size_t i = 0; i < N; ++i) sum += int64_t{odds[i]} * weights_[i];
     return squash(
-        static_cast<LogOdds>(std::clamp<int64_t>(sum / 65536, -kMostLogOdds, kMostLogOdds)));
+        static_cast<LogOdds>(std::clamp<int64_t>(sum / 65536, -kMaxLogOdds, kMaxLogOdds)));
   }
 
   /// `one` is what mix returned for `odds`; a smaller `rate` learns faster (2^-rate).

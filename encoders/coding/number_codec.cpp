@@ -2,14 +2,14 @@
 #include "encoders/coding/number_codec.h"
 
 #include "encoders/coding/checked_block.h"
-#include "encoders/coding/number_walk.h"
+#include "encoders/coding/number_row_coder.h"
 #include "ltm/core/check.h"
 
 namespace engram::encoders {
 
 namespace {
 
-constexpr size_t kMostReserved = 1 << 20;
+constexpr size_t kMaxReserved = 1 << 20;
 
 }  // namespace
 
@@ -18,11 +18,11 @@ std::vector<std::byte> NumberCodec::encode(std::span<const double> rows) const {
   ENGRAM_CHECK(numbers > 0 ? rows.size() % numbers == 0 : rows.empty(), "{} numbers in rows of {}",
                rows.size(), numbers);
   BinaryEncoder encoder;
-  NumberWalk walk(model_);
+  NumberRowCoder coder(model_);
   std::vector<double> row(numbers);
   for (size_t at = 0; at < rows.size(); at += numbers) {
     std::ranges::copy(rows.subspan(at, numbers), row.begin());
-    walk.code(encoder, row);
+    coder.code(encoder, row);
   }
   return with_checksum(encoder.finish(), numbers == 0 ? 0 : rows.size() / numbers);
 }
@@ -31,11 +31,11 @@ Result<std::vector<double>> NumberCodec::decode(std::span<const std::byte> block
                                                 size_t count) const {
   ENGRAM_ASSIGN_OR_RETURN(const auto body, without_checksum(block, "block of numbers", count));
   BinaryDecoder decoder(body);
-  NumberWalk walk(model_);
+  NumberRowCoder coder(model_);
   std::vector<double> rows, row(model_.count());
-  rows.reserve(std::min(count * row.size(), kMostReserved));
+  rows.reserve(std::min(count * row.size(), kMaxReserved));
   for (size_t i = 0; i < count; ++i) {
-    walk.code(decoder, row);
+    coder.code(decoder, row);
     rows.insert(rows.end(), row.begin(), row.end());
   }
   return rows;

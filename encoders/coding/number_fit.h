@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "encoders/coding/number_row_coder.h"
 #include "encoders/coding/number_training.h"
-#include "encoders/coding/number_walk.h"
 
 namespace engram::encoders {
 

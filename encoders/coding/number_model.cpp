@@ -23,10 +23,10 @@ Status check_field(const NumberField& field, size_t index) {
   if (is_orientation && field.count != 4)
     return invalid_argument("number field {}: an orientation of {} numbers, needs 4", index,
                             field.count);
-  const double least = is_orientation ? 1e-9 : 1e-150, most = is_orientation ? 1.0 : 1e150;
-  if (!(field.bound >= least && field.bound <= most))
-    return invalid_argument("number field {}: bound {}, needs {} to {}", index, field.bound, least,
-                            most);
+  const double min = is_orientation ? 1e-9 : 1e-150, max = is_orientation ? 1.0 : 1e150;
+  if (!(field.bound >= min && field.bound <= max))
+    return invalid_argument("number field {}: bound {}, needs {} to {}", index, field.bound, min,
+                            max);
   return {};
 }
 
@@ -35,9 +35,9 @@ Status check_fields(const std::vector<NumberField>& fields) {
   for (size_t i = 0; i < fields.size(); ++i) {
     ENGRAM_RETURN_IF_ERROR(check_field(fields[i], i));
     count += fields[i].count;
-    if (fields[i].count == 0 || count > NumberModel::kMostNumbers)
+    if (fields[i].count == 0 || count > NumberModel::kMaxNumbers)
       return invalid_argument("number field {}: {} numbers in all, needs 1 to {}", i, count,
-                              NumberModel::kMostNumbers);
+                              NumberModel::kMaxNumbers);
   }
   return {};
 }
@@ -65,12 +65,12 @@ NumberChannel read_channel(ByteReader& in) {
   channel.start_scale = in.get<int8_t>();
   channel.usual_scale = in.get<int8_t>();
   for (int8_t& bias : channel.scale_bias) bias = in.get<int8_t>();
-  channel.terms.resize(std::min<size_t>(in.get<uint8_t>(), NumberChannel::kMostTerms));
+  channel.terms.resize(std::min<size_t>(in.get<uint8_t>(), NumberChannel::kMaxTerms));
   for (PredictorTerm& term : channel.terms) {
     const auto code = static_cast<uint64_t>(in.get_varint());
     term.kind = static_cast<FeatureKind>(code % kFeatureKinds);
     term.channel =
-        static_cast<uint16_t>(std::min<uint64_t>(code / kFeatureKinds, NumberModel::kMostNumbers));
+        static_cast<uint16_t>(std::min<uint64_t>(code / kFeatureKinds, NumberModel::kMaxNumbers));
     term.weight = in.get<int16_t>();
   }
   return channel;
@@ -96,14 +96,14 @@ void for_each_start(NumberModel& model, Visit visit) {
 }
 
 Result<std::vector<NumberField>> read_fields(ByteReader& in) {
-  std::vector<NumberField> fields(std::min<size_t>(in.get<uint16_t>(), NumberModel::kMostNumbers));
+  std::vector<NumberField> fields(std::min<size_t>(in.get<uint16_t>(), NumberModel::kMaxNumbers));
   for (NumberField& field : fields) {
     const auto kind = in.get<uint8_t>();
     if (kind > static_cast<uint8_t>(NumberKind::kExactFloat))
       return data_loss("number model: field of unknown kind {}", kind);
     field.kind = static_cast<NumberKind>(kind);
     field.count = static_cast<uint32_t>(
-        std::clamp<int64_t>(in.get_varint(), 0, NumberModel::kMostNumbers + 1));
+        std::clamp<int64_t>(in.get_varint(), 0, NumberModel::kMaxNumbers + 1));
     field.bound = in.get<double>();
   }
   if (in.failed()) return data_loss("number model: ends in its fields");
@@ -120,7 +120,7 @@ std::vector<NumberField> number_fields(const idf::Layout& layout, double bound,
     NumberField field;
     int64_t count = 1;
     for (const int64_t size : member.shape)
-      count = std::min<int64_t>(count * size, NumberModel::kMostNumbers + 1);
+      count = std::min<int64_t>(count * size, NumberModel::kMaxNumbers + 1);
     field.count = static_cast<uint32_t>(count);
     const bool is_real =
         member.type == idf::ElementType::kFloat32 || member.type == idf::ElementType::kFloat64;

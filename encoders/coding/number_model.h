@@ -68,9 +68,9 @@ struct NumberChannel {
   int8_t usual_scale = 0;  ///< Size of a residual: 2^(x / 4) / 16 steps.
   /// Corrections of the scale per estimate: 2^(x / 16).
   std::array<int8_t, 4> scale_bias{};
-  std::vector<PredictorTerm> terms;  ///< At most kMostTerms.
+  std::vector<PredictorTerm> terms;  ///< At most kMaxTerms.
 
-  static constexpr size_t kMostTerms = 16;
+  static constexpr size_t kMaxTerms = 16;
   /// A float32 is the integer that its bits make, such that close numbers have close integers.
   static constexpr uint8_t kAsOrdered = 15;
   friend bool operator==(const NumberChannel&, const NumberChannel&) = default;
@@ -104,11 +104,11 @@ struct NumberModel {
   std::array<std::array<Mixer<kMixerInputs>::Weights, kNumberNodes>, 2> mixers{};
 
   /// Most numbers of a row.
-  static constexpr size_t kMostNumbers = 1 << 12;
+  static constexpr size_t kMaxNumbers = 1 << 12;
 
   /// A model that knows nothing but the fields: every number is predicted by its last value.
   /// Errors: kInvalidArgument naming the field: a bound that is not between 1e-150 and 1e150 (1e-9
-  /// and 1 for orientations), an orientation of other than four numbers, more than kMostNumbers.
+  /// and 1 for orientations), an orientation of other than four numbers, more than kMaxNumbers.
   static Result<NumberModel> create(std::vector<NumberField> fields);
 
   /// Numbers per row.

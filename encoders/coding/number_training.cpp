@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kClosedLoops = 2;
 constexpr int kPasses = 3;
-constexpr uint8_t kMostDecimals = 12;
+constexpr uint8_t kMaxDecimals = 12;
 
 using Rows = std::vector<double>;
 
@@ -32,23 +32,23 @@ void for_each_number(const NumberModel& model, Visit visit, VisitOrientation vis
 }
 
 /// The same share of every recording, from its start: one row at least, where it has one.
-std::vector<Rows> sample(std::span<const Rows> recordings, size_t numbers, size_t most_rows) {
+std::vector<Rows> sample(std::span<const Rows> recordings, size_t numbers, size_t max_rows) {
   size_t rows = 0;
   for (const Rows& recording : recordings) rows += recording.size() / numbers;
   std::vector<Rows> result;
   for (const Rows& recording : recordings) {
     const size_t own = recording.size() / numbers;
     const size_t kept =
-        rows <= most_rows ? own : std::min(own, std::max<size_t>(own * most_rows / rows, 1));
+        rows <= max_rows ? own : std::min(own, std::max<size_t>(own * max_rows / rows, 1));
     result.emplace_back(recording.begin(),
                         recording.begin() + static_cast<ptrdiff_t>(kept * numbers));
   }
   return result;
 }
 
-int8_t quarter_octaves(double size, int least, int most) {
-  const long result = size > 0 ? std::lround(4 * std::log2(size)) : least;
-  return static_cast<int8_t>(std::clamp<long>(result, least, most));
+int8_t quarter_octaves(double size, int min, int max) {
+  const long result = size > 0 ? std::lround(4 * std::log2(size)) : min;
+  return static_cast<int8_t>(std::clamp<long>(result, min, max));
 }
 
 /// How much finer float32 is there than a step. Unit: bits.
@@ -64,7 +64,7 @@ class Training {
       : model_(std::move(model)),
         numbers_(model_.count()),
         options_(options),
-        recordings_(sample(recordings, numbers_, options.most_rows)) {}
+        recordings_(sample(recordings, numbers_, options.max_rows)) {}
 
   NumberModel run() {
     fit_decimals();
@@ -94,7 +94,7 @@ class Training {
   void fit_decimals() {
     const auto fit = [&](const NumberField& field, size_t channel, size_t number) {
       if (!is_exact(field.kind)) return;
-      for (uint8_t decimals = 0; decimals <= kMostDecimals; ++decimals) {
+      for (uint8_t decimals = 0; decimals <= kMaxDecimals; ++decimals) {
         size_t all = 0, fitting = 0;
         double saved_bits = 0;
         for_each_row(false, [&](std::span<const double> row) {
@@ -118,11 +118,11 @@ class Training {
   /// How much of the last turn goes on: what leaves least to say.
   void fit_orientations() {
     const auto fit = [&](const NumberField&, size_t channel, size_t number) {
-      double least = INFINITY;
+      double min = INFINITY;
       for (const uint8_t eighths : {0, 4, 6, 8}) {
         const double sum = turn_left(number, eighths);
-        if (sum >= least) continue;
-        least = sum;
+        if (sum >= min) continue;
+        min = sum;
         model_.channels[channel].eighths = eighths;
       }
     };
@@ -152,7 +152,7 @@ class Training {
       NumberChannel& known = model_.channels[channel];
       for_each_row(true, [&](std::span<const double> row) {
         const double units = to_units(field, known, row[number]);
-        if (std::abs(units) < static_cast<double>(kMostUnits))
+        if (std::abs(units) < static_cast<double>(kMaxUnits))
           values.push_back(units / static_cast<double>(step_units(field)));
       });
       fit_start(std::move(values), known);
@@ -193,29 +193,29 @@ class Training {
     std::vector<ChannelRows> result;
     for (const Rows& rows : recordings_) {
       ChannelRows channels;
-      NumberWalk walk(model_);
+      NumberRowCoder coder(model_);
       BinaryListener listener;
       for (size_t at = 0; at < rows.size(); at += numbers_) {
         std::vector<double> row(rows.begin() + static_cast<ptrdiff_t>(at),
                                 rows.begin() + static_cast<ptrdiff_t>(at + numbers_));
         const std::vector<double> real = row;
-        walk.code(listener, row);
-        add_row(walk, real, is_open, channels);
+        coder.code(listener, row);
+        add_row(coder, real, is_open, channels);
       }
       result.push_back(std::move(channels));
     }
     return result;
   }
 
-  void add_row(const NumberWalk& walk, std::span<const double> row, bool is_open,
+  void add_row(const NumberRowCoder& coder, std::span<const double> row, bool is_open,
                ChannelRows& channels) const {
     std::vector<double> coded(model_.channels.size()), real(model_.channels.size());
     const auto add = [&](const NumberField& field, size_t channel, size_t number) {
       const auto step = static_cast<double>(step_units(field));
       const double units = to_units(field, model_.channels[channel], row[number]);
-      coded[channel] = static_cast<double>(walk.history()[channel].last) / step;
+      coded[channel] = static_cast<double>(coder.history()[channel].last) / step;
       real[channel] =
-          std::abs(units) < static_cast<double>(kMostUnits) ? units / step : coded[channel];
+          std::abs(units) < static_cast<double>(kMaxUnits) ? units / step : coded[channel];
       if (is_open) coded[channel] = real[channel];
     };
     for_each_number(model_, add, [](auto&, size_t, size_t) {});
@@ -235,16 +235,16 @@ class Training {
 
   void code_block(std::span<const double> rows, std::vector<ResidualTrace>* trace,
                   ResidualModels* models) const {
-    NumberWalk walk(model_);
+    NumberRowCoder coder(model_);
     BinaryListener listener;
-    walk.trace_to(trace);
-    if (models != nullptr) std::swap(walk.models(), *models);
+    coder.trace_to(trace);
+    if (models != nullptr) std::swap(coder.models(), *models);
     std::vector<double> row(numbers_);
     for (size_t at = 0; at < rows.size(); at += numbers_) {
       std::ranges::copy(rows.subspan(at, numbers_), row.begin());
-      walk.code(listener, row);
+      coder.code(listener, row);
     }
-    if (models != nullptr) std::swap(walk.models(), *models);
+    if (models != nullptr) std::swap(coder.models(), *models);
   }
 
   void fit_usual_scales(std::span<const ResidualTrace> trace) {
@@ -274,12 +274,12 @@ class Training {
 }  // namespace
 
 Status NumberTraining::validate() const {
-  if (most_terms > NumberChannel::kMostTerms)
-    return invalid_argument("number training: {} terms, needs at most {}", most_terms,
-                            NumberChannel::kMostTerms);
-  if (most_rows == 0) return invalid_argument("number training: no rows, needs one");
-  if (!(least_gain_bits >= 0))
-    return invalid_argument("number training: gain of {} bits, needs 0 or more", least_gain_bits);
+  if (max_terms > NumberChannel::kMaxTerms)
+    return invalid_argument("number training: {} terms, needs at most {}", max_terms,
+                            NumberChannel::kMaxTerms);
+  if (max_rows == 0) return invalid_argument("number training: no rows, needs one");
+  if (!(min_gain_bits >= 0))
+    return invalid_argument("number training: gain of {} bits, needs 0 or more", min_gain_bits);
   return {};
 }
 

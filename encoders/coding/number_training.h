@@ -12,13 +12,13 @@ struct NumberTraining {
   /// Rows of the blocks that will be coded; 0: whole recordings. Tells where blocks start.
   size_t block_rows = 0;
   /// Numbers that may help to predict one: each costs four bytes of the model.
-  size_t most_terms = 8;
+  size_t max_terms = 8;
   /// A term must save so many bits of the training data: more keeps the model small and less bound
   /// to what it saw.
-  double least_gain_bits = 6;
+  double min_gain_bits = 6;
   /// Rows that are looked at, those of all recordings together. Time grows with them and with the
   /// square of the numbers.
-  size_t most_rows = 4096;
+  size_t max_rows = 4096;
 
   [[nodiscard]] Status validate() const;
 };

@@ -13,7 +13,7 @@ namespace engram::encoders {
 inline constexpr int64_t kStepUnits = 8191;
 inline constexpr double kBoundUnits = 4096;
 /// What is larger is stored as it is. Unit: units.
-inline constexpr int64_t kMostUnits = int64_t{1} << 40;
+inline constexpr int64_t kMaxUnits = int64_t{1} << 40;
 
 /// Order of the bits is order of the numbers: close numbers have close integers.
 [[nodiscard]] uint64_t ordered(double value);

@@ -8,7 +8,7 @@
 
 #include "encoders/coding/binary_coder.h"
 #include "encoders/coding/byte_stream.h"
-#include "encoders/coding/residual_walk.h"
+#include "encoders/coding/residual_coder.h"
 #include "ltm/core/check.h"
 
 namespace engram::encoders {
@@ -30,7 +30,7 @@ struct BlockChoiceOfLevels {
 int32_t to_level(int32_t value, int32_t step) {
   // Rounded down up to three quarters of a step: a zero is cheap.
   const int32_t level = (4 * std::abs(value) + step) / (4 * step);
-  return std::clamp(value < 0 ? -level : level, -kMostCoefficient, kMostCoefficient);
+  return std::clamp(value < 0 ? -level : level, -kMaxCoefficient, kMaxCoefficient);
 }
 
 /// About the bits of a level that is not zero.
@@ -115,15 +115,15 @@ Result<std::vector<RowCode>> codes_of(std::span<const std::byte> bytes, size_t r
 }  // namespace
 
 ResidualEncoder::ResidualEncoder(const PixelShape& shape)
-    : shape_(shape), grid_(shape), walk_(std::make_unique<ResidualWalk>(grid_)) {}
+    : shape_(shape), grid_(shape), coder_(std::make_unique<ResidualCoder>(grid_)) {}
 ResidualEncoder::~ResidualEncoder() = default;
 
 bool ResidualEncoder::add(std::span<const uint8_t> decoded, std::span<const uint8_t> recorded,
-                          uint64_t most_error) {
+                          uint64_t max_error) {
   ENGRAM_CHECK(decoded.size() == shape_.count() && recorded.size() == shape_.count(),
                "images of {} and {} elements, needs {}", decoded.size(), recorded.size(),
                shape_.count());
-  if (squared_error(decoded, recorded) <= most_error) {
+  if (squared_error(decoded, recorded) <= max_error) {
     codes_.emplace_back();
     return true;
   }
@@ -135,16 +135,16 @@ bool ResidualEncoder::add(std::span<const uint8_t> decoded, std::span<const uint
   int good = -1, bad = kResidualSteps;  // Known to keep the bound, and not to.
   while (bad - good > 1) {
     const int step = (good + bad) / 2;
-    QuantisedResidual image = quantised(target, walk_->last(), grid_, step);
+    QuantisedResidual image = quantised(target, coder_->last(), grid_, step);
     std::vector<uint8_t> corrected(decoded.begin(), decoded.end());
-    add_residual(walk_->after(image), shape_, corrected);
-    const bool is_good = squared_error(corrected, recorded) <= most_error;
+    add_residual(coder_->after(image), shape_, corrected);
+    const bool is_good = squared_error(corrected, recorded) <= max_error;
     (is_good ? good : bad) = step;
     if (is_good) best = std::move(image);
   }
   if (!best) return false;
   BinaryEncoder encoder;
-  walk_->code(encoder, *best);
+  coder_->code(encoder, *best);
   codes_.emplace_back(encoder.finish());
   return true;
 }
@@ -165,13 +165,13 @@ Result<ResidualRows> decode_residuals(std::span<const std::byte> bytes, const Pi
   ENGRAM_ASSIGN_OR_RETURN(const auto codes, codes_of(bytes, rows));
   ResidualRows residuals(wanted);
   const BlockGrid grid(shape);
-  ResidualWalk walk(grid);
+  ResidualCoder coder(grid);
   for (size_t row = 0; row < wanted; ++row) {
     if (!codes[row]) continue;
     BinaryDecoder decoder(*codes[row]);
     QuantisedResidual image(grid);
-    walk.code(decoder, image);
-    residuals[row] = walk.last();
+    coder.code(decoder, image);
+    residuals[row] = coder.last();
   }
   return residuals;
 }

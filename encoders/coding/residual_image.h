@@ -13,7 +13,7 @@
 
 namespace engram::encoders {
 
-class ResidualWalk;
+class ResidualCoder;
 
 /// Codes what consecutive images lack, row by row of a block: as little as keeps each within a
 /// bound. Rows may have none; one that has may go on from what the last one lacked.
@@ -27,11 +27,11 @@ class ResidualEncoder {
   ~ResidualEncoder();
 
   /// The next row. Where the squares of all differences between `decoded` and `recorded` sum to at
-  /// most `most_error` it needs no residual; else it gets the coarsest one that makes them so.
+  /// most `max_error` it needs no residual; else it gets the coarsest one that makes them so.
   /// Returns false where none does: then no row is added.
   /// Shape: both [H, W, C].
   [[nodiscard]] bool add(std::span<const uint8_t> decoded, std::span<const uint8_t> recorded,
-                         uint64_t most_error);
+                         uint64_t max_error);
 
   /// All rows as they are stored; empty where none has a residual.
   /// Format: per row a varint: 0 where it has none, else one more than the bytes of its code; then
@@ -41,7 +41,7 @@ class ResidualEncoder {
  private:
   PixelShape shape_;
   BlockGrid grid_;
-  std::unique_ptr<ResidualWalk> walk_;
+  std::unique_ptr<ResidualCoder> coder_;
   std::vector<std::optional<std::vector<std::byte>>> codes_;  ///< Per row; nothing: it has none.
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "encoders/coding/number_walk.h"
+#include "encoders/coding/number_row_coder.h"
 
 namespace engram::encoders {
 
@@ -9,7 +9,7 @@ constexpr int kMixerRate = 16;
 /// How many bits a stored start is worth.
 constexpr int kScaleTrust = 60;
 constexpr int kChannelTrust = 16;
-constexpr int kMostWidth = 40;
+constexpr int kMaxWidth = 40;
 
 // Nodes: is it zero, is it negative, has the magnitude more bits (ten), its first bit below the
 // highest by width (four), the other bits.
@@ -101,7 +101,7 @@ int64_t ResidualModels::code_magnitude(Port& port, const Place& place, int sign,
     }
   };
   int width = 0;
-  for (; width < kMostWidth; ++width) {
+  for (; width < kMaxWidth; ++width) {
     const int64_t begin = int64_t{1} << width;
     split(begin, 2 * begin, 0);
     const size_t node = kWidthNode + std::min<size_t>(static_cast<size_t>(width), 9);

@@ -103,10 +103,10 @@ def main():
               f"{row['megabytes']:6.0f} MB")
     if arguments.json:
         arguments.json.write_text(json.dumps(result, indent=1))
-    least = min(row["ratio"] for row in result["rows"][1:])
-    print(f"import: {least:.2f} of FFmpeg's speed or more "
-          f"({'reached' if least >= NEEDED else 'MISSED'}, needs {NEEDED})")
-    return 0 if least >= NEEDED else 1
+    min_ratio = min(row["ratio"] for row in result["rows"][1:])
+    print(f"import: {min_ratio:.2f} of FFmpeg's speed or more "
+          f"({'reached' if min_ratio >= NEEDED else 'MISSED'}, needs {NEEDED})")
+    return 0 if min_ratio >= NEEDED else 1
 
 
 if __name__ == "__main__":

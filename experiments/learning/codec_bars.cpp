@@ -18,7 +18,7 @@ struct Arguments {
   std::vector<int> groups{0, 10};
   std::vector<int> efforts{-1};
   std::vector<int> crfs{20, 26, 32};
-  size_t most_frames = 100'000;
+  size_t max_frames = 100'000;
   std::string json;
 };
 
@@ -106,7 +106,7 @@ Status run(const Arguments& arguments) {
   nlohmann::json json;
   for (const std::string& name : arguments.clips) {
     ClipOptions options = kClips.at(name);
-    options.most_frames = arguments.most_frames;
+    options.max_frames = arguments.max_frames;
     ENGRAM_RETURN_IF_ERROR(measure(options, arguments, json));
   }
   return write_json(arguments.json, json);
@@ -126,7 +126,7 @@ int main(int count, char** values) {
   app.add_option("--groups", arguments.groups, "frames per group; 0: all");
   app.add_option("--efforts", arguments.efforts, "0 to 9; -1: the codec's default");
   app.add_option("--crfs", arguments.crfs, "qualities, 0 to 51; scaled to 63 for av1");
-  app.add_option("--frames", arguments.most_frames, "most frames of a clip");
+  app.add_option("--frames", arguments.max_frames, "most frames of a clip");
   app.add_option("--json", arguments.json, "write figures there");
   CLI11_PARSE(app, count, values);
   return exit_code("codec_bars", run(arguments));

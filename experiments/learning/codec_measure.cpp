@@ -6,7 +6,7 @@
 
 #include "datasets/media/video_reader.h"
 #include "ltm/codec/group_codec.h"
-#include "store/measure.h"
+#include "store/store_measure.h"
 #include "training/quality/ssim.h"
 
 namespace engram::experiments {
@@ -22,7 +22,7 @@ Status append_video(const fs::path& file, const ClipOptions& options, Clip& clip
   datasets::VideoReader::Options reading{kSide, kSide, options.crops_square, 1};
   ENGRAM_ASSIGN_OR_RETURN(auto reader, datasets::VideoReader::open(file, reading));
   Duration next{};
-  for (size_t i = 0; clip.images.size() < options.most_frames; ++i) {
+  for (size_t i = 0; clip.images.size() < options.max_frames; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(auto frame, reader.next());
     if (!frame) break;
     // Times are rounded: half a millisecond early is in time.

@@ -23,7 +23,7 @@ struct ClipOptions {
   std::string file;
   bool crops_square = true;
   size_t stride = 0;  ///< Every so many frames; 0: five a second by their times.
-  size_t most_frames = 100'000;
+  size_t max_frames = 100'000;
 };
 
 /// Errors: kNotFound where there is no such file; those of reading a video.

@@ -267,10 +267,10 @@ class Trial:
 
     def run(self):
         begin, report, steps, psnr, bytes_each = time.process_time(), 60, 0, None, 0.0
-        most = self.arguments.steps
+        max_steps = self.arguments.steps
         while True:
             spent = time.process_time() - begin
-            share = steps / most if most else spent / self.arguments.seconds
+            share = steps / max_steps if max_steps else spent / self.arguments.seconds
             if share >= 1:
                 break
             now, now_bytes = self.step(share)

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int32_t kMostRows = 1 << 20, kLargestSide = 1024;
+constexpr int32_t kMaxRows = 1 << 20, kLargestSide = 1024;
 constexpr size_t kGrids = 2;
 
 /// The integers of a file. Beyond its end they are -1.
@@ -41,7 +41,7 @@ class IntegerFile {
 /// First rows of the recordings and the end of the last one. Empty where they do not rise.
 std::vector<int32_t> read_starts(IntegerFile& in) {
   const int32_t rows = in.next(), recordings = in.next();
-  if (rows < 1 || rows > kMostRows || recordings < 1 || recordings > rows) return {};
+  if (rows < 1 || rows > kMaxRows || recordings < 1 || recordings > rows) return {};
   std::vector<int32_t> starts;
   for (int32_t i = 0; i < recordings; ++i) starts.push_back(in.next());
   starts.push_back(rows);

@@ -26,7 +26,7 @@ VIDEOS = {"bottle": "bottle-detection.mp4", "one": "one-by-one-person-detection.
 NIGHTS = 1000
 ACCESS_MS = (4, 25)
 IMAGES_PER_SECOND = 50
-LEFT_OUT = {"least_db": 30.0, "most_bytes": 383, "most_gap_db": 1.5, "gains_db": (1.0, 1.5)}
+LEFT_OUT = {"min_db": 30.0, "max_bytes": 383, "max_gap_db": 1.5, "gains_db": (1.0, 1.5)}
 
 
 class Bars:
@@ -90,7 +90,7 @@ class Bars:
         return report["entities"][0]
 
     def latents(self, clip):
-        least, asked, minutes, most, options, _, _, beside = CLIPS[clip]
+        min_db, asked, minutes, max_bytes, options, _, _, beside = CLIPS[clip]
         target = self.work / f"{clip}-latents.engram"
         found = self.measured(f"latents:{clip}", lambda: self.consolidated(
             self.store(clip), target, "--representation", "latents", "--psnr", asked,
@@ -102,7 +102,8 @@ class Bars:
         self.verdict(f"latents:{clip}", f"{each:.0f} B an image at {psnr:.2f} dB mean over images; "
                      f"with the model {each + model / images['rows']:.0f} for {images['rows']}, "
                      f"{each + model / 3000:.0f} for 3,000, {each + model / 30000:.0f} for 30,000; "
-                     f"{beside}", f"at most {most} B at {least} dB", each <= most and psnr >= least)
+                     f"{beside}", f"at most {max_bytes} B at {min_db} dB",
+                     each <= max_bytes and psnr >= min_db)
 
     def auto(self, clip):
         _, _, _, _, options, bound, minutes, _ = CLIPS[clip]
@@ -146,10 +147,10 @@ class Bars:
                       for ahead, copy in zip(one["prediction"], copied)]
             is_all = "left_out_from" not in fold
             needed = LEFT_OUT["gains_db"] if is_all else (0, 0)
-            is_good = all(gain >= least for gain, least in zip(gains, needed))
+            is_good = all(gain >= needs for gain, needs in zip(gains, needed))
             if is_all:
-                is_good &= (psnr >= LEFT_OUT["least_db"] and each <= LEFT_OUT["most_bytes"] and
-                            gap <= LEFT_OUT["most_gap_db"])
+                is_good &= (psnr >= LEFT_OUT["min_db"] and each <= LEFT_OUT["max_bytes"] and
+                            gap <= LEFT_OUT["max_gap_db"])
             within = [f"{100 * bound['images']['share']:.0f} %" for bound in one["bound"][:2]]
             self.verdict("left-out:" + ("all" if is_all else fold["left_out_from"][11:16]),
                          f"{psnr:.2f} dB at {each:.0f} B, {gap:.2f} dB below those trained on; "

@@ -9,7 +9,7 @@
 
 #include "ltm/idf/element_visit.h"
 #include "ltm/idf/layout.h"
-#include "ltm/prediction/entity_forecaster.h"
+#include "ltm/prediction/entity_predictor.h"
 #include "ltm/prediction/series_engine.h"
 #include "ltm/recall/recall.h"
 #include "store/report.h"
@@ -97,19 +97,19 @@ Status add_entity(ltm::Recall& recall, const ltm::MemoryId& entity, const Argume
   ENGRAM_ASSIGN_OR_RETURN(const auto answer,
                           recall.query(ltm::Query::of_entity(entity, ltm::select::All{})));
   const std::vector<ltm::SnapshotResult>& all = answer.entities().front()->snapshots;
-  ltm::EntityForecaster forecaster({entity});
+  ltm::EntityPredictor predictor({entity});
   std::vector<Duration> horizons;
   for (const double seconds : arguments.horizons_s)
     horizons.push_back(std::chrono::round<Duration>(std::chrono::duration<double>(seconds)));
   for (size_t row = 0; row < all.size(); ++row) {
     if (all[row].instances.empty()) continue;
     const idf::Data& now = all[row].instances.front().data;
-    ENGRAM_RETURN_IF_ERROR(forecaster.add({entity, all[row].time, {{now, {}}}}));
+    ENGRAM_RETURN_IF_ERROR(predictor.add({entity, all[row].time, {{now, {}}}}));
     if (row < arguments.first || row % arguments.every != 0) continue;
     std::vector<std::string> engines{""};
     for (const auto& engine : ltm::make_series_engines()) engines.emplace_back(engine->name());
     for (const std::string& engine : engines) {
-      const auto predicted = forecaster.predict(horizons, engine);
+      const auto predicted = predictor.predict(horizons, engine);
       if (!predicted.ok()) continue;  // Nothing that could be continued.
       for (size_t h = 0; h < horizons.size(); ++h) {
         const auto then = std::ranges::lower_bound(all, (*predicted)[h].time - Duration(1000), {},

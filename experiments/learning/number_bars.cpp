@@ -9,8 +9,8 @@
 #include "encoders/coding/number_codec.h"
 #include "encoders/coding/number_training.h"
 #include "learning/number_measure.h"
-#include "store/measure.h"
 #include "store/report.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 namespace {

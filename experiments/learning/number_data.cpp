@@ -2,7 +2,7 @@
 #include "learning/number_data.h"
 
 #include "datasets/media/table.h"
-#include "store/measure.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 

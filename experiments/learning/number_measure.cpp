@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kZstdLevel = 19;
 /// Differences of two of them fit 32 bits.
-constexpr double kMostSteps = 1 << 30;
+constexpr double kMaxSteps = 1 << 30;
 
 /// Whole numbers as a compressor is given them.
 struct Stored {
@@ -35,10 +35,10 @@ Result<std::vector<int32_t>> steps_of(const NumberRecording& recording, double b
   for (size_t column = 0; column < width; ++column)
     for (size_t at = column; at < recording.rows.size(); at += width) {
       const double step = std::nearbyint(recording.rows[at] / (2 * bound));
-      if (!(std::abs(step) < kMostSteps))
+      if (!(std::abs(step) < kMaxSteps))
         return invalid_argument("recording '{}', column '{}': {} is {} steps, needs less than {}",
                                 recording.name, recording.columns[column], recording.rows[at], step,
-                                kMostSteps);
+                                kMaxSteps);
       steps.push_back(static_cast<int32_t>(step));
     }
   return steps;

@@ -243,10 +243,10 @@ int run_bars(const Arguments& arguments) {
       const double direct = age[AgeWay::kDirect];
       const double relay = age[AgeWay::kRelay];
       std::string verdict;
-      const auto bar = [&](const char* what, double ratio, double most) {
-        missed += ratio > most;
-        verdict += fmt::format("  {} {:.2f} ({:.2f}) {}", what, ratio, most,
-                               ratio <= most ? "reached" : "MISSED");
+      const auto bar = [&](const char* what, double ratio, double max) {
+        missed += ratio > max;
+        verdict += fmt::format("  {} {:.2f} ({:.2f}) {}", what, ratio, max,
+                               ratio <= max ? "reached" : "MISSED");
       };
       if (object != AgeObject::kComplex && batch == 1) {
         bar("told/direct", age[AgeWay::kMemory] / direct, 2.9);

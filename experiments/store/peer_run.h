@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "store/image_reads.h"
-#include "store/measure.h"
 #include "store/peer.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ltm/core/file.h"
-#include "store/measure.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 

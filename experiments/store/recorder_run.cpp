@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "ltm/recording/recording_config.h"
-#include "store/verify.h"
+#include "store/verify_store.h"
 
 namespace engram::experiments {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "store/measure.h"
+#include "store/store_measure.h"
 #include "store/stream.h"
 
 namespace engram::experiments {

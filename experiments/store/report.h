@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ltm/core/status.h"
-#include "store/measure.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 

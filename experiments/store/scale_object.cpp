@@ -21,7 +21,7 @@ double noise(uint64_t step, int entity, int axis) {
 
 std::vector<ltm::MemoryId> make_ids() {
   std::vector<ltm::MemoryId> ids;
-  for (int i = 0; i < ScaleWorld::kMostEntities; ++i)
+  for (int i = 0; i < ScaleWorld::kMaxEntities; ++i)
     ids.push_back(
         ltm::MemoryId::parse(fmt::format("Scene/Objects/tracker/object_{:02}", i)).value());
   return ids;

@@ -10,7 +10,7 @@ namespace engram::experiments {
 /// The small things that a tracker sees: each step a snapshot of every entity, 33 bytes of plain
 /// numbers each, and every one computable from its entity and step.
 struct ScaleWorld {
-  static constexpr int kMostEntities = 64;
+  static constexpr int kMaxEntities = 64;
 
   int entities = 20;
   uint64_t steps = 0;

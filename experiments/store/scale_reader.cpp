@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "ltm/recall/recall.h"
-#include "store/measure.h"
 #include "store/report.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 
@@ -143,8 +143,8 @@ Result<nlohmann::json> read_scale(const ScaleWorld& world, const std::filesystem
   const Questions questions(world);
   for (const Kind& kind : questions.kinds())
     ENGRAM_RETURN_IF_ERROR(measure_kind(kind, store, queries, found));
-  ENGRAM_ASSIGN_OR_RETURN(const Memory most, memory());
-  found["memory_bytes"] = most.peak_bytes;
+  ENGRAM_ASSIGN_OR_RETURN(const Memory peak, memory());
+  found["memory_bytes"] = peak.peak_bytes;
   return found;
 }
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "ltm/recording/recording_config.h"
-#include "store/measure.h"
 #include "store/report.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 
@@ -49,11 +49,11 @@ Result<nlohmann::json> write_scale(const ScaleWorld& world, const std::filesyste
   close_s = closing.seconds();
   const double seconds = clock.seconds();
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t bytes, tree_bytes(store));
-  ENGRAM_ASSIGN_OR_RETURN(const Memory most, memory());
+  ENGRAM_ASSIGN_OR_RETURN(const Memory peak, memory());
   return nlohmann::json{{"seconds", seconds},
                         {"close_seconds", close_s},
                         {"bytes", bytes},
-                        {"memory_bytes", most.peak_bytes},
+                        {"memory_bytes", peak.peak_bytes},
                         {"commit", to_json(summarize(latencies))}};
 }
 

@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
   CLI::App app("Measures a store of many small snapshots.");
   app.add_option("--snapshots", arguments.snapshots, "of all entities")->capture_default_str();
   app.add_option("--entities", arguments.entities)
-      ->check(CLI::Range(1, engram::experiments::ScaleWorld::kMostEntities))
+      ->check(CLI::Range(1, engram::experiments::ScaleWorld::kMaxEntities))
       ->capture_default_str();
   app.add_option("--queries", arguments.queries, "of each kind")
       ->check(CLI::Range(1, 1000000))

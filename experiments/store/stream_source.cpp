@@ -6,10 +6,10 @@
 #include <map>
 #include <optional>
 
-#include "datasets/scene.h"
+#include "datasets/drawn_scene.h"
 #include "datasets/media/table.h"
 #include "datasets/media/video_reader.h"
-#include "store/measure.h"
+#include "store/store_measure.h"
 
 namespace engram::experiments {
 
@@ -62,12 +62,12 @@ JointRow joints_of(const std::optional<datasets::Table>& table, size_t row) {
 }
 
 Status add_video(const fs::path& video, const std::optional<datasets::Table>& table,
-                 size_t most_frames, StreamSource& source) {
+                 size_t max_frames, StreamSource& source) {
   datasets::VideoReader::Options options;
   options.width = 640;
   options.height = 480;
   ENGRAM_ASSIGN_OR_RETURN(auto reader, datasets::VideoReader::open(video, options));
-  for (size_t row = 0; source.frames.size() < most_frames; ++row) {
+  for (size_t row = 0; source.frames.size() < max_frames; ++row) {
     ENGRAM_ASSIGN_OR_RETURN(auto frame, reader.next());
     if (!frame) return {};
     if (row % 2 != 0) continue;
@@ -79,14 +79,14 @@ Status add_video(const fs::path& video, const std::optional<datasets::Table>& ta
 
 }  // namespace
 
-Result<StreamSource> read_recordings(const fs::path& recordings, size_t most_frames) {
+Result<StreamSource> read_recordings(const fs::path& recordings, size_t max_frames) {
   ENGRAM_ASSIGN_OR_RETURN(const FoundFiles files, find_files(recordings));
   StreamSource source;
   size_t used = 0, with_table = 0;
   for (const fs::path& video : files.videos) {
-    if (source.frames.size() >= most_frames) break;
+    if (source.frames.size() >= max_frames) break;
     ENGRAM_ASSIGN_OR_RETURN(const auto table, table_of(files, video));
-    ENGRAM_RETURN_IF_ERROR(add_video(video, table, most_frames, source));
+    ENGRAM_RETURN_IF_ERROR(add_video(video, table, max_frames, source));
     used += 1;
     with_table += table ? 1 : 0;
   }
@@ -115,9 +115,9 @@ Result<StreamSource> render_scene(size_t frames) {
   return source;
 }
 
-Result<StreamSource> load_stream_source(size_t most_frames) {
+Result<StreamSource> load_stream_source(size_t max_frames) {
   const fs::path folder = recordings_folder();
-  return folder.empty() ? render_scene(most_frames) : read_recordings(folder, most_frames);
+  return folder.empty() ? render_scene(max_frames) : read_recordings(folder, max_frames);
 }
 
 }  // namespace engram::experiments

@@ -27,12 +27,12 @@ struct StreamSource {
 /// first 43 columns of the table NAME.csv with a row per frame. Where some videos have a table,
 /// only those are taken; where none has, joints are made. Errors: kNotFound where there is no
 /// video; those of VideoReader and Table.
-Result<StreamSource> read_recordings(const std::filesystem::path& recordings, size_t most_frames);
+Result<StreamSource> read_recordings(const std::filesystem::path& recordings, size_t max_frames);
 
 /// A rendered scene, with made joints.
 Result<StreamSource> render_scene(size_t frames);
 
 /// The recordings below the folder that ENGRAM_RECORDINGS names; without it, the scene.
-Result<StreamSource> load_stream_source(size_t most_frames);
+Result<StreamSource> load_stream_source(size_t max_frames);
 
 }  // namespace engram::experiments

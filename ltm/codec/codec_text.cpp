@@ -39,16 +39,15 @@ Result<CodecText> CodecText::parse(std::string_view text) {
   return parsed;
 }
 
-Result<int> CodecText::take(const std::string& key, bool is_main, int fallback, int least,
-                            int most) {
+Result<int> CodecText::take(const std::string& key, bool is_main, int fallback, int min, int max) {
   known_ += (known_.empty() ? "'" : ", '") + key + "'";
   auto found = values_.find(key);
   if (found == values_.end() && is_main) found = values_.find("");
   if (found == values_.end()) return fallback;
   const int value = found->second;
   values_.erase(found);
-  if (value < least || value > most)
-    return invalid_argument("codec '{}': {} is {}, needs {} to {}", name_, key, value, least, most);
+  if (value < min || value > max)
+    return invalid_argument("codec '{}': {} is {}, needs {} to {}", name_, key, value, min, max);
   return value;
 }
 

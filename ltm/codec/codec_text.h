@@ -24,8 +24,8 @@ class CodecText {
 
   /// Takes the value of `key`, or `fallback` where it was not given. `is_main` takes a value
   /// without a key too.
-  /// Errors: kInvalidArgument where it is no number of `least` to `most`.
-  Result<int> take(const std::string& key, bool is_main, int fallback, int least, int most);
+  /// Errors: kInvalidArgument where it is no number of `min` to `max`.
+  Result<int> take(const std::string& key, bool is_main, int fallback, int min, int max);
 
   /// Errors: kInvalidArgument naming an option that nobody took.
   [[nodiscard]] Status finish() const;

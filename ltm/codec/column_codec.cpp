@@ -24,12 +24,12 @@ constexpr int kTrialLevel = 3;
 constexpr int kFinalLevel = 9;
 constexpr size_t kTrialBytes = 64 << 10;
 constexpr uint8_t kNoDecimals = 255;
-constexpr uint8_t kMostDecimals = 9;
+constexpr uint8_t kMaxDecimals = 9;
 /// Integers beyond are not exact in a double.
-constexpr double kMostExact = 9007199254740992.0;
+constexpr double kMaxExact = 9007199254740992.0;
 
-constexpr std::array<double, kMostDecimals + 1> kPowers{1,   1e1, 1e2, 1e3, 1e4,
-                                                        1e5, 1e6, 1e7, 1e8, 1e9};
+constexpr std::array<double, kMaxDecimals + 1> kPowers{1,   1e1, 1e2, 1e3, 1e4,
+                                                       1e5, 1e6, 1e7, 1e8, 1e9};
 
 /// The unsigned integer of the same size: its differences are defined whatever happens.
 template <size_t kSize>
@@ -131,7 +131,7 @@ Bytes unshuffled(ColumnShuffle shuffle, size_t size, Bytes bytes) {
 template <typename T>
 std::optional<int64_t> as_decimal(T value, uint8_t decimals) {
   const double scaled = std::nearbyint(static_cast<double>(value) * kPowers[decimals]);
-  if (!(std::abs(scaled) < kMostExact)) return std::nullopt;
+  if (!(std::abs(scaled) < kMaxExact)) return std::nullopt;
   const auto whole = static_cast<int64_t>(scaled);
   const T back = static_cast<T>(static_cast<double>(whole) / kPowers[decimals]);
   // Bit by bit: minus zero is another number.
@@ -154,7 +154,7 @@ std::optional<std::pair<uint8_t, std::vector<Word<sizeof(T)>>>> as_decimals(
       ++i;
       continue;
     }
-    if (++decimals > kMostDecimals) return std::nullopt;
+    if (++decimals > kMaxDecimals) return std::nullopt;
     words.clear();
     i = 0;
   }
@@ -181,26 +181,26 @@ Bytes compress(const ColumnScheme& scheme, std::vector<W> words, int level) {
 /// All of a short column; start, middle and end of a long one.
 template <typename W>
 std::vector<W> trial_of(const std::vector<W>& words) {
-  const size_t most = kTrialBytes / sizeof(W);
-  if (words.size() <= most) return words;
+  const size_t max = kTrialBytes / sizeof(W);
+  if (words.size() <= max) return words;
   std::vector<W> trial;
-  for (const size_t start : {size_t{0}, (words.size() - most / 3) / 2, words.size() - most / 3})
+  for (const size_t start : {size_t{0}, (words.size() - max / 3) / 2, words.size() - max / 3})
     trial.insert(trial.end(), words.begin() + static_cast<ptrdiff_t>(start),
-                 words.begin() + static_cast<ptrdiff_t>(start + most / 3));
+                 words.begin() + static_cast<ptrdiff_t>(start + max / 3));
   return trial;
 }
 
-/// Tries everything on `words`; keeps it in `scheme` where it is smaller than `least`.
+/// Tries everything on `words`; keeps it in `scheme` where it is smaller than `min`.
 template <typename W>
-void try_all(const std::vector<W>& words, uint8_t decimals, ColumnScheme& scheme, size_t& least) {
+void try_all(const std::vector<W>& words, uint8_t decimals, ColumnScheme& scheme, size_t& min) {
   const std::vector<W> trial = trial_of(words);
   for (const auto transform : {ColumnTransform::kNone, ColumnTransform::kDelta,
                                ColumnTransform::kXor, ColumnTransform::kDeltaDelta})
     for (const auto shuffle : {ColumnShuffle::kNone, ColumnShuffle::kBytes, ColumnShuffle::kBits}) {
       const ColumnScheme tried{transform, shuffle, decimals};
       const size_t size = compress(tried, trial, kTrialLevel).size();
-      if (size >= least) continue;
-      least = size;
+      if (size >= min) continue;
+      min = size;
       scheme = tried;
     }
 }
@@ -209,19 +209,19 @@ template <typename T>
 Bytes compress_best(std::span<const std::byte> elements) {
   using W = Word<sizeof(T)>;
   ColumnScheme scheme;
-  size_t least = SIZE_MAX;
+  size_t min = SIZE_MAX;
   std::vector<W> words = words_of<W>(elements);
   if constexpr (std::is_floating_point_v<T>) {
     if (auto decimals = as_decimals(words_of<T>(elements)); decimals && !words.empty()) {
-      try_all(decimals->second, decimals->first, scheme, least);
+      try_all(decimals->second, decimals->first, scheme, min);
       const ColumnScheme best = scheme;
-      try_all(words, kNoDecimals, scheme, least);
+      try_all(words, kNoDecimals, scheme, min);
       if (scheme == best) words = std::move(decimals->second);
     } else {
-      try_all(words, kNoDecimals, scheme, least);
+      try_all(words, kNoDecimals, scheme, min);
     }
   } else {
-    try_all(words, kNoDecimals, scheme, least);
+    try_all(words, kNoDecimals, scheme, min);
   }
   Bytes out{kVersion, static_cast<std::byte>(scheme.transform),
             static_cast<std::byte>(scheme.shuffle), static_cast<std::byte>(scheme.decimals)};
@@ -266,7 +266,7 @@ Result<ColumnScheme> column_scheme(std::span<const std::byte> bytes) {
   const auto transform = std::to_integer<uint8_t>(bytes[1]);
   const auto shuffle = std::to_integer<uint8_t>(bytes[2]);
   const auto decimals = std::to_integer<uint8_t>(bytes[3]);
-  if (transform > 3 || shuffle > 2 || (decimals > kMostDecimals && decimals != kNoDecimals))
+  if (transform > 3 || shuffle > 2 || (decimals > kMaxDecimals && decimals != kNoDecimals))
     return data_loss("column of unknown scheme {}, {}, {}", transform, shuffle, decimals);
   return ColumnScheme{static_cast<ColumnTransform>(transform), static_cast<ColumnShuffle>(shuffle),
                       decimals};

@@ -10,7 +10,7 @@ namespace {
 
 using idf::ElementType;
 
-constexpr size_t kMostImageBytes = size_t{1} << 28;
+constexpr size_t kMaxImageBytes = size_t{1} << 28;
 constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n";
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
 
@@ -69,9 +69,9 @@ Result<idf::NdArray> decode_image_file(std::span<const std::byte> file) {
     return invalid_argument("needs a PNG (grey, or RGB of 8 bits) or JPEG file, found {} bytes",
                             file.size());
   const auto bytes = idf::size_bytes(found->type, found->shape);
-  if (!bytes || *bytes > kMostImageBytes)
+  if (!bytes || *bytes > kMaxImageBytes)
     return invalid_argument("announces an image of {}, needs at most {} bytes",
-                            idf::to_string(found->shape), kMostImageBytes);
+                            idf::to_string(found->shape), kMaxImageBytes);
   return find_codec(found->codec)->decode(file, found->type, found->shape);
 }
 

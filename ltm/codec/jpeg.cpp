@@ -14,7 +14,7 @@ constexpr int64_t kMaxSide = 65'500;
 constexpr int kDefaultQuality = 90;
 /// A block of 8 x 8 takes at least this share of a byte in the densest progressive file; an upper
 /// bound of what can come out of few bytes.
-constexpr size_t kMostExpansion = 4096;
+constexpr size_t kMaxExpansion = 4096;
 
 /// Decoders fill in grey where the file was cut.
 bool is_whole(std::span<const std::byte> bytes) {
@@ -45,7 +45,7 @@ class JpegCodec final : public Codec {
                               const idf::Shape& shape) const override {
     const auto found = announced_image(bytes);
     if (!accepts(type, shape) || !is_whole(bytes) || !found || found->shape != shape ||
-        *idf::size_bytes(type, shape) / kMostExpansion > bytes.size())
+        *idf::size_bytes(type, shape) / kMaxExpansion > bytes.size())
       return data_loss("jpeg: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
     return cv_image::decode("jpg", bytes, type, shape);

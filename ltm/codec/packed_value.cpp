@@ -15,7 +15,7 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr int64_t kLeastSide = 8;
+constexpr int64_t kMinSide = 8;
 /// For images by themselves, the first that accepts them.
 constexpr std::array<std::string_view, 3> kLosslessCodecs{"rowpred", "png", "shuffle"};
 
@@ -65,22 +65,22 @@ struct Packer::Plan {
       // What no image codec takes is float depth, or too large.
       return member.kind == idf::MemberKind::kImage ? &zstd_codec() : array.get();
     }
-    return bytes >= least_array_bytes ? array.get() : nullptr;
+    return bytes >= min_array_bytes ? array.get() : nullptr;
   }
 
   std::vector<Rule> rules;
   ChosenCodec image;
   ChosenCodec array;
-  size_t least_array_bytes = 0;
+  size_t min_array_bytes = 0;
 };
 
 MediumKind medium_kind(idf::ElementType type, const idf::Shape& shape) {
   using enum idf::ElementType;
-  if (shape.size() == 3 && shape[0] >= kLeastSide && shape[1] >= kLeastSide) {
+  if (shape.size() == 3 && shape[0] >= kMinSide && shape[1] >= kMinSide) {
     if (shape[2] == 1 && (type == kFloat32 || type == kUInt16)) return MediumKind::kDepth;
     if (type == kUInt8 && (shape[2] == 1 || shape[2] == 3)) return MediumKind::kImage;
   }
-  const bool is_cloud = type == kFloat32 && shape.size() == 2 && shape[0] >= kLeastSide &&
+  const bool is_cloud = type == kFloat32 && shape.size() == 2 && shape[0] >= kMinSide &&
                         shape[1] >= 3 && shape[1] <= 16;
   return is_cloud ? MediumKind::kCloud : MediumKind::kArray;
 }
@@ -125,7 +125,7 @@ Result<Packer> Packer::create(const PackOptions& options) {
   }
   ENGRAM_ASSIGN_OR_RETURN(plan->image, make_chosen(options.image_codec));
   ENGRAM_ASSIGN_OR_RETURN(plan->array, make_chosen(options.array_codec));
-  plan->least_array_bytes = options.least_array_bytes;
+  plan->min_array_bytes = options.min_array_bytes;
   return Packer(std::move(plan));
 }
 

@@ -75,7 +75,7 @@ struct PackOptions {
   /// For other arrays that no rule fits.
   std::string array_codec = "shuffle";
   /// Smaller ones of these stay in the value, as plain datasets of segments. Unit: bytes.
-  size_t least_array_bytes = 64 << 10;
+  size_t min_array_bytes = 64 << 10;
 
   /// Errors: kInvalidArgument where a codec is unknown, a rule contradicts itself or a path is
   /// empty; kFailedPrecondition where the encoder of a group codec is not installed.

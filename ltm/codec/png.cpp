@@ -12,7 +12,7 @@ namespace {
 
 constexpr int64_t kMaxSide = 1 << 15;
 /// Deflate expands no byte further than this.
-constexpr size_t kMostExpansion = 1032;
+constexpr size_t kMaxExpansion = 1032;
 constexpr int kFastest = -1;
 
 class PngCodec final : public Codec {
@@ -39,7 +39,7 @@ class PngCodec final : public Codec {
                               const idf::Shape& shape) const override {
     const auto found = announced_image(bytes);
     if (!accepts(type, shape) || !found || found->codec != name() || found->type != type ||
-        found->shape != shape || *idf::size_bytes(type, shape) / kMostExpansion > bytes.size())
+        found->shape != shape || *idf::size_bytes(type, shape) / kMaxExpansion > bytes.size())
       return data_loss("png: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
     return cv_image::decode("png", bytes, type, shape);

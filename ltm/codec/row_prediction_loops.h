@@ -17,9 +17,9 @@ namespace engram::ltm::row_loops {
 /// Where the median of left, upper and left + upper - corner lies.
 template <typename T>
 ENGRAM_INLINE T median_edge(T left, T upper, T corner) {
-  const T least = std::min(left, upper);
-  const T most = std::max(left, upper);
-  return static_cast<T>(least + most - std::min(std::max(corner, least), most));
+  const T min = std::min(left, upper);
+  const T max = std::max(left, upper);
+  return static_cast<T>(min + max - std::min(std::max(corner, min), max));
 }
 
 /// 0, -1, 1, -2, ... become 0, 1, 2, 3, ...

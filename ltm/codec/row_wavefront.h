@@ -61,10 +61,10 @@ ENGRAM_INLINE Lanes push(Lanes first, Lanes lanes) {
 }
 
 ENGRAM_INLINE Lanes median_edges(Lanes left, Lanes upper, Lanes corner) {
-  const Lanes least = left < upper ? left : upper;
-  const Lanes most = left < upper ? upper : left;
-  const Lanes above_least = corner > least ? corner : least;
-  return least + most - (above_least < most ? above_least : most);
+  const Lanes min = left < upper ? left : upper;
+  const Lanes max = left < upper ? upper : left;
+  const Lanes above_min = corner > min ? corner : min;
+  return min + max - (above_min < max ? above_min : max);
 }
 
 /// Sixteen rows of every channel and the row above them, in place: residuals become numbers.

@@ -9,11 +9,11 @@ namespace engram::ltm {
 namespace {
 
 constexpr int kDefaultLevel = 3;
-constexpr int64_t kMostFields = 16;
+constexpr int64_t kMaxFields = 16;
 
 /// Part of the format: docs/codecs.md, section "Formats".
 size_t record_bytes(idf::ElementType type, const idf::Shape& shape) {
-  const bool has_fields = shape.size() >= 2 && shape.back() >= 1 && shape.back() <= kMostFields;
+  const bool has_fields = shape.size() >= 2 && shape.back() >= 1 && shape.back() <= kMaxFields;
   return idf::size_bytes(type) * (has_fields ? static_cast<size_t>(shape.back()) : 1);
 }
 

@@ -21,7 +21,7 @@ constexpr int64_t kMaxSide = 1 << 14;
 /// A few bytes may announce any size, and decoders allocate it: this bounds what they get.
 constexpr int64_t kMaxPixels = 1 << 26;
 /// Codecs pad pictures to whole blocks.
-constexpr int64_t kMostPadding = 128;
+constexpr int64_t kMaxPadding = 128;
 constexpr int kMaxGroup = 1024;
 constexpr size_t kMaxSetupBytes = 1 << 20;
 
@@ -34,41 +34,41 @@ constexpr std::array<VideoKind, 4> kKinds{{
      .encoder = "ffv1",
      .decoder = "ffv1",
      .is_lossless = true,
-     .least_side = 8,
+     .min_side = 8,
      .crf = 0,
-     .most_crf = 0,
+     .max_crf = 0,
      .effort = 0,
-     .most_effort = 0,
+     .max_effort = 0,
      .group = 30},
     {.name = "h264",
      .encoder = "libx264",
      .decoder = "h264",
      .is_lossless = false,
-     .least_side = 16,
+     .min_side = 16,
      .crf = 23,
-     .most_crf = 51,
+     .max_crf = 51,
      .effort = 2,
-     .most_effort = 9,
+     .max_effort = 9,
      .group = 30},
     {.name = "h265",
      .encoder = "libx265",
      .decoder = "hevc",
      .is_lossless = false,
-     .least_side = 16,
+     .min_side = 16,
      .crf = 26,
-     .most_crf = 51,
+     .max_crf = 51,
      .effort = 1,
-     .most_effort = 9,
+     .max_effort = 9,
      .group = 30},
     {.name = "av1",
      .encoder = "libaom-av1",
      .decoder = "libdav1d",
      .is_lossless = false,
-     .least_side = 16,
+     .min_side = 16,
      .crf = 32,
-     .most_crf = 63,
+     .max_crf = 63,
      .effort = 1,
-     .most_effort = 9,
+     .max_effort = 9,
      .group = 30},
 }};
 
@@ -149,7 +149,7 @@ Result<libav::Owned<AVCodecContext>> open_decoder(const VideoKind& kind, const V
   decoder->height = static_cast<int>(group.height);
   decoder->width = static_cast<int>(group.width);
   decoder->thread_count = 1;
-  decoder->max_pixels = (group.height + kMostPadding) * (group.width + kMostPadding);
+  decoder->max_pixels = (group.height + kMaxPadding) * (group.width + kMaxPadding);
   decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   if (!group.setup.empty()) {
     decoder->extradata =
@@ -180,7 +180,7 @@ class VideoCodec final : public GroupCodec {
     const auto layout = layout_of(type, shape, kind_.is_lossless);
     if (!layout || (*layout == PictureLayout::kGray16 && !kind_.is_lossless)) return false;
     for (const int64_t side : {shape[0], shape[1]})
-      if (side < kind_.least_side || side > kMaxSide) return false;
+      if (side < kind_.min_side || side > kMaxSide) return false;
     return shape[0] * shape[1] <= kMaxPixels;
   }
 
@@ -211,7 +211,7 @@ class VideoCodec final : public GroupCodec {
     if (!accepts(first.type(), first.shape()))
       return invalid_argument(
           "{}: needs uint8 [H, W, 3] or [H, W, 1]{}, sides of {} to {}, found {} {}", kind_.name,
-          kind_.is_lossless ? ", uint16 [H, W, 1]" : "", kind_.least_side, kMaxSide,
+          kind_.is_lossless ? ", uint16 [H, W, 1]" : "", kind_.min_side, kMaxSide,
           to_string(first.type()), idf::to_string(first.shape()));
     for (const idf::NdArray& array : arrays)
       if (array.type() != first.type() || array.shape() != first.shape())
@@ -274,9 +274,9 @@ bool is_installed(const VideoKind& kind) {
 Result<std::unique_ptr<const GroupCodec>> make_video_codec(const VideoKind& kind, CodecText text) {
   VideoOptions options;
   if (!kind.is_lossless) {
-    ENGRAM_ASSIGN_OR_RETURN(options.crf, text.take("crf", true, kind.crf, 0, kind.most_crf));
+    ENGRAM_ASSIGN_OR_RETURN(options.crf, text.take("crf", true, kind.crf, 0, kind.max_crf));
     ENGRAM_ASSIGN_OR_RETURN(options.effort,
-                            text.take("effort", false, kind.effort, 0, kind.most_effort));
+                            text.take("effort", false, kind.effort, 0, kind.max_effort));
   }
   ENGRAM_ASSIGN_OR_RETURN(options.group, text.take("group", false, kind.group, 1, kMaxGroup));
   ENGRAM_RETURN_IF_ERROR(text.finish());

@@ -16,12 +16,12 @@ struct VideoKind {
   const char* decoder;
   bool is_lossless;
   /// Encoders refuse smaller pictures; that of FFV1 writes wrong ones. Unit: pixels.
-  int64_t least_side;
+  int64_t min_side;
   int crf;  ///< Default quality: less is better.
-  int most_crf;
-  int effort;       ///< Default.
-  int most_effort;  ///< 0 is the fastest.
-  int group;        ///< Default size of a group.
+  int max_crf;
+  int effort;      ///< Default.
+  int max_effort;  ///< 0 is the fastest.
+  int group;       ///< Default size of a group.
 };
 
 /// ffv1, h264, h265, av1.

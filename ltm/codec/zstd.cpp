@@ -55,9 +55,9 @@ void append_residuals(std::span<const std::byte> bytes, std::vector<std::byte>& 
   ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, kEntropyOnlyLevel);
   ZSTD_CCtx_setParameter(context, ZSTD_c_literalCompressionMode, ZSTD_lcm_huffman);
   // Not in `out`, which would keep room for the worst case.
-  const size_t most = ZSTD_compressBound(bytes.size());
-  const auto frame = std::make_unique_for_overwrite<std::byte[]>(most);
-  const size_t size = ZSTD_compress2(context, frame.get(), most, bytes.data(), bytes.size());
+  const size_t max = ZSTD_compressBound(bytes.size());
+  const auto frame = std::make_unique_for_overwrite<std::byte[]>(max);
+  const size_t size = ZSTD_compress2(context, frame.get(), max, bytes.data(), bytes.size());
   ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
   std::span<const std::byte> smaller(frame.get(), size);
   std::vector<std::byte> searched;

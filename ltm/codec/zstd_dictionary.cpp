@@ -10,8 +10,8 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr size_t kLeastDictionary = 256;
-constexpr size_t kMostDictionary = 1 << 20;
+constexpr size_t kMinDictionary = 256;
+constexpr size_t kMaxDictionary = 1 << 20;
 
 template <auto kFree>
 struct Freer {
@@ -46,9 +46,9 @@ struct ZstdDictionary::Tables {
 };
 
 Status ZstdDictionary::Options::validate() const {
-  if (max_bytes < kLeastDictionary || max_bytes > kMostDictionary)
+  if (max_bytes < kMinDictionary || max_bytes > kMaxDictionary)
     return invalid_argument("dictionary of at most {} bytes, needs {} to {}", max_bytes,
-                            kLeastDictionary, kMostDictionary);
+                            kMinDictionary, kMaxDictionary);
   if (level < 1 || level > 19)
     return invalid_argument("dictionary of level {}, needs 1 to 19", level);
   return {};
@@ -75,7 +75,7 @@ Result<ZstdDictionary> ZstdDictionary::train(std::span<const Buffer> samples,
 
 Result<ZstdDictionary> ZstdDictionary::from_bytes(Buffer bytes, int level) {
   const uint32_t id = ZSTD_getDictID_fromDict(bytes.data(), bytes.size());
-  if (id == 0 || bytes.size() > kMostDictionary)
+  if (id == 0 || bytes.size() > kMaxDictionary)
     return data_loss("{} bytes are no dictionary", bytes.size());
   auto tables = std::make_shared<Tables>();
   tables->compressing.reset(ZSTD_createCDict(bytes.data(), bytes.size(), level));

@@ -13,7 +13,7 @@ namespace engram {
 namespace {
 
 /// Longest piece of a found text that an error repeats.
-constexpr size_t kMostQuoted = 80;
+constexpr size_t kMaxQuoted = 80;
 
 /// The number that `text` begins with, and what follows it.
 struct NumberWithUnit {
@@ -77,9 +77,8 @@ std::string ConfigValue::found() const {
     case Node::Kind::kText:
       break;
   }
-  return node_->text.size() > kMostQuoted
-             ? fmt::format("'{}...'", node_->text.substr(0, kMostQuoted))
-             : fmt::format("'{}'", node_->text);
+  return node_->text.size() > kMaxQuoted ? fmt::format("'{}...'", node_->text.substr(0, kMaxQuoted))
+                                         : fmt::format("'{}'", node_->text);
 }
 
 Status ConfigValue::error(std::string_view message) const {
@@ -172,6 +171,17 @@ std::optional<ConfigValue> ConfigMap::find(std::string_view key) {
   return std::nullopt;
 }
 
+Result<std::optional<ConfigValue>> ConfigMap::find(const DeprecatedWord& word) {
+  const std::optional<ConfigValue> value = find(word.word);
+  // Asked for only where it is there: no error suggests a word that goes.
+  const std::vector<std::string> there = keys();
+  if (std::ranges::find(there, word.old_word) == there.end()) return value;
+  const std::optional<ConfigValue> old = find(word.old_word);
+  if (value && old) return old->error(fmt::format("stands beside '{}', its new name", word.word));
+  warn_deprecated(word, child_key(value_.key_, word.old_word));
+  return value ? value : old;
+}
+
 Result<ConfigValue> ConfigMap::require(std::string_view key) {
   if (auto value = find(key)) return *std::move(value);
   return value_.error(fmt::format("has no key '{}', needs one", key));
@@ -200,7 +210,7 @@ std::optional<std::string> closest_word(std::string_view word,
   constexpr size_t kLongest = 64;
   if (word.size() > kLongest) return std::nullopt;
   // A third of the letters may be wrong; two always, but not all of a short word.
-  size_t least =
+  size_t min =
       std::min(std::max<size_t>(2, word.size() / 3), std::max<size_t>(word.size(), 1) - 1) + 1;
   std::optional<std::string> closest;
   for (const std::string& candidate : known) {
@@ -214,8 +224,8 @@ std::optional<std::string> closest_word(std::string_view word,
                                     above[i - 1] + (word[row - 1] == candidate[i - 1] ? 0 : 1)}));
       above = std::move(current);
     }
-    if (above.back() >= least) continue;
-    least = above.back();
+    if (above.back() >= min) continue;
+    min = above.back();
     closest = candidate;
   }
   return closest;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "ltm/core/deprecated.h"
 #include "ltm/core/time.h"
 
 namespace engram {
@@ -89,6 +90,18 @@ class ConfigMap {
   template <typename T, typename U>
   Status read(std::string_view key, T& out, Result<U> (ConfigValue::*as)() const) {
     const std::optional<ConfigValue> value = find(key);
+    if (!value) return {};
+    ENGRAM_ASSIGN_OR_RETURN(out, ((*value).*as)());
+    return {};
+  }
+
+  /// The same of a key that was renamed: its old name is accepted with a warning.
+  /// Errors: kInvalidArgument where both names stand there.
+  Result<std::optional<ConfigValue>> find(const DeprecatedWord& word);
+
+  template <typename T, typename U>
+  Status read(const DeprecatedWord& word, T& out, Result<U> (ConfigValue::*as)() const) {
+    ENGRAM_ASSIGN_OR_RETURN(const std::optional<ConfigValue> value, find(word));
     if (!value) return {};
     ENGRAM_ASSIGN_OR_RETURN(out, ((*value).*as)());
     return {};

@@ -49,7 +49,7 @@ class ReadAhead {
   }
 
  private:
-  static constexpr size_t kMostItems = 256;
+  static constexpr size_t kMaxItems = 256;
 
   struct Waiting {
     Item item;
@@ -63,7 +63,7 @@ class ReadAhead {
       const size_t bytes = is_last ? 0 : size_of_(**item);
       MutexLock lock(mutex_);
       const bool has_room = changed_.wait(mutex_, stop, [&]() ENGRAM_REQUIRES(mutex_) {
-        return waiting_.empty() || (bytes_ + bytes <= limit_ && waiting_.size() < kMostItems);
+        return waiting_.empty() || (bytes_ + bytes <= limit_ && waiting_.size() < kMaxItems);
       });
       if (!has_room) return;
       waiting_.push_back({std::move(item), bytes});

@@ -72,8 +72,8 @@ cv::Size reduced_size(const cv::Mat& image) {
 double range_of(int depth, const std::vector<float>& pixels) {
   if (depth == CV_8U) return 255;
   if (depth == CV_16U || depth == CV_16S) return 65535;
-  const auto [least, most] = std::ranges::minmax(pixels);
-  return static_cast<double>(most) - static_cast<double>(least);
+  const auto [min, max] = std::ranges::minmax(pixels);
+  return static_cast<double>(max) - static_cast<double>(min);
 }
 
 }  // namespace

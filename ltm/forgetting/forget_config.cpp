@@ -17,6 +17,9 @@ Result<EntityPattern> read_pattern(const ConfigValue& value) {
 }
 
 /// Sets an optional where the key is there.
+constexpr DeprecatedWord kMaxBytesKey{"most_bytes", "max_bytes", "0.3"};
+constexpr DeprecatedWord kMinFreeDiskKey{"least_free_disk", "min_free_disk", "0.3"};
+
 template <typename T>
 Status read_optional(ConfigMap& map, std::string_view key, std::optional<T>& out,
                      Result<T> (ConfigValue::*as)() const) {
@@ -26,13 +29,12 @@ Status read_optional(ConfigMap& map, std::string_view key, std::optional<T>& out
   return {};
 }
 
-/// An integer from `least` on.
-Status read_count(ConfigMap& map, std::string_view key, int64_t least,
-                  std::optional<uint64_t>& out) {
+/// An integer from `min` on.
+Status read_count(ConfigMap& map, std::string_view key, int64_t min, std::optional<uint64_t>& out) {
   const auto value = map.find(key);
   if (!value) return {};
   ENGRAM_ASSIGN_OR_RETURN(const int64_t count, value->integer());
-  if (count < least) return value->error(fmt::format("found {}, needs {} or more", count, least));
+  if (count < min) return value->error(fmt::format("found {}, needs {} or more", count, min));
   out = static_cast<uint64_t>(count);
   return {};
 }
@@ -63,7 +65,7 @@ Result<ForgetRule> read_rule(const ConfigValue& value) {
   AgePolicy::Options age;
   ENGRAM_RETURN_IF_ERROR(read_optional(map, "older_than", age.older_than, &ConfigValue::duration));
   if (age.older_than) rule.age = age;
-  AccessPolicy::Options access;
+  UnreadPolicy::Options access;
   ENGRAM_RETURN_IF_ERROR(
       read_optional(map, "unread_for", access.unread_for, &ConfigValue::duration));
   ENGRAM_RETURN_IF_ERROR(read_count(map, "read_less_than", 1, access.read_less_than));
@@ -83,13 +85,13 @@ Status read_quota(ConfigMap& section, ForgetOptions& options) {
   const auto value = section.find("quota");
   if (!value) return {};
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
-  ENGRAM_RETURN_IF_ERROR(read_optional(map, "most_bytes", options.most_bytes, &ConfigValue::bytes));
+  ENGRAM_RETURN_IF_ERROR(map.read(kMaxBytesKey, options.max_bytes, &ConfigValue::bytes));
   ENGRAM_RETURN_IF_ERROR(
-      read_optional(map, "least_free_disk", options.least_free_disk_bytes, &ConfigValue::bytes));
+      map.read(kMinFreeDiskKey, options.min_free_disk_bytes, &ConfigValue::bytes));
   ENGRAM_RETURN_IF_ERROR(read_list(map, "first", options.first, read_rule));
   ENGRAM_RETURN_IF_ERROR(map.finish());
-  if (options.most_bytes || options.least_free_disk_bytes) return {};
-  return value->error("needs 'most_bytes' or 'least_free_disk'");
+  if (options.max_bytes || options.min_free_disk_bytes) return {};
+  return value->error("needs 'max_bytes' or 'min_free_disk'");
 }
 
 Status read_protection(ConfigMap& section, ForgetProtection& protection) {

@@ -19,7 +19,7 @@ Result<std::vector<std::unique_ptr<ForgetPolicy>>> ForgetRule::policies(Time now
   ENGRAM_RETURN_IF_ERROR(validate());
   std::vector<std::unique_ptr<ForgetPolicy>> made;
   if (age) made.push_back(std::make_unique<AgePolicy>(*age, now));
-  if (access) made.push_back(std::make_unique<AccessPolicy>(*access, now));
+  if (access) made.push_back(std::make_unique<UnreadPolicy>(*access, now));
   if (importance) made.push_back(std::make_unique<ImportancePolicy>(*importance));
   if (redundancy) {
     ENGRAM_ASSIGN_OR_RETURN(auto policy, RedundancyPolicy::create(*redundancy));
@@ -31,8 +31,8 @@ Result<std::vector<std::unique_ptr<ForgetPolicy>>> ForgetRule::policies(Time now
 Status ForgetOptions::validate() const {
   for (const auto* list : {&rules, &first})
     for (const ForgetRule& rule : *list) ENGRAM_RETURN_IF_ERROR(rule.validate());
-  if (!first.empty() && !most_bytes && !least_free_disk_bytes)
-    return invalid_argument("quota: 'first' needs most_bytes or least_free_disk");
+  if (!first.empty() && !max_bytes && !min_free_disk_bytes)
+    return invalid_argument("quota: 'first' needs max_bytes or min_free_disk");
   const auto& younger = protection.younger_than;
   if (younger && *younger < Duration(0))
     return invalid_argument("younger_than: found {}, needs 0s or more", to_string(*younger));

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "ltm/filter/entity_pattern.h"
-#include "ltm/forgetting/access_policy.h"
 #include "ltm/forgetting/age_policy.h"
 #include "ltm/forgetting/importance_policy.h"
 #include "ltm/forgetting/redundancy_policy.h"
+#include "ltm/forgetting/unread_policy.h"
 
 namespace engram::ltm {
 
@@ -17,7 +17,7 @@ namespace engram::ltm {
 struct ForgetRule {
   EntityPattern match;
   std::optional<AgePolicy::Options> age;
-  std::optional<AccessPolicy::Options> access;
+  std::optional<UnreadPolicy::Options> access;
   std::optional<ImportancePolicy::Options> importance;
   std::optional<SimilarityFilter::Options> redundancy;
 
@@ -47,9 +47,9 @@ struct ForgetOptions {
   std::vector<ForgetRule> rules;
 
   /// Most bytes of the store's directory.
-  std::optional<uint64_t> most_bytes;
+  std::optional<uint64_t> max_bytes;
   /// Least bytes that are free on its disk.
-  std::optional<uint64_t> least_free_disk_bytes;
+  std::optional<uint64_t> min_free_disk_bytes;
   /// What goes first where these demand more than the rules take: all that the first rule proposes,
   /// in its order, then the second, and so on; at last whatever is oldest.
   std::vector<ForgetRule> first;

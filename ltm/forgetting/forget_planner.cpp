@@ -223,19 +223,19 @@ FreedBytes ForgetPlanner::freed() {
 
 uint64_t ForgetPlanner::wanted_bytes(const ForgetOptions& options) const {
   uint64_t wanted = 0;
-  if (options.most_bytes && context_.store_bytes > *options.most_bytes)
-    wanted = context_.store_bytes - *options.most_bytes;
-  if (options.least_free_disk_bytes && context_.free_disk_bytes < *options.least_free_disk_bytes)
-    wanted = std::max(wanted, *options.least_free_disk_bytes - context_.free_disk_bytes);
+  if (options.max_bytes && context_.store_bytes > *options.max_bytes)
+    wanted = context_.store_bytes - *options.max_bytes;
+  if (options.min_free_disk_bytes && context_.free_disk_bytes < *options.min_free_disk_bytes)
+    wanted = std::max(wanted, *options.min_free_disk_bytes - context_.free_disk_bytes);
   return wanted == 0 ? 0 : wanted + kManifestBytes + kManifestBytesPerEntity * entities_.size();
 }
 
 Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
     const ForgetRule& rule, std::vector<std::vector<bool>>& is_queued) {
   std::vector<Candidate> candidates;
-  size_t most = 0;
-  for (const Entity& entity : entities_) most += entity.times.size();
-  candidates.reserve(most);  // Pages that are not written to are not there.
+  size_t max = 0;
+  for (const Entity& entity : entities_) max += entity.times.size();
+  candidates.reserve(max);  // Pages that are not written to are not there.
   for (uint32_t e = 0; e < entities_.size(); ++e) {
     const Entity& entity = entities_[e];
     if (!rule.match.matches(entity.id)) continue;

@@ -11,10 +11,10 @@ namespace {
 
 template <typename T>
 double most_confident(const std::vector<T>& instances) {
-  double most = 0;
+  double max = 0;
   for (const T& instance : instances)
-    most = std::max(most, static_cast<double>(instance.metadata.confidence));
-  return most;
+    max = std::max(max, static_cast<double>(instance.metadata.confidence));
+  return max;
 }
 
 /// Adds what `found` leads to, where that is a snapshot.

@@ -20,19 +20,19 @@ std::string ImportancePolicy::reason() const {
 Result<std::optional<double>> ImportancePolicy::importance(ForgetSource& source,
                                                            const MemoryId& entity,
                                                            const SnapshotEntry& entry) const {
-  std::optional<double> most;
+  std::optional<double> max;
   if (options_.path.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(most, source.confidence(entity, entry));
+    ENGRAM_ASSIGN_OR_RETURN(max, source.confidence(entity, entry));
   } else {
     ENGRAM_ASSIGN_OR_RETURN(const Snapshot snapshot, source.read(entity, entry));
     for (const Instance& instance : snapshot.instances) {
       const idf::Data* part = instance.data.at(options_.path);
       const auto number = part == nullptr ? std::nullopt : part->as_number();
       if (!number || std::isnan(*number)) return std::optional<double>();
-      most = std::max(most.value_or(*number), *number);
+      max = std::max(max.value_or(*number), *number);
     }
   }
-  return most && std::isnan(*most) ? std::nullopt : most;
+  return max && std::isnan(*max) ? std::nullopt : max;
 }
 
 Result<std::vector<ForgetProposal>> ImportancePolicy::propose(ForgetSource& source,

@@ -31,14 +31,14 @@ Result<ForgetPlan> plan_forgetting(ForgetSource& source, const ForgetOptions& op
 ForgetOptions quota_after(const ForgetOptions& options, const ForgetPlan& first) {
   ForgetOptions later = options;
   later.rules.clear();
-  later.least_free_disk_bytes.reset();
-  const uint64_t least = options.least_free_disk_bytes.value_or(0);
-  if (least > first.free_disk_bytes) {
-    const uint64_t wanted = least - first.free_disk_bytes;
-    const uint64_t most = first.store_bytes - std::min(first.store_bytes, wanted);
-    later.most_bytes = std::min(options.most_bytes.value_or(most), most);
+  later.min_free_disk_bytes.reset();
+  const uint64_t min = options.min_free_disk_bytes.value_or(0);
+  if (min > first.free_disk_bytes) {
+    const uint64_t wanted = min - first.free_disk_bytes;
+    const uint64_t max = first.store_bytes - std::min(first.store_bytes, wanted);
+    later.max_bytes = std::min(options.max_bytes.value_or(max), max);
   }
-  if (!later.most_bytes) later.first.clear();
+  if (!later.max_bytes) later.first.clear();
   return later;
 }
 

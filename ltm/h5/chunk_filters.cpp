@@ -39,12 +39,12 @@ Result<RawBytes> checked(RawBytes bytes) {
   return bytes;
 }
 
-Result<RawBytes> inflated(const RawBytes& bytes, uint64_t most) {
-  RawBytes out(most);
+Result<RawBytes> inflated(const RawBytes& bytes, uint64_t max) {
+  RawBytes out(max);
   uLongf size = out.size();
   if (uncompress(reinterpret_cast<Bytef*>(out.data()), &size,
                  reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != Z_OK)
-    return data_loss("a chunk is no deflated data of up to {} bytes", most);
+    return data_loss("a chunk is no deflated data of up to {} bytes", max);
   out.resize(size);
   return out;
 }

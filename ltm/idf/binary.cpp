@@ -256,11 +256,11 @@ class Reader {
     return fail("a length exceeds 64 bits");
   }
 
-  /// A number of things of which each takes at least `least` of the bytes that are left.
-  bool read_count(size_t& count, size_t least) {
+  /// A number of things of which each takes at least `min` of the bytes that are left.
+  bool read_count(size_t& count, size_t min) {
     uint64_t announced = 0;
     if (!read_varint(announced)) return false;
-    if (announced > left() / least)
+    if (announced > left() / min)
       return fail(fmt::format("{} elements announced, {} bytes left", announced, left()));
     count = announced;
     return true;

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "ltm/idf/convert.h"
+#include "ltm/idf/convert_elements.h"
 #include "ltm/idf/place.h"
 
 namespace engram::idf {

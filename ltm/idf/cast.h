@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "ltm/core/status.h"
-#include "ltm/idf/check.h"
 #include "ltm/idf/data.h"
 #include "ltm/idf/type.h"
+#include "ltm/idf/type_check.h"
 
 namespace engram::idf {
 

@@ -38,11 +38,11 @@ bool is_widening(ElementType from, ElementType to) {
 }
 
 bool is_subset(const Quantity& inner, const Quantity& outer) {
-  const auto above = [](std::optional<double> bound, std::optional<double> least) {
-    return !least || (bound && *bound >= *least);
+  const auto above = [](std::optional<double> bound, std::optional<double> min) {
+    return !min || (bound && *bound >= *min);
   };
-  const auto below = [](std::optional<double> bound, std::optional<double> most) {
-    return !most || (bound && *bound <= *most);
+  const auto below = [](std::optional<double> bound, std::optional<double> max) {
+    return !max || (bound && *bound <= *max);
   };
   return above(inner.minimum, outer.minimum) && below(inner.maximum, outer.maximum);
 }

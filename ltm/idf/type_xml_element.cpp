@@ -317,14 +317,13 @@ Result<Type> XmlTypeReader::finish(const pugi::xml_node& node, Result<TypeValue>
   return type.ok() ? type : source_.error(node, type.status().message());
 }
 
-Result<std::vector<Type>> XmlTypeReader::read_parts(const pugi::xml_node& node, size_t least,
-                                                    size_t most, std::string_view scope,
-                                                    int depth) {
+Result<std::vector<Type>> XmlTypeReader::read_parts(const pugi::xml_node& node, size_t min,
+                                                    size_t max, std::string_view scope, int depth) {
   const std::vector<pugi::xml_node> children = children_of(node);
-  if (children.size() < least || children.size() > most)
+  if (children.size() < min || children.size() > max)
     return source_.error(
-        node, fmt::format("<{}> has {} elements, needs {} ", node.name(), children.size(), least) +
-                  (least == most ? "exactly" : "at least"));
+        node, fmt::format("<{}> has {} elements, needs {} ", node.name(), children.size(), min) +
+                  (min == max ? "exactly" : "at least"));
   std::vector<Type> parts;
   for (const pugi::xml_node& child : children) {
     ENGRAM_ASSIGN_OR_RETURN(Type type, read_type(child, scope, depth + 1));

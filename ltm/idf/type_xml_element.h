@@ -100,7 +100,7 @@ class XmlTypeReader {
   Result<Type> finish(const pugi::xml_node& node, Result<TypeValue> value);
 
   /// The type elements inside `node`; anything else there is an error.
-  Result<std::vector<Type>> read_parts(const pugi::xml_node& node, size_t least, size_t most,
+  Result<std::vector<Type>> read_parts(const pugi::xml_node& node, size_t min, size_t max,
                                        std::string_view scope, int depth);
   Status check_empty(const pugi::xml_node& node) const;
   Result<XmlAttributes> read_attributes(const pugi::xml_node& node,

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "ltm/idf/check.h"
 #include "ltm/idf/extends.h"
+#include "ltm/idf/type_check.h"
 
 namespace engram::ltm {
 

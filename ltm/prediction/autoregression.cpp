@@ -12,7 +12,7 @@ constexpr int kChanges = 7;
 /// Of the mean square of a change.
 constexpr double kRidge = 1e-3;
 /// Windows that weights are learned from, at least.
-constexpr size_t kLeastWindows = 40;
+constexpr size_t kMinWindows = 40;
 
 using Changes = Eigen::Matrix<double, kChanges, 1>;
 using Products = Eigen::Matrix<double, kChanges, kChanges>;
@@ -41,7 +41,7 @@ class Autoregression final : public SeriesEngine {
       if (has_changes(series, row) && series.run_start(row + steps) <= row) windows.push_back(row);
     auto& weights = weights_[steps];
     weights.assign(series.numbers(), Changes::Zero());
-    if (windows.size() < kLeastWindows) return;
+    if (windows.size() < kMinWindows) return;
     for (size_t number = 0; number < series.numbers(); ++number)
       weights[number] = learned(series, windows, steps, number);
   }

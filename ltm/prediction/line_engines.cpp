@@ -19,9 +19,9 @@ class CopyLast final : public SeriesEngine {
   }
 };
 
-/// Rows of the run that ends with `row`, at most `most`.
-size_t rows_until(const NumberSeries& series, size_t row, size_t most) {
-  return std::min(row - series.run_start(row) + 1, most);
+/// Rows of the run that ends with `row`, at most `max`.
+size_t rows_until(const NumberSeries& series, size_t row, size_t max) {
+  return std::min(row - series.run_start(row) + 1, max);
 }
 
 /// Per step, of the line through the last `count` rows.

@@ -14,10 +14,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kPeak = 255;
 constexpr double kGoldenRatio = 0.6180339887498949;
 
-/// One of each of `most` equal parts, nowhere at the same place twice: a plain stride would meet
+/// One of each of `max` equal parts, nowhere at the same place twice: a plain stride would meet
 /// one column of an image, or one of its colours, again and again.
-std::vector<size_t> places_in(size_t count, size_t most) {
-  const size_t wanted = std::min(count, most);
+std::vector<size_t> places_in(size_t count, size_t max) {
+  const size_t wanted = std::min(count, max);
   std::vector<size_t> places(wanted);
   const double width =
       static_cast<double>(count) / static_cast<double>(std::max<size_t>(wanted, 1));
@@ -49,8 +49,7 @@ MemberSamples::MemberSamples(const ValueRow& rows) {
     size_t count = 1;
     for (const int64_t size : member.shape) count *= static_cast<size_t>(size);
     const bool is_image = member.kind == idf::MemberKind::kImage;
-    parts_.push_back(
-        {index, is_image, static_cast<double>(count), places_in(count, kMostElements)});
+    parts_.push_back({index, is_image, static_cast<double>(count), places_in(count, kMaxElements)});
     images_ += is_image ? 1 : 0;
     numbers_ += is_image ? 0 : count;
   }

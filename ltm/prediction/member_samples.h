@@ -15,13 +15,13 @@ struct MemberSample {
   std::vector<float> scales;
 };
 
-/// Tells cheaply how much the images and large arrays of two values differ: by kMostElements of
+/// Tells cheaply how much the images and large arrays of two values differ: by kMaxElements of
 /// each, spread evenly over it, always the same.
 ///
 /// Threading: immutable.
 class MemberSamples {
  public:
-  static constexpr size_t kMostElements = 16384;
+  static constexpr size_t kMaxElements = 16384;
 
   explicit MemberSamples(const ValueRow& rows);
 

@@ -17,9 +17,9 @@ constexpr double kPause = 2.5;
 
 }  // namespace
 
-NumberSeries::NumberSeries(size_t numbers, size_t most_rows)
-    : numbers_(numbers), most_rows_(most_rows) {
-  ENGRAM_CHECK(most_rows > 1, "{} rows", most_rows);
+NumberSeries::NumberSeries(size_t numbers, size_t max_rows)
+    : numbers_(numbers), max_rows_(max_rows) {
+  ENGRAM_CHECK(max_rows > 1, "{} rows", max_rows);
 }
 
 Status NumberSeries::add(Time time, std::span<const double> row) {
@@ -30,7 +30,7 @@ Status NumberSeries::add(Time time, std::span<const double> row) {
   if (!times_.empty() && time <= times_.back())
     return invalid_argument("series: found {}, needs a moment after {}", to_string(time),
                             to_string(times_.back()));
-  if (rows() == 2 * most_rows_) forget_oldest(most_rows_);
+  if (rows() == 2 * max_rows_) forget_oldest(max_rows_);
   const bool is_new_run =
       times_.empty() ||
       (step_ > Duration(0) && to_seconds(time - times_.back()) > kPause * to_seconds(step_));

@@ -15,9 +15,9 @@ namespace engram::ltm {
 /// Threading: one thread.
 class NumberSeries {
  public:
-  /// Keeps the last `most_rows` rows at least, twice as many at most.
+  /// Keeps the last `max_rows` rows at least, twice as many at most.
   /// Needs two rows (checked); without numbers it is a series of moments.
-  explicit NumberSeries(size_t numbers, size_t most_rows = 4096);
+  explicit NumberSeries(size_t numbers, size_t max_rows = 4096);
 
   /// Shape: row [numbers()].
   /// Errors: kInvalidArgument where the row has another number of numbers, one of them is not
@@ -48,7 +48,7 @@ class NumberSeries {
   void update_step();
 
   size_t numbers_;
-  size_t most_rows_;
+  size_t max_rows_;
   uint64_t added_ = 0;
   std::vector<Time> times_;
   std::vector<double> values_;  ///< [rows, numbers]

@@ -32,7 +32,7 @@ struct Past {
 };
 
 /// What a prediction was told beside the past of its entity.
-enum class Told {
+enum class PredictorInputs {
   kValues,      ///< Nothing.
   kConditions,  ///< The past of Predictor::condition().
   kPlan,        ///< And what is planned of it.
@@ -91,7 +91,9 @@ class Predictor {
   virtual Result<std::vector<Prediction>> predict_at(const Past& past, std::span<const int> steps);
 
   /// By steps; empty where nothing was measured.
-  [[nodiscard]] virtual std::vector<HorizonRecord> records(Told /*told*/) const { return {}; }
+  [[nodiscard]] virtual std::vector<HorizonRecord> records(PredictorInputs /*told*/) const {
+    return {};
+  }
 };
 
 /// A predictor that answers with the last value: the floor of every other one.

@@ -18,16 +18,16 @@ constexpr int kChanges = 7;
 /// Of one number: its level, then its last changes.
 constexpr Index kFeatures = kChanges + 1;
 /// With more numbers nothing is looked for: it costs their square.
-constexpr size_t kMostNumbers = 96;
-constexpr size_t kLeastWindows = 120;
-constexpr size_t kMostWindows = 2048;
+constexpr size_t kMaxNumbers = 96;
+constexpr size_t kMinWindows = 120;
+constexpr size_t kMaxWindows = 2048;
 /// Of the windows, the last ones: they say how many features are worth it.
 constexpr double kHeldOut = 0.25;
-constexpr size_t kMostPicks = 8;
+constexpr size_t kMaxPicks = 8;
 /// Of the square of each feature.
 constexpr double kRidge = 1e-2;
 /// What picks must win on held-out windows, relative to the error without them.
-constexpr double kLeastGain = 0.01;
+constexpr double kMinGain = 0.01;
 
 /// A few features and what they count.
 struct Weights {
@@ -69,15 +69,15 @@ Index best_pick(const Products& products, const Weights& fit, Index target) {
   const VectorXd left = products.targets.col(target) - cross.transpose() * fit.weights;
   const MatrixXd explained = squares.ldlt().solve(cross);
   Index best = -1;
-  double most = 0;
+  double max = 0;
   for (Index feature = 0; feature < left.size(); ++feature) {
     const double all = products.features(feature, feature);
     const double own = all * (1 + kRidge) - cross.col(feature).dot(explained.col(feature));
     if (!(own > kRidge * all) || std::ranges::find(fit.features, feature) != fit.features.end())
       continue;
     const double gain = left[feature] * left[feature] / own;
-    if (gain > most) {
-      most = gain;
+    if (gain > max) {
+      max = gain;
       best = feature;
     }
   }
@@ -93,7 +93,7 @@ class Related final : public SeriesEngine {
     auto& learned = weights_[steps];
     learned.clear();
     const std::vector<size_t> windows = windows_of(series, end, steps);
-    if (series.numbers() > kMostNumbers || windows.size() < kLeastWindows) return;
+    if (series.numbers() > kMaxNumbers || windows.size() < kMinWindows) return;
     learn_means(series, windows);
     MatrixXd x(windows.size(), kFeatures * static_cast<Index>(series.numbers()));
     MatrixXd y(windows.size(), series.numbers());
@@ -136,7 +136,7 @@ class Related final : public SeriesEngine {
     std::vector<size_t> all, some;
     for (size_t row = 0; row + steps < end; ++row)
       if (has_changes(series, row) && series.run_start(row + steps) <= row) all.push_back(row);
-    const size_t count = std::min(all.size(), kMostWindows);
+    const size_t count = std::min(all.size(), kMaxWindows);
     for (size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
     return some;
   }
@@ -161,14 +161,14 @@ class Related final : public SeriesEngine {
     std::vector<Index> features;
     for (Index k = 1; k < kFeatures; ++k) features.push_back(number * kFeatures + k);
     Weights fit = fitted(first, features, number);
-    double least = error_of(last, fit, number) * (1 - kLeastGain);
+    double min = error_of(last, fit, number) * (1 - kMinGain);
     std::vector<Index> best = features;
     features.push_back(number * kFeatures);
-    for (size_t picks = 0; picks <= kMostPicks; ++picks) {
+    for (size_t picks = 0; picks <= kMaxPicks; ++picks) {
       fit = fitted(first, features, number);
       const double error = error_of(last, fit, number);
-      if (error < least) {
-        least = error * (1 - kLeastGain);
+      if (error < min) {
+        min = error * (1 - kMinGain);
         best = features;
       }
       const Index pick = best_pick(first, fit, number);

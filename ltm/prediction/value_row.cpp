@@ -60,7 +60,7 @@ bool is_in_rows(const TensorMember& member) {
     case MemberKind::kPointCloud:
       return false;
     default:
-      return count_of(member) <= static_cast<size_t>(ValueRow::kMostElements);
+      return count_of(member) <= static_cast<size_t>(ValueRow::kMaxElements);
   }
 }
 
@@ -247,7 +247,7 @@ ValueRow::ValueRow(const idf::Data& value, const idf::Type* type, bool has_rotat
   ENGRAM_CHECK(split.ok(), "{}", split.status().message());
   const auto& members = state->layout.members();
   for (size_t i = 0; i < members.size(); ++i) {
-    if (is_in_rows(members[i]) && state->elements + count_of(members[i]) <= kMostNumbers)
+    if (is_in_rows(members[i]) && state->elements + count_of(members[i]) <= kMaxNumbers)
       state->add(i, type_at(type, members[i].path));
     else
       state->others.push_back(i);

@@ -22,18 +22,18 @@ struct RowMember {
 /// Values of one layout as rows of numbers that can be continued, and such rows as values again.
 ///
 /// A row has the elements of all members but images, depth images, point clouds and arrays of more
-/// than kMostElements, then three numbers per rotation: how far it was turned in all, about each
+/// than kMaxElements, then three numbers per rotation: how far it was turned in all, about each
 /// axis, so that a body that turns evenly is a straight line, past half a turn too.
 ///
 /// Rotations are quaternions [4], matrices [3, 3] and poses [4, 4] of floats that are one in the
 /// first value; bools, times, names of numbers (IntEnum), everything that is no tensor member and
-/// numbers after the first kMostNumbers are copied from the last value.
+/// numbers after the first kMaxNumbers are copied from the last value.
 /// Threading: immutable.
 /// Source: docs/prediction.md, section "Values".
 class ValueRow {
  public:
-  static constexpr int64_t kMostElements = 256;
-  static constexpr size_t kMostNumbers = 1024;
+  static constexpr int64_t kMaxElements = 256;
+  static constexpr size_t kMaxNumbers = 1024;
 
   /// Of the layout that `value` has. `type` tells bounds, kinds of arrays and lists of fixed size;
   /// may be null. Without `has_rotations` these are numbers like others.

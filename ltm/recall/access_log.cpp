@@ -20,11 +20,11 @@ constexpr const char* kSummary = "summary.log";
 constexpr const char* kLock = "merge.lock";
 
 /// More than these are merged.
-constexpr size_t kMostFiles = 64;
-constexpr uint64_t kMostUnmergedBytes = uint64_t{4} << 20;
+constexpr size_t kMaxFiles = 64;
+constexpr uint64_t kMaxUnmergedBytes = uint64_t{4} << 20;
 
 /// Larger files are none of ours.
-constexpr uint64_t kMostFileBytes = uint64_t{256} << 20;
+constexpr uint64_t kMaxFileBytes = uint64_t{256} << 20;
 
 /// What was read from files, and which logs a summary has taken in.
 struct Notes {
@@ -94,7 +94,7 @@ void add_frame(const idf::Data& value, Notes& notes) {
 void add_file(const std::filesystem::path& file, Notes& notes) {
   std::error_code error;
   const uint64_t bytes = std::filesystem::file_size(file, error);
-  if (error || bytes > kMostFileBytes) return;
+  if (error || bytes > kMaxFileBytes) return;
   const auto scanned = scan_journal(file, [&notes](uint64_t, const Buffer& payload) -> Status {
     if (const auto value = idf::decode(payload); value.ok()) add_frame(*value, notes);
     return {};
@@ -179,7 +179,7 @@ Status AccessLog::write() {
 
 Status AccessLog::open_file() {
   const Files there = list_files(store_);
-  if (there.bytes >= options_.most_bytes || there.logs.size() >= options_.most_files)
+  if (there.bytes >= options_.max_bytes || there.logs.size() >= options_.max_files)
     return resource_exhausted("'{}': holds too many notes", (store_ / kFolder).string());
   ENGRAM_RETURN_IF_ERROR(make_directories(store_ / kFolder));
   // The time makes the name one that a summary cannot have seen.
@@ -230,7 +230,7 @@ Status merge_accesses(const std::filesystem::path& store, const std::map<MemoryI
 
 Status merge_grown_accesses(const std::filesystem::path& store) {
   const Files files = list_files(store);
-  const bool has_grown = files.logs.size() > kMostFiles || files.log_bytes > kMostUnmergedBytes;
+  const bool has_grown = files.logs.size() > kMaxFiles || files.log_bytes > kMaxUnmergedBytes;
   return has_grown ? merge_accesses(store) : Status();
 }
 

@@ -27,8 +27,8 @@ class AccessLog {
     /// Most bytes of a log; then the next one is begun.
     uint64_t file_bytes = uint64_t{1} << 20;
     /// Most bytes and files below `access/`; more notes are dropped until they are merged.
-    uint64_t most_bytes = uint64_t{64} << 20;
-    size_t most_files = 4096;
+    uint64_t max_bytes = uint64_t{64} << 20;
+    size_t max_files = 4096;
   };
 
   AccessLog(std::filesystem::path store, const Options& options, Clock clock = system_now);

@@ -7,7 +7,7 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr uint64_t kMostReads = INT64_MAX;
+constexpr uint64_t kMaxReads = INT64_MAX;
 
 }  // namespace
 
@@ -16,7 +16,7 @@ void AccessTable::add(const MemoryId& entity, Time snapshot, uint64_t count, Tim
   AccessStats& stats = entities_[entity][snapshot];
   stats.last = stats.count == 0 ? last : std::max(stats.last, last);
   // Counts come from files and go to them as int64: a hostile one must not wrap.
-  stats.count += std::min(count, kMostReads - stats.count);
+  stats.count += std::min(count, kMaxReads - stats.count);
 }
 
 void AccessTable::add(const AccessTable& other) {

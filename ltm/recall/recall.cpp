@@ -45,13 +45,13 @@ auto retried(KnownPast& past, const Ask& ask) -> decltype(ask()) {
 struct Recall::State {
   std::unique_ptr<KnownPast> past;
   StorePast* store = nullptr;  ///< The past where it is a store's alone.
-  Forecaster forecaster;
+  RecallPredictor predictor;
   std::unique_ptr<AccessLog> accesses;  ///< May be null.
 
   State(std::unique_ptr<KnownPast> known, std::unique_ptr<AccessLog> notes,
         MakeEngineChoice make_choice)
       : past(std::move(known)),
-        forecaster(*past, std::move(make_choice)),
+        predictor(*past, std::move(make_choice)),
         accesses(std::move(notes)) {}
 
   /// The future moments of an entity without their data: they have the instances of the last one.
@@ -75,12 +75,12 @@ struct Recall::State {
                         const Options& options, RecalledEntity& result) {
     ENGRAM_ASSIGN_OR_RETURN(const auto last, entity.last());
     if (!last) return {};
-    Outlook outlook{*last, {}, options.engine};
+    PredictionRequest request{*last, {}, options.engine};
     for (const SelectedSnapshot& selected : future)
-      outlook.horizons.push_back(selected.time - *last);
+      request.horizons.push_back(selected.time - *last);
     ENGRAM_ASSIGN_OR_RETURN(
         auto predicted,
-        forecaster.predict(result.id, outlook, {options.prefer, options.max_horizon}));
+        predictor.predict(result.id, request, {options.prefer, options.max_horizon}));
     for (size_t i = 0; i < future.size(); ++i) {
       predicted[i].time = future[i].time;
       if (keep_selected(predicted[i], future[i].instances))
@@ -168,30 +168,31 @@ Result<std::vector<Engine>> Recall::engines(const MemoryId& entity) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   ENGRAM_ASSIGN_OR_RETURN(const auto past, state_->past->of(entity));
   if (!past) return not_found("{}: has no entity '{}'", state_->past->name(), entity.to_string());
-  return state_->forecaster.engines(entity);
+  return state_->predictor.engines(entity);
 }
 
 Result<Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
   ENGRAM_RETURN_IF_ERROR(engines(entity).status());
-  return state_->forecaster.engine(entity, name);
+  return state_->predictor.engine(entity, name);
 }
 
 Result<std::vector<EngineRecord>> Recall::records(const MemoryId& entity, std::optional<Time> from,
                                                   Duration ahead, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   return retried(*state_->past, [&] {
-    return state_->forecaster.records(entity, from, ahead, {options.prefer, options.max_horizon});
+    return state_->predictor.records(entity, from, ahead, {options.prefer, options.max_horizon});
   });
 }
 
-Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity, const Outlook& outlook,
+Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity,
+                                                    const PredictionRequest& request,
                                                     const Options& options) {
-  if (outlook.horizons.empty())
+  if (request.horizons.empty())
     return invalid_argument("entity '{}': found no horizon to predict, needs one",
                             entity.to_string());
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   return retried(*state_->past, [&] {
-    return state_->forecaster.predict(entity, outlook, {options.prefer, options.max_horizon});
+    return state_->predictor.predict(entity, request, {options.prefer, options.max_horizon});
   });
 }
 

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "ltm/memory/query.h"
-#include "ltm/prediction/entity_forecaster.h"
+#include "ltm/prediction/entity_predictor.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/recall/answer.h"
-#include "ltm/recall/forecaster.h"
+#include "ltm/recall/recall_predictor.h"
 #include "ltm/recall/store_past.h"
 
 namespace engram::ltm {
@@ -22,7 +22,7 @@ class Recall {
  public:
   using Prefer = ltm::Prefer;
   using Engine = ltm::Engine;
-  using Outlook = ltm::Outlook;
+  using PredictionRequest = ltm::PredictionRequest;
 
   struct Options {
     Prefer prefer = Prefer::kRecorded;
@@ -38,12 +38,12 @@ class Recall {
   /// in working memory, is noted as read. `make_choice`: what chooses among engines; empty: the
   /// newest model predicts, or where there is none, a copy of the last snapshot.
   explicit Recall(std::unique_ptr<KnownPast> past, std::unique_ptr<AccessLog> accesses = nullptr,
-                  MakeEngineChoice make_choice = make_entity_forecaster);
+                  MakeEngineChoice make_choice = make_entity_predictor);
 
   /// Of a store alone. Without a `loader` latents cannot be decoded and no model predicts.
   Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
          std::unique_ptr<AccessLog> accesses = nullptr,
-         MakeEngineChoice make_choice = make_entity_forecaster);
+         MakeEngineChoice make_choice = make_entity_predictor);
   ~Recall();
 
   /// The store that this answers from alone (checked), as it is until the next question.
@@ -75,12 +75,13 @@ class Recall {
   Result<std::vector<EngineRecord>> records(const MemoryId& entity, std::optional<Time> from,
                                             Duration ahead, const Options& options);
 
-  /// One prediction per horizon, in their order. `options.engine` is not looked at: `outlook` says.
+  /// One prediction per horizon, in their order. `options.engine` is not looked at: `request` says.
   /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;
   /// kInvalidArgument where a horizon is too far ahead, where a plan is told to an engine that
   /// starts from no other entity, or has another layout; those of query(). Where nothing is planned
   /// after that moment the prediction is made without, and names no plan.
-  Result<std::vector<SnapshotResult>> predict(const MemoryId& entity, const Outlook& outlook,
+  Result<std::vector<SnapshotResult>> predict(const MemoryId& entity,
+                                              const PredictionRequest& request,
                                               const Options& options);
 
  private:

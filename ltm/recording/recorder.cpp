@@ -16,9 +16,9 @@ namespace engram::ltm {
 namespace {
 
 /// Commits of fewer plain bytes are encoded without waking other threads.
-constexpr uint64_t kLeastSharedBytes = 64 << 10;
+constexpr uint64_t kMinSharedBytes = 64 << 10;
 /// Most that waits for a disk that fails, after filters let it go. Plain bytes.
-constexpr uint64_t kMostPendingBytes = uint64_t{256} << 20;
+constexpr uint64_t kMaxPendingBytes = uint64_t{256} << 20;
 
 /// A snapshot that filters kept.
 struct Kept {
@@ -165,7 +165,7 @@ struct Recorder::State {
       const Kept& from = *parts[i].kept;
       parts[i].value = from.channel->packer.pack(from.snapshot().instances[parts[i].instance].data);
     };
-    if (bytes < kLeastSharedBytes)
+    if (bytes < kMinSharedBytes)
       for (size_t i = 0; i < parts.size(); ++i) work(i);
     else
       workers.run(parts.size(), work);
@@ -233,7 +233,7 @@ struct Recorder::State {
         continue;
       }
       bytes += each.candidate.raw_bytes;
-      if (may_work_later(status) && bytes <= kMostPendingBytes) {
+      if (may_work_later(status) && bytes <= kMaxPendingBytes) {
         ++each.channel->pending;
         each.channel->pending_bytes += each.candidate.raw_bytes;
         pending.push_back(std::move(each));
@@ -309,8 +309,8 @@ Status Recorder::Options::validate() const {
     if (const Status status = rule.pack.validate(); !status.ok())
       return status.with_context(fmt::format("rule '{}'", rule.name));
   }
-  if (threads < 1 || threads > kMostThreads)
-    return invalid_argument("recorder: found {} threads, needs 1 to {}", threads, kMostThreads);
+  if (threads < 1 || threads > kMaxThreads)
+    return invalid_argument("recorder: found {} threads, needs 1 to {}", threads, kMaxThreads);
   if (drop_note_interval < Duration(0))
     return invalid_argument("recorder: drop_note_interval is {}, needs 0s or more",
                             to_string(drop_note_interval));

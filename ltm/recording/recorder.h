@@ -49,7 +49,7 @@ enum class LateSnapshots : uint8_t {
 /// Source: docs/recording.md.
 class Recorder {
  public:
-  static constexpr int kMostThreads = 64;
+  static constexpr int kMaxThreads = 64;
 
   struct Options {
     /// For entities that no rule matches: most snapshots per second that are kept. Nothing: all.
@@ -61,7 +61,7 @@ class Recorder {
     /// The first one that matches an entity counts.
     std::vector<EntityRule> rules;
     LateSnapshots late = LateSnapshots::kKeep;
-    /// That encode the snapshots of one commit, the caller's included. 1 to kMostThreads.
+    /// That encode the snapshots of one commit, the caller's included. 1 to kMaxThreads.
     int threads = 2;
     /// How often counts of dropped snapshots reach the store where none is kept: what `kill -9`
     /// may cost of them. Each note costs about 200 bytes per entity that dropped any.

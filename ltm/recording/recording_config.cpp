@@ -104,9 +104,9 @@ Status read_recording(ConfigMap& top, Recorder::Options& options) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
   int64_t threads = options.threads;
   ENGRAM_RETURN_IF_ERROR(map.read("threads", threads, &ConfigValue::integer));
-  if (threads < 1 || threads > Recorder::kMostThreads)
+  if (threads < 1 || threads > Recorder::kMaxThreads)
     return map.find("threads")->error(
-        fmt::format("found {}, needs 1 to {}", threads, Recorder::kMostThreads));
+        fmt::format("found {}, needs 1 to {}", threads, Recorder::kMaxThreads));
   options.threads = static_cast<int>(threads);
   ENGRAM_RETURN_IF_ERROR(
       read_choice(map, "late", options.late,

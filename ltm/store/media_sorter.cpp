@@ -12,7 +12,7 @@ namespace {
 
 /// Where images of one path come in more shapes and instances, those of the others stay single:
 /// who reads a row looks at every one of these.
-constexpr size_t kMostStreams = 16;
+constexpr size_t kMaxStreams = 16;
 
 bool is_same_group(const PackedMedium& a, const PackedMedium& b) {
   return b.group && a.bytes.data() == b.bytes.data() && a.bytes.size() == b.bytes.size() &&
@@ -86,10 +86,10 @@ MediaSorter::Places MediaSorter::next_group(Places places) const {
 /// The images at the front that one group takes.
 MediaSorter::Places MediaSorter::next_run(Places places, const GroupCodec& codec) const {
   const uint64_t bytes = *idf::size_bytes(places[0].medium->type, places[0].medium->shape);
-  const size_t most =
+  const size_t max =
       std::clamp<uint64_t>(kMaxGroupBytes / std::max<uint64_t>(bytes, 1), 1, codec.group_size());
   size_t count = 1;
-  while (count < std::min(most, places.size()) && codec_for(*places[count].medium) == &codec)
+  while (count < std::min(max, places.size()) && codec_for(*places[count].medium) == &codec)
     ++count;
   return places.first(count);
 }
@@ -110,7 +110,7 @@ Status MediaSorter::sort_group(Places group, Groups& groups) {
 void MediaSorter::encode(Places run, const GroupCodec& codec, Groups& groups) {
   const PackedMedium& first = *run[0].medium;
   const bool is_new = std::ranges::find(groups, codec.name(), &GroupColumn::codec) == groups.end();
-  if (is_new && encoded_streams_[first.path] >= kMostStreams) return keep_single(run);
+  if (is_new && encoded_streams_[first.path] >= kMaxStreams) return keep_single(run);
   const auto bytes = encode(run, codec);
   if (!bytes.ok()) {
     log::warning("{} images '{}' are sealed as they were recorded: {}", run.size(), first.path,

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kCodec = "columns";
 /// Who reads one row decodes its block: wide ones have fewer rows.
 constexpr uint64_t kBlockBytes = 256 << 10;
-constexpr uint64_t kMostRows = 4096;
+constexpr uint64_t kMaxRows = 4096;
 /// Columns of few rows hardly compress: a block has so many, as far as they fit into a larger one.
 constexpr uint64_t kWishedRows = 64;
 constexpr uint64_t kLargeBlockBytes = 16 << 20;
@@ -22,7 +22,7 @@ static_assert(kLargeBlockBytes <= kMaxNumberBlockBytes);
 /// Of rows that are no larger than blocks may be: then a block of so many is not, either.
 uint64_t rows_per_block(uint64_t row_bytes) {
   row_bytes = std::max<uint64_t>(row_bytes, 1);
-  const uint64_t rows = std::clamp(kBlockBytes / row_bytes, kWishedRows, kMostRows);
+  const uint64_t rows = std::clamp(kBlockBytes / row_bytes, kWishedRows, kMaxRows);
   return std::clamp<uint64_t>(kLargeBlockBytes / row_bytes, 1, rows);
 }
 

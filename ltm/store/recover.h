@@ -4,7 +4,7 @@
 #include <map>
 
 #include "ltm/memory/memory_id.h"
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 
 namespace engram::ltm {
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kRemainderLevel = 12;
 /// A dictionary is tried for so many blocks or more, of fewer bytes each than this when packed.
-constexpr size_t kLeastBlocks = 64;
-constexpr size_t kMostMeanBytes = 4096;
+constexpr size_t kMinBlocks = 64;
+constexpr size_t kMaxMeanBytes = 4096;
 /// It learns from so many blocks, evenly chosen.
 constexpr size_t kSamples = 512;
 /// About what the dataset of a dictionary takes beside its bytes.
@@ -31,15 +31,16 @@ size_t dictionary_bytes(const std::vector<Buffer>& blocks) {
 }
 
 /// What the blocks have in common; nothing where it is not worth trying.
-std::optional<ZstdDictionary> learn(const std::vector<Buffer>& blocks, uint64_t packed_bytes) {
-  if (blocks.size() < kLeastBlocks || packed_bytes / blocks.size() >= kMostMeanBytes)
+std::optional<ZstdDictionary> trained_dictionary(const std::vector<Buffer>& blocks,
+                                                 uint64_t packed_bytes) {
+  if (blocks.size() < kMinBlocks || packed_bytes / blocks.size() >= kMaxMeanBytes)
     return std::nullopt;
   const size_t step = std::max<size_t>(blocks.size() / kSamples, 1);
   std::vector<Buffer> samples;
   for (size_t i = 0; i < blocks.size(); i += step) samples.push_back(blocks[i]);
   auto dictionary = ZstdDictionary::train(
       samples, {.max_bytes = dictionary_bytes(blocks), .level = kRemainderLevel});
-  // Blocks that have nothing in common teach nothing.
+  // Blocks that have nothing in common make no dictionary.
   return dictionary.ok() ? std::optional(*std::move(dictionary)) : std::nullopt;
 }
 
@@ -81,7 +82,7 @@ Status RemainderColumn::write(h5::File& file, const std::string& group) {
   ENGRAM_ASSIGN_OR_RETURN(const auto blocks, take_blocks(block));
   const BlobColumn blobs =
       pack_blocks(blocks, [](auto plain) { return compress_zstd(plain, kRemainderLevel); });
-  if (const auto dictionary = learn(blocks, blobs.size_bytes())) {
+  if (const auto dictionary = trained_dictionary(blocks, blobs.size_bytes())) {
     const uint64_t size = dictionary->bytes().size();
     const BlobColumn smaller =
         pack_blocks(blocks, [&](auto plain) { return dictionary->compress(plain); });

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "ltm/store/check.h"
 #include "ltm/store/link_check.h"
 #include "ltm/store/manifest.h"
+#include "ltm/store/store_check.h"
 
 namespace engram::ltm {
 

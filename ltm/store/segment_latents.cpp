@@ -75,8 +75,8 @@ Status LatentCodeReader::check_block(const std::string& group, uint64_t row, con
 
 /// Fails where the row before it of its block does not stand before it in the block.
 Status LatentCodeReader::check_before(const std::string& group, uint64_t row, const Spot& found) {
-  const uint64_t least = std::max(found.holder, row - std::min(row, kMaxBlockStride));
-  for (uint64_t before = row; before-- > least;) {
+  const uint64_t min = std::max(found.holder, row - std::min(row, kMaxBlockStride));
+  for (uint64_t before = row; before-- > min;) {
     ENGRAM_ASSIGN_OR_RETURN(const Spot last, spot(group, before));
     if (last.holder != found.holder) continue;
     if (last.place.count == found.place.count && last.place.index < found.place.index) return {};

@@ -87,14 +87,14 @@ Result<std::optional<uint64_t>> SegmentMediaReader::image_of(const MediaGroup& f
 /// Of the first `count` numbers of an ascending column the last that is not above `value`; else 0.
 Result<uint64_t> SegmentMediaReader::last_not_above(const std::string& path, uint64_t count,
                                                     uint64_t value) {
-  uint64_t least = 0;
+  uint64_t min = 0;
   while (count > 1) {
     const uint64_t half = count / 2;
-    ENGRAM_ASSIGN_OR_RETURN(const uint64_t middle, source_.number<uint64_t>(path, least + half));
-    if (middle <= value) least += half;
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t middle, source_.number<uint64_t>(path, min + half));
+    if (middle <= value) min += half;
     count = middle <= value ? count - half : half;
   }
-  return least;
+  return min;
 }
 
 Result<std::vector<SegmentMediaReader::MediaGroup>*> SegmentMediaReader::groups_of(

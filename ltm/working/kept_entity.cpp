@@ -28,7 +28,7 @@ void KeptEntity::link_to(std::vector<KeptEntity*> targets) {
   for (KeptEntity* target : links) std::erase(target->linked_by, this);
   // Each knows of the other, or neither does.
   std::erase_if(targets,
-                [](const KeptEntity* target) { return target->linked_by.size() >= kMostLinkedBy; });
+                [](const KeptEntity* target) { return target->linked_by.size() >= kMaxLinkedBy; });
   links = std::move(targets);
   for (KeptEntity* target : links) target->linked_by.push_back(this);
 }

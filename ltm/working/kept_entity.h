@@ -16,7 +16,7 @@ struct LimitedPart;
 /// Threading: as WorkingMemory locks it; `reads` from any thread.
 struct KeptEntity {
   /// Most entities that are remembered to link to one.
-  static constexpr size_t kMostLinkedBy = 16;
+  static constexpr size_t kMaxLinkedBy = 16;
 
   explicit KeptEntity(MemoryId entity) : id(std::move(entity)) {}
 
@@ -34,7 +34,7 @@ struct KeptEntity {
   bool is_member = false;
 
   std::vector<KeptEntity*> links;      ///< That its newest snapshot links to.
-  std::vector<KeptEntity*> linked_by;  ///< At most kMostLinkedBy.
+  std::vector<KeptEntity*> linked_by;  ///< At most kMaxLinkedBy.
 
   mutable std::atomic<uint32_t> reads{0};  ///< That are not in `read_rate`.
   double read_rate = 0;                    ///< Reads, each counting half after the half-life.

@@ -90,12 +90,12 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   admission.snapshots.reserve(arrivals.size());
   for (const ArrivingSnapshot& arrival : arrivals) admission.snapshots.push_back(arrival.snapshot);
   const ExclusiveLock lock(state.mutex);
-  if (state.counts.waiting_bytes > state.options.most_waiting_bytes) {
+  if (state.counts.waiting_bytes > state.options.max_waiting_bytes) {
     ++state.counts.refused;
     return resource_exhausted(
         "working memory: {} bytes of {} snapshots wait for the online phase, needs at most {} to "
         "take more",
-        state.counts.waiting_bytes, state.waiting.size(), state.options.most_waiting_bytes);
+        state.counts.waiting_bytes, state.waiting.size(), state.options.max_waiting_bytes);
   }
   state.counts.reinterpreted += reinterpreted;
   for (ArrivingSnapshot& arrival : arrivals) state.put(std::move(arrival), now, to_store);
@@ -105,7 +105,7 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   return admission;
 }
 
-Result<size_t> WorkingMemory::store(const Sink& sink, size_t most_bytes) {
+Result<size_t> WorkingMemory::store(const Sink& sink, size_t max_bytes) {
   State& state = *state_;
   const MutexLock one_at_a_time(state.storing);
   std::vector<SharedSnapshot> taken;
@@ -114,7 +114,7 @@ Result<size_t> WorkingMemory::store(const Sink& sink, size_t most_bytes) {
     size_t bytes = 0;
     for (const WaitingSnapshot& next : state.waiting) {
       bytes += next.bytes;
-      if (bytes > most_bytes && !taken.empty()) break;
+      if (bytes > max_bytes && !taken.empty()) break;
       taken.push_back(next.snapshot);
     }
   }

@@ -81,7 +81,7 @@ class WorkingMemory {
     StoreMode mode = StoreMode::kWhatLeaves;
     Duration store_interval = std::chrono::seconds(1);  ///< Of StoreMode::kLatest.
     /// What may wait for the online phase beyond the limits. A commit beyond it is refused.
-    size_t most_waiting_bytes = size_t{256} << 20;
+    size_t max_waiting_bytes = size_t{256} << 20;
     /// How long until a read counts half.
     Duration read_half_life = std::chrono::minutes(1);
     uint64_t seed = 1;  ///< Of the entities that are compared.
@@ -126,10 +126,10 @@ class WorkingMemory {
   /// The entities that a query asks for and that are here, in the order of their IDs.
   [[nodiscard]] std::vector<MemoryId> matching(const Query& query) const;
 
-  /// The last `most` snapshots of an entity, in the order of time. Counts as no read.
+  /// The last `max` snapshots of an entity, in the order of time. Counts as no read.
   /// Complexity: O(most).
   [[nodiscard]] std::vector<SharedSnapshot> all_of(const MemoryId& entity,
-                                                   size_t most = SIZE_MAX) const;
+                                                   size_t max = SIZE_MAX) const;
 
   /// So many snapshots of an entity that select() or all_of() gave were given out with their data:
   /// who answers knows whether they were, and once.
@@ -141,11 +141,11 @@ class WorkingMemory {
   /// The same as an answer, without the moments that are to be predicted.
   [[nodiscard]] QueryResult query(const Query& query) const;
 
-  /// Hands what waits to `sink`, at most `most_bytes` (one snapshot at least), and lets go of what
+  /// Hands what waits to `sink`, at most `max_bytes` (one snapshot at least), and lets go of what
   /// was chosen to leave. Where the sink fails everything stays, and waits again.
   /// Returns how many were stored. Threading: one thread at a time; the others wait.
   /// Errors: those of the sink.
-  Result<size_t> store(const Sink& sink, size_t most_bytes = SIZE_MAX);
+  Result<size_t> store(const Sink& sink, size_t max_bytes = SIZE_MAX);
 
   /// Chooses what is older than its limits. To be called now and then.
   void expire();

@@ -55,12 +55,12 @@ std::vector<MemoryId> WorkingMemory::matching(const Query& query) const {
   return matching;
 }
 
-std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity, size_t most) const {
+std::vector<SharedSnapshot> WorkingMemory::all_of(const MemoryId& entity, size_t max) const {
   std::vector<SharedSnapshot> all;
   const SharedLock lock(state_->mutex);
   const KeptEntity* kept = state_->find(entity);
   if (kept == nullptr) return all;
-  const size_t count = std::min(most, kept->history.size());
+  const size_t count = std::min(max, kept->history.size());
   all.reserve(count);
   for (size_t i = kept->history.size() - count; i < kept->history.size(); ++i)
     all.push_back(kept->history[i].snapshot);

@@ -132,13 +132,13 @@ struct WorkingMemory::State {
 
   KeptEntity& most_gainful(const LimitedPart& part, Time now) ENGRAM_REQUIRES(mutex) {
     KeptEntity* best = nullptr;
-    double most = -1;
+    double max = -1;
     const size_t count = std::min(part.members.size(), kCompared);
     for (size_t i = 0; i < count; ++i) {
       const size_t index = part.members.size() <= kCompared ? i : random() % part.members.size();
       const double gain = leaving_gain(*part.members[index], now, options.read_half_life);
-      if (gain > most) {
-        most = gain;
+      if (gain > max) {
+        max = gain;
         best = part.members[index];
       }
     }

@@ -22,10 +22,10 @@ class LongTerm {
     std::filesystem::path store;
     ltm::Recorder::Options recording;
     /// Decoded snapshots that are kept for the next reader. Unit: plain bytes.
-    size_t most_decoded_bytes = size_t{64} << 20;
+    size_t max_decoded_bytes = size_t{64} << 20;
     bool prefers_latents = false;
     /// Of one answer, decoded: who asks for more is told to ask for less. Unit: plain bytes.
-    size_t most_answer_bytes = size_t{512} << 20;
+    size_t max_answer_bytes = size_t{512} << 20;
   };
 
   /// A snapshot that the store will never take, and why.

@@ -19,7 +19,7 @@ namespace {
 constexpr size_t kHandedOver = size_t{32} << 20;
 
 /// Snapshots that the store refused, which those who wait for them may still ask about.
-constexpr size_t kMostRefused = 4096;
+constexpr size_t kMaxRefused = 4096;
 
 struct Waiter {
   uint64_t number = 0;
@@ -107,7 +107,7 @@ struct MemoryService::State {
                    one.snapshot->id().to_string(), one.status.message());
       last_store_failure = one.status.message();
       refused.push_back({one.snapshot, std::move(one.status)});
-      if (refused.size() > kMostRefused) refused.pop_front();
+      if (refused.size() > kMaxRefused) refused.pop_front();
     }
     return {};
   }
@@ -171,7 +171,7 @@ struct MemoryService::State {
       ENGRAM_ASSIGN_OR_RETURN(store, LongTerm::open(*options.store, clock));
       const std::filesystem::path& path = options.store->store;
       ENGRAM_ASSIGN_OR_RETURN(stored, ltm::StorePast::open(path, std::move(loader),
-                                                           {options.store->most_decoded_bytes}));
+                                                           {options.store->max_decoded_bytes}));
       accesses = std::make_unique<ltm::AccessLog>(path, ltm::AccessLog::Options{});
       recorded = &store->recorded();
       const ltm::SegmentTypes types = store->types();
@@ -179,9 +179,9 @@ struct MemoryService::State {
         ENGRAM_RETURN_IF_ERROR(memory->declare(segment, type));
       recalling_options.prefer =
           options.store->prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
-      recalling_options.max_answer_bytes = options.store->most_answer_bytes;
+      recalling_options.max_answer_bytes = options.store->max_answer_bytes;
     }
-    recalling_options.max_horizon = options.furthest_prediction;
+    recalling_options.max_horizon = options.max_horizon;
     ENGRAM_ASSIGN_OR_RETURN(auto joined,
                             ltm::JoinedPast::create("server '" + options.name + "'", *memory,
                                                     std::move(stored), *recorded));

@@ -30,7 +30,7 @@ class MemoryService {
     /// How often what waits is handed over; commits that wait for it are at once.
     Duration store_interval = std::chrono::milliseconds(200);
     /// Predictions reach at most so far.
-    Duration furthest_prediction = std::chrono::minutes(1);
+    Duration max_horizon = std::chrono::minutes(1);
 
     [[nodiscard]] Status validate() const;
   };

@@ -93,14 +93,14 @@ Result<idf::NdArray> array_of(const cv::Mat& image) {
 
 }  // namespace
 
-Result<idf::NdArray> read_picture(Bytes bytes, int64_t most_pixels) {
+Result<idf::NdArray> read_picture(Bytes bytes, int64_t max_pixels) {
   auto header = png_header(bytes);
   if (!header) header = jpeg_header(bytes);
   if (!header || bytes.size() > std::numeric_limits<int>::max())
     return invalid_argument("is neither a PNG nor a JPEG file");
-  if (header->width == 0 || header->height == 0 || header->width > most_pixels / header->height)
+  if (header->width == 0 || header->height == 0 || header->width > max_pixels / header->height)
     return invalid_argument("is a picture of {} x {} pixels, needs 1 to {}", header->width,
-                            header->height, most_pixels);
+                            header->height, max_pixels);
   if (!header->is_complete) return invalid_argument("is a picture that lacks its end");
   try {
     // cv::Mat has no const view; it is only read.

@@ -11,7 +11,7 @@
 #include "ltm/core/config.h"
 #include "ltm/core/file.h"
 #include "ltm/idf/cast.h"
-#include "ltm/idf/check.h"
+#include "ltm/idf/type_check.h"
 #include "ltm/idf/type_xml.h"
 #include "memory/prior/picture_file.h"
 #include "memory/prior/prior_files.h"
@@ -28,7 +28,7 @@ namespace {
 constexpr const char* kProvider = "prior";
 constexpr std::string_view kInstances = "instances";
 /// Problems that one message tells.
-constexpr size_t kMostTold = 100;
+constexpr size_t kMaxTold = 100;
 
 /// The instances of an entity, and how to say what is wrong with them.
 struct PriorValue {
@@ -66,9 +66,9 @@ Result<PriorValue> of_written(Result<WrittenValue> read) {
 /// Reads what a file holds. Messages of errors name it.
 Result<PriorValue> read_value(const PriorFile& file, const PriorOptions& options) {
   const std::string name = file.path.string();
-  if (file.kind == PriorFileKind::kJson && file.bytes > options.most_json_bytes)
+  if (file.kind == PriorFileKind::kJson && file.bytes > options.max_json_bytes)
     return invalid_argument("{}: has {} bytes, of JSON at most {} are read", name, file.bytes,
-                            options.most_json_bytes);
+                            options.max_json_bytes);
   ENGRAM_ASSIGN_OR_RETURN(const Buffer buffer, read_file(file.path));
   switch (file.kind) {
     case PriorFileKind::kJson:
@@ -76,7 +76,7 @@ Result<PriorValue> read_value(const PriorFile& file, const PriorOptions& options
     case PriorFileKind::kYaml:
       return of_written(WrittenValue::parse_yaml(as_text(buffer.bytes()), name));
     case PriorFileKind::kPicture: {
-      auto picture = read_picture(buffer.bytes(), options.most_pixels);
+      auto picture = read_picture(buffer.bytes(), options.max_pixels);
       if (!picture.ok()) return picture.status().with_context(name);
       return PriorValue{{Data(*std::move(picture))}, {}, false};
     }
@@ -104,8 +104,8 @@ class PriorLoader {
   explicit PriorLoader(const PriorOptions& options) : options_(options) {}
 
   Result<PriorKnowledge> load(const std::filesystem::path& directory) {
-    ENGRAM_ASSIGN_OR_RETURN(PriorFiles found, find_prior_files(directory, options_.most_files,
-                                                               options_.most_file_bytes));
+    ENGRAM_ASSIGN_OR_RETURN(
+        PriorFiles found, find_prior_files(directory, options_.max_files, options_.max_file_bytes));
     knowledge_.problems = std::move(found.problems);
     if (found.settings)
       if (const Status status = read_time(*found.settings); !status.ok()) problem(status.message());
@@ -119,7 +119,7 @@ class PriorLoader {
  private:
   [[nodiscard]] Status refusal() const {
     const auto& problems = knowledge_.problems;
-    const size_t told = std::min(problems.size(), kMostTold);
+    const size_t told = std::min(problems.size(), kMaxTold);
     return invalid_argument(
         "prior knowledge: nothing of it is loaded, for\n{}{}",
         fmt::join(std::span(problems).first(told), "\n"),
@@ -178,10 +178,10 @@ class PriorLoader {
     }
     if (!fits) return;
     bytes_ += snapshot.raw_bytes();
-    if (bytes_ > options_.most_bytes) {
+    if (bytes_ > options_.max_bytes) {
       is_full_ = true;
       return problem(fmt::format("{}: makes more than {} bytes, which are loaded at most",
-                                 file.path.string(), options_.most_bytes));
+                                 file.path.string(), options_.max_bytes));
     }
     knowledge_.commits[file.id.names().front()].updates.push_back(std::move(snapshot));
   }

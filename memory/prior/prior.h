@@ -26,13 +26,13 @@ struct PriorKnowledge {
 struct PriorOptions {
   /// Loads what can be loaded where something cannot. Else all of it or nothing.
   bool goes_on = false;
-  size_t most_files = 10'000;
-  uint64_t most_file_bytes = uint64_t{64} << 20;
+  size_t max_files = 10'000;
+  uint64_t max_file_bytes = uint64_t{64} << 20;
   /// Of a JSON file: while it is read it takes many times as much. YAML: ConfigValue::kMaxBytes.
-  uint64_t most_json_bytes = uint64_t{16} << 20;
+  uint64_t max_json_bytes = uint64_t{16} << 20;
   /// Of all plain values, images decoded. They are in RAM at once.
-  uint64_t most_bytes = uint64_t{1} << 30;
-  int64_t most_pixels = 64'000'000;  ///< Of an image, before it is decoded.
+  uint64_t max_bytes = uint64_t{1} << 30;
+  int64_t max_pixels = 64'000'000;  ///< Of an image, before it is decoded.
 };
 
 /// Reads a directory of IDF values, images and other files, one for each entity.

@@ -43,16 +43,16 @@ std::optional<unsigned> hex_digit(char c) {
 }
 
 /// Walks down a directory, and notes what it meets.
-class PriorWalk {
+class PriorFileSearch {
  public:
-  PriorWalk(fs::path root, size_t most_files, uint64_t most_file_bytes, PriorFiles& found)
+  PriorFileSearch(fs::path root, size_t max_files, uint64_t max_file_bytes, PriorFiles& found)
       : root_(std::move(root)),
-        most_files_(most_files),
-        most_file_bytes_(most_file_bytes),
+        max_files_(max_files),
+        max_file_bytes_(max_file_bytes),
         found_(found) {}
 
   /// `names` are those of the folders above.
-  void walk(const fs::path& folder, const std::vector<std::string>& names) {
+  void search(const fs::path& folder, const std::vector<std::string>& names) {
     for (const fs::path& path : sorted_entries(folder)) {
       if (is_full_) return;
       if (!path.filename().string().starts_with('.')) take(path, names);
@@ -95,7 +95,7 @@ class PriorWalk {
     auto name = prior_name(path.filename().string());
     if (!name.ok()) return problem(path, name.status().message());
     names.push_back(*std::move(name));
-    walk(path, names);
+    search(path, names);
   }
 
   void take_file(const fs::path& path, const std::vector<std::string>& names,
@@ -128,9 +128,9 @@ class PriorWalk {
         break;
       }
     }
-    if (file.bytes > most_file_bytes_)
-      return problem(
-          path, fmt::format("has {} bytes, at most {} are read", file.bytes, most_file_bytes_));
+    if (file.bytes > max_file_bytes_)
+      return problem(path,
+                     fmt::format("has {} bytes, at most {} are read", file.bytes, max_file_bytes_));
     add(std::move(file), names, stem);
   }
 
@@ -139,16 +139,16 @@ class PriorWalk {
     if (!name.ok()) return problem(file.path, name.status().message());
     names.push_back(*std::move(name));
     file.id = *MemoryId::from_names(std::move(names));
-    if (found_.files.size() == most_files_) {
+    if (found_.files.size() == max_files_) {
       is_full_ = true;
-      return problem(file.path, fmt::format("is one too many, at most {} are read", most_files_));
+      return problem(file.path, fmt::format("is one too many, at most {} are read", max_files_));
     }
     found_.files.push_back(std::move(file));
   }
 
   const fs::path root_;
-  const size_t most_files_;
-  const uint64_t most_file_bytes_;
+  const size_t max_files_;
+  const uint64_t max_file_bytes_;
   PriorFiles& found_;
   bool is_full_ = false;
 };
@@ -196,14 +196,14 @@ Result<std::string> prior_name(std::string_view file_name) {
   return name;
 }
 
-Result<PriorFiles> find_prior_files(const fs::path& directory, size_t most_files,
-                                    uint64_t most_file_bytes) {
+Result<PriorFiles> find_prior_files(const fs::path& directory, size_t max_files,
+                                    uint64_t max_file_bytes) {
   std::error_code error;
   fs::path root = fs::canonical(directory, error);
   if (error || !fs::is_directory(root, error))
     return not_found("prior knowledge: '{}' is no directory", directory.string());
   PriorFiles found;
-  PriorWalk(std::move(root), most_files, most_file_bytes, found).walk(directory, {});
+  PriorFileSearch(std::move(root), max_files, max_file_bytes, found).search(directory, {});
   note_doubles(found);
   return found;
 }

@@ -41,7 +41,7 @@ Result<std::string> prior_name(std::string_view file_name);
 
 /// Finds at most so many files.
 /// Errors: kNotFound where there is no such directory.
-Result<PriorFiles> find_prior_files(const std::filesystem::path& directory, size_t most_files,
-                                    uint64_t most_file_bytes);
+Result<PriorFiles> find_prior_files(const std::filesystem::path& directory, size_t max_files,
+                                    uint64_t max_file_bytes);
 
 }  // namespace engram::memory

@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 /// Levels of JSON: an IDF value of as many levels as there may be has fewer.
-constexpr size_t kMostLevels = 4 * idf::kMaxDepth;
+constexpr size_t kMaxLevels = 4 * idf::kMaxDepth;
 
 /// Gives a parser one character after the other, and counts lines.
 class CountedText {
@@ -52,11 +52,11 @@ std::string name_of_key(const std::string& key) {
 }
 
 /// Goes over a JSON text, and finds the first thing that is wrong, or the line of a path.
-class JsonWalk : public nlohmann::json_sax<Json> {
+class JsonChecker : public nlohmann::json_sax<Json> {
  public:
-  explicit JsonWalk(std::vector<std::string> wanted = {}) : wanted_(std::move(wanted)) {}
+  explicit JsonChecker(std::vector<std::string> wanted = {}) : wanted_(std::move(wanted)) {}
 
-  bool walk(std::string_view text) {
+  bool check(std::string_view text) {
     const CountedText begin(text.data(), &line_);
     const CountedText end(text.data() + text.size(), nullptr);
     return Json::sax_parse(begin, end, this);
@@ -114,8 +114,8 @@ class JsonWalk : public nlohmann::json_sax<Json> {
   bool open(bool is_map) {
     if (open_.empty()) wanted_line_ = line_;
     value();
-    if (open_.size() == kMostLevels) {
-      what_ = fmt::format("nests deeper than {} levels", kMostLevels);
+    if (open_.size() == kMaxLevels) {
+      what_ = fmt::format("nests deeper than {} levels", kMaxLevels);
       return false;
     }
     open_.push_back({is_map});
@@ -221,9 +221,9 @@ Result<WrittenValue> WrittenValue::parse_json(std::string text, std::string file
   WrittenValue value;
   value.file_ = std::move(file);
   value.json_text_ = std::move(text);
-  JsonWalk walk;
-  if (!walk.walk(value.json_text_))
-    return invalid_argument("{}:{}: {}", value.file_, walk.line(), walk.what());
+  JsonChecker checker;
+  if (!checker.check(value.json_text_))
+    return invalid_argument("{}:{}: {}", value.file_, checker.line(), checker.what());
   ENGRAM_RETURN_IF_ERROR(value.read(Json::parse(value.json_text_, nullptr, false)));
   return value;
 }
@@ -249,9 +249,9 @@ std::string WrittenValue::problem_at(std::string_view path, std::string_view mes
   const std::vector<std::string> names =
       path.empty() ? std::vector<std::string>() : idf::split_path(path);
   if (config_) return part_of(*config_, names).error(message).message();
-  JsonWalk walk(names);
-  walk.walk(json_text_);
-  return fmt::format("{}:{}: {}", file_, walk.wanted_line(), message);
+  JsonChecker checker(names);
+  checker.check(json_text_);
+  return fmt::format("{}:{}: {}", file_, checker.wanted_line(), message);
 }
 
 }  // namespace engram::memory

@@ -4,7 +4,7 @@
 #include <pybind11/stl.h>
 #include <unistd.h>
 
-#include "python/bindings/commit.h"
+#include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/query_result.h"
 #include "python/bindings/values.h"

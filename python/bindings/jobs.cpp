@@ -5,7 +5,7 @@
 
 #include "encoders/load_model.h"
 #include "ltm/forgetting/forget_config.h"
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 #include "python/bindings/python_progress.h"
 #include "reports/consolidate_text.h"
 #include "reports/forget_job.h"

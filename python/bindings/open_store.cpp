@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "encoders/load_model.h"
-#include "ltm/prediction/entity_forecaster.h"
-#include "python/bindings/commit.h"
+#include "ltm/prediction/entity_predictor.h"
+#include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/query_result.h"
 #include "training/measure/stored_snapshots.h"
@@ -47,7 +47,7 @@ Result<std::vector<int64_t>> times_behind(ltm::Timeline& timeline, std::optional
 Result<std::unique_ptr<ltm::Recall>> open_recall(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(path));
   return std::make_unique<ltm::Recall>(std::move(reader), encoders::load_model, nullptr,
-                                       ltm::make_entity_forecaster);
+                                       ltm::make_entity_predictor);
 }
 
 /// Columns of what is stored.
@@ -186,13 +186,13 @@ py::list OpenStore::query(const std::string& text, bool prefers_latents,
 py::list OpenStore::predict(const std::string& entity, const std::vector<int64_t>& horizons,
                             std::optional<int64_t> from, const std::string& engine,
                             bool prefers_latents) {
-  ltm::Outlook outlook;
-  if (from) outlook.from = time_from_ns(*from);
-  for (const int64_t horizon : horizons) outlook.horizons.emplace_back(horizon);
-  outlook.engine = engine;
+  ltm::PredictionRequest request;
+  if (from) request.from = time_from_ns(*from);
+  for (const int64_t horizon : horizons) request.horizons.emplace_back(horizon);
+  request.engine = engine;
   const auto id = value_or_raise(entity_of(entity));
   return snapshots_of(id, with_recall([&](ltm::Recall& recall) {
-                        return recall.predict(id, outlook, options_of(prefers_latents));
+                        return recall.predict(id, request, options_of(prefers_latents));
                       }));
 }
 

@@ -4,7 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "ltm/recording/recording_config.h"
-#include "python/bindings/commit.h"
+#include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 
 namespace engram::python {

@@ -67,9 +67,9 @@ void Inbox::put(std::vector<ToldSnapshot> told) {
   changed_.notify_one();
 }
 
-std::optional<Inbox::Told> Inbox::take(Duration at_most) {
+std::optional<Inbox::Told> Inbox::take(Duration max_wait) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, at_most, [this] { return is_closed_ || !waiting_.empty(); });
+  changed_.wait_for(lock, max_wait, [this] { return is_closed_ || !waiting_.empty(); });
   if (is_closed_ || waiting_.empty()) return std::nullopt;
   Told told{waiting_.pop()};
   const uint64_t lost = lost_before_ + waiting_.lost();

@@ -33,7 +33,7 @@ class Inbox {
   [[nodiscard]] static SubscriptionHandlers handlers(const std::shared_ptr<Inbox>& inbox);
 
   /// Waits so long at most. Nothing where nothing came, or where it is closed.
-  std::optional<Told> take(Duration at_most);
+  std::optional<Told> take(Duration max_wait);
 
   /// Nothing more is told, and nobody waits.
   void close();

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import]
 
 #: Larger arrays, such as images, and longer lists are no columns.
-MOST_COLUMNS_OF_A_MEMBER = 1024
+MAX_COLUMNS_OF_A_MEMBER = 1024
 
 
 def frame_of(snapshots: Iterable[Snapshot]) -> pd.DataFrame:
@@ -85,8 +85,8 @@ def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
         for key, each in value.items():
             yield from _leaves(each, join_path(path, key))
     elif isinstance(value, list):
-        if len(value) <= MOST_COLUMNS_OF_A_MEMBER:
+        if len(value) <= MAX_COLUMNS_OF_A_MEMBER:
             for i, each in enumerate(value):
                 yield from _leaves(each, join_path(path, i))
-    elif value is not None and np.size(value) <= MOST_COLUMNS_OF_A_MEMBER:
+    elif value is not None and np.size(value) <= MAX_COLUMNS_OF_A_MEMBER:
         yield path, value

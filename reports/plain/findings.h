@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 #include "reports/plain/output.h"
 
 namespace engram::reports {

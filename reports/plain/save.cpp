@@ -10,8 +10,8 @@
 #include "ltm/idf/layout.h"
 #include "ltm/memory/augmentation_json.h"
 #include "ltm/store/segment_format.h"
-#include "training/quality/metrics.h"
 #include "training/quality/psnr.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::reports {
 

@@ -34,7 +34,7 @@ Result<Role> read_role(const ConfigValue& config) {
 }
 
 Result<TokenHash> read_token_file(const ConfigValue& config, std::filesystem::path path) {
-  auto text = read_private_file(path, AccessPolicy::kMostTokenBytes);
+  auto text = read_private_file(path, AccessPolicy::kMaxTokenBytes);
   if (!text.ok()) return Status(text.status().code(), config.error(text.status()).message());
   const size_t end = text->find_last_not_of("\r\n");
   const std::string_view token = std::string_view(*text).substr(0, end + 1);
@@ -148,8 +148,8 @@ Result<AccessPolicy> AccessPolicy::parse(const ConfigValue& config,
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue tokens, map.require("tokens"));
   ENGRAM_RETURN_IF_ERROR(map.finish());
   ENGRAM_ASSIGN_OR_RETURN(const auto list, tokens.list());
-  if (list.empty() || list.size() > kMostTokens)
-    return tokens.error(fmt::format("found {} tokens, needs 1 to {}", list.size(), kMostTokens));
+  if (list.empty() || list.size() > kMaxTokens)
+    return tokens.error(fmt::format("found {} tokens, needs 1 to {}", list.size(), kMaxTokens));
   Grants grants;
   for (const ConfigValue& value : list) {
     ENGRAM_ASSIGN_OR_RETURN(auto grant, read_grant(value, directory, now));
@@ -186,9 +186,9 @@ Result<std::shared_ptr<const Identity::Grant>> AccessPolicy::read_grant(
 Result<Identity> AccessPolicy::authenticate(std::string_view token) const {
   if (everyone_ != nullptr) return Identity(everyone_);
   if (token.empty()) return failed_precondition("access: found no token, needs one");
-  if (token.size() > kMostTokenBytes)
+  if (token.size() > kMaxTokenBytes)
     return failed_precondition("access: found a token of {} bytes, there is none above {}",
-                               token.size(), kMostTokenBytes);
+                               token.size(), kMaxTokenBytes);
   const TokenHash hash = hash_token(token);
   std::shared_ptr<const Identity::Grant> found;
   for (const auto& grant : grants_)

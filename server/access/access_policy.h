@@ -59,8 +59,8 @@ class Identity {
 /// Threading: thread-safe.
 class AccessPolicy {
  public:
-  static constexpr size_t kMostTokens = 1000;
-  static constexpr size_t kMostTokenBytes = 1024;
+  static constexpr size_t kMaxTokens = 1000;
+  static constexpr size_t kMaxTokenBytes = 1024;
   /// Of a token that is read from a file: fewer can be guessed.
   static constexpr size_t kFewestTokenBytes = 32;
 

@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::string_view kUnixStart = "unix:";
 /// The path of a socket ends in a zero byte.
-constexpr size_t kMostPathBytes = sizeof(sockaddr_un::sun_path) - 1;
-constexpr size_t kMostHostBytes = 253;
-constexpr size_t kMostLabelBytes = 63;
+constexpr size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
+constexpr size_t kMaxHostBytes = 253;
+constexpr size_t kMaxLabelBytes = 63;
 /// Longest piece of a found text that an error repeats.
-constexpr size_t kMostQuoted = 80;
+constexpr size_t kMaxQuoted = 80;
 
 using AddressV4 = std::array<unsigned char, 4>;
 using AddressV6 = std::array<unsigned char, 16>;
@@ -44,13 +44,13 @@ bool is_label(std::string_view label) {
   const auto is_allowed = [](char c) {
     return is_digit(c) || is_letter(c) || c == '-' || c == '_';
   };
-  return !label.empty() && label.size() <= kMostLabelBytes && label.front() != '-' &&
+  return !label.empty() && label.size() <= kMaxLabelBytes && label.front() != '-' &&
          label.back() != '-' && std::ranges::all_of(label, is_allowed);
 }
 
 /// A name whose last label is a number is an address that is written in no way that we read.
 bool is_host_name(std::string_view host) {
-  if (host.size() > kMostHostBytes) return false;
+  if (host.size() > kMaxHostBytes) return false;
   while (true) {
     const size_t dot = host.find('.');
     const std::string_view label = host.substr(0, dot);
@@ -62,9 +62,9 @@ bool is_host_name(std::string_view host) {
 
 Status check_path(std::string_view path) {
   if (!path.starts_with('/')) return invalid_argument("needs an absolute path behind 'unix:'");
-  if (path.size() > kMostPathBytes)
+  if (path.size() > kMaxPathBytes)
     return invalid_argument("its path has {} bytes, at most {} are possible", path.size(),
-                            kMostPathBytes);
+                            kMaxPathBytes);
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::ranges::any_of(path, is_control)) return invalid_argument("has control characters");
   if (path.ends_with('/') || path.find("//") != std::string_view::npos)
@@ -85,7 +85,7 @@ Result<uint16_t> read_port(std::string_view text) {
 
 Result<Endpoint> Endpoint::parse(std::string_view text) {
   const auto refuse = [text](const Status& why) {
-    return why.with_context(fmt::format("endpoint '{}'", text.substr(0, kMostQuoted)));
+    return why.with_context(fmt::format("endpoint '{}'", text.substr(0, kMaxQuoted)));
   };
   if (text.starts_with(kUnixStart)) {
     const std::string_view path = text.substr(kUnixStart.size());

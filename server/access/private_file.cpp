@@ -59,10 +59,10 @@ Status check_private_file(const std::filesystem::path& path) {
   return check_open(path, OpenFile(path));
 }
 
-Result<std::string> read_private_file(const std::filesystem::path& path, size_t most_bytes) {
+Result<std::string> read_private_file(const std::filesystem::path& path, size_t max_bytes) {
   const OpenFile file(path);
   ENGRAM_RETURN_IF_ERROR(check_open(path, file));
-  std::string text(most_bytes + 1, '\0');
+  std::string text(max_bytes + 1, '\0');
   size_t size = 0;
   while (size < text.size()) {
     const ssize_t count = ::read(file.fd(), text.data() + size, text.size() - size);
@@ -71,9 +71,9 @@ Result<std::string> read_private_file(const std::filesystem::path& path, size_t 
     if (count == 0) break;
     size += static_cast<size_t>(count);
   }
-  if (size > most_bytes)
+  if (size > max_bytes)
     return invalid_argument("'{}': has more than {} bytes, which are read at most", path.string(),
-                            most_bytes);
+                            max_bytes);
   text.resize(size);
   return text;
 }

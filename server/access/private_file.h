@@ -15,8 +15,8 @@ namespace engram::server {
 /// Errors: kNotFound, kUnavailable; kFailedPrecondition naming what to change.
 Status check_private_file(const std::filesystem::path& path);
 
-/// Its text, at most `most_bytes`; checked as it was opened.
+/// Its text, at most `max_bytes`; checked as it was opened.
 /// Errors: the same; kInvalidArgument where it is longer.
-Result<std::string> read_private_file(const std::filesystem::path& path, size_t most_bytes);
+Result<std::string> read_private_file(const std::filesystem::path& path, size_t max_bytes);
 
 }  // namespace engram::server

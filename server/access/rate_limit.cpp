@@ -7,7 +7,7 @@
 namespace engram::server {
 
 RateLimit::RateLimit(double rate_hz, SteadyTime now)
-    : rate_hz_(rate_hz), most_tokens_(std::max(1.0, rate_hz)), tokens_(most_tokens_), filled_(now) {
+    : rate_hz_(rate_hz), max_tokens_(std::max(1.0, rate_hz)), tokens_(max_tokens_), filled_(now) {
   ENGRAM_CHECK(std::isfinite(rate_hz) && rate_hz > 0, "rate is {} Hz", rate_hz);
 }
 
@@ -15,7 +15,7 @@ bool RateLimit::take(SteadyTime now) {
   const MutexLock lock(mutex_);
   // Threads read the clock before they come here, not always in that order.
   if (now > filled_) {
-    tokens_ = std::min(most_tokens_, tokens_ + rate_hz_ * to_seconds(now - filled_));
+    tokens_ = std::min(max_tokens_, tokens_ + rate_hz_ * to_seconds(now - filled_));
     filled_ = now;
   }
   if (tokens_ < 1) return false;

@@ -21,7 +21,7 @@ class RateLimit {
 
  private:
   const double rate_hz_;
-  const double most_tokens_;
+  const double max_tokens_;
 
   Mutex mutex_;
   double tokens_ ENGRAM_GUARDED_BY(mutex_);

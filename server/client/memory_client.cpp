@@ -11,7 +11,7 @@
 #include "ltm/core/mutex.h"
 #include "ltm/idf/binary.h"
 #include "server/client/calls.h"
-#include "server/client/channel.h"
+#include "server/client/open_channel.h"
 #include "server/client/remote_subscription.h"
 #include "server/client/shared_lane.h"
 #include "server/wire/byte_message.h"

@@ -23,7 +23,7 @@ struct ClientOptions {
   std::filesystem::path ca;                     ///< PEM: who vouches for servers on other machines.
   Duration timeout = std::chrono::seconds(10);  ///< Of each call, retries included.
   bool tries_again = true;  ///< Where a server cannot be reached; else the call fails at once.
-  int most_message_bytes = 256 << 20;
+  int max_message_bytes = 256 << 20;
   /// Large payloads go through shared memory where the server is reached by a Unix socket. What a
   /// subscriber keeps of them, it keeps from the server.
   bool shares_memory = true;

@@ -8,7 +8,7 @@
 
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
-#include "server/client/channel.h"
+#include "server/client/open_channel.h"
 #include "server/wire/wire_status.h"
 
 namespace engram::server {

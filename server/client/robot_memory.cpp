@@ -63,7 +63,7 @@ struct RobotMemory::State {
 
   /// What is known may be old where it tells all that is asked for. A name system that knows no
   /// server has just begun.
-  Status learn(const ltm::Query& query, Patience& patience) {
+  Status renew_servers(const ltm::Query& query, Backoff& backoff) {
     bool is_known = true;
     for (const ltm::MemoryQuery& memory : query.memories())
       is_known = is_known && memory.name.kind() == ltm::NamePattern::Kind::kName &&
@@ -72,7 +72,7 @@ struct RobotMemory::State {
       status = servers->renew(RobotServers::kFreshFor);
       if (!servers->all().empty()) break;
       if (status.ok()) status = unavailable("the name system knows no server");
-      if (!patience.wait()) return status;
+      if (!backoff.wait()) return status;
     }
     return {};
   }
@@ -98,30 +98,30 @@ struct RobotMemory::State {
   /// Sends all parts, and waits for all of them.
   std::vector<ServerOutcome> send(const CommitParts& parts, CommitDurability durability,
                                   SteadyTime deadline) {
-    const auto owed = std::make_shared<Owed>(
+    const auto pending = std::make_shared<PendingReplies>(
         parts.size(), unavailable("no answer within {}", to_string(servers->options().timeout)));
     std::vector<std::shared_ptr<MemoryClient>> clients(parts.size());
     size_t index = 0;
     for (const auto& [server, part] : parts) {
       const size_t at = index++;
       if (server.empty()) {
-        owed->set(at, nobody_has(part));
+        pending->set(at, nobody_has(part));
         continue;
       }
       auto client = servers->client(part.server);
       if (!client.ok()) {
-        owed->set(at, client.status());
+        pending->set(at, client.status());
         continue;
       }
       clients[at] = *std::move(client);
       ltm::Commit commit;
       for (const ltm::EntityUpdate* update : part.updates) commit.updates.push_back(*update);
       clients[at]->commit(commit, durability,
-                          [owed, at](const Status& status) { owed->set(at, status); });
+                          [pending, at](const Status& status) { pending->set(at, status); });
     }
     // Without the lock from here on: who drops a connection may wait for another that is opened,
     // and late answers want it meanwhile.
-    const std::vector<Status> statuses = owed->wait(deadline);
+    const std::vector<Status> statuses = pending->wait(deadline);
     std::vector<ServerOutcome> outcomes;
     index = 0;
     for (const auto& [server, part] : parts) {
@@ -137,7 +137,7 @@ struct RobotMemory::State {
                 std::vector<ServerOutcome>& outcomes) {
     ENGRAM_RETURN_IF_ERROR(commit.check());
     const SteadyTime deadline = this->deadline();
-    Patience patience(deadline);
+    Backoff backoff(deadline);
     Updates rest;
     for (const ltm::EntityUpdate& update : commit.updates) rest.push_back(&update);
     for (;;) {
@@ -158,7 +158,7 @@ struct RobotMemory::State {
         rest.insert(rest.end(), again.begin(), again.end());
         failed.push_back(std::move(outcome));
       }
-      if (!failed.empty() && patience.wait()) {
+      if (!failed.empty() && backoff.wait()) {
         servers->refresh(kFirstWait);
         continue;
       }
@@ -170,7 +170,7 @@ struct RobotMemory::State {
   /// Does something at the server of a memory; again where it is gone or has given it away.
   template <typename Work>
   Status at_holder(const std::string& memory, const Work& work) {
-    Patience patience(deadline());
+    Backoff backoff(deadline());
     for (;;) {
       auto holder = servers->holder(memory);
       if (!holder) {
@@ -186,7 +186,7 @@ struct RobotMemory::State {
         if (is_lost(status) && client.ok()) servers->drop(holder->server, client->get());
       }
       const bool is_again = is_lost(status) || status.code() == StatusCode::kNotFound;
-      if (!is_again || !patience.wait()) return status;
+      if (!is_again || !backoff.wait()) return status;
       servers->refresh(kFirstWait);
     }
   }
@@ -230,8 +230,8 @@ struct RobotMemory::State {
 
   /// Asks until all have answered, or there is no time left.
   Result<RobotAnswer> query(const ltm::Query& query, const std::string& engine, bool is_patient) {
-    Patience patience(deadline());
-    ENGRAM_RETURN_IF_ERROR(learn(query, patience));
+    Backoff backoff(deadline());
+    ENGRAM_RETURN_IF_ERROR(renew_servers(query, backoff));
     Asking asking;
     for (int round = 0;; ++round) {
       const std::vector<Registration> before = servers->all();
@@ -244,7 +244,7 @@ struct RobotMemory::State {
         has_answer = has_answer || asking.answers.at(name).ok();
       }
       if (has_answer && !is_any_open) break;
-      if (is_any_open && ((!is_patient && round > 0) || !patience.wait())) break;
+      if (is_any_open && ((!is_patient && round > 0) || !backoff.wait())) break;
       // What nobody has may have moved, or arrived, since servers were found.
       servers->refresh(is_any_open ? Duration(kFirstWait) : Duration(0));
       if (is_any_open) continue;
@@ -341,7 +341,7 @@ Result<std::unique_ptr<Subscription>> RobotMemory::subscribe(const SubscriptionO
 }
 
 Status RobotMemory::wait_for_memory(const std::string& name, Duration timeout) {
-  Patience patience(steady_now() + timeout);
+  Backoff backoff(steady_now() + timeout);
   for (;;) {
     Status status = state_->servers->renew();
     if (const auto holder = state_->servers->holder(name)) {
@@ -353,7 +353,7 @@ Status RobotMemory::wait_for_memory(const std::string& name, Duration timeout) {
     } else if (status.ok()) {
       status = not_found("no server has it");
     }
-    if (!patience.wait())
+    if (!backoff.wait())
       return unavailable("memory '{}' is not there after {}: {}", name, to_string(timeout),
                          status.message());
   }

@@ -13,7 +13,7 @@ namespace {
 /// Of what must not hold up a call: the name system, and whether a server is near.
 constexpr Duration kShortTimeout = std::chrono::seconds(1);
 /// Memories whose last server is remembered.
-constexpr size_t kMostLastHolders = 4096;
+constexpr size_t kMaxLastHolders = 4096;
 
 bool may_have(const Registration& server, const ltm::Query& query) {
   if (server.memories.empty()) return true;
@@ -45,7 +45,7 @@ Status RobotServers::renew(Duration age) {
   if (!found.ok()) return renewal_;
   const MutexLock lock(mutex_);
   servers_ = *std::move(found);
-  if (last_holders_.size() > kMostLastHolders) last_holders_.clear();
+  if (last_holders_.size() > kMaxLastHolders) last_holders_.clear();
   for (const Registration& server : servers_)
     for (const std::string& memory : server.memories)
       last_holders_[memory] = {server.server, renewed_};

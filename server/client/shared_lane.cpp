@@ -55,7 +55,7 @@ std::optional<BlockRef> SharedLane::take_lease(const std::string& memory, size_t
 
 void SharedLane::keep_lease(const std::string& memory, const BlockRef& block) {
   const MutexLock lock(mutex_);
-  if (leases_.size() < kMostLeases) leases_.push_back({memory, block});
+  if (leases_.size() < kMaxLeases) leases_.push_back({memory, block});
 }
 
 size_t bytes_in_block(const ltm::Commit& commit) {

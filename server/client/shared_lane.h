@@ -44,7 +44,7 @@ class SharedLane {
     BlockRef block;
   };
   /// Beyond that, the server keeps what it leases until this client ends.
-  static constexpr size_t kMostLeases = 8;
+  static constexpr size_t kMaxLeases = 8;
 
   std::string session_;
   std::unique_ptr<SharingClient> memory_;

@@ -27,11 +27,11 @@ Status NameRegistry::Options::validate() const {
         "name registry: found heartbeats every {}, needs more than 0s, at most "
         "1h",
         engram::to_string(heartbeat_interval));
-  if (most_missed < 1 || most_missed > 1000)
+  if (max_missed < 1 || max_missed > 1000)
     return invalid_argument("name registry: found {} heartbeats to miss, needs 1 to 1000",
-                            most_missed);
-  if (most_servers == 0) return invalid_argument("name registry: found 0 servers, needs more");
-  if (most_events == 0) return invalid_argument("name registry: found 0 events, needs more");
+                            max_missed);
+  if (max_servers == 0) return invalid_argument("name registry: found 0 servers, needs more");
+  if (max_events == 0) return invalid_argument("name registry: found 0 events, needs more");
   return registration.validate();
 }
 
@@ -164,9 +164,9 @@ SteadyTime NameRegistry::let_go_of_lost() {
 
 Status NameRegistry::check_claims(const Registration& registration) const {
   const auto same = entries_.find(registration.server);
-  if (same == entries_.end() && entries_.size() >= options_.most_servers)
+  if (same == entries_.end() && entries_.size() >= options_.max_servers)
     return resource_exhausted("server '{}': {} servers are registered, at most {} are taken",
-                              registration.server, entries_.size(), options_.most_servers);
+                              registration.server, entries_.size(), options_.max_servers);
   if (same != entries_.end() && same->second.registration.incarnation > registration.incarnation)
     return failed_precondition(
         "server '{}': its incarnation {} is registered, found the older one {}",
@@ -210,14 +210,13 @@ void NameRegistry::let_go(Entries::iterator entry, NameEventKind reason) {
 
 void NameRegistry::tell(NameEventKind kind, const Registration& server) {
   events_.push_back({kind, server});
-  if (events_.size() > options_.most_events) events_.pop_front();
+  if (events_.size() > options_.max_events) events_.pop_front();
   ++told_;
   changed_.notify_all();
 }
 
 Lease NameRegistry::renew(Entry& entry, SteadyTime now) const {
-  const Lease lease{options_.heartbeat_interval,
-                    options_.heartbeat_interval * options_.most_missed};
+  const Lease lease{options_.heartbeat_interval, options_.heartbeat_interval * options_.max_missed};
   entry.expires = std::max(entry.expires, now + lease.expires_after);
   return lease;
 }

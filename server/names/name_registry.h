@@ -62,7 +62,7 @@ struct NameChanges {
 /// Which server has which memory: what the Memory Name System (MNS) knows.
 ///
 /// Each memory is held by one server. A server registers, and then says at intervals that it is
-/// still there; one that misses `most_missed` heartbeats is gone, and its memories are free. It
+/// still there; one that misses `max_missed` heartbeats is gone, and its memories are free. It
 /// keeps nothing on disk: after a restart it is empty, and tells servers so at their next heartbeat
 /// (kNotFound), upon which they register again.
 ///
@@ -72,10 +72,10 @@ class NameRegistry {
  public:
   struct Options {
     Duration heartbeat_interval = std::chrono::seconds(1);
-    int most_missed = 3;
-    size_t most_servers = 1024;
+    int max_missed = 3;
+    size_t max_servers = 1024;
     RegistrationLimits registration;
-    size_t most_events = 1024;  ///< That watchers may be behind.
+    size_t max_events = 1024;  ///< That watchers may be behind.
 
     [[nodiscard]] Status validate() const;
   };

@@ -15,22 +15,22 @@ bool has_control_characters(std::string_view text) {
       text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-Status check_text(std::string_view what, std::string_view text, size_t most_bytes) {
+Status check_text(std::string_view what, std::string_view text, size_t max_bytes) {
   if (text.empty()) return invalid_argument("{} is empty", what);
-  if (text.size() > most_bytes)
-    return invalid_argument("{} has {} bytes, at most {} are taken", what, text.size(), most_bytes);
+  if (text.size() > max_bytes)
+    return invalid_argument("{} has {} bytes, at most {} are taken", what, text.size(), max_bytes);
   if (!ltm::is_utf8(text)) return invalid_argument("{} is no UTF-8", what);
   return {};
 }
 
-Status check_printed(std::string_view what, std::string_view text, size_t most_bytes) {
-  ENGRAM_RETURN_IF_ERROR(check_text(what, text, most_bytes));
+Status check_printed(std::string_view what, std::string_view text, size_t max_bytes) {
+  ENGRAM_RETURN_IF_ERROR(check_text(what, text, max_bytes));
   if (has_control_characters(text)) return invalid_argument("{} has control characters", what);
   return {};
 }
 
-Status check_count(std::string_view what, size_t count, size_t most) {
-  if (count > most) return invalid_argument("has {} {}, at most {} are taken", count, what, most);
+Status check_count(std::string_view what, size_t count, size_t max) {
+  if (count > max) return invalid_argument("has {} {}, at most {} are taken", count, what, max);
   return {};
 }
 

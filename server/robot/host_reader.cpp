@@ -13,7 +13,7 @@ namespace {
 using std::filesystem::path;
 
 /// Of /proc/stat, which may be long, the first line is enough.
-constexpr size_t kMostRead = size_t{64} << 10;
+constexpr size_t kMaxRead = size_t{64} << 10;
 constexpr uint64_t kKilobyte = 1024;
 constexpr std::string_view kBlanks = " \t";
 
@@ -23,7 +23,7 @@ Result<std::string> read_kernel_file(const path& file) {
   std::error_code ignored;
   if (!stream && !std::filesystem::exists(file, ignored))
     return not_found("'{}': there is no such file", file.string());
-  std::string text(kMostRead, '\0');
+  std::string text(kMaxRead, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad() || (stream.fail() && !stream.eof()))
     return unavailable("'{}': cannot be read", file.string());

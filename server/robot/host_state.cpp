@@ -13,8 +13,8 @@ using idf::Type;
 namespace {
 
 Data bytes_data(uint64_t bytes) {
-  constexpr auto kMost = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
-  return static_cast<int64_t>(std::min(bytes, kMost));
+  constexpr auto kMax = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+  return static_cast<int64_t>(std::min(bytes, kMax));
 }
 
 Data bytes_data(const std::optional<uint64_t>& bytes) {
@@ -26,8 +26,8 @@ Data ram_data(const RamState& ram) {
               {"available", bytes_data(ram.available_bytes)}};
 }
 
-Data share_data(double share, double most) {
-  return static_cast<float>(std::clamp(share, 0.0, most));
+Data share_data(double share, double max) {
+  return static_cast<float>(std::clamp(share, 0.0, max));
 }
 
 Data pressure_data(const std::optional<Pressure>& pressure) {

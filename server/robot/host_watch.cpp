@@ -26,7 +26,7 @@ Result<HostWatch> HostWatch::create(const Options& options, const std::vector<Wa
   for (const Watched& each : watched) {
     ENGRAM_ASSIGN_OR_RETURN(auto governor,
                             LimitGovernor::create({.configured_bytes = each.limits.bytes.value(),
-                                                   .floor_bytes = each.least_bytes}));
+                                                   .floor_bytes = each.min_bytes}));
     watch.governed_.push_back({each, std::move(governor)});
     if (!each.has_system_state) continue;
     const ltm::MemoryId segment = watch.entity_.parent().parent();

@@ -21,7 +21,7 @@ class HostWatch {
   struct Watched {
     MemoryServer* server = nullptr;  ///< Outlives this.
     ltm::MemoryLimits limits;        ///< As configured; with bytes.
-    uint64_t least_bytes = 0;
+    uint64_t min_bytes = 0;
     bool has_system_state = false;  ///< One of them at most.
   };
   struct Options {

@@ -39,7 +39,7 @@ Result<std::unique_ptr<NamesClient>> names_elsewhere(const NamesConfig& names) {
 
 struct Robot::State {
   RobotConfig config;
-  Surroundings surroundings;
+  Options robot_options;
   std::unique_ptr<NamesServer> names_server;
   std::unique_ptr<NamesClient> names_client;
   std::vector<std::unique_ptr<MemoryServer>> servers;
@@ -68,7 +68,7 @@ struct Robot::State {
     const std::string& name = server.options.service.name;
     for (const Endpoint& endpoint : server.options.rpc.endpoints)
       ENGRAM_RETURN_IF_ERROR(prepare_folder(endpoint));
-    auto started = MemoryServer::start(server.options, surroundings.loader, names_client.get());
+    auto started = MemoryServer::start(server.options, robot_options.loader, names_client.get());
     if (!started.ok()) return started.status().with_context(fmt::format("server '{}'", name));
     servers.push_back(*std::move(started));
     if (const auto store = servers.back()->service().counters().store;
@@ -89,14 +89,14 @@ struct Robot::State {
 
   Status start_watch() {
     HostWatch::Options options;
-    options.reader.root = surroundings.host_root;
-    options.host = surroundings.host.empty() ? host_name() : surroundings.host;
+    options.reader.root = robot_options.host_root;
+    options.host = robot_options.host.empty() ? host_name() : robot_options.host;
     std::vector<HostWatch::Watched> watched;
     for (size_t i = 0; i < servers.size(); ++i) {
       const ServerConfig& server = config.servers[i];
       if (server.options.service.store)
         options.reader.disks.push_back(server.options.service.store->store);
-      watched.push_back({servers[i].get(), server.options.service.memory.all, server.least_bytes,
+      watched.push_back({servers[i].get(), server.options.service.memory.all, server.min_bytes,
                          config.system_state == i});
     }
     ENGRAM_ASSIGN_OR_RETURN(watch, HostWatch::create(options, watched));
@@ -127,7 +127,7 @@ struct Robot::State {
       keep_registered();
       watch->look(steady_now());
       const MutexLock lock(mutex);
-      wake.wait_for(mutex, stop, surroundings.interval, [] { return false; });
+      wake.wait_for(mutex, stop, robot_options.interval, [] { return false; });
     }
   }
 
@@ -140,14 +140,14 @@ struct Robot::State {
 Robot::Robot(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 Robot::~Robot() {
-  for (const Ended& ended : stop())
+  for (const StoppedServer& ended : stop())
     if (!ended.status.ok()) log::warning("server '{}': {}", ended.server, ended.status.to_string());
 }
 
-Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Surroundings surroundings) {
+Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Options robot_options) {
   auto state = std::make_unique<State>();
   state->config = config;
-  state->surroundings = std::move(surroundings);
+  state->robot_options = std::move(robot_options);
   ENGRAM_RETURN_IF_ERROR(state->start_names());
   for (const ServerConfig& server : config.servers)
     ENGRAM_RETURN_IF_ERROR(state->start_server(server));
@@ -157,8 +157,8 @@ Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Surroundi
   return std::unique_ptr<Robot>(new Robot(std::move(state)));
 }
 
-std::vector<Robot::Served> Robot::servers() const {
-  std::vector<Served> all;
+std::vector<Robot::ServerSummary> Robot::servers() const {
+  std::vector<ServerSummary> all;
   for (const auto& server : state_->servers) {
     const memory::MemoryService::Options& options = server->service().options();
     all.push_back({options.name, options.memories, server->endpoints(),
@@ -171,9 +171,9 @@ std::vector<std::string> Robot::names() const {
   return state_->names_server ? state_->names_server->endpoints() : std::vector<std::string>();
 }
 
-std::vector<Robot::Ended> Robot::stop() {
+std::vector<Robot::StoppedServer> Robot::stop() {
   state_->stop_thread();
-  std::vector<Ended> all;
+  std::vector<StoppedServer> all;
   for (const auto& server : state_->servers) {
     const Registration said = server->registration();
     if (state_->names_server) state_->let_go(said);

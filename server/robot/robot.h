@@ -17,7 +17,7 @@ namespace engram::server {
 /// Source: docs/server.md.
 class Robot {
  public:
-  struct Surroundings {
+  struct Options {
     ltm::ModelLoader loader;                ///< Null: latents cannot be decoded.
     std::filesystem::path host_root = "/";  ///< See HostReader.
     std::string host;                       ///< Name of the machine; empty: as the system says.
@@ -27,7 +27,7 @@ class Robot {
   /// The name system first, then each server, which is registered when it knows its prior
   /// knowledge. Nothing is left running where one cannot start.
   /// Errors: those of MemoryServer::start, NamesServer::start, commit_prior and HostWatch::create.
-  static Result<std::unique_ptr<Robot>> start(const RobotConfig& config, Surroundings surroundings);
+  static Result<std::unique_ptr<Robot>> start(const RobotConfig& config, Options options);
   static Result<std::unique_ptr<Robot>> start(const RobotConfig& config) {
     return start(config, {});
   }
@@ -35,25 +35,25 @@ class Robot {
   ~Robot();
 
   /// What runs, for people and scripts to find it.
-  struct Served {
+  struct ServerSummary {
     std::string name;
     std::vector<std::string> memories;   ///< Empty: any.
     std::vector<std::string> endpoints;  ///< With the ports that the system chose.
     std::filesystem::path store;         ///< Empty: none.
   };
-  [[nodiscard]] std::vector<Served> servers() const;
+  [[nodiscard]] std::vector<ServerSummary> servers() const;
 
   /// Where the name system of this process listens; empty: there is none.
   [[nodiscard]] std::vector<std::string> names() const;
 
   /// What became of one server's memories.
-  struct Ended {
+  struct StoppedServer {
     std::string server;
     Status status;  ///< Why something could not be handed to the store: that is lost.
     memory::MemoryService::Counters counters;
   };
   /// Takes no more, hands everything to the stores and seals them. In the order of the servers.
-  std::vector<Ended> stop();
+  std::vector<StoppedServer> stop();
 
  private:
   struct State;

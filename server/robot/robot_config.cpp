@@ -21,6 +21,9 @@ namespace {
 
 constexpr const char* kSystemState = "SystemState";
 
+constexpr DeprecatedWord kMinBytesKey{"least", "min_bytes", "0.3"};
+constexpr DeprecatedWord kMaxHorizonKey{"furthest_prediction", "max_horizon", "0.3"};
+
 constexpr std::array<Choice<ltm::StoreMode>, 3> kModes{
     {{"what-leaves", ltm::StoreMode::kWhatLeaves},
      {"everything", ltm::StoreMode::kEverything},
@@ -153,18 +156,20 @@ class RobotReader {
     if (value) {
       ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, value->map());
       ENGRAM_RETURN_IF_ERROR(read_limits(entry, memory.all));
-      ENGRAM_RETURN_IF_ERROR(entry.read("least", server.least_bytes, &ConfigValue::bytes));
-      ENGRAM_RETURN_IF_ERROR(entry.read("waiting", memory.most_waiting_bytes, &ConfigValue::bytes));
+      ENGRAM_ASSIGN_OR_RETURN(const auto min_bytes, entry.find(kMinBytesKey));
+      if (min_bytes) {
+        ENGRAM_ASSIGN_OR_RETURN(server.min_bytes, min_bytes->bytes());
+      }
+      ENGRAM_RETURN_IF_ERROR(entry.read("waiting", memory.max_waiting_bytes, &ConfigValue::bytes));
       ENGRAM_RETURN_IF_ERROR(
           entry.read("read_half_life", memory.read_half_life, &ConfigValue::duration));
-      if (entry.find("least") &&
-          (server.least_bytes == 0 || server.least_bytes > *memory.all.bytes))
-        return entry.find("least")->error(
+      if (min_bytes && (server.min_bytes == 0 || server.min_bytes > *memory.all.bytes))
+        return min_bytes->error(
             fmt::format("found {} bytes, needs more than 0 and at most the {} of 'bytes'",
-                        server.least_bytes, *memory.all.bytes));
+                        server.min_bytes, *memory.all.bytes));
       ENGRAM_RETURN_IF_ERROR(entry.finish());
     }
-    server.least_bytes = std::min<uint64_t>(server.least_bytes, *memory.all.bytes);
+    server.min_bytes = std::min<uint64_t>(server.min_bytes, *memory.all.bytes);
     return {};
   }
 
@@ -199,7 +204,7 @@ class RobotReader {
       memory::LongTerm::Options& store = service.store.emplace();
       store.store = std::move(path);
       ENGRAM_RETURN_IF_ERROR(read_recording(map, store));
-      ENGRAM_RETURN_IF_ERROR(map.read("decoded", store.most_decoded_bytes, &ConfigValue::bytes));
+      ENGRAM_RETURN_IF_ERROR(map.read("decoded", store.max_decoded_bytes, &ConfigValue::bytes));
       ENGRAM_RETURN_IF_ERROR(
           read_choice(map, "prefer", store.prefers_latents,
                       std::array<Choice<bool>, 3>{
@@ -255,12 +260,12 @@ class RobotReader {
   }
 
   Status read_threads(ConfigMap& map, int& threads) const {
-    constexpr int64_t kMostThreads = 64;
+    constexpr int64_t kMaxThreads = 64;
     const auto value = map.find("threads");
     if (!value) return {};
     ENGRAM_ASSIGN_OR_RETURN(const int64_t count, value->integer());
-    if (count < 1 || count > kMostThreads)
-      return value->error(fmt::format("found {}, needs 1 to {}", count, kMostThreads));
+    if (count < 1 || count > kMaxThreads)
+      return value->error(fmt::format("found {}, needs 1 to {}", count, kMaxThreads));
     threads = static_cast<int>(count);
     return {};
   }
@@ -284,8 +289,7 @@ class RobotReader {
       return map.find("durability")->error("needs a 'store' beside it");
     ENGRAM_RETURN_IF_ERROR(read_working_memory(map, server));
     ENGRAM_RETURN_IF_ERROR(read_path(map, "prior", server.prior));
-    ENGRAM_RETURN_IF_ERROR(
-        map.read("furthest_prediction", service.furthest_prediction, &ConfigValue::duration));
+    ENGRAM_RETURN_IF_ERROR(map.read(kMaxHorizonKey, service.max_horizon, &ConfigValue::duration));
     ENGRAM_RETURN_IF_ERROR(read_threads(map, options.threads));
     ENGRAM_RETURN_IF_ERROR(map.finish());
     if (const Status status = service.validate(); !status.ok()) return value.error(status);

@@ -17,7 +17,7 @@ struct ServerConfig {
   MemoryServer::Options options;
   std::filesystem::path prior;  ///< Directory of prior knowledge; empty: none.
   /// What its working memory may take however tight RAM is. Unit: bytes.
-  uint64_t least_bytes = uint64_t{32} << 20;
+  uint64_t min_bytes = uint64_t{32} << 20;
 };
 
 /// Where the Memory Name System is: in this process, or elsewhere.

@@ -27,7 +27,7 @@ using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
             v1::MemoryServer::WithCallbackMethod_Info<v1::MemoryServer::WithCallbackMethod_Metrics<
                 v1::MemoryServer::WithCallbackMethod_Engines<v1::MemoryServer::Service>>>>>>>;
 
-constexpr int kMostHorizons = 16;
+constexpr int kMaxHorizons = 16;
 
 void add_record(const ltm::EngineRecord& record, int64_t horizon_ns, bool is_chosen,
                 v1::EnginesReply& reply) {
@@ -110,9 +110,9 @@ class MemoryRpc final : public ServiceBase {
     if (!entity.is_entity())
       return invalid_argument("found ID '{}', needs that of an entity", request.entity());
     ENGRAM_RETURN_IF_ERROR(who.check(Role::kRead, entity));
-    if (request.horizons_ns_size() > kMostHorizons)
+    if (request.horizons_ns_size() > kMaxHorizons)
       return invalid_argument("found {} horizons, needs at most {}", request.horizons_ns_size(),
-                              kMostHorizons);
+                              kMaxHorizons);
     for (const int64_t horizon : request.horizons_ns()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto records,
                               context_.service.engines(entity, Duration(horizon)));
@@ -144,12 +144,12 @@ class MemoryRpc final : public ServiceBase {
   }
 
   Status check_room(const Identity& who) {
-    if (context_.streams >= context_.most_streams)
-      return resource_exhausted("found {} open streams, needs fewer", context_.most_streams);
+    if (context_.streams >= context_.max_streams)
+      return resource_exhausted("found {} open streams, needs fewer", context_.max_streams);
     if (context_.access.is_everyone()) return {};
     const MutexLock lock(context_.counting);
     const auto known = context_.streams_of.find(who.name());
-    if (known == context_.streams_of.end() || known->second < context_.most_streams_of_one)
+    if (known == context_.streams_of.end() || known->second < context_.max_streams_of_one)
       return {};
     return resource_exhausted("found {} open streams of '{}', needs fewer", known->second,
                               who.name());

@@ -48,9 +48,9 @@ void check_info(const MetricInfo& info) {
   }
 }
 
-std::string bounded_value(std::string value, size_t most_bytes) {
-  if (value.size() > most_bytes) {
-    value.resize(most_bytes);
+std::string bounded_value(std::string value, size_t max_bytes) {
+  if (value.size() > max_bytes) {
+    value.resize(max_bytes);
     // Not in the middle of a character: one has up to four bytes.
     for (int i = 0; i < 3 && !ltm::is_utf8(value); ++i) value.pop_back();
   }
@@ -145,14 +145,14 @@ template <typename Metric>
 Metric& MetricFamily<Metric>::with(std::vector<std::string> values) {
   ENGRAM_CHECK(values.size() == info_.labels.size(), "'{}' has {} labels, found {} values",
                info_.name, info_.labels.size(), values.size());
-  for (std::string& value : values) value = bounded_value(std::move(value), kMostValueBytes);
+  for (std::string& value : values) value = bounded_value(std::move(value), kMaxValueBytes);
   {
     const SharedLock lock(mutex_);
     const auto found = series_.find(values);
     if (found != series_.end()) return *found->second;
   }
   const ExclusiveLock lock(mutex_);
-  if (series_.size() >= kMostSeries && !series_.contains(values))
+  if (series_.size() >= kMaxSeries && !series_.contains(values))
     values.assign(values.size(), std::string(kOther));
   auto& metric = series_[std::move(values)];
   if (metric == nullptr) metric = make_();

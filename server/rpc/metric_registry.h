@@ -31,9 +31,9 @@ class MetricFamily {
  public:
   /// Label values may come from outside: what they take is bounded. From so many combinations on,
   /// new ones are counted together, with `other` as the value of every label.
-  static constexpr size_t kMostSeries = 1000;
+  static constexpr size_t kMaxSeries = 1000;
   /// Longer values are cut.
-  static constexpr size_t kMostValueBytes = 256;
+  static constexpr size_t kMaxValueBytes = 256;
 
   using Make = std::function<std::unique_ptr<Metric>()>;
   using Series = std::map<std::vector<std::string>, std::unique_ptr<Metric>>;

@@ -19,7 +19,7 @@ namespace {
 
 /// How late a watcher may learn of a lost heartbeat, a waiting client of its deadline.
 constexpr auto kLookEvery = std::chrono::milliseconds(100);
-constexpr size_t kMostWaiting = 4096;
+constexpr size_t kMaxWaiting = 4096;
 
 v1::NameChanges to_message(const NameChanges& changes) {
   v1::NameChanges message;
@@ -150,9 +150,9 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
       return finish(call, {});
     const MutexLock lock(mutex_);
     if (is_ending_) return finish(call, ended());
-    if (resolves_.size() >= kMostWaiting)
+    if (resolves_.size() >= kMaxWaiting)
       return finish(call, resource_exhausted("name system: found {} clients that wait, needs fewer",
-                                             kMostWaiting));
+                                             kMaxWaiting));
     grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
     const auto wait = std::min<Duration>(Duration(request->wait_ns()), std::chrono::hours(1));
     resolves_.push_back({call, reactor, request->names(), steady_now() + wait, reply});
@@ -174,9 +174,8 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
         stream->end(ended());
         return stream.get();
       }
-      if (watchers_.size() >= kMostWaiting) {
-        stream->end(
-            resource_exhausted("name system: found {} watchers, needs fewer", kMostWaiting));
+      if (watchers_.size() >= kMaxWaiting) {
+        stream->end(resource_exhausted("name system: found {} watchers, needs fewer", kMaxWaiting));
         return stream.get();
       }
       watchers_.push_back(stream);

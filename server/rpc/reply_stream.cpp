@@ -68,8 +68,8 @@ void ReplyStream::send(grpc::ByteBuffer reply) {
 
 bool ReplyStream::has_room() {
   const MutexLock lock(mutex_);
-  return !is_broken_ && !is_finished_ && waiting_.size() < kMostReplies &&
-         waiting_bytes_ < kMostReplyBytes;
+  return !is_broken_ && !is_finished_ && waiting_.size() < kMaxReplies &&
+         waiting_bytes_ < kMaxReplyBytes;
 }
 
 void ReplyStream::end(const Status& status) {
@@ -94,8 +94,8 @@ void ReplyStream::go_on() {
     waiting_.pop_front();
     waiting_bytes_ -= written_.Length();
   }
-  const bool reads = !is_reading_ && !is_read_to_end_ && promised_ < kMostReplies &&
-                     waiting_.size() < kMostReplies && waiting_bytes_ < kMostReplyBytes;
+  const bool reads = !is_reading_ && !is_read_to_end_ && promised_ < kMaxReplies &&
+                     waiting_.size() < kMaxReplies && waiting_bytes_ < kMaxReplyBytes;
   if (reads) is_reading_ = true;
   const bool ends = is_read_to_end_ && !is_reading_ && !is_writing_ && waiting_.empty() &&
                     (promised_ == 0 || is_broken_);

@@ -21,8 +21,8 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
                     public std::enable_shared_from_this<ReplyStream> {
  public:
   /// Replies that may wait before the next request is read.
-  static constexpr size_t kMostReplies = 256;
-  static constexpr size_t kMostReplyBytes = size_t{16} << 20;
+  static constexpr size_t kMaxReplies = 256;
+  static constexpr size_t kMaxReplyBytes = size_t{16} << 20;
 
   /// Lives from here on until the stream has ended.
   void begin();

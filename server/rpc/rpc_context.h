@@ -29,9 +29,9 @@ struct RpcContext {
   std::unique_ptr<SharedSessions> sharing;  ///< Null: nothing is shared.
   RpcMetrics metrics;
   std::atomic<int> streams{0};
-  int most_streams = 4096;
+  int max_streams = 4096;
   /// Of one token, so that others still find room.
-  int most_streams_of_one = 1024;
+  int max_streams_of_one = 1024;
   Mutex counting;
   std::map<std::string, int> streams_of ENGRAM_GUARDED_BY(counting);  ///< By the names of tokens.
   memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;

@@ -95,9 +95,9 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
     ENGRAM_ASSIGN_OR_RETURN(auto security, credentials(endpoint, policy));
     builder.AddListeningPort(endpoint.to_string(), std::move(security), &state->ports[i]);
   }
-  builder.SetMaxReceiveMessageSize(options.most_message_bytes);
+  builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   builder.SetMaxSendMessageSize(-1);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.most_streams_per_connection);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.max_streams_per_connection);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Who connects and says nothing costs a descriptor: for so long.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);

@@ -22,9 +22,9 @@ class RpcServer {
     std::vector<Endpoint> endpoints;
     ListenPolicy::Options security;
     /// Longest message. A snapshot has to fit into one.
-    int most_message_bytes = 64 << 20;
+    int max_message_bytes = 64 << 20;
     /// Streams and calls of one connection at a time.
-    int most_streams_per_connection = 256;
+    int max_streams_per_connection = 256;
   };
 
   /// `services` outlive it. A socket file that nobody listens on any more is replaced.

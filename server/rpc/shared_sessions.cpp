@@ -9,9 +9,9 @@ namespace engram::server {
 namespace {
 
 /// Sessions that were offered and not begun are forgotten beyond that.
-constexpr size_t kMostSessions = 1024;
+constexpr size_t kMaxSessions = 1024;
 /// Of a commit: larger ones could not be sent to clients elsewhere (ClientOptions).
-constexpr size_t kMostBlockBytes = size_t{256} << 20;
+constexpr size_t kMaxBlockBytes = size_t{256} << 20;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ Result<v1::SharedMemory> SharedSessions::offer(const Identity& who) {
   ClientId client = 0;
   {
     const MutexLock lock(mutex_);
-    if (sessions_.size() >= kMostSessions)
+    if (sessions_.size() >= kMaxSessions)
       return resource_exhausted("shared memory: found {} clients, needs fewer", sessions_.size());
     client = ++last_client_;
     sessions_.emplace(client, Session{secret, who});
@@ -59,9 +59,9 @@ ClientId SharedSessions::find(const std::string& session) const {
 }
 
 Result<BlockRef> SharedSessions::lease(ClientId writer, const std::string& memory, size_t bytes) {
-  if (bytes > kMostBlockBytes)
+  if (bytes > kMaxBlockBytes)
     return resource_exhausted("shared memory: found {} bytes, needs at most {}", bytes,
-                              kMostBlockBytes);
+                              kMaxBlockBytes);
   return pool_->lease(writer, group_of(memory), bytes);
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 /// Of what is told in one message: small events travel together where a subscriber is behind.
 constexpr size_t kMessageBytes = size_t{1} << 20;
-constexpr size_t kMostQueuedEvents = size_t{1} << 20;
-constexpr size_t kMostQueuedBytes = size_t{1} << 30;
+constexpr size_t kMaxQueuedEvents = size_t{1} << 20;
+constexpr size_t kMaxQueuedBytes = size_t{1} << 30;
 
 }  // namespace
 
@@ -27,9 +27,9 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
                           subscribed_names({request.names().begin(), request.names().end()}));
   memory::EventQueue<memory::SharedEvent>::Bounds bounds;
   if (request.queue_bound() > 0)
-    bounds.events = std::min<size_t>(request.queue_bound(), kMostQueuedEvents);
+    bounds.events = std::min<size_t>(request.queue_bound(), kMaxQueuedEvents);
   if (request.queue_bytes() > 0)
-    bounds.bytes = std::min<size_t>(request.queue_bytes(), kMostQueuedBytes);
+    bounds.bytes = std::min<size_t>(request.queue_bytes(), kMaxQueuedBytes);
   with_data_ = request.with_data();
   with_shared_memory_ =
       request.with_shared_memory() && context_.sharing && sharing_ != kServerItself;

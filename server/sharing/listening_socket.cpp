@@ -68,10 +68,10 @@ Status clear(const std::filesystem::path& path) {
 }  // namespace
 
 Status check_socket_path(const std::filesystem::path& path) {
-  constexpr size_t kMost = sizeof(sockaddr_un::sun_path) - 1;
-  if (path.empty() || path.native().size() > kMost)
+  constexpr size_t kMax = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.empty() || path.native().size() > kMax)
     return invalid_argument("socket '{}': has {} bytes, needs 1 to {}", path.string(),
-                            path.native().size(), kMost);
+                            path.native().size(), kMax);
   return {};
 }
 

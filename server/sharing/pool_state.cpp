@@ -103,22 +103,22 @@ std::shared_ptr<BlockSpace>& SharedPool::State::space_of(PoolClient& client, Gro
 
 Status SharedPool::State::add_slab(PoolClient& writer, BlockSpace& space, size_t bytes,
                                    Dropped& dropped) {
-  const size_t least = whole_pages(bytes);
+  const size_t min = whole_pages(bytes);
   const size_t growth = std::bit_ceil(std::max(space.bytes, options.first_slab_bytes));
-  size_t size = std::max(least, whole_pages(std::min(growth, options.slab_bytes)));
+  size_t size = std::max(min, whole_pages(std::min(growth, options.slab_bytes)));
   const auto room = [&]() ENGRAM_REQUIRES(mutex) {
-    return std::min(options.most_bytes - counts.slab_bytes,
-                    options.most_writer_bytes - writer.slab_bytes);
+    return std::min(options.max_bytes - counts.slab_bytes,
+                    options.max_writer_bytes - writer.slab_bytes);
   };
   // What lies idle makes room before anything is refused.
   if (size > room()) drop_where([](const DividedSlab&) { return true; }, dropped);
   // All that is left at once: many small slabs would take a descriptor each.
-  if (size > room()) size = std::max(least, room() / kPage * kPage);
-  if (counts.slab_bytes + size > options.most_bytes)
-    return exhaust("the pool", counts.slab_bytes + size, options.most_bytes);
-  if (writer.slab_bytes + size > options.most_writer_bytes)
+  if (size > room()) size = std::max(min, room() / kPage * kPage);
+  if (counts.slab_bytes + size > options.max_bytes)
+    return exhaust("the pool", counts.slab_bytes + size, options.max_bytes);
+  if (writer.slab_bytes + size > options.max_writer_bytes)
     return exhaust(fmt::format("what client {} writes", writer.id), writer.slab_bytes + size,
-                   options.most_writer_bytes);
+                   options.max_writer_bytes);
   ENGRAM_ASSIGN_OR_RETURN(Slab memory, Slab::create(size, writer.id == kServerItself));
   const SlabId id = ++last_slab;
   auto slab = std::unique_ptr<DividedSlab>(

@@ -21,11 +21,11 @@ Status SharedPool::Options::validate() const {
   if (first_slab_bytes < kPage || first_slab_bytes > slab_bytes)
     return invalid_argument("first_slab_bytes: found {}, needs {} to slab_bytes ({})",
                             first_slab_bytes, kPage, slab_bytes);
-  if (slab_bytes > most_bytes)
-    return invalid_argument("slab_bytes: found {}, needs at most most_bytes ({})", slab_bytes,
-                            most_bytes);
-  if (most_bytes > SIZE_MAX / 4)
-    return invalid_argument("most_bytes: found {}, needs at most {}", most_bytes, SIZE_MAX / 4);
+  if (slab_bytes > max_bytes)
+    return invalid_argument("slab_bytes: found {}, needs at most max_bytes ({})", slab_bytes,
+                            max_bytes);
+  if (max_bytes > SIZE_MAX / 4)
+    return invalid_argument("max_bytes: found {}, needs at most {}", max_bytes, SIZE_MAX / 4);
   if (keep_free < Duration(0))
     return invalid_argument("keep_free: found {}, needs zero or more", to_string(keep_free));
   return {};
@@ -109,11 +109,11 @@ Result<BlockRef> SharedPool::lease(ClientId writer, GroupId group, size_t bytes)
   PoolClient* const client = state.find(writer);
   if (client == nullptr) return failed_precondition("client {}: is not connected", writer);
   if (bytes == 0) return invalid_argument("client {}: a block of no bytes", writer);
-  if (bytes > state.options.most_bytes)
-    return state.exhaust("a block", bytes, state.options.most_bytes);
-  if (client->blocks >= state.options.most_writer_blocks)
+  if (bytes > state.options.max_bytes)
+    return state.exhaust("a block", bytes, state.options.max_bytes);
+  if (client->blocks >= state.options.max_writer_blocks)
     return state.exhaust(fmt::format("the blocks of client {}", writer), client->blocks + 1,
-                         state.options.most_writer_blocks);
+                         state.options.max_writer_blocks);
   const auto& space = state.space_of(*client, group);
   const size_t length = aligned(bytes);
   auto taken = space->take(length, ++state.last_generation);
@@ -198,9 +198,9 @@ Status SharedPool::share(const BlockRef& block, ClientId reader) {
     return failed_precondition("client {}: may not read group {}", reader, group);
   const auto known = client->shares.find(block.generation);
   const size_t held = client->shared_bytes + block.capacity;
-  if (known == client->shares.end() && held > state_->options.most_reader_bytes)
+  if (known == client->shares.end() && held > state_->options.max_reader_bytes)
     return state_->exhaust(fmt::format("what client {} reads", reader), held,
-                           state_->options.most_reader_bytes);
+                           state_->options.max_reader_bytes);
   ++found->place->second.shares;
   if (known != client->shares.end()) {
     ++known->second.count;

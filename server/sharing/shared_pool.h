@@ -39,13 +39,13 @@ class SharedPool {
  public:
   struct Options {
     /// Of all slabs. RAM is taken when a page is first written.
-    size_t most_bytes = size_t{1} << 30;
+    size_t max_bytes = size_t{1} << 30;
     /// Of the slabs of one writer.
-    size_t most_writer_bytes = size_t{512} << 20;
+    size_t max_writer_bytes = size_t{512} << 20;
     /// Of one writer; one costs about 150 bytes beside its contents.
-    size_t most_writer_blocks = size_t{1} << 16;
+    size_t max_writer_blocks = size_t{1} << 16;
     /// Of the blocks that one reader has at once: what a reader that never lets go can withhold.
-    size_t most_reader_bytes = size_t{512} << 20;
+    size_t max_reader_bytes = size_t{512} << 20;
     /// Of the first slab of a writer and group; as much is added each time as there is,
     size_t first_slab_bytes = size_t{4} << 20;
     /// up to this. Larger blocks have a slab of their own.
@@ -105,7 +105,7 @@ class SharedPool {
 
   /// Counts one lease of a committed block for a reader, until it is released or removed.
   /// Errors: kInvalidArgument; kFailedPrecondition where the reader has no grant or is gone;
-  /// kResourceExhausted beyond most_reader_bytes.
+  /// kResourceExhausted beyond max_reader_bytes.
   Status share(const BlockRef& block, ClientId reader);
 
   /// Errors: kInvalidArgument where the reader does not have it so many times.

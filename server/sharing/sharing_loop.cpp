@@ -148,7 +148,7 @@ void SharingServer::Loop::accept_peer(Descriptor socket) {
     ++refused_;
     return;
   }
-  if (pending_.size() >= options_.most_pending) drop_pending(pending_.front());
+  if (pending_.size() >= options_.max_pending) drop_pending(pending_.front());
   connections_[key].socket = std::move(socket);
   pending_.push_back({key, clock_() + options_.handshake_timeout});
 }
@@ -190,8 +190,8 @@ Status SharingServer::Loop::welcome(Key key, Connection& connection, const Messa
                        static_cast<uint32_t>(hello.kind));
     const auto holder = tickets_.redeem(hello.ticket, clock_());
     if (!holder) return not_found("its ticket was not issued, was used, or is too old");
-    if (connections_.size() - pending_.size() >= options_.most_connections)
-      return resource_exhausted("{} clients are connected", options_.most_connections);
+    if (connections_.size() - pending_.size() >= options_.max_connections)
+      return resource_exhausted("{} clients are connected", options_.max_connections);
     ENGRAM_RETURN_IF_ERROR(pool_.add_client(holder->client));
     connection.client = holder->client;
     for (const GroupId group : holder->readable)

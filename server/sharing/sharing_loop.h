@@ -25,7 +25,7 @@ class SharingServer::Loop {
       : pool_(pool),
         options_(std::move(options)),
         clock_(std::move(clock)),
-        tickets_(options_.ticket_lifetime, options_.most_tickets),
+        tickets_(options_.ticket_lifetime, options_.max_tickets),
         listening_(std::move(listening)),
         events_(std::move(events)),
         wake_(std::move(wake)) {}

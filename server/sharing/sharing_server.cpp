@@ -12,8 +12,8 @@ Status SharingServer::Options::validate() const {
   ENGRAM_RETURN_IF_ERROR(check_socket_path(socket));
   if ((mode & ~mode_t{0660}) != 0)
     return invalid_argument("mode: found {:o}, needs no more than 660", mode);
-  if (most_connections == 0 || most_pending == 0 || most_tickets == 0)
-    return invalid_argument("most_connections, most_pending, most_tickets: need at least one");
+  if (max_connections == 0 || max_pending == 0 || max_tickets == 0)
+    return invalid_argument("max_connections, max_pending, max_tickets: need at least one");
   if (handshake_timeout <= Duration(0) || ticket_lifetime <= Duration(0) ||
       trim_interval <= Duration(0))
     return invalid_argument("handshake_timeout, ticket_lifetime, trim_interval: need more than 0s");

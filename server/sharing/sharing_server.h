@@ -37,12 +37,12 @@ class SharingServer {
     std::filesystem::path socket;
     mode_t mode = 0600;             ///< Of the socket: who may connect. 0660: the group too.
     std::vector<uid_t> other_uids;  ///< Whose processes are welcome beside this user's.
-    size_t most_connections = 64;   ///< Of clients; each takes two descriptors.
+    size_t max_connections = 64;    ///< Of clients; each takes two descriptors.
     /// That have not shown a ticket yet; the oldest makes room.
-    size_t most_pending = 16;
+    size_t max_pending = 16;
     Duration handshake_timeout = std::chrono::seconds(2);
     Duration ticket_lifetime = std::chrono::seconds(30);
-    size_t most_tickets = 1024;
+    size_t max_tickets = 1024;
     /// How often the pool is trimmed, and clients hear of slabs that are gone.
     Duration trim_interval = std::chrono::seconds(1);
     /// A client is gone, and what it had is taken back.

@@ -26,9 +26,9 @@ Result<Ticket> TicketBook::issue(TicketHolder holder, Time now) {
   std::erase_if(issued_, [&](const Issued& one) {
     return one.expires <= now || one.holder.client == holder.client;
   });
-  if (issued_.size() >= most_)
+  if (issued_.size() >= max_)
     return resource_exhausted("sharing: {} tickets wait for their clients, needs fewer than {}",
-                              issued_.size(), most_);
+                              issued_.size(), max_);
   issued_.push_back({ticket, std::move(holder), now + lifetime_});
   return ticket;
 }

@@ -22,7 +22,7 @@ struct TicketHolder {
 /// Threading: thread-safe. Complexity: O(tickets); redeeming takes as long whichever it is.
 class TicketBook {
  public:
-  TicketBook(Duration lifetime, size_t most) : lifetime_(lifetime), most_(most) {}
+  TicketBook(Duration lifetime, size_t max) : lifetime_(lifetime), max_(max) {}
 
   /// A new one. An earlier one of the same client is good no more.
   /// Errors: kResourceExhausted where too many are good, kUnavailable without random numbers.
@@ -39,7 +39,7 @@ class TicketBook {
   };
 
   const Duration lifetime_;
-  const size_t most_;
+  const size_t max_;
   Mutex mutex_;
   std::vector<Issued> issued_ ENGRAM_GUARDED_BY(mutex_);
 };

@@ -42,7 +42,7 @@ TEST(ImageChanges, HaveNamesBoundsAndWords) {
     EXPECT_TRUE(names.insert(kind->name()).second) << kind->name();
     EXPECT_FALSE(kind->about().empty());
     for (const Parameter& parameter : kind->parameters()) {
-      EXPECT_LT(parameter.least, parameter.most) << parameter.name;
+      EXPECT_LT(parameter.min, parameter.max) << parameter.name;
       EXPECT_FALSE(parameter.what.empty());
     }
     EXPECT_EQ(*find_image_change(kind->name()), kind.get());

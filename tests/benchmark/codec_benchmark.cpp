@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "datasets/scene.h"
+#include "datasets/drawn_scene.h"
 #include "datasets/media/table.h"
 #include "datasets/media/video_reader.h"
 #include "ltm/codec/codec.h"

@@ -70,18 +70,18 @@ Times measure(const char* name) {
   return times;
 }
 
-bool meets(const char* what, double found, double most) {
-  fmt::print("{:<52} {:>8.2f}, at most {:>8.2f} ({:.2f} of it): {}\n", what, found, most,
-             found / most, found <= most ? "met" : "MISSED");
-  return found <= most;
+bool meets(const char* what, double found, double max) {
+  fmt::print("{:<52} {:>8.2f}, at most {:>8.2f} ({:.2f} of it): {}\n", what, found, max,
+             found / max, found <= max ? "met" : "MISSED");
+  return found <= max;
 }
 
 /// Both readings beside what they may take.
 bool complex_meets(const Times& complex, const Times& moderate) {
-  const double most = 2 * complex.copy + moderate.total();
+  const double max = 2 * complex.copy + moderate.total();
   const bool is_met =
-      meets("complex, value -> bytes -> value, ns", complex.to_bytes + complex.from_bytes, most);
-  (void)meets("complex, struct -> value -> bytes -> value -> struct", complex.total(), most);
+      meets("complex, value -> bytes -> value, ns", complex.to_bytes + complex.from_bytes, max);
+  (void)meets("complex, struct -> value -> bytes -> value -> struct", complex.total(), max);
   return is_met;
 }
 

@@ -11,7 +11,7 @@
 #include <map>
 #include <random>
 
-#include "datasets/scene.h"
+#include "datasets/drawn_scene.h"
 #include "datasets/media/table.h"
 #include "datasets/media/video_reader.h"
 #include "ltm/recording/recorder.h"
@@ -25,7 +25,7 @@ namespace {
 
 using Images = std::vector<idf::NdArray>;
 
-constexpr size_t kMostImages = 400;
+constexpr size_t kMaxImages = 400;
 constexpr int kNumbers = 43;
 constexpr Duration kStep = std::chrono::milliseconds(200);
 
@@ -36,7 +36,7 @@ MemoryId camera() {
 /// Every sixth frame of videos with 30 a second.
 void add_video(const std::filesystem::path& path, Images& images) {
   auto video = datasets::VideoReader::open(path, {});
-  for (size_t i = 0; video.ok() && images.size() < kMostImages; ++i) {
+  for (size_t i = 0; video.ok() && images.size() < kMaxImages; ++i) {
     auto frame = video->next();
     if (!frame.ok() || !*frame) return;
     if (i % 6 == 0) images.push_back((*frame)->image);

@@ -30,7 +30,7 @@ struct FullMemory {
     options.all = {static_cast<size_t>(snapshots), {}, {}};
     options.mode = ltm::StoreMode::kLatest;  // What leaves is gone: no sink is measured.
     options.store_interval = std::chrono::hours(1);
-    options.most_waiting_bytes = SIZE_MAX;
+    options.max_waiting_bytes = SIZE_MAX;
     memory = std::move(*ltm::WorkingMemory::create(options));
     for (int64_t i = 0; i < entity_count; ++i) entities.push_back(entity_of(i));
     for (int64_t i = 0; i < snapshots; ++i) add();

@@ -15,7 +15,7 @@
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/store_reader.h"
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::cli {

@@ -11,7 +11,7 @@
 
 #include "ltm/recording/recorder.h"
 #include "ltm/store/manifest.h"
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/faults/faulty_files.h"
 #include "tests/ltm/scratch_directory.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ltm/recording/recorder.h"
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 #include "tests/ltm/store/example_snapshots.h"

@@ -7,7 +7,7 @@
 
 #include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 #include "tests/ltm/store/example_snapshots.h"
@@ -91,7 +91,7 @@ TEST_F(Forget, RefusesWithoutAnythingToForget) {
 }
 
 TEST_F(Forget, AQuotaThatCannotBeMetIsAnError) {
-  const std::string file = config("forget: {quota: {most_bytes: 1B}}");
+  const std::string file = config("forget: {quota: {max_bytes: 1B}}");
   const RunResult done = run_engram({"forget", store_, "--config", file, "--yes"});
   EXPECT_EQ(done.exit_code, 1);
   EXPECT_THAT(done.err, HasSubstr("the quota is not met"));

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ltm/core/file.h"
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::cli {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::cli {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <map>
 
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::cli {

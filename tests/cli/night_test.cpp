@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "ltm/store/manifest.h"
-#include "tests/cli/program.h"
+#include "tests/cli/run_program.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::cli {

@@ -65,9 +65,9 @@ class Words(unittest.TestCase):
                     values.setdefault(option, []).append((command, choices))
         self.assertIn("--prefer", values)
         for option, uses in values.items():
-            most = max((choices for _, choices in uses), key=len)
+            longest = max((choices for _, choices in uses), key=len)
             for command, choices in uses:
-                self.assertLessEqual(choices, most, f"{command} {option}")
+                self.assertLessEqual(choices, longest, f"{command} {option}")
 
     def test_files_of_types_and_their_names_are_told_apart_by_one_word_each(self) -> None:
         for command, known in self.commands.items():

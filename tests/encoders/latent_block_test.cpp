@@ -251,7 +251,7 @@ TEST(LatentBlock, ReadsAnyBytesBehindAFittingChecksum) {
 TEST(LatentBlock, RefusesCountsThatNoBlockHas) {
   const auto block = encode(some_rows());
   const auto body = *without_checksum(block, "block", kRows);
-  for (const size_t count : {size_t{0}, kMostBlockRows + 1, size_t{1} << 32}) {
+  for (const size_t count : {size_t{0}, kMaxBlockRows + 1, size_t{1} << 32}) {
     const auto sealed = with_checksum({body.begin(), body.end()}, count);
     const auto opened = codec().open(sealed, count);
     EXPECT_EQ(opened.status().code(), StatusCode::kDataLoss) << count;

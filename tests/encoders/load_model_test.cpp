@@ -67,10 +67,10 @@ TEST_F(LoadModel, DecodesAlikeOnOneAndOnTwoThreads) {
     const auto a = one[i].at("image")->get<idf::NdArray>().bytes();
     const auto b = two[i].at("image")->get<idf::NdArray>().bytes();
     ASSERT_EQ(a.size(), b.size());
-    int most = 0;
+    int max = 0;
     for (size_t k = 0; k < a.size(); ++k)
-      most = std::max(most, std::abs(std::to_integer<int>(a[k]) - std::to_integer<int>(b[k])));
-    EXPECT_LE(most, 1);
+      max = std::max(max, std::abs(std::to_integer<int>(a[k]) - std::to_integer<int>(b[k])));
+    EXPECT_LE(max, 1);
   }
 }
 

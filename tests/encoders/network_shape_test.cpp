@@ -31,9 +31,9 @@ TEST(NetworkShape, SeesLargeImagesInLargerUnits) {
 }
 
 TEST(NetworkShape, LimitsBackgroundsOfLargeImages) {
-  EXPECT_EQ(most_scenes({3, 128, 128, 1}), NetworkSizes::kMostScenes);
-  EXPECT_EQ(most_scenes({3, 2048, 2048, 8}), 5);
-  EXPECT_EQ(most_scenes({3, 4096, 4096, 16}), 1);
+  EXPECT_EQ(max_scenes({3, 128, 128, 1}), NetworkSizes::kMaxScenes);
+  EXPECT_EQ(max_scenes({3, 2048, 2048, 8}), 5);
+  EXPECT_EQ(max_scenes({3, 4096, 4096, 16}), 1);
 }
 
 TEST(NetworkShape, RefusesSizesThatCannotBe) {

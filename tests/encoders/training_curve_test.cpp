@@ -23,8 +23,8 @@ TEST(TrainingCurve, StaysShortAndSpansALongTraining) {
   for (int64_t step = 0; step < 100'000; ++step) curve.add(point(0, step));
   for (int64_t step = 0; step < 30'000; ++step) curve.add(point(1, step));
   const auto& points = curve.points();
-  EXPECT_LE(points.size(), TrainingCurve::kMostPoints);
-  EXPECT_GT(points.size(), TrainingCurve::kMostPoints / 2 - 2);
+  EXPECT_LE(points.size(), TrainingCurve::kMaxPoints);
+  EXPECT_GT(points.size(), TrainingCurve::kMaxPoints / 2 - 2);
   EXPECT_EQ(points.front(), point(0, 0));
   EXPECT_EQ(points.back().phase, 1);
   EXPECT_GT(points.back().step, 25'000);

@@ -9,7 +9,7 @@ import sys
 from experiments.loocv.show import worst_disagreement
 from experiments.paper.recordings import CAMERA
 
-MOST_DISAGREEMENT = 1e-6  # dB, or of SSIM.
+MAX_DISAGREEMENT = 1e-6  # dB, or of SSIM.
 FOLDER = pathlib.Path(sys.argv[1])
 
 
@@ -31,10 +31,10 @@ for case in found["storage"]:
          f"images of {case['dataset']}: {images} do not get smaller from stage to stage")
     need(any(case["latents"]), f"no latents of {case['dataset']}")
     for one in filter(None, case["latents"]):
-        need(abs(one["psnr_db"] - one["program_psnr_db"]) < MOST_DISAGREEMENT,
+        need(abs(one["psnr_db"] - one["program_psnr_db"]) < MAX_DISAGREEMENT,
              f"latents: found {one['program_psnr_db']} dB, scikit-image says {one['psnr_db']}")
 worst = worst_disagreement(found["loocv"])
-need(worst < MOST_DISAGREEMENT, f"scikit-image differs by {worst}")
+need(worst < MAX_DISAGREEMENT, f"scikit-image differs by {worst}")
 need(all(step["median"] > 0 for row in found["transfer"]["steps"]
          for step in row["steps"].values()), "steps without a time")
 print(f"{len(found['storage'])} stores, {len(found['loocv'])} cross-validations, "

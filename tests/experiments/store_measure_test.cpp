@@ -9,11 +9,11 @@
 
 #include "ltm/recording/recorder.h"
 #include "store/fresh_process.h"
-#include "store/measure.h"
 #include "store/scale_writer.h"
+#include "store/store_measure.h"
 #include "store/stream.h"
 #include "store/thread_run.h"
-#include "store/verify.h"
+#include "store/verify_store.h"
 
 namespace engram::experiments {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 #include "tests/ltm/store/example_snapshots.h"
 
 namespace engram::ltm::faults {

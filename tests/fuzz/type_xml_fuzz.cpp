@@ -2,7 +2,7 @@
 #include "ltm/idf/type_xml.h"
 
 #include "ltm/idf/cast.h"
-#include "ltm/idf/check.h"
+#include "ltm/idf/type_check.h"
 #include "tests/fuzz/fuzz_check.h"
 
 /// What reads as types is stored and reads back to the same, and has default values that fit.

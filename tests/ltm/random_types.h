@@ -162,9 +162,9 @@ class RandomTypes {
     if (!quantity.is_bounded()) return static_cast<T>(values_.bits() % 127);
     const double low = quantity.minimum.value_or(quantity.maximum.value_or(0) - 5);
     const double high = quantity.maximum.value_or(low + 5);
-    const double least = std::is_unsigned_v<T> ? std::max(low, 0.0) : low;
-    return static_cast<T>(
-        least + static_cast<double>(values_.below(static_cast<size_t>(high - least) + 1)));
+    const double min = std::is_unsigned_v<T> ? std::max(low, 0.0) : low;
+    return static_cast<T>(min +
+                          static_cast<double>(values_.below(static_cast<size_t>(high - min) + 1)));
   }
 
   idf::Data rotation(idf::ElementType element) {

@@ -12,7 +12,7 @@ import unittest
 
 NOTEBOOKS = pathlib.Path(sys.argv.pop()).resolve()
 ENGRAM = pathlib.Path(sys.argv.pop()).resolve()
-MOST_BYTES = 500_000
+MAX_BYTES = 500_000
 
 
 def outputs_of(notebook):
@@ -49,7 +49,7 @@ class Notebooks(unittest.TestCase):
         for name in self.names:
             with self.subTest(name):
                 text = (NOTEBOOKS / name).read_text()
-                self.assertLess(len(text), MOST_BYTES)
+                self.assertLess(len(text), MAX_BYTES)
                 notebook = json.loads(text)
                 code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
                 self.assertTrue(all(cell["execution_count"] for cell in code), "all cells ran")

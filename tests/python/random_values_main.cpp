@@ -11,8 +11,8 @@
 
 #include "ltm/idf/binary.h"
 #include "ltm/idf/cast.h"
-#include "ltm/idf/check.h"
 #include "ltm/idf/json.h"
+#include "ltm/idf/type_check.h"
 #include "tests/ltm/random_types.h"
 #include "tests/ltm/random_values.h"
 

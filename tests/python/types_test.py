@@ -100,9 +100,9 @@ class Cast(unittest.TestCase):
         value, notes = idf.cast(np.float64(0.1), types.Float())
         self.assertTrue(idf.equal(value, np.float32(0.1)))
         self.assertEqual([note.kind for note in notes], ["narrowed"])
-        for most in (np.int64(2**63 - 1), np.array([2**64 - 1], np.uint64)):
-            of = types.Double() if most.ndim == 0 else types.NDArray(element="float64", shape=(1,))
-            self.assertEqual([note.kind for note in idf.cast(most, of)[1]], ["narrowed"])
+        for huge in (np.int64(2**63 - 1), np.array([2**64 - 1], np.uint64)):
+            of = types.Double() if huge.ndim == 0 else types.NDArray(element="float64", shape=(1,))
+            self.assertEqual([note.kind for note in idf.cast(huge, of)[1]], ["narrowed"])
 
     def test_defaults_of_what_does_not_fit_share_their_arrays(self):
         large = types.Image(pixel="rgb24", height=4000, width=4000)

@@ -5,8 +5,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "reports/choice_text.h"
+#include "reports/contact_sheet.h"
 #include "reports/forms_text.h"
-#include "reports/picture.h"
 #include "reports/predict_text.h"
 #include "tests/datasets/fixtures.h"
 

@@ -20,7 +20,7 @@ class ImageChanger final : public SnapshotChanger {
     return options_.mask_entity == entity ? "its images are the mask" : "";
   }
 
-  Status change(const datasets::SnapshotWalk::Step& step, ltm::EntityUpdate& update,
+  Status change(const datasets::SnapshotCursor::Step& step, ltm::EntityUpdate& update,
                 AugmentedEntity& report) override {
     OriginReader::Missing missing{};
     ENGRAM_ASSIGN_OR_RETURN(const auto found, origins_.read(entity_, step.entry, missing));
@@ -36,7 +36,7 @@ class ImageChanger final : public SnapshotChanger {
 
  private:
   /// Adds one copy of all instances that are asked for.
-  Status append(const Origin& found, const datasets::SnapshotWalk::Step& step, int copy,
+  Status append(const Origin& found, const datasets::SnapshotCursor::Step& step, int copy,
                 ltm::EntityUpdate& update) {
     const ltm::Snapshot& origin = found.snapshot;
     const augmentation::Recipe recipe = recipe_at(options_, origin.time, copy);

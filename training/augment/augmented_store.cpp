@@ -6,8 +6,8 @@ namespace engram::training {
 Status AugmentedStoreOptions::validate() const {
   if (query.is_ids_only())
     return invalid_argument("query '{}' asks for IDs alone: needs data", query.to_string());
-  if (copies < 1 || copies > kMostCopies)
-    return invalid_argument("copies: found {}, needs 1 to {}", copies, kMostCopies);
+  if (copies < 1 || copies > kMaxCopies)
+    return invalid_argument("copies: found {}, needs 1 to {}", copies, kMaxCopies);
   if (strength_percent < 1 || strength_percent > 100)
     return invalid_argument("strength: found {}, needs 1 to 100", strength_percent);
   if (hold < Duration::zero())

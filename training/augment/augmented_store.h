@@ -18,7 +18,7 @@ struct AugmentedStoreOptions {
   ltm::Query query;
   /// How far changes may go, where they do not say so themselves. 1 to 100.
   int strength_percent = 50;
-  /// Drawn anew so many times: further instances of the same moment. 1 to kMostCopies.
+  /// Drawn anew so many times: further instances of the same moment. 1 to kMaxCopies.
   int copies = 1;
   uint64_t seed = 1;
   /// Snapshots of so long a time share a recipe, over all entities, but for its noise: what moves
@@ -27,7 +27,7 @@ struct AugmentedStoreOptions {
   /// How images are stored, see ltm/codec/codec_text.h.
   std::string image_codec = "png";
 
-  static constexpr int kMostCopies = 64;
+  static constexpr int kMaxCopies = 64;
 
   [[nodiscard]] Status validate() const;
 };

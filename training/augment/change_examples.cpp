@@ -8,14 +8,14 @@ namespace engram::training {
 namespace {
 
 /// Older ones are not looked at.
-constexpr int kMostTried = 100;
+constexpr int kMaxTried = 100;
 
 /// The newest one of an entity; nothing where there is none.
 Result<std::optional<Origin>> newest_of(ltm::StoreReader& store, OriginReader& origins,
                                         const ltm::MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, store.timeline(entity));
   std::optional<Time> at = timeline->last();
-  for (int tried = 0; at && tried < kMostTried; ++tried) {
+  for (int tried = 0; at && tried < kMaxTried; ++tried) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(*at));
     if (!entry) break;
     OriginReader::Missing missing{};

@@ -40,7 +40,7 @@ class SceneRenderer final : public SnapshotChanger {
     return {};
   }
 
-  Status change(const datasets::SnapshotWalk::Step& step, ltm::EntityUpdate& update,
+  Status change(const datasets::SnapshotCursor::Step& step, ltm::EntityUpdate& update,
                 AugmentedEntity& report) override {
     if (!is_chosen(step.entry.time)) return {};
     if (!step.entry.recorded) {

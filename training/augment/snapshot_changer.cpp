@@ -37,11 +37,11 @@ class Augmentation {
     if (!report.skipped_reason.empty()) return report;
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t total, timeline->count());
-    ENGRAM_ASSIGN_OR_RETURN(
-        auto walk, datasets::SnapshotWalk::create(*timeline, options_.query.snapshots_of(entity)));
+    ENGRAM_ASSIGN_OR_RETURN(auto cursor, datasets::SnapshotCursor::create(
+                                             *timeline, options_.query.snapshots_of(entity)));
     uint64_t seen = 0;
     while (!stop_.stop_requested()) {
-      ENGRAM_ASSIGN_OR_RETURN(const auto step, walk.next());
+      ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
       if (!step || step->is_future) break;
       ltm::EntityUpdate update{entity, step->entry.time, {}};
       ENGRAM_RETURN_IF_ERROR(changer_.change(*step, update, report));
@@ -110,7 +110,7 @@ Result<ltm::InstanceMetadata> augmented_metadata(const ltm::Snapshot& origin, in
   return metadata;
 }
 
-std::vector<int32_t> asked_instances(const datasets::SnapshotWalk::Step& step, size_t count) {
+std::vector<int32_t> asked_instances(const datasets::SnapshotCursor::Step& step, size_t count) {
   std::vector<int32_t> asked;
   for (int32_t i = 0; i < static_cast<int32_t>(count); ++i)
     if (step.instances.empty() || std::ranges::binary_search(step.instances, i)) asked.push_back(i);

@@ -7,7 +7,7 @@
 #include <stop_token>
 
 #include "augmentation/recipe.h"
-#include "datasets/recordings/snapshot_walk.h"
+#include "datasets/recordings/snapshot_cursor.h"
 #include "ltm/core/progress.h"
 #include "ltm/memory/snapshot.h"
 #include "ltm/recording/recorder.h"
@@ -26,7 +26,7 @@ class SnapshotChanger {
 
   /// Adds to `update` what is made of a snapshot, of the instances that are asked for; adds nothing
   /// where there is nothing to make, and counts why.
-  virtual Status change(const datasets::SnapshotWalk::Step& step, ltm::EntityUpdate& update,
+  virtual Status change(const datasets::SnapshotCursor::Step& step, ltm::EntityUpdate& update,
                         AugmentedEntity& report) = 0;
 };
 
@@ -44,7 +44,7 @@ Result<ltm::InstanceMetadata> augmented_metadata(const ltm::Snapshot& origin, in
                                                  const augmentation::Recipe& recipe);
 
 /// Which instances of `count` a step asks for.
-[[nodiscard]] std::vector<int32_t> asked_instances(const datasets::SnapshotWalk::Step& step,
+[[nodiscard]] std::vector<int32_t> asked_instances(const datasets::SnapshotCursor::Step& step,
                                                    size_t count);
 
 /// A seed for each purpose: the sequences have nothing in common.

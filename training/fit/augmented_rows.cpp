@@ -42,12 +42,12 @@ std::vector<Reach> reaches_of(const TrainingSource& source, size_t left_out_sequ
   return reaches;
 }
 
-/// Every so many, for at most `most` rows.
-std::vector<Reach> thinned(std::vector<Reach> reaches, size_t most) {
+/// Every so many, for at most `max` rows.
+std::vector<Reach> thinned(std::vector<Reach> reaches, size_t max) {
   size_t total = 0;
   for (const Reach& reach : reaches) total += reach.rows;
-  if (total <= most) return reaches;
-  const size_t stride = (total + most - 1) / std::max<size_t>(most, 1);
+  if (total <= max) return reaches;
+  const size_t stride = (total + max - 1) / std::max<size_t>(max, 1);
   std::vector<Reach> kept;
   for (size_t i = 0; i < reaches.size(); i += stride) kept.push_back(reaches[i]);
   return kept;

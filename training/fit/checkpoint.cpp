@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kMagic = "EGRMCKP2";
 constexpr size_t kHeadBytes = kMagic.size() + sizeof(uint64_t);
 /// A hostile file must not fill the memory.
-constexpr uint64_t kMostBytes = uint64_t{4} << 30;
+constexpr uint64_t kMaxBytes = uint64_t{4} << 30;
 
 idf::Data data_of(const FitStep& step) {
   return idf::Dict{{"step", step.step},
@@ -153,9 +153,9 @@ Result<Checkpoint> read_checkpoint(const std::filesystem::path& file, uint64_t k
   {
     ENGRAM_ASSIGN_OR_RETURN(const File in, File::open(file, File::Mode::kRead));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, in.size());
-    if (size < kHeadBytes || size > kMostBytes)
+    if (size < kHeadBytes || size > kMaxBytes)
       return data_loss("checkpoint '{}': found {} bytes, needs {} to {}", file.string(), size,
-                       kHeadBytes, kMostBytes);
+                       kHeadBytes, kMaxBytes);
     ENGRAM_ASSIGN_OR_RETURN(bytes, read_file(file));
   }
   uint64_t sum = 0;

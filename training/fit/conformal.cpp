@@ -19,7 +19,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 5> kExponents{0.0, 0.25, 0.5, 0.75, 1.0};
 /// What a bound of no error at all counts as where bounds are compared. Relative to the least
 /// change.
-constexpr double kLeastBound = 1e-6;
+constexpr double kMinBound = 1e-6;
 
 double bound_per_scale(const ErrorCalibration& by, std::span<const MeasuredPrediction> measured) {
   std::vector<double> scores;
@@ -41,19 +41,19 @@ double mean_width(ErrorCalibration by, std::span<const MeasuredPrediction> measu
   by.bound_per_scale = bound_per_scale(by, measured);
   double sum = 0;
   for (const MeasuredPrediction& one : measured)
-    sum += std::log(std::max(by.bound(one.change), kLeastBound * by.least_change));
+    sum += std::log(std::max(by.bound(one.change), kMinBound * by.min_change));
   return sum / static_cast<double>(measured.size());
 }
 
 double best_exponent(ErrorCalibration by, std::span<const MeasuredPrediction> measured) {
   double best = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const double exponent : kExponents) {
     by.exponent = exponent;
     if (std::isnan(bound_per_scale(by, measured))) return 0;
     const double width = mean_width(by, measured);
-    if (width >= least) continue;
-    least = width;
+    if (width >= min) continue;
+    min = width;
     best = exponent;
   }
   return best;
@@ -74,9 +74,9 @@ double conformal_quantile(std::vector<double> scores, double probability) {
 }
 
 ErrorCalibration calibrate(std::span<const MeasuredPrediction> choosing,
-                           std::span<const MeasuredPrediction> calibrating, double least_change) {
+                           std::span<const MeasuredPrediction> calibrating, double min_change) {
   ErrorCalibration by;
-  by.least_change = least_change;
+  by.min_change = min_change;
   by.exponent = best_exponent(by, choosing);
   by.bound_per_scale = bound_per_scale(by, calibrating);
   const auto measured = calibrating.empty() ? choosing : calibrating;

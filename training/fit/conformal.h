@@ -29,7 +29,7 @@ struct MeasuredPrediction {
 /// second half the expected error is that of the first one, and no bound is known.
 [[nodiscard]] encoders::ErrorCalibration calibrate(std::span<const MeasuredPrediction> choosing,
                                                    std::span<const MeasuredPrediction> calibrating,
-                                                   double least_change);
+                                                   double min_change);
 
 /// Widens bounds, and what is expected, by how much worse the same thing that learns nothing is on
 /// `all` windows than on the `held_out` ones that `by` was measured on: these may be calmer than

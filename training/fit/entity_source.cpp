@@ -30,8 +30,7 @@ idf::Layout layout_of(const idf::Data& value, const idf::Type* type) {
 }  // namespace
 
 Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::MemoryId& entity,
-                                        size_t least, bool needs_news,
-                                        const std::stop_token& stop) {
+                                        size_t min, bool needs_news, const std::stop_token& stop) {
   EntitySource source;
   ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader.index(entity));
   std::vector<ltm::SnapshotEntry> recorded;
@@ -46,8 +45,8 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
     recorded.push_back(entry);
     has_news = has_news || !entry.latent;
   }
-  if (recorded.size() < least) {
-    source.missing = fmt::format("{} recorded snapshots, needs {}", recorded.size(), least);
+  if (recorded.size() < min) {
+    source.missing = fmt::format("{} recorded snapshots, needs {}", recorded.size(), min);
     if (source.augmented > 0)
       source.missing += fmt::format("; {} are augmented, which no model encodes", source.augmented);
     return source;
@@ -75,9 +74,9 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
     source.new_snapshots += entry.latent ? 0 : 1;
     source.plain_bytes += snapshot.raw_bytes();
   }
-  if (source.entries.size() < least)
+  if (source.entries.size() < min)
     source.missing = fmt::format("{} recorded snapshots of the newest layout, needs {}",
-                                 source.entries.size(), least);
+                                 source.entries.size(), min);
   return source;
 }
 

@@ -26,11 +26,11 @@ struct EntitySource {
   uint64_t plain_bytes = 0;    ///< Of `entries`.
   std::string missing;         ///< Why there are not enough; else empty.
 
-  /// What is sealed: the rest is the next night's. Fewer than `least` are told in `missing`; and,
+  /// What is sealed: the rest is the next night's. Fewer than `min` are told in `missing`; and,
   /// where `needs_news`, that all have latents already.
   /// Errors: kCancelled; those of the store.
   static Result<EntitySource> find(ltm::StoreReader& reader, const ltm::MemoryId& entity,
-                                   size_t least, bool needs_news, const std::stop_token& stop);
+                                   size_t min, bool needs_news, const std::stop_token& stop);
 
   /// The first instance of each of some snapshots. Reader and entity outlive it.
   static TrainingSource values(ltm::StoreReader& reader, const ltm::MemoryId& entity,

@@ -293,7 +293,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     const ChunkViews views = is_augmented ? ChunkViews(*data.augmented, rows)
                                           : ChunkViews(model, data, options.varied_share, values);
     // What predictions are measured on must not teach the prior: it only tells what latents cost.
-    std::optional<Frozen> frozen;
+    std::optional<FrozenParameters> frozen;
     if (batch.is_held_out) frozen.emplace(*model.dynamics);
     std::optional<encoders::RoundedWeights> rounded;
     if (share >= kExactShare) rounded.emplace(*model.autoencoder);

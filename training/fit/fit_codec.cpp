@@ -18,11 +18,11 @@ namespace {
 /// Bound of a number where none was asked for, relative to its standard deviation.
 constexpr double kRelativeBound = 0.005;
 /// The least bound that a codec takes.
-constexpr double kLeastBound = 1e-150;
+constexpr double kMinBound = 1e-150;
 /// Bound of an orientation where none was asked for. Unit: rad.
 constexpr double kOrientationBound = 1e-3;
 /// The largest that a codec takes. Unit: rad.
-constexpr double kMostTurn = 1.0;
+constexpr double kMaxTurn = 1.0;
 
 /// Rows of one image member, of one sequence: [rows, coarse and fine latents].
 std::vector<int32_t> integers_of(const encoders::ImageLatents& image, const Sequence& sequence) {
@@ -42,7 +42,7 @@ std::vector<NumberField> fields_of(const Dataset& data, std::optional<double> bo
   if (bound == 0.0) return encoders::number_fields(data.plan.layout(), 0, 0);
   std::vector<NumberField> fields;
   size_t at = 0;
-  const double turn = bound ? std::min(*bound, kMostTurn) : kOrientationBound;
+  const double turn = bound ? std::min(*bound, kMaxTurn) : kOrientationBound;
   for (const NumberField& field : encoders::number_fields(data.plan.layout(), 1.0, turn)) {
     if (field.kind != NumberKind::kBounded) {
       fields.push_back(field);
@@ -51,7 +51,7 @@ std::vector<NumberField> fields_of(const Dataset& data, std::optional<double> bo
     }
     for (uint32_t i = 0; i < field.count; ++i, ++at) {
       const double deviation = data.deviation[at];
-      const double relative = std::max(deviation * kRelativeBound, kLeastBound);
+      const double relative = std::max(deviation * kRelativeBound, kMinBound);
       NumberField one{NumberKind::kBounded, 1, bound.value_or(relative)};
       if (!(deviation > 0)) one = {NumberKind::kExact, 1, 0};
       fields.push_back(one);

@@ -38,7 +38,7 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
   Smoothed loss_mean(0.05);
   const auto rows = make_windows(data.sequences, kTrainedHorizons).training;
   if (rows.empty() || model.dynamics->parameters().empty()) return result;
-  const Frozen frozen(*model.autoencoder);
+  const FrozenParameters frozen(*model.autoencoder);
   torch::optim::Adam optimiser(model.dynamics->parameters(), torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
   std::array<int, kTrainedHorizons> horizons{};

@@ -19,11 +19,11 @@ constexpr double kPeakRate = 1e-3;
 constexpr double kWeightDecay = 1e-2;
 constexpr double kLargestGradient = 1.0;
 /// Errors below are all alike. Unit: squared grey levels.
-constexpr double kLeastError = 4.0;
+constexpr double kMinError = 4.0;
 constexpr double kRecent = 0.05;
 /// It is over after so many passes over what there is, but not before so many steps: more knows by
 /// heart what was, and predicts worse what comes.
-constexpr int64_t kMostPasses = 5;
+constexpr int64_t kMaxPasses = 5;
 constexpr int64_t kFewestSteps = 400;
 /// Share of the batches whose conditions are not known.
 constexpr double kUnknownShare = 0.2;
@@ -46,7 +46,7 @@ class MovedImages {
       const Tensor row = rows.slice(0, i, i + 1);
       Tensor& known = known_[static_cast<size_t>(row.item<int64_t>())];
       all.push_back(known.defined() ? known : found(row));
-      if (known.defined() || bytes_ + all.back().numel() > kMostKnownBytes) continue;
+      if (known.defined() || bytes_ + all.back().numel() > kMaxKnownBytes) continue;
       known = all.back();
       bytes_ += known.numel();
     }
@@ -54,7 +54,7 @@ class MovedImages {
   }
 
  private:
-  static constexpr int64_t kMostKnownBytes = int64_t{1} << 30;
+  static constexpr int64_t kMaxKnownBytes = int64_t{1} << 30;
 
   [[nodiscard]] Tensor found(const Tensor& row) const {
     return encoders::moved_on(data_.batch(shape_, row - 1).images[image_],
@@ -93,9 +93,8 @@ Tensor loss_of(encoders::ImageMotion& motion, const std::vector<Tensor>& window,
              window[0].contiguous(at::MemoryFormat::ChannelsLast), moved, features);
   Tensor loss = torch::zeros({});
   for (size_t step = 0; step < predicted.size(); ++step)
-    loss =
-        loss +
-        ((predicted[step] - window[2 + step]).square().mean({1, 2, 3}) + kLeastError).log().mean();
+    loss = loss +
+           ((predicted[step] - window[2 + step]).square().mean({1, 2, 3}) + kMinError).log().mean();
   return loss;
 }
 
@@ -150,8 +149,8 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
       parameters.push_back(item.value());
   torch::optim::Adam optimiser(parameters, torch::optim::AdamOptions(kPeakRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
-  const int64_t most_steps =
-      std::max(kFewestSteps, kMostPasses * windows.size(0) / int64_t{options.batch_size});
+  const int64_t max_steps =
+      std::max(kFewestSteps, kMaxPasses * windows.size(0) / int64_t{options.batch_size});
   const auto& shape = model.autoencoder->shape;
   std::vector<MovedImages> moved;
   for (size_t i = 0; i < images.size(); ++i) moved.emplace_back(data, shape, i);
@@ -159,7 +158,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
   ENGRAM_RETURN_IF_ERROR(loop.begin(state));
   for (;; ++result.step) {
     ENGRAM_ASSIGN_OR_RETURN(double share, loop.next(state));
-    share = std::max(share, static_cast<double>(result.step) / static_cast<double>(most_steps));
+    share = std::max(share, static_cast<double>(result.step) / static_cast<double>(max_steps));
     if (share >= 1.0) break;
     const double rate = kPeakRate * learning_rate_share(share);
     auto& group = optimiser.param_groups()[0].options();

@@ -10,12 +10,14 @@
 namespace engram::training {
 
 /// Freezes the parameters of a module as long as it lives.
-class Frozen {
+class FrozenParameters {
  public:
-  explicit Frozen(torch::nn::Module& module) : parameters_(module.parameters()) { set(false); }
-  ~Frozen() { set(true); }
-  Frozen(const Frozen&) = delete;
-  Frozen& operator=(const Frozen&) = delete;
+  explicit FrozenParameters(torch::nn::Module& module) : parameters_(module.parameters()) {
+    set(false);
+  }
+  ~FrozenParameters() { set(true); }
+  FrozenParameters(const FrozenParameters&) = delete;
+  FrozenParameters& operator=(const FrozenParameters&) = delete;
 
  private:
   void set(bool is_trained) {

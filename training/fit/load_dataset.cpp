@@ -50,9 +50,9 @@ struct Scale {
 
   /// Whether numbers of another scale are of a usual size in this one.
   [[nodiscard]] bool holds(const Scale& other) const {
-    constexpr double kMost = 4;
-    return deviation > 0 && other.deviation <= kMost * deviation &&
-           std::abs(other.mean - mean) <= kMost * deviation;
+    constexpr double kMax = 4;
+    return deviation > 0 && other.deviation <= kMax * deviation &&
+           std::abs(other.mean - mean) <= kMax * deviation;
   }
 };
 

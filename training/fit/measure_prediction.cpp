@@ -11,28 +11,28 @@
 
 namespace engram::training {
 
+using encoders::BlendShares;
 using encoders::Parts;
 using encoders::PredictionRecord;
-using encoders::Shares;
 using torch::Tensor;
 
 namespace {
 
 constexpr size_t kHorizons = encoders::kMeasuredHorizons;
-constexpr size_t kMostWindows = 256;
+constexpr size_t kMaxWindows = 256;
 constexpr std::array<double, 5> kGates{0.0, 0.25, 0.5, 0.75, 1.0};
 /// What noise changes in an image. Unit: squared grey levels.
-constexpr double kLeastImageChange = 1.0;
+constexpr double kMinImageChange = 1.0;
 /// How much better a prediction with latents has to be than one by motion alone. The autoencoder
 /// was trained on what is measured here too, on what is to be predicted it was not. Unit: dB.
-constexpr double kLeastGainOfLatents = 0.5;
+constexpr double kMinGainOfLatents = 0.5;
 /// What counts as no change of numbers, in their deviations.
-constexpr double kLeastNumberChange = 0.01;
+constexpr double kMinNumberChange = 0.01;
 
 /// Shares of images that are tried: of latents and of motion, together at most all. The first one
 /// copies.
-std::vector<Shares> image_shares() {
-  std::vector<Shares> shares;
+std::vector<BlendShares> image_shares() {
+  std::vector<BlendShares> shares;
   for (const double latents : kGates)
     for (const double motion : kGates)
       if (latents + motion <= 1) shares.push_back({latents, motion, 0});
@@ -45,8 +45,9 @@ struct HorizonErrorsByShare {
   std::vector<std::vector<double>> images;   ///< By image_shares().
   std::vector<std::vector<double>> numbers;  ///< By kGates.
 
-  void add(const encoders::DeepModel& model, const std::vector<Shares>& shares, const Parts& last,
-           const ltm::MeasuredError& change, const encoders::Future& future, const Parts& actual) {
+  void add(const encoders::DeepModel& model, const std::vector<BlendShares>& shares,
+           const Parts& last, const ltm::MeasuredError& change, const encoders::Future& future,
+           const Parts& actual) {
     changes.push_back(change);
     images.resize(shares.size());
     numbers.resize(kGates.size());
@@ -86,7 +87,7 @@ bool is_for_choosing(size_t window) {
 }
 
 /// The highest mean PSNR that does not lose in squared error to the first one, by image_shares().
-size_t best_for_images(const std::vector<Shares>& shares,
+size_t best_for_images(const std::vector<BlendShares>& shares,
                        const std::vector<std::vector<double>>& errors) {
   size_t best = 0;
   double copied_mse = 0, best_psnr = 0;
@@ -95,7 +96,7 @@ size_t best_for_images(const std::vector<Shares>& shares,
     for (size_t window = 0; window < errors[i].size(); ++window) {
       if (!is_for_choosing(window)) continue;
       mse += errors[i][window];
-      psnr += psnr_db(errors[i][window]) - (shares[i].latents > 0 ? kLeastGainOfLatents : 0);
+      psnr += psnr_db(errors[i][window]) - (shares[i].latents > 0 ? kMinGainOfLatents : 0);
     }
     if (i == 0) copied_mse = mse;
     const bool is_better = i == 0 || (psnr > best_psnr && mse <= copied_mse);
@@ -108,14 +109,14 @@ size_t best_for_images(const std::vector<Shares>& shares,
 
 size_t best_for_numbers(const std::vector<std::vector<double>>& errors) {
   size_t best = 0;
-  double least = 0;
+  double min = 0;
   for (size_t i = 0; i < errors.size(); ++i) {
     double mse = 0;
     for (size_t window = 0; window < errors[i].size(); ++window)
       if (is_for_choosing(window)) mse += errors[i][window];
-    if (i > 0 && mse >= least) continue;
+    if (i > 0 && mse >= min) continue;
     best = i;
-    least = mse;
+    min = mse;
   }
   return best;
 }
@@ -133,21 +134,21 @@ struct Errors {
   std::vector<MeasuredPrediction> own, copied, copied_everywhere;
 };
 
-encoders::ErrorCalibration calibration_of(const Errors& errors, double least_change) {
+encoders::ErrorCalibration calibration_of(const Errors& errors, double min_change) {
   std::vector<MeasuredPrediction> choosing, calibrating;
   for (size_t window = 0; window < errors.own.size(); ++window)
     (is_for_choosing(window) ? choosing : calibrating).push_back(errors.own[window]);
-  encoders::ErrorCalibration by = calibrate(choosing, calibrating, least_change);
+  encoders::ErrorCalibration by = calibrate(choosing, calibrating, min_change);
   widen(by, errors.copied_everywhere, errors.copied);
   return by;
 }
 
 /// The least change of numbers that counts, in their units.
-double least_number_change(const encoders::DeepModel& model) {
+double min_number_change(const encoders::DeepModel& model) {
   double sum = 0;
   for (const double deviation : model.deviation) sum += deviation * deviation;
   const auto count = static_cast<double>(std::max<size_t>(model.deviation.size(), 1));
-  return std::max(kLeastNumberChange * kLeastNumberChange * sum / count,
+  return std::max(kMinNumberChange * kMinNumberChange * sum / count,
                   std::numeric_limits<double>::min());
 }
 
@@ -179,8 +180,8 @@ encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
   const Errors numbers{paired(number_changes, measured.numbers[number]),
                        paired(number_changes, measured.numbers[0]),
                        paired(all_number_changes, of_copies(copied.numbers))};
-  return {calibration_of(images, kLeastImageChange),
-          calibration_of(numbers, least_number_change(model))};
+  return {calibration_of(images, kMinImageChange),
+          calibration_of(numbers, min_number_change(model))};
 }
 
 using Measured = std::array<HorizonErrorsByShare, kHorizons>;
@@ -189,7 +190,7 @@ using Measured = std::array<HorizonErrorsByShare, kHorizons>;
 /// windows.
 void keep(const encoders::DeepModel& model, const Measured& measured, const Measured& copied,
           PredictionRecord& record) {
-  const std::vector<Shares> shares = image_shares();
+  const std::vector<BlendShares> shares = image_shares();
   for (size_t i = 0; i < kHorizons; ++i) {
     if (measured[i].changes.empty()) {
       // What no recording is long enough for is as uncertain as the last that was measured.
@@ -227,7 +228,7 @@ Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
   auto [rows, held_out] = make_windows(data.sequences, 1);
   rows.insert(rows.end(), held_out.begin(), held_out.end());
   std::ranges::sort(rows);
-  const size_t stride = std::max<size_t>(1, rows.size() / kMostWindows);
+  const size_t stride = std::max<size_t>(1, rows.size() / kMaxWindows);
   Measured measured;
   for (size_t w = 0; w < rows.size(); w += stride) {
     const int64_t row = rows[w];
@@ -241,19 +242,19 @@ Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
 }
 
 /// Predicts from held-out windows.
-Measured measure(encoders::DeepModel& model, const Dataset& data, ltm::Told told) {
+Measured measure(encoders::DeepModel& model, const Dataset& data, ltm::PredictorInputs told) {
   const auto& shape = model.autoencoder->shape;
-  const std::vector<Shares> shares = image_shares();
+  const std::vector<BlendShares> shares = image_shares();
   const std::vector<int64_t> rows = make_windows(data.sequences, 1).held_out;
-  const size_t stride = std::max<size_t>(1, rows.size() / kMostWindows);
+  const size_t stride = std::max<size_t>(1, rows.size() / kMaxWindows);
   Measured measured;
   for (size_t w = 0; w < rows.size(); w += stride) {
     const int64_t row = rows[w];
     const auto steps = static_cast<int>(steps_after(data, row));
     Parts last = data.batch(shape, index_of(row));
     Parts before = data.batch(shape, index_of(row - 1));
-    if (told == ltm::Told::kValues) last.conditions = before.conditions = Tensor();
-    if (told == ltm::Told::kPlan)
+    if (told == ltm::PredictorInputs::kValues) last.conditions = before.conditions = Tensor();
+    if (told == ltm::PredictorInputs::kPlan)
       last.plan = data.conditions.slice(0, row + 1, row + 1 + steps).unsqueeze(0);
     const ltm::MeasuredError change = model.difference(last, before);
     const auto futures = encoders::futures_of(model, last, before, steps);
@@ -269,10 +270,10 @@ Measured measure(encoders::DeepModel& model, const Dataset& data, ltm::Told told
 void measure_prediction(encoders::DeepModel& model, const Dataset& data) {
   torch::NoGradGuard no_grad;
   const Measured copied = measure_copies(model, data);
-  keep(model, measure(model, data, ltm::Told::kConditions), copied, model.prediction);
+  keep(model, measure(model, data, ltm::PredictorInputs::kConditions), copied, model.prediction);
   if (model.condition) {
-    keep(model, measure(model, data, ltm::Told::kValues), copied, model.unconditioned);
-    keep(model, measure(model, data, ltm::Told::kPlan), copied, model.planned);
+    keep(model, measure(model, data, ltm::PredictorInputs::kValues), copied, model.unconditioned);
+    keep(model, measure(model, data, ltm::PredictorInputs::kPlan), copied, model.planned);
   }
   keep(model, copied, copied, model.copied);
   model.prediction.step = model.unconditioned.step = model.planned.step = model.copied.step =

@@ -33,7 +33,7 @@ int width_that_pays(const idf::Layout& layout, const TrainOptions& options, doub
     TrainOptions tried = options;
     tried.width = width;
     const auto bytes = static_cast<double>(network_bytes(layout, tried));
-    if (bytes > 0 && bytes <= kMostModelShare * saved_bytes) return width;
+    if (bytes > 0 && bytes <= kMaxModelShare * saved_bytes) return width;
   }
   return 0;
 }

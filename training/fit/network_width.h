@@ -10,7 +10,7 @@
 namespace engram::training {
 
 /// Networks may take this part of what they save.
-inline constexpr double kMostModelShare = 0.2;
+inline constexpr double kMaxModelShare = 0.2;
 
 /// About the bytes of networks of options.width, which is not 0; 0 where the layout has no images
 /// or cannot be a tensor.

@@ -10,15 +10,15 @@ using torch::Tensor;
 namespace {
 
 /// Images that a median is taken of, evenly spaced.
-constexpr size_t kMostMedianImages = 64;
+constexpr size_t kMaxMedianImages = 64;
 /// Recordings whose medians differ by less share a background. Unit: grey levels, mean.
 constexpr double kAlike = 3.0;
-constexpr size_t kMostScenes = 16;
+constexpr size_t kMaxScenes = 16;
 
 /// The median image of a sequence, per member. [1, C, H, W]
 std::vector<Tensor> medians_of(const Dataset& data, const encoders::NetworkShape& shape,
                                const Sequence& sequence) {
-  const size_t step = (sequence.size() + kMostMedianImages - 1) / kMostMedianImages;
+  const size_t step = (sequence.size() + kMaxMedianImages - 1) / kMaxMedianImages;
   const auto rows =
       torch::arange(static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end),
                     static_cast<int64_t>(step), torch::kLong);
@@ -94,9 +94,9 @@ void find_scenes(Dataset& data, const encoders::DeepModel* start) {
   data.scene = torch::zeros({static_cast<int64_t>(data.size())}, torch::kLong);
   if (data.images.empty()) return;
   const auto shape = encoders::network_shape(data.plan, {});
-  size_t most_scenes = kMostScenes;
+  size_t max_scenes = kMaxScenes;
   for (const auto& image : shape.images)
-    most_scenes = std::min(most_scenes, static_cast<size_t>(encoders::most_scenes(image)));
+    max_scenes = std::min(max_scenes, static_cast<size_t>(encoders::max_scenes(image)));
   std::vector<std::vector<Tensor>> scenes;
   if (start != nullptr && !start->autoencoder->images.empty()) scenes = scenes_of(*start);
   data.known_scenes = static_cast<int64_t>(scenes.size());
@@ -110,7 +110,7 @@ void find_scenes(Dataset& data, const encoders::DeepModel* start) {
     // Trained backgrounds are no medians any more: those of recordings that they are of count too.
     const bool is_known = data.known_scenes > 0 && data.is_known[sequence.first];
     const bool is_new = nearest == differences.end() ||
-                        (!is_known && *nearest >= kAlike && scenes.size() < most_scenes);
+                        (!is_known && *nearest >= kAlike && scenes.size() < max_scenes);
     const int64_t scene = is_new ? static_cast<int64_t>(scenes.size())
                                  : looks[static_cast<size_t>(nearest - differences.begin())].scene;
     if (is_new) scenes.push_back(medians);

@@ -12,8 +12,8 @@ namespace {
 
 /// What the price starts with, and where it stays between.
 constexpr double kFirstPrice = 0.003;
-constexpr double kLeastPrice = 1e-4;
-constexpr double kMostPrice = 1.0;
+constexpr double kMinPrice = 1e-4;
+constexpr double kMaxPrice = 1.0;
 /// Share of the time before the price moves.
 constexpr double kSettling = 0.05;
 /// How fast it moves where quality is off by one decibel: factors of e in the whole time.
@@ -74,7 +74,7 @@ void Smoothed::add(double value) {
 
 ErrorPrice::ErrorPrice(double wanted_db, double first)
     : wanted_db_(wanted_db),
-      log_price_(std::log(first > 0 ? std::clamp(first, kLeastPrice, kMostPrice) : kFirstPrice)) {}
+      log_price_(std::log(first > 0 ? std::clamp(first, kMinPrice, kMaxPrice) : kFirstPrice)) {}
 
 double ErrorPrice::value() const {
   return std::exp(log_price_);
@@ -87,7 +87,7 @@ void ErrorPrice::follow(double psnr_db, double share) {
                          kGainOfEnd * (1 - std::min(share, 1.0));
   const double missing = wanted_db_ - to_come - psnr_db;
   log_price_ += kSteering * (share - passed) * std::clamp(missing, -1.0, 1.0);
-  log_price_ = std::clamp(log_price_, std::log(kLeastPrice), std::log(kMostPrice));
+  log_price_ = std::clamp(log_price_, std::log(kMinPrice), std::log(kMaxPrice));
 }
 
 }  // namespace engram::training

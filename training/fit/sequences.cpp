@@ -29,13 +29,13 @@ std::vector<Sequence> cut_sequences(std::span<const Time> times) {
 std::vector<std::vector<size_t>> interleaved(std::span<const Time> times, const Sequence& recording,
                                              Duration every) {
   const auto own = times.subspan(recording.first, recording.size());
-  const Duration least = every - median_step(own) / 2;
+  const Duration min = every - median_step(own) / 2;
   std::vector<std::vector<size_t>> runs;
   for (size_t start = 0; start < own.size(); ++start) {
-    if (start > 0 && own[start] - own[0] >= least) break;
+    if (start > 0 && own[start] - own[0] >= min) break;
     std::vector<size_t>& run = runs.emplace_back();
     for (size_t i = start; i < own.size(); ++i)
-      if (run.empty() || own[i] - times[run.back()] >= least) run.push_back(recording.first + i);
+      if (run.empty() || own[i] - times[run.back()] >= min) run.push_back(recording.first + i);
   }
   return runs;
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr double kPriorDeviation = 8.0;
 /// Least deviation of a posterior in the same unit: rounding adds 0.29, less than what the decoder
 /// has learned to bear.
-constexpr double kLeastDeviation = 0.5;
+constexpr double kMinDeviation = 0.5;
 /// Where between these two, on a logarithmic scale, deviations start (as a logit: one step), and
 /// how much faster than weights they move.
 constexpr double kFirstLogit = -1.0986;
@@ -53,7 +53,7 @@ class VaeRegulariser : public LatentRegulariser {
 
   /// Draws from the posterior, and adds its divergence from the prior to `kilobytes`.
   static Tensor sampled(const Tensor& mean, const Tensor& logit, Tensor& kilobytes) {
-    const double range = std::log(kPriorDeviation / kLeastDeviation);
+    const double range = std::log(kPriorDeviation / kMinDeviation);
     const Tensor below_prior =  // Logarithm of the posterior's deviation over the prior's.
         range * (torch::sigmoid(kFirstLogit + kDeviationSpeed * logit) - 1.0);
     const Tensor nats = gaussian_divergence(mean / kPriorDeviation, 2.0 * below_prior);

@@ -11,23 +11,23 @@ using torch::Tensor;
 namespace {
 
 /// Most that images are shifted by, relative to their side.
-constexpr double kMostShift = 0.09;
+constexpr double kMaxShift = 0.09;
 /// Most that contrast and brightness are changed by: a factor, and grey levels.
-constexpr double kMostContrast = 0.15;
-constexpr double kMostBrightness = 12.0;
+constexpr double kMaxContrast = 0.15;
+constexpr double kMaxBrightness = 12.0;
 
-double uniform(double most) {
-  return (torch::rand({1}, torch::kFloat64).item<double>() * 2 - 1) * most;
+double uniform(double max) {
+  return (torch::rand({1}, torch::kFloat64).item<double>() * 2 - 1) * max;
 }
 
 }  // namespace
 
 ViewChange ViewChange::draw(bool may_mirror) {
   ViewChange change;
-  change.right = uniform(kMostShift);
-  change.down = uniform(kMostShift);
-  change.contrast = 1 + uniform(kMostContrast);
-  change.brightness = uniform(kMostBrightness);
+  change.right = uniform(kMaxShift);
+  change.down = uniform(kMaxShift);
+  change.contrast = 1 + uniform(kMaxContrast);
+  change.brightness = uniform(kMaxBrightness);
   change.is_mirrored = may_mirror && uniform(1) > 0;
   return change;
 }

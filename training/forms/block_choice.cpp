@@ -38,7 +38,7 @@ BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions
     : model_(model),
       options_(options),
       bound_db_(options.bound_db + kDecodingMarginDb),
-      most_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)) {
+      max_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)) {
   ENGRAM_CHECK(options.kind == Representation::kLatents || options.bound_db > 0, "no bound for {}",
                to_string(options.kind));
   counts_.representation = to_string(options.kind);
@@ -93,8 +93,7 @@ int BlockChoice::refine_steps(const std::vector<std::vector<double>>& errors) co
   for (const auto& row : errors)
     for (const double mse : row) worst = std::max(worst, std::isfinite(mse) ? mse : 0);
   const double missed_by = bound_db_ - psnr_db(worst);
-  return worst > most_mse_ && missed_by <= options_.refine_within_db ? options_.few_refine_steps
-                                                                     : 0;
+  return worst > max_mse_ && missed_by <= options_.refine_within_db ? options_.few_refine_steps : 0;
 }
 
 std::optional<BlockChoice::Candidate> BlockChoice::corrected(
@@ -104,9 +103,8 @@ std::optional<BlockChoice::Candidate> BlockChoice::corrected(
   encoders::ResidualEncoder residual(model_.codec.chain.frames[image].pixels());
   for (size_t row = 0; row < values.size(); ++row) {
     const auto wanted = recorded(values[row], image).values<uint8_t>();
-    const auto most_error = static_cast<uint64_t>(most_mse_ * static_cast<double>(wanted.size()));
-    if (!residual.add(images[row][image].values<uint8_t>(), wanted, most_error))
-      return std::nullopt;
+    const auto max_error = static_cast<uint64_t>(max_mse_ * static_cast<double>(wanted.size()));
+    if (!residual.add(images[row][image].values<uint8_t>(), wanted, max_error)) return std::nullopt;
   }
   Candidate candidate{rows, model_.codec.chain.images[image].encode(rows.latents).size()};
   candidate.rows.residual = residual.finish();
@@ -121,7 +119,7 @@ Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_can
   ENGRAM_ASSIGN_OR_RETURN(const auto errors, errors_of(values, guessed));
   for (const auto& row : errors)
     counts_.below_bound_rows +=
-        std::ranges::count_if(row, [this](double mse) { return mse > most_mse_; });
+        std::ranges::count_if(row, [this](double mse) { return mse > max_mse_; });
   std::vector<std::vector<Candidate>> candidates(rows.images.size());
   const auto add = [&](size_t i, const ImageRows& latents, const Images& images) {
     if (auto candidate = corrected(values, i, latents, images))
@@ -227,9 +225,9 @@ Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitV
   return choices;
 }
 
-Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
-                               std::vector<LatentRows>& chains, const std::stop_token& stop,
-                               const Pause& pause) {
+Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
+                                  std::vector<LatentRows>& chains, const std::stop_token& stop,
+                                  const Pause& pause) {
   std::vector<Choices> choices;
   for (size_t i = 0; i < chains.size(); ++i) {
     if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
@@ -241,7 +239,7 @@ Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
   uint64_t mixed = background, video = 0;
   bool needs_latents = false, keeps_latents = false;
   for (const Choice& choice : choices | std::views::join) {
-    mixed += choice.least().bytes;
+    mixed += choice.smallest().bytes;
     if (choice.latents) counts_.residual_bytes += as_int(choice.latents->bytes);
     keeps_latents = keeps_latents || choice.keeps_latents();
     if (choice.video)
@@ -259,7 +257,7 @@ Status BlockChoice::keep_least(std::span<const idf::SplitValue> values,
     if (is_all_video) chains[at].own.clear();
     for (size_t i = 0; i < choices[at].size(); ++i) {
       Choice& choice = choices[at][i];
-      Candidate& kept = is_all_video ? *choice.video : choice.least();
+      Candidate& kept = is_all_video ? *choice.video : choice.smallest();
       if (kept.rows.form == ImageForm::kLatents) kept.bytes += std::exchange(unpaid, 0);
       count_kept(kept, rows_of(values, at).size());
       chains[at].images[i] = std::move(kept.rows);
@@ -319,7 +317,7 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
           keep_latents(rows_of(split, i), chains[i], std::exchange(background, 0), stop));
     }
   } else {
-    ENGRAM_RETURN_IF_ERROR(keep_least(split, chains, stop, pause));
+    ENGRAM_RETURN_IF_ERROR(keep_smallest(split, chains, stop, pause));
   }
   std::vector<std::byte> block = model_.codec.encode(chains, split.size());
   return encoders::latents_of(std::move(block), std::move(split));

@@ -56,8 +56,8 @@ class BlockChoice {
     [[nodiscard]] bool keeps_latents() const {
       return latents && (!video || latents->bytes <= video->bytes);
     }
-    [[nodiscard]] Candidate& least() { return keeps_latents() ? *latents : *video; }
-    [[nodiscard]] const Candidate& least() const { return keeps_latents() ? *latents : *video; }
+    [[nodiscard]] Candidate& smallest() { return keeps_latents() ? *latents : *video; }
+    [[nodiscard]] const Candidate& smallest() const { return keeps_latents() ? *latents : *video; }
   };
   using Choices = std::vector<Choice>;  ///< Per image member.
   /// Images [row][member].
@@ -81,9 +81,9 @@ class BlockChoice {
   Status keep_latents(std::span<const idf::SplitValue> values, encoders::LatentRows& rows,
                       uint64_t background, const std::stop_token& stop);
   /// Of a whole block.
-  Status keep_least(std::span<const idf::SplitValue> values,
-                    std::vector<encoders::LatentRows>& chains, const std::stop_token& stop,
-                    const Pause& pause);
+  Status keep_smallest(std::span<const idf::SplitValue> values,
+                       std::vector<encoders::LatentRows>& chains, const std::stop_token& stop,
+                       const Pause& pause);
   Result<Choices> choices_of(std::span<const idf::SplitValue> values,
                              const encoders::LatentRows& rows, const std::stop_token& stop);
   /// What the encoder made, and where it was tried, what became of it by refining: per member.
@@ -105,7 +105,7 @@ class BlockChoice {
   encoders::DeepModel& model_;
   RepresentationOptions options_;
   double bound_db_;                    ///< Of decoded latents: with the margin of decoding.
-  double most_mse_;                    ///< The same. Unit: grey levels squared.
+  double max_mse_;                     ///< The same. Unit: grey levels squared.
   std::vector<VideoSearch> searches_;  ///< Per image member.
   encoders::StoredForms counts_;
   bool can_correct_all_ = true;  ///< So far latents with residuals kept every row.

@@ -7,7 +7,7 @@
 #include "training/fit/gradients.h"
 #include "training/fit/image_units.h"
 #include "training/fit/schedule.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 
@@ -62,8 +62,8 @@ class Refinement {
 
   Result<LatentRows> run(const std::stop_token& stop) {
     ENGRAM_RETURN_IF_ERROR(load());
-    const Frozen autoencoder(*model_.autoencoder);
-    const Frozen dynamics(*model_.dynamics);
+    const FrozenParameters autoencoder(*model_.autoencoder);
+    const FrozenParameters dynamics(*model_.dynamics);
     ENGRAM_ASSIGN_OR_RETURN(best_cost_, real_cost(best_));
     torch::optim::Adam optimiser(leaves_, torch::optim::AdamOptions(kPeakRate));
     for (int step = 0; step < options_.steps; ++step) {

@@ -103,7 +103,7 @@ std::optional<double> NoiseFloor::deviation() const {
 
 double bound_of_noise(double deviation) {
   const double psnr = 20 * std::log10(255.0 / std::max(deviation, 1e-3));
-  return std::clamp(psnr, kLeastNoiseBoundDb, kMostNoiseBoundDb);
+  return std::clamp(psnr, kMinNoiseBoundDb, kMaxNoiseBoundDb);
 }
 
 }  // namespace engram::training

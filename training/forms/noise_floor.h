@@ -33,8 +33,8 @@ class NoiseFloor {
 };
 
 /// Where a bound that follows from noise ends. Unit: dB.
-inline constexpr double kLeastNoiseBoundDb = 30;
-inline constexpr double kMostNoiseBoundDb = 40;
+inline constexpr double kMinNoiseBoundDb = 30;
+inline constexpr double kMaxNoiseBoundDb = 40;
 
 /// The PSNR of noise, within these ends: images that are kept better keep noise.
 /// `deviation`: in grey levels, not negative.

@@ -19,7 +19,7 @@ VideoSearch::VideoSearch(std::string codec, int effort, double bound_db)
     : codec_(std::move(codec)),
       effort_(effort),
       bound_db_(bound_db),
-      most_crf_(codec_ == "av1" ? 63 : 51),
+      max_crf_(codec_ == "av1" ? 63 : 51),
       crf_(kFirstCrf) {}
 
 bool VideoSearch::is_within(const FoundVideo& video) const {
@@ -59,21 +59,21 @@ Result<std::optional<FoundVideo>> VideoSearch::find_lossy(std::span<const idf::N
   if (!coder.ok() || !(*coder)->accepts(images.front().type(), images.front().shape()))
     return std::optional<FoundVideo>();
   std::optional<FoundVideo> best;
-  int good = -1;            // The largest that is known to keep the bound.
-  int bad = most_crf_ + 1;  // The smallest that is known not to.
+  int good = -1;           // The largest that is known to keep the bound.
+  int bad = max_crf_ + 1;  // The smallest that is known not to.
   int step = 1;
-  for (int crf = std::clamp(crf_, 0, most_crf_); bad - good > 1;) {
+  for (int crf = std::clamp(crf_, 0, max_crf_); bad - good > 1;) {
     ENGRAM_ASSIGN_OR_RETURN(
         FoundVideo video, encode(images, fmt::format("{}:crf={},effort={}", codec_, crf, effort_)));
     video.quality = crf;
     const bool is_good = is_within(video);
     (is_good ? good : bad) = crf;
     if (is_good) best = std::move(video);
-    const bool is_bracketed = good >= 0 && bad <= most_crf_;
+    const bool is_bracketed = good >= 0 && bad <= max_crf_;
     if (is_bracketed)
       crf = (good + bad) / 2;
     else
-      crf = is_good ? std::min(good + step, most_crf_) : std::max(bad - step, 0);
+      crf = is_good ? std::min(good + step, max_crf_) : std::max(bad - step, 0);
     step *= 2;
   }
   if (best) crf_ = good;

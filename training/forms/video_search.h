@@ -46,7 +46,7 @@ class VideoSearch {
   std::string codec_;
   int effort_;
   double bound_db_;
-  int most_crf_;
+  int max_crf_;
   int crf_;  ///< Where the last search ended.
 };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 
@@ -18,7 +18,7 @@ namespace {
 /// Where a model does not say what it was trained with. Unit: kilobytes per squared grey level.
 constexpr double kUsualPrice = 0.03;
 /// Rows whose error stands for all of them.
-constexpr size_t kMostCompared = 12;
+constexpr size_t kMaxCompared = 12;
 
 /// The medians of all image members.
 Result<std::vector<idf::NdArray>> medians_of(const DeepModel& model,
@@ -58,7 +58,7 @@ Result<double> cost_of(DeepModel& model, std::span<const idf::SplitValue> values
     bytes += static_cast<double>(model.codec.chain.images[i].encode(rows.images[i].latents).size());
   double error = 0;
   double compared = 0;
-  const size_t step = (values.size() + kMostCompared - 1) / kMostCompared;
+  const size_t step = (values.size() + kMaxCompared - 1) / kMaxCompared;
   for (size_t row = step / 2; row < values.size(); row += step, ++compared) {
     ENGRAM_ASSIGN_OR_RETURN(const auto images, model.decode_images(rows, row));
     for (size_t i = 0; i < images.size(); ++i) {

@@ -12,7 +12,7 @@ namespace {
 
 using Entries = std::vector<const ltm::SnapshotEntry*>;
 
-constexpr size_t kMostSnapshots = 300;
+constexpr size_t kMaxSnapshots = 300;
 
 Result<double> median_ms(ltm::StoreReader& reader, const ltm::ModelInfo& model,
                          const Entries& entries, ltm::Encoder& encoder) {
@@ -40,7 +40,7 @@ Result<AccessTimes> measure_access(ltm::StoreReader& reader, const ltm::ModelInf
   Entries coded;
   for (const ltm::SnapshotEntry& entry : index)
     if (entry.latent) coded.push_back(&entry);
-  const size_t count = std::min(coded.size(), kMostSnapshots);
+  const size_t count = std::min(coded.size(), kMaxSnapshots);
   const Entries in_order(coded.begin(), coded.begin() + static_cast<ptrdiff_t>(count));
   Entries scattered;
   for (size_t i = 0; i < count; ++i) {

@@ -12,7 +12,7 @@ using encoders::ImageForm;
 
 namespace {
 
-constexpr uint64_t kMostRows = 320;
+constexpr uint64_t kMaxRows = 320;
 
 /// Whether all images of all rows are latents.
 bool has_latents_alone(const encoders::LatentRows& rows) {
@@ -45,7 +45,7 @@ Result<CodeLength> measure_code_length(ltm::StoreReader& reader, const ltm::Mode
   CodeLength sum;
   sum.prior_row_bytes = model->provenance.prior_bytes;
   for (const ltm::SnapshotEntry& entry : index) {
-    if (!entry.latent || sum.rows >= kMostRows) continue;
+    if (!entry.latent || sum.rows >= kMaxRows) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, reader.read_latent(info.entity, entry));
     if (snapshot.model_version != info.version) continue;
     for (const ltm::LatentInstance& instance : snapshot.instances) {

@@ -10,9 +10,9 @@ Status CrossvalOptions::validate() const {
   if (every < Duration::zero())
     return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
                             engram::to_string(every));
-  if (ahead < kLeastAhead || ahead > kMostAhead)
-    return invalid_argument("snapshots ahead: found {}, needs {} to {}", ahead, kLeastAhead,
-                            kMostAhead);
+  if (ahead < kMinAhead || ahead > kMaxAhead)
+    return invalid_argument("snapshots ahead: found {}, needs {} to {}", ahead, kMinAhead,
+                            kMaxAhead);
   if (std::ranges::find(folds, 0u) != folds.end())
     return invalid_argument("folds: found 0, the first is 1");
   if (std::set(folds.begin(), folds.end()).size() < folds.size())

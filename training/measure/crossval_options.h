@@ -43,8 +43,8 @@ struct CrossvalOptions {
 };
 
 /// Predictions are measured at least for next and over-next.
-inline constexpr size_t kLeastAhead = 2;
+inline constexpr size_t kMinAhead = 2;
 /// A rollout is not meant to go on further.
-inline constexpr size_t kMostAhead = 100;
+inline constexpr size_t kMaxAhead = 100;
 
 }  // namespace engram::training

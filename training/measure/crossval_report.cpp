@@ -44,7 +44,7 @@ Json to_json(const CrossvalFold& fold) {
     for (size_t ahead = 0; ahead < variant.prediction.size(); ++ahead) {
       one["prediction"].push_back(quality_json(variant.prediction[ahead]));
       one["planned"].push_back(quality_json(variant.planned[ahead]));
-      one["bound"].push_back(foresight_json(variant.foresight[ahead]));
+      one["bound"].push_back(bound_coverage_json(variant.bound_coverage[ahead]));
       one["gain_over_copy_last_db"].push_back(number_json(fold.gain_db(i, ahead)));
     }
   }

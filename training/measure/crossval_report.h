@@ -42,8 +42,8 @@ struct VariantQuality {
   Reconstruction latents;    ///< Alone.
   Reconstruction corrected;  ///< With residuals where they miss the bound that was asked for.
   uint64_t model_bytes = 0;
-  std::vector<Quality> prediction;   ///< Of the left-out recording, by snapshots ahead.
-  std::vector<Foresight> foresight;  ///< Of these predictions.
+  std::vector<Quality> prediction;            ///< Of the left-out recording, by snapshots ahead.
+  std::vector<BoundCoverage> bound_coverage;  ///< Of these predictions.
   /// The same, told what came of the condition as if it had been planned; nothing is measured
   /// without a condition.
   std::vector<Quality> planned;

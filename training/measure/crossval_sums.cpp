@@ -34,7 +34,7 @@ VariantQuality VariantSums::quality(encoders::TrainingVariant variant) const {
   quality.corrected = corrected.quality();
   for (size_t ahead = 0; ahead < prediction.size(); ++ahead) {
     quality.prediction.push_back(prediction[ahead].quality.quality());
-    quality.foresight.push_back(prediction[ahead].foresight());
+    quality.bound_coverage.push_back(prediction[ahead].bound_coverage());
     quality.planned.push_back(planned[ahead].quality.quality());
   }
   quality.model_bytes = static_cast<uint64_t>(std::lround(model_bytes));

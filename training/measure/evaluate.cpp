@@ -14,7 +14,7 @@
 #include "training/measure/access_time.h"
 #include "training/measure/code_length.h"
 #include "training/measure/quality_sums.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 
@@ -126,8 +126,8 @@ class EntityMeasurement {
       for (size_t h = 0; h < kHorizons; ++h)
         result_.prediction[kind].push_back(
             {static_cast<int>(h + 1), predicted_[kind][h].quality.quality(),
-             copied_[kind][h].quality.quality(), predicted_[kind][h].foresight(),
-             copied_[kind][h].foresight()});
+             copied_[kind][h].quality.quality(), predicted_[kind][h].bound_coverage(),
+             copied_[kind][h].bound_coverage()});
     return {};
   }
 

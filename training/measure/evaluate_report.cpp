@@ -49,8 +49,8 @@ nlohmann::ordered_json to_json(const PredictionQuality& prediction) {
   return {{"horizon", prediction.horizon},
           {"model", quality_json(prediction.model)},
           {"copy_last", quality_json(prediction.copy_last)},
-          {"model_bound", foresight_json(prediction.model_foresight)},
-          {"copy_last_bound", foresight_json(prediction.copy_foresight)}};
+          {"model_bound", bound_coverage_json(prediction.model_bound_coverage)},
+          {"copy_last_bound", bound_coverage_json(prediction.copy_bound_coverage)}};
 }
 
 nlohmann::ordered_json to_json(const EvalReport& report) {

@@ -17,8 +17,8 @@ struct PredictionQuality {
   int horizon = 0;  ///< Snapshots ahead.
   Quality model;
   Quality copy_last;
-  Foresight model_foresight = {};
-  Foresight copy_foresight = {};
+  BoundCoverage model_bound_coverage = {};
+  BoundCoverage copy_bound_coverage = {};
   /// Of those moments alone when something moved as the prediction was made, where predictions tell
   /// (MemberPrediction::is_moving): things at rest hide what an engine is worth. Else empty.
   Quality moving = {};

@@ -6,7 +6,7 @@
 
 #include "training/fit/sequences.h"
 #include "training/measure/quality_sums.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 
@@ -87,9 +87,9 @@ std::optional<bool> PredictedHorizon::is_within() const {
   if (!error) return std::nullopt;
   const ltm::MeasuredError bound = told_by(predicted).bound;
   std::optional<bool> is_within;
-  const auto add = [&](double real, double most) {
-    if (std::isnan(real) || std::isnan(most)) return;
-    is_within = is_within.value_or(true) && real <= most;
+  const auto add = [&](double real, double max) {
+    if (std::isnan(real) || std::isnan(max)) return;
+    is_within = is_within.value_or(true) && real <= max;
   };
   add(error->image_mse, bound.image_mse);
   add(error->number_mse, bound.number_mse);
@@ -111,9 +111,9 @@ Result<Time> last_known_from(Recall& recall, const MemoryId& entity, Duration ah
 }
 
 Result<PredictedMoment> predict_moment(Recall& recall, const MemoryId& entity,
-                                       const Recall::Outlook& outlook) {
-  ENGRAM_ASSIGN_OR_RETURN(auto predicted, recall.predict(entity, outlook, {}));
-  Recall::Outlook copying = outlook;
+                                       const Recall::PredictionRequest& request) {
+  ENGRAM_ASSIGN_OR_RETURN(auto predicted, recall.predict(entity, request, {}));
+  Recall::PredictionRequest copying = request;
   copying.engine = kCopyLast;
   copying.plan.reset();
   ENGRAM_ASSIGN_OR_RETURN(const auto copied, recall.predict(entity, copying, {}));
@@ -138,7 +138,8 @@ Result<PredictedMoment> predict_moment(Recall& recall, const MemoryId& entity,
 }
 
 Result<std::vector<PredictionQuality>> sweep(Recall& recall, const MemoryId& entity,
-                                             Recall::Outlook outlook, const SweepOptions& options,
+                                             Recall::PredictionRequest request,
+                                             const SweepOptions& options,
                                              const ProgressSink& progress,
                                              const std::stop_token& stop) {
   if (options.every == 0)
@@ -150,13 +151,13 @@ Result<std::vector<PredictionQuality>> sweep(Recall& recall, const MemoryId& ent
       if (times[row] >= options.first.value_or(times.front()) &&
           times[row] <= options.last.value_or(times.back()))
         moments.push_back(times[row]);
-  const size_t count = outlook.horizons.size();
+  const size_t count = request.horizons.size();
   std::vector<PredictionSums> predicted(count), copied(count), moving(count), moving_copied(count);
   for (size_t i = 0; i < moments.size(); i += options.every) {
     if (stop.stop_requested()) return cancelled("predicting was stopped");
     if (progress) progress({"predict " + entity.to_string(), i, moments.size(), {}, -1});
-    outlook.from = moments[i];
-    ENGRAM_ASSIGN_OR_RETURN(const PredictedMoment moment, predict_moment(recall, entity, outlook));
+    request.from = moments[i];
+    ENGRAM_ASSIGN_OR_RETURN(const PredictedMoment moment, predict_moment(recall, entity, request));
     for (size_t h = 0; h < moment.horizons.size(); ++h) {
       const PredictedHorizon& horizon = moment.horizons[h];
       if (!horizon.error || !horizon.copy_error) continue;
@@ -170,8 +171,8 @@ Result<std::vector<PredictionQuality>> sweep(Recall& recall, const MemoryId& ent
   std::vector<PredictionQuality> qualities;
   for (size_t h = 0; h < predicted.size(); ++h)
     qualities.push_back({static_cast<int>(h + 1), predicted[h].quality.quality(),
-                         copied[h].quality.quality(), predicted[h].foresight(),
-                         copied[h].foresight(), moving[h].quality.quality(),
+                         copied[h].quality.quality(), predicted[h].bound_coverage(),
+                         copied[h].bound_coverage(), moving[h].quality.quality(),
                          moving_copied[h].quality.quality()});
   return qualities;
 }

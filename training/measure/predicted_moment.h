@@ -42,10 +42,10 @@ Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
 /// Errors: kNotFound where there is none; those of the store.
 Result<Time> last_known_from(ltm::Recall& recall, const ltm::MemoryId& entity, Duration ahead);
 
-/// Predicts as if nothing after outlook.from were known, and compares.
+/// Predicts as if nothing after `request.from` were known, and compares.
 /// Errors: those of Recall.
 Result<PredictedMoment> predict_moment(ltm::Recall& recall, const ltm::MemoryId& entity,
-                                       const ltm::Recall::Outlook& outlook);
+                                       const ltm::Recall::PredictionRequest& request);
 
 /// The moments of a sweep.
 struct SweepOptions {
@@ -57,7 +57,7 @@ struct SweepOptions {
 /// horizons whose time is known. Quality per horizon, in their order; `horizon` is its number.
 /// Errors: kInvalidArgument where `every` is 0; kCancelled; those of Recall.
 Result<std::vector<PredictionQuality>> sweep(ltm::Recall& recall, const ltm::MemoryId& entity,
-                                             ltm::Recall::Outlook outlook,
+                                             ltm::Recall::PredictionRequest request,
                                              const SweepOptions& options,
                                              const ProgressSink& progress,
                                              const std::stop_token& stop);

@@ -29,7 +29,7 @@ struct Coverage {
   [[nodiscard]] double share() const;  ///< Of those within; NaN without any.
 };
 
-struct Foresight {
+struct BoundCoverage {
   Coverage images, numbers;
 };
 

@@ -26,7 +26,7 @@ nlohmann::ordered_json quality_json(const Quality& quality) {
   return json;
 }
 
-nlohmann::ordered_json foresight_json(const Foresight& foresight) {
+nlohmann::ordered_json bound_coverage_json(const BoundCoverage& bound_coverage) {
   const auto coverage_json = [](const Coverage& coverage, const char* unit) {
     return nlohmann::ordered_json{
         {"predictions", coverage.predictions},
@@ -36,8 +36,8 @@ nlohmann::ordered_json foresight_json(const Foresight& foresight) {
         {fmt::format("expected_{}", unit), number_json(coverage.expected)}};
   };
   return {{"probability", ltm::kBoundProbability},
-          {"images", coverage_json(foresight.images, "db")},
-          {"numbers", coverage_json(foresight.numbers, "rmse")}};
+          {"images", coverage_json(bound_coverage.images, "db")},
+          {"numbers", coverage_json(bound_coverage.numbers, "rmse")}};
 }
 
 }  // namespace engram::training

@@ -13,6 +13,6 @@ namespace engram::training {
 [[nodiscard]] nlohmann::ordered_json number_json(double value);
 [[nodiscard]] nlohmann::ordered_json quality_json(const Quality& quality);
 /// Of both kinds, those that predictions were told for.
-[[nodiscard]] nlohmann::ordered_json foresight_json(const Foresight& foresight);
+[[nodiscard]] nlohmann::ordered_json bound_coverage_json(const BoundCoverage& bound_coverage);
 
 }  // namespace engram::training

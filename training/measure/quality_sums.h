@@ -6,7 +6,7 @@
 
 #include "ltm/recall/model.h"
 #include "training/measure/prediction_quality.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 // Private to this room.
 
@@ -60,7 +60,9 @@ struct PredictionSums {
 
   void add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error, double ssim = kNoSsim);
   void add(const PredictionSums& more);
-  [[nodiscard]] Foresight foresight() const { return {images.coverage(), numbers.coverage()}; }
+  [[nodiscard]] BoundCoverage bound_coverage() const {
+    return {images.coverage(), numbers.coverage()};
+  }
 };
 
 }  // namespace engram::training

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 
 namespace {
 
-constexpr size_t kMostAsking = 64;
+constexpr size_t kMaxAsking = 64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double distance(std::span<const float> a, std::span<const float> b) {
@@ -71,7 +71,7 @@ Result<SimilaritySums> measure_similarity(std::span<const std::vector<float>> co
                                           const std::stop_token& stop) {
   SimilaritySums sums;
   if (codes.size() < 2 || codes.front().empty()) return sums;
-  const size_t stride = (asking.size() + kMostAsking - 1) / kMostAsking;
+  const size_t stride = (asking.size() + kMaxAsking - 1) / kMaxAsking;
   std::vector<Asking> all;
   for (size_t i = asking.first; i < asking.end; i += stride) {
     ENGRAM_ASSIGN_OR_RETURN(idf::Data value, read(i));

@@ -60,13 +60,13 @@ Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned
   if (form.train.width == 0) {
     form.train.width = width_that_pays(planned.layout, form.train, saved);
     if (form.train.width > 0) return true;
-  } else if (static_cast<double>(networks) <= kMostModelShare * saved) {
+  } else if (static_cast<double>(networks) <= kMaxModelShare * saved) {
     return true;
   }
   form.notes.push_back(fmt::format(
       "video at {:.1f} dB takes {:.0f} bytes a snapshot: {:.0f} % of it in {} nights is "
       "less than what networks take ({} bytes)",
-      representation.bound_db, video, 100 * kMostModelShare, representation.nights, networks));
+      representation.bound_db, video, 100 * kMaxModelShare, representation.nights, networks));
   return false;
 }
 

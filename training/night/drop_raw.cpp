@@ -6,7 +6,7 @@
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
 #include "training/fit/job_pace.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 

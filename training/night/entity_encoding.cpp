@@ -15,8 +15,8 @@ Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace&
   std::vector<Time> times;
   for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
   for (const Sequence& sequence : cut_sequences(times))
-    for (size_t first = sequence.first; first < sequence.end; first += most_rows_) {
-      const size_t count = std::min(most_rows_, sequence.end - first);
+    for (size_t first = sequence.first; first < sequence.end; first += max_rows_) {
+      const size_t count = std::min(max_rows_, sequence.end - first);
       // Rows of several instances are more than snapshots.
       const auto pause = [&](size_t rows) {
         tell(first + std::min(rows, count));
@@ -63,7 +63,7 @@ Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const i
     const auto rest = values.subspan(first);
     const auto on_row = [&](size_t row) { return pause(first + row); };
     ENGRAM_ASSIGN_OR_RETURN(
-        auto coded, choice_.encode(rest.first(std::min(most_rows_, rest.size())), stop, on_row));
+        auto coded, choice_.encode(rest.first(std::min(max_rows_, rest.size())), stop, on_row));
     std::ranges::move(coded, std::back_inserter(latents));
   }
   return latents;

@@ -9,7 +9,7 @@
 #include "training/fit/job_pace.h"
 #include "training/forms/block_choice.h"
 #include "training/night/kept_quality.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 // Internal to the learning rooms: includes LibTorch.
 
@@ -28,7 +28,7 @@ class EntityEncoding {
       : reader_(reader),
         entity_(entity),
         version_(version),
-        most_rows_(model.block_rows()),
+        max_rows_(model.block_rows()),
         choice_(model, options),
         decoder_(decoder) {}
 
@@ -51,7 +51,7 @@ class EntityEncoding {
   ltm::StoreReader& reader_;
   const ltm::MemoryId& entity_;
   int version_;
-  size_t most_rows_;
+  size_t max_rows_;
   BlockChoice choice_;
   ltm::Encoder& decoder_;
   std::vector<ltm::LatentSnapshot> latents_;

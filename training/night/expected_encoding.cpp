@@ -16,7 +16,7 @@ namespace {
 /// Snapshots that encoding is measured on.
 constexpr size_t kSample = 32;
 /// Predictions are measured beside encoding, on so many snapshots at most.
-constexpr size_t kMostMeasured = 256;
+constexpr size_t kMaxMeasured = 256;
 
 }  // namespace
 
@@ -59,7 +59,7 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
   const bool has_previous =
       work.options.representation.kind == Representation::kAuto && planned.plan.newest_version > 0;
   const auto news = static_cast<double>(has_previous ? planned.plan.new_snapshots : 0);
-  const auto measured = static_cast<double>(std::min(entries.size(), kMostMeasured));
+  const auto measured = static_cast<double>(std::min(entries.size(), kMaxMeasured));
   return ExpectedEncoding{
       per_snapshot * count,
       with_encoding_margin(per_snapshot * (count * (may_repeat ? 2 : 1) + news + measured))};

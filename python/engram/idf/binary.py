@@ -197,10 +197,10 @@ class _Reader:
                 return value
         raise self._error("a length exceeds 64 bits")
 
-    def _count(self, least: int) -> int:
-        """A number of things of which each takes at least `least` of the bytes that are left."""
+    def _count(self, min_size: int) -> int:
+        """A number of things of which each takes at least `min_size` of the bytes that are left."""
         announced = self._varint()
-        if announced > self._left() // least:
+        if announced > self._left() // min_size:
             raise self._error(f"{announced} elements announced, {self._left()} bytes left")
         return announced
 

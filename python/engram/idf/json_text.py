@@ -22,7 +22,7 @@ _LARGEST_EXACT_INT = 2**53
 _MAX_NUMPY_RANK = 32
 _PLAIN_NAN = {"float32": 0x7FC00000, "float64": 0x7FF8000000000000}
 # Where the decimal point of plain notation may stand; beyond it exponents are printed.
-_LEAST_POINT, _MOST_POINT = -3, 15
+_MIN_POINT, _MAX_POINT = -3, 15
 
 
 def to_json(value: object) -> str:
@@ -115,9 +115,9 @@ def _write_double(value: float) -> str:
     digits = digits.rstrip("0")
     if not digits:
         return sign + "0.0"
-    if _LEAST_POINT <= point <= 0:
+    if _MIN_POINT <= point <= 0:
         return f"{sign}0.{'0' * -point}{digits}"
-    if 0 < point <= _MOST_POINT:
+    if 0 < point <= _MAX_POINT:
         padded = digits.ljust(point, "0")
         return f"{sign}{padded[:point]}.{padded[point:] or '0'}"
     rest = f".{digits[1:]}" if len(digits) > 1 else ""

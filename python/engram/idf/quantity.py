@@ -26,12 +26,12 @@ def is_within(quantity: Quantity, numbers: npt.NDArray[Any]) -> npt.NDArray[np.b
         return within
     # As whole numbers of the same type: 64 bits do not fit into a double.
     limits = np.iinfo(numbers.dtype)
-    least = int(limits.min) if low is None else math.ceil(low)
-    most = int(limits.max) if high is None else math.floor(high)
-    if least > limits.max or most < limits.min:
+    min_value = int(limits.min) if low is None else math.ceil(low)
+    max_value = int(limits.max) if high is None else math.floor(high)
+    if min_value > limits.max or max_value < limits.min:
         return np.zeros(numbers.shape, np.bool_)
-    first = numbers.dtype.type(max(least, int(limits.min)))
-    last = numbers.dtype.type(min(most, int(limits.max)))
+    first = numbers.dtype.type(max(min_value, int(limits.min)))
+    last = numbers.dtype.type(min(max_value, int(limits.max)))
     within &= numbers >= first
     within &= numbers <= last
     return within

@@ -216,13 +216,13 @@ def _check(made: _Sized) -> None:
         _check_unique("member", [member.name for member in of.all_members])
     if isinstance(of, types.Quantity):
         _check_bounds(of)
-    for found, most, what in (
+    for found, max_count, what in (
         (made.depth, _MAX_DEPTH, "levels"),
         (made.nodes, _MAX_NODES, "nodes"),
         (made.default_bytes, _MAX_DEFAULT_BYTES, "bytes of arrays in its default value"),
     ):
-        if found > most:
-            raise IdfError(f"has {found} {what}, at most {most} are allowed")
+        if found > max_count:
+            raise IdfError(f"has {found} {what}, at most {max_count} are allowed")
 
 
 def _check_unique(what: str, names: list[str]) -> None:

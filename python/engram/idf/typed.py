@@ -178,7 +178,7 @@ _NUMBERS: dict[str, Any] = {
     "float64": np.float64,
 }
 _INT_ENDS = {"int32": 2**31, "int64": 2**63}
-_FLOAT32_MOST = float(np.finfo(np.float32).max)
+_FLOAT32_MAX = float(np.finfo(np.float32).max)
 
 
 def _write_leaf(given: Any, of: Type, path: str) -> Any:
@@ -191,7 +191,7 @@ def _write_leaf(given: Any, of: Type, path: str) -> Any:
     # What most numbers are, without the detour by way of an array.
     if type(given) is int and kind[0] == "i" and abs(given) < _INT_ENDS[kind]:
         return _NUMBERS[kind](given)
-    if type(given) is float and kind[0] == "f" and abs(given) <= _FLOAT32_MOST:
+    if type(given) is float and kind[0] == "f" and abs(given) <= _FLOAT32_MAX:
         return _NUMBERS[kind](given)
     if not isinstance(given, (int, float, np.integer, np.floating)) or isinstance(given, bool):
         raise _unfit(given, of, path)

@@ -2,7 +2,7 @@
 #include "datasets/hdf5/episodes_reader.h"
 
 #include "ltm/core/file.h"
-#include "tests/datasets/hdf5/fixtures.h"
+#include "tests/datasets/hdf5/hdf5_fixtures.h"
 
 namespace engram::datasets {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/hdf5/episodes_writer.h"
 
-#include "tests/datasets/hdf5/fixtures.h"
+#include "tests/datasets/hdf5/hdf5_fixtures.h"
 
 namespace engram::datasets {
 namespace {

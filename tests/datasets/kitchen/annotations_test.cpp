@@ -6,8 +6,8 @@
 #include <map>
 
 #include "datasets/kitchen/entities.h"
+#include "datasets/kitchen/kinematics.h"
 #include "datasets/kitchen/kitchen_types.h"
-#include "datasets/kitchen/reach.h"
 #include "datasets/kitchen/reporter.h"
 #include "datasets/kitchen/stance.h"
 
@@ -18,16 +18,15 @@ constexpr DrawingSize kFull{};
 
 /// Smallest and largest coordinates of something in an image.
 struct Bounds {
-  Eigen::Vector2d least{1e9, 1e9};
-  Eigen::Vector2d most{-1e9, -1e9};
+  Eigen::Vector2d min{1e9, 1e9};
+  Eigen::Vector2d max{-1e9, -1e9};
 
   void add(const Eigen::Vector2d& point) {
-    least = least.cwiseMin(point);
-    most = most.cwiseMax(point);
+    min = min.cwiseMin(point);
+    max = max.cwiseMax(point);
   }
   [[nodiscard]] bool is_inside() const {
-    return least.x() > 2 && least.y() > 2 && most.x() < kFull.width - 3 &&
-           most.y() < kFull.height - 3;
+    return min.x() > 2 && min.y() > 2 && max.x() < kFull.width - 3 && max.y() < kFull.height - 3;
   }
 };
 
@@ -55,7 +54,7 @@ class KitchenAnnotations : public ::testing::Test {
   void record(Surface surface) {
     RobotVector robot = resting_pose();
     robot.head<3>() = standing_at(slot_point(surface, 2), surface, 0.1);
-    const auto [yaw, pitch] = Reach(*world_).look_at(robot, slot_point(surface, 2));
+    const auto [yaw, pitch] = Kinematics(*world_).look_at(robot, slot_point(surface, 2));
     robot[joint_index("neck_yaw")] = yaw;
     robot[joint_index("neck_pitch")] = pitch;
     world_->place_robot(robot);
@@ -110,8 +109,8 @@ TEST_F(KitchenAnnotations, ProjectObjectsToWhereBothCamerasDrawThem) {
         }
         if (!projected.is_inside()) continue;
         const Bounds drawn = bounds_of(eye == 0 ? masks.first : masks.second);
-        EXPECT_LT((projected.least - drawn.least).cwiseAbs().maxCoeff(), 1.0) << type.name << eye;
-        EXPECT_LT((projected.most - drawn.most).cwiseAbs().maxCoeff(), 1.0) << type.name << eye;
+        EXPECT_LT((projected.min - drawn.min).cwiseAbs().maxCoeff(), 1.0) << type.name << eye;
+        EXPECT_LT((projected.max - drawn.max).cwiseAbs().maxCoeff(), 1.0) << type.name << eye;
         ++compared;
       }
     }

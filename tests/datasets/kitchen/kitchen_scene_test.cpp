@@ -124,12 +124,12 @@ TEST_F(KitchenSceneTest, LooksLikeWhatWasRecorded) {
   const cv::Mat a = edges(recorded);
   const cv::Mat b = edges(rendered);
   // They fit best where they are: not when one is moved by a pixel or more.
-  constexpr int kMost = 3;
-  const cv::Rect middle(kMost, kMost, a.cols - 2 * kMost, a.rows - 2 * kMost);
+  constexpr int kMax = 3;
+  const cv::Rect middle(kMax, kMax, a.cols - 2 * kMax, a.rows - 2 * kMax);
   double best = 0;
   cv::Point best_shift(-100, -100);
-  for (int y = -kMost; y <= kMost; ++y) {
-    for (int x = -kMost; x <= kMost; ++x) {
+  for (int y = -kMax; y <= kMax; ++y) {
+    for (int x = -kMax; x <= kMax; ++x) {
       const cv::Mat moved = b(middle + cv::Point(x, y));
       const double fit = a(middle).dot(moved) / std::sqrt(moved.dot(moved));
       if (fit > best) {

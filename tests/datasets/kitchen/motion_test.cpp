@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "datasets/kitchen/reach.h"
+#include "datasets/kitchen/kinematics.h"
 #include "datasets/kitchen/script.h"
 #include "datasets/kitchen/stance.h"
 #include "datasets/kitchen/trajectory.h"
@@ -44,7 +44,7 @@ TEST(KitchenReach, FindsEverySlotWithBothHands) {
   Layout layout = make_layout(1);
   auto world = World::create(layout, kSmall);
   ASSERT_TRUE(world.ok()) << world.status().to_string();
-  Reach reach(*world);
+  Kinematics kinematics(*world);
   for (const Surface surface : {Surface::kCounter, Surface::kTable})
     for (const Side side : {Side::kLeft, Side::kRight})
       for (const ThingClass& type : all_thing_classes()) {
@@ -57,7 +57,7 @@ TEST(KitchenReach, FindsEverySlotWithBothHands) {
         RobotVector robot = resting_pose();
         robot.head<3>() = standing_at(foot, surface, 0.19 * sign_of(side));
         const Grasp grasp = grasp_of(type, thing, side, heading);
-        const auto answer = reach.solve(robot, side, thing * grasp.pose_thing_hand);
+        const auto answer = kinematics.solve(robot, side, thing * grasp.pose_thing_hand);
         EXPECT_LT(answer.error_m, 0.005) << type.name << " " << to_string(side);
         for (int i = 0; i < kRobotJoints; ++i) {
           EXPECT_GE(answer.pose[i], world->range(i).first) << joint_names().at(i);

@@ -12,7 +12,7 @@ namespace {
 using testing::TemporaryDirectory;
 
 /// Writes and reads 40 images; expects exact times and at least this quality on every image.
-void expect_round_trip(const VideoWriter::Options& options, double least_psnr_db) {
+void expect_round_trip(const VideoWriter::Options& options, double min_psnr_db) {
   const TemporaryDirectory directory;
   constexpr int kCount = 40;
   const Status status = testing::write_video(directory / "a.mp4", kCount, options);
@@ -31,7 +31,7 @@ void expect_round_trip(const VideoWriter::Options& options, double least_psnr_db
     EXPECT_EQ(frame.time.count(), std::llround(ns)) << i;
     EXPECT_GT(
         testing::psnr_db(frame.image, testing::smooth_image(options.width, options.height, i)),
-        least_psnr_db)
+        min_psnr_db)
         << i;
   }
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "datasets/rosbag/compression.h"
+#include "datasets/rosbag/bag_compression.h"
 #include "tests/datasets/rosbag/example_bags.h"
 
 namespace engram::datasets::rosbag {
@@ -282,7 +282,7 @@ TEST_F(BagWriterTest, RefusesWhatNobodyCouldRead) {
   ASSERT_OK(writer);
   writer->add(text_connection_of(0, "/text"));
   const std::byte one{};
-  const std::span<const std::byte> large(&one, BagWriter::kMostMessageBytes + 1);
+  const std::span<const std::byte> large(&one, BagWriter::kMaxMessageBytes + 1);
   EXPECT_FAILS(writer->write({0, 1, large}), StatusCode::kInvalidArgument, "268435457 bytes");
 }
 

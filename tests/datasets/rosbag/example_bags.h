@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/rosbag/records.h"
+#include "datasets/rosbag/bag_records.h"
 #include "datasets/rosbag/rosbag_format.h"
 #include "ltm/core/file.h"
 #include "tests/ltm/expect_status.h"

@@ -16,8 +16,8 @@ constexpr LatentGrid kShape{3, 24, 40};
 /// Smooth ground with an edge; noise that all channels share, and some of their own.
 std::vector<uint8_t> some_scenes(size_t scenes, int shared, int own, unsigned seed) {
   std::mt19937 random(seed);
-  const auto noise = [&](int most) {
-    return most == 0 ? 0 : static_cast<int>(random() % static_cast<unsigned>(2 * most + 1)) - most;
+  const auto noise = [&](int max) {
+    return max == 0 ? 0 : static_cast<int>(random() % static_cast<unsigned>(2 * max + 1)) - max;
   };
   std::vector<int> common(static_cast<size_t>(kShape.height * kShape.width));
   std::vector<uint8_t> pixels;

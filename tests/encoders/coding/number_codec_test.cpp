@@ -345,7 +345,7 @@ TEST(NumberTraining, RefusesRecordingsOfAnotherSize) {
 
 TEST(NumberTraining, TakesAnEmptyRecordingBesideALongOne) {
   const std::vector<std::vector<double>> recordings{{}, arm(40, 4, 6)};
-  const auto codec = trained_codec({{NumberKind::kBounded, 4, 1e-3}}, recordings, {.most_rows = 9});
+  const auto codec = trained_codec({{NumberKind::kBounded, 4, 1e-3}}, recordings, {.max_rows = 9});
   expect_near(round_trip(codec, recordings[1]), recordings[1], 1e-3);
 }
 

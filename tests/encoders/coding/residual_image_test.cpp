@@ -41,7 +41,7 @@ uint64_t squared_error(const Pixels& a, const Pixels& b) {
 }
 
 /// The sum of squares that a PSNR allows.
-uint64_t most_error(const PixelShape& shape, double psnr_db) {
+uint64_t max_error(const PixelShape& shape, double psnr_db) {
   return static_cast<uint64_t>(255.0 * 255 * std::pow(10, -psnr_db / 10) *
                                static_cast<double>(shape.count()));
 }
@@ -54,7 +54,7 @@ std::vector<std::byte> coded(const PixelShape& shape, double psnr_db) {
   for (int row = 0; row < static_cast<int>(kRows); ++row) {
     const bool is_good = row == 1 || row == 4;
     EXPECT_TRUE(encoder.add(is_good ? recorded(shape, row) : decoded(shape, row),
-                            recorded(shape, row), most_error(shape, psnr_db)));
+                            recorded(shape, row), max_error(shape, psnr_db)));
   }
   return encoder.finish();
 }
@@ -70,7 +70,7 @@ TEST(ResidualImage, KeepsTheBoundInEveryRowThatHasOne) {
         Pixels image = decoded(shape, row);
         const auto& residual = (*rows)[static_cast<size_t>(row)];
         if (!residual.empty()) add_residual(residual, shape, image);
-        EXPECT_LE(squared_error(image, recorded(shape, row)), most_error(shape, psnr_db))
+        EXPECT_LE(squared_error(image, recorded(shape, row)), max_error(shape, psnr_db))
             << shape.width << " " << psnr_db << " row " << row;
       }
       EXPECT_TRUE((*rows)[1].empty());
@@ -93,7 +93,7 @@ TEST(ResidualImage, GoesOnFromWhatTheLastImageLacked) {
   const PixelShape shape = kShapes.front();
   ResidualEncoder encoder(shape);
   for (int row = 0; row < 3; ++row)
-    ASSERT_TRUE(encoder.add(decoded(shape, 1), recorded(shape, 1), most_error(shape, 40)));
+    ASSERT_TRUE(encoder.add(decoded(shape, 1), recorded(shape, 1), max_error(shape, 40)));
   const auto bytes = residual_bytes(encoder.finish(), 3);
   ASSERT_TRUE(bytes.ok()) << bytes.status().to_string();
   EXPECT_LT(*(*bytes)[1], *(*bytes)[0] / 10);

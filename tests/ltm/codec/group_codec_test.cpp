@@ -43,7 +43,7 @@ class GroupCodecTest : public ::testing::TestWithParam<std::string> {
         ->decode(bytes, like[0].type(), like[0].shape(), like.size());
   }
 
-  void expect_round_trip(const Group& group, double least_db) {
+  void expect_round_trip(const Group& group, double min_db) {
     const auto bytes = codec().encode(group);
     ASSERT_OK(bytes);
     const auto decoded = decode(*bytes, group);
@@ -54,7 +54,7 @@ class GroupCodecTest : public ::testing::TestWithParam<std::string> {
       if (codec().is_lossless())
         EXPECT_EQ((*decoded)[i], group[i]) << i;
       else
-        EXPECT_GE(psnr_db(group[i], (*decoded)[i]), least_db) << i;
+        EXPECT_GE(psnr_db(group[i], (*decoded)[i]), min_db) << i;
     }
   }
 

@@ -83,6 +83,30 @@ TEST(Config, SuggestsTheKnownKeyThatIsClosest) {
   EXPECT_OK(known.finish());
 }
 
+TEST(Config, TakesTheOldNameOfAKeyWithAWarning) {
+  constexpr DeprecatedWord kKey{"most", "max", "0.3"};
+  uint64_t size = 0;
+  ConfigMap old = map_of("most: 2kB\n");
+  ::testing::internal::CaptureStderr();
+  EXPECT_OK(old.read(kKey, size, &ConfigValue::bytes));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("'most'"), HasSubstr("'max'"), HasSubstr("version 0.3")));
+  EXPECT_EQ(size, 2000u);
+  EXPECT_OK(old.finish());
+
+  ConfigMap now = map_of("max: 3kB\n");
+  ::testing::internal::CaptureStderr();
+  EXPECT_OK(now.read(kKey, size, &ConfigValue::bytes));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(size, 3000u);
+
+  ConfigMap both = map_of("max: 3kB\nmost: 3kB\n");
+  EXPECT_REFUSED(both.find(kKey), HasSubstr("f.yaml:2"), HasSubstr("'most'"), HasSubstr("'max'"));
+  ConfigMap wrong = map_of("mix: 3kB\n");
+  EXPECT_OK(wrong.find(kKey));
+  EXPECT_REFUSED(wrong.finish(), HasSubstr("mean 'max'?"));
+}
+
 TEST(Config, FindsTheClosestWord) {
   const std::vector<std::string> known{"frequency", "equality", "match", "rate"};
   EXPECT_EQ(closest_word("frequence", known), "frequency");

@@ -63,16 +63,16 @@ TEST(MutexLock, IsFreeBetweenUnlockAndLock) {
 TEST(SharedMutex, LetsReadersInTogetherAndAWriterAlone) {
   SharedMutex mutex;
   std::atomic<int> inside{0};
-  std::atomic<int> most{0};
+  std::atomic<int> max{0};
   std::atomic<bool> is_mixed{false};
   const auto wait_for_two = [&] {
-    for (int i = 0; i < 2000 && most < 2; ++i) std::this_thread::sleep_for(milliseconds(1));
+    for (int i = 0; i < 2000 && max < 2; ++i) std::this_thread::sleep_for(milliseconds(1));
   };
   std::vector<std::jthread> threads;
   for (int i = 0; i < 2; ++i)
     threads.emplace_back([&] {
       const SharedLock lock(mutex);
-      most = std::max<int>(most, ++inside);
+      max = std::max<int>(max, ++inside);
       wait_for_two();
       --inside;
     });
@@ -82,7 +82,7 @@ TEST(SharedMutex, LetsReadersInTogetherAndAWriterAlone) {
     is_mixed = inside != 0;
   });
   threads.clear();
-  EXPECT_EQ(most, 2);
+  EXPECT_EQ(max, 2);
   EXPECT_FALSE(is_mixed);
 }
 

@@ -43,7 +43,7 @@ class CarryOut : public ForgetFixture {
     }
     if (random() % 2 == 0) options.rules.emplace_back().redundancy.emplace();
     if (random() % 3 == 0) {
-      options.most_bytes = store_bytes * (random() % 100) / 100;
+      options.max_bytes = store_bytes * (random() % 100) / 100;
       options.first.emplace_back().importance = ImportancePolicy::Options{};
     }
     return options;
@@ -78,7 +78,7 @@ TEST_F(CarryOut, ForgetsExactlyThePlan) {
     EXPECT_EQ(report->rewritten.snapshots, made->snapshots());
     expect_content_without(made->to_set());
     ForgetOptions rules = options;
-    rules.most_bytes.reset();
+    rules.max_bytes.reset();
     rules.first.clear();
     EXPECT_EQ(plan(rules)->snapshots(), 0u) << "rules leave nothing for a second time";
   }
@@ -89,17 +89,17 @@ TEST_F(CarryOut, MeetsTheQuotaInBytesOfTheDirectory) {
   const uint64_t before = *directory_bytes(store_);
   for (const uint64_t percent : {90, 70, 45, 20}) {
     ForgetOptions options;
-    options.most_bytes = before * percent / 100;
+    options.max_bytes = before * percent / 100;
     const auto made = plan(options);
     ASSERT_OK(made);
     const auto report = carry_out(store_, *made, again(options, *made));
     ASSERT_OK(report);
     EXPECT_EQ(report->missing_bytes, 0u);
-    EXPECT_LE(*directory_bytes(store_), *options.most_bytes);
+    EXPECT_LE(*directory_bytes(store_), *options.max_bytes);
     EXPECT_EQ(report->bytes_after, *directory_bytes(store_));
     // Nor does more go than about one segment.
     EXPECT_GT(*directory_bytes(store_),
-              *options.most_bytes - std::min(before / 6, *options.most_bytes));
+              *options.max_bytes - std::min(before / 6, *options.max_bytes));
   }
 }
 
@@ -110,11 +110,11 @@ TEST_F(CarryOut, MeetsTheQuotaWhereSegmentsGoInPart) {
   ForgetRule& first = options.first.emplace_back();
   first.match = *EntityPattern::parse("Vision/RGB/head/other");
   first.age = AgePolicy::Options{};
-  options.most_bytes = *directory_bytes(store_) - 100'000;
+  options.max_bytes = *directory_bytes(store_) - 100'000;
   const auto made = plan(options);
   const auto report = carry_out(store_, *made, again(options, *made));
   ASSERT_OK(report);
-  EXPECT_LE(*directory_bytes(store_), *options.most_bytes);
+  EXPECT_LE(*directory_bytes(store_), *options.max_bytes);
   EXPECT_GE(report->rounds, 1u);
 }
 
@@ -124,7 +124,7 @@ TEST_F(CarryOut, GoesOnWhereTheEstimateWasTooGood) {
   for (int64_t i = 0; i < 24; ++i) snapshots.push_back(noisy("cam", i, i < 12 ? 10 : 20'000));
   append(snapshots);
   ForgetOptions options;
-  options.most_bytes = *directory_bytes(store_) - 80'000;
+  options.max_bytes = *directory_bytes(store_) - 80'000;
   const auto made = plan(options);
   ASSERT_OK(made);
   EXPECT_EQ(made->missing_bytes, 0u);
@@ -132,7 +132,7 @@ TEST_F(CarryOut, GoesOnWhereTheEstimateWasTooGood) {
   ASSERT_OK(report);
   EXPECT_GE(report->rounds, 2u);
   EXPECT_GT(report->rewritten.snapshots, made->snapshots());
-  EXPECT_LE(*directory_bytes(store_), *options.most_bytes);
+  EXPECT_LE(*directory_bytes(store_), *options.max_bytes);
 }
 
 TEST_F(CarryOut, TheEstimateIsExactWhereWholeSegmentsGo) {
@@ -158,7 +158,7 @@ TEST_F(CarryOut, AnEmptyPlanChangesNothing) {
 TEST_F(CarryOut, AQuotaThatCannotBeMetEnds) {
   seal_noise(3, 1000);
   ForgetOptions options;
-  options.most_bytes = 1;
+  options.max_bytes = 1;
   const auto made = plan(options);
   const auto report = carry_out(store_, *made, again(options, *made));
   ASSERT_OK(report);

@@ -26,8 +26,8 @@ forget:
     - {importance: {path: score, below: 0.25}}
     - {older_than: 1d, redundant: {numbers: {measure: rms, bound: 0.1}, max_gap: 1min}}
   quota:
-    most_bytes: 200GiB
-    least_free_disk: 10GiB
+    max_bytes: 200GiB
+    min_free_disk: 10GiB
     first: [{redundant: {}}, {importance: {}}]
   protect: {entities: [Grasp, .*/Pose], newest: 5, younger_than: 7d, linked: true}
 )");
@@ -42,8 +42,8 @@ forget:
   EXPECT_TRUE(options->rules[3].age && options->rules[3].redundancy);
   EXPECT_EQ(options->rules[3].redundancy->numbers.measure, Measure::kRms);
   EXPECT_EQ(options->rules[3].redundancy->max_gap, std::chrono::minutes(1));
-  EXPECT_EQ(options->most_bytes, uint64_t{200} << 30);
-  EXPECT_EQ(options->least_free_disk_bytes, uint64_t{10} << 30);
+  EXPECT_EQ(options->max_bytes, uint64_t{200} << 30);
+  EXPECT_EQ(options->min_free_disk_bytes, uint64_t{10} << 30);
   EXPECT_THAT(options->first, SizeIs(2));
   EXPECT_THAT(options->protection.entities, SizeIs(2));
   EXPECT_EQ(options->protection.newest, 5u);
@@ -56,7 +56,19 @@ TEST(ForgetConfig, ProtectsTheNewestByDefault) {
   ASSERT_OK(options);
   EXPECT_EQ(options->protection.newest, 1u);
   EXPECT_FALSE(options->protection.linked);
-  EXPECT_FALSE(options->most_bytes.has_value());
+  EXPECT_FALSE(options->max_bytes.has_value());
+}
+
+TEST(ForgetConfig, TakesTheOldNamesOfQuotasWithAWarning) {
+  ::testing::internal::CaptureStderr();
+  const auto options = parse("forget: {quota: {most_bytes: 2GiB, least_free_disk: 1GiB}}");
+  const std::string told = ::testing::internal::GetCapturedStderr();
+  ASSERT_OK(options);
+  EXPECT_EQ(options->max_bytes, uint64_t{2} << 30);
+  EXPECT_EQ(options->min_free_disk_bytes, uint64_t{1} << 30);
+  for (const char* word : {"forget.quota.most_bytes", "'max_bytes'", "forget.quota.least_free_disk",
+                           "'min_free_disk'", "version 0.3"})
+    EXPECT_THAT(told, HasSubstr(word));
 }
 
 TEST(ForgetConfig, IsStrict) {
@@ -75,9 +87,10 @@ TEST(ForgetConfig, IsStrict) {
       {"forget: {rules: [{importance: {below: high}}]}", "below"},
       {"forget: {rules: [{redundant: {numbers: {measure: rms, bound: -1}}}]}", "bound"},
       {"forget: {rules: [{redundant: {max_gap: 0s}}]}", "max_gap"},
-      {"forget: {quota: {}}", "most_bytes"},
-      {"forget: {quota: {first: [{redundant: {}}]}}", "most_bytes"},
-      {"forget: {quota: {most_bytes: 12}}", "most_bytes"},
+      {"forget: {quota: {}}", "max_bytes"},
+      {"forget: {quota: {first: [{redundant: {}}]}}", "max_bytes"},
+      {"forget: {quota: {max_bytes: 12}}", "max_bytes"},
+      {"forget: {quota: {max_bytes: 1B, most_bytes: 1B}}", "stands beside 'max_bytes'"},
       {"forget: {protect: {newest: -1}}", "0 or more"},
       {"forget: {protect: {linked: maybe}}", "linked"},
       {"forget: {protect: {match: Grasp}}", "match"},

@@ -108,7 +108,7 @@ TEST_F(PlanForgetting, AQuotaTakesTheOldestOfAllEntities) {
     append({noisy("cam", 2 * i, 40'000), noisy("other", 2 * i + 1, 40'000)});
   }
   ForgetOptions options;
-  options.most_bytes = context().store_bytes - 60'000;
+  options.max_bytes = context().store_bytes - 60'000;
   const auto made = plan(options);
   EXPECT_THAT(gone(made), ElementsAre(0));
   EXPECT_THAT(gone(made, "other"), ElementsAre(1));
@@ -119,11 +119,11 @@ TEST_F(PlanForgetting, AQuotaTakesTheOldestOfAllEntities) {
 TEST_F(PlanForgetting, AQuotaTakesWhatRulesNameFirst) {
   for (int64_t i = 0; i < 6; ++i) append({numbered("cam", i, 1), noisy("other", i, 40'000)});
   ForgetOptions options;
-  ForgetRule least;
-  least.match = *EntityPattern::parse("Vision/RGB/head/cam");
-  least.importance = ImportancePolicy::Options{};
-  options.first = {least};
-  options.most_bytes = context().store_bytes - 30'000;
+  ForgetRule unimportant;
+  unimportant.match = *EntityPattern::parse("Vision/RGB/head/cam");
+  unimportant.importance = ImportancePolicy::Options{};
+  options.first = {unimportant};
+  options.max_bytes = context().store_bytes - 30'000;
   const auto made = plan(options);
   EXPECT_THAT(gone(made), ElementsAre(0, 1, 2, 3, 4)) << "all that may go, before any other";
   EXPECT_THAT(gone(made, "other"), ElementsAre(0));
@@ -132,8 +132,8 @@ TEST_F(PlanForgetting, AQuotaTakesWhatRulesNameFirst) {
 TEST_F(PlanForgetting, AMetQuotaTakesNothing) {
   seal_numbers("cam", 0, 5);
   ForgetOptions options;
-  options.most_bytes = context().store_bytes;
-  options.least_free_disk_bytes = 1;
+  options.max_bytes = context().store_bytes;
+  options.min_free_disk_bytes = 1;
   EXPECT_EQ(plan(options)->snapshots(), 0u);
 }
 
@@ -147,12 +147,12 @@ TEST_F(PlanForgetting, GroupsOfImagesFreeNothingUntilTheyGoWhole) {
   EXPECT_EQ(cut->freed_bytes, 0u);
   EXPECT_EQ(cut->entities.at(example_entity()).freed_bytes, 0u);
   ForgetOptions options;
-  options.most_bytes = context().store_bytes - 40'000;
+  options.max_bytes = context().store_bytes - 40'000;
   const auto made = plan(options);
   EXPECT_THAT(gone(made), SizeIs(20)) << "the first segment whole, and no more";
   EXPECT_EQ(made->missing_bytes, 0u);
   ASSERT_OK(forget_snapshots(store_, made->to_set()));
-  EXPECT_LE(context().store_bytes, *options.most_bytes) << "the plan keeps its word";
+  EXPECT_LE(context().store_bytes, *options.max_bytes) << "the plan keeps its word";
 }
 
 TEST_F(PlanForgetting, FreeDiskSpaceIsAQuotaToo) {
@@ -162,7 +162,7 @@ TEST_F(PlanForgetting, FreeDiskSpaceIsAQuotaToo) {
   ForgetContext world = context();
   world.free_disk_bytes = 1'000'000;
   ForgetOptions options;
-  options.least_free_disk_bytes = 1'030'000;
+  options.min_free_disk_bytes = 1'030'000;
   EXPECT_THAT(gone(plan_forgetting(source, options, world)), ElementsAre(0));
 }
 
@@ -171,25 +171,25 @@ TEST_F(PlanForgetting, LaterRoundsLookAtTheDirectoryAlone) {
   first.store_bytes = 5000;
   first.free_disk_bytes = 1'000'000;
   ForgetOptions options = all_old();
-  options.least_free_disk_bytes = 1'000'100;
+  options.min_free_disk_bytes = 1'000'100;
   options.first = {older_than(Seconds(1))};
-  EXPECT_EQ(quota_after(options, first).most_bytes, 4900u);
+  EXPECT_EQ(quota_after(options, first).max_bytes, 4900u);
   EXPECT_TRUE(quota_after(options, first).rules.empty());
-  EXPECT_FALSE(quota_after(options, first).least_free_disk_bytes.has_value());
-  options.most_bytes = 4000;
-  EXPECT_EQ(quota_after(options, first).most_bytes, 4000u);
-  options.most_bytes.reset();
-  options.least_free_disk_bytes = 2'000'000;
-  EXPECT_EQ(quota_after(options, first).most_bytes, 0u);
-  options.least_free_disk_bytes = 1000;
-  EXPECT_FALSE(quota_after(options, first).most_bytes.has_value());
+  EXPECT_FALSE(quota_after(options, first).min_free_disk_bytes.has_value());
+  options.max_bytes = 4000;
+  EXPECT_EQ(quota_after(options, first).max_bytes, 4000u);
+  options.max_bytes.reset();
+  options.min_free_disk_bytes = 2'000'000;
+  EXPECT_EQ(quota_after(options, first).max_bytes, 0u);
+  options.min_free_disk_bytes = 1000;
+  EXPECT_FALSE(quota_after(options, first).max_bytes.has_value());
   EXPECT_OK(quota_after(options, first).validate());
 }
 
 TEST_F(PlanForgetting, AQuotaThatCannotBeMetSaysByHowMuch) {
   seal_numbers("cam", 0, 5);
   ForgetOptions options;
-  options.most_bytes = 10;
+  options.max_bytes = 10;
   const auto made = plan(options);
   EXPECT_THAT(gone(made), SizeIs(4));
   EXPECT_GT(made->missing_bytes, 0u);

@@ -25,7 +25,7 @@ class Policies : public ForgetFixture {
   }
   static ForgetRule access(std::optional<Duration> unread_for, std::optional<uint64_t> less_than) {
     ForgetRule rule;
-    rule.access = AccessPolicy::Options{unread_for, less_than};
+    rule.access = UnreadPolicy::Options{unread_for, less_than};
     return rule;
   }
   static ForgetRule redundant(std::optional<Duration> max_gap, double bound = 0.5) {

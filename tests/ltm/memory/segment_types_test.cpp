@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/memory/segment_types.h"
 
-#include "ltm/idf/check.h"
+#include "ltm/idf/type_check.h"
 #include "tests/ltm/expect_status.h"
 
 namespace engram::ltm {

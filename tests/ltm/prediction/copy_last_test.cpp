@@ -19,7 +19,7 @@ TEST(CopyLast, AnswersWithTheLastValue) {
     EXPECT_EQ(one.value, idf::Data("last"));
     EXPECT_EQ(one.error, ErrorEstimate{}) << "nothing is known of it";
   }
-  EXPECT_TRUE(predictor->records(Told::kConditions).empty());
+  EXPECT_TRUE(predictor->records(PredictorInputs::kConditions).empty());
   EXPECT_FAILS(predictor->predict({}, 1), StatusCode::kInvalidArgument, "at least one");
 }
 

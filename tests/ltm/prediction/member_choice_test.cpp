@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "ltm/prediction/entity_forecaster.h"
+#include "ltm/prediction/entity_predictor.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/print_values.h"
 
@@ -31,23 +31,23 @@ Dict cup(int row) {
 
 class Cup {
  public:
-  explicit Cup(int rows, EngineChoiceInputs inputs = {kEntity}) : forecaster_(std::move(inputs)) {
+  explicit Cup(int rows, EngineChoiceInputs inputs = {kEntity}) : predictor_(std::move(inputs)) {
     add_until(rows);
   }
 
   void add_until(int rows) {
     for (; rows_ < rows; ++rows_)
-      EXPECT_OK(forecaster_.add({kEntity, Time(kStep * int64_t{rows_}), {{Data(cup(rows_)), {}}}}));
+      EXPECT_OK(predictor_.add({kEntity, Time(kStep * int64_t{rows_}), {{Data(cup(rows_)), {}}}}));
   }
 
   SnapshotResult predict(Duration ahead, const std::string& engine = {}) {
-    auto predicted = forecaster_.predict({&ahead, 1}, engine);
+    auto predicted = predictor_.predict({&ahead, 1}, engine);
     EXPECT_OK(predicted);
     return predicted.ok() ? predicted->front() : SnapshotResult{};
   }
 
  private:
-  EntityForecaster forecaster_;
+  EntityPredictor predictor_;
   int rows_ = 0;
 };
 
@@ -104,14 +104,14 @@ TEST(MemberChoice, CountsNoErrorOfWhatIsOnlyCopied) {
 
 TEST(MemberChoice, PromisesNothingOfAFirstMovement) {
   Cup cup(0);
-  EntityForecaster forecaster({kEntity});
+  EntityPredictor predictor({kEntity});
   const auto add = [&](int row, double x) {
-    ASSERT_OK(forecaster.add({kEntity, Time(kStep * int64_t{row}), {{Data(Dict{{"x", x}}), {}}}}));
+    ASSERT_OK(predictor.add({kEntity, Time(kStep * int64_t{row}), {{Data(Dict{{"x", x}}), {}}}}));
   };
   for (int row = 0; row < 200; ++row) add(row, 1.0);
   for (int row = 200; row < 204; ++row) add(row, 1.0 + 0.1 * (row - 199));
   const Duration ahead = 2 * kStep;
-  const auto next = forecaster.predict({&ahead, 1}, "");
+  const auto next = predictor.predict({&ahead, 1}, "");
   ASSERT_OK(next);
   const MemberPrediction& x = member(next->front(), "x");
   EXPECT_EQ(x.engine, "constant-velocity");
@@ -164,20 +164,20 @@ TEST(MemberChoice, DoesNotTrustAModelOnWhatItLearnedFrom) {
   for (const double held_out : {1e-9, 100.0}) {
     Overfitted model;
     model.held_out = held_out;
-    EntityForecaster forecaster({kEntity, {}, {{&model, "cup v1"}}, {}});
+    EntityPredictor predictor({kEntity, {}, {{&model, "cup v1"}}, {}});
     for (int row = 0; row < 300; ++row)
       ASSERT_OK(
-          forecaster.add({kEntity,
-                          Time(kStep * int64_t{row}),
-                          {{Data(Dict{{"row", 1.0 * row}, {"x", Overfitted::wobble(row)}}), {}}}}));
+          predictor.add({kEntity,
+                         Time(kStep * int64_t{row}),
+                         {{Data(Dict{{"row", 1.0 * row}, {"x", Overfitted::wobble(row)}}), {}}}}));
     const Duration ahead = 2 * kStep;
-    const auto next = forecaster.predict({&ahead, 1}, "");
+    const auto next = predictor.predict({&ahead, 1}, "");
     ASSERT_OK(next);
     if (held_out < 1)
       EXPECT_EQ(member(next->front(), "x").engine, "deep");
     else
       EXPECT_NE(member(next->front(), "x").engine, "deep");
-    const auto records = forecaster.records(ahead);
+    const auto records = predictor.records(ahead);
     ASSERT_OK(records);
     EXPECT_EQ(records->front().engine == "deep", held_out < 1);
   }
@@ -222,17 +222,17 @@ class Counting final : public Predictor {
 
 TEST(MemberChoice, RunsAModelOnceForAllHorizons) {
   Counting model;
-  EntityForecaster forecaster({kEntity, {}, {{&model, "cup v1"}}, {}});
+  EntityPredictor predictor({kEntity, {}, {{&model, "cup v1"}}, {}});
   for (int row = 0; row < 2; ++row)
-    ASSERT_OK(forecaster.add({kEntity, Time(kStep * int64_t{row}), {{Data(cup(row)), {}}}}));
+    ASSERT_OK(predictor.add({kEntity, Time(kStep * int64_t{row}), {{Data(cup(row)), {}}}}));
   const std::vector<Duration> horizons{kStep, 5 * kStep, 30 * kStep};
-  ASSERT_OK(forecaster.predict(horizons, "deep"));
+  ASSERT_OK(predictor.predict(horizons, "deep"));
   const size_t rollouts = model.rollouts;
   EXPECT_EQ(model.rollouts, 1 + 1u) << "one from the last value, one from the row that is measured";
-  ASSERT_OK(forecaster.predict(horizons, "deep"));
+  ASSERT_OK(predictor.predict(horizons, "deep"));
   EXPECT_EQ(model.rollouts, rollouts) << "what it said is kept";
-  ASSERT_OK(forecaster.add({kEntity, Time(kStep * int64_t{2}), {{Data(cup(2)), {}}}}));
-  ASSERT_OK(forecaster.predict(horizons, "deep"));
+  ASSERT_OK(predictor.add({kEntity, Time(kStep * int64_t{2}), {{Data(cup(2)), {}}}}));
+  ASSERT_OK(predictor.predict(horizons, "deep"));
   EXPECT_GT(model.rollouts, rollouts) << "until the next value comes";
 }
 

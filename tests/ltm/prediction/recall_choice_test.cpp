@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a store answers about the future where it knows the engines of this room.
-#include "ltm/prediction/entity_forecaster.h"
+#include "ltm/prediction/entity_predictor.h"
 #include "ltm/prediction/series_engine.h"
 #include "tests/ltm/recall/recalled_store.h"
 
@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 class RecallChoice : public RecalledStore {
  protected:
   Recall open_choice(ModelLoader loader = {}) {
-    return {*StoreReader::open(store_), std::move(loader), nullptr, make_entity_forecaster};
+    return {*StoreReader::open(store_), std::move(loader), nullptr, make_entity_predictor};
   }
 
   void add(int64_t first, int64_t last) {
@@ -93,7 +93,7 @@ TEST_F(RecallChoice, TellsTheModelWhatItsConditionWas) {
   ASSERT_OK(alone);
   EXPECT_EQ(alone->front().instances[0].data.at("conditions"), nullptr);
   // A plan is told to the model alone.
-  Recall::Outlook planned{{}, {milliseconds(200)}, ""};
+  Recall::PredictionRequest planned{{}, {milliseconds(200)}, ""};
   planned.plan = example_entity("nowhere");
   EXPECT_FAILS(recall.predict(example_entity(), planned, {}), StatusCode::kNotFound, "nowhere");
 }

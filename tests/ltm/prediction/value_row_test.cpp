@@ -163,7 +163,7 @@ TEST(ValueRow, LeavesLargeAndManyNumbersOut) {
   EXPECT_EQ(ValueRow(large).elements(), 1u);
   Dict many;
   for (int i = 0; i < 2000; ++i) many.set("n" + std::to_string(i), 1.0);
-  EXPECT_EQ(ValueRow(Data(many)).elements(), ValueRow::kMostNumbers);
+  EXPECT_EQ(ValueRow(Data(many)).elements(), ValueRow::kMaxNumbers);
   for (const Data& none : {Data(), Data("text"), Data(Dict{}), Data(idf::List{1.0})}) {
     EXPECT_EQ(ValueRow(none).numbers(), 0u);
     EXPECT_FALSE(ValueRow(none).has_continued());

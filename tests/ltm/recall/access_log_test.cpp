@@ -89,7 +89,7 @@ TEST_F(AccessLogTest, WritesInBatchesAndAfterAWhile) {
 }
 
 TEST_F(AccessLogTest, BeginsANewFileAtTheLimitAndEndsAtTheLimitOfAll) {
-  AccessLog log(store_, {.batch = 1, .file_bytes = 1000, .most_bytes = 3000}, clock());
+  AccessLog log(store_, {.batch = 1, .file_bytes = 1000, .max_bytes = 3000}, clock());
   for (int i = 0; i < 200; ++i) log.note(example_entity(), example_time(i));
   EXPECT_GE(logs().size(), 3u);
   uint64_t bytes = 0;
@@ -160,12 +160,12 @@ TEST_F(AccessLogTest, DamageCostsNotesAndNothingElse) {
 }
 
 TEST_F(AccessLogTest, CountsBeyondAllMeasureAreTheSameAfterMerging) {
-  const auto most = idf::NdArray::take<int64_t>({1}, {INT64_MAX});
+  const auto max = idf::NdArray::take<int64_t>({1}, {INT64_MAX});
   const auto frame = *idf::encode(
       idf::Dict{{"entity", example_entity().to_string()},
                 {"snapshots", idf::NdArray::take<int64_t>({1}, {to_ns(example_time(1))})},
-                {"counts", most},
-                {"last", most}});
+                {"counts", max},
+                {"last", max}});
   std::vector<std::byte> log(as_bytes(kJournalMagic).begin(), as_bytes(kJournalMagic).end());
   const auto frames = *encode_journal_frames(std::vector{frame, frame});
   log.insert(log.end(), frames.begin(), frames.end());

@@ -49,9 +49,9 @@ TEST_F(RecallPrediction, TellsAPredictorWhatIsPlanned) {
   const auto planned_at = [](int64_t i) {
     return example_snapshot(example_entity("plan"), i).instances[0].data;
   };
-  Recall::Outlook outlook{{}, {std::chrono::milliseconds(400)}, ""};
-  outlook.plan = example_entity("plan");
-  const auto told = recall.predict(example_entity(), outlook, {});
+  Recall::PredictionRequest request{{}, {std::chrono::milliseconds(400)}, ""};
+  request.plan = example_entity("plan");
+  const auto told = recall.predict(example_entity(), request, {});
   ASSERT_OK(told);
   // Of two steps and one more: the last value at or before each moment.
   EXPECT_EQ(told->front().plan, example_entity("plan").to_string());
@@ -59,18 +59,18 @@ TEST_F(RecallPrediction, TellsAPredictorWhatIsPlanned) {
   EXPECT_EQ(*told->front().instances[0].data.at("plan"),
             idf::Data(idf::List{planned_at(10), planned_at(10), planned_at(12)}));
   // Nothing is planned yet after an earlier moment; then the prediction names no plan.
-  outlook.from = example_time(5);
-  const auto untold = recall.predict(example_entity(), outlook, {});
+  request.from = example_time(5);
+  const auto untold = recall.predict(example_entity(), request, {});
   ASSERT_OK(untold);
   EXPECT_EQ(untold->front().plan, "");
   EXPECT_EQ(untold->front().instances[0].data.at("plan"), nullptr);
   // What starts from nothing else cannot follow a plan; a plan that is not there is an error.
-  outlook.engine = "copy-last";
-  EXPECT_FAILS(recall.predict(example_entity(), outlook, {}), StatusCode::kInvalidArgument,
+  request.engine = "copy-last";
+  EXPECT_FAILS(recall.predict(example_entity(), request, {}), StatusCode::kInvalidArgument,
                "starts from no other entity");
-  outlook.engine = "";
-  outlook.plan = example_entity("nowhere");
-  EXPECT_FAILS(recall.predict(example_entity(), outlook, {}), StatusCode::kNotFound, "nowhere");
+  request.engine = "";
+  request.plan = example_entity("nowhere");
+  EXPECT_FAILS(recall.predict(example_entity(), request, {}), StatusCode::kNotFound, "nowhere");
 }
 
 TEST_F(RecallPrediction, PredictsWithTheModel) {

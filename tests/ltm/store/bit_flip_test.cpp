@@ -4,9 +4,9 @@
 #include <set>
 
 #include "ltm/recall/recall.h"
-#include "ltm/store/check.h"
 #include "ltm/store/journal.h"
 #include "ltm/store/recover.h"
+#include "ltm/store/store_check.h"
 #include "tests/ltm/random_values.h"
 #include "tests/ltm/store/full_store.h"
 

@@ -4,11 +4,11 @@
 
 #include "ltm/core/file.h"
 #include "ltm/h5/h5.h"
-#include "ltm/store/check.h"
 #include "ltm/store/recover.h"
 #include "ltm/store/segment_blobs.h"
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_rows.h"
+#include "ltm/store/store_check.h"
 #include "tests/ltm/store/full_store.h"
 #include "tests/ltm/store/publish_fixture.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 #include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/codec/test_images.h"

@@ -59,7 +59,7 @@ int64_t run_and_kill(const std::filesystem::path& store, int64_t first, uint64_t
 }
 
 /// The number of snapshots in the store, which must be the first ones, undamaged.
-int64_t expect_whole(const std::filesystem::path& store, int64_t at_least) {
+int64_t expect_whole(const std::filesystem::path& store, int64_t min_count) {
   const auto reader = StoreReader::open(store);
   EXPECT_OK(reader);
   if (!reader.ok()) return -1;
@@ -68,7 +68,7 @@ int64_t expect_whole(const std::filesystem::path& store, int64_t at_least) {
   EXPECT_OK(found);
   if (!found.ok()) return -1;
   const auto count = static_cast<int64_t>(found->size());
-  EXPECT_GE(count, at_least);
+  EXPECT_GE(count, min_count);
   for (int64_t i = 0; i < count; ++i)
     EXPECT_EQ((*found)[static_cast<size_t>(i)], example_snapshot(example_entity(), i));
   return count;

@@ -4,7 +4,7 @@
 
 #include "ltm/idf/binary.h"
 #include "ltm/idf/cast.h"
-#include "ltm/idf/check.h"
+#include "ltm/idf/type_check.h"
 #include "ltm/idf/type_xml.h"
 #include "tests/ltm/typed/kitchen_values.h"
 

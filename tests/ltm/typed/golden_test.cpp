@@ -8,8 +8,8 @@
 
 #include "ltm/core/file.h"
 #include "ltm/idf/binary.h"
-#include "ltm/idf/check.h"
 #include "ltm/idf/json.h"
+#include "ltm/idf/type_check.h"
 #include "tests/ltm/typed/kitchen_values.h"
 
 namespace engram::typed {

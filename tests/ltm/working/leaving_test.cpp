@@ -9,7 +9,7 @@ namespace {
 using engram::testing::PlainMemory;
 using std::chrono::seconds;
 
-WorkingMemory::Options most_snapshots(size_t count) {
+WorkingMemory::Options max_snapshots(size_t count) {
   WorkingMemory::Options options;
   options.all.snapshots = count;
   return options;
@@ -20,7 +20,7 @@ idf::Data bytes(size_t count) {
 }
 
 TEST(Leaving, TakesTheOldestAndOnlyWhenItIsStored) {
-  PlainMemory memory(most_snapshots(2));
+  PlainMemory memory(max_snapshots(2));
   for (const int64_t at : {1, 2, 3, 4}) memory.commit("A/b/c/d", at);
   EXPECT_EQ(memory.times("A/b/c/d"), (std::vector<int64_t>{1, 2, 3, 4})) << "not stored yet";
   EXPECT_EQ(memory->counters().waiting, 2u);
@@ -31,7 +31,7 @@ TEST(Leaving, TakesTheOldestAndOnlyWhenItIsStored) {
 }
 
 TEST(Leaving, KeepsWhatTheSinkDidNotTake) {
-  PlainMemory memory(most_snapshots(1));
+  PlainMemory memory(max_snapshots(1));
   for (const int64_t at : {1, 2, 3}) memory.commit("A/b/c/d", at);
   const auto failed = memory->store([](auto) { return unavailable("the disk is full"); });
   EXPECT_EQ(failed.status().code(), StatusCode::kUnavailable);
@@ -43,8 +43,8 @@ TEST(Leaving, KeepsWhatTheSinkDidNotTake) {
 }
 
 TEST(Leaving, RefusesCommitsWhereTooMuchWaits) {
-  auto options = most_snapshots(1);
-  options.most_waiting_bytes = 3000;
+  auto options = max_snapshots(1);
+  options.max_waiting_bytes = 3000;
   PlainMemory memory(options);
   memory.commit("A/b/c/d", 1, bytes(4000));
   memory.commit("A/b/c/d", 2, bytes(4000));
@@ -56,7 +56,7 @@ TEST(Leaving, RefusesCommitsWhereTooMuchWaits) {
 }
 
 TEST(Leaving, TakesWhatIsNotReadFirst) {
-  PlainMemory memory(most_snapshots(2));
+  PlainMemory memory(max_snapshots(2));
   memory.commit("A/b/c/read", 1);
   memory.commit("A/b/c/unread", 1);
   memory.now += seconds(10);
@@ -67,7 +67,7 @@ TEST(Leaving, TakesWhatIsNotReadFirst) {
 }
 
 TEST(Leaving, ForgetsReadsOfLongAgo) {
-  PlainMemory memory(most_snapshots(2));
+  PlainMemory memory(max_snapshots(2));
   memory.commit("A/b/c/once", 1);
   for (int i = 0; i < 100; ++i) memory.ask("A/b/c/once");
   memory.now += seconds(3600);
@@ -79,7 +79,7 @@ TEST(Leaving, ForgetsReadsOfLongAgo) {
 }
 
 TEST(Leaving, TakesWhatIsLargeFirst) {
-  PlainMemory memory(most_snapshots(2));
+  PlainMemory memory(max_snapshots(2));
   memory.commit("A/b/c/large", 1, bytes(100'000));
   memory.commit("A/b/c/small", 1, bytes(10));
   memory.now += seconds(10);
@@ -89,7 +89,7 @@ TEST(Leaving, TakesWhatIsLargeFirst) {
 }
 
 TEST(Leaving, KeepsWhatSomethingThatIsReadLinksTo) {
-  PlainMemory memory(most_snapshots(3));
+  PlainMemory memory(max_snapshots(3));
   ASSERT_TRUE(memory
                   ->declare(*MemoryId::parse("A/grasp"),
                             idf::Type::object("Grasp", {{"object", idf::Type::memory_link()}}))
@@ -148,7 +148,7 @@ TEST(Leaving, ShrinksWithItsLimits) {
 }
 
 TEST(Leaving, StoresEverythingAsItComesWhereAsked) {
-  auto options = most_snapshots(2);
+  auto options = max_snapshots(2);
   options.mode = StoreMode::kEverything;
   PlainMemory memory(options);
   for (const int64_t at : {1, 2}) memory.commit("A/b/c/d", at);
@@ -161,7 +161,7 @@ TEST(Leaving, StoresEverythingAsItComesWhereAsked) {
 }
 
 TEST(Leaving, StoresTheLatestAtIntervalsWhereAsked) {
-  auto options = most_snapshots(2);
+  auto options = max_snapshots(2);
   options.mode = StoreMode::kLatest;
   options.store_interval = seconds(10);
   PlainMemory memory(options);
@@ -178,7 +178,7 @@ TEST(Leaving, StoresTheLatestAtIntervalsWhereAsked) {
 }
 
 TEST(Leaving, StoresACorrectionOfWhatWaits) {
-  PlainMemory memory(most_snapshots(1));
+  PlainMemory memory(max_snapshots(1));
   memory.commit("A/b/c/d", 1, "wrong");
   memory.commit("A/b/c/d", 2);
   memory.commit("A/b/c/d", 1, "right");
@@ -195,7 +195,7 @@ TEST(Leaving, StoresACorrectionOfWhatWaits) {
 }
 
 TEST(Leaving, ChoosesAmongManyEntities) {
-  PlainMemory memory(most_snapshots(500));
+  PlainMemory memory(max_snapshots(500));
   for (int i = 0; i < 2000; ++i) {
     memory.commit("A/b/c/" + std::to_string(i), 1);
     memory.now += std::chrono::milliseconds(10);

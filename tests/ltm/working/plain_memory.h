@@ -26,13 +26,13 @@ class PlainMemory {
   }
 
   /// How many were stored.
-  size_t store(size_t most_bytes = SIZE_MAX) {
+  size_t store(size_t max_bytes = SIZE_MAX) {
     const auto count = memory_->store(
         [this](std::span<const ltm::SharedSnapshot> snapshots) {
           for (const auto& one : snapshots) stored.push_back(one->id().to_string());
           return Status();
         },
-        most_bytes);
+        max_bytes);
     EXPECT_TRUE(count.ok()) << count.status().to_string();
     return count.value_or(0);
   }

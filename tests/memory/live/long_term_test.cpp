@@ -58,7 +58,7 @@ class LongTermTest : public ::testing::Test {
     for (const ltm::SharedSnapshot& snapshot : held) EXPECT_OK(memory->commit({{*snapshot}}));
     const auto query = *ltm::Query::parse(std::string(kEntity) + " @ " + selector);
     ENGRAM_ASSIGN_OR_RETURN(const auto answer,
-                            recall->answer(query, {.max_answer_bytes = options.most_answer_bytes}));
+                            recall->answer(query, {.max_answer_bytes = options.max_answer_bytes}));
     std::vector<int64_t> times;
     for (const ltm::RecalledSnapshot& one : answer.entities.front().snapshots)
       times.push_back(to_ns(one.answer.time));
@@ -146,7 +146,7 @@ TEST_F(LongTermTest, RefusesWhatIsNotOfItsTypeAndStoresTheRest) {
 }
 
 TEST_F(LongTermTest, RefusesAnswersThatAreTooLarge) {
-  options.most_answer_bytes = 50'000;
+  options.max_answer_bytes = 50'000;
   open();
   for (int64_t at = 1; at <= 10; ++at) record({snapshot(at, std::string(10'000, 'x'))});
   EXPECT_THAT(*ask("latest:4"), SizeIs(4));

@@ -89,7 +89,7 @@ TEST(MemoryService, TellsThoseWhoAskAfterTheEnd) {
 TEST(MemoryService, RefusesAnswersThatAreTooLarge) {
   ServedMemory service;
   service.options.memory.all.snapshots = 1;
-  service.options.store->most_answer_bytes = 30'000;
+  service.options.store->max_answer_bytes = 30'000;
   service.open();
   for (int64_t at = 1; at <= 8; ++at)
     for (const char* entity : {"A/b/c/d", "A/b/c/e"})

@@ -68,14 +68,14 @@ void expect_all(ServedMemory& service, const Stream& stream) {
   ASSERT_EQ(*times, steps(1, count));
 }
 
-void expect_latest(ServedMemory& service, const Stream& stream, int64_t most) {
+void expect_latest(ServedMemory& service, const Stream& stream, int64_t max) {
   const int64_t before = stream.committed;
-  if (before < most) return;
-  const auto times = ask(service, fmt::format("{} @ latest:{}", stream.entity, most));
+  if (before < max) return;
+  const auto times = ask(service, fmt::format("{} @ latest:{}", stream.entity, max));
   ASSERT_OK(times);
   const int64_t last = times->back() / 10;
   ASSERT_GE(last, before);
-  ASSERT_EQ(*times, steps(last - most + 1, last));
+  ASSERT_EQ(*times, steps(last - max + 1, last));
 }
 
 void expect_one(ServedMemory& service, const Stream& stream, uint32_t number) {
@@ -96,7 +96,7 @@ TEST(ParallelService, AnswersRightlyWhileSnapshotsLeave) {
   service.options.store_interval = std::chrono::milliseconds(1);
   // Sealed again and again meanwhile.
   service.options.store->recording.store.seal_bytes = 16 << 10;
-  service.options.store->most_decoded_bytes = 4 << 10;
+  service.options.store->max_decoded_bytes = 4 << 10;
   service.open();
   constexpr int64_t kCount = 250;
   std::array<Stream, 2> streams;

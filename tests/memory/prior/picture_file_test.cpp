@@ -8,8 +8,8 @@ namespace {
 
 using engram::testing::picture_file;
 
-Result<idf::NdArray> read(std::string_view file, int64_t most_pixels = 1'000'000) {
-  return read_picture(std::as_bytes(std::span(file)), most_pixels);
+Result<idf::NdArray> read(std::string_view file, int64_t max_pixels = 1'000'000) {
+  return read_picture(std::as_bytes(std::span(file)), max_pixels);
 }
 
 TEST(PictureFile, HoldsColoursInTheOrderOfImages) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "ltm/core/file.h"
-#include "ltm/idf/check.h"
+#include "ltm/idf/type_check.h"
 #include "tests/memory/prior/prior_directory.h"
 
 namespace engram::memory {
@@ -141,19 +141,18 @@ TEST(Prior, IsBounded) {
   PriorDirectory directory;
   for (int i = 0; i < 5; ++i)
     directory.write(fmt::format("A/b/c/{}.bin", i), std::string(1000, 'x'));
-  EXPECT_FAILS(directory.load({.most_files = 4}), StatusCode::kInvalidArgument,
-               "4.bin: is one too");
-  EXPECT_FAILS(directory.load({.most_file_bytes = 999}), StatusCode::kInvalidArgument,
+  EXPECT_FAILS(directory.load({.max_files = 4}), StatusCode::kInvalidArgument, "4.bin: is one too");
+  EXPECT_FAILS(directory.load({.max_file_bytes = 999}), StatusCode::kInvalidArgument,
                "1000 bytes, at most 999");
-  EXPECT_FAILS(directory.load({.most_bytes = 3500}), StatusCode::kInvalidArgument,
+  EXPECT_FAILS(directory.load({.max_bytes = 3500}), StatusCode::kInvalidArgument,
                "3.bin: makes more than 3500 bytes");
-  EXPECT_EQ(directory.load({.goes_on = true, .most_bytes = 3500})->commits.at("A").updates.size(),
+  EXPECT_EQ(directory.load({.goes_on = true, .max_bytes = 3500})->commits.at("A").updates.size(),
             3u);
   directory.write("A/b/c/large.json", "[" + std::string(1000, ' ') + "]");
-  EXPECT_FAILS(directory.load({.most_json_bytes = 999}), StatusCode::kInvalidArgument,
+  EXPECT_FAILS(directory.load({.max_json_bytes = 999}), StatusCode::kInvalidArgument,
                "large.json: has 1002 bytes, of JSON at most 999");
   directory.write("A/b/c/wide.png", picture_file(".png", 10, 10, CV_8UC1, 0));
-  EXPECT_FAILS(directory.load({.most_pixels = 99}), StatusCode::kInvalidArgument,
+  EXPECT_FAILS(directory.load({.max_pixels = 99}), StatusCode::kInvalidArgument,
                "wide.png: is a picture of 10 x 10 pixels");
 }
 

@@ -21,13 +21,13 @@ NS = st.integers(-(2**62), 2**62)
 
 def test_a_generator_holds_a_few_snapshots_at_a_time(recorded: Recorded) -> None:
     alive: weakref.WeakSet[engram.Snapshot] = weakref.WeakSet()
-    most = 0
+    max_alive = 0
     with engram.open(recorded.path) as memory:
         for snapshot in memory[CAMERA].snapshots():
             alive.add(snapshot)
             gc.collect()
-            most = max(most, len(alive))
-    assert most < COUNT / 2
+            max_alive = max(max_alive, len(alive))
+    assert max_alive < COUNT / 2
 
 
 def test_images_outlive_everything_that_they_came_from(recorded: Recorded) -> None:

@@ -130,7 +130,7 @@ TEST(NameRegistry, ForgetsAServerThatLeaves) {
 }
 
 TEST(NameRegistry, IsBounded) {
-  PlainRegistry registry({.most_servers = 2});
+  PlainRegistry registry({.max_servers = 2});
   ASSERT_OK(registry->add(PlainRegistry::server("a", {"A"})));
   ASSERT_OK(registry->add(PlainRegistry::server("b", {"B"})));
   EXPECT_FAILS(registry->add(PlainRegistry::server("c", {"C"})), StatusCode::kResourceExhausted,
@@ -146,9 +146,9 @@ TEST(NameRegistry, RefusesOptionsThatMakeNoSense) {
   };
   EXPECT_TRUE(refuses({.heartbeat_interval = Duration(0)}));
   EXPECT_TRUE(refuses({.heartbeat_interval = std::chrono::hours(1'000'000)}));
-  EXPECT_TRUE(refuses({.most_missed = 0}));
-  EXPECT_TRUE(refuses({.most_servers = 0}));
-  EXPECT_TRUE(refuses({.most_events = 0}));
+  EXPECT_TRUE(refuses({.max_missed = 0}));
+  EXPECT_TRUE(refuses({.max_servers = 0}));
+  EXPECT_TRUE(refuses({.max_events = 0}));
   EXPECT_TRUE(refuses({.registration = {.text_bytes = 0}}));
 }
 

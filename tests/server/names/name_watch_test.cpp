@@ -51,7 +51,7 @@ TEST(NameWatch, TellsWhatHappenedAndWhy) {
 }
 
 TEST(NameWatch, GivesEverythingToWhoIsTooFarBehind) {
-  PlainRegistry registry({.most_events = 3});
+  PlainRegistry registry({.max_events = 3});
   const auto start = registry->changes_since({}).version;
   for (const char* name : {"a", "b", "c"})
     ASSERT_OK(registry->add(PlainRegistry::server(name, {name})));
@@ -91,7 +91,7 @@ TEST(NameWatch, WaitsForSomethingToHappen) {
 
 TEST(NameWatch, ShowsTheSameToAWatcherAsToWhoAsks) {
   constexpr int kRounds = 300;
-  PlainRegistry registry({.most_events = 50});
+  PlainRegistry registry({.max_events = 50});
   std::set<std::string> seen;
   std::atomic<bool> is_done{false};
   {

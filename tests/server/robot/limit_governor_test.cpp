@@ -153,7 +153,7 @@ class Machine {
       for (size_t i = 0; i < governors_.size(); ++i)
         taken_[i] = std::min(taken_[i] + filled_each_second, governors_[i].limit().bytes);
       const HostState host = state();
-      least_available_ = std::min(least_available_, host.ram.available_bytes);
+      min_available_ = std::min(min_available_, host.ram.available_bytes);
       for (size_t i = 0; i < governors_.size(); ++i)
         if (const auto change = governors_[i].update(at(second_), host, taken_[i]))
           note(i, change->after_bytes > change->before_bytes);
@@ -172,8 +172,8 @@ class Machine {
   [[nodiscard]] int changes() const { return changes_; }
   /// How often a server shrank after it had grown, or the other way round.
   [[nodiscard]] int turns() const { return turns_; }
-  [[nodiscard]] uint64_t least_available() const { return least_available_; }
-  void forget_least() { least_available_ = kRam; }
+  [[nodiscard]] uint64_t min_available() const { return min_available_; }
+  void forget_min() { min_available_ = kRam; }
 
   static constexpr uint64_t kRam = 16 * kGiB;
   static constexpr uint64_t kFloor = 256 * kMiB;
@@ -193,7 +193,7 @@ class Machine {
   int64_t second_ = 0;
   int changes_ = 0;
   int turns_ = 0;
-  uint64_t least_available_ = kRam;
+  uint64_t min_available_ = kRam;
 };
 
 TEST(SimulatedMachine, GetsTightAndRecovers) {
@@ -204,11 +204,11 @@ TEST(SimulatedMachine, GetsTightAndRecovers) {
     machine.run_until(200);
     EXPECT_EQ(machine.changes(), 0) << servers;
     machine.run_until(230);
-    machine.forget_least();
+    machine.forget_min();
     machine.run_until(600);
     EXPECT_GE(machine.limit(0), Machine::kFloor);
     EXPECT_LT(machine.limit(0), kGiB);
-    EXPECT_GT(machine.least_available(), kGiB / 2) << "where others take nearly everything";
+    EXPECT_GT(machine.min_available(), kGiB / 2) << "where others take nearly everything";
     machine.run_until(1000);
     for (size_t i = 0; i < servers; ++i) EXPECT_EQ(machine.limit(i), 4 * kGiB) << servers;
     EXPECT_EQ(machine.turns(), static_cast<int>(servers)) << "down once, and up again";
@@ -221,9 +221,9 @@ TEST(SimulatedMachine, GetsTightAndRecovers) {
 TEST(SimulatedMachine, IsSharedByServersThatMayTakeMoreThanThereIs) {
   Machine machine(4, [](int64_t) { return 0; });
   machine.run_until(3000);
-  machine.forget_least();
+  machine.forget_min();
   machine.run_until(10'000);
-  EXPECT_GE(machine.least_available(), Machine::kRam / 10);
+  EXPECT_GE(machine.min_available(), Machine::kRam / 10);
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_GT(machine.limit(i), 2 * kGiB);
     EXPECT_LT(machine.limit(i), 4 * kGiB);
@@ -236,11 +236,11 @@ TEST(SimulatedMachine, ComesToRestWhereThereIsNeverEnough) {
       Machine machine(servers, [](int64_t) { return 11 * kGiB; });
       machine.run_until(3000, filled);
       const int before = machine.changes();
-      machine.forget_least();
+      machine.forget_min();
       machine.run_until(10'000, filled);
       EXPECT_EQ(machine.changes(), before) << filled << " " << servers;
       EXPECT_EQ(machine.turns(), 0) << filled << " " << servers;
-      EXPECT_GE(machine.least_available(), Machine::kRam / 10) << filled << " " << servers;
+      EXPECT_GE(machine.min_available(), Machine::kRam / 10) << filled << " " << servers;
     }
 }
 

@@ -61,7 +61,7 @@ TEST(RobotConfig, IsThatOfAStoreWithoutAFile) {
   EXPECT_EQ(a.rpc.endpoints, b.rpc.endpoints);
   EXPECT_EQ(a.service.name, b.service.name);
   EXPECT_EQ(given->system_state, read->system_state);
-  EXPECT_EQ(given->servers[0].least_bytes, read->servers[0].least_bytes);
+  EXPECT_EQ(given->servers[0].min_bytes, read->servers[0].min_bytes);
 }
 
 TEST(RobotConfig, ReadsEveryKey) {
@@ -81,14 +81,14 @@ servers:
     recording: recording.yaml
     mode: everything
     durability: journal
-    working_memory: {bytes: 1GiB, snapshots: 1000, age: 10min, least: 64MiB, waiting: 128MiB,
+    working_memory: {bytes: 1GiB, snapshots: 1000, age: 10min, min_bytes: 64MiB, waiting: 128MiB,
                      read_half_life: 5min}
     segments:
       - {match: Vision/RGB, snapshots: 300, bytes: 256MiB, age: 1min}
     decoded: 32MiB
     prefer: latent
     prior: prior
-    furthest_prediction: 5s
+    max_horizon: 5s
     threads: 3
   - name: scratch
     memories: [Scratch]
@@ -103,7 +103,7 @@ servers:
   EXPECT_EQ(config->system_state, 0u);
   const ServerConfig& vision = config->servers[0];
   EXPECT_EQ(vision.prior, folder / "prior");
-  EXPECT_EQ(vision.least_bytes, uint64_t{64} << 20);
+  EXPECT_EQ(vision.min_bytes, uint64_t{64} << 20);
   EXPECT_EQ(vision.options.tokens, folder / "tokens.yaml");
   EXPECT_EQ(vision.options.rpc.security.key, folder / "server.key");
   EXPECT_EQ(vision.options.rpc.endpoints[1].to_string(), "0.0.0.0:50051");
@@ -112,16 +112,16 @@ servers:
   EXPECT_EQ(vision.options.threads, 3);
   const memory::MemoryService::Options& service = vision.options.service;
   EXPECT_THAT(service.memories, ElementsAre("Vision", "SystemState"));
-  EXPECT_EQ(service.furthest_prediction, std::chrono::seconds(5));
+  EXPECT_EQ(service.max_horizon, std::chrono::seconds(5));
   EXPECT_TRUE(service.store->prefers_latents);
-  EXPECT_EQ(service.store->most_decoded_bytes, size_t{32} << 20);
+  EXPECT_EQ(service.store->max_decoded_bytes, size_t{32} << 20);
   EXPECT_THAT(service.store->recording.rules, SizeIs(1));
   const ltm::WorkingMemory::Options& memory = service.memory;
   EXPECT_EQ(memory.mode, ltm::StoreMode::kEverything);
   EXPECT_EQ(memory.all.bytes, size_t{1} << 30);
   EXPECT_EQ(memory.all.snapshots, 1000u);
   EXPECT_EQ(memory.all.age, std::chrono::minutes(10));
-  EXPECT_EQ(memory.most_waiting_bytes, size_t{128} << 20);
+  EXPECT_EQ(memory.max_waiting_bytes, size_t{128} << 20);
   EXPECT_EQ(memory.read_half_life, std::chrono::minutes(5));
   ASSERT_THAT(memory.segments, SizeIs(1));
   EXPECT_EQ(memory.segments[0].segment.to_string(), "Vision/RGB");
@@ -132,14 +132,27 @@ servers:
   EXPECT_EQ(scratch.memory.store_interval, std::chrono::seconds(5));
 }
 
+TEST(RobotConfig, TakesOldNamesOfKeysWithAWarning) {
+  ::testing::internal::CaptureStderr();
+  const auto config = parse(
+      "servers: [{store: a, working_memory: {bytes: 8MiB, least: 2MiB}, furthest_prediction: 9s}]");
+  const std::string told = ::testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(config.ok()) << config.status().to_string();
+  EXPECT_EQ(config->servers[0].min_bytes, uint64_t{2} << 20);
+  EXPECT_EQ(config->servers[0].options.service.max_horizon, std::chrono::seconds(9));
+  for (const char* word : {"working_memory.least", "'min_bytes'", "servers[0].furthest_prediction",
+                           "'max_horizon'", "version 0.3"})
+    EXPECT_THAT(told, HasSubstr(word));
+}
+
 TEST(RobotConfig, NamesFileLineAndKeyOfWhatIsWrong) {
   EXPECT_THAT(problem("servers:\n  - {store: a, mod: latest}"),
               HasSubstr("robot.yaml:2: 'servers[0].mod': unknown key; did you mean 'mode'?"));
   EXPECT_THAT(problem("servers:\n  - {store: a, mode: newest}"), HasSubstr("what-leaves"));
   EXPECT_THAT(problem("servers: [{listen: 'unix:relative'}]"), HasSubstr("absolute path"));
   EXPECT_THAT(problem("servers: [{store: a, working_memory: {bytes: 0B}}]"), HasSubstr("0 bytes"));
-  EXPECT_THAT(problem("servers: [{store: a, working_memory: {bytes: 1MiB, least: 2MiB}}]"),
-              HasSubstr("'servers[0].working_memory.least'"));
+  EXPECT_THAT(problem("servers: [{store: a, working_memory: {bytes: 1MiB, min_bytes: 2MiB}}]"),
+              HasSubstr("'servers[0].working_memory.min_bytes'"));
   EXPECT_THAT(problem("servers: [{store: a, working_memory: {snapshots: -1}}]"),
               HasSubstr("at least 1"));
   EXPECT_THAT(problem("servers: [{store: a, segments: [{match: Vision}]}]"), HasSubstr("no limit"));

@@ -88,11 +88,11 @@ TEST(MetricRegistry, BoundsWhatLabelsFromOutsideTake) {
   using Family = MetricFamily<Counter>;
   MetricRegistry registry;
   auto& family = registry.counters({"a_total", "x", {"one", "two"}});
-  for (size_t i = 0; i < 3 * Family::kMostSeries; ++i) family.with({std::to_string(i), "x"}).add();
+  for (size_t i = 0; i < 3 * Family::kMaxSeries; ++i) family.with({std::to_string(i), "x"}).add();
   const auto families = read_prometheus_text(registry.to_text());
   ASSERT_OK(families);
-  EXPECT_EQ(families->at("a_total").samples.size(), Family::kMostSeries + 1);
-  EXPECT_EQ(family.with({"other", "other"}).value(), 2 * Family::kMostSeries);
+  EXPECT_EQ(families->at("a_total").samples.size(), Family::kMaxSeries + 1);
+  EXPECT_EQ(family.with({"other", "other"}).value(), 2 * Family::kMaxSeries);
   EXPECT_EQ(family.with({"7", "x"}).value(), 1u);
 }
 

@@ -52,8 +52,8 @@ class Pool {
 
 SharedPool::Options small() {
   SharedPool::Options options;
-  options.most_bytes = 4 * kMiB;
-  options.most_writer_bytes = 2 * kMiB;
+  options.max_bytes = 4 * kMiB;
+  options.max_writer_bytes = 2 * kMiB;
   options.first_slab_bytes = kMiB;
   options.slab_bytes = kMiB;
   return options;
@@ -325,7 +325,7 @@ TEST(SharedPool, GivesIdleSlabsUpBeforeItRefuses) {
 
 TEST(SharedPool, IsBoundedInBlocks) {
   auto options = small();
-  options.most_writer_blocks = 3;
+  options.max_writer_blocks = 3;
   Pool pool(options);
   const BlockRef first = pool.lease(64);
   pool.lease(64);
@@ -337,7 +337,7 @@ TEST(SharedPool, IsBoundedInBlocks) {
 
 TEST(SharedPool, IsBoundedInWhatAReaderHas) {
   auto options = small();
-  options.most_reader_bytes = 128;
+  options.max_reader_bytes = 128;
   Pool pool(options);
   const BlockRef first = pool.lease(128);
   const BlockRef second = pool.lease(64);
@@ -369,7 +369,7 @@ TEST(SharedPool, AddsAsMuchAsThereIsUntilSlabsAreLarge) {
 
 TEST(SharedPool, TakesAllThatIsLeftWhereThatIsLessThanASlab) {
   auto options = small();
-  options.most_writer_bytes = kMiB + kMiB / 2;
+  options.max_writer_bytes = kMiB + kMiB / 2;
   Pool pool(options);
   pool.lease(kMiB);
   for (int i = 0; i < 8; ++i) pool.lease(kMiB / 16);
@@ -441,8 +441,8 @@ TEST(SharedPool, RefusesOptionsThatCannotBe) {
 
 TEST(SharedPool, NeverGivesOutMemoryThatIsInUse) {
   auto options = small();
-  options.most_bytes = 64 * kMiB;
-  options.most_writer_bytes = 8 * kMiB;
+  options.max_bytes = 64 * kMiB;
+  options.max_writer_bytes = 8 * kMiB;
   Pool pool(options);
   std::mt19937 random(1);
   struct Held {

@@ -195,7 +195,7 @@ TEST(SharingServer, TakesNoDescriptorsFromItsClients) {
 
 TEST(SharingServer, ServesClientsDuringAFloodOfConnections) {
   auto options = SharedHost::quick();
-  options.most_pending = 4;
+  options.max_pending = 4;
   SharedHost host({}, options);
   const auto before = host.connect(kClient);
   std::atomic<bool> is_over{false};
@@ -218,7 +218,7 @@ TEST(SharingServer, ServesClientsDuringAFloodOfConnections) {
 
 TEST(SharingServer, TakesNoMoreClientsThanItMay) {
   auto options = SharedHost::quick();
-  options.most_connections = 2;
+  options.max_connections = 2;
   SharedHost host({}, options);
   auto first = host.connect(1);
   const auto second = host.connect(2);
@@ -254,7 +254,7 @@ TEST(SharingServer, RefusesOptionsThatCannotBe) {
   options.mode = 0666;
   EXPECT_EQ(SharingServer::start(*pool, options).status().code(), StatusCode::kInvalidArgument);
   options.mode = 0600;
-  options.most_pending = 0;
+  options.max_pending = 0;
   EXPECT_EQ(SharingServer::start(*pool, options).status().code(), StatusCode::kInvalidArgument);
 }
 

@@ -103,12 +103,12 @@ Status run_memory(const std::filesystem::path& folder, const std::string& memory
   options.service.name = "server-" + memory;
   options.service.memories = {memory};
   options.service.memory.all.bytes = size_t{8} << 20;
-  options.service.memory.most_waiting_bytes = size_t{32} << 20;
+  options.service.memory.max_waiting_bytes = size_t{32} << 20;
   options.service.store.emplace();
   options.service.store->store = store_path(folder, memory);
   options.service.store->recording.store.min_free_bytes = 0;
   options.service.store->recording.store.seal_bytes = size_t{4} << 20;
-  options.service.store->most_decoded_bytes = size_t{8} << 20;
+  options.service.store->max_decoded_bytes = size_t{8} << 20;
   options.durability = memory::MemoryService::Durability::kJournal;
   ENGRAM_ASSIGN_OR_RETURN(
       const Endpoint endpoint,

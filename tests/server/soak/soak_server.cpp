@@ -25,9 +25,9 @@ using std::chrono::milliseconds;
 
 /// Of one server; its memory is limited to 8 MiB, what may wait to 32. Sanitizers take their share.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr size_t kMostResidentBytes = size_t{1500} << 20;
+constexpr size_t kMaxResidentBytes = size_t{1500} << 20;
 #else
-constexpr size_t kMostResidentBytes = size_t{400} << 20;
+constexpr size_t kMaxResidentBytes = size_t{400} << 20;
 #endif
 
 /// All processes but this one.
@@ -58,7 +58,7 @@ struct Counts {
   std::map<std::string, int> killed;
   int ended_by_themselves = 0;
   int ended_badly = 0;
-  size_t most_resident_bytes = 0;
+  size_t max_resident_bytes = 0;
   uint64_t acknowledged = 0;
   uint64_t lost = 0;
   std::map<int64_t, uint64_t> read;  ///< By ReaderCount.
@@ -84,7 +84,7 @@ void make_trouble(Robot& robot, Duration length, std::mt19937& random, Counts& c
   while (steady_now() < end) {
     std::this_thread::sleep_for(milliseconds(50 + random() % 500));
     for (const Process& server : robot.servers)
-      counts.most_resident_bytes = std::max(counts.most_resident_bytes, server.resident_bytes());
+      counts.max_resident_bytes = std::max(counts.max_resident_bytes, server.resident_bytes());
     const auto is_due = [](const Dead& one) {
       if (steady_now() < one.until) return false;
       one.process->start();
@@ -140,7 +140,7 @@ void print(const Counts& counts) {
   fmt::print("commits acknowledged as durable: {}; lost: {}\n", counts.acknowledged, counts.lost);
   fmt::print("answers: {}; failed: {}; told: {}; interrupted: {}; wrong: {}\n", read(kAnswers),
              read(kFailed), read(kTold), read(kInterrupted), read(kWrong));
-  fmt::print("most RAM of a server: {} MiB\n", counts.most_resident_bytes >> 20);
+  fmt::print("most RAM of a server: {} MiB\n", counts.max_resident_bytes >> 20);
 }
 
 int soak(int seconds, uint32_t seed) {
@@ -172,7 +172,7 @@ int soak(int seconds, uint32_t seed) {
   const bool is_fine = counts.lost == 0 && counts.acknowledged > 0 && counts.read[kWrong] == 0 &&
                        counts.read[kAnswers] > 0 && counts.read[kTold] > 0 &&
                        counts.ended_by_themselves == 0 && counts.ended_badly == 0 && is_clean &&
-                       counts.most_resident_bytes < kMostResidentBytes;
+                       counts.max_resident_bytes < kMaxResidentBytes;
   fmt::print("{}\n", is_fine ? "fine" : "NOT FINE");
   return is_fine ? 0 : 1;
 }

@@ -8,7 +8,7 @@
 #include "ltm/core/file.h"
 #include "tests/training/moving_scene.h"
 #include "training/fit/network_width.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 namespace {
@@ -146,7 +146,7 @@ TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
   EXPECT_LE(deep.image_mse, copied.image_mse * 1.001);
   EXPECT_LE(deep.number_mse, copied.number_mse * 1.001);
   EXPECT_EQ(model->predictor->step(), std::chrono::milliseconds(200));
-  const auto records = model->predictor->records(ltm::Told::kConditions);
+  const auto records = model->predictor->records(ltm::PredictorInputs::kConditions);
   ASSERT_EQ(records.size(), 5u);
   EXPECT_LT(records.front().mean.number_mse, records.back().mean.number_mse);
 }
@@ -217,8 +217,8 @@ TEST(Trainer, PredictsFromWhatAnotherEntityKnows) {
   ltm::Predictor& predictor = *model->predictor;
   ASSERT_TRUE(predictor.condition().has_value());
   EXPECT_EQ(predictor.condition()->to_string(), "Test/Scene/sim/announcement");
-  EXPECT_LT(predictor.records(ltm::Told::kConditions).at(0).mean.image_mse,
-            predictor.records(ltm::Told::kValues).at(0).mean.image_mse / 2);
+  EXPECT_LT(predictor.records(ltm::PredictorInputs::kConditions).at(0).mean.image_mse,
+            predictor.records(ltm::PredictorInputs::kValues).at(0).mean.image_mse / 2);
   const std::vector<idf::Data> history{*source.read(70), *source.read(71)};
   const std::vector<idf::Data> conditions{**source.read_condition(70), **source.read_condition(71)};
   const idf::Data truth = *source.read(72);
@@ -230,8 +230,8 @@ TEST(Trainer, PredictsFromWhatAnotherEntityKnows) {
             compare(truth, untold->front().value)->image_mse);
   EXPECT_LT(told->front().error.expected.image_mse, untold->front().error.expected.image_mse);
   // With a plan, errors are those that were measured with plans.
-  EXPECT_LT(predictor.records(ltm::Told::kPlan).at(1).mean.image_mse,
-            predictor.records(ltm::Told::kValues).at(1).mean.image_mse / 2);
+  EXPECT_LT(predictor.records(ltm::PredictorInputs::kPlan).at(1).mean.image_mse,
+            predictor.records(ltm::PredictorInputs::kValues).at(1).mean.image_mse / 2);
   const std::vector<idf::Data> plan{**source.read_condition(72), **source.read_condition(73)};
   ltm::Past planned{history, conditions};
   planned.plan = plan;

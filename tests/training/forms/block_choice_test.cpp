@@ -7,7 +7,7 @@
 
 #include "encoders/deep_model_file.h"
 #include "tests/training/moving_scene.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 namespace {

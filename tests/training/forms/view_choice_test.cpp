@@ -7,8 +7,8 @@
 #include "encoders/deep_model_file.h"
 #include "tests/training/moving_scene.h"
 #include "training/forms/block_choice.h"
-#include "training/quality/metrics.h"
 #include "training/quality/psnr.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 namespace {
@@ -115,11 +115,11 @@ TEST(ViewChoice, CountsEveryByteOfABlockWhateverIsKept) {
   std::vector<idf::Data> values;
   for (int i = 0; i < 24; ++i) values.push_back(elsewhere(i));
   const auto kept_at = [&](double bound_db) {
-    RepresentationOptions least;
-    least.kind = Representation::kAuto;
-    least.bound_db = bound_db;
-    least.video = "none";
-    BlockChoice choice(*model, least);
+    RepresentationOptions smallest;
+    smallest.kind = Representation::kAuto;
+    smallest.bound_db = bound_db;
+    smallest.video = "none";
+    BlockChoice choice(*model, smallest);
     const auto latents = choice.encode(values);
     EXPECT_TRUE(latents.ok()) << latents.status().to_string();
     const auto bytes = latents->front().code.bytes();

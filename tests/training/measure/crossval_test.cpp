@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/measure/crossval.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ CrossvalOptions options(int steps) {
 
 /// Of `values`, all but two are one and all but three two ahead of two others.
 void expect_predictions(const std::vector<Quality>& prediction, size_t values) {
-  ASSERT_EQ(prediction.size(), kLeastAhead);
+  ASSERT_EQ(prediction.size(), kMinAhead);
   EXPECT_EQ(prediction[0].images, values - 2);
   EXPECT_EQ(prediction[1].images, values - 3);
 }
@@ -176,8 +176,8 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
   const auto report = crossval(store.path(), chosen);
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   const VariantQuality& variant = report->all.variants[0];
-  for (size_t ahead = 0; ahead < kLeastAhead; ++ahead) {
-    const Coverage& told = variant.foresight[ahead].images;
+  for (size_t ahead = 0; ahead < kMinAhead; ++ahead) {
+    const Coverage& told = variant.bound_coverage[ahead].images;
     EXPECT_EQ(told.predictions, 128 - ahead);
     // The square goes on as it did: about nine of ten are within.
     EXPECT_GT(told.share(), 0.7);
@@ -186,8 +186,8 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
   }
   const auto json = to_json(*report);
   const auto& bound = json.at("all").at("variants").at("rate").at("bound");
-  ASSERT_EQ(bound.size(), kLeastAhead);
-  EXPECT_EQ(bound[1].at("images").at("within"), variant.foresight[1].images.within);
+  ASSERT_EQ(bound.size(), kMinAhead);
+  EXPECT_EQ(bound[1].at("images").at("within"), variant.bound_coverage[1].images.within);
 }
 
 /// Two recordings of images that are dark or bright as chance has it, which link to an entity that
@@ -230,7 +230,7 @@ TEST(Crossval, MeasuresWhatItTellsToKnowWhatCameOfTheCondition) {
   EXPECT_GT(variant.planned[0].pooled_psnr_db, copied + 3);
   EXPECT_NE(variant.planned[0].pooled_psnr_db, variant.prediction[0].pooled_psnr_db);
   const auto json = to_json(*report).at("all").at("variants").at("rate").at("planned");
-  ASSERT_EQ(json.size(), kLeastAhead);
+  ASSERT_EQ(json.size(), kMinAhead);
   EXPECT_EQ(json.at(1).at("images"), 37);
 }
 

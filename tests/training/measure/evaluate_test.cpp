@@ -97,23 +97,25 @@ TEST(Evaluate, CountsHowOftenErrorsAreWithinTheirBounds) {
   const auto& prediction = report->entities.at(0).prediction;
   const PredictionQuality& held_out = prediction[static_cast<size_t>(Known::kHeldOut)][0];
   // Two recordings of 60: nine each are held out, nine of all calibrated.
-  EXPECT_EQ(held_out.model_foresight.images.predictions, 18u);
-  EXPECT_EQ(held_out.model_foresight.numbers.predictions, 18u);
+  EXPECT_EQ(held_out.model_bound_coverage.images.predictions, 18u);
+  EXPECT_EQ(held_out.model_bound_coverage.numbers.predictions, 18u);
   // Of nine scores the bound is the largest one: all others are within.
-  EXPECT_GE(held_out.model_foresight.images.within, 8u);
-  EXPECT_EQ(held_out.copy_foresight.images.predictions, 18u);
+  EXPECT_GE(held_out.model_bound_coverage.images.within, 8u);
+  EXPECT_EQ(held_out.copy_bound_coverage.images.predictions, 18u);
   const PredictionQuality& left_out = prediction[static_cast<size_t>(Known::kLeftOutRecording)][0];
-  EXPECT_EQ(left_out.copy_foresight.images.predictions, 58u);
+  EXPECT_EQ(left_out.copy_bound_coverage.images.predictions, 58u);
   // The square goes on as before: what was expected is about right, and bounds hold.
-  EXPECT_GT(left_out.copy_foresight.images.share(), 0.7);
-  EXPECT_NEAR(left_out.copy_foresight.images.expected, left_out.copy_last.pooled_psnr_db, 1.5);
-  EXPECT_LE(left_out.copy_foresight.images.mean_bound, left_out.copy_foresight.images.expected);
-  EXPECT_GE(left_out.copy_foresight.numbers.mean_bound, left_out.copy_foresight.numbers.expected);
+  EXPECT_GT(left_out.copy_bound_coverage.images.share(), 0.7);
+  EXPECT_NEAR(left_out.copy_bound_coverage.images.expected, left_out.copy_last.pooled_psnr_db, 1.5);
+  EXPECT_LE(left_out.copy_bound_coverage.images.mean_bound,
+            left_out.copy_bound_coverage.images.expected);
+  EXPECT_GE(left_out.copy_bound_coverage.numbers.mean_bound,
+            left_out.copy_bound_coverage.numbers.expected);
   const auto json = to_json(left_out);
   EXPECT_EQ(json.at("copy_last_bound").at("probability"), 0.9);
   EXPECT_EQ(json.at("copy_last_bound").at("images").at("predictions"), 58);
   EXPECT_EQ(json.at("model_bound").at("numbers").at("share").get<double>(),
-            left_out.model_foresight.numbers.share());
+            left_out.model_bound_coverage.numbers.share());
 }
 
 TEST(Evaluate, CountsSnapshotsWithoutTruth) {

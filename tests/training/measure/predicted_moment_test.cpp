@@ -7,7 +7,7 @@
 
 #include "encoders/load_model.h"
 #include "tests/training/recorded_scene.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 namespace {
@@ -103,7 +103,7 @@ TEST(PredictedMoment, IsToldByAModelWithItsBound) {
   ASSERT_EQ(engines->size(), 2u);
   // 15 % are 20 windows one ahead: ten chose, ten calibrated.
   for (const ltm::Recall::Engine& engine : *engines) {
-    const auto records = engine.predictor->records(ltm::Told::kConditions);
+    const auto records = engine.predictor->records(ltm::PredictorInputs::kConditions);
     ASSERT_EQ(records.size(), 5u) << engine.predictor->name();
     // Copies learn nothing: of all 128 windows half calibrated.
     EXPECT_EQ(records[0].predictions, engine.model.empty() ? 64u : 10u);
@@ -130,27 +130,27 @@ TEST(Sweep, MeasuresEveryMomentThatHasAPastAndAFuture) {
   const ScratchPath store("sweep");
   engram::testing::record(store.path(), kEntity, 0, 20);
   ltm::Recall recall = open(store.path());
-  const ltm::Recall::Outlook outlook{{}, {kStep, 2 * kStep}, ""};
-  const auto all = sweep(recall, entity(), outlook, {}, {}, {});
+  const ltm::Recall::PredictionRequest request{{}, {kStep, 2 * kStep}, ""};
+  const auto all = sweep(recall, entity(), request, {}, {}, {});
   ASSERT_TRUE(all.ok()) << all.status().to_string();
   ASSERT_EQ(all->size(), 2u);
   EXPECT_EQ((*all)[0].model.images, 18u);
   EXPECT_EQ((*all)[1].model.images, 17u);
   EXPECT_GT((*all)[0].model.mean_psnr_db, (*all)[1].model.mean_psnr_db);
   EXPECT_EQ((*all)[0].model.mean_psnr_db, (*all)[0].copy_last.mean_psnr_db);
-  EXPECT_EQ((*all)[0].model_foresight.images.predictions, 0u);
+  EXPECT_EQ((*all)[0].model_bound_coverage.images.predictions, 0u);
   SweepOptions some;
   some.first = time_at(5);
   some.last = time_at(12);
   some.every = 3;
-  const auto few = sweep(recall, entity(), outlook, some, {}, {});
+  const auto few = sweep(recall, entity(), request, some, {}, {});
   EXPECT_EQ((*few)[0].model.images, 3u) << "5, 8 and 11";
   some.every = 0;
-  EXPECT_EQ(sweep(recall, entity(), outlook, some, {}, {}).status().code(),
+  EXPECT_EQ(sweep(recall, entity(), request, some, {}, {}).status().code(),
             StatusCode::kInvalidArgument);
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_EQ(sweep(recall, entity(), outlook, {}, {}, stop.get_token()).status().code(),
+  EXPECT_EQ(sweep(recall, entity(), request, {}, {}, stop.get_token()).status().code(),
             StatusCode::kCancelled);
 }
 

@@ -11,7 +11,7 @@
 #include "ltm/recall/recall.h"
 #include "ltm/recording/recorder.h"
 #include "tests/training/recorded_scene.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 namespace {

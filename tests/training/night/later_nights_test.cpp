@@ -6,12 +6,12 @@
 #include "encoders/model_file.h"
 #include "ltm/core/file.h"
 #include "ltm/recall/recall.h"
-#include "ltm/store/check.h"
+#include "ltm/store/store_check.h"
 #include "ltm/store/store_reader.h"
 #include "tests/training/recorded_scene.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
-#include "training/quality/metrics.h"
+#include "training/quality/quality_metrics.h"
 
 namespace engram::training {
 namespace {

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "encoders/coding/latent_grid.h"
+
+namespace engram::encoders {
+
+/// Small numbers that contexts are made of.
+namespace latent_classes {
+
+/// A class is "more" from here on at the latest: larger magnitudes need not be told apart.
+inline constexpr int kMax = 9;
+using ValueTable = std::array<uint8_t, 2 * kMax + 1>;  // From -kMost on.
+using SumTable = std::array<uint8_t, 128>;             // Of at most seven magnitudes.
+
+/// Each value up to `max` either way, and what is beyond.
+constexpr ValueTable values_up_to(int max) {
+  ValueTable table{};
+  for (int value = -kMax; value <= kMax; ++value)
+    table[static_cast<size_t>(value + kMax)] =
+        static_cast<uint8_t>(std::clamp(value, -max, max) + max);
+  return table;
+}
+inline constexpr ValueTable kWideOf = values_up_to(3);
+inline constexpr ValueTable kNarrowOf = values_up_to(2);
+
+/// 0, 1, 2, 3-4, 5-8, more.
+inline constexpr SumTable kStepOf = [] {
+  SumTable table{};
+  for (size_t i = 0; i < table.size(); ++i)
+    table[i] = static_cast<uint8_t>(i <= 2 ? i : i <= 4 ? 3 : i <= 8 ? 4 : 5);
+  return table;
+}();
+
+/// 0, 1-2, 3-6, more.
+inline constexpr SumTable kFewOf = [] {
+  SumTable table{};
+  for (size_t i = 0; i < table.size(); ++i)
+    table[i] = static_cast<uint8_t>(i == 0 ? 0 : i <= 2 ? 1 : i <= 6 ? 2 : 3);
+  return table;
+}();
+
+}  // namespace latent_classes
+
+/// What is known around the latents of one grid while the rows of a block are walked over, in
+/// classes.
+///
+/// Everything is a byte in planes with a border of zeros: what rows and channels before tell is
+/// summed for a whole channel at once, and nothing asks where a plane ends.
+/// Shape: planes of [height + 2, width + 2]; `at` is an index into one (place()).
+/// Threading: one thread.
+/// Source: docs/learning_methods.md, section "Sequences of latents".
+class LatentNeighbourhood {
+ public:
+  /// Kinds of classes: how much there is of something, coarser, values from -3 to 3, from -2 to 2.
+  static constexpr size_t kSteps = 6;
+  static constexpr size_t kFewSteps = 4;
+  static constexpr size_t kWide = 7;
+  static constexpr size_t kNarrow = 5;
+
+  /// Of one latent, before it is known. Where there is no row before, it was zeros; where there is
+  /// but one, the row before that was the same.
+  struct Classes {
+    size_t last;         ///< Wide: the same latent in the last row.
+    size_t before;       ///< Wide: in the row before that.
+    size_t past;         ///< Narrow: the same.
+    size_t last_size;    ///< Its magnitude in the last row: 0, 1, more.
+    size_t west, north;  ///< Narrow: neighbours.
+    size_t around;       ///< Step: magnitudes around it.
+    size_t around_then;  ///< Step: around it in the last row.
+    size_t channels;     ///< Few: magnitudes in the four channels before.
+    size_t change;       ///< Step: how much neighbours and those channels differ from the last row.
+  };
+
+  explicit LatentNeighbourhood(const LatentGrid& shape);
+
+  /// Forgets all rows.
+  void begin_block();
+
+  /// Needs the channels before of this row.
+  void begin_channel(int channel);
+
+  /// The row is complete: it is the last one now.
+  void end_row();
+
+  /// Where a latent of a plane [height, width] lies in one with a border.
+  [[nodiscard]] size_t place(size_t latent) const { return places_[latent]; }
+
+  /// Of a latent of the channel that was begun; needs those left of it and above.
+  [[nodiscard]] Classes classes(size_t at) const;
+
+  /// Notes a latent of the channel that was begun, and what it was in the last row.
+  void put(size_t at, int32_t value, int32_t last);
+
+  /// Few: how much all channels of this row together differ from the last one, at each place of a
+  /// grid of another size. Shape: [height, width] of `other`.
+  void find_changes(const LatentGrid& other, std::span<uint8_t> changes) const;
+
+ private:
+  static constexpr int kMax = latent_classes::kMax;
+  using Planes = std::vector<int8_t>;
+
+  static size_t of(const latent_classes::ValueTable& table, int value) {
+    return table[static_cast<size_t>(value + kMax)];
+  }
+  static size_t of(const latent_classes::SumTable& table, int sum) {
+    return table[static_cast<size_t>(sum)];
+  }
+
+  LatentGrid shape_;
+  size_t stride_;
+  size_t plane_;
+  std::vector<size_t> places_;
+  size_t rows_ = 0;
+  size_t first_ = 0;  ///< Where the planes of the channel that was begun lie.
+  // Of all channels: values of this and the last two rows, magnitudes of this one, differences of
+  // this from the last one.
+  Planes now_, last_, before_, size_, distance_;
+  // Of the channel that was begun: sums around each place in the last row, over the channels
+  // before.
+  Planes around_then_, channels_, change_;
+};
+
+// What is asked for every latent.
+
+inline LatentNeighbourhood::Classes LatentNeighbourhood::classes(size_t at) const {
+  using namespace latent_classes;
+  const size_t it = first_ + at;
+  const int8_t* size = size_.data() + it;
+  const int8_t* distance = distance_.data() + it;
+  const auto stride = static_cast<ptrdiff_t>(stride_);
+  const int last = last_[it], before = before_[it];
+  const int around = 2 * (size[-1] + size[-stride]) + size[-stride - 1] + size[-stride + 1];
+  const int change = change_[at] + distance[-1] + distance[-stride] + distance[-stride + 1];
+  return {of(kWideOf, last),           of(kWideOf, before),
+          of(kNarrowOf, before),       static_cast<size_t>(std::min(std::abs(last), 2)),
+          of(kNarrowOf, now_[it - 1]), of(kNarrowOf, now_[it - stride_]),
+          of(kStepOf, around),         of(kStepOf, around_then_[at]),
+          of(kFewOf, channels_[at]),   of(kStepOf, change)};
+}
+
+inline void LatentNeighbourhood::put(size_t at, int32_t value, int32_t last) {
+  const auto capped = [](int64_t magnitude) {
+    return static_cast<int8_t>(std::min<int64_t>(magnitude, kMax));
+  };
+  const size_t it = first_ + at;
+  now_[it] = static_cast<int8_t>(std::clamp(value, -kMax, kMax));
+  size_[it] = capped(std::abs(int64_t{value}));
+  distance_[it] = capped(std::abs(int64_t{value} - last));
+}
+
+}  // namespace engram::encoders

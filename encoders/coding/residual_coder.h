@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "encoders/coding/adaptive_bit.h"
+#include "encoders/coding/block_transform.h"
+#include "encoders/coding/integer_coder.h"
+#include "encoders/coding/mixed_bits.h"
+
+namespace engram::encoders {
+
+/// Steps of the quantiser: eight for each doubling, from half a grey level on.
+inline constexpr int kResidualSteps = 80;
+inline constexpr int kResidualStepBits = 7;
+
+/// Unit: 1/8 grey level, as of coefficients.
+[[nodiscard]] int32_t residual_step(int index);
+
+/// The residual of one image as integers.
+struct QuantisedResidual {
+  explicit QuantisedResidual(const BlockGrid& grid)
+      : continues(grid.blocks()), levels(grid.coefficients()) {}
+
+  int step = 0;                    ///< Below kResidualSteps.
+  std::vector<uint8_t> continues;  ///< [blocks]: whether levels are added to the last residual.
+  std::vector<int16_t> levels;     ///< [blocks, 64], in steps.
+};
+
+/// Codes the residuals of consecutive images, in writing and reading alike: what is known
+/// already tells how likely each bit is.
+///
+/// Threading: one thread.
+/// Source: docs/learning_methods.md, section "Residuals".
+class ResidualCoder {
+ public:
+  explicit ResidualCoder(const BlockGrid& grid);
+
+  /// Writes an image, or reads one into `image`: any bits give one.
+  template <typename Port>
+  void code(Port& port, QuantisedResidual& image);
+
+  /// What an image amounts to that follows those that were coded, as coefficients.
+  [[nodiscard]] std::vector<int16_t> after(const QuantisedResidual& image) const;
+
+  /// That of the last one; zeros before the first.
+  [[nodiscard]] const std::vector<int16_t>& last() const { return last_; }
+
+ private:
+  static constexpr size_t kSize = BlockGrid::kCoefficients;
+  static constexpr size_t kPlanes = 3;  ///< That contexts tell apart.
+  static constexpr size_t kBands = 8;   ///< Of places in a block.
+  static constexpr size_t kLongest = 14;
+
+  /// A block, and where to find what tells of it.
+  struct Place {
+    size_t plane = 0;  ///< As contexts see it.
+    size_t block = 0;
+    const int16_t* left = nullptr;  ///< Levels of the neighbours; null at the edge.
+    const int16_t* above = nullptr;
+    const int16_t* before = nullptr;  ///< In the plane before.
+    size_t left_end = 0, above_end = 0, before_end = 0;
+    size_t left_mode = 0, above_mode = 0, before_mode = 0;  ///< 0: had no choice; else 1 or 2.
+  };
+  /// What is known of a place in the block that is being coded.
+  struct Neighbourhood {
+    size_t beside = 0;  ///< Magnitudes here of left and upper block, at most 3.
+    size_t near = 0;    ///< Of the two levels before, at most 3.
+    size_t before = 0;  ///< In the plane before, at most 2.
+    size_t last = 0;    ///< Class of the last residual, in steps; 5 more where it is continued.
+  };
+
+  [[nodiscard]] Place place_of(const QuantisedResidual& image, size_t plane, size_t row,
+                               size_t column) const;
+  [[nodiscard]] Neighbourhood around(const Place& place, const int16_t* levels, size_t at,
+                                     bool continues) const;
+  [[nodiscard]] size_t last_class(size_t index) const;
+  template <typename Port>
+  void code_block(Port& port, const Place& place, QuantisedResidual& image);
+  template <typename Port>
+  void code_levels(Port& port, const Place& place, bool continues, int16_t* levels);
+  template <typename Port>
+  int code_magnitude(Port& port, size_t band, const Neighbourhood& known, int magnitude);
+
+  /// Makes what was before a block of `image` what is after it.
+  void add_to(std::vector<int16_t>& last, const QuantisedResidual& image, size_t block) const;
+
+  BlockGrid grid_;
+  int32_t step_ = 1;
+  std::vector<int16_t> last_;
+  std::vector<uint8_t> has_last_;  ///< [blocks]: whether any of last_ is not zero.
+  std::vector<uint8_t> ends_;      ///< [blocks]: behind the last level that is not zero.
+  std::vector<uint8_t> modes_;     ///< [blocks]: as in Place.
+  std::array<AdaptiveBit, 27> continues_;
+  MixedBits<4> coded_;
+  MixedBits<5> zero_;
+  MixedBits<3> end_;
+  MixedBits<3> larger_;
+  IntegerModel rest_;
+};
+
+}  // namespace engram::encoders

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/prediction/series_predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "ltm/prediction/error_bound.h"
+
+namespace engram::ltm {
+
+namespace {
+
+/// Measured again when so many more rows have come, relative to those that there were.
+constexpr double kMoreRows = 0.1;
+/// Of the rows that engines are measured on: before each they learn anew.
+constexpr size_t kBlocks = 3;
+/// What is known of horizons is forgotten when there are more: clients may ask for any.
+constexpr size_t kMaxHorizons = 64;
+/// Of a step: what is closer to a number of steps is taken as that.
+constexpr double kCloseToStep = 0.05;
+
+double mean_square(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum / static_cast<double>(a.size());
+}
+
+/// Of an engine whose predictions were that wrong.
+SeriesRecord record_of(std::string_view engine, std::vector<double> mean_squares) {
+  SeriesRecord record{std::string(engine), mean_squares.size()};
+  if (mean_squares.empty()) return record;
+  double sum = 0;
+  for (const double one : mean_squares) sum += one;
+  record.rmse = std::sqrt(sum / static_cast<double>(mean_squares.size()));
+  record.bound_rmse = std::sqrt(bound_of(std::move(mean_squares)));
+  return record;
+}
+
+}  // namespace
+
+SeriesPredictor::SeriesPredictor(const NumberSeries& series, std::optional<ValueRow> meaning,
+                                 Options options)
+    : series_(series),
+      meaning_(std::move(meaning)),
+      options_(options),
+      engines_(make_series_engines()) {}
+
+size_t SeriesPredictor::learned_rows() const {
+  // Where there are no numbers nothing is learned: all may be measured on.
+  return series_.numbers() == 0 ? 0 : series_.rows() * 2 / 3;
+}
+
+std::vector<size_t> SeriesPredictor::test_rows(size_t steps) const {
+  std::vector<size_t> rows;
+  const size_t split = learned_rows();
+  const size_t none_before = series_.rows() - std::min(series_.rows(), options_.last_rows);
+  for (size_t row = std::max(split - std::min(split, steps), none_before);
+       row + steps < series_.rows(); ++row)
+    if (series_.run_start(row + steps) <= row) rows.push_back(row);
+  if (rows.size() <= options_.max_predictions) return rows;
+  std::vector<size_t> some;
+  if (options_.is_anchored) {
+    const size_t every = (rows.size() - 1) / options_.max_predictions + 1;
+    const uint64_t forgotten = series_.added() - series_.rows();
+    std::ranges::copy_if(rows, std::back_inserter(some),
+                         [&](size_t row) { return (forgotten + row) % every == 0; });
+    return some;
+  }
+  for (size_t i = 0; i < options_.max_predictions; ++i)
+    some.push_back(rows[i * rows.size() / options_.max_predictions]);
+  return some;
+}
+
+const std::vector<RowMember>& SeriesPredictor::members() const {
+  static const std::vector<RowMember> kNone;
+  return meaning_ ? meaning_->row_members() : kNone;
+}
+
+SeriesPredictor::Measured SeriesPredictor::measure(size_t steps) {
+  const std::vector<size_t> rows = test_rows(steps);
+  const size_t split = learned_rows();
+  const std::vector<RowMember>& members = this->members();
+  const MemberMotion& motion = this->motion();
+  Measured measured{series_.added(), {}, {}};
+  std::vector<double> predicted(series_.numbers());
+  for (const auto& engine : make_series_engines()) {
+    std::vector<double> mean_squares;
+    std::vector<MotionErrors> errors(members.size());
+    size_t learned_until = 0;
+    for (const size_t row : rows) {
+      // Of each block the rows before it are known.
+      const size_t block = std::min(kBlocks - 1, (row + steps - split) * kBlocks /
+                                                     std::max<size_t>(series_.rows() - split, 1));
+      const size_t known = split + block * (series_.rows() - split) / kBlocks;
+      if (known > learned_until) engine->learn(series_, known, steps);
+      learned_until = std::max(learned_until, known);
+      const auto truth = series_.row(row + steps);
+      engine->predict(series_, row, steps, predicted);
+      if (meaning_) meaning_->finish(series_.row(row), predicted);
+      mean_squares.push_back(meaning_ ? meaning_->mean_square(predicted, truth)
+                                      : mean_square(predicted, truth));
+      for (size_t i = 0; i < members.size(); ++i)
+        errors[i].add(motion.is_moving(series_, row, members[i], i),
+                      ValueRow::mean_square(members[i], predicted, truth));
+    }
+    measured.records.push_back(record_of(engine->name(), std::move(mean_squares)));
+    MemberRecords& of_members =
+        measured.members.emplace_back(MemberRecords{std::string(engine->name())});
+    for (MotionErrors& one : errors) of_members.members.push_back(std::move(one).records());
+    if (!engine->learns()) measure_movements(*engine, steps, of_members);
+  }
+  std::ranges::stable_sort(measured.records, {}, &SeriesRecord::rmse);
+  return measured;
+}
+
+/// Rows when nothing moves cost no more than a look.
+void SeriesPredictor::measure_movements(const SeriesEngine& engine, size_t steps,
+                                        MemberRecords& records) {
+  const std::vector<RowMember>& members = this->members();
+  const MemberMotion& motion = this->motion();
+  std::vector<std::vector<double>> squares(members.size());
+  std::vector<double> predicted(series_.numbers());
+  std::vector<size_t> moving;
+  for (size_t row = 0; row + steps < series_.rows(); ++row) {
+    if (series_.run_start(row + steps) > row) continue;
+    moving.clear();
+    for (size_t i = 0; i < members.size(); ++i)
+      if (squares[i].size() < options_.max_predictions &&
+          motion.is_moving(series_, row, members[i], i))
+        moving.push_back(i);
+    if (moving.empty()) continue;
+    engine.predict(series_, row, steps, predicted);
+    meaning_->finish(series_.row(row), predicted);
+    for (const size_t i : moving)
+      squares[i].push_back(ValueRow::mean_square(members[i], predicted, series_.row(row + steps)));
+  }
+  for (size_t i = 0; i < members.size(); ++i)
+    records.members[i].ever_moving = MemberRecord::of(std::move(squares[i]));
+}
+
+bool SeriesPredictor::is_fresh(uint64_t rows_then) const {
+  const auto enough = static_cast<uint64_t>(std::ceil(static_cast<double>(rows_then) * kMoreRows));
+  return series_.added() < rows_then + std::max<uint64_t>(enough, 1);
+}
+
+const SeriesPredictor::Measured& SeriesPredictor::measured(size_t steps) {
+  if (measured_.size() >= kMaxHorizons && !measured_.contains(steps)) {
+    measured_.clear();
+    learned_.clear();
+    engines_ = make_series_engines();
+  }
+  const auto known = measured_.find(steps);
+  if (known != measured_.end() && is_fresh(known->second.rows)) return known->second;
+  return measured_.insert_or_assign(steps, measure(steps)).first->second;
+}
+
+const std::vector<SeriesRecord>& SeriesPredictor::records(Duration ahead) {
+  return measured(series_.steps_in(ahead)).records;
+}
+
+const std::vector<MemberRecords>& SeriesPredictor::member_records(Duration ahead) {
+  return measured(series_.steps_in(ahead)).members;
+}
+
+const MemberMotion& SeriesPredictor::motion() {
+  if (!motion_ || !is_fresh(motion_rows_)) {
+    motion_.emplace(series_, members());
+    motion_rows_ = series_.added();
+  }
+  return *motion_;
+}
+
+std::vector<bool> SeriesPredictor::moving_members(size_t row) {
+  const MemberMotion& motion = this->motion();
+  std::vector<bool> moving;
+  for (size_t i = 0; i < members().size(); ++i)
+    moving.push_back(motion.is_moving(series_, row, members()[i], i));
+  return moving;
+}
+
+std::vector<double> SeriesPredictor::predicted_row(size_t engine, size_t steps) {
+  const size_t last = series_.rows() - 1;
+  std::vector<double> row(series_.row(last).begin(), series_.row(last).end());
+  if (steps == 0) return row;
+  const auto learned = learned_.find({steps, engine});
+  if (learned == learned_.end() || !is_fresh(learned->second)) {
+    engines_[engine]->learn(series_, series_.rows(), steps);
+    learned_[{steps, engine}] = series_.added();
+  }
+  engines_[engine]->predict(series_, last, steps, row);
+  return row;
+}
+
+std::vector<double> SeriesPredictor::continued(Duration ahead, const std::string& engine) {
+  ENGRAM_CHECK(series_.rows() > 0 && ahead > Duration(0), "found {} rows and {} ahead",
+               series_.rows(), to_string(ahead));
+  const auto found =
+      std::ranges::find(engines_, engine, [](const auto& one) { return one->name(); });
+  ENGRAM_CHECK(found != engines_.end(), "found no engine '{}'", engine);
+  const auto used = static_cast<size_t>(found - engines_.begin());
+  const size_t steps = series_.steps_in(ahead);
+  std::vector<double> values = predicted_row(used, steps);
+  // What lies beside the closest step is between it and the other neighbour.
+  const double exact =
+      series_.step() > Duration(0) ? to_seconds(ahead) / to_seconds(series_.step()) : 1.0;
+  const double beside = exact - static_cast<double>(steps);
+  if (std::abs(beside) > kCloseToStep) {
+    const auto other = predicted_row(used, beside < 0 ? steps - 1 : steps + 1);
+    for (size_t i = 0; i < other.size(); ++i)
+      values[i] += std::abs(beside) * (other[i] - values[i]);
+  }
+  if (meaning_) meaning_->finish(series_.row(series_.rows() - 1), values);
+  return values;
+}
+
+Result<SeriesPrediction> SeriesPredictor::predict(Duration ahead, const std::string& engine) {
+  if (series_.rows() == 0) return not_found("series: found no row, needs one to predict from");
+  if (ahead <= Duration(0))
+    return invalid_argument("series: found a horizon of {}, needs more than zero",
+                            to_string(ahead));
+  const std::vector<SeriesRecord>& records = this->records(ahead);
+  const auto record =
+      engine.empty() ? records.begin() : std::ranges::find(records, engine, &SeriesRecord::engine);
+  if (record == records.end()) {
+    std::string names;
+    for (const auto& known : engines_)
+      names += (names.empty() ? "" : ", ") + std::string(known->name());
+    return not_found("series: nothing named '{}' predicts it; there is: {}", engine, names);
+  }
+  return SeriesPrediction{continued(ahead, record->engine), *record};
+}
+
+}  // namespace engram::ltm
