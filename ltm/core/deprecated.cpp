@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/core/deprecated.h"
 
-#include <mutex>
 #include <set>
 #include <string>
 
 #include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
 
 namespace engram {
 
+namespace {
+
+/// A server reads its configuration again and again: one warning is enough.
+///
+/// Threading: thread-safe.
+class ToldPlaces {
+ public:
+  /// True the first time.
+  bool add(std::string_view where) {
+    const MutexLock lock(mutex_);
+    return told_.emplace(where).second;
+  }
+
+ private:
+  Mutex mutex_;
+  std::set<std::string, std::less<>> told_ ENGRAM_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
 void warn_deprecated(const DeprecatedWord& word, std::string_view where) {
-  // A server reads its configuration again and again: one warning is enough.
-  static std::mutex mutex;
-  static std::set<std::string, std::less<>> told;
-  const std::scoped_lock lock(mutex);
-  if (!told.emplace(where).second) return;
+  static ToldPlaces told;
+  if (!told.add(where)) return;
   log::warning("'{}': '{}' is deprecated and gone in version {}; write '{}' instead", where,
                word.old_word, word.gone_in, word.word);
 }

@@ -78,7 +78,7 @@ Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
 }
 
 ltm::SegmentTypes LongTerm::types() const {
-  const std::scoped_lock lock(state_->writing);
+  const MutexLock lock(state_->writing);
   return state_->recorder->types();
 }
 

@@ -67,7 +67,7 @@ auto FrontDoor::with_memory(F work) {
     if (process_ != ::getpid())
       return failed_precondition("the memory was opened by another process: open it in this one");
     const auto memory = [&] {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       return memory_;
     }();
     if (memory == nullptr) return failed_precondition("the memory is closed");
@@ -180,7 +180,7 @@ std::unique_ptr<Watch> FrontDoor::watch(const SubscriptionOptions& options) {
   const auto inbox = std::make_shared<Inbox>(options.queue_bound);
   auto subscription = with_memory(
       [&](Memory& memory) { return memory.subscribe(options, Inbox::handlers(inbox)); });
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(watches_, [](const std::weak_ptr<Inbox>& one) { return one.expired(); });
   watches_.push_back(inbox);
   if (memory_ == nullptr) inbox->close();  // By another thread meanwhile.
@@ -193,7 +193,7 @@ void FrontDoor::close() {
     if (process_ != ::getpid()) return {};
     std::shared_ptr<Memory> memory;
     {
-      const std::scoped_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       memory.swap(memory_);
       for (const std::weak_ptr<Inbox>& one : watches_)
         if (const auto inbox = one.lock()) inbox->close();

@@ -6,12 +6,12 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "memory/memory.h"
 #include "python/bindings/watch.h"
 
@@ -83,9 +83,10 @@ class FrontDoor {
                                         const std::vector<ltm::Selector>& selectors);
 
   const int process_;  ///< That opened it: its threads and connections do not survive a fork.
-  std::mutex mutex_;   ///< Guards what follows.
-  std::shared_ptr<Memory> memory_;  ///< Null once it is closed; shared with calls that go on.
-  std::vector<std::weak_ptr<Inbox>> watches_;
+  Mutex mutex_;
+  /// Null once it is closed; shared with calls that go on.
+  std::shared_ptr<Memory> memory_ ENGRAM_GUARDED_BY(mutex_);
+  std::vector<std::weak_ptr<Inbox>> watches_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::python

@@ -46,11 +46,11 @@ SubscriptionHandlers Inbox::handlers(const std::shared_ptr<Inbox>& inbox) {
   SubscriptionHandlers handlers;
   handlers.on_snapshots = [inbox](std::vector<ToldSnapshot> told) { inbox->put(std::move(told)); };
   handlers.on_lost = [inbox](uint64_t lost) {
-    const std::scoped_lock lock(inbox->mutex_);
+    const MutexLock lock(inbox->mutex_);
     inbox->lost_before_ += lost;
   };
   handlers.on_interrupted = [inbox](const Status& status) {
-    const std::scoped_lock lock(inbox->mutex_);
+    const MutexLock lock(inbox->mutex_);
     ++inbox->interruptions_;
     inbox->interruption_ = status.ok() ? "the server ended the stream" : status.message();
   };
@@ -58,7 +58,7 @@ SubscriptionHandlers Inbox::handlers(const std::shared_ptr<Inbox>& inbox) {
 }
 
 void Inbox::put(std::vector<ToldSnapshot> told) {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (is_closed_) return;
   for (ToldSnapshot& one : told) {
     const size_t bytes = kEventBytes + (one.has_data ? one.snapshot.raw_bytes() : 0);
@@ -68,8 +68,9 @@ void Inbox::put(std::vector<ToldSnapshot> told) {
 }
 
 std::optional<Inbox::Told> Inbox::take(Duration max_wait) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, max_wait, [this] { return is_closed_ || !waiting_.empty(); });
+  const MutexLock lock(mutex_);
+  changed_.wait_for(mutex_, max_wait,
+                    [this]() ENGRAM_REQUIRES(mutex_) { return is_closed_ || !waiting_.empty(); });
   if (is_closed_ || waiting_.empty()) return std::nullopt;
   Told told{waiting_.pop()};
   const uint64_t lost = lost_before_ + waiting_.lost();
@@ -79,24 +80,24 @@ std::optional<Inbox::Told> Inbox::take(Duration max_wait) {
 }
 
 void Inbox::close() {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   is_closed_ = true;
   while (!waiting_.empty()) waiting_.pop();
   changed_.notify_all();
 }
 
 bool Inbox::is_closed() const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return is_closed_;
 }
 
 uint64_t Inbox::lost() const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return lost_before_ + waiting_.lost();
 }
 
 uint64_t Inbox::interruptions() const {
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return interruptions_;
 }
 
@@ -104,11 +105,12 @@ Watch::Watch(std::shared_ptr<Inbox> inbox, std::unique_ptr<Subscription> subscri
     : process_(::getpid()), inbox_(std::move(inbox)), subscription_(std::move(subscription)) {}
 
 Watch::~Watch() {
-  // A forked process has none of the threads that ending would wait for.
-  if (process_ != ::getpid())
-    static_cast<void>(subscription_.release());
-  else
+  if (process_ == ::getpid()) {
     close();
+    return;
+  }
+  // A forked process has none of the threads that ending would wait for: what is there is left.
+  [[maybe_unused]] const Subscription* const left = subscription_.release();
 }
 
 py::object Watch::next(std::optional<int64_t> timeout) {
@@ -132,7 +134,7 @@ py::object Watch::next(std::optional<int64_t> timeout) {
 void Watch::close() {
   const py::gil_scoped_release released;
   inbox_->close();
-  const std::scoped_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   subscription_.reset();
 }
 

@@ -5,11 +5,10 @@
 
 #include <pybind11/pybind11.h>
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 
+#include "ltm/core/mutex.h"
 #include "memory/live/event_queue.h"
 #include "memory/memory.h"
 
@@ -46,14 +45,15 @@ class Inbox {
  private:
   void put(std::vector<ToldSnapshot> told);
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  memory::EventQueue<ToldSnapshot> waiting_;
-  uint64_t lost_before_ = 0;  ///< By the memory; the queue counts its own.
-  uint64_t told_lost_ = 0;
-  uint64_t interruptions_ = 0;
-  std::string interruption_;
-  bool is_closed_ = false;
+  mutable Mutex mutex_;
+  ConditionVariable changed_;
+  memory::EventQueue<ToldSnapshot> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  /// By the memory; the queue counts its own.
+  uint64_t lost_before_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  uint64_t told_lost_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  uint64_t interruptions_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  std::string interruption_ ENGRAM_GUARDED_BY(mutex_);
+  bool is_closed_ ENGRAM_GUARDED_BY(mutex_) = false;
 };
 
 /// A subscription that Python iterates over.
@@ -80,8 +80,8 @@ class Watch {
  private:
   const int process_;  ///< That made it: its threads do not survive a fork.
   const std::shared_ptr<Inbox> inbox_;
-  std::mutex mutex_;  ///< Guards `subscription_`.
-  std::unique_ptr<Subscription> subscription_;
+  Mutex mutex_;
+  std::unique_ptr<Subscription> subscription_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::python
