@@ -32,9 +32,10 @@ double mean_of(const Errors& errors, Kind kind) {
 }
 
 /// The record so many steps ahead; beyond the last one, that.
-std::optional<MeasuredError> record_at(const Predictor& predictor, Told told, int steps) {
+std::optional<MeasuredError> record_at(const Predictor& predictor, PredictorInputs given,
+                                       int steps) {
   std::optional<MeasuredError> found;
-  for (const HorizonRecord& record : predictor.records(told)) {
+  for (const HorizonRecord& record : predictor.records(given)) {
     if (record.predictions == 0 || (found && record.steps > steps)) continue;
     found = record.mean;
   }
@@ -83,13 +84,13 @@ MeasuredError copied_baseline(const InstanceHistory& history, const Errors& erro
 void make_honest(const EngineChoiceInputs& inputs, const idf::Layout& layout, const Engine& model,
                  int steps, const MeasuredError& copied, Errors& errors) {
   const bool is_told = inputs.condition_at && model.predictor->condition();
-  const Told told = is_told ? Told::kConditions : Told::kValues;
-  const auto held_out = record_at(*model.predictor, told, steps);
+  const PredictorInputs given = is_told ? PredictorInputs::kConditions : PredictorInputs::kValues;
+  const auto held_out = record_at(*model.predictor, given, steps);
   if (!held_out) return;
   std::optional<MeasuredError> held_out_copy;
   for (const Engine& other : inputs.models)
     if (other.predictor->name() == "copy-last")
-      held_out_copy = record_at(*other.predictor, Told::kValues, steps);
+      held_out_copy = record_at(*other.predictor, PredictorInputs::kValues, steps);
   const Raise images =
       raise_of(errors, *held_out, held_out_copy, copied, &MeasuredError::image_mse);
   const Raise numbers =

@@ -149,7 +149,7 @@ class Overfitted final : public Predictor {
       predictions.push_back({Dict{{"row", 1.0 * (row + step)}, {"x", wobble(row + step)}}, {}});
     return predictions;
   }
-  [[nodiscard]] std::vector<HorizonRecord> records(Told /*told*/) const override {
+  [[nodiscard]] std::vector<HorizonRecord> records(PredictorInputs /*inputs*/) const override {
     return {{1, 100, {std::nan(""), held_out}}, {10, 100, {std::nan(""), held_out}}};
   }
   static double wobble(int row) {
