@@ -92,6 +92,10 @@ void add_instance(const ltm::InstanceResult& instance, std::string& text) {
       instance.index, data.ok() ? *data : data.status().to_string(), error_text(instance.error),
       error_text(instance.bound), metadata.provider, metadata.confidence, to_ns(metadata.created),
       to_ns(metadata.sent), to_ns(metadata.arrived));
+  for (const ltm::MemberPrediction& member : instance.members)
+    text += fmt::format("      '{}' by '{}' error {} bound {} copied {} image {} moving {}\n",
+                        member.path, member.engine, member.expected_mse, member.bound_mse,
+                        member.copied, member.is_image, member.is_moving);
 }
 
 /// Everything that an answer says, as text: a difference is read at once. Errors name the place

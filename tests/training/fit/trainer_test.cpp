@@ -136,6 +136,12 @@ TEST(Trainer, PredictsNotWorseThanCopyLastOnTheHeldOutPart) {
     const idf::Data truth = *source.read(last + 1);
     const auto predicted = model->predictor->predict(history, 1);
     ASSERT_TRUE(predicted.ok()) << predicted.status().to_string();
+    // Moments that are asked for alone are those of a whole rollout, bit for bit.
+    const auto whole = model->predictor->predict(history, 4);
+    const auto alone = model->predictor->predict_at(history, std::vector<int>{4, 1});
+    ASSERT_TRUE(whole.ok() && alone.ok());
+    EXPECT_EQ(alone->front().value, whole->back().value);
+    EXPECT_EQ(alone->back().value, predicted->front().value);
     const auto error = compare(truth, predicted->front().value);
     const auto copy_error = compare(truth, history.back());
     deep.image_mse += error->image_mse;
