@@ -24,9 +24,9 @@ inline constexpr auto kLongestWait = std::chrono::milliseconds(300);
 }
 
 /// Waits longer each time; false where `deadline` comes first.
-class Patience {
+class Backoff {
  public:
-  explicit Patience(SteadyTime deadline) : deadline_(deadline) {}
+  explicit Backoff(SteadyTime deadline) : deadline_(deadline) {}
 
   bool wait() {
     if (steady_now() + next_ >= deadline_) return false;
@@ -53,10 +53,11 @@ void at_once(size_t count, const Work& work) {
 /// What several servers still owe.
 ///
 /// Threading: thread-safe.
-class Owed {
+class PendingReplies {
  public:
   /// `unanswered` is what a part that nothing is said of comes to.
-  Owed(size_t parts, const Status& unanswered) : count_(parts), statuses_(parts, unanswered) {}
+  PendingReplies(size_t parts, const Status& unanswered)
+      : count_(parts), statuses_(parts, unanswered) {}
 
   void set(size_t index, const Status& status) {
     const MutexLock lock(mutex_);

@@ -14,37 +14,37 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-TEST(Owed, GivesWhatEachSaidAndEndsWithTheLastOne) {
-  Owed owed(2, unavailable("no answer"));
+TEST(PendingReplies, GivesWhatEachSaidAndEndsWithTheLastOne) {
+  PendingReplies pending(2, unavailable("no answer"));
   std::jthread other([&] {
-    owed.set(1, data_loss("broken"));
-    owed.set(0, {});
+    pending.set(1, data_loss("broken"));
+    pending.set(0, {});
   });
-  const auto statuses = owed.wait(steady_now() + seconds(60));
+  const auto statuses = pending.wait(steady_now() + seconds(60));
   ASSERT_EQ(statuses.size(), 2);
   EXPECT_OK(statuses[0]);
   EXPECT_FAILS(statuses[1], StatusCode::kDataLoss, "broken");
 }
 
-TEST(Owed, TellsWhoSaidNothingUntilTheDeadline) {
-  Owed owed(2, unavailable("no answer"));
-  owed.set(0, {});
-  const auto statuses = owed.wait(steady_now() + milliseconds(5));
+TEST(PendingReplies, TellsWhoSaidNothingUntilTheDeadline) {
+  PendingReplies pending(2, unavailable("no answer"));
+  pending.set(0, {});
+  const auto statuses = pending.wait(steady_now() + milliseconds(5));
   ASSERT_EQ(statuses.size(), 2);
   EXPECT_OK(statuses[0]);
   EXPECT_FAILS(statuses[1], StatusCode::kUnavailable, "no answer");
   // What comes late waits for nobody who still works with the answers.
-  owed.set(1, {});
-  EXPECT_OK(owed.wait(steady_now())[1]);
+  pending.set(1, {});
+  EXPECT_OK(pending.wait(steady_now())[1]);
   EXPECT_FALSE(statuses[1].ok());
 }
 
-TEST(Patience, WaitsWhereThereIsTimeAndNotElsewhere) {
+TEST(Backoff, WaitsWhereThereIsTimeAndNotElsewhere) {
   const SteadyTime begun = steady_now();
-  Patience patience(begun + std::chrono::hours(1));
-  EXPECT_TRUE(patience.wait());
+  Backoff backoff(begun + std::chrono::hours(1));
+  EXPECT_TRUE(backoff.wait());
   EXPECT_GE(steady_now() - begun, kFirstWait);
-  Patience none(steady_now() + kFirstWait / 2);
+  Backoff none(steady_now() + kFirstWait / 2);
   EXPECT_FALSE(none.wait()) << "it would end behind the deadline";
 }
 
