@@ -39,6 +39,7 @@ idf::Data snapshot_data(const SnapshotResult& snapshot, bool is_ids_only) {
   if (!snapshot.model.empty()) dict.set("model", snapshot.model);
   if (!snapshot.predictor.empty()) dict.set("predictor", snapshot.predictor);
   if (snapshot.horizon != Duration(0)) dict.set("horizon", int64_t{snapshot.horizon.count()});
+  if (!snapshot.plan.empty()) dict.set("plan", snapshot.plan);
   idf::List instances;
   instances.reserve(snapshot.instances.size());
   for (const InstanceResult& instance : snapshot.instances)
@@ -127,6 +128,9 @@ Result<SnapshotResult> snapshot_from(const idf::Data& data, bool is_ids_only) {
   if (fields.has("horizon")) {
     ENGRAM_ASSIGN_OR_RETURN(const int64_t horizon, fields.integer("horizon"));
     snapshot.horizon = Duration(horizon);
+  }
+  if (fields.has("plan")) {
+    ENGRAM_ASSIGN_OR_RETURN(snapshot.plan, fields.text("plan"));
   }
   ENGRAM_ASSIGN_OR_RETURN(const idf::List* instances, fields.list("instances"));
   ENGRAM_RETURN_IF_ERROR(read_instances(*instances, is_ids_only, snapshot));

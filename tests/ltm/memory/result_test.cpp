@@ -2,6 +2,7 @@
 #include "ltm/memory/result.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ltm/idf/binary.h"
 #include "ltm/idf/json.h"
@@ -131,6 +132,21 @@ TEST(QueryResult, ReadsBackItsDataInBothForms) {
     ASSERT_OK(json);
     EXPECT_EQ(*QueryResult::from_data(*idf::from_json_text(*json)), result);
   }
+}
+
+TEST(QueryResult, ReadsBackHowMembersWerePredicted) {
+  QueryResult result;
+  SnapshotResult predicted = snapshot(7, Source::kPredicted, {0});
+  predicted.plan = "Robot/State/arm/planned";
+  MemberPrediction position{"pose/position", "quadratic", 0.25, 1.5, 0, false, true};
+  MemberPrediction image{"image", "deep", std::nan(""), std::nan(""), 0.5, true, false};
+  predicted.instances[0].members = {position, image};
+  result.add_entity(*MemoryId::parse("a/b/c/d")).add(predicted);
+  const auto read = QueryResult::from_data(result.to_data());
+  ASSERT_OK(read);
+  EXPECT_EQ(*read, result);
+  EXPECT_EQ(read->entities()[0]->snapshots[0].plan, predicted.plan);
+  EXPECT_EQ(read->entities()[0]->snapshots[0].instances[0].members[1].copied, 0.5);
 }
 
 TEST(QueryResult, CarriesTheDeepestValueThatThereIs) {
