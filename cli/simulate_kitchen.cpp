@@ -235,7 +235,6 @@ ExitCode run(KitchenArguments arguments, const std::vector<std::string>& same) {
     std::filesystem::create_directories(arguments.folder, error);
     if (error) return fail(unavailable("--folder '{}': {}", arguments.folder, error.message()));
   }
-  watch_for_interrupts();
   if (arguments.jobs > 1 && seeds->size() > 1) return run_children_for(arguments, *seeds, same);
   return run_here(arguments, *seeds);
 }

@@ -107,9 +107,10 @@ template <typename F>
 auto OpenStore::with_recall(F work) {
   auto result = [&]() -> decltype(work(*recall_)) {
     const py::gil_scoped_release released;
-    const MutexLock lock(mutex_);
+    // Before the lock: a thread that held it when this process was forked is not in this one.
     if (process_ != ::getpid())
       return failed_precondition("the memory was opened by another process: open it in this one");
+    const MutexLock lock(mutex_);
     if (recall_ == nullptr) return failed_precondition("the memory is closed");
     return work(*recall_);
   }();
