@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memories that this program opens itself: Memory::open.
+// Memories that this program opens itself, see Memory::open.
 #include <atomic>
 
 #include "ltm/core/log.h"
@@ -14,7 +14,7 @@ namespace engram {
 
 namespace {
 
-/// A store that is read beside whoever writes to it, each answer of it as it is then.
+/// A store that is read beside its writer. Each answer shows the store as it is at that moment.
 class ReadMemory final : public Memory {
  public:
   ReadMemory(std::unique_ptr<ltm::StorePast> past, std::unique_ptr<ltm::AccessLog> accesses,
@@ -31,6 +31,7 @@ class ReadMemory final : public Memory {
   }
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& /*options*/,
                                                   SubscriptionHandlers /*handlers*/) override {
+    // Recall caches decoded snapshots and is not thread-safe, so queries take turns.
     return is_read_only();
   }
 
@@ -86,6 +87,7 @@ class WrittenMemory final : public Memory {
     ENGRAM_ASSIGN_OR_RETURN(
         const ltm::Admission admission,
         service_->commit(commit, {}, is_journal ? Durability::kJournal : Durability::kMemory));
+    // Subscribers are told before the commit is durable: they need not wait for the disk.
     hub_->publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
       return std::make_shared<memory::CommitEvent>(snapshot);
     });

@@ -18,46 +18,49 @@
 
 namespace engram {
 
-/// When a commit counts as done.
+/// When a commit is acknowledged.
 enum class CommitDurability : uint8_t {
-  kDefault,  ///< A memory that this program opened: kJournal. A server: what it is configured for.
-  kMemory,   ///< When others can read it.
+  /// For a memory that this program opened: kJournal. For a server: what the server is configured
+  /// for.
+  kDefault,
+  kMemory,   ///< As soon as others can read it.
   kJournal,  ///< When it survives a killed process, as far as the filters keep it.
 };
 
 /// How a program opens a memory of its own.
 struct OpenOptions {
-  /// Only asks. Any number of programs may, beside the one that writes: each answer is of the store
-  /// as it is then. What the writer has in working memory alone is not seen, and nothing can be
-  /// committed or subscribed to.
+  /// Opens the store for queries alone. Any number of programs may read it beside the one that
+  /// writes, and each answer shows the store as it is at that moment. Such a memory does not see
+  /// what the writer holds in working memory only, and it accepts no commits and no subscriptions.
   bool is_read_only = false;
-  /// What working memory may hold before its oldest snapshots leave for the store. More of it makes
-  /// answers about the last minutes quicker. Unit: plain bytes.
+  /// The bound of working memory: beyond it the oldest snapshots leave for the store. A larger
+  /// bound makes queries about the last minutes faster. Unit: plain bytes.
   size_t max_working_bytes = size_t{512} << 20;
-  /// Answer from latents where a snapshot has both forms: as it will be once what was recorded is
-  /// dropped.
+  /// Answers from latents where a snapshot has both forms. This shows the answers as they will be
+  /// once the recorded form is dropped.
   bool prefers_latents = false;
-  /// Notes in the store which snapshots are read, which is what forgetting goes by. Of one that is
-  /// written to always.
+  /// Notes in the store which snapshots are read; forgetting goes by these notes. A memory that is
+  /// open for writing always notes them.
   bool notes_reads = true;
-  /// Predictions reach at most so far after the last snapshot.
+  /// How far after the last snapshot predictions may reach. Longer horizons are refused.
   Duration max_horizon = std::chrono::minutes(1);
-  /// Lossless compression and no filters, or the rules of a file: see docs/recording.md.
+  /// A file of recording rules, see docs/recording.md. Empty: lossless compression and no filters.
   std::filesystem::path recording_config{};
 };
 
 /// How a program reaches a memory server, or all servers of a robot.
 struct ConnectOptions {
-  /// The endpoint is that of a name system: what is asked and told goes to the servers that it
-  /// knows, each memory to the one that has it, wherever they are and move to. An answer unites
-  /// theirs; a server that is gone is looked for until the timeout.
+  /// The endpoint is that of a name system. Each call then goes to the servers that the name system
+  /// knows, and for each memory to the server that owns it, also after that memory has moved. An
+  /// answer unites the answers of all servers. A server that is down is retried until the timeout.
   bool is_name_system = false;
-  std::string token{};                          ///< Empty: none.
-  std::filesystem::path ca{};                   ///< PEM: who vouches for servers elsewhere.
-  Duration timeout = std::chrono::seconds(10);  ///< Of each call, retries included.
+  std::string token{};  ///< Authenticates this program; empty: no token.
+  /// A PEM file with the certificate authority of servers on other machines.
+  std::filesystem::path ca{};
+  Duration timeout = std::chrono::seconds(10);  ///< For each call, retries included.
 };
 
-/// A memory: it remembers snapshots, says what was at any moment, and what will be.
+/// A memory. It stores snapshots and answers queries about any moment of the past and the future.
 ///
 ///     ENGRAM_ASSIGN_OR_RETURN(auto memory, Memory::open("robot.engram"));
 ///     ENGRAM_ASSIGN_OR_RETURN(auto cup, ltm::MemoryId::parse("Objects/Things/kitchen/cup"));
@@ -65,73 +68,79 @@ struct ConnectOptions {
 ///     ENGRAM_ASSIGN_OR_RETURN(auto past, memory->query("Objects @ last:10s"));
 ///     ENGRAM_ASSIGN_OR_RETURN(auto future, memory->query("Objects/Things/kitchen/cup @ +400ms"));
 ///
-/// It is the same wherever it is: in a store that this program opens, in a server that other
-/// programs use too, or in all servers of a robot. The same data give the same answers
+/// The interface is the same for a store that this program opens, for a server that other programs
+/// use too, and for all servers of a robot. The same data give the same answers in all three
 /// (docs/query.md, section "Answers").
 ///
 /// Threading: thread-safe.
 /// Source: docs/cpp_api.md.
 class Memory {
  public:
-  /// Opens the store in a directory, and makes it where there is none (unless it is read alone).
-  /// Errors: kFailedPrecondition where another process writes to it; kNotFound where there is none
-  /// to read; kInvalidArgument where it is no store; kDataLoss.
+  /// Opens the store in a directory. It creates the store if there is none, unless it is opened for
+  /// reading alone.
+  /// Errors: kFailedPrecondition where another process writes to it; kNotFound where it is opened
+  /// for reading and there is none; kInvalidArgument where the directory is no store; kDataLoss.
   static Result<std::unique_ptr<Memory>> open(const std::filesystem::path& store,
                                               const OpenOptions& options = {});
 
-  /// Reaches the memory server at an endpoint ("unix:/run/engram.sock", "host:4817"); empty: where
-  /// this user's server listens by default. Does not wait for it: calls do, until their timeout.
-  /// Errors: kInvalidArgument, as where a name system has no endpoint; kFailedPrecondition where
+  /// Reaches the memory server at an endpoint ("unix:/run/engram.sock", "host:4817"). Empty: the
+  /// address where this user's server listens by default. Does not wait for the server; the calls
+  /// do, until their timeout.
+  /// Errors: kInvalidArgument, also where a name system has no endpoint; kFailedPrecondition where
   /// this program was built without servers.
   static Result<std::unique_ptr<Memory>> connect(const std::string& endpoint = {},
                                                  const ConnectOptions& options = {});
 
-  /// Closes it; what fails then is logged.
+  /// Closes the memory. An error of closing is logged.
   virtual ~Memory() = default;
 
-  /// Says what the values of a core segment (two names) or provider segment (three) are: commits
-  /// are cast to that type where possible, and refused where not.
+  /// Sets the type of the values of a core segment (two names) or provider segment (three names).
+  /// Commits are cast to that type where possible, and refused otherwise.
   /// Errors: kInvalidArgument where a provider's type does not extend the core type.
   virtual Status declare(const ltm::MemoryId& segment, const idf::Type& type) = 0;
 
-  /// Remembers snapshots, all of them or none. After ok they can be asked for, and survive as much
-  /// as `durability` says.
+  /// Stores snapshots, all of them or none. Once this returns ok they can be queried, and they
+  /// survive as much as `durability` promises.
   /// Errors: kInvalidArgument naming every path where a value is not of its segment's type;
-  /// kResourceExhausted where the disk is full or too much waits for it; kFailedPrecondition where
-  /// it is opened for reading alone; kUnavailable: of a server; it may have arrived or not, and of
-  /// the same entity and time a commit that comes twice counts once.
+  /// kResourceExhausted where the disk is full or too many bytes wait for it; kFailedPrecondition
+  /// where the memory is opened for reading alone; kUnavailable, only from a server: the commit may
+  /// have arrived or not. It is safe to send it again, because a second commit of the same entity
+  /// and time counts once.
   virtual Status commit(const ltm::Commit& commit,
                         CommitDurability durability = CommitDurability::kDefault) = 0;
 
-  /// Answers about past and future. `engine`: of predictions, by its name; empty: the best on each
-  /// entity's own past.
-  /// Errors: kNotFound where no entity matches; kInvalidArgument where a prediction is asked too
-  /// far ahead; kResourceExhausted where the answer would be too large; kDataLoss.
+  /// Answers a query about the past and the future. `engine` names the engine of predictions;
+  /// empty: the one that was best on each entity's own past.
+  /// Errors: kNotFound where no entity matches; kInvalidArgument where a horizon is too long;
+  /// kResourceExhausted where the answer would be too large; kDataLoss.
   virtual Result<ltm::QueryResult> query(const ltm::Query& query,
                                          const std::string& engine = {}) = 0;
 
-  /// The same of a query in its text form, docs/query.md.
+  /// Parses a query in its text form (docs/query.md) and answers it.
   Result<ltm::QueryResult> query(std::string_view query, const std::string& engine = {});
 
-  /// One prediction per horizon after the entity's last snapshot, in their order.
+  /// Returns one prediction per horizon after the entity's last snapshot, in the order of the
+  /// horizons.
   /// Errors: those of query().
   Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
                                                    std::span<const Duration> horizons,
                                                    const std::string& engine = {});
 
-  /// Everything that can predict an entity, with its error so far ahead on the entity's own past;
-  /// what answers comes first.
+  /// Lists all engines that can predict an entity, each with its error at this horizon on the
+  /// entity's own past. The engine that answers queries is first.
   virtual Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
                                                          Duration ahead) = 0;
 
-  /// Tells of commits from now on, those of this program included. Returns when all is told.
-  /// Errors: kInvalidArgument naming the pattern; kFailedPrecondition where it is opened for
-  /// reading alone.
+  /// Subscribes to the commits from now on, those of this program included. Returns once the
+  /// subscription is in place.
+  /// Errors: kInvalidArgument naming the pattern; kFailedPrecondition where the memory is opened
+  /// for reading alone.
   virtual Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                           SubscriptionHandlers handlers) = 0;
 
-  /// Hands what working memory holds to the store and seals it; of a server, ends the connection.
-  /// Errors: those of the store, with what could not be handed over. All other calls fail then.
+  /// Hands what working memory holds to the store and seals it; for a server, ends the connection.
+  /// All other calls fail afterwards.
+  /// Errors: those of the store, with what could not be handed over.
   virtual Status close() = 0;
 };
 

@@ -5,7 +5,8 @@
 
 namespace engram {
 
-/// What opens the models of a store: null where this was built without learning.
+/// Returns the function that opens the models of a store; null where this was built without
+/// LibTorch.
 [[nodiscard]] ltm::ModelLoader model_loader();
 
 }  // namespace engram

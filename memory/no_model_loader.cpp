@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the place of model_loader.cpp where there is no LibTorch.
+// Replaces model_loader.cpp where there is no LibTorch.
 #include "memory/model_loader.h"
 
 namespace engram {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the place of the client of servers where there is no gRPC.
+// Replaces the client of servers where there is no gRPC.
 #include "memory/memory.h"
 
 namespace engram {

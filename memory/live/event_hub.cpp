@@ -7,7 +7,7 @@ namespace engram::memory {
 
 namespace {
 
-/// Entities whose listeners are remembered.
+/// The bound of entities whose listeners are remembered.
 constexpr size_t kRemembered = size_t{1} << 16;
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace engram::memory {
 
-/// What is told to subscribers: one snapshot of a commit, and what is made of it once for all of
-/// them, such as the bytes that are sent.
+/// What subscribers are told: one snapshot of a commit. Subclasses add what is computed once for
+/// all subscribers, such as the bytes that are sent.
 class CommitEvent {
  public:
   explicit CommitEvent(ltm::SharedSnapshot committed) : snapshot(std::move(committed)) {}
@@ -25,36 +25,36 @@ class CommitEvent {
 
 using SharedEvent = std::shared_ptr<CommitEvent>;
 
-/// Somebody who is told of commits.
+/// A receiver of commits.
 class EventListener {
  public:
   virtual ~EventListener() = default;
 
-  /// Called in the thread of who commits: queues, and does not wait.
+  /// Must queue the events and not wait, because it is called in the thread that commits.
   /// Threading: thread-safe.
   virtual void offer(std::span<const SharedEvent> events) = 0;
 };
 
-/// Tells commits to those who subscribed to the IDs in them.
+/// Offers commits to the listeners that subscribed to their IDs.
 ///
 /// Threading: thread-safe.
 class EventHub {
  public:
   using Listeners = std::vector<std::shared_ptr<EventListener>>;
 
-  /// Whether it wants to know of an entity; asked once for each, and again when others come or go.
+  /// Whether a listener wants an entity. The answer is remembered until a subscription changes.
   using Wanted = std::function<bool(const ltm::MemoryId& entity)>;
 
   void subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted);
-  /// It may still be offered what is published at this moment.
+  /// The listener may still be offered what is being published at this moment.
   void unsubscribe(const EventListener* listener);
 
-  /// Who listens to this entity; null where nobody does.
-  /// Complexity: O(1) for an entity that was asked for before, else O(listeners).
+  /// The listeners of this entity; null where there are none.
+  /// Complexity: O(1) for an entity that was asked for before, otherwise O(listeners).
   [[nodiscard]] std::shared_ptr<const Listeners> listeners(const ltm::MemoryId& entity);
 
-  /// Offers each listener those of the events that it wants, in their order. `make` turns a
-  /// snapshot into an event; called where somebody listens.
+  /// Offers each listener the events that it wants, in their order. `make` turns a snapshot into an
+  /// event; it is called only for snapshots that have listeners.
   template <typename Make>
   void publish(std::span<const ltm::SharedSnapshot> snapshots, const Make& make);
 
@@ -68,14 +68,15 @@ class EventHub {
 
   mutable SharedMutex mutex_;
   std::vector<Subscription> subscriptions_ ENGRAM_GUARDED_BY(mutex_);
-  /// Of entities that were published; emptied when subscriptions change or it grows too large.
+  /// The listeners of entities that were published. Cleared when subscriptions change or it grows
+  /// too large.
   std::unordered_map<ltm::MemoryId, std::shared_ptr<const Listeners>> by_entity_
       ENGRAM_GUARDED_BY(mutex_);
 };
 
 template <typename Make>
 void EventHub::publish(std::span<const ltm::SharedSnapshot> snapshots, const Make& make) {
-  // Most commits are of entities that the same listeners want: runs of those are offered at once.
+  // Most commits hold entities with the same listeners: runs of these are offered at once.
   std::vector<SharedEvent> run;
   std::shared_ptr<const Listeners> who;
   const auto offer = [&] {

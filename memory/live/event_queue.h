@@ -8,7 +8,7 @@
 
 namespace engram::memory {
 
-/// What waits to be told to one subscriber: where it is too much the oldest goes, and is counted.
+/// The events that wait for one subscriber. Beyond its bounds the oldest are dropped and counted.
 ///
 /// Threading: one thread.
 template <typename Event>
@@ -16,7 +16,7 @@ class EventQueue {
  public:
   struct Bounds {
     size_t events = 1024;
-    size_t bytes = size_t{64} << 20;  ///< One event may have more, when it is alone.
+    size_t bytes = size_t{64} << 20;  ///< A single event may exceed it.
   };
 
   explicit EventQueue(const Bounds& bounds) : bounds_(bounds) {}
@@ -33,13 +33,13 @@ class EventQueue {
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
   [[nodiscard]] size_t size() const { return waiting_.size(); }
   [[nodiscard]] size_t bytes() const { return bytes_; }
-  /// Since it was made.
+  /// The number of dropped events since the queue was made.
   [[nodiscard]] uint64_t lost() const { return lost_; }
 
-  /// The oldest. Needs one.
+  /// The oldest event. Needs one.
   [[nodiscard]] const Event& next() const { return waiting_.front().event; }
 
-  /// Takes the oldest. Needs one.
+  /// Removes and returns the oldest event. Needs one.
   Event pop() {
     Event event = std::move(waiting_.front().event);
     bytes_ -= waiting_.front().bytes;

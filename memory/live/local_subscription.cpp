@@ -10,10 +10,10 @@ namespace engram::memory {
 
 namespace {
 
-/// What an event takes beside its values. Unit: bytes.
+/// The memory of an event besides its values. Unit: bytes.
 constexpr size_t kEventBytes = 256;
 
-/// Queues what commits offer, so that these wait for no handler.
+/// Queues what commits offer, so that commits wait for no handler.
 class QueueingListener final : public EventListener {
  public:
   QueueingListener(const SubscriptionOptions& options, SubscriptionHandlers handlers)
@@ -89,7 +89,7 @@ class LocalSubscription final : public Subscription {
  private:
   const std::shared_ptr<EventHub> hub_;
   const std::shared_ptr<QueueingListener> listener_;
-  std::jthread thread_;  ///< Ends before the others go.
+  std::jthread thread_;  ///< Ends before the other members.
 };
 
 }  // namespace

@@ -8,8 +8,9 @@
 
 namespace engram::memory {
 
-/// Tells of what is published at `hub`, by a thread of its own. The hub lives as long as this: a
-/// subscription may outlive the memory that it is of, and is told nothing more then.
+/// Subscribes to what is published at `hub`; the handlers are called by a thread of the
+/// subscription. It shares the hub, so a subscription may outlive its memory and is told nothing
+/// more afterwards.
 /// Errors: those of subscribed_names().
 Result<std::unique_ptr<Subscription>> subscribe_locally(std::shared_ptr<EventHub> hub,
                                                         const SubscriptionOptions& options,

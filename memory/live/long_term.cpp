@@ -14,7 +14,7 @@ struct LongTerm::State {
   explicit State(ltm::Recorder opened)
       : recorder(std::move(opened)), lost_frames(recorder->lost_frames()) {}
 
-  Mutex writing;  ///< Held while the recorder is called: commits come one after the other.
+  Mutex writing;  ///< Held while the recorder is called: one commit after the other.
   std::optional<ltm::Recorder> recorder ENGRAM_GUARDED_BY(writing);
   bool is_closed ENGRAM_GUARDED_BY(writing) = false;
 
@@ -23,7 +23,8 @@ struct LongTerm::State {
   std::atomic<uint64_t> refused_count{0};
   const uint64_t lost_frames;
 
-  /// All at once; where one of them cannot be stored at all, each alone.
+  /// Records all at once. If one of them cannot be stored at all, each is recorded alone, so that
+  /// it is the only one refused.
   Status record(std::span<const ltm::SharedSnapshot> snapshots, std::vector<Refused>& refused)
       ENGRAM_REQUIRES(writing) {
     std::vector<const ltm::CheckedSnapshot*> all;
@@ -61,7 +62,8 @@ Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
                         std::vector<Refused>& refused) {
   const MutexLock lock(state_->writing);
   if (state_->is_closed) return failed_precondition("store: is closed");
-  // Of one entity and time the last one counts; a commit has each once.
+  // A commit may hold each entity and time once. Repeated ones go to later commits, so the last
+  // counts.
   std::vector<std::vector<ltm::SharedSnapshot>> commits(1);
   std::map<MemoryId, size_t> next;
   for (const ltm::SharedSnapshot& snapshot : snapshots) {

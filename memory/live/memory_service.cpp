@@ -15,10 +15,10 @@ using ltm::MemoryId;
 
 namespace {
 
-/// Most that is handed over at once. Unit: bytes.
+/// The bound of what is handed over at once. Unit: bytes.
 constexpr size_t kHandedOver = size_t{32} << 20;
 
-/// Snapshots that the store refused, which those who wait for them may still ask about.
+/// The bound of refused snapshots that are remembered for those who wait for them.
 constexpr size_t kMaxRefused = 4096;
 
 struct Waiter {
@@ -54,33 +54,33 @@ struct MemoryService::State {
   const Options options;
   const Clock clock;
   std::unique_ptr<ltm::WorkingMemory> memory;
-  std::unique_ptr<LongTerm> store;  ///< May be null.
-  Mutex recalling;                  ///< Held while `recall` is asked: one question at a time.
+  std::unique_ptr<LongTerm> store;  ///< Null without a store.
+  Mutex recalling;                  ///< Held while `recall` answers: one query at a time.
   std::optional<ltm::Recall> recall ENGRAM_GUARDED_BY(recalling);
-  const ltm::JoinedPast* past = nullptr;  ///< That `recall` answers from.
+  const ltm::JoinedPast* past = nullptr;  ///< The past that `recall` answers from.
   ltm::Recall::Options recalling_options;
-  ltm::RecordedEntities nothing_recorded;  ///< Where there is no store.
+  ltm::RecordedEntities nothing_recorded;  ///< Stands in for LongTerm::recorded() without a store.
 
   std::atomic<uint64_t> queries{0};
   std::atomic<uint64_t> queries_of_store{0};
   std::atomic<uint64_t> counts_of_predictions{0};
   std::atomic<bool> is_closed{false};
-  SharedMutex admitting;  ///< Shared by commits, taken alone by the end.
+  SharedMutex admitting;  ///< Commits hold it shared, close() exclusively.
 
   mutable Mutex mutex;
   StoppableCondition wake;
   std::vector<Waiter> waiters ENGRAM_GUARDED_BY(mutex);
   uint64_t last_waiter ENGRAM_GUARDED_BY(mutex) = 0;
-  std::deque<RefusedSnapshot> refused ENGRAM_GUARDED_BY(mutex);  ///< The last ones.
+  std::deque<RefusedSnapshot> refused ENGRAM_GUARDED_BY(mutex);  ///< The newest ones.
   uint64_t store_failures ENGRAM_GUARDED_BY(mutex) = 0;
   std::string last_store_failure ENGRAM_GUARDED_BY(mutex);
-  bool has_handed_over_all ENGRAM_GUARDED_BY(mutex) = false;  ///< Nobody tells waiters any more.
-  std::jthread thread;                                        ///< The last member: ends first.
+  bool has_handed_over_all ENGRAM_GUARDED_BY(mutex) = false;  ///< No waiter is told any more.
+  std::jthread thread;  ///< The last member, so it ends first.
 
-  /// Hands over all that waits; tells those who wait for it.
+  /// Hands over everything that waits and tells the waiters.
   Status hand_over() ENGRAM_EXCLUDES(mutex) {
     Status status;
-    // Who comes while this fails is told of the next try.
+    // Waiters that come while this fails are told after the next try.
     const uint64_t until = [this] {
       const MutexLock lock(mutex);
       return last_waiter;
@@ -112,8 +112,9 @@ struct MemoryService::State {
     return {};
   }
 
-  /// What became of a commit that the online phase took.
+  /// The status of a commit that the online phase took.
   [[nodiscard]] Status outcome(const ltm::Admission& admission) const ENGRAM_REQUIRES(mutex) {
+    // Compares owners, not pointers: a refused snapshot may be freed, and its address used again.
     for (const RefusedSnapshot& one : refused)
       for (const ltm::SharedSnapshot& snapshot : admission.snapshots)
         if (!one.snapshot.owner_before(snapshot) && !snapshot.owner_before(one.snapshot))
@@ -153,7 +154,7 @@ struct MemoryService::State {
                       [this]() ENGRAM_REQUIRES(mutex) { return !waiters.empty(); });
       }
       memory->expire();
-      // Told to those who wait, and logged.
+      // The status is told to waiters and logged by hand_over().
       const Status status = hand_over();
       if (!status.ok()) {
         const MutexLock lock(mutex);
@@ -162,7 +163,7 @@ struct MemoryService::State {
     }
   }
 
-  /// The store, what it has, and what answers from it and from memory.
+  /// Opens the store and what answers from it and from working memory.
   Status open_past(ltm::ModelLoader loader) {
     std::unique_ptr<ltm::StorePast> stored;
     std::unique_ptr<ltm::AccessLog> accesses;
@@ -191,7 +192,8 @@ struct MemoryService::State {
     return {};
   }
 
-  /// What was given out of working memory counts there as read: it tells what may leave.
+  /// Counts the snapshots that were answered from working memory as read: this decides which may
+  /// leave.
   void count_answer(const ltm::Answer& answer) {
     if (answer.is_ids_only) return;
     for (const ltm::RecalledEntity& entity : answer.entities) {
@@ -360,6 +362,7 @@ Status MemoryService::close() {
   if (state.is_closed.exchange(true)) return {};
   state.thread.request_stop();
   state.thread.join();
+  // Waits for the commits that had passed their check before is_closed was set.
   { const ExclusiveLock last_commits(state.admitting); }
   state.memory->release_all();
   Status status = state.hand_over();
@@ -367,7 +370,7 @@ Status MemoryService::close() {
     const MutexLock lock(state.mutex);
     state.has_handed_over_all = true;
   }
-  // For those who began to wait after the last ones were told.
+  // For waiters that came after the last ones were told.
   state.tell(status, UINT64_MAX);
   if (!status.ok())
     return status.with_context(

@@ -5,7 +5,8 @@ namespace engram {
 
 namespace {
 
-/// Each commit of an entity that is new is held against all of them.
+/// Each new entity is matched against all patterns of all subscriptions, so their number is
+/// bounded.
 constexpr size_t kMaxPatterns = 256;
 
 }  // namespace

@@ -12,25 +12,28 @@
 
 namespace engram {
 
-/// A snapshot that a subscriber is told of.
+/// A snapshot as subscribers are told of it.
 struct ToldSnapshot {
   ltm::Snapshot snapshot;
-  bool has_data = false;  ///< Else it has as many empty instances as there are.
+  bool has_data = false;  ///< False: its instances are empty, only their number counts.
 };
 
 struct SubscriptionOptions {
-  /// Entities, as in queries ("Vision/.*/head/cam"); none: everything.
+  /// Patterns of entities, as in queries ("Vision/.*/head/cam"); empty: everything.
   std::vector<std::string> names;
   bool with_data = false;
-  size_t inline_bytes = 0;  ///< Larger ones are told by their ID alone; 0: no limit.
-  size_t queue_bound = 0;   ///< Of what may wait for this subscriber; 0: the default, 1,024.
+  /// Snapshots with more plain bytes are told without their data; 0: no limit.
+  size_t inline_bytes = 0;
+  /// The bound of snapshots that wait for this subscriber; beyond it the oldest are dropped. 0:
+  /// 1,024.
+  size_t queue_bound = 0;
 };
 
-/// The entities of a subscription, as a query that matches them.
+/// A query that matches the entities of a subscription.
 /// Errors: kInvalidArgument naming the pattern, or where there are more than 256.
 Result<ltm::Query> subscribed_names(const std::vector<std::string>& names);
 
-/// Told until it is destroyed.
+/// A subscription lasts until it is destroyed.
 ///
 /// Threading: one thread; no handler is called after the destructor.
 class Subscription {
@@ -38,13 +41,14 @@ class Subscription {
   virtual ~Subscription() = default;
 };
 
-/// Handlers are called by a thread of the memory, one at a time, and must not wait for it.
+/// Handlers are called by a thread of the memory, one at a time, and must not wait for the memory.
 struct SubscriptionHandlers {
   std::function<void(std::vector<ToldSnapshot>)> on_snapshots;
-  /// So many were not told since the last time: this subscriber was too slow.
+  /// Reports how many snapshots were dropped since the last call, because this subscriber was too
+  /// slow.
   std::function<void(uint64_t lost)> on_lost;
-  /// The server was lost, and what it told meanwhile with it; it is subscribed to again by itself.
-  /// Never called by a memory that this program opened.
+  /// The connection to the server was lost, and with it the commits until the subscription is in
+  /// place again, which happens by itself. Never called by a memory that this program opened.
   std::function<void(const Status&)> on_interrupted;
 };
 

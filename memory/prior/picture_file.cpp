@@ -14,11 +14,12 @@ namespace engram::memory {
 
 namespace {
 
-/// What a file says of its picture before it is decoded.
+/// What the header of a file says about its picture before it is decoded.
 struct Header {
   int64_t width = 0;
   int64_t height = 0;
-  /// It has its last mark: decoders make up what is missing.
+  /// The file has its end marker. Decoders invent the pixels that a truncated file lacks, so a file
+  /// without the marker is refused.
   bool is_complete = false;
 };
 
@@ -48,7 +49,7 @@ std::optional<Header> png_header(Bytes bytes) {
   return Header{big_endian(bytes, 16, 4), big_endian(bytes, 20, 4), has_mark(bytes, "IEND")};
 }
 
-/// Of the first frame header: SOF0 to SOF15, of which three codes are something else.
+/// Reads the first frame header: SOF0 to SOF15, except three codes that have another meaning.
 std::optional<Header> jpeg_header(Bytes bytes) {
   constexpr std::array<uint8_t, 2> kStart{0xff, 0xd8};
   constexpr uint32_t kHuffmanTables = 0xc4;
@@ -65,7 +66,8 @@ std::optional<Header> jpeg_header(Bytes bytes) {
     }
     const bool is_frame = code >= 0xc0 && code <= 0xcf && code != kHuffmanTables &&
                           code != kReserved && code != kArithmeticTables;
-    // Behind the frame header: before it, a thumbnail may have marks of its own.
+    // Searches behind the frame header only: a thumbnail before it may have an end marker of its
+    // own.
     if (is_frame)
       return Header{big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2),
                     has_mark(bytes.subspan(at), "\xff\xd9")};
@@ -103,7 +105,7 @@ Result<idf::NdArray> read_picture(Bytes bytes, int64_t max_pixels) {
                             header->height, max_pixels);
   if (!header->is_complete) return invalid_argument("is a picture that lacks its end");
   try {
-    // cv::Mat has no const view; it is only read.
+    // cv::Mat has no const view; imdecode only reads it.
     const cv::Mat packed(1, static_cast<int>(bytes.size()), CV_8U,
                          const_cast<std::byte*>(bytes.data()));
     const cv::Mat image = cv::imdecode(packed, cv::IMREAD_UNCHANGED);

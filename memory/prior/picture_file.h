@@ -7,9 +7,10 @@
 
 namespace engram::memory {
 
-/// uint8 [H, W, 3] (RGB), uint8 or uint16 [H, W, 1].
-/// Errors: kInvalidArgument where it is no picture, has more pixels, which its header tells before
-/// it is decoded, or transparency or other kinds of pixels.
+/// Decodes a PNG or JPEG file.
+/// Shape: uint8 [H, W, 3] (RGB), uint8 or uint16 [H, W, 1].
+/// Errors: kInvalidArgument where the bytes are no picture, where it has more than `max_pixels`
+/// (its header is checked before it is decoded), transparency or other kinds of pixels.
 Result<idf::NdArray> read_picture(std::span<const std::byte> bytes, int64_t max_pixels);
 
 }  // namespace engram::memory

@@ -27,14 +27,14 @@ namespace {
 
 constexpr const char* kProvider = "prior";
 constexpr std::string_view kInstances = "instances";
-/// Problems that one message tells.
+/// The bound of problems in one message.
 constexpr size_t kMaxTold = 100;
 
-/// The instances of an entity, and how to say what is wrong with them.
+/// The instances of an entity; it also locates problems in them.
 struct PriorValue {
   std::vector<Data> instances;
-  std::optional<WrittenValue> written;  ///< Of JSON and YAML.
-  bool is_list = false;                 ///< They stand under the key `instances`.
+  std::optional<WrittenValue> written;  ///< Of JSON and YAML files.
+  bool is_list = false;                 ///< The instances are a list under the key `instances`.
 
   [[nodiscard]] std::string problem(const PriorFile& file, size_t instance, const std::string& path,
                                     const std::string& message) const {
@@ -63,7 +63,7 @@ Result<PriorValue> of_written(Result<WrittenValue> read) {
   return value;
 }
 
-/// Reads what a file holds. Messages of errors name it.
+/// Reads a file. Messages of errors name it.
 Result<PriorValue> read_value(const PriorFile& file, const PriorOptions& options) {
   const std::string name = file.path.string();
   if (file.kind == PriorFileKind::kJson && file.bytes > options.max_json_bytes)
@@ -90,7 +90,7 @@ Result<PriorValue> read_value(const PriorFile& file, const PriorOptions& options
       {Data(idf::Dict{{"name", file.id.names().back()}, {"bytes", std::move(bytes)}})}, {}, false};
 }
 
-/// The last object: those before it are what it is made of. Without objects, the last type.
+/// Returns the last object: the types before it are its parts. Without objects it is the last type.
 const idf::Type& type_of_segment(const idf::TypeFile& file) {
   const auto last = std::find_if(file.types.rbegin(), file.types.rend(), [](const idf::Type& type) {
     return type.kind() == idf::TypeKind::kObject;
@@ -140,8 +140,7 @@ class PriorLoader {
     return map.finish();
   }
 
-  /// Those of core segments first: the others extend them.
-  /// Those of core segments first: the others extend them.
+  /// Declares the types of core segments first, because those of provider segments extend them.
   void declare_types(const std::filesystem::path& directory, const std::vector<PriorFile>& files) {
     for (const size_t level : {size_t{2}, size_t{3}})
       for (const PriorFile& file : files)
@@ -186,7 +185,7 @@ class PriorLoader {
     knowledge_.commits[file.id.names().front()].updates.push_back(std::move(snapshot));
   }
 
-  /// Makes an instance one of its type; false where that cannot be.
+  /// Casts an instance to its type; false where that is not possible.
   bool cast(const PriorFile& file, PriorValue& value, size_t index, const idf::Type& type) {
     Data& data = value.instances[index];
     data = written_as(type, std::move(data));
@@ -194,7 +193,7 @@ class PriorLoader {
     idf::CastResult cast = idf::cast(data, type);
     bool fits = true;
     for (const idf::CastNote& note : cast.notes) {
-      // What is written in decimals is rounded as a matter of course.
+      // Decimal numbers in a text are always rounded to the type: that is no problem.
       if (note.kind == idf::CastNote::Kind::kNarrowed) continue;
       fits = false;
       problem(value.problem(file, index, note.what.path, note.to_string()));

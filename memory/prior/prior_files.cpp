@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::string_view kSettings = "prior.yaml";
 constexpr std::string_view kTypeEnd = ".type.xml";
-/// Names above an entity.
+/// The number of names above an entity.
 constexpr size_t kFolders = MemoryId::kNameLevels - 1;
 
 struct Ending {
@@ -42,7 +42,7 @@ std::optional<unsigned> hex_digit(char c) {
   return std::nullopt;
 }
 
-/// Walks down a directory, and notes what it meets.
+/// Walks down a directory and notes its files.
 class PriorFileSearch {
  public:
   PriorFileSearch(fs::path root, size_t max_files, uint64_t max_file_bytes, PriorFiles& found)
@@ -79,6 +79,7 @@ class PriorFileSearch {
     std::error_code error;
     const fs::path real = fs::canonical(path, error);
     if (error) return problem(path, fmt::format("leads nowhere: {}", error.message()));
+    // A link out of the directory could make any file of the machine readable by queries.
     if (!is_inside(path, root_))
       return problem(path, "is a link that leaves the directory, needs one within it");
     struct stat info {};
@@ -153,7 +154,7 @@ class PriorFileSearch {
   bool is_full_ = false;
 };
 
-/// Two files of one entity: which counts, nobody knows.
+/// Two files of one entity are a problem: neither has precedence.
 void note_doubles(PriorFiles& found) {
   std::map<MemoryId, fs::path> seen;
   for (const PriorFile& file : found.files) {

@@ -16,7 +16,7 @@ using idf::TypeKind;
 
 namespace {
 
-/// The numbers in lists of lists; false where they make no array.
+/// Collects the numbers of nested lists; read() is false where they make no array.
 class ArrayReader {
  public:
   bool read(const Data& value, size_t axis) {
@@ -33,10 +33,11 @@ class ArrayReader {
 
   idf::Shape shape;
   std::vector<double> numbers;
-  std::vector<int64_t> integers;  ///< As many, where all are.
+  std::vector<int64_t> integers;  ///< As many as `numbers` where all are integers.
 
  private:
   bool read_number(const Data& value, size_t axis) {
+    // as_number() would take true as 1, and the check of the type could not report it any more.
     if (value.is<bool>() || !value.as_number() || axis != shape.size()) return false;
     is_leaf_known_ = true;
     numbers.push_back(*value.as_number());
@@ -51,7 +52,7 @@ Data array_of(Data value) {
   if (!value.is<List>()) return value;
   ArrayReader reader;
   if (!reader.read(value, 0)) return value;
-  // Whole numbers stay exact; what the type wants is up to the cast.
+  // Integers stay exact; the cast to the type comes later.
   if (reader.integers.size() == reader.numbers.size() && !reader.integers.empty())
     return NdArray::take(std::move(reader.shape), std::move(reader.integers));
   return NdArray::take(std::move(reader.shape), std::move(reader.numbers));
@@ -78,7 +79,7 @@ Data dict_of(const Type& type, Data value) {
   Dict made;
   made.reserve(dict->size());
   for (const auto& [key, member] : *dict) {
-    // The one part of a dict type is nameless: it is that of all.
+    // A dict type has one part without a name, which holds for all keys.
     const auto part = std::ranges::find_if(
         parts, [&](const idf::Member& one) { return one.name.empty() || one.name == key; });
     made.append_unique(key, part == parts.end() ? member : written_as(part->type, member));

@@ -5,9 +5,9 @@
 
 namespace engram::memory {
 
-/// The value with arrays where the type has arrays and lists of numbers stand (`[0, 0, 1.5]`,
-/// nested for each axis), the value of an enum where its name stands, and nanoseconds where a time
-/// stands as text. All else is left as it is, for whoever checks it.
+/// Converts the readable forms in a value to what `type` wants: lists of numbers (`[0, 0, 1.5]`,
+/// nested for each axis) become arrays, the names of an enum become its values, and times in text
+/// become nanoseconds. Everything else stays as it is, and the later check of the type reports it.
 [[nodiscard]] idf::Data written_as(const idf::Type& type, idf::Data value);
 
 }  // namespace engram::memory

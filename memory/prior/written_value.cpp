@@ -13,10 +13,10 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Levels of JSON: an IDF value of as many levels as there may be has fewer.
+/// The bound of nesting in JSON. The JSON of an IDF value at its own bound nests less deeply.
 constexpr size_t kMaxLevels = 4 * idf::kMaxDepth;
 
-/// Gives a parser one character after the other, and counts lines.
+/// An iterator that gives a parser one character after the other and counts lines.
 class CountedText {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -28,7 +28,7 @@ class CountedText {
   CountedText(const char* at, int* line) : at_(at), line_(line) {}
   reference operator*() const { return *at_; }
   CountedText& operator++() {
-    // The parser may look at the character behind a number: ends of lines count late.
+    // The parser may look at the character behind a number, so a line ends one character late.
     if (was_end_ && line_ != nullptr) ++*line_;
     was_end_ = *at_ == '\n';
     ++at_;
@@ -51,7 +51,8 @@ std::string name_of_key(const std::string& key) {
   return key.starts_with("$$") ? key.substr(1) : key;
 }
 
-/// Goes over a JSON text, and finds the first thing that is wrong, or the line of a path.
+/// Walks over a JSON text and finds the first error, or the line of a path. The value is parsed by
+/// itself: nlohmann's JSON objects keep no lines and accept a key twice.
 class JsonChecker : public nlohmann::json_sax<Json> {
  public:
   explicit JsonChecker(std::vector<std::string> wanted = {}) : wanted_(std::move(wanted)) {}
@@ -64,7 +65,7 @@ class JsonChecker : public nlohmann::json_sax<Json> {
 
   [[nodiscard]] int line() const { return line_; }
   [[nodiscard]] const std::string& what() const { return what_; }
-  /// Of the part at the wanted path, or of the closest one around it.
+  /// The line of the part at the wanted path, or of the closest part around it.
   [[nodiscard]] int wanted_line() const { return wanted_line_; }
 
   bool null() override { return value(); }
@@ -97,7 +98,7 @@ class JsonChecker : public nlohmann::json_sax<Json> {
   struct Open {
     bool is_map;
     size_t count = 0;
-    std::string name = {};  ///< Of the current entry.
+    std::string name = {};  ///< The key or index of the current entry.
     std::set<std::string> keys = {};
   };
 
@@ -141,13 +142,13 @@ class JsonChecker : public nlohmann::json_sax<Json> {
   int wanted_line_ = 1;
 };
 
-/// A part of a value, and its name there.
+/// A part of a value and its name.
 struct Part {
   std::string name;
   const Json* json = nullptr;
 };
 
-/// The first part that is no IDF value by itself; null where there is none.
+/// The first part that is no IDF value by itself; null where every part is one.
 Part broken_part(const Json& json) {
   const bool is_tagged = json.is_object() && json.size() == 1 &&
                          json.begin().key().starts_with('$') &&
@@ -160,7 +161,7 @@ Part broken_part(const Json& json) {
   return {};
 }
 
-/// Where the value is that is none, as deep down as it can be told.
+/// The path of the deepest part that is known to be no IDF value.
 std::string broken_path(const Json& json) {
   std::string path;
   for (Part part = broken_part(json); part.json != nullptr; part = broken_part(*part.json))
@@ -195,7 +196,7 @@ Json json_of(const ConfigValue& config) {
   return Json(std::move(object));
 }
 
-/// The part at a path, or the closest one around it.
+/// The part at a path, or the closest part around it.
 ConfigValue part_of(ConfigValue config, const std::vector<std::string>& path) {
   for (const std::string& name : path) {
     std::optional<ConfigValue> next;
