@@ -10,14 +10,14 @@
 
 namespace engram {
 
-/// Immutable bytes that share their owner: copying is O(1), slices keep the whole alive.
+/// Immutable bytes with a shared owner: copying is O(1), and a slice keeps all bytes alive.
 ///
 /// Threading: immutable.
 class Buffer {
  public:
   Buffer() = default;
 
-  /// Views `bytes`, which stay valid as long as `owner` lives.
+  /// Views `bytes`, which must stay valid as long as `owner` lives.
   Buffer(std::shared_ptr<const void> owner, std::span<const std::byte> bytes)
       : owner_(std::move(owner)), bytes_(bytes) {}
 
@@ -39,7 +39,7 @@ class Buffer {
   [[nodiscard]] size_t size() const { return bytes_.size(); }
   [[nodiscard]] bool empty() const { return bytes_.empty(); }
 
-  /// The same owner, fewer bytes. Needs offset + count <= size().
+  /// A part of the bytes with the same owner. Needs offset + count <= size().
   [[nodiscard]] Buffer slice(size_t offset, size_t count) const {
     return Buffer(owner_, bytes_.subspan(offset, count));
   }

@@ -7,14 +7,14 @@
 
 namespace engram::internal {
 
-/// Prints where, what and the values to stderr, then aborts.
+/// Prints the place, the condition and the message to stderr, then aborts.
 [[noreturn]] void check_failed(const char* file, int line, const char* condition,
                                std::string_view message);
 
 }  // namespace engram::internal
 
-/// Aborts with a formatted message if `condition` is false: for bugs of ours, in every build.
-/// What the world can cause (callers, disks, peers) is a Status instead.
+/// Aborts with a formatted message if `condition` is false, in every build. For bugs in this
+/// program only: failures that callers, disks or peers can cause are a Status.
 #define ENGRAM_CHECK(condition, ...)                                        \
   do {                                                                      \
     if (!(condition)) [[unlikely]]                                          \

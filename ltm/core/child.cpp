@@ -21,7 +21,7 @@ Result<pid_t> start_child(const std::vector<std::string>& words, const ChildStre
   if (streams.errors) posix_spawn_file_actions_adddup2(&files, *streams.errors, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  // The parent may block the signals that end it: a child must not.
+  // The parent may block the signals that end it; the child must not inherit this.
   sigset_t none, all;
   sigemptyset(&none);
   sigfillset(&all);

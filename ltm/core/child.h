@@ -11,16 +11,16 @@
 
 namespace engram {
 
-/// Where a child writes, as file descriptors; nothing: where its parent does.
+/// The file descriptors that a child writes to; empty: those of its parent.
 struct ChildStreams {
   std::optional<int> output;
   std::optional<int> errors;
 };
 
-/// Starts a program as a child in a process group of its own, with nothing to read and no signal
-/// blocked or ignored. `words`: the program, looked for on the path, and its arguments; not empty.
-/// Who calls it waits for the child (waitpid).
-/// Errors: kUnavailable with what the system says.
+/// Starts a program as a child in a process group of its own, with no input and with no signal
+/// blocked or ignored. `words` is the program, which is searched on the path, and its arguments;
+/// not empty. The caller must wait for the child (waitpid).
+/// Errors: kUnavailable with the system's reason.
 Result<pid_t> start_child(const std::vector<std::string>& words, const ChildStreams& streams);
 
 }  // namespace engram

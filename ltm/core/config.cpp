@@ -12,10 +12,10 @@ namespace engram {
 
 namespace {
 
-/// Longest piece of a found text that an error repeats.
+/// The bound of a text that an error quotes.
 constexpr size_t kMaxQuoted = 80;
 
-/// The number that `text` begins with, and what follows it.
+/// The number at the start of a text, and the rest.
 struct NumberWithUnit {
   double number = 0;
   std::string_view unit;
@@ -173,7 +173,8 @@ std::optional<ConfigValue> ConfigMap::find(std::string_view key) {
 
 Result<std::optional<ConfigValue>> ConfigMap::find(const DeprecatedWord& word) {
   const std::optional<ConfigValue> value = find(word.word);
-  // Asked for only where it is there: no error suggests a word that goes.
+  // Looks for the old word only if the file has it: otherwise errors would suggest it as a known
+  // key.
   const std::vector<std::string> there = keys();
   if (std::ranges::find(there, word.old_word) == there.end()) return value;
   const std::optional<ConfigValue> old = find(word.old_word);
@@ -209,12 +210,12 @@ std::optional<std::string> closest_word(std::string_view word,
                                         const std::vector<std::string>& known) {
   constexpr size_t kLongest = 64;
   if (word.size() > kLongest) return std::nullopt;
-  // A third of the letters may be wrong; two always, but not all of a short word.
+  // Up to a third of the letters may be wrong, and at least two; but never all of a short word.
   size_t min =
       std::min(std::max<size_t>(2, word.size() / 3), std::max<size_t>(word.size(), 1) - 1) + 1;
   std::optional<std::string> closest;
   for (const std::string& candidate : known) {
-    // Rows of the table of edit distances between the beginnings of both.
+    // Rows of the table of edit distances between the prefixes of both words.
     std::vector<size_t> above(candidate.size() + 1);
     for (size_t i = 0; i < above.size(); ++i) above[i] = i;
     for (size_t row = 1; row <= word.size(); ++row) {

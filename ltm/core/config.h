@@ -18,11 +18,11 @@ namespace engram {
 
 class ConfigMap;
 
-/// One value of a configuration file: a text, a list or a map, which knows where it stands.
+/// One value of a configuration file: a text, a list or a map, with its place in the file.
 ///
 /// The files are YAML, read strictly: one document, every key once, no anchors, aliases or tags, no
-/// nested document markers. All errors name file, line and key, what was found and needed, and are
-/// kInvalidArgument.
+/// nested document markers. All errors are kInvalidArgument and name file, line and key, what was
+/// found and what was needed.
 /// Owns: its part of the file, shared. Copying is O(length of its key).
 /// Threading: immutable.
 class ConfigValue {
@@ -31,31 +31,35 @@ class ConfigValue {
   static constexpr int kMaxDepth = 64;
   static constexpr size_t kMaxValues = 20'000;
 
-  /// Reads a text; `name` is what errors call it. An empty one is an empty map.
+  /// Reads a text; `name` is its name in errors. An empty text is an empty map.
   static Result<ConfigValue> parse(std::string_view text, std::string name);
 
-  /// Errors: kNotFound, kUnavailable too.
+  /// Reads a file.
+  /// Errors: also kNotFound, kUnavailable.
   static Result<ConfigValue> read_file(const std::filesystem::path& path);
 
   [[nodiscard]] bool is_text() const;
   [[nodiscard]] bool is_list() const;
   [[nodiscard]] bool is_map() const;
-  [[nodiscard]] bool is_quoted() const;  ///< A text in quotes: never meant as a number.
+  [[nodiscard]] bool is_quoted() const;  ///< A text in quotes, which is never a number.
 
   [[nodiscard]] Result<std::string> text() const;
   [[nodiscard]] Result<bool> boolean() const;   ///< true or false.
   [[nodiscard]] Result<double> number() const;  ///< Finite.
   [[nodiscard]] Result<int64_t> integer() const;
-  [[nodiscard]] Result<Duration> duration() const;  ///< "200ms", as parse_duration; not negative.
-  [[nodiscard]] Result<uint64_t> bytes() const;     ///< "64MiB"; B kB MB GB TB KiB MiB GiB TiB.
-  [[nodiscard]] Result<double> rate_hz() const;     ///< "5Hz", "1kHz"; more than 0.
+  /// As parse_duration, for example "200ms"; not negative.
+  [[nodiscard]] Result<Duration> duration() const;
+  /// "64MiB"; units are B kB MB GB TB KiB MiB GiB TiB.
+  [[nodiscard]] Result<uint64_t> bytes() const;
+  /// "5Hz", "1kHz"; more than zero.
+  [[nodiscard]] Result<double> rate_hz() const;
   [[nodiscard]] Result<std::vector<ConfigValue>> list() const;
   [[nodiscard]] Result<ConfigMap> map() const;
 
   /// An error at this value: "FILE:LINE: 'KEY': ...".
   [[nodiscard]] Status error(std::string_view message) const;
 
-  /// An error of somebody else, about this value.
+  /// Turns an error of another function into one at this value.
   [[nodiscard]] Status error(const Status& status) const;
 
  private:
@@ -72,21 +76,21 @@ class ConfigValue {
 
   std::shared_ptr<const Root> root_;
   const Node* node_ = nullptr;
-  std::string key_;  ///< Path from the top: "entities[0].match".
+  std::string key_;  ///< The path from the top: "entities[0].match".
 };
 
-/// The entries of a map, which notes which keys were asked for: those are the known ones.
+/// The entries of a map. It notes which keys were read: all others are unknown.
 ///
 /// Threading: one thread.
 class ConfigMap {
  public:
-  /// The value of a key; nothing where it is not there, or null.
+  /// The value of a key; nothing where it is absent or null.
   std::optional<ConfigValue> find(std::string_view key);
 
-  /// Errors: kInvalidArgument where it is not there.
+  /// Errors: kInvalidArgument where the key is absent or null.
   Result<ConfigValue> require(std::string_view key);
 
-  /// Sets `out` where the key is there, as in `map.read("late", late, &ConfigValue::boolean)`.
+  /// Sets `out` if the key is present, as in `map.read("late", late, &ConfigValue::boolean)`.
   template <typename T, typename U>
   Status read(std::string_view key, T& out, Result<U> (ConfigValue::*as)() const) {
     const std::optional<ConfigValue> value = find(key);
@@ -95,8 +99,8 @@ class ConfigMap {
     return {};
   }
 
-  /// The same of a key that was renamed: its old name is accepted with a warning.
-  /// Errors: kInvalidArgument where both names stand there.
+  /// Like find and read, for a key that was renamed: its old name is accepted with a warning.
+  /// Errors: kInvalidArgument where both names are present.
   Result<std::optional<ConfigValue>> find(const DeprecatedWord& word);
 
   template <typename T, typename U>
@@ -107,10 +111,10 @@ class ConfigMap {
     return {};
   }
 
-  /// Fails where there is a key that nobody asked for, with the known one that is closest.
+  /// Fails where there is a key that was not read, and suggests the known key that is closest.
   [[nodiscard]] Status finish() const;
 
-  /// In the order of the file.
+  /// The keys, in the order of the file.
   [[nodiscard]] std::vector<std::string> keys() const;
 
   [[nodiscard]] const ConfigValue& value() const { return value_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tree behind ConfigValue; for the files that make and read it.
+// The tree behind ConfigValue, for the files that build and read it.
 #pragma once
 
 #include <string>
@@ -30,7 +30,7 @@ struct ConfigValue::Root {
   Node node;
 };
 
-/// The file's bytes, at most ConfigValue::kMaxBytes.
+/// Reads a file of at most ConfigValue::kMaxBytes.
 Result<std::string> read_config_text(const std::filesystem::path& path);
 
 }  // namespace engram

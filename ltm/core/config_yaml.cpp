@@ -14,7 +14,8 @@ namespace engram {
 
 namespace {
 
-/// Leaves the parser of yaml-cpp; never leaves this file.
+/// Leaves the parser of yaml-cpp, whose handlers can only stop it by throwing. It never leaves this
+/// file.
 class ConfigError : public std::exception {
  public:
   ConfigError(int line, std::string message) : line_(line), message_(std::move(message)) {}
@@ -28,7 +29,8 @@ class ConfigError : public std::exception {
 
 }  // namespace
 
-/// Makes a tree of what the parser meets. Throws ConfigError.
+/// Builds a tree from the events of the parser. Throws ConfigError. YAML::Load would resolve
+/// aliases and accept keys twice before anything could be checked.
 class ConfigParser : public YAML::EventHandler {
  public:
   using Node = ConfigValue::Node;
@@ -105,7 +107,7 @@ class ConfigParser : public YAML::EventHandler {
     if (Node* node = place(mark, kind, "", false)) open_.push_back({node, false, ""});
   }
 
-  /// The new node; null where it was a key.
+  /// Adds a node; returns null where it was a key.
   Node* place(const YAML::Mark& mark, Node::Kind kind, const std::string& text, bool is_quoted) {
     last_line_ = line_of(mark);
     if (++values_ > ConfigValue::kMaxValues)

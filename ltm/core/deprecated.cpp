@@ -11,12 +11,12 @@ namespace engram {
 
 namespace {
 
-/// A server reads its configuration again and again: one warning is enough.
+/// A server reads its configuration repeatedly: one warning per place is enough.
 ///
 /// Threading: thread-safe.
 class ToldPlaces {
  public:
-  /// True the first time.
+  /// Returns true the first time.
   bool add(std::string_view where) {
     const MutexLock lock(mutex_);
     return told_.emplace(where).second;

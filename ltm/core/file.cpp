@@ -77,6 +77,7 @@ Status File::read_at(uint64_t offset, std::span<std::byte> out) const {
 }
 
 Status File::sync() {
+  // Unlike fsync it does not write the times of the file; the size is written by both.
   if (::fdatasync(fd_) != 0) return system_error(path_, "cannot force to disk", errno);
   return {};
 }
@@ -113,6 +114,7 @@ Result<Buffer> read_file(const std::filesystem::path& path) {
 Status replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   std::filesystem::path beside = path;
   beside += ".new";
+  // A crash may have left one.
   ENGRAM_RETURN_IF_ERROR(remove_file(beside));
   {
     ENGRAM_ASSIGN_OR_RETURN(File file, File::open(beside, File::Mode::kCreate));
@@ -126,12 +128,13 @@ Status publish_file(const std::filesystem::path& from, const std::filesystem::pa
     ENGRAM_ASSIGN_OR_RETURN(File file, File::open(from, File::Mode::kRead));
     ENGRAM_RETURN_IF_ERROR(file.sync());
   }
+  // Only now: a rename may reach the disk before the bytes of the file.
   if (::rename(from.c_str(), to.c_str()) != 0) return system_error(from, "cannot rename", errno);
   return sync_directory(to.parent_path());
 }
 
 Status sync_directory(const std::filesystem::path& path) {
-  // A file that is named without a folder lies in the working one.
+  // A path without a directory lies in the working directory.
   const std::filesystem::path directory = path.empty() ? "." : path;
   const int fd = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return system_error(directory, "cannot open", errno);

@@ -13,14 +13,14 @@
 
 namespace engram {
 
-/// An open file descriptor, closed when this goes.
+/// An open file descriptor, which is closed with this object.
 ///
 /// Threading: read_at is const-parallel, sync may run beside append; everything else one thread.
 class File {
  public:
   enum class Mode { kRead, kCreate, kAppend };
 
-  /// kCreate fails where the file exists. kAppend makes it where it does not.
+  /// kCreate fails where the file exists. kAppend creates it where it does not exist.
   /// Errors: kNotFound, kAlreadyExists, kUnavailable naming the path and the system's reason.
   static Result<File> open(const std::filesystem::path& path, Mode mode);
 
@@ -29,23 +29,23 @@ class File {
   ~File();
 
   /// Writes all of `bytes` at the end.
-  /// Errors: kResourceExhausted where the disk is full, else kUnavailable.
+  /// Errors: kResourceExhausted where the disk is full, otherwise kUnavailable.
   Status append(std::span<const std::byte> bytes);
 
   /// Reads exactly `out.size()` bytes from `offset`.
-  /// Errors: kDataLoss where the file ends before, kUnavailable.
+  /// Errors: kDataLoss where the file ends earlier, kUnavailable.
   Status read_at(uint64_t offset, std::span<std::byte> out) const;
 
-  /// Forces what was written to the disk.
+  /// Forces what was written to disk.
   Status sync();
 
-  /// Cuts the file to `size` bytes.
+  /// Truncates the file to `size` bytes.
   Status truncate(uint64_t size);
 
   Result<uint64_t> size() const;
 
-  /// Takes an exclusive lock that goes with this object or its process.
-  /// False where another holds it and `should_wait` is false.
+  /// Takes an exclusive lock, which is released with this object or its process. Returns false
+  /// where another holds it and `should_wait` is false.
   Result<bool> lock(bool should_wait);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -57,26 +57,29 @@ class File {
   int fd_ = -1;
 };
 
+/// Reads a whole file.
 /// Errors: kNotFound, kUnavailable.
 Result<Buffer> read_file(const std::filesystem::path& path);
 
-/// Writes beside `path`, forces it to disk and renames: readers see the old or the new file.
+/// Writes a new file, forces it to disk and renames it to `path`: readers see the old or the new
+/// file.
 Status replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
-/// Forces a finished file to disk and moves it to its final name, on the same file system.
+/// Forces a finished file to disk and renames it to its final name, on the same file system.
 Status publish_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Forces the names in a directory to disk.
+/// Forces the names in a directory to disk, so that created and renamed files survive a crash.
 Status sync_directory(const std::filesystem::path& directory);
 
-/// Bytes that the file system of `path` has left for us.
+/// The free space of the file system of `path` for this user. Unit: bytes.
 /// Errors: kUnavailable.
 Result<uint64_t> free_disk_bytes(const std::filesystem::path& path);
 
+/// Creates a directory and those above it.
 /// Errors: kUnavailable.
 Status make_directories(const std::filesystem::path& path);
 
-/// Removes a file; fine where it does not exist.
+/// Removes a file; ok where it does not exist.
 Status remove_file(const std::filesystem::path& path);
 
 }  // namespace engram

@@ -42,6 +42,8 @@ Status LineProcess::start(const std::vector<std::string>& arguments) {
   program_ = arguments.at(0);
   std::array<int, 2> in{};
   std::array<int, 2> out{};
+  // Closed on exec: a later child that inherited an end would keep this one's pipes open after its
+  // death, and reading would wait for nothing.
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in.data()) != 0)
     return unavailable("'{}': no socket: {}", program_, std::strerror(errno));
   if (::pipe2(out.data(), O_CLOEXEC) != 0) {
@@ -53,6 +55,7 @@ Status LineProcess::start(const std::vector<std::string>& arguments) {
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, in[1], STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+  // Errors go to the same pipe, so that they are among the last lines that a failure reports.
   ::posix_spawn_file_actions_adddup2(&actions, out[1], STDERR_FILENO);
   std::vector<std::string> words = arguments;
   std::vector<char*> argv;

@@ -12,7 +12,7 @@
 
 namespace engram {
 
-/// A child process that reads lines and answers with lines. Ends it when it goes.
+/// A child process that reads lines and answers with lines. It is terminated with this object.
 ///
 /// Threading: one thread.
 class LineProcess {
@@ -22,15 +22,16 @@ class LineProcess {
   LineProcess& operator=(const LineProcess&) = delete;
   ~LineProcess();
 
-  /// `arguments`: the program first, looked for on the path.
+  /// `arguments` begins with the program, which is searched on the path.
   /// Errors: kNotFound where there is no such program; kUnavailable.
   Status start(const std::vector<std::string>& arguments);
 
-  /// Errors: kUnavailable with its last words where it has ended.
+  /// Errors: kUnavailable with its last lines where it has ended.
   Status write_line(const std::string& line);
 
-  /// The next line of its stdout or stderr, without its end.
-  /// Errors: kUnavailable with its last words where it has ended, or says nothing for so long.
+  /// Returns the next line of its stdout or stderr, without the line end.
+  /// Errors: kUnavailable with its last lines where it has ended, or writes no line for the time
+  /// `patience`.
   Result<std::string> read_line(Duration patience);
 
  private:
@@ -38,10 +39,10 @@ class LineProcess {
 
   std::string program_;
   pid_t pid_ = -1;
-  int in_ = -1;  ///< A socket: writing to a dead process raises no signal.
+  int in_ = -1;  ///< A socket, because writing to a dead process then raises no signal.
   int out_ = -1;
   std::string buffer_;
-  std::deque<std::string> said_;  ///< The last lines.
+  std::deque<std::string> said_;  ///< The last lines that it wrote.
 };
 
 }  // namespace engram

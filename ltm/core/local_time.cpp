@@ -16,7 +16,7 @@ std::tm local_calendar(Time time) {
   return calendar;
 }
 
-/// The moment that a calendar of local time shows; days beyond the month's end count on.
+/// The moment that a calendar of local time shows; days beyond the end of the month count on.
 std::optional<Time> moment_of(std::tm calendar) {
   calendar.tm_isdst = -1;
   const std::time_t seconds = std::mktime(&calendar);
@@ -24,9 +24,9 @@ std::optional<Time> moment_of(std::tm calendar) {
   return Time(std::chrono::seconds(seconds));
 }
 
-/// A clock's time as the seconds since midnight.
+/// Reads a time of day as seconds since midnight.
 std::optional<std::chrono::seconds> parse_clock(std::string_view text) {
-  // The date only makes it a moment that can be read.
+  // parse_time needs a date, which has no effect.
   const auto moment = parse_time("2000-01-01 " + std::string(text) + "Z");
   if (!moment.ok()) return std::nullopt;
   const auto since = *moment - std::chrono::floor<std::chrono::days>(*moment);
@@ -37,7 +37,8 @@ std::optional<Time> next_of_clock(std::chrono::seconds clock, Time now) {
   for (const int days : {0, 1}) {
     std::tm calendar = local_calendar(now);
     calendar.tm_mday += days;
-    // Not seconds since midnight: a day on which the clock changes has more or fewer.
+    // Sets hours and minutes, not seconds since midnight: on a day when the clock changes these
+    // differ.
     const auto seconds = static_cast<int>(clock.count());
     calendar.tm_hour = seconds / 3600;
     calendar.tm_min = seconds / 60 % 60;
@@ -48,7 +49,7 @@ std::optional<Time> next_of_clock(std::chrono::seconds clock, Time now) {
   return std::nullopt;
 }
 
-/// What a date and a clock without a zone mean in local time.
+/// The moment of a date and a time of day in local time.
 std::optional<Time> moment_of_date(std::string_view text) {
   const auto moment = parse_time(std::string(text) + "Z");
   if (!moment.ok()) return std::nullopt;

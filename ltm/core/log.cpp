@@ -48,7 +48,7 @@ std::string_view name_of(Level level) {
   }
 }
 
-/// A text within quotes.
+/// Escapes a text for JSON.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {

@@ -10,19 +10,19 @@ namespace engram::log {
 
 enum class Level { kDebug, kInfo, kWarning, kError, kOff };
 
-/// Messages below `level` are dropped. Default: kInfo.
+/// Drops messages below `level`. Default: kInfo.
 /// Threading: thread-safe.
 void set_level(Level level);
 
 [[nodiscard]] Level level();
 
-/// "error: ..." for people, or an object of time, level and message for programs.
+/// kText: "error: ..." for people. kJson: an object of time, level and message for programs.
 enum class Form { kText, kJson };
 
-/// Default: kText. Threading: thread-safe.
+/// Sets the form of messages. Default: kText. Threading: thread-safe.
 void set_form(Form form);
 
-/// Writes one line to stderr. stdout belongs to results.
+/// Writes one line to stderr. stdout is for results.
 /// Threading: thread-safe.
 void write(Level level, std::string_view message);
 

@@ -11,9 +11,10 @@
 
 namespace engram {
 
-/// A std::mutex that clang's analysis knows: members say by ENGRAM_GUARDED_BY that it guards them.
+/// A std::mutex for clang's thread safety analysis: members declare by ENGRAM_GUARDED_BY that it
+/// guards them.
 ///
-/// Every mutex of the project is one of these or a SharedMutex; none is recursive.
+/// Every mutex of the project is a Mutex or a SharedMutex; none is recursive.
 /// Threading: thread-safe.
 class ENGRAM_CAPABILITY("mutex") Mutex {
  public:
@@ -29,7 +30,7 @@ class ENGRAM_CAPABILITY("mutex") Mutex {
   std::mutex mutex_;
 };
 
-/// Holds a mutex as long as it lives, but for the time between unlock() and lock().
+/// Holds a mutex as long as it lives, except between unlock() and lock().
 ///
 /// Threading: one thread.
 class ENGRAM_SCOPED_CAPABILITY MutexLock {
@@ -73,7 +74,7 @@ class ENGRAM_CAPABILITY("shared mutex") SharedMutex {
   std::shared_mutex mutex_;
 };
 
-/// Holds a shared mutex alone as long as it lives.
+/// Holds a shared mutex exclusively as long as it lives.
 class ENGRAM_SCOPED_CAPABILITY ExclusiveLock {
  public:
   explicit ExclusiveLock(SharedMutex& mutex) ENGRAM_ACQUIRE(mutex) : mutex_(mutex) {
@@ -87,7 +88,7 @@ class ENGRAM_SCOPED_CAPABILITY ExclusiveLock {
   SharedMutex& mutex_;
 };
 
-/// Holds a shared mutex with other readers as long as it lives.
+/// Holds a shared mutex together with other readers as long as it lives.
 class ENGRAM_SCOPED_CAPABILITY SharedLock {
  public:
   explicit SharedLock(SharedMutex& mutex) ENGRAM_ACQUIRE_SHARED(mutex) : mutex_(mutex) {
@@ -101,7 +102,7 @@ class ENGRAM_SCOPED_CAPABILITY SharedLock {
   SharedMutex& mutex_;
 };
 
-/// A mutex that is held already, as the standard library wants it; it stays held.
+/// Adapts a mutex that is already held to the standard library. The mutex stays held.
 class BorrowedMutex {
  public:
   explicit BorrowedMutex(Mutex& mutex) : lock_(mutex.mutex_, std::adopt_lock) {}
@@ -115,8 +116,8 @@ class BorrowedMutex {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// Waits until something holds of what a mutex guards. Who waits holds the mutex, which is free
-/// meanwhile; the predicate is called with it held, and says so:
+/// Waits until a predicate on what a mutex guards is true. The caller holds the mutex, which is
+/// released while it waits. The predicate runs with the mutex held, and declares this:
 ///
 ///     changed_.wait(mutex_, [this]() ENGRAM_REQUIRES(mutex_) { return !waiting_.empty(); });
 ///
@@ -132,7 +133,7 @@ class ConditionVariable {
     condition_.wait(held.lock(), std::move(predicate));
   }
 
-  /// What the predicate says at the end.
+  /// Returns the value of the predicate at the end.
   template <typename Length, typename Predicate>
   bool wait_for(Mutex& mutex, Length time, Predicate predicate) ENGRAM_REQUIRES(mutex) {
     BorrowedMutex held(mutex);
@@ -149,8 +150,8 @@ class ConditionVariable {
   std::condition_variable condition_;
 };
 
-/// The same, whose waits also end where a stop is requested. Costs a second mutex per object, which
-/// each notification takes.
+/// A ConditionVariable whose waits also end when a stop is requested. It costs a second mutex per
+/// object, which each notification takes.
 ///
 /// Threading: thread-safe.
 class StoppableCondition {
@@ -164,7 +165,7 @@ class StoppableCondition {
     condition_.wait(held.lock(), std::move(predicate));
   }
 
-  /// What the predicate says at the end: false where the stop came first.
+  /// Returns the value of the predicate at the end: false where the stop came first.
   template <typename Predicate>
   bool wait(Mutex& mutex, const std::stop_token& stop, Predicate predicate) ENGRAM_REQUIRES(mutex) {
     BorrowedMutex held(mutex);

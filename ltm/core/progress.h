@@ -7,16 +7,16 @@
 
 namespace engram {
 
-/// How far a long piece of work is.
+/// The progress of a long task.
 struct Progress {
   std::string what;    ///< "import Vision/RGB/head/cam", "train Vision/RGB/head/cam", ...
   uint64_t done = 0;
-  uint64_t total = 0;  ///< Same unit as `done`; zero where nobody knows.
-  std::string detail;  ///< "epoch 3, loss 0.0123", may be empty.
-  double seconds_left = -1;  ///< Negative where nobody knows.
+  uint64_t total = 0;  ///< In the unit of `done`; zero where it is unknown.
+  std::string detail;  ///< "epoch 3, loss 0.0123"; may be empty.
+  double seconds_left = -1;  ///< Negative where it is unknown.
 };
 
-/// Receives progress, from the thread that does the work. May be empty.
+/// Receives progress, in the thread that does the work. May be empty.
 using ProgressSink = std::function<void(const Progress&)>;
 
 }  // namespace engram

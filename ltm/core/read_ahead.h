@@ -13,18 +13,19 @@
 
 namespace engram {
 
-/// Calls a function again and again in a thread of its own, ahead of who needs what it returns.
+/// Calls a function repeatedly in a thread of its own, ahead of the consumer of its items.
 ///
-/// Items come in order, up to the first without a value or with an error, which is repeated then.
-/// At most `limit` bytes of them wait (or one item, whatever its size), and 256.
-/// Threading: one thread calls; the function runs on another until it has no more, or until this
-/// ends. It must not throw.
+/// Items come in order, up to the first one without a value or with an error, which is then
+/// repeated. At most `limit` bytes of items wait (or a single item of any size), and at most 256
+/// items.
+/// Threading: one thread calls next(). The function runs in another thread until it has no more
+/// items or this object is destroyed. It must not throw.
 template <typename T>
 class ReadAhead {
  public:
   using Item = Result<std::optional<T>>;
 
-  /// `size_of` estimates how many bytes an item takes.
+  /// `size_of` estimates the size of an item. Unit: bytes.
   ReadAhead(std::function<Item()> read, std::function<size_t(const T&)> size_of, size_t limit)
       : read_(std::move(read)), size_of_(std::move(size_of)), limit_(limit) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -83,7 +84,7 @@ class ReadAhead {
   std::deque<Waiting> waiting_ ENGRAM_GUARDED_BY(mutex_);
   size_t bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
 
-  std::jthread thread_;  ///< Last: it uses all the others.
+  std::jthread thread_;  ///< The last member, because it uses all others.
 };
 
 }  // namespace engram

@@ -12,25 +12,25 @@
 
 namespace engram {
 
-/// What kind of failure the world handed us. Bugs of our own abort instead (ltm/core/check.h).
+/// The kind of a failure that the world can cause. Bugs of this program abort (ltm/core/check.h).
 enum class StatusCode {
   kOk,
-  kInvalidArgument,     ///< The caller or its configuration asks for what cannot be.
+  kInvalidArgument,  ///< The caller or its configuration asks for the impossible.
   kNotFound,            ///< The named thing does not exist.
   kAlreadyExists,       ///< The named thing exists and must not.
-  kFailedPrecondition,  ///< Right request, wrong state (locked store, newer format, ...).
+  kFailedPrecondition,  ///< A right request in the wrong state (locked store, newer format, ...).
   kDataLoss,            ///< Bytes are damaged, truncated or contradict themselves.
-  kResourceExhausted,   ///< Disk, memory or a configured limit is used up.
-  kUnavailable,         ///< The operating system or a peer refused; may work later.
-  kCancelled,           ///< Somebody asked to stop.
+  kResourceExhausted,  ///< Disk, memory or a configured bound is used up.
+  kUnavailable,  ///< The operating system or a peer refused; it may work later.
+  kCancelled,  ///< A stop was requested.
 };
 
 [[nodiscard]] std::string_view to_string(StatusCode code);
 
-/// Outcome of an operation that can fail: ok, or a code with a message.
+/// The outcome of an operation that can fail: ok, or a code with a message.
 ///
 /// The message names the object, what was found and what was needed.
-/// Threading: immutable but for assignment.
+/// Threading: immutable except for assignment.
 class [[nodiscard]] Status {
  public:
   Status() = default;
@@ -42,10 +42,10 @@ class [[nodiscard]] Status {
   [[nodiscard]] StatusCode code() const { return code_; }
   [[nodiscard]] const std::string& message() const { return message_; }
 
-  /// "data loss: journal/000001.log: ..."; "ok" if ok.
+  /// Prints "data loss: journal/000001.log: ..."; "ok" if ok.
   [[nodiscard]] std::string to_string() const;
 
-  /// The same failure told by an outer object: `context` + ": " + message.
+  /// The same failure, reported by an outer object: `context` + ": " + message.
   [[nodiscard]] Status with_context(std::string_view context) const;
 
  private:
@@ -86,7 +86,7 @@ class [[nodiscard]] Result {
   std::optional<T> value_;
 };
 
-/// Makes an error; `text` is a fmt format string. One function per code, named after it.
+/// Makes an error; `text` is a fmt format string. There is one function per code, named after it.
 #define ENGRAM_STATUS_MAKER(function, code)                              \
   template <typename... Args>                                            \
   [[nodiscard]] Status function(fmt::format_string<Args...> text, Args&&... args) { \
@@ -107,7 +107,7 @@ ENGRAM_STATUS_MAKER(cancelled, kCancelled)
 #define ENGRAM_CONCAT_INNER(a, b) a##b
 #define ENGRAM_CONCAT(a, b) ENGRAM_CONCAT_INNER(a, b)
 
-/// Returns the error of `expression` (a Status) from the enclosing function, if it is one.
+/// If `expression` (a Status) is an error, returns it from the enclosing function.
 #define ENGRAM_RETURN_IF_ERROR(expression) \
   ENGRAM_RETURN_IF_ERROR_INNER(ENGRAM_CONCAT(engram_status_, __COUNTER__), expression)
 #define ENGRAM_RETURN_IF_ERROR_INNER(status, expression)                    \
@@ -115,7 +115,8 @@ ENGRAM_STATUS_MAKER(cancelled, kCancelled)
     if (::engram::Status status = (expression); !status.ok()) return status; \
   } while (false)
 
-/// `ENGRAM_ASSIGN_OR_RETURN(auto x, f())`: takes the value of a Result or returns its error.
+/// `ENGRAM_ASSIGN_OR_RETURN(auto x, f())` assigns the value of a Result, or returns its error from
+/// the enclosing function.
 #define ENGRAM_ASSIGN_OR_RETURN(target, expression) \
   ENGRAM_ASSIGN_OR_RETURN_INNER(ENGRAM_CONCAT(engram_result_, __COUNTER__), target, expression)
 #define ENGRAM_ASSIGN_OR_RETURN_INNER(result, target, expression) \

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What clang's thread safety analysis is told; `make check-locks` runs it. Other compilers see
-// nothing of it. Mutexes and locks that carry these: ltm/core/mutex.h.
+// Annotations for clang's thread safety analysis, which `make check-locks` runs. They are empty for
+// other compilers. The mutexes and locks that carry them are in ltm/core/mutex.h.
 //
 // Source: https://clang.llvm.org/docs/ThreadSafetyAnalysis.html
 
@@ -12,27 +12,27 @@
 #define ENGRAM_THREAD_ANNOTATION(...)
 #endif
 
-/// A class whose objects can be held, and one that holds such an object as long as it lives.
+/// A class whose objects can be held, and a class that holds such an object as long as it lives.
 #define ENGRAM_CAPABILITY(name) ENGRAM_THREAD_ANNOTATION(capability(name))
 #define ENGRAM_SCOPED_CAPABILITY ENGRAM_THREAD_ANNOTATION(scoped_lockable)
 
-/// Who reads or writes the member holds this mutex; for a shared mutex, who reads it may share it.
+/// Reading or writing the member needs this mutex; for a shared mutex, reading needs it shared.
 #define ENGRAM_GUARDED_BY(...) ENGRAM_THREAD_ANNOTATION(guarded_by(__VA_ARGS__))
-/// The same of what a pointer points to.
+/// Reading or writing what the pointer points to needs this mutex.
 #define ENGRAM_PT_GUARDED_BY(...) ENGRAM_THREAD_ANNOTATION(pt_guarded_by(__VA_ARGS__))
 
-/// Who holds both mutexes took this one first.
+/// Threads that hold both mutexes must take this one first.
 #define ENGRAM_ACQUIRED_BEFORE(...) ENGRAM_THREAD_ANNOTATION(acquired_before(__VA_ARGS__))
 #define ENGRAM_ACQUIRED_AFTER(...) ENGRAM_THREAD_ANNOTATION(acquired_after(__VA_ARGS__))
 
-/// Who calls the function holds the mutex, and still does afterwards.
+/// The caller holds the mutex, before and after the call.
 #define ENGRAM_REQUIRES(...) ENGRAM_THREAD_ANNOTATION(requires_capability(__VA_ARGS__))
 #define ENGRAM_REQUIRES_SHARED(...) \
   ENGRAM_THREAD_ANNOTATION(requires_shared_capability(__VA_ARGS__))
-/// Who calls the function does not hold the mutex: the function takes it.
+/// The caller does not hold the mutex, because the function takes it.
 #define ENGRAM_EXCLUDES(...) ENGRAM_THREAD_ANNOTATION(locks_excluded(__VA_ARGS__))
 
-/// The function takes the mutex, or gives it back.
+/// The function takes or releases the mutex.
 #define ENGRAM_ACQUIRE(...) ENGRAM_THREAD_ANNOTATION(acquire_capability(__VA_ARGS__))
 #define ENGRAM_ACQUIRE_SHARED(...) ENGRAM_THREAD_ANNOTATION(acquire_shared_capability(__VA_ARGS__))
 #define ENGRAM_RELEASE(...) ENGRAM_THREAD_ANNOTATION(release_capability(__VA_ARGS__))
@@ -40,5 +40,5 @@
 #define ENGRAM_RELEASE_GENERIC(...) \
   ENGRAM_THREAD_ANNOTATION(release_generic_capability(__VA_ARGS__))
 
-/// The function is not looked into. A comment beside it says why it is right all the same.
+/// The function is not analysed. A comment beside it says why it is correct nevertheless.
 #define ENGRAM_NO_THREAD_SAFETY_ANALYSIS ENGRAM_THREAD_ANNOTATION(no_thread_safety_analysis)

@@ -22,7 +22,7 @@ struct Unit {
   int64_t ns;
 };
 
-// Largest first, so that printing finds the shortest form; aliases last.
+// The largest unit first, so that printing finds the shortest form; aliases last.
 constexpr std::array<Unit, 8> kUnits{{{"d", 86400 * kNsPerSecond},
                                       {"h", 3600 * kNsPerSecond},
                                       {"min", 60 * kNsPerSecond},
@@ -32,7 +32,7 @@ constexpr std::array<Unit, 8> kUnits{{{"d", 86400 * kNsPerSecond},
                                       {"ns", 1},
                                       {"m", 60 * kNsPerSecond}}};
 
-/// Consumes digits from the front; at least `min`, at most `max` of them.
+/// Consumes `min` to `max` digits from the front.
 std::optional<int64_t> take_digits(std::string_view& text, size_t min, size_t max) {
   size_t count = 0;
   int64_t value = 0;
@@ -49,7 +49,7 @@ bool take(std::string_view& text, std::string_view expected_one_of) {
   return true;
 }
 
-/// Fraction digits after the point as nanoseconds; more than nine digits do not fit.
+/// Consumes the digits of a fraction, in nanoseconds; more than nine digits do not fit.
 std::optional<int64_t> take_fraction_ns(std::string_view& text) {
   const size_t before = text.size();
   auto digits = take_digits(text, 1, 9);
@@ -58,7 +58,7 @@ std::optional<int64_t> take_fraction_ns(std::string_view& text) {
   return digits;
 }
 
-/// The offset of "Z", "+01:00" or nothing.
+/// Consumes "Z", "+01:00" or nothing and returns the offset.
 std::optional<seconds> take_zone(std::string_view& text) {
   if (text.empty() || take(text, "Zz")) return seconds(0);
   const bool is_behind = text.front() == '-';
@@ -71,9 +71,10 @@ std::optional<seconds> take_zone(std::string_view& text) {
   return is_behind ? -offset : offset;
 }
 
-/// Nothing where 64 bits do not hold it.
+/// Returns nothing where 64 bits cannot hold the time.
 std::optional<Time> time_at(std::chrono::sys_seconds whole, Duration fraction) {
-  // Counted down from the next second where negative: the earliest time is in the midst of one.
+  // Negative times count down from the next second, because the earliest time lies within a second
+  // whose start 64 bits cannot hold.
   const bool is_early = whole.time_since_epoch().count() < 0;
   const int64_t second = whole.time_since_epoch().count() + (is_early ? 1 : 0);
   const int64_t rest = fraction.count() - (is_early ? kNsPerSecond : 0);
@@ -168,7 +169,7 @@ Result<Duration> parse_duration(std::string_view text) {
   if (error == std::errc() && !digits.starts_with('+')) {
     for (const Unit& unit : kUnits) {
       if (unit.name != name) continue;
-      // Integers stay exact; doubles carry 53 bits only.
+      // Integers stay exact; doubles have only 53 bits.
       int64_t whole = 0;
       const auto integer = std::from_chars(digits.data(), end, whole);
       int64_t product = 0;

@@ -16,13 +16,14 @@ using Duration = std::chrono::nanoseconds;
 /// A moment. Unit: nanoseconds since the Unix epoch, UTC. Range: years 1678 to 2262.
 using Time = std::chrono::sys_time<Duration>;
 
-/// Reads the current time; passed as an argument so that tests own time.
+/// Returns the current time. It is passed as an argument so that tests control time.
 using Clock = std::function<Time()>;
 
 /// The clock of the operating system.
 [[nodiscard]] Time system_now();
 
-/// A moment of a clock that nobody sets; for leases and rates. It means nothing to other machines.
+/// A moment of a clock that is never set, for leases and rates. It has no meaning on other
+/// machines.
 using SteadyTime = std::chrono::steady_clock::time_point;
 using SteadyClock = std::function<SteadyTime()>;
 
@@ -39,7 +40,7 @@ using SteadyClock = std::function<SteadyTime()>;
 /// Errors: kInvalidArgument if not finite or beyond what 64 bits hold.
 Result<Duration> duration_from_seconds(double seconds);
 
-/// "2022-02-18 13:06:56.492182": UTC, six digits, nine where the time carries them.
+/// Prints "2022-02-18 13:06:56.492182": UTC with six digits, or nine where the time needs them.
 [[nodiscard]] std::string to_string(Time time);
 
 /// Reads the printed form, RFC 3339 ("2022-02-18T13:06:56.49Z", "...+01:00"), or an integer of

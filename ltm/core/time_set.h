@@ -9,9 +9,9 @@
 
 namespace engram {
 
-/// Times, each once, in their order: as a std::set, with 8 bytes per time.
+/// A sorted set of times, as std::set, that needs 8 bytes per time.
 ///
-/// Complexity: inserting behind the last is O(1), elsewhere O(size).
+/// Complexity: inserting after the last time is O(1), elsewhere O(size).
 class TimeSet {
  public:
   using const_iterator = std::vector<Time>::const_iterator;
@@ -21,7 +21,7 @@ class TimeSet {
   TimeSet(std::initializer_list<Time> times);
   explicit TimeSet(std::vector<Time> times);
 
-  /// False where it was there.
+  /// Returns false where the time was present.
   bool insert(Time time);
 
   /// Complexity: O(size of both).

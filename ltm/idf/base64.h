@@ -10,10 +10,10 @@
 
 namespace engram::idf {
 
-/// RFC 4648 base64 with padding.
+/// Encodes bytes as base64 with padding. Source: RFC 4648.
 [[nodiscard]] std::string to_base64(std::span<const std::byte> bytes);
 
-/// Nothing where `text` is not canonical padded base64.
+/// Decodes base64; nothing where `text` is not canonical padded base64.
 [[nodiscard]] std::optional<std::vector<std::byte>> from_base64(std::string_view text);
 
 }  // namespace engram::idf

@@ -10,23 +10,24 @@
 
 namespace engram::idf {
 
-/// Deepest nesting of lists and dicts that the binary and JSON forms carry.
+/// The bound of nested lists and dicts in the binary and JSON forms.
 inline constexpr int kMaxDepth = 64;
 
-/// Exact number of bytes that `encode` writes.
+/// The exact number of bytes that `encode` writes.
 [[nodiscard]] size_t encoded_size(const Data& data);
 
-/// Levels that a container of ours may add around a value; needs to be said on both sides.
+/// The levels that a container of this program may add around a value. Writer and reader must both
+/// be told.
 inline constexpr int kContainerDepth = 8;
 
-/// The binary form, version 1: little-endian, ndarrays aligned to 8 bytes from the start.
+/// Writes the binary form, version 1: little-endian, ndarrays aligned to 8 bytes from the start.
 ///
 /// Errors: kInvalidArgument where the value nests deeper than `max_depth`.
 /// Source: docs/format.md, section "IDF binary form".
 Result<std::vector<std::byte>> encode(const Data& data, int max_depth = kMaxDepth);
 
-/// The same into memory of the caller, aligned to 8 bytes. Needs exactly encoded_size(data) bytes
-/// (checked).
+/// Writes the binary form into memory of the caller, which must be aligned to 8 bytes and have
+/// exactly encoded_size(data) bytes (checked).
 Status encode_into(const Data& data, std::span<std::byte> out, int max_depth = kMaxDepth);
 
 /// Reads the binary form. ndarrays view `buffer` where its start is aligned to 8 bytes (as every

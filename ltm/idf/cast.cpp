@@ -14,7 +14,7 @@ namespace {
 
 using Kind = CastNote::Kind;
 
-/// A leaf value in the kind of its type; nothing where it cannot be.
+/// A leaf value in the kind of its type; nothing where it does not fit.
 using Taken = std::optional<Converted<Data>>;
 
 template <typename To>
@@ -30,7 +30,7 @@ Taken number_as(const Data& value) {
       value.value());
 }
 
-/// An array whose shape fits, in the element type that is needed.
+/// An array whose shape fits, converted to the element type.
 Taken array_as(const Data& value, const ArrayType& needed) {
   const NdArray* array = value.get_if<NdArray>();
   if (array == nullptr || !needed.admits(array->shape())) return std::nullopt;
@@ -96,7 +96,8 @@ class Caster {
     return default_of(type);
   }
 
-  /// Made once per type: a long list of what does not fit shares the arrays of one default.
+  /// Creates the default once per type: a long list of misfits then shares the arrays of one
+  /// default.
   const Data& default_of(const Type& type) {
     const auto known = defaults_.find(&type.value());
     if (known != defaults_.end()) return known->second;
@@ -106,7 +107,7 @@ class Caster {
   Data cast_leaf(const Data& value, const Type& type, const Place& place) {
     auto taken = take_leaf(value, type);
     if (!taken) return mismatch(value, type, place);
-    // After the conversion: rounding may lead out of the bounds.
+    // Checks after the conversion, because rounding may lead out of the bounds.
     if (auto wrong = check_leaf(taken->value, type)) {
       note(Kind::kMismatch, place, std::move(wrong->found), std::move(wrong->needed));
       return default_of(type);

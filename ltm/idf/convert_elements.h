@@ -11,15 +11,15 @@
 
 namespace engram::idf {
 
-/// A number or an array in another element type.
+/// A number or an array, converted to another element type.
 template <typename T>
 struct Converted {
   T value;
   bool is_exact = true;  ///< False where a number was rounded.
 };
 
-/// `from` as a To: exactly, or rounded where To is a float; nothing where it has no place there
-/// (out of range, a fraction for an integer). NaN and infinities stay what they are among floats.
+/// Converts `from` to a To: exactly, or rounded where To is a float. Nothing where To cannot hold
+/// it (out of range, or a fraction for an integer). NaN and infinities are kept among floats.
 template <typename To, typename From>
 [[nodiscard]] std::optional<Converted<To>> convert_number(From from) {
   if constexpr (std::same_as<To, From>) {
@@ -28,7 +28,7 @@ template <typename To, typename From>
     if (!std::in_range<To>(from)) return std::nullopt;
     return Converted<To>{static_cast<To>(from)};
   } else if constexpr (std::integral<To>) {
-    // Powers of two: exact as floats, unlike the largest integer itself.
+    // Compares with powers of two, which are exact as floats, unlike the largest integer itself.
     const From low = static_cast<From>(std::numeric_limits<To>::min());
     const From end = std::ldexp(From{1}, std::numeric_limits<To>::digits);
     if (!(from >= low && from < end) || std::trunc(from) != from) return std::nullopt;
@@ -45,7 +45,7 @@ template <typename To, typename From>
   }
 }
 
-/// All elements so; nothing where one of them has no place.
+/// Converts all elements like convert_number; nothing where one of them cannot be held.
 [[nodiscard]] std::optional<Converted<NdArray>> convert_array(const NdArray& array,
                                                               ElementType element);
 

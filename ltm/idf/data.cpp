@@ -81,6 +81,8 @@ std::optional<double> Data::as_number() const {
       value_);
 }
 
+// Floats are compared by their bits: a copy of NaN equals it, and -0.0 differs from 0.0. Otherwise
+// equality could not tell whether a value survived storing.
 bool operator==(const Data& a, const Data& b) {
   if (a.value_.index() != b.value_.index()) return false;
   return std::visit(
@@ -114,6 +116,7 @@ std::vector<std::string> split_path(std::string_view path) {
 std::string join_path(std::string_view path, std::string_view name) {
   std::string joined(path);
   if (!joined.empty()) joined += '/';
+  // An empty name needs a mark, because the empty path is the value itself.
   if (name.empty()) joined += "\\e";
   for (const char c : name) {
     if (c == '/' || c == '\\') joined += '\\';

@@ -25,10 +25,11 @@ struct None {
 
 using List = std::vector<Data>;
 
-/// Map with unique keys that keeps the order of insertion. Look-up is linear: keys are members.
+/// A map with unique keys that keeps the order of insertion. Look-up is linear, because keys are
+/// the few members of an object.
 class Dict {
  public:
-  // Defined where an entry is complete: a value holds dicts, and a dict holds values.
+  // Defined after DictEntry is complete: a value holds dicts, and a dict holds values.
   Dict();
   Dict(std::initializer_list<DictEntry> entries);
   Dict(const Dict& other);
@@ -37,11 +38,11 @@ class Dict {
   Dict& operator=(Dict&& other) noexcept;
   ~Dict();
 
-  /// Replaces the value of an existing key, else appends.
+  /// Replaces the value of an existing key, otherwise appends.
   void set(std::string_view key, Data value);
 
-  /// Appends without looking for the key, and gives the place of the value, valid until the dict
-  /// changes. The caller knows that `key` is new.
+  /// Appends without searching for the key, and returns the value, valid until the dict changes.
+  /// The caller must know that `key` is new.
   Data& append_unique(std::string key, Data value);
 
   /// Null where there is no such key; valid until the dict changes.
@@ -55,17 +56,17 @@ class Dict {
   [[nodiscard]] std::vector<DictEntry>::const_iterator begin() const;
   [[nodiscard]] std::vector<DictEntry>::const_iterator end() const;
 
-  /// Order matters: two dicts are equal if they print alike.
+  /// The order counts: two dicts are equal if they print alike.
   friend bool operator==(const Dict& a, const Dict& b);
 
  private:
   std::vector<DictEntry> entries_;
 };
 
-/// One value of the Interpretable Data Format: everything in a memory is one of these.
+/// A value of the Interpretable Data Format (IDF); everything in a memory is such a value.
 ///
-/// Walk it with `std::visit` on `value()`, or reach into it with `at("pose/position")`.
-/// Copying shares ndarray buffers. Equality is bit-wise for numbers: NaN equals the same NaN.
+/// Visit it with `std::visit` on `value()`, or access a part with `at("pose/position")`. Copies
+/// share ndarray buffers. Equality is bit-wise for numbers: NaN equals the same NaN.
 /// Source: docs/design.md, section 2.
 class Data {
  public:
@@ -74,7 +75,8 @@ class Data {
 
   Data() = default;
   Data(None) {}
-  // Exact types only: a silent conversion (pointer to bool, size_t to double) would lie.
+  // Exact types only: a silent conversion (pointer to bool, size_t to double) would change the
+  // value.
   template <typename T>
     requires(std::same_as<T, bool> || std::same_as<T, int32_t> || std::same_as<T, int64_t> ||
              std::same_as<T, float> || std::same_as<T, double>)
@@ -102,7 +104,7 @@ class Data {
   [[nodiscard]] T* get_if() {
     return std::get_if<T>(&value_);
   }
-  /// Aborts if this is not a T: for values that were checked before.
+  /// Aborts if this is not a T; for values that were checked before.
   template <typename T>
   [[nodiscard]] const T& get() const {
     const T* value = get_if<T>();
@@ -118,7 +120,7 @@ class Data {
   [[nodiscard]] const Data* at(std::string_view path) const;
   [[nodiscard]] Data* at(std::string_view path);
 
-  /// A scalar (bool, int or float) as double; nothing for other kinds.
+  /// A bool, int or float as a double; nothing for other kinds.
   [[nodiscard]] std::optional<double> as_number() const;
 
   friend bool operator==(const Data& a, const Data& b);
@@ -149,7 +151,7 @@ inline std::vector<DictEntry>::const_iterator Dict::end() const { return entries
 /// Splits "a\/b/c" into {"a/b", "c"}; `\\` is a backslash, `\e` an empty name.
 [[nodiscard]] std::vector<std::string> split_path(std::string_view path);
 
-/// Appends `name` to `path`, escaped so that split_path gives it back.
+/// Appends `name` to `path`, escaped so that split_path returns it.
 [[nodiscard]] std::string join_path(std::string_view path, std::string_view name);
 
 }  // namespace engram::idf

@@ -7,7 +7,7 @@ namespace engram::idf {
 
 namespace {
 
-/// Type::create saw to it that there is a number within the bounds.
+/// Type::create made sure that there is a number within the bounds.
 template <typename T>
 T number_of(const Quantity& quantity) {
   return closest_to_zero<T>(quantity).value_or(T{});
@@ -52,7 +52,7 @@ struct Defaults {
     if (t.size <= 0) return List();
     return List(static_cast<size_t>(t.size), default_value(t.element));
   }
-  /// Tuples and pairs, and all that is an array.
+  /// For tuples, pairs and everything that is an array.
   template <typename T>
   Data operator()(const T&) const {
     if (const auto array = type.as_array())

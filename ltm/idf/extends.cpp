@@ -25,7 +25,7 @@ std::optional<ElementType> scalar_element(TypeKind kind) {
   }
 }
 
-/// True where `to` holds every number of `from`.
+/// True where `to` holds every number of `from` exactly.
 bool is_widening(ElementType from, ElementType to) {
   return visit_element_type(from, [&]<typename From>(From) {
     return visit_element_type(to, []<typename To>(To) {
@@ -47,7 +47,7 @@ bool is_subset(const Quantity& inner, const Quantity& outer) {
   return above(inner.minimum, outer.minimum) && below(inner.maximum, outer.maximum);
 }
 
-/// True where the shapes that `inner` admits are among those that `outer` admits.
+/// True where `outer` admits all shapes that `inner` admits.
 bool is_subset(const Shape& inner, const Shape& outer) {
   if (inner.size() != outer.size()) return false;
   for (size_t i = 0; i < inner.size(); ++i)
@@ -109,7 +109,7 @@ class Comparison {
     return compare_quantity(provider, core, place);
   }
 
-  /// Images and clouds of equal shape may still mean different things.
+  /// Images and clouds of equal shape may still have different meanings.
   static bool has_same_points(const Type& provider, const Type& core) {
     if (const auto* image = core.get_if<types::Image>())
       return provider.get<types::Image>().pixel == image->pixel;
@@ -155,7 +155,7 @@ class Comparison {
     const std::vector<Member> needed = core.parts();
     if (found.size() != needed.size()) return differs(provider, core, place, "has another size");
     for (size_t i = 0; i < found.size(); ++i) {
-      // What a list or dict repeats has no name: '*' stands for all of them.
+      // The element of a list or dict has no name: '*' stands for all of them.
       const std::string_view name = needed[i].name;
       const Place inner(place, name.empty() ? "*" : name);
       ENGRAM_RETURN_IF_ERROR(compare(found[i].type, needed[i].type, inner));

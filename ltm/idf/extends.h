@@ -6,15 +6,16 @@
 
 namespace engram::idf {
 
-/// Ok where every value of `provider` can be read as one of `core` without loss: cast drops what
-/// the core type does not know and keeps the rest exactly.
+/// Ok where every value of `provider` can be read as one of `core` without loss: cast drops members
+/// that the core type does not know and keeps the rest exactly.
 ///
 /// An object needs all members of the core type, each extending the member there, and may have
-/// more. Otherwise the kinds are the same, but for widening numbers, any array where the core has
-/// an NDArray, and an orientation where it has a quaternion. Element types are the same or
-/// wider in the core; sizes are the same where the core fixes them; bounds lie within its bounds;
-/// the unit is the same where the core names one; enum values are among its own; what may be absent
-/// may be so there too. Documentation, and the names of objects and enums, do not matter.
+/// more. All other kinds must be equal, with three exceptions: numbers may be wider in the core, an
+/// NDArray of the core admits any array, and a quaternion of the core admits an orientation.
+/// Element types are equal or wider in the core; sizes are equal where the core fixes them; bounds
+/// lie within the core's bounds; the unit is equal where the core names one; enum values are among
+/// the core's; a member may be optional only if it is optional in the core. Documentation and the
+/// names of objects and enums do not count.
 /// Errors: kInvalidArgument naming the path, what was found and what was needed.
 Status check_extends(const Type& provider, const Type& core);
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "kitchen/Thing" of "kitchen/Thing.xml", as it stands in an #include.
+/// "kitchen/Thing" for "kitchen/Thing.xml", as used in an #include.
 Result<std::string> include_stem(const std::string& name) {
   for (const char c : name)
     if (c == '"' || c == '\\' || c == '<' || c == '>' || static_cast<unsigned char>(c) < 0x20)
@@ -28,7 +28,7 @@ Result<std::string> include_stem(const std::string& name) {
   return fs::path(name).replace_extension().string();
 }
 
-/// Whether the type can become code: named parts are of the file, names are identifiers.
+/// Checks that code can be generated: the file knows named parts, and names are identifiers.
 Status check_parts(const TypeFile& file, const Type& type) {
   if (const auto* object = type.get_if<types::Object>())
     for (const Member& member : object->own_members)
@@ -46,7 +46,7 @@ Status check_parts(const TypeFile& file, const Type& type) {
   return {};
 }
 
-/// No two types, and no type and namespace, may have one name in C++.
+/// Checks that no two types, and no type and namespace, have the same name in C++.
 Status check_names(const TypeFile& file) {
   std::map<std::string, std::string_view> names;
   std::map<std::string, std::string_view> spaces;
@@ -72,7 +72,7 @@ Status check_names(const TypeFile& file) {
   return {};
 }
 
-/// The types of a file, each behind those of the file that it uses.
+/// The types of a file, each after the types that it uses, as members need complete types.
 class InOrderOfUse {
  public:
   explicit InOrderOfUse(const TypeFile& file) {
@@ -95,7 +95,7 @@ class InOrderOfUse {
   std::vector<const Type*> order_;
 };
 
-/// Declarations and definitions of one type.
+/// The declarations and definitions of one type.
 struct Code {
   std::string header;
   std::string source;
@@ -141,11 +141,11 @@ const engram::idf::Type& idf_type({0}) {{
                       name, cases, definition)};
 }
 
-/// Comment and declaration of one member.
+/// The comment and declaration of one member.
 std::string member_code(const Member& member, std::string_view identifier, std::string_view scope) {
   const std::string initial = cpp_initial(member.type, scope);
   std::string code = cpp_comment(member.doc, 2);
-  // What a named type says of itself stands there.
+  // A named type has its documentation at its own declaration.
   if (member.type.name().empty()) code += cpp_comment(member.type.doc(), 2);
   code += cpp_comment(cpp_facts(member.type), 2);
   const std::string type = cpp_type(member.type, scope);
@@ -228,7 +228,7 @@ bool operator==(const {0}& a, const {0}& b) {{
                       name, definition)};
 }
 
-/// The codes, in the namespaces of their types.
+/// Writes the code of types inside their namespaces.
 class NamespaceWriter {
  public:
   void add(std::string_view type_name, const std::string& code) {
@@ -278,7 +278,7 @@ CppHeaders headers_of(const TypeFile& file) {
   return headers;
 }
 
-/// Conversions that members of included types need, whatever these are made of.
+/// Adds the conversions that members of included types need, whatever their parts are.
 void add_included_sources(const TypeFile& file, CppHeaders& headers) {
   CppHeaders included;
   for (const Type& type : file.included_types)

@@ -9,15 +9,15 @@
 
 namespace engram::idf {
 
-/// C++ for the types that a file defines: `types.h` and `types.cpp` for types.xml.
+/// Generates C++ for the types that a file defines: `types.h` and `types.cpp` for types.xml.
 ///
 /// Every object becomes a struct with its members, `idf_type`, `to_idf`, `from_idf` and `==`; every
-/// enum an enum class with `to_string` and `idf_type`. The sources build against engram::typed.
-/// Included files are generated on their own: the header includes "kitchen/Thing.h" for
-/// kitchen/Thing.xml. The same file gives the same text.
+/// enum becomes an enum class with `to_string` and `idf_type`. The sources build against
+/// engram::typed. Included files are generated separately: the header includes "kitchen/Thing.h"
+/// for kitchen/Thing.xml. The same file always gives the same text.
 /// Source: docs/idf.md, section "Generated code".
-/// Errors: kInvalidArgument where two types would get one C++ name, or a file name cannot stand in
-/// an #include.
+/// Errors: kInvalidArgument where two types would have the same C++ name, or a file name is not
+/// possible in an #include.
 Result<std::vector<GeneratedFile>> generate_cpp(const TypeFile& file);
 
 }  // namespace engram::idf

@@ -22,6 +22,7 @@ CodeExpression braces(std::vector<CodeExpression> parts) {
 }
 
 CodeExpression element_of(ElementType element) {
+  // In the order of ElementType, which counts from 1.
   static constexpr std::string_view kNames[] = {"kInt8",    "kInt16",  "kInt32",  "kInt64",
                                                 "kUInt8",   "kUInt16", "kUInt32", "kUInt64",
                                                 "kFloat32", "kFloat64"};
@@ -32,7 +33,7 @@ CodeExpression size_of(int64_t size) {
   return leaf(size == kFreeSize ? "idf::kFreeSize" : std::to_string(size));
 }
 
-/// Appends unit and bounds where there are some.
+/// Appends unit and bounds, if any.
 std::vector<CodeExpression> with_quantity(std::vector<CodeExpression> arguments,
                                           const Quantity& quantity) {
   if (quantity == Quantity{}) return arguments;
@@ -43,13 +44,14 @@ std::vector<CodeExpression> with_quantity(std::vector<CodeExpression> arguments,
   return arguments;
 }
 
-/// Appends documentation where there is some.
+/// Appends documentation, if any.
 CodeExpression with_doc(std::vector<CodeExpression> parts, std::string_view doc) {
   if (!doc.empty()) parts.push_back(cpp_literal(doc));
   return braces(std::move(parts));
 }
 
-/// "kitchen::idf_type(kitchen::Fill{})"; a struct's own idf_type would hide it unqualified.
+/// "kitchen::idf_type(kitchen::Fill{})". It is qualified, because a struct's own idf_type would
+/// hide it.
 CodeExpression enum_type(const types::IntEnum& named, std::string_view scope) {
   const std::string space = cpp_namespace(named.name);
   return leaf(fmt::format("{}{}::idf_type({}{{}})", space.empty() ? "" : "::", space,

@@ -12,7 +12,7 @@ namespace {
 
 const std::unordered_set<std::string_view>& reserved_words() {
   static const std::unordered_set<std::string_view> kWords{
-      // The language.
+      // Keywords.
       "alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break",
       "case", "catch", "char", "char8_t", "char16_t", "char32_t", "class", "compl", "concept",
       "const", "consteval", "constexpr", "constinit", "const_cast", "continue", "co_await",
@@ -24,11 +24,11 @@ const std::unordered_set<std::string_view>& reserved_words() {
       "static_assert", "static_cast", "struct", "switch", "template", "this", "thread_local",
       "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using",
       "virtual", "void", "volatile", "wchar_t", "while", "xor", "xor_eq", "final", "override",
-      // Macros of compilers and of headers that most programs include.
+      // Macros of compilers and of common headers.
       "assert", "errno", "linux", "unix", "major", "minor", "stdin", "stdout", "stderr", "emit",
       "signals", "slots", "NULL", "EOF", "TRUE", "FALSE", "NAN", "INFINITY", "HUGE_VAL", "OVERFLOW",
       "UNDERFLOW", "DOMAIN", "SING", "BUFSIZ", "RAND_MAX", "M_PI", "M_E",
-      // What generated code says.
+      // Names in generated code.
       "int8_t", "int16_t", "int32_t", "int64_t", "uint8_t", "uint16_t", "uint32_t", "uint64_t",
       "idf_type", "to_idf", "from_idf", "for_each_member", "to_string", "idf", "data", "visit"};
   return kWords;
@@ -39,7 +39,7 @@ bool is_library(std::string_view name) {
   return name == "std" || name == "cv" || name == "Eigen";
 }
 
-/// The names of all objects and enums that `type` is made of, without looking into them.
+/// Collects the names of the objects and enums inside `type`, without those inside of them.
 void find_named(const Type& type, std::set<std::string>& names) {
   if (!type.name().empty()) {
     names.insert(cpp_path(type.name()).back());

@@ -11,8 +11,8 @@ namespace engram::idf {
 
 namespace {
 
-/// Bytes of a character that changes the direction of text at the start of `text`; else zero.
-/// Compilers warn of them, and readers are fooled by them.
+/// The size of a character at the start of `text` that changes the direction of text; otherwise
+/// zero. Compilers warn of such characters, and they can make code look different from what it is.
 size_t direction_bytes(std::string_view text) {
   constexpr std::array<std::string_view, 12> kMarks{"\u200e", "\u200f", "\u202a", "\u202b",
                                                     "\u202c", "\u202d", "\u202e", "\u2066",
@@ -52,7 +52,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// One line of a comment.
+/// One line of a comment without such characters.
 std::string tamed(std::string_view line) {
   std::string result;
   for (size_t i = 0; i < line.size(); ++i) {
@@ -72,7 +72,7 @@ size_t column_of(std::string_view code) {
   return code.size() - (line == std::string_view::npos ? 0 : line + 1);
 }
 
-/// A number of C++ is a floating-point one by its point or exponent.
+/// A number in C++ is floating-point only with a point or an exponent.
 std::string with_point(std::string text) {
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
@@ -97,7 +97,8 @@ void CodeExpression::lay_out(std::string& code, size_t indent, size_t behind) co
   }
   for (const CodeExpression& before : prefix) before.lay_out(code, indent, open.size());
   code += open;
-  // What stands in braces, and pieces of a text, begin where they are; arguments on a new line.
+  // The parts of braces and of string literals start on the same line; arguments start on a new
+  // line.
   const bool is_call = open.ends_with('(');
   const size_t inner = is_call ? indent + 4 : column_of(code);
   for (size_t i = 0; i < parts.size(); ++i) {
@@ -145,7 +146,8 @@ std::string cpp_number(float number) {
 }
 
 std::string cpp_number(int64_t number) {
-  // There are no negative literals: the smallest one would be the minus of one that is too large.
+  // C++ has no negative literals: the smallest number would be the negative of one that is too
+  // large.
   if (number == std::numeric_limits<int64_t>::min()) return fmt::format("{} - 1", number + 1);
   if (number == std::numeric_limits<int32_t>::min()) return fmt::format("{} - 1", number + 1);
   return fmt::format("{}", number);

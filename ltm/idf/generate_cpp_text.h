@@ -7,7 +7,7 @@
 
 namespace engram::idf {
 
-/// Columns of a line of generated code.
+/// The maximum length of a line of generated code. Unit: columns.
 inline constexpr size_t kCodeColumns = 100;
 
 /// A C++ expression that can be laid out over several lines: `prefix open part, part close`.
@@ -15,25 +15,25 @@ struct CodeExpression {
   std::string open;
   std::vector<CodeExpression> parts = {};
   std::string close = "";
-  std::vector<CodeExpression> prefix = {};  ///< One at most.
+  std::vector<CodeExpression> prefix = {};  ///< At most one.
   std::string_view separator = ",";
 
-  /// On one line.
+  /// The expression on one line.
   [[nodiscard]] std::string flat() const;
 
-  /// Appends it to `code`; parts get lines of their own where they do not fit behind what is there.
-  /// `behind` columns stay free for what follows.
+  /// Appends the expression to `code`. Parts get lines of their own where they do not fit after the
+  /// existing text; `behind` columns stay free for the text that follows.
   void lay_out(std::string& code, size_t indent, size_t behind) const;
 };
 
-/// A string literal of exactly these bytes, whatever they are; one piece per line of the text.
+/// A string literal of exactly these bytes, whatever they are, with one piece per line of the text.
 [[nodiscard]] CodeExpression cpp_literal(std::string_view text);
 
-/// `text` as lines that start with "/// "; nothing for an empty text. Nothing in it can end the
-/// comment, join it with the next line, or turn the direction of the text around.
+/// `text` as lines that start with "/// "; empty for an empty text. Nothing in it can end the
+/// comment, join it with the next line, or reverse the direction of the text.
 [[nodiscard]] std::string cpp_comment(std::string_view text, size_t indent);
 
-/// Shortest text that C++ reads as the same number.
+/// The shortest text that C++ reads as the same number.
 [[nodiscard]] std::string cpp_number(double number);
 [[nodiscard]] std::string cpp_number(float number);
 [[nodiscard]] std::string cpp_number(int64_t number);

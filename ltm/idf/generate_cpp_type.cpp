@@ -11,10 +11,11 @@ namespace engram::idf {
 
 namespace {
 
-/// Larger matrices and arrays lie on the heap: structs are moved and stand on stacks.
+/// The bound of elements in place. Larger matrices and arrays are on the heap, because structs are
+/// moved and live on stacks.
 constexpr int64_t kMaxInPlace = 64;
 
-/// Larger than any axis that Eigen should know at compile time.
+/// The bound of an axis that Eigen knows at compile time.
 constexpr int64_t kMaxFixedAxis = 4096;
 
 std::string element_name(ElementType element) {
@@ -23,7 +24,7 @@ std::string element_name(ElementType element) {
   return fmt::format("{}_t", to_string(element));
 }
 
-/// The number closest to zero that the bounds allow; empty where that is zero.
+/// The number closest to zero within the bounds; empty where that is zero.
 template <typename T>
 std::string number_text(const Quantity& quantity) {
   const T value = closest_to_zero<T>(quantity).value_or(T{});
@@ -44,7 +45,7 @@ bool is_in_place(const types::List& list) {
   return list.size != kFreeSize && list.size <= kMaxInPlace;
 }
 
-/// Rows and columns that C++ knows; kFreeSize for Eigen::Dynamic.
+/// The rows and columns that are known at compile time; kFreeSize for Eigen::Dynamic.
 std::pair<int64_t, int64_t> known_axes(const types::Matrix& matrix) {
   const bool is_fixed = matrix.rows != kFreeSize && matrix.cols != kFreeSize;
   if (is_fixed) {
@@ -150,7 +151,7 @@ struct NameOf {
   }
 };
 
-/// What is not what `T()` makes; empty where it is.
+/// The initial value where it differs from `T()`; otherwise empty.
 struct InitialOf {
   const Type& type;
   std::string_view scope;
@@ -175,7 +176,7 @@ struct InitialOf {
     const auto [rows, cols] = known_axes(t);
     std::string arguments;
     if (rows == kFreeSize || cols == kFreeSize) {
-      // Free axes start empty by themselves.
+      // Free axes are empty by default.
       if (t.rows <= 0 && t.cols <= 0) return "";
       if (rows == t.rows && cols == t.cols) return "";
       arguments = fmt::format("{}, {}", std::max<int64_t>(t.rows, 0), std::max<int64_t>(t.cols, 0));

@@ -13,20 +13,20 @@ namespace engram::idf {
 /// The C++ type of a value, as code in the namespace `scope` names it: "std::vector<Cup>".
 [[nodiscard]] std::string cpp_type(const Type& type, std::string_view scope);
 
-/// What such a value starts as, as idf::default_value says; empty where C++ starts it so by itself
-/// when it is a member of a struct.
+/// The initial value of such a member, which is idf::default_value; empty where C++ initialises a
+/// member of a struct with it anyway.
 [[nodiscard]] std::string cpp_initial(const Type& type, std::string_view scope);
 
-/// The expression that makes the type; `idf` names engram::idf.
+/// An expression that creates the type; `idf` names engram::idf.
 [[nodiscard]] CodeExpression cpp_factory(const Type& type, std::string_view scope);
 
-/// The same, spelled out where `type` is an object or an enum instead of naming it.
+/// Like cpp_factory, but an object or enum is spelled out instead of named.
 [[nodiscard]] CodeExpression cpp_definition(const Type& type, std::string_view scope);
 
-/// What a comment says about a value beside its documentation: "Unit: m. Range: 0..1.".
+/// The facts of a type for a comment besides its documentation: "Unit: m. Range: 0..1.".
 [[nodiscard]] std::string cpp_facts(const Type& type);
 
-/// Headers that code with such a member needs; `sources` are those that only conversions need.
+/// The headers that code with such a member needs; `sources` are needed by conversions only.
 struct CppHeaders {
   std::set<std::string> system;
   std::set<std::string> libraries;

@@ -20,7 +20,8 @@ namespace {
 
 constexpr size_t kIndent = 4;
 
-/// The definitions of a file, each behind those that it needs.
+/// The definitions of a file, each after those that it needs: Python evaluates bases and
+/// defaults when it defines a class.
 class Sorter {
  public:
   explicit Sorter(const TypeFile& file) : file_(file) {}
@@ -40,7 +41,7 @@ class Sorter {
     sorted_.push_back(definition);
   }
 
-  /// Types do not contain themselves: this ends.
+  /// Ends, because types do not contain themselves.
   void add_used(const Type& type) {
     if (type.name().empty()) {
       for (const Member& part : type.parts()) add_used(part.type);
@@ -77,7 +78,7 @@ class ModuleWriter {
   }
 
  private:
-  /// Every class that the module defines or imports has a name of its own.
+  /// Checks that every class that the module defines or imports has a unique name.
   Status name_classes() {
     for (const auto* list : {&file_.types, &file_.included_types}) {
       for (const Type& type : *list) {
@@ -108,7 +109,8 @@ class ModuleWriter {
            python_docstring(fmt::format("The types of {}.", shown), 0) + "\n";
   }
 
-  /// What the text of the classes calls, in groups: the language, libraries, our own.
+  /// The imports that the text of the classes needs, in groups: standard library, other libraries,
+  /// engram.
   static std::string imports(std::string_view classes) {
     std::string text = "from __future__ import annotations\n";
     const auto uses = [classes](std::string_view what) {
@@ -126,7 +128,7 @@ class ModuleWriter {
     return text + (uses("np.") ? "\n" : "") + "from engram import idf\n";
   }
 
-  /// Each type from the first include that brings it.
+  /// Imports each type from the first include that has it.
   Result<std::string> included_imports() const {
     std::string text;
     std::unordered_set<std::string> imported;
@@ -208,7 +210,7 @@ class ModuleWriter {
            (doc.empty() ? "" : python_docstring(doc, kIndent));
   }
 
-  /// The attributes that are not named like their keys.
+  /// The attributes whose names differ from their keys.
   static std::string renamed(const types::Object& object, std::string_view base,
                              const PythonNames& names) {
     std::vector<PythonExpression> parts;
@@ -224,7 +226,8 @@ class ModuleWriter {
   }
 
   const TypeFile& file_;
-  std::unordered_map<std::string, std::string> classes_;  ///< Names of types by those of classes.
+  /// The names of types by those of their classes.
+  std::unordered_map<std::string, std::string> classes_;
 };
 
 }  // namespace

@@ -9,14 +9,15 @@
 
 namespace engram::idf {
 
-/// Python classes for the types that `file` defines: one module, "types.py" for types.xml.
+/// Generates Python classes for the types that `file` defines: one module, "types.py" for
+/// types.xml.
 ///
-/// Objects become dataclasses over engram.idf.TypedObject, enums enum.IntEnum, each under the last
-/// part of its name. What the file includes is imported from the modules generated from those
-/// files: "kitchen/Thing.xml" is the module kitchen.Thing. A member or value whose key is a word of
-/// Python, or one of the generated code, gets `_` appended.
+/// Objects become dataclasses over engram.idf.TypedObject, and enums become enum.IntEnum, each
+/// under the last part of its name. Included types are imported from the modules generated from
+/// their files: "kitchen/Thing.xml" is the module kitchen.Thing. A member or value whose key is a
+/// word of Python, or one of the generated code, gets `_` appended.
 ///
-/// The same file gives the same text.
+/// The same file always gives the same text.
 /// Errors: kInvalidArgument where two types become one class, a name or key is no identifier, the
 /// name of an include leads out of its directory, or a type is used that the file does not know.
 /// Source: docs/idf.md, section "Python".

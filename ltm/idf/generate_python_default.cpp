@@ -26,7 +26,7 @@ std::string element_text(ElementType element) {
   return fmt::format("np.{}", to_string(element));
 }
 
-/// An expression for a new value, and whether all may share one.
+/// An expression for a new value, and whether all objects may share one.
 struct Default {
   PythonExpression expression;
   bool is_shared = true;
@@ -41,11 +41,11 @@ std::string number_text(const Data& value) {
   return std::to_string(value.get<int64_t>());
 }
 
-/// The text of the element that the array's default is filled with; empty for zero.
+/// The number that fills the default of the array; empty for zero.
 std::string fill_text(const Type& type) {
   if (type.quantity() == nullptr || !type.quantity()->is_bounded()) return "";
   return visit_element_type(type.as_array()->element, [&]<typename T>(T) -> std::string {
-    // One element is enough to see it: the shape may have none, or very many.
+    // An array of one element is enough: the actual shape may have no elements, or very many.
     const Type one = Type::ndarray(kElementTypeOf<T>, {1}, *type.quantity());
     const Data made = default_value(one);
     const T value = made.get<NdArray>().values<T>()[0];
@@ -128,7 +128,8 @@ Default default_of(const Type& type) {
 PythonExpression python_default(const Type& type) {
   Default made = default_of(type);
   if (made.is_shared) return std::move(made.expression);
-  // A class that is called without arguments is a factory itself, and the hint says of what.
+  // A class that is called without arguments is a factory itself. Its type arguments are dropped,
+  // because the hint has them.
   std::string& head = made.expression.head;
   const bool is_factory = head.ends_with("()");
   if (is_factory) head.resize(std::min(head.find('['), head.size() - 2));

@@ -6,8 +6,8 @@
 
 namespace engram::idf {
 
-/// "0.0", "field(default_factory=list)": what stands behind the `=` of an attribute, as
-/// default_value says.
+/// The default of an attribute, which follows its `=`: "0.0", "field(default_factory=list)". It
+/// equals default_value.
 [[nodiscard]] PythonExpression python_default(const Type& type);
 
 }  // namespace engram::idf

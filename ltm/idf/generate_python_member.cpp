@@ -44,7 +44,7 @@ std::string required_hint(const Type& type) {
   }
 }
 
-/// At least one bound is there.
+/// Needs at least one bound.
 std::string bounds_text(const Quantity& quantity) {
   if (!quantity.maximum) return fmt::format(" At least {}.", *quantity.minimum);
   if (!quantity.minimum) return fmt::format(" At most {}.", *quantity.maximum);
@@ -79,7 +79,7 @@ std::string unit_text(const Type& type) {
                                                        : fmt::format(" Unit: {}.", quantity->unit);
 }
 
-/// "Frame: takes camera coordinates to world." of `pose_world_camera`.
+/// "Frame: takes camera coordinates to world." for `pose_world_camera`.
 std::string frame_text(std::string_view name) {
   constexpr std::string_view kPrefix = "pose_";
   if (!name.starts_with(kPrefix)) return "";
@@ -91,7 +91,7 @@ std::string frame_text(std::string_view name) {
                      name.substr(0, middle));
 }
 
-/// What the type says beyond its hint, each sentence behind a space.
+/// The facts of the type beyond its hint, each sentence after a space.
 std::string facts(const Type& type, std::string_view name) {
   std::string text;
   if (const auto array = type.as_array()) text += shape_text(type, *array);
@@ -117,7 +117,7 @@ std::string python_hint(const Type& type) {
 
 std::string python_member_doc(const Member& member) {
   std::string text = member.doc;
-  // The documentation of an object or enum stands at its own class.
+  // An object or enum has its documentation at its own class.
   if (member.type.name().empty() && !member.type.doc().empty())
     text += (text.empty() ? "" : "\n") + member.type.doc();
   const std::string more = facts(member.type, member.name);

@@ -7,10 +7,11 @@
 
 namespace engram::idf {
 
-/// "NDArray[np.uint8] | None": what an attribute of `type` is, for people and checkers.
+/// The hint of an attribute of `type`, for people and type checkers: "NDArray[np.uint8] | None".
 [[nodiscard]] std::string python_hint(const Type& type);
 
-/// "Where it is.\nUnit: m. Range: 0..1.": what people wrote, then what the type says.
+/// The documentation of a member, followed by the facts of its type: "Where it is.\nUnit: m. Range:
+/// 0..1.".
 [[nodiscard]] std::string python_member_doc(const Member& member);
 
 }  // namespace engram::idf

@@ -20,7 +20,7 @@ const Words& keywords() {
   return kWords;
 }
 
-/// What generated code calls by name inside a class or around it.
+/// Names that generated code uses inside or around a class.
 const Words& generated_words() {
   static const Words kWords{"to_idf",    "from_idf",    "idf_type",     "_idf_attributes",
                             "self",      "cls",         "list",         "dict",
@@ -31,7 +31,7 @@ const Words& generated_words() {
   return kWords;
 }
 
-/// What every enum of Python, and every int, has already.
+/// Names that every enum of Python, and every int, already has.
 const Words& enum_words() {
   static const Words kWords{"name",
                             "value",
@@ -66,14 +66,14 @@ bool is_special(std::string_view name) {
   return name.starts_with("__") || (name.starts_with('_') && name.ends_with('_'));
 }
 
-/// `key` with as many `_` behind it as it takes.
+/// `key` with as many `_` appended as needed.
 template <typename IsTaken>
 std::string free_name(std::string key, const IsTaken& is_taken) {
   while (is_word(key) || is_special(key) || is_taken(key)) key += '_';
   return key;
 }
 
-/// The names of all types that are used inside `type`, but not inside its objects.
+/// Collects the names of all types that `type` uses, without those inside its objects.
 void add_used_classes(const Type& type, Words& used) {
   if (!type.name().empty()) {
     used.insert(python_class_name(type.name()));
@@ -87,7 +87,7 @@ Status check_key(std::string_view key, std::string_view owner) {
   return invalid_argument("'{}': the key '{}' is no identifier, which code needs", owner, key);
 }
 
-/// Names for `keys`, none of them as another key or in `taken`.
+/// Names for `keys` that differ from each other and from `taken`.
 Result<PythonNames> free_names(const std::vector<std::string>& keys, std::string_view owner,
                                Words taken, PythonNames names) {
   Words known(keys.begin(), keys.end());

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kStep = 4;
 
-/// Bytes of the UTF-8 character that `text` starts with; 0: it is none.
+/// The number of bytes of the UTF-8 character at the start of `text`; zero where there is none.
 size_t character_size(std::string_view text) {
   const auto byte = [text](size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -29,7 +29,7 @@ size_t character_size(std::string_view text) {
   return is_surrogate || is_overlong || code > 0x10ffff ? 0 : size;
 }
 
-/// What a literal cannot hold as it is, escaped; quotes stay.
+/// Escapes what a literal cannot hold; quotes stay.
 std::string escaped(std::string_view text) {
   std::string made;
   while (!text.empty()) {
@@ -66,7 +66,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-/// The words of a line, on lines of at most `width`.
+/// Adds the words of a line, on lines of at most `width`.
 void add_wrapped(std::string_view text, size_t width, std::vector<std::string>& lines) {
   std::string line;
   for (const std::string_view word : split(text, ' ')) {

@@ -30,6 +30,7 @@ void add_element(ElementType element, Parts& parts) {
 void add_bound(std::string_view key, std::optional<double> bound, Parts& parts) {
   if (!bound) return;
   std::string text = fmt::format("{}={}", key, *bound);
+  // Python would read an int without the point.
   if (text.find_first_of(".e", key.size()) == std::string::npos) text += ".0";
   parts.push_back({std::move(text)});
 }
@@ -45,7 +46,7 @@ PythonExpression prefixed(std::string_view key, PythonExpression expression) {
   return expression;
 }
 
-/// Describes what the alternatives of TypeValue say, one keyword argument each.
+/// Adds one keyword argument for each field of an alternative of TypeValue.
 class Describer {
  public:
   Describer(const TypeFile& file, Parts& parts) : file_(file), parts_(parts) {}
@@ -119,7 +120,7 @@ class Describer {
     parts_.push_back(python_call("members=(", std::move(members)));
     return {};
   }
-  /// The kinds that say an element type, a quantity or nothing.
+  /// The kinds that have an element type, a quantity or nothing.
   template <typename T>
   Status operator()(const T& type) {
     if constexpr (requires { type.element; }) add_element(type.element, parts_);
@@ -127,7 +128,8 @@ class Describer {
     return {};
   }
 
-  /// A type that is used: a named one is asked for its own.
+  /// The expression of a type that is used. A named type is taken from its class, so that it is
+  /// defined once.
   Result<PythonExpression> use(const Type& type) {
     if (!type.name().empty() || type.kind() == TypeKind::kObject) return refer(type);
     Parts parts;
@@ -146,6 +148,7 @@ class Describer {
 
   Result<PythonExpression> refer(const Type& type) const {
     const Type* definition = file_.find(type.name());
+    // The class of another type with this name would replace this one in silence.
     if (definition == nullptr || definition->value() != type.value())
       return invalid_argument("{}: uses the type '{}', which neither it nor an include defines so",
                               file_.name, type.name());

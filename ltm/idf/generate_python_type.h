@@ -7,8 +7,8 @@
 
 namespace engram::idf {
 
-/// The call that makes the mirror (engram.idf.types) of an Object or IntEnum that `file` defines.
-/// Other objects and enums inside it are asked for theirs.
+/// The call that creates the mirror (engram.idf.types) of an Object or IntEnum that `file` defines.
+/// Objects and enums inside it are referred to by their classes.
 /// Errors: kInvalidArgument where it uses a type that `file` does not know.
 Result<PythonExpression> python_type(const Type& definition, const TypeFile& file);
 

@@ -5,9 +5,9 @@
 
 namespace engram::idf {
 
-/// A file of source code that a generator made, and nobody wrote yet.
+/// A generated file of source code, which is not yet on disk.
 struct GeneratedFile {
-  std::string name;  ///< File name without a directory: "kitchen.h".
+  std::string name;  ///< The file name without a directory: "kitchen.h".
   std::string text;
 
   friend bool operator==(const GeneratedFile&, const GeneratedFile&) = default;

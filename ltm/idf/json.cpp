@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr int64_t kLargestExactInt = int64_t{1} << 53;
 constexpr int64_t kBase64FromCount = 64;
 
-/// "nan", "inf", "-inf"; a NaN with other bits than the plain one spells them: "nan:7fc00001".
+/// "nan", "inf", "-inf"; a NaN with other bits than the plain one has them as text: "nan:7fc00001".
 template <typename T, typename Bits>
 Json unusual_float(T value) {
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -112,7 +112,7 @@ struct JsonWriter {
     return json;
   }
   Json operator()(const Dict& dict) const {
-    // Built as the underlying vector: the look-up of operator[] would make large dicts quadratic.
+    // Built as the underlying vector: the search of operator[] would make large dicts quadratic.
     Json::object_t object;
     for (const auto& [key, value] : dict)
       object.emplace_back(key.starts_with('$') ? "$" + key : key, to_json_checked(value));
@@ -300,7 +300,7 @@ Result<Data> from_json(const Json& json, int max_depth) {
 }
 
 Result<Data> from_json_text(std::string_view text, int max_depth) {
-  // A parser that nests without bound would exhaust the stack: stop it before.
+  // Stops before deep nesting, because the parser would exhaust the stack.
   int deepest = 0;
   const auto limit_depth = [&](int depth, Json::parse_event_t, Json&) {
     deepest = std::max(deepest, depth);

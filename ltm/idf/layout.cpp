@@ -20,7 +20,7 @@ bool is_image(const NdArray& array) {
   return array.type() == ElementType::kUInt16 && shape[2] == 1;
 }
 
-/// The member that `value` is, or nothing where it belongs to the remainder or is a dict.
+/// The member for `value`; nothing where it belongs to the remainder or is a dict.
 std::optional<TensorMember> member_of(const Data& value) {
   if (value.is<bool>()) return TensorMember{"", MemberKind::kBool, ElementType::kUInt8, {}};
   if (const NdArray* array = value.get_if<NdArray>())
@@ -42,7 +42,7 @@ Data place_of(const TensorMember& member) {
   return place;
 }
 
-/// True for the element types that a bool or a number of a value has as a tensor.
+/// True for the element types that the tensor of a bool or number can have.
 bool is_scalar_type(const TensorMember& member) {
   if (member.kind == MemberKind::kBool) return member.type == ElementType::kUInt8;
   return member.type == ElementType::kInt32 || member.type == ElementType::kInt64 ||
@@ -80,7 +80,7 @@ Data skeleton_of(const Data& value) {
   return skeleton;
 }
 
-/// The places in a list that is walked into; null where `skeleton` is none.
+/// The places of a list that is split; null where `skeleton` is none.
 const List* walked_list(const Data& skeleton) {
   const List* list = skeleton.get_if<List>();
   return list != nullptr && !list->empty() && list->front() == Data(kWalkedList) ? list : nullptr;
@@ -90,7 +90,8 @@ bool is_remainder(const Data& skeleton) {
   return skeleton.is<None>() || skeleton == Data(kAnyRemainder);
 }
 
-/// True where a value of `found` is what `expected` says; kinds that only a type tells are arrays.
+/// True where a value of `found` fits `expected`. Kinds that only a type tells are arrays in
+/// `found`.
 bool is_same_member(const TensorMember& found, const TensorMember& expected) {
   const auto is_scalar = [](MemberKind kind) {
     return kind == MemberKind::kBool || kind == MemberKind::kNumber;
@@ -141,7 +142,7 @@ Data scalar_of(const NdArray& tensor) {
   return Data(tensor.values<T>()[0]);
 }
 
-/// The value whose tensor is `tensor`; its type and shape were compared with the member's.
+/// The value of `tensor`, whose type and shape were already compared with the member.
 Result<Data> value_of(const TensorMember& member, const NdArray& tensor) {
   switch (member.kind) {
     case MemberKind::kBool:
@@ -178,6 +179,7 @@ class Splitter {
     if (const Dict* places = skeleton.get_if<Dict>()) {
       const Dict* dict = value.get_if<Dict>();
       if (dict == nullptr || dict->size() != places->size()) return differs(path, value);
+      // Keys are compared in their order, without a search: values of one layout have one order.
       auto entry = dict->begin();
       for (const auto& [key, place] : *places) {
         if (entry->key != key) return differs(join_path(path, key), value);
@@ -260,7 +262,7 @@ class Joiner {
   size_t rest_ = 0;
 };
 
-/// A skeleton with every member's place changed: change(place, path).
+/// A skeleton with every place of a member replaced by change(place, path).
 template <typename Change>
 Data changed_places(const Data& skeleton, const std::string& path, const Change& change) {
   if (const List* places = walked_list(skeleton)) {

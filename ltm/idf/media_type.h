@@ -7,7 +7,7 @@
 
 namespace engram::idf {
 
-/// Pixels of an image. Shape: all are [height, width, channels].
+/// The pixels of an image. Shape: all images are [height, width, channels].
 enum class PixelType : uint8_t {
   kRgb24,    ///< uint8, 3 channels in RGB order.
   kMono8,    ///< uint8, 1 channel.
@@ -15,13 +15,13 @@ enum class PixelType : uint8_t {
   kDepth16,  ///< uint16, 1 channel. Unit: mm.
 };
 
-/// Fields of a point, in the order of their letters. Shape: clouds are float32 [points, fields].
-/// Unit: m for x y z, 0..255 for colours. Labels are whole numbers up to 2^24.
-/// Colours are numbers of their own and not packed bits: packed they cannot be averaged, bounded
-/// or learned, and some bit patterns are NaN.
+/// The fields of a point, in the order of their letters. Shape: clouds are float32 [points,
+/// fields]. Unit: m for x y z, 0..255 for colours. Labels are whole numbers up to 2^24.
+/// Colours are separate numbers and not packed bits: packed colours cannot be averaged, bounded or
+/// learned, and some of their bit patterns are NaN.
 enum class PointType : uint8_t {
   kXyz,
-  kXyzi,  ///< i: intensity, in the sensor's unit.
+  kXyzi,  ///< i: intensity, in the unit of the sensor.
   kXyzl,  ///< l: label.
   kXyzRgb,
   kXyzRgba,

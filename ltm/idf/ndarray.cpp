@@ -52,7 +52,7 @@ std::string to_string(const Shape& shape) { return fmt::format("[{}]", fmt::join
 
 std::optional<size_t> size_bytes(ElementType type, const Shape& shape) {
   if (std::ranges::any_of(shape, [](int64_t size) { return size < 0; })) return std::nullopt;
-  // Whatever the order of the axes: [2^40, 2^40, 0] has no bytes.
+  // Independent of the order of the axes: [2^40, 2^40, 0] has no bytes.
   if (std::ranges::find(shape, 0) != shape.end()) return 0;
   size_t total = size_bytes(type);
   for (const int64_t size : shape) {

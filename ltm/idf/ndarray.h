@@ -13,7 +13,7 @@
 
 namespace engram::idf {
 
-/// Type of one element of an ndarray. The values are part of the binary form: never renumber.
+/// The type of one element of an ndarray. The values are part of the binary form: never renumber.
 enum class ElementType : uint8_t {
   kInt8 = 1,
   kInt16 = 2,
@@ -27,7 +27,7 @@ enum class ElementType : uint8_t {
   kFloat64 = 10,
 };
 
-/// "uint8", "float32", ...: NumPy's names.
+/// The names of NumPy: "uint8", "float32", ...
 [[nodiscard]] std::string_view to_string(ElementType type);
 [[nodiscard]] std::optional<ElementType> element_type_from_name(std::string_view name);
 [[nodiscard]] std::optional<ElementType> element_type_from_code(uint8_t code);
@@ -49,29 +49,29 @@ template <> inline constexpr ElementType kElementTypeOf<uint64_t> = ElementType:
 template <> inline constexpr ElementType kElementTypeOf<float> = ElementType::kFloat32;
 template <> inline constexpr ElementType kElementTypeOf<double> = ElementType::kFloat64;
 
-/// Sizes of the axes, slowest first. Empty: one element.
+/// The sizes of the axes, slowest first. Empty: one element.
 using Shape = std::vector<int64_t>;
 
-/// "[128, 128, 3]".
+/// Prints "[128, 128, 3]".
 [[nodiscard]] std::string to_string(const Shape& shape);
 
-/// Number of bytes of a dense array; nothing if a size is negative or 64 bits overflow.
+/// The number of bytes of a dense array; nothing if a size is negative or 64 bits overflow.
 [[nodiscard]] std::optional<size_t> size_bytes(ElementType type, const Shape& shape);
 
-/// Dense row-major array over a shared immutable buffer; copying is O(1).
+/// A dense row-major array over a shared immutable buffer; copying is O(1).
 ///
 /// Images are uint8 [H, W, 3] in RGB order or uint8 [H, W, 1].
 /// Threading: immutable.
 class NdArray {
  public:
-  /// uint8 [0].
+  /// An empty array: uint8 [0].
   NdArray();
 
-  /// Errors: kInvalidArgument if `buffer` has not exactly the bytes of type and shape, or is not
-  /// aligned to the element.
+  /// Errors: kInvalidArgument if `buffer` does not have exactly the bytes of type and shape, or is
+  /// not aligned to the element.
   static Result<NdArray> create(ElementType type, Shape shape, Buffer buffer);
 
-  /// Takes `values` without copying. The shape must hold exactly their number (checked).
+  /// Takes `values` without a copy. The shape must have exactly their number of elements (checked).
   template <typename T>
   static NdArray take(Shape shape, std::vector<T> values) {
     auto array = create(kElementTypeOf<T>, std::move(shape), Buffer::take(std::move(values)));
@@ -93,7 +93,7 @@ class NdArray {
     return {reinterpret_cast<const T*>(buffer_.data()), buffer_.size() / sizeof(T)};
   }
 
-  /// Bit-wise: equal type, shape and bytes. NaNs with equal bits are equal.
+  /// Equality is bit-wise: equal type, shape and bytes. NaNs with equal bits are equal.
   friend bool operator==(const NdArray& a, const NdArray& b);
 
  private:

@@ -8,9 +8,9 @@
 
 namespace engram::idf {
 
-/// Where a walk is inside a value: written out as a path only where something is reported.
+/// The position of a walk inside a value. The path is only built where something is reported.
 ///
-/// Owns: nothing; the parent and the name outlive it, as they lie on the stack of the walk.
+/// Owns: nothing; the parent and the name must outlive it, as they do on the stack of the walk.
 class Place {
  public:
   Place() = default;
@@ -18,7 +18,7 @@ class Place {
   Place(const Place& parent, const std::string&& name) = delete;
   Place(const Place& parent, size_t index) : parent_(&parent), index_(index), is_index_(true) {}
 
-  /// As Data::at reads it.
+  /// The path, as Data::at reads it.
   [[nodiscard]] std::string path() const {
     if (parent_ == nullptr) return "";
     return join_path(parent_->path(), is_index_ ? std::to_string(index_) : std::string(name_));

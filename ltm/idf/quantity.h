@@ -10,7 +10,7 @@
 
 namespace engram::idf {
 
-/// True where `value` is within the bounds; exact for every type, 64-bit integers included.
+/// True where `value` is within the bounds; exact for every type, including 64-bit integers.
 template <typename T>
 [[nodiscard]] bool is_within(const Quantity& quantity, T value) {
   if (!quantity.is_bounded()) return true;
@@ -22,7 +22,7 @@ template <typename T>
          !(quantity.maximum && wide > static_cast<Wide>(*quantity.maximum));
 }
 
-/// The T within the bounds that is closest to zero; nothing where no T is within them.
+/// The T within the bounds that is closest to zero; nothing where no T is within the bounds.
 template <typename T>
 [[nodiscard]] std::optional<T> closest_to_zero(const Quantity& quantity) {
   if (is_within(quantity, T{})) return T{};

@@ -24,7 +24,7 @@ constexpr size_t kMaxNodes = size_t{1} << 20;
 constexpr size_t kMaxDefaultBytes = size_t{1} << 30;
 constexpr size_t kMaxRank = 16;
 
-/// Sums that stop at SIZE_MAX instead of wrapping.
+/// Adds, but stops at SIZE_MAX instead of wrapping.
 size_t add(size_t a, size_t b) {
   size_t sum = 0;
   return __builtin_add_overflow(a, b, &sum) ? SIZE_MAX : sum;
@@ -63,7 +63,7 @@ Status check_float(ElementType element) {
   return invalid_argument("element type {}: needs float32 or float64", to_string(element));
 }
 
-/// `names` without what is there twice; `what` says whose they are.
+/// Checks that `names` are unique; `what` names their owner in the error.
 template <typename Range>
 Status check_unique(const Range& range, std::string_view what) {
   std::unordered_set<std::string_view> seen;
@@ -73,7 +73,7 @@ Status check_unique(const Range& range, std::string_view what) {
   return {};
 }
 
-/// What a value does not fit as, and its derived members.
+/// Checks an alternative and fills its derived members.
 struct Completer {
   Status operator()(types::Int& type) const { return check_bounds<int32_t>(type.quantity); }
   Status operator()(types::Long& type) const { return check_bounds<int64_t>(type.quantity); }
@@ -189,7 +189,7 @@ struct PartsOf {
   }
 };
 
-/// Bytes of the array that a default value holds; free axes are empty.
+/// The bytes of the array in a default value; free axes are empty.
 size_t default_array_bytes(const ArrayType& array) {
   size_t bytes = size_bytes(array.element);
   for (const int64_t size : array.shape)

@@ -15,16 +15,16 @@
 
 namespace engram::idf {
 
-/// An axis or a length that may differ from value to value.
+/// The size of an axis or list that may differ from value to value.
 inline constexpr int64_t kFreeSize = -1;
 
-/// Deepest nesting of types.
+/// The bound of nested types.
 inline constexpr int kMaxTypeDepth = 64;
 
-/// What the numbers of a type mean and may be. Bounds are inclusive and apply to every element of
-/// an ndarray; where there is one, NaN and infinities are out of bounds.
+/// The meaning and the bounds of the numbers of a type. Bounds are inclusive and apply to every
+/// element of an ndarray; with a bound, NaN and infinities are out of bounds.
 struct Quantity {
-  std::string unit;  ///< "m", "rad", "N"; empty where nobody said.
+  std::string unit;  ///< "m", "rad", "N"; empty where it is unknown.
   std::optional<double> minimum = std::nullopt;
   std::optional<double> maximum = std::nullopt;
 
@@ -33,7 +33,8 @@ struct Quantity {
   friend bool operator==(const Quantity&, const Quantity&) = default;
 };
 
-/// In the order of the alternatives of TypeValue. The names of to_string are stored, never these.
+/// In the order of the alternatives of TypeValue. The names of to_string are stored, never these
+/// numbers.
 enum class TypeKind : uint8_t {
   kInt,
   kLong,
@@ -58,7 +59,7 @@ enum class TypeKind : uint8_t {
   kPair,
 };
 
-/// "Int", "Long", "MemoryLink", "NDArray", ...: the names of the XML elements.
+/// The names of the XML elements: "Int", "Long", "MemoryLink", "NDArray", ...
 [[nodiscard]] std::string_view to_string(TypeKind kind);
 
 namespace types {
@@ -85,7 +86,7 @@ struct Object;
 struct Pair;
 }  // namespace types
 
-/// What a type says beside being optional and documented; visit it with std::visit.
+/// The content of a type besides being optional and documented; visit it with std::visit.
 using TypeValue = std::variant<types::Int, types::Long, types::Float, types::Double, types::String,
                                types::Bool, types::Time, types::MemoryLink, types::IntEnum,
                                types::NdArray, types::Matrix, types::Quaternion, types::Orientation,
@@ -96,9 +97,9 @@ struct EnumValue;
 struct Member;
 struct ArrayType;
 
-/// Describes which IDF values are meant, and what they mean. Copying is O(1).
+/// Describes a set of IDF values and their meaning. Copying is O(1).
 ///
-/// How each kind lies in a Data:
+/// The values of each kind:
 ///
 /// | type | value |
 /// |---|---|
@@ -116,16 +117,16 @@ struct ArrayType;
 /// | Tuple, Pair | list of exactly that many elements |
 /// | Dict | dict of any keys, all values of one type |
 /// | Object | dict with exactly its members, in any order |
-/// | any optional | none where absent; a member's key is there all the same |
+/// | any optional | none where absent; the key of an absent member is present |
 ///
 /// A pose is two arrays and not one matrix: metres and rotations differ in scale and error bound,
 /// each becomes a tensor member of its own, seven numbers cannot contradict each other as sixteen
 /// can, and `pose/position` can be addressed.
-/// Frame: Hamilton quaternions; `pose_world_camera` takes camera coordinates to world:
+/// Frame: Hamilton quaternions; `pose_world_camera` transforms camera coordinates to world:
 /// p_world = orientation * p_camera + position.
 ///
-/// The factories are for types written in code: what create would refuse aborts (checked).
-/// Types do not contain themselves.
+/// The factories are for types written in code: they abort where create would fail (checked). Types
+/// do not contain themselves.
 /// Threading: immutable.
 /// Source: docs/idf.md.
 class Type {
@@ -138,9 +139,9 @@ class Type {
   static Type boolean();
   static Type time();
   static Type memory_link();
-  /// Names and values are unique, and there is at least one.
+  /// Needs at least one value; names and values must be unique.
   static Type int_enum(std::string name, std::vector<EnumValue> values);
-  /// `shape` gives the rank; kFreeSize where an axis may have any size.
+  /// `shape` gives the rank; kFreeSize for an axis of any size.
   static Type ndarray(ElementType element, Shape shape, Quantity quantity = {});
   static Type ndarray_of_rank(ElementType element, size_t rank, Quantity quantity = {});
   static Type matrix(int64_t rows, int64_t cols, ElementType element = ElementType::kFloat32,
@@ -155,16 +156,16 @@ class Type {
   static Type tuple(std::vector<Type> elements);
   static Type dict(const Type& element);
   static Type pair(const Type& first, const Type& second);
-  /// The members of `base` come first; no name may be there twice.
+  /// The members of `base` come first; member names must be unique.
   static Type object(std::string name, std::vector<Member> own_members,
                      std::optional<Type> base = std::nullopt);
 
-  /// Makes any type.
+  /// Creates any type.
   /// Errors: kInvalidArgument naming the type and what does not fit: names, bounds that no value
   /// meets, sizes, a default value above 1 GiB or 2^20 nodes, more than kMaxTypeDepth levels.
   static Result<Type> create(TypeValue value, bool is_optional = false, std::string doc = "");
 
-  /// The same type that may be absent, or that may not.
+  /// The same type, but optional or required.
   [[nodiscard]] Type optional() const { return with_optional(true); }
   [[nodiscard]] Type required() const { return with_optional(false); }
   [[nodiscard]] Type with_optional(bool is_optional) const;
@@ -172,7 +173,7 @@ class Type {
 
   [[nodiscard]] TypeKind kind() const;
   [[nodiscard]] bool is_optional() const;
-  /// What people wrote about it; may be empty.
+  /// The documentation that people wrote; may be empty.
   [[nodiscard]] const std::string& doc() const;
   [[nodiscard]] const TypeValue& value() const;
 
@@ -180,31 +181,32 @@ class Type {
   template <typename T>
   [[nodiscard]] const T* get_if() const;
 
-  /// Aborts if this is not a T: for types whose kind was looked at before.
+  /// Aborts if this is not a T; for types whose kind was checked before.
   template <typename T>
   [[nodiscard]] const T& get() const;
 
-  /// The name of an Object or IntEnum, else empty.
+  /// The name of an Object or IntEnum, otherwise empty.
   [[nodiscard]] std::string_view name() const;
 
-  /// Unit and bounds of a numeric type; null where the type has none to carry.
+  /// The unit and bounds of a numeric type; null for other types.
   [[nodiscard]] const Quantity* quantity() const;
 
-  /// The ndarray that a value of this type is; nothing where it is none.
+  /// The array type of a value of this type; nothing where such a value is no ndarray.
   [[nodiscard]] std::optional<ArrayType> as_array() const;
 
-  /// Types directly inside: the elements of a list, tuple, dict, pair; all members of an object;
-  /// position and orientation of a pose.
-  /// Names: "0", "1", ... or those of the members; empty for what a list or dict repeats.
+  /// The types directly inside: the elements of a list, tuple, dict or pair; all members of an
+  /// object; position and orientation of a pose. Their names are "0", "1", ... or those of the
+  /// members, and empty for the elements of a list or dict.
   [[nodiscard]] std::vector<Member> parts() const;
 
-  /// Levels of types, one for a scalar.
+  /// The levels of nested types, one for a scalar.
   [[nodiscard]] int depth() const;
 
-  /// Types that a value of this one needs, itself included, lists of fixed size in full.
+  /// The number of types that a value of this type needs, itself included, with every element of
+  /// lists of fixed size.
   [[nodiscard]] size_t node_count() const;
 
-  /// True where everything is alike, documentation included.
+  /// True where everything is equal, documentation included.
   friend bool operator==(const Type& a, const Type& b);
 
  private:
@@ -222,7 +224,7 @@ struct EnumValue {
   friend bool operator==(const EnumValue&, const EnumValue&) = default;
 };
 
-/// A named type inside an object, with what people wrote about this use of it.
+/// A named type inside an object, with the documentation of this use.
 struct Member {
   std::string name;
   Type type;
@@ -231,7 +233,7 @@ struct Member {
   friend bool operator==(const Member&, const Member&) = default;
 };
 
-/// Element type and shape of an ndarray, kFreeSize where an axis may have any size.
+/// The element type and shape of an ndarray; kFreeSize for an axis of any size.
 struct ArrayType {
   ElementType element = ElementType::kFloat32;
   Shape shape;
@@ -335,7 +337,7 @@ struct Object {
   std::string name;
   std::vector<Member> own_members;
   std::optional<Type> base;
-  /// Those of the base, then the own ones: filled by Type::create.
+  /// The members of the base, then the own ones; filled by Type::create.
   std::vector<Member> members;
 
   /// Null where there is no such member.
@@ -352,7 +354,7 @@ struct Pair {
 };
 }  // namespace types
 
-/// The keys of a pose.
+/// The keys of the dict of a pose.
 inline constexpr std::string_view kPositionKey = "position";
 inline constexpr std::string_view kOrientationKey = "orientation";
 
@@ -368,19 +370,20 @@ const T& Type::get() const {
   return *found;
 }
 
-/// The type that a value shows by itself. Lists of one type are List, others Tuple; arrays have
-/// their shape; a dict is an Object without a name, `none` an optional String.
+/// The type that a value shows by itself. A list with elements of one type is a List, others a
+/// Tuple; arrays have their shape; a dict is an Object without a name, and `none` an optional
+/// String.
 /// Errors: kInvalidArgument where the value is deeper or larger than types may be.
 Result<Type> type_of(const Data& data);
 
 enum class TypeText { kOneLine, kLines };
 
-/// "kitchen::Cup{pose: Pose<float32>, height: optional Float[m, 0..1]}"; with kLines one member
-/// per line, documentation behind it.
+/// Prints "kitchen::Cup{pose: Pose<float32>, height: optional Float[m, 0..1]}". With kLines each
+/// member has a line, followed by its documentation.
 [[nodiscard]] std::string to_string(const Type& type, TypeText form = TypeText::kOneLine);
 
-/// The type as a value, to be stored with what it describes: a flat table in which equal types
-/// appear once. Source: docs/idf.md, section "Types as values".
+/// The type as a value, to be stored with the data that it describes: a flat table in which equal
+/// types appear once. Source: docs/idf.md, section "Types as values".
 [[nodiscard]] Data to_data(const Type& type);
 
 /// Reads what to_data wrote; safe on hostile values.

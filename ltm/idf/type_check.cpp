@@ -56,7 +56,7 @@ Found check_is(const Data& value, std::string_view needed) {
   return differs(describe(value), std::string(needed));
 }
 
-/// The first element that is out of bounds, and how many are.
+/// The first element that is out of bounds, and the number of such elements.
 Found check_elements(const NdArray& array, const Quantity& quantity) {
   if (!quantity.is_bounded()) return std::nullopt;
   return visit_element_type(array.type(), [&]<typename T>(T) -> Found {
@@ -191,6 +191,7 @@ class Checker {
       check(*part, member.type, inner);
     }
     if (found == dict->size()) return;
+    // Names are collected only after a mismatch: usual values never pay for them.
     std::unordered_set<std::string_view> names;
     for (const Member& member : members) names.insert(member.name);
     for (const auto& [key, part] : *dict)
@@ -198,7 +199,8 @@ class Checker {
         report(Place(place, key), describe(part), "no such member in " + describe(type));
   }
 
-  /// Members mostly stand in the order of their type: looks at the next key before searching.
+  /// Finds members. They mostly have the order of their type, so it tries the next key before it
+  /// searches.
   class MemberFinder {
    public:
     explicit MemberFinder(const Dict& dict) : dict_(dict), next_(dict.begin()) {}

@@ -9,7 +9,8 @@ namespace engram::idf {
 namespace {
 
 constexpr int32_t kVersion = 1;
-/// Nodes of all entries of a table together: sharing cannot make a small table explode.
+/// The bound of nodes in all entries of a table together: with sharing, a small table could
+/// otherwise describe a huge type.
 constexpr size_t kMaxTableNodes = size_t{1} << 22;
 
 constexpr std::string_view kVersionKey = "idf_type";
@@ -48,7 +49,7 @@ class TableWriter {
     if (quantity.maximum) entry.set("maximum", *quantity.maximum);
   }
 
-  /// Everything without parts: what the alternative has is what is written.
+  /// Writes the fields of the alternatives without parts.
   template <typename T>
   void describe(const T& value, Dict& entry) {
     if constexpr (requires { value.element; }) entry.set("element", to_string(value.element));
@@ -115,7 +116,7 @@ class TableWriter {
   std::unordered_map<std::string, int32_t> by_bytes_;
 };
 
-/// Reads one entry; the first thing that does not fit is kept in `status`.
+/// Reads one entry; the first error is kept in `status`.
 class EntryReader {
  public:
   EntryReader(const Dict& entry, const std::vector<Type>& known, Status& status)
@@ -308,7 +309,7 @@ Result<Type> read_entry(const Data& data, const std::vector<Type>& known) {
 
 Data to_data(const Type& type) {
   TableWriter writer;
-  // The type itself is the last entry: every entry stands behind what it refers to.
+  // The type itself is the last entry, because every entry comes after those that it refers to.
   writer.add(type);
   return Dict{{kVersionKey.data(), kVersion}, {kTableKey.data(), writer.take()}};
 }

@@ -7,11 +7,13 @@ namespace {
 
 Type made(TypeValue value) {
   auto type = Type::create(std::move(value));
+  // A factory is called with constants of the program, so a wrong one is a bug and no error.
   ENGRAM_CHECK(type.ok(), "{}", type.status().message());
   return std::move(type).value();
 }
 
-/// Types without anything to say are made once.
+/// Creates types without fields once and shares them, because code asks for them again and again:
+/// copying a type is O(1), creating one is checked and allocates.
 template <typename T>
 const Type& plain() {
   static const Type kType = made(T{});

@@ -7,6 +7,7 @@ namespace engram::idf {
 
 namespace {
 
+/// In the order of TypeKind. These names are stored, so that kinds may be reordered.
 constexpr std::array<std::string_view, std::variant_size_v<TypeValue>> kKindNames{
     "Int",        "Long",       "Float",   "Double", "String",     "Bool",        "Time",
     "MemoryLink", "IntEnum",    "NDArray", "Matrix", "Quaternion", "Orientation", "Pose",
@@ -28,7 +29,7 @@ constexpr std::array<PointInfo, 8> kPoints{{{"XYZ", 3},
                                             {"XYZNormal", 6},
                                             {"XYZRGBNormal", 9}}};
 
-/// "[m, 0..1]", "[..5]"; empty where there is nothing to say.
+/// "[m, 0..1]", "[..5]"; empty without unit and bounds.
 std::string quantity_text(const Quantity& quantity) {
   std::string text = quantity.unit;
   if (quantity.is_bounded()) {
@@ -122,7 +123,7 @@ class Printer {
     return head + braced(made);
   }
 
-  /// A base is only named on lines, where it stands apart; else its members are shown.
+  /// A base is named only in the form with lines; otherwise its members are shown.
   std::string base_text(const Type& base) const {
     return form_ == TypeText::kLines && !base.name().empty() ? std::string(base.name())
                                                              : print(base);

@@ -17,10 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Nodes of all types of one file together: a small file cannot make large work.
+/// The bound of nodes in all types of one file together: a small file must not cause much work.
 constexpr size_t kMaxFileNodes = size_t{1} << 22;
 
-/// Reads files and what they include, each once.
+/// Reads files and their includes, each once.
 class FileReader {
  public:
   explicit FileReader(const std::vector<fs::path>& include_paths) : include_paths_(include_paths) {}
@@ -28,21 +28,21 @@ class FileReader {
   Result<TypeFile> read(const fs::path& path);
   Result<TypeFile> parse(std::string_view text, const std::string& name, const fs::path& directory);
 
-  /// The file that `include` names, read before or now.
+  /// The file of `include`, read now or before.
   Result<const TypeFile*> include(const TypeInclude& include);
 
-  /// Where a file of this name lies: beside the including one, then in the include paths.
+  /// Finds a file of this name: beside the including file, then in the include paths.
   [[nodiscard]] std::optional<fs::path> locate(const fs::path& name,
                                                const fs::path& directory) const;
 
  private:
   const std::vector<fs::path>& include_paths_;
-  /// By canonical path; nothing while a file is being read.
+  /// Files by canonical path; nothing while a file is being read, which detects cycles.
   std::map<fs::path, std::optional<TypeFile>> files_;
   int depth_ = 0;
 };
 
-/// Reads one document: finds its definitions first, so that they may be used before they come.
+/// Reads one document. It finds all definitions first, so that they may be used before they come.
 class DocumentReader {
  public:
   DocumentReader(const XmlText& source, fs::path directory, FileReader& files)
@@ -130,7 +130,7 @@ class DocumentReader {
     return std::string(name);
   }
 
-  /// The same type may come by two ways; two types of one name may not.
+  /// The same type may be included twice; two different types of one name may not.
   Status add_included(const pugi::xml_node& node, const Type& type) {
     const auto [known, is_new] = included_.emplace(type.name(), file_.included_types.size());
     if (is_new) {
@@ -192,7 +192,7 @@ class DocumentReader {
     return definition.type;
   }
 
-  /// Looks in the namespace of the user first, then in those around it.
+  /// Searches the namespace of the user first, then the enclosing ones.
   Result<std::optional<Type>> find(std::string_view used, std::string_view scope) {
     while (true) {
       const std::string name =
@@ -213,7 +213,7 @@ class DocumentReader {
   TypeFile file_;
   std::vector<std::string> order_;
   std::unordered_map<std::string, Definition> definitions_;
-  std::unordered_map<std::string, size_t> included_;  ///< Places in included_types.
+  std::unordered_map<std::string, size_t> included_;  ///< Indices in included_types.
   int depth_ = 0;
   size_t nodes_ = 0;
 };

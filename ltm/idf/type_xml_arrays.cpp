@@ -7,9 +7,10 @@ namespace engram::idf {
 
 namespace {
 
+/// The binary form holds no more axes.
 constexpr int64_t kMaxRank = 16;
 
-/// "3, -1, 2" as a shape; nothing where an axis is none.
+/// Reads "3, -1, 2" as a shape; nothing where an axis is no size.
 std::optional<Shape> parse_shape(std::string_view text) {
   Shape shape;
   for (bool is_last = false; !is_last;) {
@@ -83,6 +84,7 @@ Result<TypeValue> XmlTypeReader::read_image(const pugi::xml_node& node) {
 Result<TypeValue> XmlTypeReader::read_cloud(const pugi::xml_node& node) {
   ENGRAM_ASSIGN_OR_RETURN(const auto attributes,
                           read_attributes(node, {"optional", "doc", "type", "voxeltype", "count"}));
+  // Descriptions may use either attribute, and names with or without "Point" (docs/idf.md).
   ENGRAM_ASSIGN_OR_RETURN(const std::string_view written,
                           attributes.get(attributes.find("voxeltype") ? "voxeltype" : "type"));
   const auto point =

@@ -10,7 +10,7 @@ namespace engram::idf {
 
 namespace {
 
-/// Attributes that generators of other systems know; they say nothing about the data.
+/// Attributes for code generators of other systems; they do not describe the data.
 constexpr std::array<std::string_view, 6> kCodeAttributes{
     "shared_ptr", "unique_ptr", "raw_ptr", "autoinclude", "humanreadablename", "template"};
 
@@ -22,7 +22,7 @@ std::string lower(std::string_view text) {
   return made;
 }
 
-/// A number that fills the whole text.
+/// Reads a number that takes the whole text.
 template <typename T>
 std::optional<T> parse(std::string_view text) {
   T value{};
@@ -75,6 +75,7 @@ Result<XmlAttributes> XmlAttributes::read(const XmlText& source, const pugi::xml
                                   source.place(node), attribute.name(), node.name()));
       continue;
     }
+    // Unknown attributes are errors: a misspelt bound would otherwise be ignored in silence.
     if (std::ranges::find(allowed, name) == allowed.end()) {
       std::string known;
       for (const std::string_view each : allowed)

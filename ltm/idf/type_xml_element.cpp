@@ -40,7 +40,7 @@ constexpr std::array<ElementName, 25> kElementNames{{{"int", TypeKind::kInt},
                                                      {"object", TypeKind::kObject},
                                                      {"pair", TypeKind::kPair}}};
 
-/// An array of three metres: no kind of its own.
+/// An array of three metres; it has no kind of its own.
 constexpr std::string_view kPositionElement = "position";
 
 char lower(char c) {
@@ -84,7 +84,7 @@ std::string name_of(const pugi::xml_node& node) {
   }
 }
 
-/// Children that matter: all but comments and processing instructions.
+/// The children that count: all but comments, declarations and processing instructions.
 std::vector<pugi::xml_node> children_of(const pugi::xml_node& node) {
   std::vector<pugi::xml_node> children;
   for (const pugi::xml_node& child : node.children())
@@ -94,7 +94,7 @@ std::vector<pugi::xml_node> children_of(const pugi::xml_node& node) {
   return children;
 }
 
-/// "a::b" of "a::b::C".
+/// "a::b" for "a::b::C".
 std::string_view namespace_of(std::string_view name) {
   const size_t at = name.rfind("::");
   return at == std::string_view::npos ? std::string_view() : name.substr(0, at);
@@ -151,6 +151,7 @@ Result<Type> XmlTypeReader::read_object(const pugi::xml_node& node) {
     ENGRAM_ASSIGN_OR_RETURN(Member member, read_member(child, scope));
     object.own_members.push_back(std::move(member));
   }
+  // Type::create knows no lines, so its errors get the place of the element.
   auto type = Type::create(std::move(object), false, read_doc(node));
   return type.ok() ? type : source_.error(node, type.status().message());
 }
@@ -200,6 +201,7 @@ Result<Type> XmlTypeReader::read_enum(const pugi::xml_node& node) {
 
 Result<Type> XmlTypeReader::read_type(const pugi::xml_node& node, std::string_view scope,
                                       int depth) {
+  // Checked before the types inside are read: hostile text could exhaust the stack.
   if (depth > kMaxTypeDepth)
     return source_.error(node, fmt::format("nests deeper than {} types", kMaxTypeDepth));
   if (node.type() != pugi::node_element)

@@ -14,9 +14,9 @@
 
 namespace engram::idf {
 
-/// An XML text under its name: tells where in it something is wrong.
+/// An XML text and its name, which locates errors in it.
 ///
-/// Owns: nothing; the text outlives it.
+/// Owns: nothing; the text must outlive it.
 class XmlText {
  public:
   XmlText(std::string_view text, std::string name);
@@ -41,8 +41,8 @@ class XmlText {
 /// The attributes of one element, by lower-case name.
 class XmlAttributes {
  public:
-  /// Attributes that only C++ code of other generators needs are noted and left out.
-  /// Errors: kInvalidArgument for one that is neither `allowed` nor such.
+  /// Attributes that only C++ code of other generators needs are noted and ignored.
+  /// Errors: kInvalidArgument for any other attribute that is not `allowed`.
   static Result<XmlAttributes> read(const XmlText& source, const pugi::xml_node& node,
                                     std::initializer_list<std::string_view> allowed,
                                     std::vector<std::string>& notes);
@@ -68,8 +68,9 @@ class XmlAttributes {
   std::vector<std::pair<std::string, std::string_view>> values_;
 };
 
-/// Finds the type that an element `name` inside the namespace `scope` means.
-/// Errors: whatever is wrong with that type; nothing where there is none of this name.
+/// Finds the type of an element `name` inside the namespace `scope`; nothing where there is none of
+/// this name.
+/// Errors: those of reading that type.
 using FindType =
     std::function<Result<std::optional<Type>>(std::string_view name, std::string_view scope)>;
 
@@ -79,7 +80,7 @@ class XmlTypeReader {
   XmlTypeReader(const XmlText& source, FindType find_type, std::vector<std::string>& notes)
       : source_(source), find_type_(std::move(find_type)), notes_(notes) {}
 
-  /// The type that a child of `<GenerateTypes>` defines.
+  /// Reads the type that a child of `<GenerateTypes>` defines.
   Result<Type> read_definition(const pugi::xml_node& node);
 
  private:
@@ -99,7 +100,7 @@ class XmlTypeReader {
   Result<Type> read_reference(const pugi::xml_node& node, std::string_view scope);
   Result<Type> finish(const pugi::xml_node& node, Result<TypeValue> value);
 
-  /// The type elements inside `node`; anything else there is an error.
+  /// Reads the type elements inside `node`; anything else there is an error.
   Result<std::vector<Type>> read_parts(const pugi::xml_node& node, size_t min, size_t max,
                                        std::string_view scope, int depth);
   Status check_empty(const pugi::xml_node& node) const;
@@ -111,13 +112,13 @@ class XmlTypeReader {
   std::vector<std::string>& notes_;
 };
 
-/// Names that stand for a kind of type and can name no other: "int", "matrix", ... in any case.
+/// Names of built-in kinds, which no other type may have: "int", "matrix", ... in any case.
 [[nodiscard]] bool is_type_element(std::string_view name);
 
 /// "kitchen::Cup": identifiers joined by "::".
 [[nodiscard]] bool is_type_name(std::string_view name);
 
-/// What people wrote about `node`: its doc attribute, else the comments right before it.
+/// The documentation of `node`: its doc attribute, otherwise the comments directly before it.
 [[nodiscard]] std::string read_doc(const pugi::xml_node& node);
 
 }  // namespace engram::idf

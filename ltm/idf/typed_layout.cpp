@@ -7,7 +7,7 @@ namespace engram::idf {
 
 namespace {
 
-/// The kind that the type tells of an array; nothing where the value shows it as well.
+/// The kind of an array that only the type tells; nothing where the value shows it too.
 std::optional<MemberKind> kind_of(const Type& type) {
   switch (type.kind()) {
     case TypeKind::kOrientation:
@@ -38,6 +38,7 @@ class TypedSkeleton {
   explicit TypedSkeleton(FreeSizes free_sizes) : free_sizes_(free_sizes) {}
 
   Data of(const Data& value, const Type& type) const {
+    // An optional member is absent in some values, and one layout must fit all of them.
     if (type.is_optional()) return kAnyRemainder;
     if (const auto array = type.as_array()) return of_array(value, type, *array);
     switch (type.kind()) {
@@ -78,6 +79,7 @@ class TypedSkeleton {
     const auto& object = type.get<types::Object>();
     Dict skeleton;
     skeleton.reserve(dict->size());
+    // In the order of the value and not of the type, because Layout::split compares keys in order.
     for (const auto& [key, part] : *dict) {
       const Member* member = object.find(key);
       skeleton.append_unique(key, member == nullptr ? untyped(part) : of(part, member->type));
