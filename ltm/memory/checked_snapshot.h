@@ -14,34 +14,35 @@
 
 namespace engram::ltm {
 
-/// What every memory asks of updates that come as one before it takes any of them.
+/// Checks what every memory requires of the updates of one commit before it takes any of them.
 /// Errors: kInvalidArgument naming the update: its ID is no entity, it has no instance, or there is
 /// another of the same entity and time.
 /// Complexity: O(number of updates).
 [[nodiscard]] Status check_updates(std::span<const Snapshot* const> updates);
 
-/// Where snapshots are; valid as long as they stay there.
+/// Pointers to snapshots; valid as long as the snapshots stay where they are.
 [[nodiscard]] std::vector<const Snapshot*> pointers_to(std::span<const Snapshot> snapshots);
 
-/// What a cast to their segment's type did to the values of a snapshot.
+/// What a cast to the segment's type did to the values of a snapshot.
 struct SnapshotCast {
-  bool is_cast = false;            ///< Some value is not as it came.
-  std::vector<std::string> notes;  ///< What it cost: one of each instance that lost something.
+  bool is_cast = false;            ///< Some value was changed by the cast.
+  std::vector<std::string> notes;  ///< The losses: one note for each instance that lost something.
 };
 
-/// Makes the values of a snapshot what their segment's type wants; where it has none they stay.
-/// Errors: kInvalidArgument with all paths that do not fit; the snapshot may be cast in part.
+/// Casts the values of a snapshot to the type of their segment; without a type they stay as they
+/// are.
+/// Errors: kInvalidArgument with all paths that do not fit; the snapshot may then be cast in part.
 Result<SnapshotCast> cast_to_type(Snapshot& snapshot, const SegmentTypes& types);
 
-/// A snapshot whose values are of the type that its segment had when it was checked.
+/// A snapshot whose values have the type that its segment had when it was checked.
 ///
-/// The check alone makes one, and gives it out as it stays: nobody can have one whose values may be
-/// changed. So who gets one need not look at its values again, only at whether the type is the same.
+/// Only check() can make one, and it is immutable, so nobody can have one with unchecked values.
+/// Its receivers need not check the values again, only whether the type is still the same.
 ///
 /// Threading: immutable.
 class CheckedSnapshot : public Snapshot {
  public:
-  /// Values that were checked; only check() can make it.
+  /// The proof that values were checked; only check() can make it.
   class Proof {
    private:
     friend class CheckedSnapshot;
@@ -73,13 +74,14 @@ class CheckedSnapshot : public Snapshot {
     return Checked<T>{std::move(made), std::move(cast)};
   }
 
-  /// Whether its values are what `types` want of them now: the type of its segment is the one that
-  /// it was checked against, or there is none.
-  /// Complexity: O(1) where both have the type from the same declaration, else that of the type.
+  /// Whether the values are what `types` requires now: its segment has the type that it was checked
+  /// against, or none.
+  /// Complexity: O(1) where both have the type from the same declaration, otherwise that of
+  /// comparing the types.
   [[nodiscard]] bool is_of(const SegmentTypes& types) const;
 
  private:
-  std::optional<idf::Type> type_;  ///< Nothing: its segment had none.
+  std::optional<idf::Type> type_;  ///< Empty: its segment had no type.
 };
 
 }  // namespace engram::ltm

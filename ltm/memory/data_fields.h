@@ -11,30 +11,30 @@
 
 namespace engram::ltm {
 
-/// Reads the members of a dict that came from outside: every kind is checked, members that nobody
-/// asks for are ignored.
+/// Reads the members of a dict that came from outside. Every kind is checked; members that are not
+/// read are ignored.
 ///
 /// Errors: kInvalidArgument naming the object, the member, what was found and what was needed.
 /// Threading: immutable; the data must outlive it.
 class DataFields {
  public:
-  /// `what` names the object in messages, as "commit"; it must outlive this.
+  /// `what` names the object in messages, for example "commit"; it must outlive this object.
   static Result<DataFields> of(const idf::Data& data, std::string_view what);
 
   [[nodiscard]] bool has(std::string_view key) const { return dict_->find(key) != nullptr; }
 
-  /// The member as it is.
+  /// The member without a conversion.
   Result<const idf::Data*> data(std::string_view key) const;
   Result<const idf::List*> list(std::string_view key) const;
   Result<std::string> text(std::string_view key) const;
-  /// Of int32 or int64.
+  /// An int32 or int64.
   Result<int64_t> integer(std::string_view key) const;
   Result<bool> boolean(std::string_view key) const;
-  /// Of any kind of number.
+  /// Any kind of number.
   Result<double> number(std::string_view key) const;
   /// Nanoseconds since 1970.
   Result<Time> time(std::string_view key) const;
-  /// From 0 on, within 31 bits.
+  /// An int32 that is not negative.
   Result<int32_t> instance_index(std::string_view key) const;
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 /// An ID has four names before its time.
 constexpr int64_t kSlashesBeforeTime = 4;
-/// Longer texts are taken for what people wrote, not for an ID.
+/// Longer texts are taken for prose, not for an ID.
 constexpr size_t kMaxGuessedBytes = 4096;
 
 /// Calls `visit(text, place)` for each string that may be a link.
@@ -27,7 +27,7 @@ void walk(const idf::Data& value, const idf::Place& place, Visit& visit) {
   }
 }
 
-/// The same for the MemoryLinks of `type` that are where they should be.
+/// Calls `visit(text, place)` for each MemoryLink of `type` that is in its place.
 template <typename Visit>
 void walk(const idf::Data& value, const idf::Type& type, const idf::Place& place, Visit& visit) {
   if (type.kind() == idf::TypeKind::kMemoryLink) {

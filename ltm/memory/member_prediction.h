@@ -7,20 +7,20 @@
 
 namespace engram::ltm {
 
-/// How one member of a value was predicted: one value may be continued by several engines.
+/// How one member of a value was predicted. Several engines may predict members of the same value.
 struct MemberPrediction {
-  std::string path;    ///< As idf::Layout names it; empty where the whole value is the member.
-  std::string engine;  ///< "copy-last" where the member is the last known one.
-  /// The mean squared error to expect, and what the real one stays within with kBoundProbability.
-  /// Unit: grey levels squared of an image, else that of the numbers, squared. Not a number where
-  /// nothing is promised, and for what is only ever copied (bools, times, names of numbers): that
-  /// counts in no error.
+  std::string path;    ///< The path in idf::Layout; empty where the whole value is the member.
+  std::string engine;  ///< "copy-last" where the member is a copy of the last known one.
+  /// The expected mean squared error, and the bound that the real error keeps with probability
+  /// kBoundProbability. Unit: grey levels squared for an image, otherwise the unit of the numbers,
+  /// squared. NaN where nothing is promised, and for members that are only ever copied (bools,
+  /// times, names of numbers), which count in no error.
   double expected_mse = std::numeric_limits<double>::quiet_NaN();
   double bound_mse = std::numeric_limits<double>::quiet_NaN();
   double copied = 0;      ///< Share of the last known value in it, 0 to 1.
-  bool is_image = false;  ///< Of the kind image: the unit of the errors.
-  bool is_moving =
-      false;  ///< It moved when the prediction was made; errors are those of such moments.
+  bool is_image = false;  ///< The member is an image, which sets the unit of the errors.
+  /// It moved when the prediction was made; the errors are those of such moments.
+  bool is_moving = false;
 
   /// NaNs are equal.
   friend bool operator==(const MemberPrediction& a, const MemberPrediction& b) {

@@ -17,7 +17,7 @@ Status check_name(std::string_view name, size_t number, size_t count) {
   return {};
 }
 
-/// Spreads every bit of `value` over the whole of `hash`, so that order and place count.
+/// Mixes every bit of `value` into the whole of `hash`, so that the order of the parts counts.
 size_t mixed(size_t hash, uint64_t value) {
   uint64_t bits = (hash + 0x9e3779b97f4a7c15u) ^ value;
   bits = (bits ^ (bits >> 32)) * 0xd6e8feb86659fd93u;
@@ -33,6 +33,7 @@ Result<MemoryId> MemoryId::parse(std::string_view text) {
   if (parts.size() > kNameLevels + 2)
     return invalid_argument("memory ID '{}': has {} parts, at most 6 are known", text,
                             parts.size());
+  // The number of parts alone decides their levels: a name may look like a time.
   std::optional<Time> time;
   std::optional<int32_t> index;
   if (parts.size() == kNameLevels + 2) {

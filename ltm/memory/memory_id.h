@@ -12,19 +12,19 @@
 
 namespace engram::ltm {
 
-/// Address of anything in a memory: a prefix of memory / core segment / provider segment / entity
-/// / timestamp / instance index. It addresses, links and prints every level.
+/// The address of anything in a memory: a prefix of memory / core segment / provider segment /
+/// entity / timestamp / instance index. It addresses, links and prints every level.
 ///
-/// A name is any text of valid UTF-8 that is not empty; control characters are allowed and print
-/// as they are. IDs order by names (bytewise), time, index: an ID comes right before all that lies
-/// below it.
-/// Threading: immutable but for assignment.
+/// A name is any text of valid UTF-8 that is not empty; control characters are allowed and print as
+/// they are. IDs are ordered by names (bytewise), time and index: an ID comes right before
+/// everything below it.
+/// Threading: immutable except for assignment.
 /// Source: docs/design.md, section 2.
 class MemoryId {
  public:
   static constexpr size_t kNameLevels = 4;
 
-  /// The empty ID: all memories.
+  /// The empty ID, which stands for all memories.
   MemoryId() = default;
 
   /// Reads "Vision/RGB/head/cam/2022-02-18 13:06:56.492182/0" or any prefix of it. A `/` inside a
@@ -32,7 +32,7 @@ class MemoryId {
   /// Errors: kInvalidArgument naming the text and the part that does not fit.
   static Result<MemoryId> parse(std::string_view text);
 
-  /// The first names of an ID, at most four, UTF-8, none of them empty.
+  /// The first names of an ID: at most four, valid UTF-8, none of them empty.
   /// Errors: kInvalidArgument.
   static Result<MemoryId> from_names(std::vector<std::string> names);
 
@@ -40,13 +40,13 @@ class MemoryId {
   /// Errors: kInvalidArgument naming what was found and what was needed.
   static Result<MemoryId> from_data(const idf::Data& data);
 
-  /// The printed form as a value: what a link is inside of data.
+  /// The printed form as a value, which is the form of links inside data.
   [[nodiscard]] idf::Data to_data() const { return to_string(); }
 
   /// The ID one level above. Needs an ID that is not empty (checked).
   [[nodiscard]] MemoryId parent() const;
 
-  /// The segment or entity `name` right below this. Needs fewer than four names (checked).
+  /// The segment or entity `name` directly below this. Needs fewer than four names (checked).
   /// Errors: kInvalidArgument where `name` is empty or no UTF-8.
   Result<MemoryId> child(std::string_view name) const;
 
@@ -64,18 +64,18 @@ class MemoryId {
   [[nodiscard]] std::optional<Time> time() const { return time_; }
   [[nodiscard]] std::optional<int32_t> index() const { return index_; }
 
-  /// Number of levels that are given: 0 (empty) to 6 (an instance).
+  /// The number of levels that are set: 0 (empty) to 6 (an instance).
   [[nodiscard]] size_t depth() const { return names_.size() + (time_ ? 1 : 0) + (index_ ? 1 : 0); }
 
   [[nodiscard]] bool has_entity() const { return names_.size() == kNameLevels; }
   [[nodiscard]] bool is_entity() const { return has_entity() && !time_; }
 
-  /// True where `other` is this or lies below it.
+  /// True where `other` is this ID or lies below it.
   [[nodiscard]] bool is_prefix_of(const MemoryId& other) const;
 
   [[nodiscard]] std::string to_string() const;
 
-  /// The same in every copy of an ID within one process; allocates nothing.
+  /// Equal for all copies of an ID within one process; allocates nothing.
   [[nodiscard]] size_t hash() const;
 
   friend auto operator<=>(const MemoryId&, const MemoryId&) = default;

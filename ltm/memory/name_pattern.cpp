@@ -12,7 +12,8 @@ namespace engram::ltm {
 namespace {
 
 constexpr std::string_view kRegexCharacters = ".*+?()[]{}|^$";
-/// What the text form of a query uses; a backslash before them is no matter of the expression.
+/// The characters with a meaning in the text form of a query. A backslash before them is not part
+/// of the expression.
 constexpr std::string_view kStructure = "/;@ ";
 constexpr int64_t kMaxExpressionBytes = 1 << 20;
 
@@ -53,6 +54,7 @@ std::string without_structure_escapes(std::string_view text) {
   return expression;
 }
 
+/// \Q makes backslashes literal, so unescaping and printing would need to know about quotations.
 bool has_quotation(std::string_view expression) {
   for (size_t i = 0; i + 1 < expression.size(); ++i) {
     if (expression[i] != '\\') continue;

@@ -24,6 +24,7 @@ void add_snapshots(std::vector<SnapshotQuery>& siblings, SnapshotQuery added) {
   if (known == siblings.end()) {
     siblings.push_back(std::move(added));
   } else if (known->instances.empty() || added.instances.empty()) {
+    // Empty instances mean all, so they absorb any others.
     known->instances.clear();
   } else {
     std::vector<int32_t> united;
@@ -32,7 +33,7 @@ void add_snapshots(std::vector<SnapshotQuery>& siblings, SnapshotQuery added) {
   }
 }
 
-/// Adds every branch of a tree below `path`, of which `Level` levels are set.
+/// Adds every branch of a tree below `path`, whose first `Level` levels are set.
 template <size_t Level, typename Below>
 Status add_branches(const std::vector<NameQuery<Below>>& level, QueryPath& path,
                     QueryBuilder& builder) {
@@ -76,7 +77,7 @@ void collect_snapshots(const std::vector<NameQuery<Below>>& level,
   }
 }
 
-/// The names of an entity, and no others.
+/// The names of an entity as patterns that match nothing else.
 QueryPath path_of(const MemoryId& entity) {
   ENGRAM_CHECK(entity.has_entity(), "'{}' has no entity", entity.to_string());
   QueryPath names;
@@ -110,6 +111,7 @@ Status QueryBuilder::add(const QueryPath& names, SnapshotQuery snapshots) {
   for (const int32_t index : snapshots.instances)
     if (index < 0) return invalid_argument("query: {} is no instance index", index);
   ENGRAM_RETURN_IF_ERROR(count(names));
+  // Merging into siblings keeps the normal form, in which equal selections have equal trees.
   auto& core_segments = find_or_add(query_.memories_, names[0]).below;
   auto& provider_segments = find_or_add(core_segments, names[1]).below;
   auto& entities = find_or_add(provider_segments, names[2]).below;

@@ -16,7 +16,7 @@
 
 namespace engram::ltm {
 
-/// Which snapshots of an entity, and which of their instances.
+/// Selects snapshots of an entity and some or all of their instances.
 struct SnapshotQuery {
   Selector selector = select::Latest{};
   /// Indices of the instances, none of them negative; empty: all.
@@ -25,7 +25,7 @@ struct SnapshotQuery {
   friend bool operator==(const SnapshotQuery&, const SnapshotQuery&) = default;
 };
 
-/// Which names of one level, and what of what lies below them.
+/// Selects names of one level, and what to select below them.
 template <typename Below>
 struct NameQuery {
   NamePattern name;
@@ -39,37 +39,38 @@ using ProviderSegmentQuery = NameQuery<EntityQuery>;
 using CoreSegmentQuery = NameQuery<ProviderSegmentQuery>;
 using MemoryQuery = NameQuery<CoreSegmentQuery>;
 
-/// A question to a memory: a tree that mirrors the hierarchy, several selectors on each level,
+/// A query to a memory: a tree that mirrors the hierarchy, with several selectors on each level,
 /// each with its own sub-queries. The answers of all branches are united.
 ///
-/// Kept in normal form: on no level do two siblings have the same names or the same selector, and
-/// instances are sorted. Text form, one branch per entity level:
+/// It is kept in normal form: on no level do two siblings have the same names or the same selector,
+/// and instances are sorted. The text form has one branch per entity level:
 ///
 ///     [?ids] NAMES [@ SELECTOR[#INSTANCE]..., ...] [; NAMES ...]
 ///
-/// NAMES are `<memory>/<core>/<provider>/<entity>`, each a NamePattern; missing levels match all,
-/// a missing selector is `latest`; selectors are those of parse_selector. `?ids` asks for IDs
-/// without data. `Vision/.*/head/cam @ last:10s, nearest:T~50ms#0 ; Robot @ -3..-1`
-/// Threading: immutable but for assignment.
+/// NAMES are `<memory>/<core>/<provider>/<entity>`, each a NamePattern. Missing levels match all
+/// names, and a missing selector is `latest`; see parse_selector for selectors. `?ids` requests IDs
+/// without data. Example: `Vision/.*/head/cam @ last:10s, nearest:T~50ms#0 ; Robot @ -3..-1`
+/// Threading: immutable except for assignment.
 /// Source: docs/query.md.
 class Query {
  public:
-  /// Most selectors of snapshots, over all branches.
+  /// The bound of snapshot selectors, over all branches.
   static constexpr size_t kMaxSelectors = 1024;
-  /// Most different regular expressions; each may need 1 MiB.
+  /// The bound of different regular expressions; each may need 1 MiB.
   static constexpr size_t kMaxExpressions = 256;
 
-  /// Everything's latest.
+  /// Selects the latest snapshot of every entity.
   Query();
 
-  /// One branch. Needs a selector that validates (checked).
+  /// A query of one branch. Needs a selector that validates (checked).
   Query(const std::array<NamePattern, MemoryId::kNameLevels>& names, const Selector& selector);
 
-  /// Brings any tree into normal form.
+  /// Builds a query of any tree and brings it into normal form.
   /// Errors: kInvalidArgument where a level is empty, a selector does not validate, an instance is
-  /// negative, or the tree is larger than the limits above.
+  /// negative, or the tree exceeds the bounds above.
   static Result<Query> create(const std::vector<MemoryQuery>& memories, bool is_ids_only = false);
 
+  /// Reads the text form.
   /// Errors: kInvalidArgument naming the text, the position, the part that does not fit and what
   /// was needed.
   static Result<Query> parse(std::string_view text);
@@ -78,31 +79,31 @@ class Query {
   /// Errors: kInvalidArgument.
   static Result<Query> from_data(const idf::Data& data);
 
-  /// The query of exactly one entity. Needs an entity or deeper, and a selector that validates
-  /// (checked).
+  /// A query of exactly one entity. Needs the ID of an entity or deeper, and a selector that
+  /// validates (checked).
   static Query of_entity(const MemoryId& entity, const Selector& selector);
 
-  /// The same with several selectors, at least one.
+  /// A query of exactly one entity with several selectors, at least one.
   /// Errors: kInvalidArgument where one does not validate, or where there are too many.
   static Result<Query> of_entity(const MemoryId& entity, std::span<const Selector> selectors);
 
   [[nodiscard]] const std::vector<MemoryQuery>& memories() const { return memories_; }
 
-  /// True where IDs are asked for, without data.
+  /// True where the query requests IDs without data.
   [[nodiscard]] bool is_ids_only() const { return is_ids_only_; }
 
-  /// True where the names that `id` has are asked for, whatever lies below them.
+  /// True where the query matches the names in `id`, whatever lies below them.
   [[nodiscard]] bool matches(const MemoryId& id) const;
 
-  /// What is asked of this entity, by all branches that match it; empty where none does.
-  /// Needs an entity or deeper (checked).
+  /// What all branches that match this entity select of it; empty where none matches. Needs the ID
+  /// of an entity or deeper (checked).
   [[nodiscard]] std::vector<SnapshotQuery> snapshots_of(const MemoryId& entity) const;
 
-  /// What parse reads back to the same tree.
+  /// A text that parse reads back to the same tree.
   [[nodiscard]] std::string to_string() const;
 
-  /// The entities that it names letter by letter, in order, each once; nothing where any of its
-  /// names is a pattern.
+  /// The entities that the query names letter by letter, sorted and without duplicates; nothing
+  /// where any of its names is a pattern.
   [[nodiscard]] std::optional<std::vector<MemoryId>> named_entities() const;
 
   /// The text form as a value.

@@ -9,10 +9,10 @@
 
 namespace engram::ltm {
 
-/// The way from the root of a query to the snapshots of an entity.
+/// The names from the root of a query to the snapshots of an entity.
 using QueryPath = std::array<NamePattern, MemoryId::kNameLevels>;
 
-/// Grows a query in normal form, selector by selector.
+/// Builds a query in normal form, selector by selector.
 ///
 /// Threading: one thread.
 class QueryBuilder {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kIdsOnly = "?ids";
 
-/// True where a backslash before it makes the last character a part of a name.
+/// True where a backslash makes the last character, a space, a part of a name.
 bool is_end_escaped(std::string_view text) {
   text.remove_suffix(1);
   size_t backslashes = 0;
@@ -27,7 +27,7 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-/// Splits at `separator` where no backslash stands before it.
+/// Splits at each `separator` without a backslash before it.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   size_t start = 0;
@@ -43,7 +43,8 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
-/// Where the `@` is that starts the selectors: first, or after a space. npos where there is none.
+/// The position of the `@` that starts the selectors: at the start, or after a space. npos where
+/// there is none. An `@` inside a name, as in an e-mail address, starts none.
 size_t find_selectors(std::string_view branch) {
   bool is_after_space = true;
   for (size_t i = 0; i < branch.size(); ++i) {
@@ -74,7 +75,8 @@ class QueryParser {
   }
 
  private:
-  /// Says in which text and where; positions count bytes from 1.
+  /// Adds the text and the position to an error; positions count bytes from 1.
+  /// A part is a view of the text, so its address gives its position.
   [[nodiscard]] Status at(std::string_view part, const Status& status) const {
     return status.with_context(
         fmt::format("query '{}' at {}", text_, part.data() - text_.data() + 1));
@@ -113,7 +115,7 @@ class QueryParser {
     return path;
   }
 
-  /// Compiles what is repeated in many branches once.
+  /// Compiles an expression once, also where many branches repeat it.
   Result<NamePattern> parse_pattern(std::string_view text) {
     if (const auto known = patterns_.find(text); known != patterns_.end()) return known->second;
     ENGRAM_ASSIGN_OR_RETURN(NamePattern pattern, NamePattern::parse(text));
@@ -142,7 +144,7 @@ class QueryParser {
   std::map<std::string_view, NamePattern> patterns_;
 };
 
-/// One branch per entity level.
+/// Prints one branch per entity level.
 class QueryPrinter {
  public:
   void print(const std::vector<MemoryQuery>& memories) { print_level(memories, ""); }

@@ -18,9 +18,10 @@ const std::string& name_of(const NameResult<Below>& level) {
   return level.name;
 }
 
-/// Where `name` is among siblings, or would be.
+/// The position of `name` among siblings, or where to insert it.
 template <typename Level>
 auto place_of(std::vector<Level>& siblings, const std::string& name) {
+  // Answers are mostly built in the order of names, which makes the end the usual position.
   if (!siblings.empty() && name_of(siblings.back()) < name) return siblings.end();
   return std::ranges::lower_bound(
       siblings, name, {}, [](const Level& level) -> auto& { return name_of(level); });
@@ -95,6 +96,7 @@ const SnapshotResult* EntityResult::find(Time time) const {
 }
 
 void EntityResult::add(SnapshotResult snapshot) {
+  // Memories answer in the order of time; only uniting the answers of several inserts.
   if (snapshots.empty() || snapshots.back().time < snapshot.time) {
     snapshots.push_back(std::move(snapshot));
     return;

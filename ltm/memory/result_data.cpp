@@ -56,7 +56,7 @@ idf::Data entity_data(const EntityResult& entity, bool is_ids_only) {
   return idf::Dict{{"id", entity.id.to_data()}, {"snapshots", std::move(snapshots)}};
 }
 
-/// Nothing where there is no member `name`.
+/// Returns nothing where there is no member `name`.
 Result<std::optional<MeasuredError>> error_from(const DataFields& instance, const char* name) {
   if (!instance.has(name)) return std::optional<MeasuredError>();
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data* data, instance.data(name));
@@ -137,13 +137,14 @@ Result<SnapshotResult> snapshot_from(const idf::Data& data, bool is_ids_only) {
   return snapshot;
 }
 
-/// Reads one entity that comes after `last` in the order of names, and makes it the last.
+/// Reads one entity, which must come after `last` in the order of names, and stores it in `last`.
 Status read_entity(const idf::Data& data, QueryResult& result, MemoryId& last) {
   ENGRAM_ASSIGN_OR_RETURN(const DataFields fields, DataFields::of(data, "entity"));
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data* id, fields.data("id"));
   ENGRAM_ASSIGN_OR_RETURN(const MemoryId entity, MemoryId::from_data(*id));
   if (!entity.is_entity())
     return invalid_argument("'{}' is no entity: needs four names", entity.to_string());
+  // A strict order excludes duplicates and appends in O(1), also where the data are hostile.
   if (entity <= last)
     return invalid_argument("'{}' comes after '{}', needs increasing names", entity.to_string(),
                             last.to_string());

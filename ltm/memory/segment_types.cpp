@@ -45,12 +45,13 @@ Status SegmentTypes::declare(const MemoryId& segment, const idf::Type& type) {
     if (const idf::Type* core = find(segment.parent()))
       ENGRAM_RETURN_IF_ERROR(check_extension(segment, type, segment.parent(), *core));
   } else {
+    // A new core type may not break the types that already extend the old one.
     for (const auto& [id, provider] : types_)
       if (is_provider_segment(id) && segment.is_prefix_of(id))
         ENGRAM_RETURN_IF_ERROR(check_extension(id, provider, segment, type));
   }
-  // Who declares the same again, as producers do when they start, keeps what was declared: types of
-  // one declaration are compared at once.
+  // Producers declare their types again whenever they start. An equal declaration keeps the old
+  // type object, because types of one declaration are compared at once.
   const auto [known, is_new] = types_.try_emplace(segment, type);
   if (!is_new && known->second != type) known->second = type;
   return {};

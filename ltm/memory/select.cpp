@@ -12,19 +12,19 @@ namespace {
 
 using Found = Result<std::optional<Time>>;
 
-/// The end of what 64 bits hold where `time` + `offset` lies beyond it.
+/// Returns `time` + `offset`, clamped to what 64 bits hold.
 Time plus(Time time, Duration offset) {
   int64_t sum = 0;
   if (!__builtin_add_overflow(to_ns(time), offset.count(), &sum)) return time_from_ns(sum);
   return time_from_ns(offset < Duration(0) ? INT64_MIN : INT64_MAX);
 }
 
-/// Between `earlier` and `later`. Unsigned: two times may lie 584 years apart.
+/// The distance from `earlier` to `later`. Unsigned, because two times may lie 584 years apart.
 uint64_t distance_ns(Time earlier, Time later) {
   return static_cast<uint64_t>(to_ns(later)) - static_cast<uint64_t>(to_ns(earlier));
 }
 
-/// The snapshot right before or after `time`.
+/// The snapshot directly before or after `time`.
 Found before(Moments& moments, Time time) {
   if (to_ns(time) == INT64_MIN) return std::optional<Time>();
   return moments.at_or_before(time_from_ns(to_ns(time) - 1));
@@ -34,7 +34,8 @@ Found after(Moments& moments, Time time) {
   return moments.at_or_after(time_from_ns(to_ns(time) + 1));
 }
 
-/// Snapshot number `index` from the last.
+/// The snapshot at `index`, counted from the last. It steps back from the last snapshot, because
+/// Moments do not know their number.
 Found nth_from_end(Moments& moments, uint64_t index) {
   Found found = moments.last();
   for (; index > 0 && found.ok() && found.value(); --index) found = before(moments, **found);
@@ -78,7 +79,7 @@ struct Selecting {
     if (!next && !previous) return Selection();
     const uint64_t ahead = next ? distance_ns(s.time, *next) : UINT64_MAX;
     const uint64_t behind = previous ? distance_ns(*previous, s.time) : UINT64_MAX;
-    // Of two equally close the earlier.
+    // Of two snapshots at the same distance the earlier one is nearest.
     const auto best = previous && behind <= ahead ? previous : next;
     const bool is_close = std::min(ahead, behind) <= static_cast<uint64_t>(s.tolerance.count());
     return is_close || s.tolerance == Duration::max() ? span(best, best) : Selection();
@@ -105,7 +106,7 @@ struct Selecting {
   Result<Selection> operator()(select::IndexRange s) const {
     ENGRAM_ASSIGN_OR_RETURN(std::optional<Time> first, at_index(s.first));
     ENGRAM_ASSIGN_OR_RETURN(std::optional<Time> last, at_index(s.last));
-    // Indices before the first or behind the last snapshot stand for the ends.
+    // Indices before the first or beyond the last snapshot mean the ends.
     if (!first && s.first < 0) {
       ENGRAM_ASSIGN_OR_RETURN(first, moments.first());
     }
@@ -134,7 +135,7 @@ Status append(const Selection& selection, const std::vector<int32_t>& instances,
   return {};
 }
 
-/// Adds the instances of `other`, which asks for the same moment.
+/// Adds the instances of `other`, which selects the same moment.
 void unite(SelectedSnapshot& one, const SelectedSnapshot& other) {
   if (one.instances.empty() || other.instances.empty()) return one.instances.clear();
   std::vector<int32_t> united;

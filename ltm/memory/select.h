@@ -9,27 +9,28 @@
 
 namespace engram::ltm {
 
-/// The times of an entity's snapshots, which are looked for and not listed: there may be millions.
+/// The times of an entity's snapshots. They are searched and not listed, because there may be
+/// millions.
 class Moments {
  public:
   virtual ~Moments() = default;
 
-  /// Nothing where the entity has no snapshot.
+  /// The first and the last snapshot; nothing where the entity has none.
   /// Errors, here and below: kDataLoss, kUnavailable.
   virtual Result<std::optional<Time>> first() = 0;
   virtual Result<std::optional<Time>> last() = 0;
 
-  /// The snapshot closest to `time` on that side, itself included; nothing where there is none.
+  /// The snapshot closest to `time` on that side, `time` included; nothing where there is none.
   virtual Result<std::optional<Time>> at_or_after(Time time) = 0;
   virtual Result<std::optional<Time>> at_or_before(Time time) = 0;
 
-  /// Snapshot number `index` from the first; nothing behind the last.
+  /// The snapshot at `index`, counted from the first; nothing beyond the last.
   virtual Result<std::optional<Time>> nth(uint64_t index) = 0;
 };
 
-/// What a selector means for one entity.
+/// The snapshots that a selector selects of one entity.
 struct Selection {
-  /// All snapshots from the first to the last of these times, which are times of snapshots.
+  /// All snapshots from `first` to `last`, which both are times of snapshots.
   struct Span {
     Time first{};
     Time last{};
@@ -37,17 +38,17 @@ struct Selection {
     friend bool operator==(const Span&, const Span&) = default;
   };
   std::optional<Span> snapshots;
-  /// A moment after the last snapshot that is asked for.
+  /// A moment after the last snapshot, to be predicted.
   std::optional<Time> future;
 
   friend bool operator==(const Selection&, const Selection&) = default;
 };
 
-/// One snapshot that is asked for.
+/// One selected snapshot.
 struct SelectedSnapshot {
   Time time{};
-  bool is_future = false;  ///< Behind the last snapshot: to be predicted.
-  /// Indices of the instances that are asked for, increasing; empty: all.
+  bool is_future = false;  ///< After the last snapshot: to be predicted.
+  /// The selected instances, increasing; empty: all.
   std::vector<int32_t> instances;
 
   friend bool operator==(const SelectedSnapshot&, const SelectedSnapshot&) = default;
@@ -55,14 +56,14 @@ struct SelectedSnapshot {
 
 /// Applies `selector` to the snapshots of an entity.
 /// Errors: those of Moments.
-/// Complexity: a few questions; for `Latest n` and index ranges as many as the index is far away
+/// Complexity: a few searches; for `Latest n` and index ranges as many as the distance of the index
 /// from the end.
 Result<Selection> select_times(const Selector& selector, Moments& moments);
 
-/// Unites what several selectors mean for one entity: in the order of time, each moment once, with
-/// all the instances that any of them asks for.
+/// Unites the snapshots that several selectors select of one entity: ordered by time, each moment
+/// once, with all instances that any of them selects.
 /// Errors: those of Moments.
-/// Complexity: O(m log m) in the number of answers.
+/// Complexity: O(m log m) in the number m of selected snapshots.
 Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQuery> queries,
                                                        Moments& moments);
 

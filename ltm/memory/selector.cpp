@@ -8,6 +8,8 @@ namespace engram::ltm {
 
 namespace {
 
+/// Integers of times are nanoseconds. One below this limit lies within a second of 1970, which no
+/// robot records, so it is an index.
 constexpr int64_t kIndexLimit = 1'000'000'000;
 
 std::string_view trim(std::string_view text) {
@@ -70,7 +72,7 @@ Result<Selector> parse_time_range(std::string_view text, size_t dots) {
   return Selector(select::TimeRange{from, to});
 }
 
-/// Two integers are indices where both are too small to be times.
+/// Reads a range. Two integers are indices where both are too small to be times.
 Result<Selector> parse_range(std::string_view text, size_t dots) {
   const auto first = parse_integer(trim(text.substr(0, dots)));
   const auto last = parse_integer(trim(text.substr(dots + 2)));
@@ -100,7 +102,7 @@ Result<Selector> parse_last(std::string_view text) {
   return Selector(select::LastDuration{duration});
 }
 
-/// A selector that is no more than a keyword and a time, or a time alone.
+/// Reads a selector of a keyword and a time, or of a time alone.
 Result<Selector> parse_moment(std::string_view text) {
   const bool is_inclusive = take_prefix(text, "at-or-before:");
   const bool is_before = is_inclusive || take_prefix(text, "before:");

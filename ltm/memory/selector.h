@@ -11,12 +11,12 @@ namespace engram::ltm {
 
 using engram::to_string;
 
-/// Which of an entity's snapshots a query means.
+/// The kinds of selectors: each selects some of an entity's snapshots.
 namespace select {
 struct All {
   friend bool operator==(All, All) = default;
 };
-/// The last `count`, oldest first.
+/// The last `count` snapshots, oldest first.
 struct Latest {
   int64_t count = 1;
   friend bool operator==(Latest, Latest) = default;
@@ -31,35 +31,36 @@ struct Ahead {
   Duration offset{};
   friend bool operator==(Ahead, Ahead) = default;
 };
-/// The closest in time, if within the tolerance.
+/// The snapshot closest in time, if it is within the tolerance.
 struct Nearest {
   Time time{};
   Duration tolerance = Duration::max();
   friend bool operator==(Nearest, Nearest) = default;
 };
-/// The last one before `time`, or at it where `is_inclusive`.
+/// The last snapshot before `time`, or at it where `is_inclusive`.
 struct Before {
   Time time{};
   bool is_inclusive = false;
   friend bool operator==(Before, Before) = default;
 };
-/// The first one after `time`.
+/// The first snapshot after `time`.
 struct After {
   Time time{};
   friend bool operator==(After, After) = default;
 };
-/// Both ends included.
+/// The snapshots of a range of time, both ends included.
 struct TimeRange {
   Time first{};
   Time last{};
   friend bool operator==(TimeRange, TimeRange) = default;
 };
-/// Not older than `duration` before the last one.
+/// The snapshots that are at most `duration` older than the last one.
 struct LastDuration {
   Duration duration{};
   friend bool operator==(LastDuration, LastDuration) = default;
 };
-/// Both ends included; negative counts from the end, -1 is the last.
+/// The snapshots of a range of indices, both ends included. Negative indices count from the end; -1
+/// is the last.
 struct IndexRange {
   int64_t first = 0;
   int64_t last = -1;
@@ -71,17 +72,18 @@ using Selector = std::variant<select::All, select::Latest, select::At, select::A
                               select::Nearest, select::Before, select::After, select::TimeRange,
                               select::LastDuration, select::IndexRange>;
 
+/// Checks the values of a selector.
 /// Errors: kInvalidArgument where a count is not positive, a duration or tolerance is negative, or
 /// a time range ends before it starts.
 [[nodiscard]] Status validate(const Selector& selector);
 
 /// Reads `all`, `latest`, `latest:3`, `T`, `+200ms`, `nearest:T`, `nearest:T~50ms`, `before:T`,
 /// `at-or-before:T`, `after:T`, `T1..T2`, `last:10s`, `-3..-1`. Two bare integers below 10^9 are
-/// indices; `time:` and `index:` say it outright.
+/// indices; the prefixes `time:` and `index:` decide explicitly.
 /// Errors: kInvalidArgument naming the text and what was needed.
 Result<Selector> parse_selector(std::string_view text);
 
-/// What parse_selector reads back to the same selector, if it validates.
+/// A text that parse_selector reads back to the same selector, if it validates.
 [[nodiscard]] std::string to_string(const Selector& selector);
 
 }  // namespace engram::ltm

@@ -10,19 +10,19 @@
 
 namespace engram::ltm {
 
-/// What is known about one datum beside its value.
+/// What is known about one instance besides its value.
 struct InstanceMetadata {
   Time created{};  ///< When the producer measured it.
   Time sent{};     ///< When the producer handed it over.
   Time arrived{};  ///< When the memory took it.
   std::string provider;
   float confidence = 1.0f;  ///< 0..1.
-  /// The instance that this was made of by changing it on purpose; empty: nobody changed it.
+  /// The instance that this one was deliberately changed from; empty: not changed.
   MemoryId origin{};
-  /// How it was changed: a recipe as JSON (docs/augmentation.md); empty: nobody changed it.
+  /// How it was changed: a recipe as JSON (docs/augmentation.md); empty: not changed.
   std::string recipe{};
 
-  /// Whether it must not be taken for what was perceived.
+  /// Whether it must not be mistaken for a perception.
   [[nodiscard]] bool is_augmented() const { return !recipe.empty() || origin.depth() > 0; }
 
   [[nodiscard]] idf::Data to_data() const;
@@ -34,7 +34,7 @@ struct InstanceMetadata {
   friend bool operator==(const InstanceMetadata&, const InstanceMetadata&) = default;
 };
 
-/// One datum of an entity's state.
+/// One value of an entity's state, with its metadata.
 struct Instance {
   idf::Data data;
   InstanceMetadata metadata;
@@ -50,13 +50,14 @@ struct Snapshot {
 
   [[nodiscard]] MemoryId id() const { return entity.at(time); }
 
-  /// Whether any of its instances is.
+  /// Whether any of its instances is augmented.
   [[nodiscard]] bool is_augmented() const;
 
-  /// Bytes of the plain values, in IDF's binary form: what "raw bytes" counts everywhere.
+  /// The size of the plain values in IDF's binary form; this is the meaning of "raw bytes"
+  /// everywhere. Unit: bytes.
   [[nodiscard]] size_t raw_bytes() const;
 
-  /// {"entity", "time" in ns, "instances": [{"data", "metadata"}]}.
+  /// Returns {"entity", "time" in ns, "instances": [{"data", "metadata"}]}.
   [[nodiscard]] idf::Data to_data() const;
 
   /// Reads what to_data wrote; safe on hostile values.

@@ -8,7 +8,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Bytes of the UTF-8 character that `text` starts with; zero where there is none.
+/// The number of bytes of the UTF-8 character at the start of `text`; zero where there is none.
 size_t utf8_length(std::string_view text) {
   const auto lead = static_cast<uint8_t>(text.front());
   if (lead < 0x80) return 1;

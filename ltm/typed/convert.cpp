@@ -10,7 +10,7 @@ namespace engram::typed {
 
 namespace {
 
-/// Longer lists help nobody, and hostile values have many.
+/// The bound of notes in a message. Longer lists are not read, and hostile values have many.
 constexpr size_t kMaxNotes = 100;
 
 Status problems(const idf::Type& type, std::vector<std::string> found) {

@@ -14,7 +14,7 @@
 
 namespace engram::typed {
 
-/// A generated struct: `for_each_member(visit)` calls visit(key, &Struct::member) for all members,
+/// A generated struct. `for_each_member(visit)` calls visit(key, &Struct::member) for all members,
 /// those of the base first, in the order of the type.
 template <typename T>
 concept Object = requires {
@@ -22,13 +22,13 @@ concept Object = requires {
   T::for_each_member([](std::string_view, auto) {});
 };
 
-/// `data` as a value of `type`: with members dropped that the type does not have, and numbers
+/// Casts `data` to `type`: members that the type does not have are dropped, and numbers are
 /// widened.
 /// Errors: kInvalidArgument listing by path everything that would be lost or is missing.
 Result<idf::Data> fitted(const idf::Data& data, const idf::Type& type);
 
-/// What a value says that fits its type and still is no such C++ object: text that is no link,
-/// images that OpenCV cannot hold.
+/// The error of a value that fits its type but not its C++ object: a text that is no link, an image
+/// that OpenCV cannot hold.
 Status unreadable(const idf::Data& data, const idf::Type& type);
 
 template <Object T>
@@ -36,10 +36,11 @@ template <Object T>
   return write(object, T::idf_type());
 }
 
-/// The object that `data` describes. Members that T does not have are left out.
+/// Reads an object from `data`. Members that T does not have are ignored.
 /// Errors: kInvalidArgument listing by path what does not fit.
 template <Object T>
 Result<T> from_idf(const idf::Data& data) {
+  // Casting walks the value and copies it, so it is only tried where reading fails.
   Result<T> object{T{}};
   if (read(data, T::idf_type(), *object)) return object;
   ENGRAM_ASSIGN_OR_RETURN(const idf::Data fitting, fitted(data, T::idf_type()));
@@ -48,7 +49,8 @@ Result<T> from_idf(const idf::Data& data) {
   return unreadable(fitting, T::idf_type());
 }
 
-/// The value of `key`; nearly always it stands where the type has it. Null where there is none.
+/// The value of `key`, or null where there is none. The key is almost always at `place`, where the
+/// type has it, so it is tried first.
 [[nodiscard]] inline const idf::Data* find_member(const idf::Dict& dict, size_t place,
                                                   std::string_view key) {
   if (place < dict.size())

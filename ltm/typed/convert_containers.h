@@ -152,7 +152,7 @@ struct Convert<std::tuple<Ts...>> {
   }
 
  private:
-  /// Until one says no.
+  /// Calls `visit` for each index until one call returns false.
   template <typename Visit>
   static bool for_each_index(Visit visit) {
     return [&]<size_t... i>(std::index_sequence<i...>) {

@@ -12,7 +12,7 @@
 
 namespace engram::typed {
 
-/// The array of a value where it has these elements and this shape, else null; -1 is any size.
+/// The array of a value where it has these elements and this shape, otherwise null; -1 is any size.
 template <typename T>
 [[nodiscard]] const idf::NdArray* find_array(const idf::Data& data,
                                              std::initializer_list<int64_t> shape) {
@@ -25,11 +25,12 @@ template <typename T>
   return array;
 }
 
-/// Shape: [rows, cols]. The numbers are copied: an ndarray is row-major, a matrix seldom is.
+/// Shape: [rows, cols]. The numbers are copied: an ndarray is row-major, and a matrix seldom is.
 template <typename T, int kRows, int kCols, int kOptions, int kMaxRows, int kMaxCols>
 struct Convert<Eigen::Matrix<T, kRows, kCols, kOptions, kMaxRows, kMaxCols>> {
   using Matrix = Eigen::Matrix<T, kRows, kCols, kOptions, kMaxRows, kMaxCols>;
-  // Eigen has no row-major columns and no column-major rows; for those both orders are the same.
+  // Eigen has no row-major column vectors and no column-major row vectors; for these both orders
+  // are the same.
   using RowMajor =
       Eigen::Matrix<T, kRows, kCols, kCols == 1 && kRows != 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
@@ -78,7 +79,7 @@ struct Convert<Eigen::Quaternion<T, kOptions>> {
   }
 };
 
-/// A dict {position, orientation}.
+/// The value is a dict {position, orientation}.
 template <typename T>
 struct Convert<Pose<T>> {
   static idf::Data write(const Pose<T>& value, const idf::Type& type) {

@@ -15,14 +15,15 @@
 
 namespace engram::typed {
 
-/// How a C++ type lies in a value of the Interpretable Data Format: one specialisation each, with
+/// Converts a C++ type to and from a value of the Interpretable Data Format. Each type has a
+/// specialisation with
 ///
 ///     static idf::Data write(const T& value, const idf::Type& type);
 ///     static bool read(const idf::Data& data, const idf::Type& type, T& value);
 ///     static bool equal(const T& a, const T& b);
 ///
-/// `type` is the one that T was generated for; sizes that T does not fix come from there. What
-/// `read` leaves behind where it says no means nothing. Numbers are equal where their bits are.
+/// `type` is the one that T was generated for; it gives the sizes that T does not fix. Where `read`
+/// returns false, `value` is unspecified. Numbers are equal where their bits are equal.
 template <typename T>
 struct Convert;
 

@@ -9,11 +9,11 @@
 #include "ltm/core/check.h"
 #include "ltm/idf/ndarray.h"
 
-// What members of generated structs are before anybody sets them.
+// Initial values of the members of generated structs.
 namespace engram::typed {
 
-/// An array of this shape whose elements are all `value`. Needs sizes that are not negative and
-/// fit into memory (checked).
+/// An array of this shape whose elements are all `value`. Needs sizes that are not negative and fit
+/// into memory (checked).
 template <typename T>
 [[nodiscard]] idf::NdArray filled(idf::Shape shape, T value = T{}) {
   const auto bytes = idf::size_bytes(idf::kElementTypeOf<T>, shape);

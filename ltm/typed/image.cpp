@@ -12,7 +12,7 @@ namespace {
 
 using idf::ElementType;
 
-/// What OpenCV calls the elements of an array; nothing where it has no such elements.
+/// The OpenCV code of an array's elements; nothing where OpenCV has no such elements.
 std::optional<int> depth_of(ElementType element) {
   switch (element) {
     case ElementType::kUInt8:
@@ -42,7 +42,7 @@ std::optional<ElementType> element_of(int depth) {
   return std::nullopt;
 }
 
-/// Elements and channels of pixels.
+/// The elements and channels of pixels.
 struct Pixels {
   ElementType element;
   int64_t channels;
@@ -62,10 +62,11 @@ Pixels pixels_of(idf::PixelType pixel) {
   return {ElementType::kUInt16, 1};
 }
 
-/// Gives Mats the bytes of buffers: OpenCV counts the Mats, and the last one lets the buffer go.
+/// Lets Mats use the bytes of buffers: OpenCV counts the Mats, and the last one releases the
+/// buffer.
 class BufferAllocator : public cv::MatAllocator {
  public:
-  /// Never destroyed: Mats in static variables may outlive everything.
+  /// Never destroyed, because Mats in static variables may outlive everything.
   static const BufferAllocator& instance() {
     static const BufferAllocator* const kInstance = new BufferAllocator();
     return *kInstance;
@@ -73,7 +74,7 @@ class BufferAllocator : public cv::MatAllocator {
 
   [[nodiscard]] cv::UMatData* hold(const Buffer& buffer) const {
     auto held = std::make_unique<cv::UMatData>(this);
-    // OpenCV has no Mat for reading alone; the header says that nobody writes.
+    // OpenCV has no read-only Mat; the header forbids writing.
     held->data = held->origdata = reinterpret_cast<uchar*>(const_cast<std::byte*>(buffer.data()));
     held->size = buffer.size();
     held->refcount = 1;
@@ -81,7 +82,7 @@ class BufferAllocator : public cv::MatAllocator {
     return held.release();
   }
 
-  /// The buffer below a Mat; null where it is none of ours.
+  /// The buffer below a Mat; null where it came from another allocator.
   [[nodiscard]] const Buffer* buffer_of(const cv::Mat& mat) const {
     return mat.u != nullptr && mat.u->currAllocator == this ? static_cast<Buffer*>(mat.u->userdata)
                                                             : nullptr;
@@ -101,7 +102,7 @@ class BufferAllocator : public cv::MatAllocator {
   }
 };
 
-/// The bytes of a Mat without gaps, owned by whoever owns them now.
+/// The bytes of a Mat without gaps, kept alive by their current owner.
 Buffer share(const cv::Mat& mat) {
   const auto* data = reinterpret_cast<const std::byte*>(mat.data);
   const size_t size = mat.total() * mat.elemSize();
@@ -167,7 +168,7 @@ bool Convert<cv::Mat>::read(const idf::Data& data, const idf::Type& type, cv::Ma
 
 bool Convert<cv::Mat>::equal(const cv::Mat& a, const cv::Mat& b) {
   if (a.dims > 2 || b.dims > 2 || a.size() != b.size()) return false;
-  // An empty Mat has no kind of pixels until somebody looks.
+  // An empty Mat has no kind of pixels that could differ.
   if (a.empty()) return true;
   if (a.type() != b.type()) return false;
   const size_t row_bytes = static_cast<size_t>(a.cols) * a.elemSize();

@@ -13,7 +13,7 @@
 
 namespace engram::typed {
 
-/// Numbers per point, as idf::field_count says.
+/// The number of fields of a point, as idf::field_count.
 [[nodiscard]] constexpr int fields_of(idf::PointType point) {
   switch (point) {
     case idf::PointType::kXyz:
@@ -33,19 +33,19 @@ namespace engram::typed {
   return 9;
 }
 
-/// Points that cannot be changed and are shared with whatever they came from: copying is O(1), and
-/// neither writing them into a value nor reading them from one copies a point.
+/// Immutable points that are shared with the value they came from: copying is O(1), and neither
+/// writing them into a value nor reading them from one copies a point.
 ///
-/// Shape: float32 [points, fields], row-major; fields as idf::PointType says.
+/// Shape: float32 [points, fields], row-major; fields as in idf::PointType.
 /// Unit: m for x y z, 0..255 for colours.
-/// Threading: immutable but for assignment.
+/// Threading: immutable except for assignment.
 template <idf::PointType kPoint>
 class PointCloud {
  public:
   static constexpr int kFields = fields_of(kPoint);
   using Points = Eigen::Matrix<float, Eigen::Dynamic, kFields, Eigen::RowMajor>;
 
-  /// No points.
+  /// A cloud without points.
   PointCloud() : array_(filled<float>({0, kFields})) {}
 
   /// Takes the points without copying them.
@@ -77,7 +77,7 @@ class PointCloud {
 
   [[nodiscard]] int64_t count() const { return array_.shape()[0]; }
 
-  /// Valid as long as this cloud, or a copy of it, lives.
+  /// Valid as long as this cloud or a copy of it lives.
   [[nodiscard]] Eigen::Map<const Points> points() const {
     return {array_.values<float>().data(), count(), kFields};
   }

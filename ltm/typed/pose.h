@@ -6,12 +6,12 @@
 
 namespace engram::typed {
 
-/// Where something is and how it is turned.
+/// A position and an orientation.
 ///
-/// Two members and no Eigen::Isometry3: turned into a matrix and back, the numbers of a rotation
-/// change in their last bits, and what was read would not be what was written.
+/// It is two members and no Eigen::Isometry3: a rotation that is converted to a matrix and back
+/// changes in its last bits, so the value read would differ from the value written.
 /// Unit: m for the position.
-/// Frame: `pose_world_camera` takes camera coordinates to world:
+/// Frame: `pose_world_camera` transforms camera coordinates to world:
 /// p_world = orientation * p_camera + position. Hamilton quaternion of norm 1.
 template <std::floating_point T>
 struct Pose {

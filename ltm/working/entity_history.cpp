@@ -9,7 +9,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Unsigned: two times may lie 584 years apart. Unit: ns.
+/// Unsigned, because two times may lie 584 years apart. Unit: ns.
 double distance(Time earlier, Time later) {
   return static_cast<double>(static_cast<uint64_t>(to_ns(later)) -
                              static_cast<uint64_t>(to_ns(earlier)));
@@ -18,10 +18,10 @@ double distance(Time earlier, Time later) {
 }  // namespace
 
 size_t EntityHistory::lower_bound(Time time) const {
-  // Most that is asked for and all that is new lies at the end.
+  // New snapshots, and most that are searched, lie at the end.
   if (entries_.empty() || entries_.back().time < time) return entries_.size();
   if (time <= entries_.front().time) return 0;
-  // The answer lies behind `low` and not behind `high`.
+  // The answer lies after `low` and not after `high`.
   size_t low = 0;
   size_t high = entries_.size() - 1;
   const Time first = entries_.front().time;
@@ -31,7 +31,8 @@ size_t EntityHistory::lower_bound(Time time) const {
     probe = std::clamp(probe, low + 1, high - 1);
     const bool is_before = entries_[probe].time < time;
     (is_before ? low : high) = probe;
-    // Away from a guess that is close by growing steps, until these reach too far.
+    // Moves away from the guess, which is close at regular intervals, by growing steps; once they
+    // reach too far, it bisects.
     const size_t next = is_before ? probe + step : probe - std::min(probe, step);
     probe = next > low && next < high ? next : low + (high - low) / 2;
   }

@@ -13,19 +13,19 @@ namespace engram::ltm {
 
 /// The snapshots of one entity that are in working memory, in the order of time.
 ///
-/// Those that were chosen to leave are the oldest ones; they stay readable until they are stored.
-/// Threading: one thread; several that read at once.
+/// The oldest ones may have been chosen to leave; they stay readable until they are stored.
+/// Threading: one thread writes; several may read at once.
 class EntityHistory {
  public:
   struct Entry {
     Entry(SharedSnapshot shared, Time came, size_t plain_bytes)
         : time(shared->time), snapshot(std::move(shared)), arrived(came), bytes(plain_bytes) {}
 
-    Time time;  ///< Beside the snapshot: searches do not touch it.
+    Time time;  ///< A copy, so that searches do not touch the snapshot.
     SharedSnapshot snapshot;
     Time arrived{};
     size_t bytes = 0;
-    bool is_queued = false;  ///< Waits for the online phase.
+    bool is_queued = false;  ///< It waits for the online phase.
     bool is_stored = false;  ///< The online phase took it.
   };
 
@@ -35,20 +35,21 @@ class EntityHistory {
   [[nodiscard]] Entry& operator[](size_t index) { return entries_[index]; }
   [[nodiscard]] const Entry& back() const { return entries_.back(); }
 
-  /// How many were chosen to leave: the first ones.
+  /// The number of snapshots that were chosen to leave, which are the first ones.
   [[nodiscard]] size_t leaving() const { return leaving_; }
   [[nodiscard]] size_t staying() const { return entries_.size() - leaving_; }
 
-  /// Index of the first one that is not before `time`; size() where there is none.
-  /// Complexity: O(1) where they come at regular intervals, else O(log n).
+  /// The index of the first snapshot that is not before `time`; size() where there is none.
+  /// Complexity: O(1) where snapshots come at regular intervals, otherwise O(log n).
   [[nodiscard]] size_t lower_bound(Time time) const;
 
-  /// Index of the one of exactly this time.
+  /// The index of the snapshot of exactly this time.
   [[nodiscard]] std::optional<size_t> find(Time time) const;
 
-  /// Puts it where its time belongs; one of the same time makes room and is given back. What lies
-  /// before one that is leaving, leaves too.
-  /// Complexity: O(log n) and as many moves as there are later ones, or earlier ones if fewer.
+  /// Where put() placed an entry. An entry of the same time is replaced and returned. An entry
+  /// before one that is leaving leaves too.
+  /// Complexity: O(log n) and one move for each later entry, or for each earlier one if these are
+  /// fewer.
   struct Placed {
     size_t index = 0;
     std::optional<Entry> replaced;
@@ -56,7 +57,7 @@ class EntityHistory {
   };
   Placed put(Entry entry);
 
-  /// Chooses the oldest one that stays. Needs one (checked).
+  /// Chooses the oldest snapshot that stays, to leave. Needs one (checked).
   Entry& choose_oldest();
 
   void erase(size_t index);

@@ -10,17 +10,17 @@
 
 namespace engram::ltm {
 
-/// A snapshot of working memory, checked, and the bytes as which it came. check() makes it.
+/// A checked snapshot of working memory, and the bytes in which it came. check() makes it.
 struct HeldSnapshot : CheckedSnapshot {
-  /// `came` is forgotten where values were cast: it says what they were before.
+  /// `came` is dropped where values were cast, because it holds the values before the cast.
   HeldSnapshot(Proof proof, const SnapshotCast& cast, std::vector<Buffer> came)
       : CheckedSnapshot(std::move(proof), cast),
         encoded(cast.is_cast ? std::vector<Buffer>() : std::move(came)) {}
 
-  /// The data of each instance in IDF's binary form; empty where it did not come so.
+  /// The data of each instance in IDF's binary form; empty where it did not come in this form.
   std::vector<Buffer> encoded;
 
-  /// Of its data: as it came, else as values.
+  /// The size of its data: of the bytes in which it came, otherwise of its values. Unit: bytes.
   [[nodiscard]] size_t plain_bytes() const {
     if (encoded.empty()) return raw_bytes();
     size_t bytes = 0;
@@ -29,14 +29,14 @@ struct HeldSnapshot : CheckedSnapshot {
   }
 };
 
-/// A snapshot that is shared with whoever reads it, and never changes.
+/// A snapshot that is shared with its readers and never changes.
 using SharedSnapshot = std::shared_ptr<const HeldSnapshot>;
 
-/// A snapshot whose segment has no type.
+/// Holds a snapshot whose segment has no type.
 [[nodiscard]] SharedSnapshot hold_untyped(Snapshot snapshot, std::vector<Buffer> encoded = {});
 
-/// A snapshot as a moment of an answer; `instances`: which, increasing, empty for all. Without any
-/// of these it has no instances.
+/// Returns a snapshot as a moment of an answer. `instances` selects instances, increasing; empty:
+/// all. Where it has none of these, the moment has no instances.
 [[nodiscard]] SnapshotResult result_of(const HeldSnapshot& held,
                                        const std::vector<int32_t>& instances, bool is_ids_only);
 

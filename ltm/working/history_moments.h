@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what of an entity is in memory, as selectors of queries see it.
+// Private to this room: the snapshots of an entity in memory, as the selectors of queries see them.
 
 #include <optional>
 
@@ -10,8 +10,8 @@
 
 namespace engram::ltm {
 
-/// The times of an entity's snapshots in working memory, and whether an answer was asked for that
-/// those up to `elsewhere`, which are not all here, could change.
+/// The times of an entity's snapshots in working memory. It notes whether a search reached
+/// snapshots up to `elsewhere`, which are not all here and could change the answer.
 class HistoryMoments final : public Moments {
  public:
   HistoryMoments(const EntityHistory& history, std::optional<Time> elsewhere)
@@ -41,12 +41,12 @@ class HistoryMoments final : public Moments {
   }
 
  private:
-  /// Nothing before the first and behind the last.
+  /// Nothing before the first and beyond the last.
   [[nodiscard]] std::optional<Time> time_of(size_t index) const {
     return index < history_.size() ? std::optional(history_[index].time) : std::nullopt;
   }
 
-  /// A later one could lie elsewhere.
+  /// Where the time is earlier than `elsewhere`, a later one could lie elsewhere.
   [[nodiscard]] std::optional<Time> unless_earlier(std::optional<Time> time) const {
     if (elsewhere_ && (!time || *time < *elsewhere_)) reaches_elsewhere_ = true;
     return time;

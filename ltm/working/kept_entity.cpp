@@ -8,7 +8,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// What a read of something counts for what it links to.
+/// The weight of a read of an entity for the entities that it links to.
 constexpr double kLinkShare = 0.5;
 
 }  // namespace
@@ -26,7 +26,7 @@ double KeptEntity::read_rate_at(Time now, Duration half_life) {
 void KeptEntity::link_to(std::vector<KeptEntity*> targets) {
   if (targets == links) return;
   for (KeptEntity* target : links) std::erase(target->linked_by, this);
-  // Each knows of the other, or neither does.
+  // Either both know of the link or neither does.
   std::erase_if(targets,
                 [](const KeptEntity* target) { return target->linked_by.size() >= kMaxLinkedBy; });
   links = std::move(targets);

@@ -9,23 +9,23 @@
 
 namespace engram::ltm {
 
-/// What of a part of the working memory may stay. Nothing: any number.
+/// The bounds of a part of the working memory. Empty: no bound.
 struct MemoryLimits {
   std::optional<size_t> snapshots;
-  std::optional<size_t> bytes;  ///< Plain bytes, and kSnapshotOverhead each.
-  std::optional<Duration> age;  ///< Since they arrived.
+  std::optional<size_t> bytes;  ///< Plain bytes, plus kSnapshotOverhead for each snapshot.
+  std::optional<Duration> age;  ///< The time since arrival.
 
-  /// Errors: kInvalidArgument where one is not more than zero.
+  /// Errors: kInvalidArgument where a bound is not more than zero.
   [[nodiscard]] Status validate() const;
 };
 
-/// The limits of all that lies below an ID: a memory, a segment or an entity.
+/// The limits of everything below an ID: a memory, a segment or an entity.
 struct SegmentLimits {
   MemoryId segment;
   MemoryLimits limits;
 };
 
-/// What a snapshot takes beside its values. Unit: bytes.
+/// The memory of a snapshot besides its values. Unit: bytes.
 inline constexpr size_t kSnapshotOverhead = 512;
 
 }  // namespace engram::ltm

@@ -11,7 +11,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// The entities that a snapshot links to, by its type.
+/// Notes the entities that a snapshot links to, by its type.
 void note_links(ArrivingSnapshot& arrival, const idf::Type* type) {
   if (type == nullptr) return;
   arrival.has_links = true;
@@ -70,6 +70,7 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   std::vector<ArrivingSnapshot> arrivals;
   arrivals.reserve(commit.updates.size());
   uint64_t reinterpreted = 0;
+  // Checking and casting are the long part: they hold the lock shared, so that queries go on.
   const auto prepare = [&]() -> Status {
     const SharedLock lock(state.mutex);
     for (size_t i = 0; i < commit.updates.size(); ++i) {
@@ -119,6 +120,9 @@ Result<size_t> WorkingMemory::store(const Sink& sink, size_t max_bytes) {
     }
   }
   if (taken.empty()) return size_t{0};
+  // `mutex` is free while the sink writes to the disk, so commits and queries go on. Commits append
+  // to `waiting`, and `storing` keeps others from shortening it: the taken ones are still its
+  // first.
   ENGRAM_RETURN_IF_ERROR(sink(taken));
   const ExclusiveLock lock(state.mutex);
   for (size_t i = 0; i < taken.size(); ++i) {
@@ -133,6 +137,7 @@ Result<size_t> WorkingMemory::store(const Sink& sink, size_t max_bytes) {
 void WorkingMemory::expire() {
   State& state = *state_;
   const Time now = state.clock();
+  // Declared before the lock, so that snapshots are freed after unlocking.
   std::vector<SharedSnapshot> gone;
   const ExclusiveLock lock(state.mutex);
   for (LimitedPart& part : state.parts) {
@@ -141,7 +146,7 @@ void WorkingMemory::expire() {
       return entity.history.staying() > 0 &&
              now - entity.history[entity.history.leaving()].arrived > *part.limits.age;
     };
-    // Members go as their last snapshot does: a copy.
+    // Copies the members: an entity is removed with its last snapshot.
     for (const std::vector<KeptEntity*> members = part.members; KeptEntity * entity : members) {
       const MemoryId id = entity->id;
       while (state.find(id) == entity && is_old(*entity)) state.choose_oldest(*entity);

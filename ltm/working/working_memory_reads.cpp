@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a working memory answers: searches under the shared lock, which change nothing but counts.
+// The answers of a working memory. Searches hold the shared lock and change nothing but counters.
 #include "ltm/core/mutex.h"
 #include "ltm/working/working_memory_state.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what a working memory holds, and what happens to it under its lock.
+// Private to this room: the state of a working memory, and what happens to it under its lock.
 
 #include <algorithm>
 #include <deque>
@@ -16,18 +16,18 @@
 
 namespace engram::ltm {
 
-/// Entities that are compared for one that leaves.
+/// The number of entities that are compared to choose one whose oldest snapshot leaves.
 inline constexpr size_t kCompared = 16;
 
-/// A snapshot on its way in.
+/// A snapshot that is being committed.
 struct ArrivingSnapshot {
   SharedSnapshot snapshot;
   size_t bytes = 0;
-  std::vector<MemoryId> links;  ///< Entities, each once.
-  bool has_links = false;       ///< It says what it links to: its type knows.
+  std::vector<MemoryId> links;  ///< The linked entities, each once.
+  bool has_links = false;       ///< It has a type, which knows its links.
 };
 
-/// A snapshot that the online phase is to take.
+/// A snapshot that waits for the online phase.
 struct WaitingSnapshot {
   SharedSnapshot snapshot;
   size_t bytes = 0;
@@ -49,11 +49,11 @@ struct WorkingMemory::State {
   SegmentTypes types ENGRAM_GUARDED_BY(mutex);
   std::map<MemoryId, std::unique_ptr<KeptEntity>> entities ENGRAM_GUARDED_BY(mutex);
   std::unordered_map<MemoryId, KeptEntity*> by_id ENGRAM_GUARDED_BY(mutex);
-  std::deque<LimitedPart> parts ENGRAM_GUARDED_BY(mutex);  ///< The first: all.
+  std::deque<LimitedPart> parts ENGRAM_GUARDED_BY(mutex);  ///< The first one is the whole memory.
   std::deque<WaitingSnapshot> waiting ENGRAM_GUARDED_BY(mutex);
-  /// To be freed without the lock, see take_gone().
+  /// Freed without the lock, see take_gone().
   std::vector<SharedSnapshot> gone ENGRAM_GUARDED_BY(mutex);
-  uint64_t queued ENGRAM_GUARDED_BY(mutex) = 0;  ///< That ever waited.
+  uint64_t queued ENGRAM_GUARDED_BY(mutex) = 0;  ///< The number that ever waited.
   MemoryCounters counts ENGRAM_GUARDED_BY(mutex);
   mutable std::atomic<uint64_t> reads{0};
   std::minstd_rand random ENGRAM_GUARDED_BY(mutex);
@@ -82,7 +82,8 @@ struct WorkingMemory::State {
     entities.erase(id);
   }
 
-  /// One snapshot more, or fewer, stays. Members of a part have one that does.
+  /// Counts one snapshot more, or less, that stays. An entity is a member of its parts as long as
+  /// one of its snapshots stays.
   void count_staying(KeptEntity& entity, size_t bytes, bool is_more) ENGRAM_REQUIRES(mutex) {
     for (KeptEntity::Membership& place : entity.parts) {
       place.part->snapshots += is_more ? 1 : size_t(-1);
@@ -114,15 +115,15 @@ struct WorkingMemory::State {
     counts.waiting_bytes += entry.bytes;
   }
 
-  /// Whether what leaves has to be stored before.
+  /// Whether snapshots must be stored before they leave.
   [[nodiscard]] bool must_store() const { return options.mode != StoreMode::kLatest; }
 
-  /// The oldest one of `entity` that stays is not to stay.
+  /// Chooses the oldest snapshot of `entity` that stays, to leave.
   void choose_oldest(KeptEntity& entity) ENGRAM_REQUIRES(mutex) {
     EntityHistory::Entry& entry = entity.history.choose_oldest();
     count_staying(entity, entry.bytes, false);
     if (must_store()) queue(entry);
-    if (entry.is_queued) return;  // Leaves when it is stored.
+    if (entry.is_queued) return;  // Leaves once it is stored.
     ++(entry.is_stored ? counts.left : counts.dropped);
     gone.push_back(entry.snapshot);
     entity.history.erase(entity.history.leaving() - 1);
@@ -133,6 +134,8 @@ struct WorkingMemory::State {
   KeptEntity& most_gainful(const LimitedPart& part, Time now) ENGRAM_REQUIRES(mutex) {
     KeptEntity* best = nullptr;
     double max = -1;
+    // Samples instead of keeping an order: the gain changes with time and with each read, and
+    // drawing 16 costs the same for any number of entities.
     const size_t count = std::min(part.members.size(), kCompared);
     for (size_t i = 0; i < count; ++i) {
       const size_t index = part.members.size() <= kCompared ? i : random() % part.members.size();
@@ -158,7 +161,7 @@ struct WorkingMemory::State {
     auto placed = entity.history.put(std::move(entry));
     ++counts.committed;
     if (placed.replaced) {
-      // Where it waits it is stored yet: it came first.
+      // If the replaced one waits it is still stored, because it came first.
       ++counts.superseded;
       if (!placed.is_leaving) count_staying(entity, placed.replaced->bytes, false);
     } else {
@@ -185,7 +188,7 @@ struct WorkingMemory::State {
     entity.link_to(std::move(targets));
   }
 
-  /// Of what the sink took, what may go goes.
+  /// Marks a snapshot that the sink took as stored; it leaves if it was chosen.
   void stored(const SharedSnapshot& snapshot) ENGRAM_REQUIRES(mutex) {
     ++counts.stored;
     KeptEntity* entity = find(snapshot->entity);
@@ -205,7 +208,7 @@ struct WorkingMemory::State {
               std::vector<SelectedEntity>& selected) const ENGRAM_REQUIRES_SHARED(mutex) {
     HistoryMoments moments(entity.history, elsewhere ? elsewhere(entity.id) : std::nullopt);
     SelectedEntity one{entity.id, {}, {}, {}};
-    // Moments in memory do not fail.
+    // Searches in memory cannot fail.
     auto asked = select_snapshots(query.snapshots_of(entity.id), moments);
     if (moments.reaches_elsewhere()) {
       one.reaches_elsewhere = true;
