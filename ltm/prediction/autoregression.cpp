@@ -9,9 +9,9 @@ namespace engram::ltm {
 namespace {
 
 constexpr int kChanges = 7;
-/// Of the mean square of a change.
+/// Weight of the ridge, relative to the mean square of a change.
 constexpr double kRidge = 1e-3;
-/// Windows that weights are learned from, at least.
+/// Min windows to learn weights from.
 constexpr size_t kMinWindows = 40;
 
 using Changes = Eigen::Matrix<double, kChanges, 1>;
@@ -67,13 +67,13 @@ class Autoregression final : public SeriesEngine {
       products += changes * (series.row(row + steps)[number] - series.row(row)[number]);
     }
     const double size = squares.diagonal().mean();
-    if (!(size > 0)) return Changes::Zero();  // It never changes.
+    if (!(size > 0)) return Changes::Zero();  // The number never changes.
     squares.diagonal().array() += kRidge * size;
     const Changes weights = squares.ldlt().solve(products);
     return weights.allFinite() ? weights : Changes::Zero();  // Squares of huge numbers overflow.
   }
 
-  std::map<size_t, std::vector<Changes>> weights_;  ///< By steps, of each number.
+  std::map<size_t, std::vector<Changes>> weights_;  ///< One per number; the key is the steps.
 };
 
 }  // namespace

@@ -13,22 +13,22 @@
 
 namespace engram::ltm {
 
-/// A way to predict an entity.
+/// An engine that predicts an entity.
 struct Engine {
-  Predictor* predictor = nullptr;  ///< Never null; who gave it owns it.
-  std::string model;               ///< "Vision/RGB/head/cam v1"; empty without one.
+  Predictor* predictor = nullptr;  ///< Never null; not owned.
+  std::string model;               ///< "Vision/RGB/head/cam v1"; empty without a model.
 };
 
-/// What an engine was worth on the recent past of an entity, one horizon ahead.
+/// The measured errors of an engine on the recent past of an entity, at one horizon.
 struct EngineRecord {
   std::string engine;
-  std::string model;         ///< Of Engine::model.
-  uint64_t predictions = 0;  ///< That it was measured on; zero: nothing is known.
-  MeasuredError mean;        ///< Their mean error.
-  MeasuredError bound;       ///< That of one is at most that, with kBoundProbability.
+  std::string model;         ///< Engine::model.
+  uint64_t predictions = 0;  ///< Number of measured predictions; with 0 the errors are unknown.
+  MeasuredError mean;        ///< Mean error of these predictions.
+  MeasuredError bound;       ///< One prediction stays within it, with kBoundProbability.
 };
 
-/// Predicts one entity by whichever engine was best on its own past, per horizon.
+/// Predicts one entity, for each horizon with the engine that was best on the entity's own past.
 ///
 /// Threading: one thread.
 /// Source: docs/prediction.md.
@@ -36,36 +36,39 @@ class EngineChoice {
  public:
   virtual ~EngineChoice() = default;
 
-  /// How many snapshots before and with this one are worth adding: all that is learned and
-  /// measured from.
+  /// The number of snapshots, up to and including `newest`, that engines learn from or are measured
+  /// on. Adding more is of no use.
   [[nodiscard]] virtual size_t snapshots_wanted(const Snapshot& newest) const = 0;
 
-  /// What came next. Errors: kInvalidArgument where it is not after the last one.
+  /// Adds the next snapshot. Errors: kInvalidArgument if it is not after the last one.
   virtual Status add(const Snapshot& snapshot) = 0;
 
-  /// From the last snapshot on, one answer per horizon in their order, by the engine that is named
-  /// or (empty) by the best for each. It tells engine, model, horizon, expected error and bound.
-  /// Errors: kNotFound without a snapshot or where no engine has this name, naming those there
-  /// are; kInvalidArgument where a horizon is not positive; those of the engine.
+  /// Predicts from the last snapshot on and returns one answer per horizon, in their order. The
+  /// engine with the given name predicts or, if it is empty, the best one for each horizon. Answers
+  /// have the engine, model, horizon, expected error and bound.
+  /// Errors: kNotFound without a snapshot, or if no engine has this name (it lists the known ones);
+  /// kInvalidArgument if a horizon is not positive; those of the engine.
   virtual Result<std::vector<SnapshotResult>> predict(std::span<const Duration> horizons,
                                                       const std::string& engine) = 0;
 
-  /// All engines, measured that far ahead, the one that answers first.
+  /// All engines with their errors at the horizon `ahead`. The one that answers comes first.
   virtual Result<std::vector<EngineRecord>> records(Duration ahead) = 0;
 };
 
-/// What Predictor::condition() was at a moment: the last value at or before it, or nothing.
+/// Returns the value of an entity (Predictor::condition) at a moment: the last one at or before it,
+/// or nothing.
 using ConditionAt = std::function<Result<std::optional<idf::Data>>(const MemoryId&, Time)>;
 
-/// What a choice is made for.
+/// The inputs that an EngineChoice is made from.
 struct EngineChoiceInputs {
   MemoryId entity;
-  std::optional<idf::Type> type;  ///< Of its values.
-  std::vector<Engine> models;     ///< Outlive the choice.
-  ConditionAt condition_at;       ///< May be empty: then no condition is known.
+  std::optional<idf::Type> type;  ///< The declared type of its values.
+  std::vector<Engine> models;     ///< They must outlive the choice.
+  ConditionAt condition_at;       ///< If it is empty, no condition is known.
 };
 
-/// Given from above, so that recall needs to know no other engines than those of its models.
+/// Makes an EngineChoice. The caller of recall provides it, so that recall need not know engines
+/// other than those of its models.
 using MakeEngineChoice = std::function<std::unique_ptr<EngineChoice>(EngineChoiceInputs)>;
 
 }  // namespace engram::ltm

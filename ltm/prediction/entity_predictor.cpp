@@ -13,10 +13,11 @@ namespace engram::ltm {
 namespace {
 
 constexpr std::string_view kCopyLast = "copy-last";
-/// Several engines: each member of an answer names its own.
+/// The name if several engines predicted: then each member of an answer names its own.
 constexpr std::string_view kMixed = "mixed";
 
-/// Adds an instance's mean to the mean of others, by how many predictions they are of.
+/// Adds the mean of one instance to that of others, weighted by their numbers of predictions. The
+/// bound becomes the larger one.
 void pool(double& mean, double& bound, uint64_t count, double more_mean, double more_bound,
           uint64_t more) {
   if (std::isnan(more_mean) || more == 0) return;
@@ -38,14 +39,15 @@ void pool(EngineRecord& all, const EngineRecord& one) {
   all.predictions += one.predictions;
 }
 
-/// -1, 0, 1: which of two errors is smaller; one that is not known is larger than any.
+/// Returns -1, 0 or 1 if `a` is smaller, equal or larger. An unknown error is larger than any
+/// known one.
 int compared(double a, double b) {
   if (std::isnan(a) || std::isnan(b))
     return static_cast<int>(std::isnan(a)) - static_cast<int>(std::isnan(b));
   return static_cast<int>(a > b) - static_cast<int>(a < b);
 }
 
-/// Measured before unmeasured; then images decide, then numbers.
+/// Orders measured engines before unmeasured ones, then by image errors, then by number errors.
 bool is_better(const EngineRecord& a, const EngineRecord& b) {
   if ((a.predictions > 0) != (b.predictions > 0)) return a.predictions > 0;
   const int images = compared(a.mean.image_mse, b.mean.image_mse);
@@ -53,12 +55,13 @@ bool is_better(const EngineRecord& a, const EngineRecord& b) {
   return compared(a.mean.number_mse, b.mean.number_mse) < 0;
 }
 
-/// Whether errors are told of it, or would be: bools and times are not.
+/// True if the member has an error or would have one. Bools and times have none.
 bool is_predicted(const MemberPrediction& member) {
   return member.engine != kCopyLast || !std::isnan(member.expected_mse);
 }
 
-/// What answered: the engine that was named if it predicted anything, the only one, or several.
+/// The engine of a whole answer: the named one if it predicted anything, else the only one that
+/// did, else kMixed.
 std::string engine_of(const SnapshotResult& result, const std::string& named) {
   std::string only;
   for (const InstanceResult& instance : result.instances)
@@ -124,7 +127,7 @@ Result<std::vector<EngineRecord>> EntityPredictor::records(Duration ahead) {
         pool(*known, one);
     }
   }
-  // Models stand first, the last value after them: so they do where nothing tells which is better.
+  // The sort is stable, so models, which come first, stay first if no error tells which is better.
   std::ranges::stable_sort(pooled, is_better);
   return pooled;
 }

@@ -11,7 +11,8 @@
 
 namespace engram::ltm {
 
-/// What the next of such errors is at most, with kBoundProbability. Needs at least one.
+/// A bound that the next error of this kind stays within, with kBoundProbability. Needs at least
+/// one error.
 [[nodiscard]] inline double bound_of(std::vector<double> errors) {
   const double rank = std::ceil(kBoundProbability * static_cast<double>(errors.size() + 1)) - 1;
   const size_t place = std::min(static_cast<size_t>(rank), errors.size() - 1);

@@ -31,7 +31,7 @@ double mean_of(const Errors& errors, Kind kind) {
   return mean_of(values);
 }
 
-/// The record so many steps ahead; beyond the last one, that.
+/// The record with the most steps up to `steps`, or the first one if all have more.
 std::optional<MeasuredError> record_at(const Predictor& predictor, PredictorInputs given,
                                        int steps) {
   std::optional<MeasuredError> found;
@@ -42,8 +42,8 @@ std::optional<MeasuredError> record_at(const Predictor& predictor, PredictorInpu
   return found;
 }
 
-/// How errors of one kind become honest: a model that is right to the last digit has no error that
-/// could be multiplied.
+/// How errors of one kind are raised. The offset is for a model without any error on this past:
+/// there is no error that a factor could raise.
 struct Raise {
   double factor = 1;
   double offset = 0;

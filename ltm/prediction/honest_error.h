@@ -10,18 +10,19 @@
 
 namespace engram::ltm {
 
-/// The mean error of copies over the same moments as `errors` are of, over all that counts.
+/// The mean error of copying the last value, over the moments that `errors` are of and over all
+/// members that count.
 [[nodiscard]] MeasuredError copied_baseline(
     const InstanceHistory& history, const std::vector<std::pair<size_t, MemberErrors>>& errors,
     Duration ahead);
 
-/// Raises a model's errors on an entity's past to what it is worth on data that it was not trained
-/// on, where that is more.
+/// Raises a model's errors on an entity's past to its errors on held-out data, if those are larger.
 ///
-/// The past that engines are measured on may be what the model learned from last night: there it is
-/// better than it will ever be again, and would be chosen for that. What held-out data told (
-/// Predictor::records) counts relative to a copy there and here, for a moment may be easier than
-/// another for both; where no copy was measured it counts as it is.
+/// The model may have been trained on the same past that engines are measured on. There its errors
+/// are smaller than they will be later, and it would be chosen for that. The held-out errors
+/// (Predictor::records) are scaled by the error of a copy here relative to that of a copy there,
+/// because some moments are easier than others for both. If no copy was measured they are not
+/// scaled.
 void make_honest(const EngineChoiceInputs& inputs, const idf::Layout& layout, const Engine& model,
                  int steps, const MeasuredError& copied,
                  std::vector<std::pair<size_t, MemberErrors>>& errors);

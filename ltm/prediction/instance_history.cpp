@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kCopyLast = "copy-last";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// Numbers of all rows together: with more there are fewer rows.
+/// Max numbers in all rows together. It bounds the memory: longer rows make fewer of them.
 constexpr size_t kMaxNumbersKept = size_t{1} << 22;
 
 double finite_or_nan(double number) {
@@ -43,7 +43,8 @@ InstanceHistory::Window InstanceHistory::window_of(const ValueRow& rows) const {
 size_t InstanceHistory::values_wanted(const idf::Data& value) const {
   const ValueRow rows(value, inputs_.type ? &*inputs_.type : nullptr);
   const size_t window = window_of(rows).rows;
-  // Numbers are learned from more than they are measured on; images are dear to read.
+  // Engines learn from more rows of numbers than they are measured on. Images cost too much to read
+  // for that.
   return rows.other_members().empty() ? std::max(window, kOfNumbers.rows) : window;
 }
 
@@ -70,6 +71,8 @@ bool InstanceHistory::add(Time time, const idf::Data& value) {
     return series_->rows() == 0 ? std::span<const double>() : last_row();
   };
   std::vector<double> row(rows_->numbers());
+  // A member that held a rotation by chance, or holds none now, would break the turns of its row:
+  // the history starts again with rotations as plain numbers.
   if (!rows_->read(*split, before(), row)) {
     has_rotations_ = false;
     start(value);
@@ -89,7 +92,7 @@ bool InstanceHistory::add(Time time, const idf::Data& value) {
   return is_new;
 }
 
-/// Squares of what is no part of rows stand at the members that they are of.
+/// Puts the mean squares of images and large arrays at the indices of their members.
 MemberErrors InstanceHistory::members_of(const MemberSample& recorded,
                                          const MemberSample& other) const {
   MemberErrors errors{samples_of_->difference(recorded, other), {}};

@@ -16,40 +16,41 @@ namespace engram::ltm {
 
 /// The error of a prediction as a whole and of each member of the layout, in its order.
 struct MemberErrors {
-  MeasuredError pooled;         ///< Of what counts.
-  std::vector<double> squares;  ///< Mean squares; not a number where the member cannot be compared.
+  MeasuredError pooled;         ///< Over the members that count.
+  std::vector<double> squares;  ///< Mean squares; NaN if the member cannot be compared.
 };
 
-/// What is kept of the past values of one instance of an entity: numbers as rows, a sample of what
-/// is larger, and the last values where a model needs them. Where the layout changes all starts
-/// anew.
+/// Keeps the past values of one instance of an entity: numbers as rows, samples of images and large
+/// arrays, and the last whole values if a model needs them. If the layout changes, it starts again
+/// from empty.
 ///
 /// Threading: one thread.
 class InstanceHistory {
  public:
-  /// What engines are measured on, by what a measurement costs.
+  /// The rows that engines are measured on. It is smaller if a measurement costs more.
   struct Window {
-    size_t rows = 0;         ///< The last ones, of which what is needed is kept.
-    size_t predictions = 0;  ///< Most of each engine and horizon, evenly spaced.
+    size_t rows = 0;         ///< Number of last rows whose samples and values are kept.
+    size_t predictions = 0;  ///< Max predictions per engine and horizon, evenly spaced.
   };
   static constexpr Window kOfNumbers{4096, 512};
-  static constexpr Window kOfImages{128, 128};  ///< And of large arrays.
-  static constexpr Window kOfModels{512, 64};   ///< That predict numbers.
+  static constexpr Window kOfImages{128, 128};  ///< For images and large arrays.
+  static constexpr Window kOfModels{512, 64};   ///< For models that predict numbers.
   static constexpr Window kOfImageModels{64, 16};
 
-  /// `inputs` outlives it.
+  /// `inputs` must outlive it.
   explicit InstanceHistory(const EngineChoiceInputs& inputs) : inputs_(inputs) {}
 
-  /// `time` comes after that of the last one (checked). True where all started anew.
+  /// Adds a value; `time` must be after that of the last one (checked). Returns true if the layout
+  /// changed, so that the history started again.
   bool add(Time time, const idf::Data& value);
 
-  /// How many values like this are worth adding.
+  /// The number of values like this one that are used. Adding more is of no use.
   [[nodiscard]] size_t values_wanted(const idf::Data& value) const;
 
-  /// Whether any model is more than a copy.
+  /// True if there is a model other than a copy.
   [[nodiscard]] bool has_models() const;
 
-  // What follows needs a value (checked where that is cheap).
+  // The functions below need at least one value (checked if that is cheap).
   [[nodiscard]] const ValueRow& rows() const { return *rows_; }
   [[nodiscard]] const MemberSamples& samples() const { return *samples_of_; }
   [[nodiscard]] const NumberSeries& series() const { return *series_; }
@@ -60,17 +61,17 @@ class InstanceHistory {
   }
 
   [[nodiscard]] const std::deque<idf::Data>& values() const { return values_; }
-  /// The row of the series that one of values() is of.
+  /// The row of the series that belongs to an index into values().
   [[nodiscard]] size_t row_of_value(size_t value) const {
     return series_->rows() - values_.size() + value;
   }
 
-  /// Of the value of row `from` taken for that of row `to`: of what is no part of rows alone.
-  /// Nothing where samples are not kept that far.
+  /// The error of taking the value of row `from` for that of row `to`, only over the members that
+  /// are not part of rows. Nothing if samples are not kept that far back.
   [[nodiscard]] std::optional<MemberErrors> copied_error(size_t from, size_t to) const;
 
-  /// Of a value predicted from row `from` for row `to`.
-  /// Errors: kInvalidArgument where it has another layout.
+  /// The error of a value predicted from row `from` for row `to`.
+  /// Errors: kInvalidArgument if it has another layout.
   [[nodiscard]] Result<MemberErrors> error_of(const idf::Data& predicted, size_t from,
                                               size_t to) const;
 
@@ -85,13 +86,14 @@ class InstanceHistory {
   Window window_;
   std::optional<ValueRow> rows_;
   std::optional<MemberSamples> samples_of_;
-  std::unique_ptr<NumberSeries> series_;  ///< At one place: who learns from it refers to it.
+  std::unique_ptr<NumberSeries> series_;  ///< A pointer, as predictors hold references to it.
   std::optional<idf::SplitValue> last_;
   std::deque<MemberSample> samples_;  ///< Of the last rows.
-  std::deque<idf::Data> values_;      ///< Of the last rows; one without a model.
+  std::deque<idf::Data> values_;      ///< Of the last rows; only one value without a model.
 };
 
-/// Of two parts of one value, by how many elements they have; one of none is not looked at.
+/// The mean error of two parts of one value, weighted by their numbers of elements. A part without
+/// elements is ignored.
 [[nodiscard]] double joined_error(double a, size_t a_count, double b, size_t b_count);
 
 }  // namespace engram::ltm

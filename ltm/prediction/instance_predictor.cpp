@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kCopyLast = "copy-last";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Mean and bound of one kind of error; NaN without any.
+/// Mean and bound of one kind of error; NaN if there is no error.
 template <typename Kind>
 MemberRecord spread_of(std::span<const MeasuredError> errors, Kind kind) {
   std::vector<double> known;
@@ -66,7 +66,8 @@ std::vector<std::string> InstancePredictor::engines() const {
   return names;
 }
 
-/// Of copies so many steps ahead: of what only is copied, on the rows that engines are measured on.
+/// The errors of copying the members that are not in rows `steps` steps ahead, from the rows that
+/// engines are measured on.
 std::vector<MeasuredError> InstancePredictor::copied_errors(size_t steps) const {
   std::vector<MeasuredError> errors;
   for (const size_t row : predictor_->test_rows(steps))
@@ -104,8 +105,8 @@ Result<std::vector<EngineRecord>> InstancePredictor::records(Duration ahead) {
   return records;
 }
 
-/// Of the model's predictions from the rows that engines are measured on. None where values have
-/// another layout than the model's: nothing can be told of it.
+/// The errors of the model's predictions from the rows that engines are measured on. Empty if
+/// values have another layout than the model: then it cannot be measured.
 Result<std::vector<std::pair<size_t, MemberErrors>>> InstancePredictor::model_errors(
     const Engine& model, Duration ahead) {
   std::vector<std::pair<size_t, MemberErrors>> errors;
@@ -117,6 +118,7 @@ Result<std::vector<std::pair<size_t, MemberErrors>>> InstancePredictor::model_er
     ENGRAM_RETURN_IF_ERROR(known.status());
     if (known->front()) errors.emplace_back(row, *std::move(known->front()));
   }
+  // The model may have been trained on these very rows.
   make_honest(inputs_, history_.rows().layout(), model, steps,
               copied_baseline(history_, errors, ahead), errors);
   return errors;
@@ -129,7 +131,8 @@ Result<EngineRecord> InstancePredictor::model_record(const Engine& model, Durati
   return record_of(model.predictor->name(), model.model, pooled);
 }
 
-/// One rollout from each row for all horizons.
+/// Measures models with one rollout per row for all horizons: a rollout to the farthest one passes
+/// the others, and running a model is what a first answer waits for.
 Status InstancePredictor::measure_models(std::span<const Duration> horizons,
                                          const std::string& engine) {
   for (const Engine& model : inputs_.models) {
@@ -157,7 +160,7 @@ std::vector<bool> InstancePredictor::moving(size_t row) {
   return moving;
 }
 
-/// A copy first, then the others, or the named one.
+/// The candidate that copies, followed by all others or only the named one.
 std::vector<MemberCandidate> InstancePredictor::series_candidates(Duration ahead,
                                                                   const std::string& engine) {
   const ValueRow& rows = history_.rows();
@@ -212,13 +215,13 @@ Result<std::vector<InstancePrediction>> InstancePredictor::predict(
   ENGRAM_RETURN_IF_ERROR(measure_models(horizons, engine));
   const std::vector<bool> is_moving = moving(history_.series().rows() - 1);
   std::vector<Plan> plans;
-  std::map<const Engine*, std::vector<size_t>> asked;  // Of each model, the horizons.
+  std::map<const Engine*, std::vector<size_t>> asked;  // The horizons of each model.
   for (const Duration ahead : horizons) {
     ENGRAM_ASSIGN_OR_RETURN(Plan one, plan(ahead, engine, is_moving));
     std::set<const Engine*> models;
     for (const MemberChoice& choice : one.choices)
       models.insert(one.candidates[choice.candidate].model);
-    // Values of no tensor member at all are nobody's choice.
+    // Values without any tensor member have no choices, so the named model is taken for them.
     if (one.choices.empty() && one.candidates.back().model != nullptr && !engine.empty())
       models.insert(one.candidates.back().model);
     for (const Engine* model : models)
@@ -242,7 +245,7 @@ Result<std::vector<InstancePrediction>> InstancePredictor::predict(
   return results;
 }
 
-/// One value of what each member's engine says.
+/// Joins what each member's engine predicts to one value.
 Result<InstancePrediction> InstancePredictor::joined(
     Duration ahead, const Plan& plan, const std::vector<bool>& is_moving,
     const std::map<const Engine*, Prediction>& models) {
@@ -261,7 +264,7 @@ Result<InstancePrediction> InstancePredictor::joined(
   }
   InstancePrediction prediction;
   if (models.size() == 1 && !rows.layout().split(models.begin()->second.value).ok()) {
-    // What a model that was named says may have members more than the values: it is answered whole.
+    // A named model may predict members that the values do not have: its value is answered whole.
     const auto& [model, one] = *models.begin();
     return InstancePrediction{one.value, model->model, one.error, {whole_prediction(*model, one)}};
   }

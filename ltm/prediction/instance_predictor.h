@@ -14,53 +14,54 @@
 
 namespace engram::ltm {
 
-/// What one instance will be.
+/// The prediction of one instance.
 struct InstancePrediction {
   idf::Data value;
-  std::string model;                      ///< Of Engine::model; empty where none predicted.
-  ErrorEstimate error;                    ///< Of what counts, over all members.
+  std::string model;                      ///< Engine::model; empty if no model predicted.
+  ErrorEstimate error;                    ///< Over all members that count.
   std::vector<MemberPrediction> members;  ///< In the order of the layout.
 };
 
-/// Continues the values of one instance of an entity: each member by the engine that was best for
-/// it, or all by one that is named.
+/// Predicts the values of one instance of an entity: each member with the engine that was best for
+/// it, or all members with one named engine.
 ///
-/// Numbers are continued by the engines of their series or by a model, images and large arrays by a
-/// model or not at all; what no engine continues is copied. All are measured on the same moments of
-/// the last third of what is kept (InstanceHistory::Window), those when a member moved apart from
-/// those when it was at rest (MemberMotion).
+/// Numbers are predicted by the series engines or by a model, images and large arrays only by a
+/// model. Members that no engine predicts are copied. All engines are measured on the same moments,
+/// in the last third of what is kept (InstanceHistory::Window). Moments when a member moved are
+/// measured apart from those when it was at rest (MemberMotion).
 /// Threading: one thread.
 /// Source: docs/prediction.md, section "Which engine answers".
 class InstancePredictor {
  public:
-  /// `inputs` outlives it.
+  /// `inputs` must outlive it.
   explicit InstancePredictor(const EngineChoiceInputs& inputs);
 
-  /// `time` comes after that of the last one (checked).
+  /// Adds a value; `time` must be after that of the last one (checked).
   void add(Time time, const idf::Data& value);
 
-  /// How many values like this are worth adding.
+  /// The number of values like this one that are used. Adding more is of no use.
   [[nodiscard]] size_t values_wanted(const idf::Data& value) const {
     return history_.values_wanted(value);
   }
 
-  /// All engines, models first, then the last value.
+  /// The names of all engines: models first, then copy-last and the other series engines.
   [[nodiscard]] std::vector<std::string> engines() const;
 
-  /// The same, measured that far ahead, over all that counts.
+  /// The same engines with their errors at the horizon `ahead`, over all members that count.
   Result<std::vector<EngineRecord>> records(Duration ahead);
 
-  /// One for each horizon in their order, by the best engine for each member, or (not empty) by the
-  /// named one as far as it continues them; the rest is copied. A model runs once for all horizons.
+  /// Returns one prediction per horizon, in their order. With an empty `engine` each member is
+  /// predicted by its best engine, else by the named one if it can; the rest is copied. A model
+  /// runs once for all horizons.
   /// Errors: those of a model.
   Result<std::vector<InstancePrediction>> predict(std::span<const Duration> horizons,
                                                   const std::string& engine);
 
  private:
-  /// One horizon, decided.
+  /// The choice of engines for one horizon.
   struct Plan {
     std::vector<MemberCandidate> candidates;
-    std::vector<MemberChoice> choices;  ///< By member of the layout.
+    std::vector<MemberChoice> choices;  ///< One per member of the layout.
   };
 
   [[nodiscard]] std::vector<MeasuredError> copied_errors(size_t steps) const;

@@ -19,12 +19,12 @@ class CopyLast final : public SeriesEngine {
   }
 };
 
-/// Rows of the run that ends with `row`, at most `max`.
+/// Number of rows of the run up to and including `row`, at most `max`.
 size_t rows_until(const NumberSeries& series, size_t row, size_t max) {
   return std::min(row - series.run_start(row) + 1, max);
 }
 
-/// Per step, of the line through the last `count` rows.
+/// The slope per step of the line through the last `count` rows.
 double slope(const NumberSeries& series, size_t row, size_t count, size_t number) {
   const double middle = static_cast<double>(count - 1) / 2;
   double products = 0, squares = 0;
@@ -52,7 +52,8 @@ class Line final : public SeriesEngine {
   }
 };
 
-/// The last value and a share of a slope.
+/// Continues from the last value with a share of the slope. Unlike Line it has no jump at the first
+/// step, as it starts from the last value and not from the line.
 class Moved final : public SeriesEngine {
  public:
   Moved(std::string_view name, size_t rows, double share)
@@ -72,7 +73,7 @@ class Moved final : public SeriesEngine {
   double share_;
 };
 
-/// The last value, moved on as it was, and as that itself changed, between the last three.
+/// Continues with the last change and the change of the changes between the last three values.
 class Quadratic final : public SeriesEngine {
  public:
   [[nodiscard]] std::string_view name() const override { return "quadratic"; }

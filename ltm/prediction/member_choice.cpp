@@ -18,7 +18,7 @@ double known_or_infinite(const MemberRecord& record) {
   return record.predictions > 0 && !std::isnan(record.mean) ? record.mean : kInfinity;
 }
 
-/// Which moments decide about one member.
+/// The kind of moments whose records decide about one member.
 enum class Moments { kAtRest, kMoving, kEverMoving, kNone };
 
 const MemberRecord& record_of(const MotionRecords& records, Moments moments) {
@@ -36,7 +36,7 @@ const MemberRecord& record_of(const MotionRecords& records, Moments moments) {
   return kNothing;
 }
 
-/// What decides about one member: the records of moments of one kind, or none.
+/// Selects what decides about one member: the records of one kind of moments, or none.
 class MemberCase {
  public:
   MemberCase(const std::vector<MemberCandidate>& candidates, size_t member, bool is_moving)
@@ -48,7 +48,7 @@ class MemberCase {
     else if (count(Moments::kEverMoving) >= kMinMoments)
       moments_ = Moments::kEverMoving;
     else if (!is_moving)
-      // What is known of its movement tells more than a few moments of rest, and promises less.
+      // Its movements say more than a few moments of rest, and their bound is the wider one.
       moments_ = count(Moments::kMoving) > count(here) ? Moments::kMoving : here;
     else
       is_unknown_movement_ = true;
@@ -58,11 +58,11 @@ class MemberCase {
     return record_of(candidates_[candidate].members[member_], moments_);
   }
   [[nodiscard]] Moments moments() const { return moments_; }
-  /// It moves, and hardly ever did.
+  /// True if the member moves now but moved too rarely in the past for any record.
   [[nodiscard]] bool is_unknown_movement() const { return is_unknown_movement_; }
   [[nodiscard]] bool is_known() const { return count(moments_) > 0; }
 
-  /// The first of the best.
+  /// The candidate with the smallest error; the first of equal ones.
   [[nodiscard]] size_t best() const {
     size_t best = 0;
     for (size_t i = 1; i < candidates_.size(); ++i)
@@ -84,8 +84,8 @@ class MemberCase {
   bool is_unknown_movement_ = false;
 };
 
-/// The candidate with the smallest error over the members that moments of one kind decide about,
-/// each relative to that of a copy.
+/// The candidate with the smallest error over all members that one kind of moments decides about.
+/// Each error counts relative to that of a copy, because members have different units.
 std::optional<size_t> best_for_all(size_t candidates, const std::vector<MemberCase>& cases,
                                    Moments moments) {
   std::optional<size_t> best;
@@ -137,7 +137,7 @@ std::vector<MemberChoice> choose_members(const std::vector<MemberCandidate>& can
                "found {} candidates, needs a copy first", candidates.size());
   std::vector<MemberChoice> choices(rows.layout().members().size());
   if (std::ranges::none_of(candidates, &MemberCandidate::is_measured)) {
-    // Before anything can be measured a model answers.
+    // Before anything can be measured, a model answers: it was trained on earlier data.
     const auto model = std::ranges::find_if(
         candidates, [](const MemberCandidate& one) { return one.model != nullptr; });
     if (model != candidates.end())

@@ -12,36 +12,40 @@
 
 namespace engram::ltm {
 
-/// An engine that may continue the members of a value, with what it was worth one horizon ahead.
+/// An engine that may predict the members of a value, with its measured errors at one horizon.
 struct MemberCandidate {
   std::string engine;
-  const Engine* model = nullptr;       ///< Null of an engine of numbers.
-  std::vector<MotionRecords> members;  ///< By member of the layout.
+  const Engine* model = nullptr;       ///< Null for a series engine.
+  std::vector<MotionRecords> members;  ///< One per member of the layout.
 
   [[nodiscard]] bool is_measured() const;
 };
 
-/// Which candidate continues a member, and what is known of its error; nothing where none is told.
+/// The candidate that predicts a member, and its measured error. The record is empty if no error is
+/// stated.
 struct MemberChoice {
   size_t candidate = 0;
   MemberRecord record;
 };
 
-/// With fewer moments of the kind at hand (moving, at rest) nothing is promised from these alone.
+/// Min moments of one kind (moving or at rest) that a choice and a bound are based on. With fewer,
+/// moments of the other kind or of the whole past may be used.
 inline constexpr size_t kMinMoments = 10;
-/// A member has an engine of its own where that has at most this share of the squared error of the
-/// one that is best for all: of many engines one is always a little better by chance.
+/// A member gets an engine of its own only if that has at most this share of the squared error of
+/// the engine that is best for all members. Among many engines one is always a little better by
+/// chance.
 inline constexpr double kClearGain = 0.9;
 
-/// For each member of the layout, the candidate that was best for it in the state that it is in
-/// (`is_moving`, by member). The first candidate copies the last value (checked): all that only is
-/// copied stays with it. Source: docs/prediction.md, section "Which engine answers".
+/// Chooses for each member of the layout the candidate that was best for it in its present state
+/// (`is_moving`, one per member). The first candidate must copy the last value (checked); members
+/// that can only be copied get it.
+/// Source: docs/prediction.md, section "Which engine answers".
 [[nodiscard]] std::vector<MemberChoice> choose_members(
     const std::vector<MemberCandidate>& candidates, const ValueRow& rows,
     const std::vector<bool>& is_moving);
 
-/// The same where the last candidate is to continue all that it can: an engine of numbers those
-/// that are in rows, a model all.
+/// Chooses the last candidate for all members that it can predict: a series engine for those in
+/// rows, a model for all. The others get the first candidate.
 [[nodiscard]] std::vector<MemberChoice> named_members(
     const std::vector<MemberCandidate>& candidates, const ValueRow& rows,
     const std::vector<bool>& is_moving);

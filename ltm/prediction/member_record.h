@@ -13,13 +13,13 @@
 
 namespace engram::ltm {
 
-/// What an engine was worth for one member. Unit: that of the member, squared.
+/// The measured error of an engine for one member. Unit: that of the member, squared.
 struct MemberRecord {
-  size_t predictions = 0;  ///< That it was measured on.
+  size_t predictions = 0;  ///< Number of measured predictions.
   double mean = std::numeric_limits<double>::quiet_NaN();
   double bound = std::numeric_limits<double>::quiet_NaN();  ///< With kBoundProbability.
 
-  /// Of mean squared errors; those that are no numbers are left out.
+  /// Summarizes mean squared errors. Those that are not finite are left out.
   static MemberRecord of(std::vector<double> squares) {
     std::erase_if(squares, [](double square) { return !std::isfinite(square); });
     if (squares.empty()) return {};
@@ -30,11 +30,11 @@ struct MemberRecord {
   }
 };
 
-/// Of moments when the member was at rest, and of those when it moved.
+/// Records of the moments when the member was at rest, and of those when it moved.
 struct MotionRecords {
   MemberRecord at_rest, moving;
-  /// Of movements in all of the past, and not only where engines that learn are measured: movements
-  /// are rare. Of engines that do not learn alone.
+  /// Movements in the whole past, and not only in the last third, because movements are rare. Only
+  /// engines that do not learn have this record: the others have learned from that past.
   MemberRecord ever_moving = {};
 
   [[nodiscard]] const MemberRecord& of(bool is_moving) const {
@@ -42,9 +42,9 @@ struct MotionRecords {
   }
 };
 
-/// The errors of one member that records are made of, while they are gathered.
+/// Gathers the errors of one member to make records of them.
 struct MotionErrors {
-  std::array<std::vector<double>, 2> squares;  ///< At rest, moving.
+  std::array<std::vector<double>, 2> squares;  ///< First those at rest, then those moving.
 
   void add(bool is_moving, double square) { squares[is_moving ? 1 : 0].push_back(square); }
   [[nodiscard]] MotionRecords records() && {
@@ -52,7 +52,7 @@ struct MotionErrors {
   }
 };
 
-/// What an engine was worth for each member.
+/// The measured errors of an engine for each member.
 struct MemberRecords {
   std::string engine;
   std::vector<MotionRecords> members;

@@ -14,8 +14,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kPeak = 255;
 constexpr double kGoldenRatio = 0.6180339887498949;
 
-/// One of each of `max` equal parts, nowhere at the same place twice: a plain stride would meet
-/// one column of an image, or one of its colours, again and again.
+/// Takes one place in each of `max` equal parts, at a different offset in each. A fixed stride
+/// could hit the same column of an image, or the same colour channel, every time.
 std::vector<size_t> places_in(size_t count, size_t max) {
   const size_t wanted = std::min(count, max);
   std::vector<size_t> places(wanted);
@@ -34,7 +34,7 @@ float scale_of(const idf::NdArray& array, bool is_image) {
   return kPeak / static_cast<float>(std::max<uint16_t>(1, std::ranges::max(values)));
 }
 
-/// Sums of squares, weighted by how many elements each sample stands for.
+/// A mean of squares, weighted by the number of elements that each sample stands for.
 struct WeightedMean {
   double sum = 0, weight = 0;
 

@@ -8,15 +8,15 @@
 
 namespace engram::ltm {
 
-/// Elements of the images and large arrays of one value.
+/// Samples of the elements of the images and large arrays in one value.
 struct MemberSample {
-  std::vector<std::vector<float>> elements;  ///< Of each of ValueRow::other_members().
-  /// Per member: what a difference of one is in grey levels; 1 for numbers.
+  std::vector<std::vector<float>> elements;  ///< One vector per ValueRow::other_members().
+  /// Per member, the grey levels that a difference of one is; 1 for numbers.
   std::vector<float> scales;
 };
 
-/// Tells cheaply how much the images and large arrays of two values differ: by kMaxElements of
-/// each, spread evenly over it, always the same.
+/// Measures at low cost how much the images and large arrays of two values differ. It compares at
+/// most kMaxElements of each, at fixed places that are spread evenly over it.
 ///
 /// Threading: immutable.
 class MemberSamples {
@@ -27,31 +27,31 @@ class MemberSamples {
 
   [[nodiscard]] MemberSample sample(const idf::SplitValue& value) const;
 
-  /// Images of 16 bits count in grey levels, 255 for the largest value of `recorded`. Numbers of
-  /// which one is not finite are left out.
+  /// The error over all members. Images of 16 bits are scaled to grey levels, 255 for the largest
+  /// value of `recorded`. Pairs of numbers with one that is not finite are left out.
   [[nodiscard]] MeasuredError difference(const MemberSample& recorded,
                                          const MemberSample& other) const;
 
-  /// The same of each of ValueRow::other_members(), in their order; not a number without any finite
-  /// element.
+  /// The same per member of ValueRow::other_members(), in their order; NaN for a member without any
+  /// finite element.
   [[nodiscard]] std::vector<double> differences(const MemberSample& recorded,
                                                 const MemberSample& other) const;
 
   [[nodiscard]] bool has_images() const { return images_ > 0; }
-  /// Of all members that are no images.
+  /// Number of elements of all members that are not images.
   [[nodiscard]] size_t number_elements() const { return numbers_; }
 
  private:
   struct Part {
-    size_t member = 0;  ///< Of the layout.
+    size_t member = 0;  ///< Index into the layout's members.
     bool is_image = false;
     double weight = 0;  ///< Number of its elements.
     std::vector<size_t> places;
   };
 
   std::vector<Part> parts_;
-  size_t images_ = 0;   ///< Members.
-  size_t numbers_ = 0;  ///< Elements.
+  size_t images_ = 0;   ///< Number of members that are images.
+  size_t numbers_ = 0;  ///< Number of elements that are not in images.
 };
 
 }  // namespace engram::ltm

@@ -20,7 +20,7 @@ double known_or(double known, double other) {
   return std::isnan(known) ? other : known;
 }
 
-/// Of one kind of members: NaN once one of them is.
+/// A weighted mean over one kind of members. It is NaN if one of them is NaN.
 struct WeightedSum {
   double sum = 0, weight = 0;
 
@@ -31,7 +31,7 @@ struct WeightedSum {
   [[nodiscard]] double mean() const { return weight > 0 ? sum / weight : kNaN; }
 };
 
-/// What a model said itself, beside what was measured of it.
+/// Combines a model's own estimate with its measured errors.
 void take_estimate(const Prediction& predicted, MemberPrediction& member) {
   const ErrorEstimate& own = predicted.error;
   member.copied = member.is_image ? predicted.copied_images : predicted.copied_numbers;

@@ -11,16 +11,17 @@
 
 namespace engram::ltm {
 
-/// Says of each member how it was predicted, and how wrong the whole may be: the means over the
-/// elements of what counts, images apart from numbers. Where nothing is promised of a member that
-/// counts, nothing is promised of the whole. A model's own estimate stands for images; of numbers
-/// it is one for all, so what was measured of each stands before it.
+/// Describes how each member was predicted, and the error of the whole: the means over the elements
+/// of the members that count, images apart from numbers. If the error of a member that counts is
+/// unknown, so is that of the whole. For images a model's own estimate is preferred to measured
+/// errors. For numbers the measured errors are preferred, because they are per member while the
+/// model's estimate is one for all.
 void summarize(const ValueRow& rows, const std::vector<MemberCandidate>& candidates,
                const std::vector<MemberChoice>& choices, const std::vector<bool>& is_moving,
                const std::map<const Engine*, Prediction>& models,
                std::vector<MemberPrediction>& members, ErrorEstimate& error);
 
-/// Of a value that has another layout than those before it: as one member.
+/// Describes a value that has another layout than the values before it, as one member.
 [[nodiscard]] MemberPrediction whole_prediction(const Engine& model, const Prediction& predicted);
 
 }  // namespace engram::ltm

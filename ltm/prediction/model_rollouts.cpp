@@ -10,7 +10,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Those of `steps` that are not known yet, each once.
+/// The distinct `steps` that are not known yet.
 template <typename IsKnown>
 std::vector<int> missing_of(std::span<const int> steps, IsKnown is_known) {
   std::vector<int> missing;
@@ -32,6 +32,8 @@ int model_steps(const Predictor& predictor, Duration ahead) {
 void ModelRollouts::on_added(bool is_new_layout) {
   kept_.clear();
   kept_bytes_ = 0;
+  // Predictions start from the last value and are void now. Errors of past rows stay true, so only
+  // those of rows that the history dropped are removed: a new snapshot costs only its own rollouts.
   if (is_new_layout) errors_.clear();
   const uint64_t first = history_.series().added() - history_.values().size();
   while (!errors_.empty() && std::get<0>(errors_.begin()->first) < first)
@@ -103,6 +105,7 @@ Result<std::vector<Prediction>> ModelRollouts::from(const Engine& model, size_t 
         inputs_.condition_at(*condition, history_.series().time(history_.row_of_value(i))));
     if (known) conditions.push_back(std::move(*known));
   }
+  // A model takes conditions for all values or for none.
   if (conditions.size() != values.size()) conditions.clear();
   auto predicted = model.predictor->predict_at(Past(values, conditions), steps);
   if (!predicted.ok())

@@ -10,9 +10,9 @@ namespace engram::ltm {
 
 namespace {
 
-/// Intervals that the usual one is the median of.
+/// Number of last intervals whose median is the usual one.
 constexpr size_t kIntervals = 32;
-/// A run ends where the next row comes later than so many usual intervals.
+/// A run ends if the next row comes later than this many usual intervals.
 constexpr double kPause = 2.5;
 
 }  // namespace

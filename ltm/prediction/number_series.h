@@ -8,25 +8,26 @@
 
 namespace engram::ltm {
 
-/// What the numbers of one entity were, newest last: what predictions of them start and learn from.
+/// The past numbers of one entity, oldest first. Series engines learn from them and predict from
+/// them.
 ///
-/// Rows belong to one run as long as no interval is much longer than usual: nothing is learned
-/// across a pause.
+/// Rows belong to one run until an interval is much longer than usual. Nothing is learned across
+/// such a pause.
 /// Threading: one thread.
 class NumberSeries {
  public:
-  /// Keeps the last `max_rows` rows at least, twice as many at most.
-  /// Needs two rows (checked); without numbers it is a series of moments.
+  /// Keeps at least the last `max_rows` rows and at most twice as many. `max_rows` must be at least
+  /// two (checked). With 0 numbers it is a series of moments.
   explicit NumberSeries(size_t numbers, size_t max_rows = 4096);
 
-  /// Shape: row [numbers()].
-  /// Errors: kInvalidArgument where the row has another number of numbers, one of them is not
-  /// finite, or its time does not come after the last.
+  /// Adds a row. Shape: row [numbers()].
+  /// Errors: kInvalidArgument if the row has another number of numbers, one of them is not finite,
+  /// or its time is not after the last one.
   Status add(Time time, std::span<const double> row);
 
   [[nodiscard]] size_t numbers() const { return numbers_; }
   [[nodiscard]] size_t rows() const { return times_.size(); }
-  /// Those that are not kept any more included.
+  /// Number of rows that were ever added, including those that are no longer kept.
   [[nodiscard]] uint64_t added() const { return added_; }
 
   [[nodiscard]] Time time(size_t row) const { return times_[row]; }
@@ -34,13 +35,13 @@ class NumberSeries {
     return {values_.data() + row * numbers_, numbers_};
   }
 
-  /// First row of the run that `row` is of.
+  /// First row of the run that `row` belongs to.
   [[nodiscard]] size_t run_start(size_t row) const { return run_starts_[row]; }
 
-  /// The usual interval: the median of the last ones. Zero where there is none.
+  /// The usual interval: the median of the last intervals. Zero if there is none.
   [[nodiscard]] Duration step() const { return step_; }
 
-  /// Steps that come closest to a duration, at least one.
+  /// The number of steps that is closest to a duration, at least one.
   [[nodiscard]] size_t steps_in(Duration duration) const;
 
  private:

@@ -12,10 +12,10 @@
 
 namespace engram::ltm {
 
-/// What a prediction starts from.
+/// The inputs that a prediction starts from.
 struct Past {
   Past() = default;
-  // Most predictions start from values alone.
+  // The constructors are implicit because most predictions start from values alone.
   // NOLINTBEGIN(google-explicit-constructor)
   Past(std::span<const idf::Data> past, std::span<const idf::Data> known = {})
       : values(past), conditions(known) {}
@@ -23,25 +23,25 @@ struct Past {
   // NOLINTEND(google-explicit-constructor)
 
   std::span<const idf::Data> values;  ///< Of the entity, oldest first.
-  /// Of Predictor::condition(), one for each of `values`: the last at or before its time. Empty
-  /// where one is missing.
+  /// Values of Predictor::condition(), one for each of `values`: the last one at or before its
+  /// time. Empty if one is missing.
   std::span<const idf::Data> conditions;
-  /// The same as planned for 1, 2, ... steps after the last of `values`; beyond its end a plan
-  /// stands still. Empty without a plan; nothing without `conditions`.
+  /// Planned values of the condition for 1, 2, ... steps after the last of `values`. Beyond its end
+  /// a plan repeats its last value. Empty without a plan; ignored without `conditions`.
   std::span<const idf::Data> plan;
 };
 
-/// What a prediction was told beside the past of its entity.
+/// The inputs that a prediction has in addition to the past of its entity.
 enum class PredictorInputs {
-  kValues,      ///< Nothing.
+  kValues,      ///< None.
   kConditions,  ///< The past of Predictor::condition().
-  kPlan,        ///< And what is planned of it.
+  kPlan,        ///< The past of Predictor::condition() and its planned values.
 };
 
-/// How wrong a prediction may be, told before the fact. Not a number where it is not known.
+/// The error that is expected of a prediction before the truth is known. NaN if it is unknown.
 struct ErrorEstimate {
   MeasuredError expected;  ///< The mean.
-  MeasuredError bound;     ///< The real one is at most that, with kBoundProbability.
+  MeasuredError bound;     ///< The true error stays within it, with kBoundProbability.
 
   friend bool operator==(const ErrorEstimate&, const ErrorEstimate&) = default;
 };
@@ -49,54 +49,56 @@ struct ErrorEstimate {
 struct Prediction {
   idf::Data value;
   ErrorEstimate error;
-  /// How much of the last known value is in it, 0 to 1: a model may choose to copy what it cannot
-  /// tell. Where one is 1, members of that kind are those of the last value, bit for bit.
+  /// Share of the last known value in the prediction, 0 to 1: a model may copy what it cannot
+  /// predict. With 1, the members of that kind equal those of the last value bit for bit.
   double copied_images = 0;
   double copied_numbers = 0;
 };
 
-/// What is known of predictions so many steps ahead from data that the model was not trained on.
+/// The errors of predictions at one number of steps, measured on data that the model was not
+/// trained on.
 struct HorizonRecord {
   int steps = 0;
-  uint64_t predictions = 0;  ///< That it was measured on.
-  MeasuredError mean;        ///< Their mean error.
+  uint64_t predictions = 0;  ///< Number of measured predictions.
+  MeasuredError mean;        ///< Mean error of these predictions.
 };
 
-/// Continues the past of one entity.
+/// Predicts the next values of one entity from its past.
 ///
 /// Threading: one thread.
 class Predictor {
  public:
   virtual ~Predictor() = default;
 
-  /// "copy-last" or "deep": what an answer names as its engine.
+  /// The engine's name in answers: "copy-last" or "deep".
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  /// Time between two snapshots that it was trained on; zero where any will do.
+  /// Interval between the snapshots that it was trained on; zero if it accepts any interval.
   [[nodiscard]] virtual Duration step() const = 0;
 
-  /// Past snapshots that it wants to see; fewer are accepted, at least one is needed.
+  /// Number of past snapshots that it uses. It accepts fewer but needs at least one.
   [[nodiscard]] virtual size_t context() const = 0;
 
-  /// Another entity whose past makes predictions better; nothing where there is none.
+  /// Another entity whose past improves the predictions; nothing if there is none.
   [[nodiscard]] virtual std::optional<MemoryId> condition() const { return std::nullopt; }
 
-  /// The values 1..`steps` steps after the last of `past`, and how wrong they may be.
-  /// Errors: kInvalidArgument where a value, or a planned one, has another layout than the model's.
+  /// Predicts the values at 1..`steps` steps after the last of `past`, with their error estimates.
+  /// Errors: kInvalidArgument if a value or a planned value has another layout than the model's.
   virtual Result<std::vector<Prediction>> predict(const Past& past, int steps) = 0;
 
-  /// The values at some of the steps alone, in the order of `steps`: what lies between is passed
-  /// through and need not be made a value, which is most of what a prediction costs.
-  /// Needs at least one step, each at least 1. Errors: as predict().
+  /// Predicts only the values at the given steps, in the order of `steps`. The steps between need
+  /// not be decoded to values, and decoding is most of the cost of a prediction.
+  /// Needs at least one step, each at least 1.
+  /// Errors: as predict().
   virtual Result<std::vector<Prediction>> predict_at(const Past& past, std::span<const int> steps);
 
-  /// By steps; empty where nothing was measured.
+  /// Records sorted by steps; empty if nothing was measured.
   [[nodiscard]] virtual std::vector<HorizonRecord> records(PredictorInputs /*told*/) const {
     return {};
   }
 };
 
-/// A predictor that answers with the last value: the floor of every other one.
+/// A predictor that answers with the last value: the baseline for every other predictor.
 [[nodiscard]] std::unique_ptr<Predictor> make_copy_last_predictor();
 
 }  // namespace engram::ltm

@@ -15,27 +15,29 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kChanges = 7;
-/// Of one number: its level, then its last changes.
+/// Features of one number: its level, then its last changes.
 constexpr Index kFeatures = kChanges + 1;
-/// With more numbers nothing is looked for: it costs their square.
+/// With more numbers nothing is learned, because the search costs the square of their number.
 constexpr size_t kMaxNumbers = 96;
 constexpr size_t kMinWindows = 120;
 constexpr size_t kMaxWindows = 2048;
-/// Of the windows, the last ones: they say how many features are worth it.
+/// Share of the windows, the last ones, on which it is decided how many features to use.
 constexpr double kHeldOut = 0.25;
 constexpr size_t kMaxPicks = 8;
-/// Of the square of each feature.
+/// Weight of the ridge, relative to the square of each feature.
 constexpr double kRidge = 1e-2;
-/// What picks must win on held-out windows, relative to the error without them.
+/// Min gain of picked features on held-out windows, relative to the error without them. Among many
+/// features one always helps a little by chance.
 constexpr double kMinGain = 0.01;
 
-/// A few features and what they count.
+/// The chosen features and their weights.
 struct Weights {
   std::vector<Index> features;
   VectorXd weights;
 };
 
-/// Sums of products over windows: all that least squares needs.
+/// Sums of products over windows. Least squares needs nothing else, so any subset of the features
+/// can be fitted without reading the windows again.
 struct Products {
   MatrixXd features;  ///< [F, F]
   MatrixXd targets;   ///< [F, numbers]
@@ -61,7 +63,8 @@ double error_of(const Products& products, const Weights& fit, Index target) {
          fit.weights.dot(products.features(fit.features, fit.features) * fit.weights);
 }
 
-/// The feature that tells most of what a fit leaves, beside what its own features tell; none: -1.
+/// The feature that explains most of what a fit leaves, apart from what its own features explain
+/// of it; -1 if there is none.
 Index best_pick(const Products& products, const Weights& fit, Index target) {
   MatrixXd squares = products.features(fit.features, fit.features);
   squares.diagonal() *= 1 + kRidge;
@@ -110,6 +113,7 @@ class Related final : public SeriesEngine {
     const Products last = Products::of(x.bottomRows(held_out), y.bottomRows(held_out));
     const Products all{first.features + last.features, first.targets + last.targets,
                        first.squares + last.squares};
+    // Features are chosen on a part of the windows, but their weights are fitted on all of them.
     for (Index number = 0; number < y.cols(); ++number)
       learned.push_back(fitted(all, features_for(first, last, number), number));
   }
@@ -155,7 +159,8 @@ class Related final : public SeriesEngine {
     return series.row(row - back + 1)[number] - series.row(row - back)[number];
   }
 
-  /// Its own changes; its level and whatever tells more, as far as that helps on held-out windows.
+  /// The features of a number: its own changes, and its level and further features as long as they
+  /// reduce the error on held-out windows.
   static std::vector<Index> features_for(const Products& first, const Products& last,
                                          Index number) {
     std::vector<Index> features;
@@ -179,7 +184,7 @@ class Related final : public SeriesEngine {
   }
 
   std::vector<double> means_;
-  std::map<size_t, std::vector<Weights>> weights_;  ///< By steps, of each number.
+  std::map<size_t, std::vector<Weights>> weights_;  ///< One per number; the key is the steps.
 };
 
 }  // namespace

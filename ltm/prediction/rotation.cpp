@@ -17,7 +17,7 @@ size_t columns_of(RotationForm form) {
 
 std::optional<Eigen::Quaterniond> from_quaternion(std::span<const double> elements) {
   const Eigen::Quaterniond found(elements[0], elements[1], elements[2], elements[3]);
-  if (!(std::abs(found.norm() - 1) <= kTolerance)) return std::nullopt;  // Not a number neither.
+  if (!(std::abs(found.norm() - 1) <= kTolerance)) return std::nullopt;  // Also for NaN.
   return found.normalized();
 }
 

@@ -9,27 +9,29 @@
 
 namespace engram::ltm {
 
-/// How the elements of a member say a rotation.
+/// How the elements of a member encode a rotation.
 enum class RotationForm : uint8_t {
   kQuaternion,  ///< [4]: w, x, y, z.
   kMatrix,      ///< [3, 3], row-major.
-  kPose,        ///< [4, 4], row-major: the upper left corner; beside it a position.
+  kPose,        ///< [4, 4], row-major: rotation in the upper left 3x3, position in column 4.
 };
 
-/// The rotation that elements say, of length one; nothing where they are none within 0.001 or, of a
-/// pose, the last row is not 0, 0, 0, 1. Shape: as many elements as the form has (checked).
+/// Reads a rotation as a unit quaternion. Nothing if the elements are no rotation within 0.001 or,
+/// for a pose, the last row is not 0, 0, 0, 1. Shape: as many elements as the form has (checked).
 [[nodiscard]] std::optional<Eigen::Quaterniond> rotation_of(RotationForm form,
                                                             std::span<const double> elements);
 
-/// Writes a rotation over that of `elements`; a pose keeps its position.
+/// Writes a rotation over the one in `elements`; a pose keeps its position.
 void write_rotation(RotationForm form, const Eigen::Quaterniond& rotation,
                     std::span<double> elements);
 
-/// Axis times angle of what comes before `from` to make it `to`, by the shorter way. Unit: rad.
+/// The rotation vector (axis times angle) of the rotation that, applied after `from`, gives `to`,
+/// the shorter way round. Unit: rad.
 [[nodiscard]] Eigen::Vector3d turn_between(const Eigen::Quaterniond& from,
                                            const Eigen::Quaterniond& to);
 
-/// What turn_between() tells, turned again; any angle. The sign goes on without a jump.
+/// Applies a rotation vector as turn_between() returns it, of any angle. The sign of the quaternion
+/// continues without a jump.
 [[nodiscard]] Eigen::Quaterniond turned(const Eigen::Quaterniond& from,
                                         const Eigen::Vector3d& turn_rad);
 

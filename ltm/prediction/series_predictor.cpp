@@ -11,13 +11,13 @@ namespace engram::ltm {
 
 namespace {
 
-/// Measured again when so many more rows have come, relative to those that there were.
+/// Engines are measured again after this many more rows, relative to the rows at the last time.
 constexpr double kMoreRows = 0.1;
-/// Of the rows that engines are measured on: before each they learn anew.
+/// Blocks of the rows that engines are measured on. Engines learn again before each block.
 constexpr size_t kBlocks = 3;
-/// What is known of horizons is forgotten when there are more: clients may ask for any.
+/// Max horizons that are kept. Clients may ask for any horizon, so beyond this all are dropped.
 constexpr size_t kMaxHorizons = 64;
-/// Of a step: what is closer to a number of steps is taken as that.
+/// A horizon that is closer than this to a whole number of steps is taken as whole. Unit: steps.
 constexpr double kCloseToStep = 0.05;
 
 double mean_square(std::span<const double> a, std::span<const double> b) {
@@ -26,7 +26,7 @@ double mean_square(std::span<const double> a, std::span<const double> b) {
   return sum / static_cast<double>(a.size());
 }
 
-/// Of an engine whose predictions were that wrong.
+/// Makes the record of an engine from its mean squared errors.
 SeriesRecord record_of(std::string_view engine, std::vector<double> mean_squares) {
   SeriesRecord record{std::string(engine), mean_squares.size()};
   if (mean_squares.empty()) return record;
@@ -47,7 +47,7 @@ SeriesPredictor::SeriesPredictor(const NumberSeries& series, std::optional<Value
       engines_(make_series_engines()) {}
 
 size_t SeriesPredictor::learned_rows() const {
-  // Where there are no numbers nothing is learned: all may be measured on.
+  // Without numbers nothing is learned, so predictions can be measured on all rows.
   return series_.numbers() == 0 ? 0 : series_.rows() * 2 / 3;
 }
 
@@ -62,6 +62,8 @@ std::vector<size_t> SeriesPredictor::test_rows(size_t steps) const {
   std::vector<size_t> some;
   if (options_.is_anchored) {
     const size_t every = (rows.size() - 1) / options_.max_predictions + 1;
+    // Rows are counted from the first one ever added, so the same rows are used again after more
+    // came, and what a model was measured on there need not be measured again.
     const uint64_t forgotten = series_.added() - series_.rows();
     std::ranges::copy_if(rows, std::back_inserter(some),
                          [&](size_t row) { return (forgotten + row) % every == 0; });
@@ -89,7 +91,7 @@ SeriesPredictor::Measured SeriesPredictor::measure(size_t steps) {
     std::vector<MotionErrors> errors(members.size());
     size_t learned_until = 0;
     for (const size_t row : rows) {
-      // Of each block the rows before it are known.
+      // Engines may know only rows before the block, as they would have at that time.
       const size_t block = std::min(kBlocks - 1, (row + steps - split) * kBlocks /
                                                      std::max<size_t>(series_.rows() - split, 1));
       const size_t known = split + block * (series_.rows() - split) / kBlocks;
@@ -114,7 +116,7 @@ SeriesPredictor::Measured SeriesPredictor::measure(size_t steps) {
   return measured;
 }
 
-/// Rows when nothing moves cost no more than a look.
+/// Measures predictions from all rows at which a member moves. Other rows cost only the test.
 void SeriesPredictor::measure_movements(const SeriesEngine& engine, size_t steps,
                                         MemberRecords& records) {
   const std::vector<RowMember>& members = this->members();
@@ -201,7 +203,7 @@ std::vector<double> SeriesPredictor::continued(Duration ahead, const std::string
   const auto used = static_cast<size_t>(found - engines_.begin());
   const size_t steps = series_.steps_in(ahead);
   std::vector<double> values = predicted_row(used, steps);
-  // What lies beside the closest step is between it and the other neighbour.
+  // A horizon beside the closest step lies between that step and its neighbour on that side.
   const double exact =
       series_.step() > Duration(0) ? to_seconds(ahead) / to_seconds(series_.step()) : 1.0;
   const double beside = exact - static_cast<double>(steps);

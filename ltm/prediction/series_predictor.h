@@ -15,72 +15,75 @@
 
 namespace engram::ltm {
 
-/// What an engine was worth on an entity's own past. RMSE over all numbers, in their units.
+/// The measured errors of an engine on an entity's own past. RMSE over all numbers, in their units.
 struct SeriesRecord {
   std::string engine;
-  size_t predictions = 0;  ///< That it was measured on.
-  double rmse = 0;         ///< Of all of them together.
-  double bound_rmse = 0;   ///< That of one is at most that, with kBoundProbability.
+  size_t predictions = 0;  ///< Number of measured predictions.
+  double rmse = 0;         ///< Over all predictions together.
+  double bound_rmse = 0;   ///< One prediction stays within it, with kBoundProbability.
 };
 
 struct SeriesPrediction {
   std::vector<double> values;  ///< [numbers]
-  SeriesRecord record;         ///< Of the engine that made it, at the closest number of steps.
+  SeriesRecord record;         ///< Of the engine that predicted, at the closest number of steps.
 };
 
-/// Continues a series by the engine that was best on its own past.
+/// Predicts a series with the engine that was best on its own past.
 ///
-/// For a horizon that is asked for, every engine predicts rows of the last third from what came so
-/// long before; what learns, learns from all rows before each third of these. Measured again when a
-/// tenth more rows have come. Nothing is done for series that nobody asks about. Threading: one
-/// thread.
+/// For each requested horizon, every engine predicts rows of the last third of the series from the
+/// rows that long before them. That third is split into three blocks, and engines that learn do so
+/// from all rows before each block. Engines are measured again after a tenth more rows. A series
+/// that nobody asks about costs nothing.
+/// Threading: one thread.
 class SeriesPredictor {
  public:
   struct Options {
-    /// Engines are measured on none before so many last rows.
+    /// Engines are measured only on this many last rows.
     size_t last_rows = std::numeric_limits<size_t>::max();
-    /// Most predictions to measure an engine and a horizon on, evenly spaced.
+    /// Max predictions per engine and horizon, evenly spaced.
     size_t max_predictions = 512;
-    /// Every n-th row, whatever the horizon, instead: who predicts all horizons at once does it
-    /// from few rows. Down to half as many.
+    /// If true, predictions start from every n-th row, the same ones for all horizons. A model that
+    /// predicts all horizons at once then runs from few rows. It may halve the number of
+    /// predictions.
     bool is_anchored = false;
   };
 
-  /// `series` outlives it; rows may be added to it.
+  /// `series` must outlive it; rows may be added to it.
   explicit SeriesPredictor(const NumberSeries& series)
       : SeriesPredictor(series, std::nullopt, Options{}) {}
-  /// With `meaning` predictions are what its values can be, and measured as these.
+  /// With `meaning` predictions are made valid for its values (ValueRow::finish), and errors are
+  /// measured on its members.
   SeriesPredictor(const NumberSeries& series, std::optional<ValueRow> meaning, Options options);
 
-  /// From the last row on, by the best engine or the one that is named. Between two steps: on the
-  /// straight line from what it predicts for the one before to the one after.
-  /// Errors: kNotFound where there is no row or no such engine; kInvalidArgument where `ahead` is
-  /// not positive.
+  /// Predicts from the last row on, with the best engine or the named one. Between two steps it
+  /// interpolates linearly between their predictions.
+  /// Errors: kNotFound if there is no row or no such engine; kInvalidArgument if `ahead` is not
+  /// positive.
   Result<SeriesPrediction> predict(Duration ahead, const std::string& engine = {});
 
-  /// What engines are worth at the number of steps that is closest, the best first. Before there is
-  /// anything to measure: all with no predictions, the last value first.
+  /// The errors of all engines at the closest number of steps, the best engine first. If nothing
+  /// can be measured yet, all have 0 predictions and copy-last comes first.
   [[nodiscard]] const std::vector<SeriesRecord>& records(Duration ahead);
 
-  /// The same of each of the values' members, in the order of make_series_engines(); without
-  /// `meaning` of no member.
+  /// The same errors per member of the values, with engines in the order of make_series_engines().
+  /// Without `meaning` there are no members.
   [[nodiscard]] const std::vector<MemberRecords>& member_records(Duration ahead);
 
-  /// Whether each of the members moves at a row.
+  /// For each member, whether it moves at a row.
   [[nodiscard]] std::vector<bool> moving_members(size_t row);
 
-  /// From the last row on as predict() does, by the named engine alone, which is not measured.
-  /// Needs a row and a name that there is (checked), and `ahead` > 0 (checked).
+  /// Predicts from the last row on as predict() does, with the named engine and without measuring.
+  /// Needs a row, a known name and `ahead` > 0 (all checked).
   [[nodiscard]] std::vector<double> continued(Duration ahead, const std::string& engine);
 
-  /// The rows that engines are measured on: those from which so many steps
-  /// later is known, and of the last third.
+  /// The rows that measured predictions start from: those whose row `steps` steps later is known
+  /// and in the last third.
   [[nodiscard]] std::vector<size_t> test_rows(size_t steps) const;
 
  private:
   struct Measured {
-    uint64_t rows = 0;                   ///< NumberSeries::added() when it was measured.
-    std::vector<SeriesRecord> records;   ///< The best first.
+    uint64_t rows = 0;                   ///< NumberSeries::added() at the measurement.
+    std::vector<SeriesRecord> records;   ///< The best engine first.
     std::vector<MemberRecords> members;  ///< In the order of make_series_engines().
   };
 
@@ -98,9 +101,11 @@ class SeriesPredictor {
   Options options_;
   std::vector<std::unique_ptr<SeriesEngine>> engines_;
   std::optional<MemberMotion> motion_;
-  uint64_t motion_rows_ = 0;             ///< NumberSeries::added() when it was looked at.
-  std::map<size_t, Measured> measured_;  ///< By steps.
-  std::map<std::pair<size_t, size_t>, uint64_t> learned_;  ///< Rows then, by steps and engine.
+  uint64_t motion_rows_ = 0;             ///< NumberSeries::added() when motion_ was made.
+  std::map<size_t, Measured> measured_;  ///< The key is the number of steps.
+  /// NumberSeries::added() when an engine last learned. The key is the number of steps and the
+  /// engine.
+  std::map<std::pair<size_t, size_t>, uint64_t> learned_;
 };
 
 }  // namespace engram::ltm

@@ -19,7 +19,8 @@ using idf::NdArray;
 using idf::TensorMember;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// In rows: a number that never was finite. Zeros of values are positive there.
+/// Marks a number in a row that was never finite. It differs from the zeros of values, which are
+/// stored as positive zeros.
 constexpr double kNeverKnown = -0.0;
 
 bool is_never_known(double number) {
@@ -36,7 +37,7 @@ size_t count_of(const TensorMember& member) {
   return count;
 }
 
-/// What a type says of the part of its values at a path; nothing where it does not know it.
+/// The type of the part of a value at a path; nothing if the type does not know that path.
 std::optional<idf::Type> type_at(const idf::Type* type, const std::string& path) {
   if (type == nullptr) return std::nullopt;
   std::optional<idf::Type> found = *type;
@@ -64,7 +65,7 @@ bool is_in_rows(const TensorMember& member) {
   }
 }
 
-/// Numbers that stand for something else.
+/// True for numbers that stand for something else, so that no engine can predict them.
 bool is_copied(const TensorMember& member, const std::optional<idf::Type>& type) {
   if (member.kind == MemberKind::kBool) return true;
   return type && (type->kind() == idf::TypeKind::kIntEnum || type->kind() == idf::TypeKind::kTime);
@@ -85,7 +86,7 @@ size_t numbers_in(const idf::Layout& layout) {
   return count;
 }
 
-/// Walked into as far as the type tells, or as the value shows: whatever finds more numbers.
+/// The layout by the type or by the value alone, whichever finds more numbers.
 idf::Layout layout_of(const idf::Data& value, const idf::Type* type) {
   const idf::Layout shown = idf::Layout::of(value);
   if (type == nullptr) return shown;
@@ -100,11 +101,11 @@ std::vector<double> doubles_of(const NdArray& array) {
   });
 }
 
-/// Where a prediction that goes from `from` to `to` leads an element.
+/// Moves an element by what a prediction changed, from `from` to `to`.
 template <typename T>
 T moved(T last, double from, double to, double lowest, double highest) {
   if constexpr (std::is_integral_v<T>) {
-    // Of large integers a double has not all digits: what is added to them has.
+    // A double cannot hold all digits of a large integer, so the change is added to the integer.
     const long double sum = static_cast<long double>(last) + static_cast<long double>(to - from);
     return static_cast<T>(std::clamp(sum,
                                      static_cast<long double>(std::numeric_limits<T>::lowest()),
@@ -125,14 +126,14 @@ struct ValueRow::State {
   struct Part : RowMember {
     ElementType type = ElementType::kFloat64;
     std::optional<RotationForm> rotation;
-    size_t turn = 0;  ///< Of its turns in a row.
+    size_t turn = 0;  ///< Place of its turns in a row.
     double lowest = 0;
     double highest = 0;
   };
 
   idf::Layout layout;
   std::vector<Part> parts;
-  std::vector<RowMember> row_members;  ///< The same, for all to see.
+  std::vector<RowMember> row_members;  ///< The public part of `parts`.
   std::vector<size_t> others;
   size_t counted = 0;
   size_t elements = 0;
@@ -158,7 +159,8 @@ struct ValueRow::State {
     parts.push_back(part);
   }
 
-  /// Goes on from the row before: the turn from it, and its sign. False where it is no rotation.
+  /// Reads a rotation: it adds the turn since the row before and takes the sign of the quaternion
+  /// from there. False if the elements are no rotation.
   static bool read_rotation(const Part& part, bool is_finite, std::span<const double> before,
                             std::vector<double>& elements, std::span<double> row) {
     Eigen::Map<Eigen::Vector3d> turn(row.data() + part.turn);
@@ -230,7 +232,8 @@ struct ValueRow::State {
     });
   }
 
-  /// Which a predicted quaternion needs to be close to the one that the value holds.
+  /// The sign that makes a predicted quaternion closer to the one in the value. The row may hold
+  /// the negative of the value's quaternion, as its sign never jumps.
   static double sign_of(const Part& part, const NdArray& value, std::span<const double> predicted) {
     if (part.rotation != RotationForm::kQuaternion) return 1;
     const std::vector<double> held = doubles_of(value);

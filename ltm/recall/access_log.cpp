@@ -19,14 +19,14 @@ constexpr const char* kFolder = "access";
 constexpr const char* kSummary = "summary.log";
 constexpr const char* kLock = "merge.lock";
 
-/// More than these are merged.
+/// Above either limit the logs are merged.
 constexpr size_t kMaxFiles = 64;
 constexpr uint64_t kMaxUnmergedBytes = uint64_t{4} << 20;
 
-/// Larger files are none of ours.
+/// A larger file was not written by this code and is not read.
 constexpr uint64_t kMaxFileBytes = uint64_t{256} << 20;
 
-/// What was read from files, and which logs a summary has taken in.
+/// What was read from files, and the names of the logs that a summary already contains.
 struct Notes {
   AccessTable table;
   std::set<std::string> merged;
@@ -38,7 +38,7 @@ std::vector<std::byte> must_encode(const idf::Data& value) {
   return *std::move(bytes);
 }
 
-/// A frame per entity.
+/// Encodes one frame per entity.
 std::vector<std::vector<std::byte>> encode(const AccessTable& table) {
   std::vector<std::vector<std::byte>> frames;
   for (const auto& [entity, snapshots] : table.all()) {
@@ -58,7 +58,7 @@ std::vector<std::vector<std::byte>> encode(const AccessTable& table) {
   return frames;
 }
 
-/// The int64 [n] at a key; nothing where it is something else.
+/// The int64 array [n] at a key; empty if the value there is something else.
 std::optional<std::span<const int64_t>> numbers(const idf::Data& value, std::string_view key) {
   const idf::Data* part = value.at(key);
   const auto* array = part == nullptr ? nullptr : part->get_if<idf::NdArray>();
@@ -67,7 +67,7 @@ std::optional<std::span<const int64_t>> numbers(const idf::Data& value, std::str
   return array->values<int64_t>();
 }
 
-/// Takes in one frame; nothing of it where it is not as it should be.
+/// Adds one frame to `notes`. A malformed frame is ignored as a whole.
 void add_frame(const idf::Data& value, Notes& notes) {
   if (const idf::Data* merged = value.at("merged")) {
     if (const auto* names = merged->get_if<idf::List>())
@@ -90,7 +90,8 @@ void add_frame(const idf::Data& value, Notes& notes) {
                       time_from_ns((*last)[i]));
 }
 
-/// Whole frames count; the rest is what a killed reader left, or damage: notes are worth no error.
+/// Adds the whole frames of a file. The rest is damaged or was left by a killed reader, and losing
+/// it is not worth an error: notes only guide forgetting.
 void add_file(const std::filesystem::path& file, Notes& notes) {
   std::error_code error;
   const uint64_t bytes = std::filesystem::file_size(file, error);
@@ -103,9 +104,9 @@ void add_file(const std::filesystem::path& file, Notes& notes) {
 }
 
 struct Files {
-  std::vector<std::filesystem::path> logs;  ///< In the order of their names.
-  uint64_t bytes = 0;                       ///< Of these and the summary.
-  uint64_t log_bytes = 0;
+  std::vector<std::filesystem::path> logs;  ///< Sorted by name.
+  uint64_t bytes = 0;                       ///< Of the logs and the summary.
+  uint64_t log_bytes = 0;                   ///< Of the logs.
 };
 
 Files list_files(const std::filesystem::path& store) {
@@ -129,7 +130,8 @@ bool has_notes(const std::filesystem::path& store) {
   return list_files(store).bytes > 0;
 }
 
-/// The summary with the logs that it takes in from now on.
+/// Writes a summary that contains `table` and names the logs that are merged into it. The names
+/// keep a log from being counted twice if a kill comes before the log is removed.
 Status write_summary(const std::filesystem::path& store, const AccessTable& table,
                      const std::vector<std::filesystem::path>& logs) {
   idf::List names;
@@ -160,7 +162,7 @@ void AccessLog::note(const MemoryId& entity, Time snapshot) {
 
 void AccessLog::flush() {
   if (noted_.empty()) return;
-  // A store that only may be read is read all the same: no warning.
+  // A store may be read-only. That is no fault, so there is no warning.
   if (const Status status = write(); !status.ok())
     log::debug("store '{}': accesses are not kept: {}", store_.string(), status.to_string());
   noted_.clear();
@@ -170,7 +172,7 @@ void AccessLog::flush() {
 Status AccessLog::write() {
   if (!file_) ENGRAM_RETURN_IF_ERROR(open_file());
   ENGRAM_ASSIGN_OR_RETURN(const auto frames, encode_journal_frames(encode(noted_)));
-  // A torn frame would end the file: what follows goes to another.
+  // Readers stop at a torn frame, so after a failed append the next frames go to another file.
   Status status = file_->append(frames);
   const auto size = file_->size();
   if (!status.ok() || !size.ok() || *size >= options_.file_bytes) file_.reset();
@@ -182,7 +184,7 @@ Status AccessLog::open_file() {
   if (there.bytes >= options_.max_bytes || there.logs.size() >= options_.max_files)
     return resource_exhausted("'{}': holds too many notes", (store_ / kFolder).string());
   ENGRAM_RETURN_IF_ERROR(make_directories(store_ / kFolder));
-  // The time makes the name one that a summary cannot have seen.
+  // Process IDs are reused. The time makes the name one that no summary has named before.
   const std::string name = fmt::format("{}-{}.log", ::getpid(), to_ns(system_now()));
   ENGRAM_ASSIGN_OR_RETURN(File file, File::open(store_ / kFolder / name, File::Mode::kCreate));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, file.lock(false));
@@ -193,7 +195,7 @@ Status AccessLog::open_file() {
 }
 
 AccessTable read_accesses(const std::filesystem::path& store) {
-  // The summary last: a log that went meanwhile is in it.
+  // The summary is read last: it contains any log that a merge removed in the meantime.
   std::map<std::string, Notes> logs;
   for (const auto& log : list_files(store).logs) add_file(log, logs[log.filename().string()]);
   Notes sum;
@@ -211,7 +213,7 @@ Status merge_accesses(const std::filesystem::path& store, const std::map<MemoryI
   Notes sum;
   add_file(store / kFolder / kSummary, sum);
   std::vector<std::filesystem::path> taken;
-  std::vector<File> held;  // Their readers are gone, and nobody else may come.
+  std::vector<File> held;  // The locks show that the readers have ended, and keep others out.
   for (const auto& log : list_files(store).logs) {
     auto file = File::open(log, File::Mode::kRead);
     if (!file.ok()) continue;

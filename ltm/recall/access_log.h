@@ -12,21 +12,23 @@ namespace engram::ltm {
 
 /// Notes which snapshots of a store were read, in a file of its own below `access/`.
 ///
-/// Nothing is forced to the disk and nothing fails: where the store cannot be written to, or its
-/// notes have grown to their limit, nothing is noted. Killed, it loses what was not written out.
+/// It never forces a write to the disk and never fails: if the store cannot be written to, or its
+/// notes have reached their limit, reads are not noted. A killed process loses the reads that it
+/// had not written yet.
 /// Owns: its file and the lock on it.
 /// Threading: one thread; any number of logs of one store in any process.
 /// Source: docs/format.md, section "Access logs".
 class AccessLog {
  public:
   struct Options {
-    /// Reads that are gathered before they are written.
+    /// Number of reads that are gathered before they are written.
     size_t batch = 1024;
-    /// So are fewer, where the first of them came this long ago, at the next read.
+    /// A read also writes a smaller batch if the first read of that batch is this old.
     Duration interval = std::chrono::seconds(2);
-    /// Most bytes of a log; then the next one is begun.
+    /// A log that reaches this size is closed and the next one is begun.
     uint64_t file_bytes = uint64_t{1} << 20;
-    /// Most bytes and files below `access/`; more notes are dropped until they are merged.
+    /// Max bytes and files below `access/`. At either limit notes are dropped until logs are
+    /// merged.
     uint64_t max_bytes = uint64_t{64} << 20;
     size_t max_files = 4096;
   };
@@ -34,12 +36,12 @@ class AccessLog {
   AccessLog(std::filesystem::path store, const Options& options, Clock clock = system_now);
   AccessLog(const AccessLog&) = delete;
   AccessLog& operator=(const AccessLog&) = delete;
-  /// Writes out what was noted.
+  /// Calls flush().
   ~AccessLog();
 
   void note(const MemoryId& entity, Time snapshot);
 
-  /// Writes out what was noted.
+  /// Writes all gathered reads to the log.
   void flush();
 
  private:
@@ -55,17 +57,17 @@ class AccessLog {
   std::optional<File> file_;
 };
 
-/// All that was noted of a store; of what is damaged, or cannot be read, nothing.
+/// Reads all notes of a store. Notes that are damaged or cannot be read are left out.
 [[nodiscard]] AccessTable read_accesses(const std::filesystem::path& store);
 
-/// Makes one summary of all notes whose readers are gone, without the snapshots that are `gone`
-/// themselves. Leaves everything as it is where another process does that now.
-/// Killed at any moment, nothing is lost or counted twice.
+/// Merges the logs whose readers have ended into one summary, without the snapshots in `gone`.
+/// Does nothing if another process is merging at the same time.
+/// A kill at any moment loses no note and counts none twice.
 /// Errors: kUnavailable, kResourceExhausted.
 Status merge_accesses(const std::filesystem::path& store,
                       const std::map<MemoryId, TimeSet>& gone = {});
 
-/// The same where many files or bytes have gathered; costs a look into the folder elsewhere.
+/// Calls merge_accesses() if many files or bytes have gathered. Otherwise it only lists the folder.
 Status merge_grown_accesses(const std::filesystem::path& store);
 
 }  // namespace engram::ltm

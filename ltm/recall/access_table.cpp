@@ -15,7 +15,7 @@ void AccessTable::add(const MemoryId& entity, Time snapshot, uint64_t count, Tim
   if (count == 0) return;
   AccessStats& stats = entities_[entity][snapshot];
   stats.last = stats.count == 0 ? last : std::max(stats.last, last);
-  // Counts come from files and go to them as int64: a hostile one must not wrap.
+  // Files hold counts as int64, so a hostile count must not wrap.
   stats.count += std::min(count, kMaxReads - stats.count);
 }
 

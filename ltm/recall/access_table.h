@@ -11,12 +11,12 @@ namespace engram::ltm {
 /// How often a snapshot was read, and when last.
 struct AccessStats {
   uint64_t count = 0;
-  Time last{};  ///< Means nothing where `count` is 0.
+  Time last{};  ///< Undefined if `count` is 0.
 
   friend bool operator==(const AccessStats&, const AccessStats&) = default;
 };
 
-/// The reads of a store's snapshots, as far as they were noted.
+/// The reads of a store's snapshots that were noted.
 ///
 /// Threading: const-parallel.
 class AccessTable {
@@ -28,7 +28,7 @@ class AccessTable {
 
   void add(const AccessTable& other);
 
-  /// Zero reads where none was noted.
+  /// Returns zero reads if none was noted.
   [[nodiscard]] AccessStats find(const MemoryId& entity, Time snapshot) const;
 
   void erase(const MemoryId& entity, Time snapshot);
@@ -40,7 +40,7 @@ class AccessTable {
   void clear() { entities_.clear(); }
 
  private:
-  std::map<MemoryId, Snapshots> entities_;  ///< None of them empty.
+  std::map<MemoryId, Snapshots> entities_;  ///< Each value has at least one snapshot.
 };
 
 }  // namespace engram::ltm

@@ -10,28 +10,28 @@ namespace engram::ltm {
 
 /// One moment of an answer.
 struct RecalledSnapshot {
-  SnapshotResult answer;  ///< Without data where only IDs were asked for.
-  /// What it is in working memory, else null: a server sends these bytes as they came, instead of
-  /// making them anew.
+  SnapshotResult answer;  ///< Has no data if the query asks for IDs only.
+  /// The snapshot in working memory, or null if it is not there. A server sends its bytes as they
+  /// came instead of encoding them again.
   SharedSnapshot held{};
 };
 
 struct RecalledEntity {
   MemoryId id;
-  std::vector<RecalledSnapshot> snapshots;  ///< In the order of time; may be empty.
+  std::vector<RecalledSnapshot> snapshots;  ///< Sorted by time; may be empty.
 };
 
-/// What a memory answers to a query, entities in the order of their IDs.
+/// What a memory answers to a query. Entities are sorted by their IDs.
 struct Answer {
   bool is_ids_only = false;
   std::vector<RecalledEntity> entities;
 
-  /// The same as a tree of the six levels.
+  /// Converts the answer to a tree of the six levels.
   [[nodiscard]] QueryResult to_result() &&;
 };
 
-/// A snapshot of working memory as a moment of an answer; `instances`: which, empty for all.
-/// Without any of these it has no instances.
+/// Makes a moment of an answer from a snapshot of working memory. `instances` selects instances by
+/// index; empty selects all. The result has no instances if none of the selected ones exists.
 [[nodiscard]] RecalledSnapshot recalled(SharedSnapshot held, const std::vector<int32_t>& instances,
                                         bool is_ids_only);
 

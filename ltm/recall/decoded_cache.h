@@ -9,19 +9,19 @@
 
 namespace engram::ltm {
 
-/// Snapshots that were decoded from a store, for the next who asks. Where there are too many bytes,
-/// the one that was not asked for longest goes.
+/// A cache of snapshots that were decoded from a store. It evicts the least recently used ones when
+/// it holds more than its maximum of bytes.
 ///
 /// Threading: one thread.
 class DecodedCache {
  public:
-  /// Zero: it keeps nothing.
+  /// With 0 it keeps nothing.
   explicit DecodedCache(size_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// `prefer`: by which form it was read; an entity may be asked for in both.
+  /// `prefer` is the form that was asked for: the cache keeps both forms of a snapshot apart.
   [[nodiscard]] std::optional<SnapshotResult> find(const MemoryId& id, Prefer prefer);
   void put(const MemoryId& id, Prefer prefer, const SnapshotResult& snapshot);
-  /// In whatever form.
+  /// Erases both forms.
   void erase(const MemoryId& id);
   void clear();
 
@@ -39,7 +39,7 @@ class DecodedCache {
 
   size_t max_bytes_;
   size_t bytes_ = 0;
-  std::list<Entry> entries_;  ///< The one that was asked for last in front.
+  std::list<Entry> entries_;  ///< The most recently used one in front.
   std::map<Key, std::list<Entry>::iterator> by_key_;
 };
 

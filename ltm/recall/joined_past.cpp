@@ -18,8 +18,8 @@ std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
 
 constexpr auto kTime = [](const SharedSnapshot& snapshot) { return snapshot->time; };
 
-/// Asks the store only where it could change the answer: most questions are about the newest
-/// moments, which are held, and a store may have to be opened anew for an answer.
+/// Asks the store only if it could change the answer. Most questions are about the newest moments,
+/// which are held, and the store may have to be opened again before it can answer.
 class JoinedEntityPast final : public EntityPast {
  public:
   using Stored = std::function<Result<std::unique_ptr<EntityPast>>()>;
@@ -65,20 +65,20 @@ class JoinedEntityPast final : public EntityPast {
     return later(here, there);
   }
 
-  /// Complexity: O(held * log stored) where the two overlap.
+  /// Complexity: O(held * log stored) if the two overlap.
   Result<std::optional<Time>> nth(uint64_t index) override {
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr)
       return index < held_.size() ? std::optional(held_[index]->time) : std::nullopt;
     ENGRAM_RETURN_IF_ERROR(find_unstored(*stored));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, stored->count());
-    // How many of the unstored lie before the answer: the number for which both lists agree.
+    // Binary search for the number of unstored moments that lie before the answer.
     const auto& unstored = *unstored_;
     size_t low = 0;
     size_t high = std::min<uint64_t>(unstored.size(), index);
     while (low < high) {
       const size_t middle = low + (high - low) / 2;
-      // unstored[middle] lies before the answer if fewer than index - middle stored ones do.
+      // unstored[middle] lies before the answer if fewer than index - middle stored moments do.
       const uint64_t rank = index - middle - 1;
       ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->nth(rank));
       if (rank >= count || !there || unstored[middle] < *there)
@@ -114,7 +114,7 @@ class JoinedEntityPast final : public EntityPast {
   }
 
  private:
-  /// Nothing that is stored comes after it.
+  /// True if no stored moment comes after `here`.
   [[nodiscard]] bool is_latest(std::optional<Time> here) const {
     return !until_ || (here && *until_ <= *here);
   }
@@ -133,7 +133,7 @@ class JoinedEntityPast final : public EntityPast {
     return stored_.get();
   }
 
-  /// Held snapshots whose moments are not stored too.
+  /// Finds the held moments that the store does not have.
   Status find_unstored(EntityPast& stored) {
     if (unstored_) return {};
     std::vector<Time> times;
@@ -153,7 +153,7 @@ class JoinedEntityPast final : public EntityPast {
   const std::optional<Time> until_;
   const Stored open_;
   bool is_open_ = false;
-  std::unique_ptr<EntityPast> stored_;  ///< Null where the store has nothing.
+  std::unique_ptr<EntityPast> stored_;  ///< Null if the store has no past of the entity.
   std::optional<std::vector<Time>> unstored_;
 };
 
@@ -191,7 +191,8 @@ std::vector<MemoryId> JoinedPast::matching(const Query& query) {
 }
 
 Result<std::unique_ptr<EntityPast>> JoinedPast::of(const MemoryId& entity) {
-  // In this order: what leaves memory from here on is in the store when that is asked.
+  // Memory is asked before the store: a snapshot that leaves memory after this line is in the store
+  // by the time the store is asked. In the other order it could be missed.
   std::vector<SharedSnapshot> held = memory_.all_of(entity);
   const std::optional<Time> until = store_ ? recorded_.known_until(entity) : std::nullopt;
   if (held.empty() && !until) return std::unique_ptr<EntityPast>();
@@ -221,6 +222,7 @@ Status JoinedPast::follow() {
 
 Status JoinedPast::renew() {
   if (!store_) return {};
+  // The number is read first: a recording that ends during the renewal may not be in it.
   const uint64_t recorded = recorded_.recordings();
   ENGRAM_RETURN_IF_ERROR(store_->renew());
   seen_ = recorded;

@@ -14,16 +14,16 @@
 
 namespace engram::ltm {
 
-/// The past that a working memory and the store below it have together, as if they were one: a
-/// moment that both have is answered from working memory.
+/// Joins the past in a working memory and in the store below it. A moment that both have is
+/// answered from working memory.
 ///
-/// The store is looked at only where what is held cannot tell, and opened anew where it has been
-/// recorded to since.
-/// Threading: one thread; the working memory and the recording go on beside it.
+/// The store is read only if the held snapshots cannot give the answer. It is opened again if
+/// snapshots were recorded to it since it was opened.
+/// Threading: one thread; the working memory and the recording may run at the same time.
 class JoinedPast final : public KnownPast {
  public:
-  /// `memory` and `recorded`, which is told what the store has, outlive it; `store` may be null,
-  /// then there is working memory alone.
+  /// `memory` and `recorded` must outlive it; `recorded` is told which entities the store has. With
+  /// a null `store` only working memory answers.
   /// Errors: those of reading the store.
   static Result<std::unique_ptr<JoinedPast>> create(std::string name, const WorkingMemory& memory,
                                                     std::unique_ptr<StorePast> store,
@@ -35,7 +35,7 @@ class JoinedPast final : public KnownPast {
   [[nodiscard]] std::optional<idf::Type> type_of(const MemoryId& entity) const override;
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
   Status renew() override;
-  /// What a night publishes, models above all: recordings are told of by themselves.
+  /// Follows what a consolidation publishes, above all models. Recordings are followed without it.
   Status follow() override;
 
   /// Null without a store.
@@ -46,7 +46,7 @@ class JoinedPast final : public KnownPast {
              RecordedEntities& recorded)
       : name_(std::move(name)), memory_(memory), store_(std::move(store)), recorded_(recorded) {}
 
-  /// What the store has of an entity, as it is now; null where it has nothing.
+  /// The past of an entity in the newest state of the store; null if the store has none.
   Result<std::unique_ptr<EntityPast>> stored(const MemoryId& entity);
 
   const std::string name_;
@@ -56,8 +56,9 @@ class JoinedPast final : public KnownPast {
   uint64_t seen_ = 0;  ///< Number of the last recording that the opened store shows.
 };
 
-/// The moments of an entity that are held, in the order of time, and those that `stored` gives when
-/// it is asked for the first time, null where there are none. The store has none after `until`.
+/// Joins the held moments of an entity, sorted by time, with the past that `stored` returns.
+/// `stored` is called at most once successfully, when it is first needed, and may return null. The
+/// store has no moment after `until`, and none at all if `until` is empty.
 [[nodiscard]] std::unique_ptr<EntityPast> join_pasts(
     std::vector<SharedSnapshot> held, std::optional<Time> until,
     std::function<Result<std::unique_ptr<EntityPast>>()> stored);

@@ -14,62 +14,62 @@
 
 namespace engram::ltm {
 
-/// Which form answers where a snapshot has both.
+/// Which form is read if a snapshot has both.
 enum class Prefer { kRecorded, kLatent };
 
-/// The past of one entity: its moments, and what it was at each of them.
+/// The past of one entity: its moments, and its snapshot at each of them.
 ///
-/// Errors: kUnavailable where the store has changed so much meanwhile that this cannot be read any
-/// more: KnownPast::renew(), and ask again.
+/// Errors: kUnavailable if the store has changed so that this generation can no longer be read;
+/// call KnownPast::renew() and ask again.
 /// Threading: one thread.
 class EntityPast : public Moments {
  public:
   /// Number of moments. Complexity: that of Timeline::count.
   virtual Result<uint64_t> count() = 0;
 
-  /// What it was at a moment, which must be one of these.
-  /// Errors: kDataLoss where it is damaged; kFailedPrecondition where a latent needs a model that
-  /// cannot be loaded.
+  /// Reads the snapshot at `moment`, which must be one of the entity's moments.
+  /// Errors: kDataLoss if it is damaged; kFailedPrecondition if a latent needs a model that cannot
+  /// be loaded.
   virtual Result<RecalledSnapshot> read(Time moment, Prefer prefer) = 0;
 
-  /// The same without data, from the form that read() would take. Decodes nothing.
+  /// Returns the same snapshot without data, from the form that read() would use. Decodes nothing.
   virtual Result<RecalledSnapshot> name(Time moment, Prefer prefer) = 0;
 };
 
-/// What is known of the past, wherever it is kept: the one thing that answers and predictions are
-/// made from.
+/// The past, wherever it is kept. All answers and predictions are made from it.
 ///
-/// Two implementations: StorePast, a store alone, and JoinedPast, a store and the working memory
-/// above it. Threading: one thread.
+/// It has two implementations: StorePast reads a store alone, JoinedPast reads a store and the
+/// working memory above it.
+/// Threading: one thread.
 class KnownPast {
  public:
   virtual ~KnownPast() = default;
 
-  /// "store 'kitchen.engram'": what messages call it.
+  /// Its name in messages, such as "store 'kitchen.engram'".
   [[nodiscard]] virtual std::string name() const = 0;
 
-  /// The entities that a query asks for and that have a past, in the order of their IDs.
-  /// Complexity: O(log n) for each entity that the query names; else it looks at all.
+  /// The entities that match a query and have a past, sorted by their IDs.
+  /// Complexity: O(log n) for each entity that the query names; O(n) if it names none.
   [[nodiscard]] virtual std::vector<MemoryId> matching(const Query& query) = 0;
 
-  /// The past of an entity as it is now; null where it has none. It can be used for as long as this
-  /// lives, but shows nothing that comes after this call.
+  /// The past of an entity as it is now; null if it has none. It can be used for as long as this
+  /// object lives, but shows nothing that comes after this call.
   virtual Result<std::unique_ptr<EntityPast>> of(const MemoryId& entity) = 0;
 
-  /// What was declared for the entity's segment.
+  /// The type that was declared for the entity's segment.
   [[nodiscard]] virtual std::optional<idf::Type> type_of(const MemoryId& entity) const = 0;
 
-  /// The predictors of the entity's newest model: its own, if it has one, and a copy of the last
-  /// value that knows how wrong it was, if it has that. Empty where there is no model, or nothing
-  /// that could load it. They live as long as this.
+  /// The predictors of the entity's newest model: its own, if it has one, and a copy-last predictor
+  /// with measured errors, if it has one. Empty if there is no model or no loader. They live as
+  /// long as this object.
   /// Errors: those of the loader.
   virtual Result<std::vector<Engine>> models(const MemoryId& entity) = 0;
 
-  /// Looks at the store anew.
+  /// Opens the newest state of the store.
   virtual Status renew() = 0;
 
-  /// The same where something changed that this is to follow, and would not learn of otherwise. To
-  /// be called before a question; costs microseconds where nothing did.
+  /// Calls renew() if the store changed in a way that this object follows but is not told of. Call
+  /// it before each question; it takes microseconds if nothing changed.
   virtual Status follow() = 0;
 };
 

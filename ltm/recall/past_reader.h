@@ -12,13 +12,13 @@
 
 namespace engram::ltm {
 
-/// The models of one store, each opened when it is needed for the first time. They stay open: who
-/// predicts by one need not fear for it.
+/// The models of one store. Each is opened when it is first needed and stays open as long as this
+/// object, so pointers to its parts stay valid.
 ///
 /// Threading: one thread.
 class LoadedModels {
  public:
-  /// May be empty: then no model can be loaded.
+  /// With an empty `loader` no model can be loaded.
   explicit LoadedModels(ModelLoader loader) : loader_(std::move(loader)) {}
 
   [[nodiscard]] bool has_loader() const { return loader_ != nullptr; }
@@ -28,21 +28,21 @@ class LoadedModels {
 
  private:
   ModelLoader loader_;
-  std::map<std::string, LoadedModel> models_;  ///< By file.
+  std::map<std::string, LoadedModel> models_;  ///< The key is the model's file.
 };
 
-/// Reads snapshots of one generation of a store from whatever form holds them.
+/// Reads snapshots of one generation of a store, from their recorded form or from their latents.
 ///
 /// Threading: one thread.
 class PastReader {
  public:
-  /// `models` of the same store, perhaps of an earlier generation of it.
+  /// `models` are those of the same store. They may have been loaded from an earlier generation.
   PastReader(std::unique_ptr<StoreReader> store, std::shared_ptr<LoadedModels> models)
       : store_(std::move(store)), models_(std::move(models)) {}
 
   [[nodiscard]] StoreReader& store() { return *store_; }
 
-  /// A model of the store's manifest. Errors: those of LoadedModels::load.
+  /// Loads a model of the store's manifest. Errors: those of LoadedModels::load.
   Result<const LoadedModel*> load(const ModelInfo& info) {
     return models_->load(store_->path(), info);
   }
@@ -50,7 +50,7 @@ class PastReader {
   /// Errors: kDataLoss; those of load().
   Result<SnapshotResult> read(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer);
 
-  /// The instances of a snapshot without their data, and the source that read() takes.
+  /// Returns the instances of a snapshot without their data, and the source that read() would use.
   Result<SnapshotResult> name(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer);
 
  private:

@@ -9,10 +9,10 @@ namespace engram::ltm {
 
 namespace {
 
-/// Names of entities that a message lists.
+/// Max entities that a message lists.
 constexpr size_t kMaxNamed = 20;
 
-/// About what a moment costs beside its values. Unit: bytes.
+/// An estimate of what a moment costs beside its values. Unit: bytes.
 constexpr size_t kMomentBytes = 256;
 
 size_t bytes_of(const SnapshotResult& snapshot) {
@@ -22,7 +22,7 @@ size_t bytes_of(const SnapshotResult& snapshot) {
   return bytes;
 }
 
-/// Leaves the instances that are asked for. False where none of them exists.
+/// Removes the instances that were not selected. False if none of the selected ones exists.
 bool keep_selected(SnapshotResult& snapshot, const std::vector<int32_t>& instances) {
   if (!instances.empty())
     std::erase_if(snapshot.instances, [&instances](const InstanceResult& instance) {
@@ -31,7 +31,8 @@ bool keep_selected(SnapshotResult& snapshot, const std::vector<int32_t>& instanc
   return instances.empty() || !snapshot.instances.empty();
 }
 
-/// Once more with the store as it is now, where a consolidation or a sealing changed it.
+/// Asks again, of the newest state of the store, if a consolidation or a sealing changed the store
+/// during the first attempt.
 template <typename Ask>
 auto retried(KnownPast& past, const Ask& ask) -> decltype(ask()) {
   auto first = ask();
@@ -44,7 +45,7 @@ auto retried(KnownPast& past, const Ask& ask) -> decltype(ask()) {
 
 struct Recall::State {
   std::unique_ptr<KnownPast> past;
-  StorePast* store = nullptr;  ///< The past where it is a store's alone.
+  StorePast* store = nullptr;  ///< The past, if it is that of a store alone.
   RecallPredictor predictor;
   std::unique_ptr<AccessLog> accesses;  ///< May be null.
 
@@ -54,7 +55,7 @@ struct Recall::State {
         predictor(*past, std::move(make_choice)),
         accesses(std::move(notes)) {}
 
-  /// The future moments of an entity without their data: they have the instances of the last one.
+  /// Adds future moments without their data. They have the instances of the last snapshot.
   Status name_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
                      const Options& options, RecalledEntity& result) const {
     ENGRAM_ASSIGN_OR_RETURN(const auto last, entity.last());
@@ -70,7 +71,7 @@ struct Recall::State {
     return {};
   }
 
-  /// All at once: a model comes by the nearer moments on its way to the farthest.
+  /// Predicts all moments in one call: a model passes the nearer ones on its way to the farthest.
   Status predict_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
                         const Options& options, RecalledEntity& result) {
     ENGRAM_ASSIGN_OR_RETURN(const auto last, entity.last());
@@ -203,6 +204,7 @@ Result<Answer> Recall::answer(const Query& query, const Options& options) {
   Answer answer{query.is_ids_only(), {}};
   size_t bytes = 0;
   for (const MemoryId& entity : entities) {
+    // A failed attempt may have counted bytes: a retry starts from the count before it.
     ENGRAM_ASSIGN_OR_RETURN(RecalledEntity one, retried(*state_->past, [&, before = bytes] {
                               bytes = before;
                               return state_->answer(entity, query, options, bytes);

@@ -12,9 +12,9 @@
 
 namespace engram::ltm {
 
-/// Answers what was and what will be: about the past from whatever form holds it, about the future
-/// by prediction. A store that is opened offline and a server answer through this alone, so they
-/// say the same.
+/// Answers queries: about the past from whichever form holds it, about the future by prediction. A
+/// store that is opened offline and a server both answer through this class, so their answers
+/// agree.
 ///
 /// Threading: one thread.
 /// Source: docs/query.md, section "Answers".
@@ -26,60 +26,64 @@ class Recall {
 
   struct Options {
     Prefer prefer = Prefer::kRecorded;
-    /// Predictions reach at most so far after the last snapshot, whatever predicts.
+    /// Max horizon of a prediction, counted from the last snapshot; it holds for all engines.
     Duration max_horizon = std::chrono::minutes(1);
-    std::string engine{};  ///< Of predictions, by its name; empty: the best for each horizon.
-    /// What may be decoded for one answer. Unit: plain bytes. Who asks a server for more is told
-    /// to ask for less; values of working memory are shared, and do not count.
+    /// Name of the engine that predicts. Empty: the best engine for each horizon.
+    std::string engine{};
+    /// Max plain bytes that are decoded for one answer; a larger answer is an error. Values of
+    /// working memory are shared and do not count.
     size_t max_answer_bytes = SIZE_MAX;
   };
 
-  /// With `accesses` every snapshot of the past whose data is in an answer, and that was not held
-  /// in working memory, is noted as read. `make_choice`: what chooses among engines; empty: the
-  /// newest model predicts, or where there is none, a copy of the last snapshot.
+  /// If `accesses` is given, it notes each past snapshot whose data an answer has and that was not
+  /// held in working memory. `make_choice` makes what chooses among engines. If it is empty, the
+  /// newest model predicts or, without a model, a copy of the last snapshot.
   explicit Recall(std::unique_ptr<KnownPast> past, std::unique_ptr<AccessLog> accesses = nullptr,
                   MakeEngineChoice make_choice = make_entity_predictor);
 
-  /// Of a store alone. Without a `loader` latents cannot be decoded and no model predicts.
+  /// Answers from a store alone. Without a `loader` latents cannot be decoded and no model
+  /// predicts.
   Recall(std::unique_ptr<StoreReader> store, ModelLoader loader,
          std::unique_ptr<AccessLog> accesses = nullptr,
          MakeEngineChoice make_choice = make_entity_predictor);
   ~Recall();
 
-  /// The store that this answers from alone (checked), as it is until the next question.
+  /// The store, if this answers from a store alone (checked). Valid until the next question.
   [[nodiscard]] StoreReader& store();
 
-  /// Where only IDs are asked for nothing is decoded or predicted: the answer names instances, and
-  /// the source that would answer, but no model.
-  /// Errors: kNotFound where no entity matches; kInvalidArgument where a prediction is asked too
-  /// far ahead; kFailedPrecondition where a latent needs a model and there is no loader;
-  /// kResourceExhausted where the answer would be too large; kDataLoss.
+  /// Answers a query. If it asks for IDs only, nothing is decoded or predicted: the answer names
+  /// the instances and their source, but no model.
+  /// Errors: kNotFound if no entity matches; kInvalidArgument if a horizon is too far ahead;
+  /// kFailedPrecondition if a latent needs a model and there is no loader; kResourceExhausted if
+  /// the answer would be too large; kDataLoss.
   Result<Answer> answer(const Query& query, const Options& options);
 
-  /// The same as a tree.
+  /// Returns the same answer as a tree.
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
 
-  /// What of models can predict an entity: the newest one, if it has one, and a copy of the last
-  /// snapshot, which knows how wrong that was. They live as long as this.
-  /// Errors: kNotFound where there is no such entity.
+  /// The predictors of an entity: that of its newest model, if it has one, and a copy of the last
+  /// snapshot, with measured errors if the model file has them. They live as long as this object.
+  /// Errors: kNotFound if there is no such entity.
   Result<std::vector<Engine>> engines(const MemoryId& entity);
 
-  /// The one whose predictor has this name; empty: the first.
+  /// The engine whose predictor has this name; with an empty name the first one.
   /// Errors: kNotFound.
   Result<Engine> engine(const MemoryId& entity, const std::string& name);
 
-  /// Everything that can predict an entity from a moment on (nothing: the newest), and what it was
-  /// worth so far ahead on the past before it; what answers comes first.
+  /// All engines that can predict an entity from the moment `from` on (empty: its newest moment),
+  /// with their errors at the horizon `ahead`, measured on the past before that moment. The engine
+  /// that would answer comes first.
   /// Errors: those of predict().
   Result<std::vector<EngineRecord>> records(const MemoryId& entity, std::optional<Time> from,
                                             Duration ahead, const Options& options);
 
-  /// One prediction per horizon, in their order. `options.engine` is not looked at: `request` says.
-  /// Errors: kNotFound where there is no such entity, engine, or snapshot at or before `from`;
-  /// kInvalidArgument where a horizon is too far ahead, where a plan is told to an engine that
-  /// starts from no other entity, or has another layout; those of query(). Where nothing is planned
-  /// after that moment the prediction is made without, and names no plan.
+  /// Returns one prediction per horizon, in their order. `request.engine` names the engine;
+  /// `options.engine` is ignored. If the plan has no snapshot after that moment, the prediction is
+  /// made without it and names no plan.
+  /// Errors: kNotFound if there is no such entity, engine, or snapshot at or before `from`;
+  /// kInvalidArgument if a horizon is too far ahead, if a plan is given to an engine that has no
+  /// condition, or if the plan has another layout; those of query().
   Result<std::vector<SnapshotResult>> predict(const MemoryId& entity,
                                               const PredictionRequest& request,
                                               const Options& options);

@@ -9,12 +9,12 @@ namespace engram::ltm {
 
 namespace {
 
-/// What a prediction is told beside the past of its entity, as in Past.
+/// What a predictor is given in addition to the past of the entity, as in Past.
 struct ToldValues {
   std::span<const idf::Data> conditions, plan;
 };
 
-/// Instances of consecutive snapshots as one series of values per instance index.
+/// The values of one instance in consecutive snapshots.
 std::vector<idf::Data> series(const std::vector<SnapshotResult>& history, size_t instance) {
   std::vector<idf::Data> values;
   for (const SnapshotResult& past : history)
@@ -22,7 +22,7 @@ std::vector<idf::Data> series(const std::vector<SnapshotResult>& history, size_t
   return values;
 }
 
-/// The last moments up to one, at most `count`, those after `after` alone, in their order.
+/// The last moments up to `time` and after `after`, at most `count` of them, sorted by time.
 Result<std::vector<Time>> latest(EntityPast& past, std::optional<Time> time, size_t count,
                                  std::optional<Time> after = {}) {
   std::vector<Time> moments;
@@ -37,7 +37,7 @@ Result<std::vector<Time>> latest(EntityPast& past, std::optional<Time> time, siz
   return moments;
 }
 
-/// The last moment that is known, or that is not after `from`.
+/// The last moment that is not after `from`; the last of all if `from` is empty.
 Result<std::optional<Time>> last_known(EntityPast& past, std::optional<Time> from) {
   return from ? past.at_or_before(*from) : past.last();
 }
@@ -56,7 +56,7 @@ Status check_horizons(const MemoryId& entity, const PredictionRequest& request, 
   return {};
 }
 
-/// The number of steps that comes closest to the horizon, at least one.
+/// The number of steps that is closest to the horizon, at least one.
 size_t steps_to(const Predictor& predictor, Duration horizon) {
   if (predictor.step() <= Duration(0)) return 1;
   return static_cast<size_t>(
@@ -68,7 +68,7 @@ Status has_none_before(const MemoryId& entity, std::optional<Time> from) {
                    from ? to_string(*from) : "now");
 }
 
-/// What cannot be read, now and later: a prediction does without it where it can.
+/// True if a snapshot cannot be read, now or later. A prediction leaves such snapshots out.
 bool is_unreadable(const Status& status) {
   return status.code() == StatusCode::kDataLoss || status.code() == StatusCode::kFailedPrecondition;
 }
@@ -85,13 +85,13 @@ Result<SnapshotResult> read(EntityPast& past, Time moment, Prefer prefer) {
   return std::move(recalled.answer);
 }
 
-/// Lets go of pasts at the end of a call: they hold what working memory would free.
+/// Clears `pasts` at the end of a call, because they hold snapshots that working memory would free.
 struct Cleared {
   std::map<MemoryId, std::unique_ptr<EntityPast>>& pasts;
   ~Cleared() { pasts.clear(); }
 };
 
-/// Adds one instance to each of `predicted`, so many steps ahead.
+/// Adds one instance to each of `predicted`; `steps` says how many steps ahead each of them is.
 Status predict_instance(const MemoryId& entity, const Engine& engine,
                         const std::vector<SnapshotResult>& history, size_t instance,
                         const ToldValues& told, std::span<const size_t> steps,
@@ -148,7 +148,7 @@ Result<std::vector<SnapshotResult>> RecallPredictor::predict(const MemoryId& ent
   return learned->choice->predict(request.horizons, request.engine);
 }
 
-/// By one engine, which is told a plan where there is one.
+/// Predicts with one engine and, if the request has one, a plan.
 Result<std::vector<SnapshotResult>> RecallPredictor::predict_planned(
     const MemoryId& entity, const PredictionRequest& request, const Options& options) {
   ENGRAM_ASSIGN_OR_RETURN(const auto past, known(entity));
@@ -167,7 +167,7 @@ Result<std::vector<SnapshotResult>> RecallPredictor::predict_planned(
   for (const Time moment : moments) {
     auto one = read(*past, moment, options.prefer);
     if (is_unreadable(one.status()) && moment != *last) {
-      history.clear();  // A model continues snapshots that follow each other.
+      history.clear();  // A model continues only consecutive snapshots.
       continue;
     }
     ENGRAM_RETURN_IF_ERROR(one.status());
@@ -218,7 +218,7 @@ Result<std::unique_ptr<EntityPast>> RecallPredictor::known(const MemoryId& entit
   return past;
 }
 
-/// The engines of an entity, having learned from what is known up to a moment.
+/// The engines of an entity, after they learned from its snapshots up to `from`.
 Result<RecallPredictor::Learned*> RecallPredictor::learned(const MemoryId& entity,
                                                            std::optional<Time> from,
                                                            Prefer prefer) {
@@ -232,7 +232,7 @@ Result<RecallPredictor::Learned*> RecallPredictor::learned(const MemoryId& entit
     learned_.splice(learned_.begin(), learned_, found);
     if (found->last == *last && found->models == models) return &learned_.front();
   }
-  // A model that was published since then, or an earlier moment: what was learned does not hold.
+  // Engines cannot unlearn, so they start again for an earlier moment, or if a model was published.
   const bool goes_on = found != learned_.end() && found->last < *last && found->models == models;
   Learned renewed;
   if (goes_on) renewed = std::move(learned_.front());
@@ -244,8 +244,8 @@ Result<RecallPredictor::Learned*> RecallPredictor::learned(const MemoryId& entit
   return &learned_.front();
 }
 
-/// Lets an entity's engines learn what came until `last`; from the beginning where there are none,
-/// or where more came than they would look back for.
+/// Lets an entity's engines learn the new snapshots up to `last`. They start again if there are
+/// none yet, or if more snapshots came than they look back for.
 Status RecallPredictor::update(Learned& learned, EntityPast& past, Time last) {
   ENGRAM_ASSIGN_OR_RETURN(SnapshotResult read, ltm::read(past, last, learned.prefer));
   Snapshot newest = to_snapshot(learned.entity, std::move(read));
@@ -263,7 +263,7 @@ Status RecallPredictor::update(Learned& learned, EntityPast& past, Time last) {
 Result<RecallPredictor::Learned> RecallPredictor::begun(const MemoryId& entity,
                                                         const Snapshot& newest, Prefer prefer) {
   EngineChoiceInputs inputs{entity, past_.type_of(entity), {}, {}};
-  // A plain copy of the last snapshot knows nothing that others do not measure: it is no model.
+  // These are the models alone: a choice measures a plain copy of the last snapshot by itself.
   ENGRAM_ASSIGN_OR_RETURN(inputs.models, past_.models(entity));
   inputs.condition_at = [this, prefer](const MemoryId& condition, Time time) {
     return condition_at(condition, time, prefer);
@@ -274,7 +274,7 @@ Result<RecallPredictor::Learned> RecallPredictor::begun(const MemoryId& entity,
   return Learned{entity, prefer, std::move(models), {}, wanted, std::move(choice)};
 }
 
-/// Adds what an entity was at `moments`, of which `newest` is the last one.
+/// Adds the snapshots of an entity at `moments`; `newest` is the snapshot at the last of them.
 Status RecallPredictor::add_new(Learned& learned, EntityPast& past, std::span<const Time> moments,
                                 Snapshot newest) {
   for (const Time moment : moments.first(moments.size() - 1)) {
@@ -294,7 +294,7 @@ Result<std::vector<std::string>> RecallPredictor::models_of(const MemoryId& enti
   return names;
 }
 
-/// What an entity was at a time: the first instance of its last snapshot at or before it.
+/// The value of an entity at a time: the first instance of its last snapshot at or before it.
 Result<std::optional<idf::Data>> RecallPredictor::condition_at(const MemoryId& entity, Time time,
                                                                Prefer prefer) {
   auto known = conditions_.find(entity);
@@ -312,7 +312,7 @@ Result<std::optional<idf::Data>> RecallPredictor::condition_at(const MemoryId& e
   return std::optional(std::move(past->instances.front().data));
 }
 
-/// What a predictor's condition was at the times of `history`; empty where one is not known.
+/// The values of a predictor's condition at the times of `history`; empty if one is not known.
 Result<std::vector<idf::Data>> RecallPredictor::conditions_of(
     const Predictor& predictor, std::span<const SnapshotResult> history, Prefer prefer) {
   const std::optional<MemoryId> entity = predictor.condition();
@@ -326,8 +326,8 @@ Result<std::vector<idf::Data>> RecallPredictor::conditions_of(
   return conditions;
 }
 
-/// What is planned for so many steps after `last`, and one more: motion looks two ahead. None
-/// where the plan has ended before.
+/// The planned values for `steps` steps after `last` and one more, as motion looks two steps ahead.
+/// Empty if nothing is planned after `last` up to its first step.
 Result<std::vector<idf::Data>> RecallPredictor::plan_of(const Predictor& predictor,
                                                         const MemoryId& entity, Time last,
                                                         size_t steps, Prefer prefer) {

@@ -14,38 +14,38 @@
 
 namespace engram::ltm {
 
-/// What is to be predicted, and from when on.
+/// What to predict, and from which moment on.
 struct PredictionRequest {
-  /// The last moment that is known: later snapshots are not looked at. Nothing: the newest one.
+  /// Snapshots after this moment are not used. Empty: all snapshots are used.
   std::optional<Time> from;
-  /// From the last snapshot that is known on. At least one, each more than zero; models take each
-  /// as the closest number of their steps, at least one.
+  /// Horizons, counted from the last snapshot that is used. At least one, each positive. Models
+  /// round each to the closest number of their steps, at least one.
   std::vector<Duration> horizons;
-  std::string engine;  ///< By its name; empty: the best for each horizon, see records().
-  /// Entity whose snapshots after the last known moment are planned values of the engine's
-  /// condition (Predictor::condition), of its layout. The condition itself: what really came of
-  /// it, in hindsight. Nothing: no plan is told.
+  std::string engine;  ///< Its name; empty: the best for each horizon, see records().
+  /// Entity whose snapshots after the last known moment are the planned values of the engine's
+  /// condition (Predictor::condition). It has the condition's layout. It may be the condition
+  /// itself: then the plan is what really happened, in hindsight. Empty: no plan.
   std::optional<MemoryId> plan{};
 };
 
-/// Predicts entities from their past, by whichever engine was best on it.
+/// Predicts entities from their past, with the engine that was best on it.
 ///
-/// What engines learned is kept for the entities that were asked about last; of these only what
-/// came since is read. Older snapshots that cannot be read are left out, and a condition that
-/// cannot be read is not known: a prediction needs the newest snapshot alone.
+/// It keeps what the engines learned for the entities that were asked about most recently, and
+/// reads only their newer snapshots. A prediction needs only the newest snapshot: older ones that
+/// cannot be read are left out, and a condition that cannot be read counts as unknown.
 /// Threading: one thread.
 /// Source: docs/prediction.md.
 class RecallPredictor {
  public:
   struct Options {
-    Prefer prefer = Prefer::kRecorded;  ///< What the past is read from.
-    /// A prediction reaches at most so far. Engines are measured on horizons of seconds; a model
-    /// needs time for each of its steps.
+    Prefer prefer = Prefer::kRecorded;  ///< The form that the past is read from.
+    /// Max horizon of a prediction. Engines are measured on horizons of seconds, and a model needs
+    /// time for each of its steps.
     Duration max_horizon = std::chrono::minutes(1);
   };
 
-  /// `past` outlives it. Without `make_choice` there are no engines but those of engines(), and the
-  /// first of them answers; so it does where a plan is told.
+  /// `past` must outlive it. Without `make_choice` only the engines of engines() exist, and the
+  /// first of them answers. A request with a plan uses only these engines too.
   RecallPredictor(KnownPast& past, MakeEngineChoice make_choice)
       : past_(past), make_choice_(std::move(make_choice)) {}
 
@@ -69,13 +69,13 @@ class RecallPredictor {
   struct Learned {
     MemoryId entity;
     Prefer prefer = Prefer::kRecorded;
-    std::vector<std::string> models;  ///< That it predicts by.
+    std::vector<std::string> models;  ///< Names of the models among the engines.
     Time last{};
     size_t wanted = 0;  ///< EngineChoice::snapshots_wanted().
     std::unique_ptr<EngineChoice> choice;
   };
 
-  /// Of these entities it is kept: images that engines learn from are not small.
+  /// Max entities whose engines are kept. The images that engines learn from take much memory.
   static constexpr size_t kMaxLearned = 64;
 
   Result<std::unique_ptr<EntityPast>> known(const MemoryId& entity);
@@ -97,8 +97,8 @@ class RecallPredictor {
 
   KnownPast& past_;
   MakeEngineChoice make_choice_;
-  std::list<Learned> learned_;  ///< The one that was asked about last in front.
-  /// Of entities that conditions are of; for one call alone.
+  std::list<Learned> learned_;  ///< The most recently used one in front.
+  /// Pasts of the entities that are conditions; kept during one call only.
   std::map<MemoryId, std::unique_ptr<EntityPast>> conditions_;
   std::unique_ptr<Predictor> copy_last_ = make_copy_last_predictor();
 };

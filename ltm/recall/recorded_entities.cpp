@@ -8,7 +8,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// More changed snapshots than that are not named: nobody may ask for hours.
+/// Max changed snapshots that are listed. It bounds the memory if nobody asks for hours.
 constexpr size_t kMaxChanged = 65'536;
 
 }  // namespace

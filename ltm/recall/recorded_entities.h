@@ -12,37 +12,37 @@
 
 namespace engram::ltm {
 
-/// What a live store has of its entities, told by who writes to it: until when, and whether a
-/// reader that was opened earlier can know of it.
+/// What a live store has of each entity, as its writer reports it: the time of the last snapshot,
+/// and the recording that changed it last. The latter tells whether a reader is too old.
 ///
 /// Threading: thread-safe.
 class RecordedEntities {
  public:
-  /// What the store had when it was opened.
+  /// Adds an entity that the store had when it was opened.
   void add(const MemoryId& entity, std::optional<Time> until);
 
-  /// To be called before snapshots are recorded, so that nobody takes an older state of the store
-  /// for the newest, and after it.
+  /// Call begin() before snapshots are recorded and finish() after it. With begin() nobody takes an
+  /// older state of the store for the newest one.
   void begin(std::span<const SharedSnapshot> snapshots);
   void finish(std::span<const SharedSnapshot> snapshots);
 
-  /// No snapshot of the entity that is in the store is later. Nothing where none is in it.
+  /// An upper bound of the entity's times in the store; empty if the store has no snapshot of it.
   /// Complexity: O(log n).
   [[nodiscard]] std::optional<Time> known_until(const MemoryId& entity) const;
 
-  /// Number of the recording that changed the entity last; those of one store count from one.
+  /// Number of the last recording that changed the entity. Recordings of a store count from one.
   [[nodiscard]] uint64_t recorded_at(const MemoryId& entity) const;
 
   /// Number of the last recording.
   [[nodiscard]] uint64_t recordings() const;
 
-  /// Those that a query asks for, in the order of their IDs.
+  /// The entities that match a query, sorted by their IDs.
   [[nodiscard]] std::vector<MemoryId> matching(const Query& query) const;
 
-  /// Snapshots that were recorded since the last call: what was read of them before may be old.
+  /// Snapshots that were recorded since the last call. What was read of them before may be old.
   struct Changed {
     std::vector<MemoryId> snapshots;
-    bool is_all = false;  ///< They were too many to name: anything may be old.
+    bool is_all = false;  ///< There were too many to list: anything may be old.
   };
   [[nodiscard]] Changed take_changed();
 

@@ -5,8 +5,7 @@
 
 namespace engram::ltm {
 
-/// Keeps the reader of its generation: a renewed store does not take the ground from under those
-/// who still read.
+/// Shares the reader of its generation, so it can be read on after the store was renewed.
 class StorePast::Entity final : public EntityPast {
  public:
   Entity(StorePast& past, MemoryId id, Timeline& timeline)
@@ -68,6 +67,7 @@ StorePast::StorePast(std::unique_ptr<StoreReader> store, ModelLoader loader, con
 
 Result<std::unique_ptr<StorePast>> StorePast::open(const std::filesystem::path& store,
                                                    ModelLoader loader, const Options& options) {
+  // The mark is taken before opening, so a change between the two is noticed later.
   StoreMark mark = look_at_store(store);
   ENGRAM_ASSIGN_OR_RETURN(auto reader, StoreReader::open(store));
   auto past = std::make_unique<StorePast>(std::move(reader), std::move(loader), options);
@@ -129,7 +129,7 @@ Status StorePast::follow() {
 
 bool StorePast::is_outdated() const {
   const StoreMark now = look_at_store(reader_->store().path());
-  // A manifest that is gone was not published.
+  // A manifest that is missing was not published.
   return now.manifest != StoreMark().manifest && now.manifest != mark_.manifest;
 }
 

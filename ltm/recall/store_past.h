@@ -12,25 +12,25 @@
 
 namespace engram::ltm {
 
-/// The past that a store has: one generation of it, until it is renewed.
+/// The past in a store. It shows one generation of the store until it is renewed.
 ///
-/// Threading: one thread; `counters` from any.
+/// Threading: one thread; counters() from any thread.
 class StorePast final : public KnownPast {
  public:
   struct Options {
-    /// Decoded snapshots that are kept for the next who asks. Unit: plain bytes. A server sets it;
-    /// a program that reads each snapshot once gains nothing by it.
+    /// Max plain bytes of decoded snapshots in the cache. A server sets it; a program that reads
+    /// each snapshot once gains nothing from it.
     size_t max_decoded_bytes = 0;
-    /// Each question is about the store as it is then. Else about that of the opening: who reads
-    /// much of it wants one generation.
+    /// If true, each question reads the newest state of the store. If false, all questions read the
+    /// generation that was opened, as a program that reads much of a store wants.
     bool follows_changes = false;
   };
 
   struct Counters {
-    uint64_t opened = 0;         ///< Times that the store was opened.
-    uint64_t decoded = 0;        ///< Snapshots.
-    uint64_t from_decoded = 0;   ///< That had been decoded before.
-    uint64_t decoded_bytes = 0;  ///< That are kept.
+    uint64_t opened = 0;         ///< How often the store was opened.
+    uint64_t decoded = 0;        ///< Snapshots that were decoded.
+    uint64_t from_decoded = 0;   ///< Snapshots that came from the cache.
+    uint64_t decoded_bytes = 0;  ///< Plain bytes in the cache.
   };
 
   /// Without a `loader` latents cannot be decoded and no model predicts.
@@ -42,7 +42,7 @@ class StorePast final : public KnownPast {
   static Result<std::unique_ptr<StorePast>> open(const std::filesystem::path& store,
                                                  ModelLoader loader, const Options& options);
 
-  /// As it is until renew().
+  /// Valid until renew().
   [[nodiscard]] StoreReader& store() { return reader_->store(); }
 
   [[nodiscard]] std::string name() const override;
@@ -50,16 +50,17 @@ class StorePast final : public KnownPast {
   Result<std::unique_ptr<EntityPast>> of(const MemoryId& entity) override;
   [[nodiscard]] std::optional<idf::Type> type_of(const MemoryId& entity) const override;
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
-  /// Models stay loaded. Errors: those of StoreReader::open; then all stays as it was.
+  /// Models stay loaded.
+  /// Errors: those of StoreReader::open; then nothing changes.
   Status renew() override;
   Status follow() override;
 
-  /// Something was published since it was opened.
+  /// True if something was published since the store was opened.
   [[nodiscard]] bool is_outdated() const;
 
-  /// What was decoded of this snapshot is not used again: it has been recorded anew.
+  /// Removes a snapshot from the cache, because it was recorded again.
   void forget_decoded(const MemoryId& snapshot);
-  /// The same of all.
+  /// Removes all snapshots from the cache.
   void forget_decoded();
 
   [[nodiscard]] Counters counters() const;
@@ -68,9 +69,9 @@ class StorePast final : public KnownPast {
   class Entity;
 
   const Options options_;
-  StoreMark mark_;  ///< Of before it was opened; empty where that is not known.
+  StoreMark mark_;  ///< Taken before the store was opened; empty if that is not known.
   std::shared_ptr<LoadedModels> models_;
-  std::shared_ptr<PastReader> reader_;  ///< Shared with the entities' pasts of its generation.
+  std::shared_ptr<PastReader> reader_;  ///< Shared with the entity pasts of this generation.
   DecodedCache decoded_;
   std::atomic<uint64_t> opened_{1};
   std::atomic<uint64_t> decodings_{0};

@@ -6,12 +6,12 @@
 
 namespace engram::ltm {
 
-/// The moments of a store's entity, as selectors see them.
+/// Adapts the timeline of an entity in a store to the interface that selectors read.
 ///
 /// Threading: as Timeline.
 class TimelineMoments final : public Moments {
  public:
-  /// `timeline` outlives it.
+  /// `timeline` must outlive it.
   explicit TimelineMoments(Timeline& timeline) : timeline_(timeline) {}
 
   Result<std::optional<Time>> first() override { return timeline_.first(); }
