@@ -11,17 +11,17 @@
 
 namespace engram::ltm {
 
-/// A word of a configuration file and what it means.
+/// A word of a configuration file and the value that it means.
 template <typename T>
 struct Choice {
   std::string_view word;
   T value;
-  /// Where it is a word of earlier versions: what stands for it now.
+  /// Set if it is a word of earlier versions: the word that replaced it.
   std::string_view now{};
 };
 
-/// Sets `out` to what the word at `key` means, if there is one. Warns of old words.
-/// Errors: kInvalidArgument naming the words there are.
+/// Sets `out` to the value that the word at `key` means, if there is one. Warns of old words.
+/// Errors: kInvalidArgument listing the known words.
 template <typename T, size_t N>
 Status read_choice(ConfigMap& map, std::string_view key, T& out,
                    const std::array<Choice<T>, N>& choices) {
@@ -44,7 +44,7 @@ Status read_choice(ConfigMap& map, std::string_view key, T& out,
   return value->error(fmt::format("found '{}', needs one of {}", word, fmt::join(known, ", ")));
 }
 
-/// Appends to `out` what `read` makes of each value of the list at `key`, if there is one.
+/// Reads each value of the list at `key` with `read` and appends it to `out`, if there is a list.
 template <typename T>
 Status read_list(ConfigMap& map, std::string_view key, std::vector<T>& out,
                  Result<T> (*read)(const ConfigValue&)) {

@@ -5,7 +5,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Cuts the next level off `rest`: up to a `/` without a backslash before it.
+/// Removes the next level from `rest`, up to a `/` that has no backslash before it, and returns it.
 std::string_view take_level(std::string_view& rest) {
   size_t end = 0;
   while (end < rest.size() && rest[end] != '/') end += rest[end] == '\\' ? 2 : 1;

@@ -10,24 +10,24 @@
 
 namespace engram::ltm {
 
-/// Matches entities by their names, level by level, as the names of a query do:
-/// "Vision/RGB/.*/cam". Levels that are missing at the end match every name.
+/// Matches entities by their names, level by level, with the patterns of a query:
+/// "Vision/RGB/.*/cam". Missing levels at the end match every name.
 ///
 /// Threading: immutable, const-parallel.
 /// Source: docs/query.md.
 class EntityPattern {
  public:
-  /// Every entity.
+  /// Matches every entity.
   EntityPattern() = default;
 
-  /// Reads up to four name patterns joined by `/`; one inside a name is written `\/`.
+  /// Parses up to four name patterns joined by `/`. A `/` inside a name is written `\/`.
   /// Errors: kInvalidArgument naming the text and the level.
   static Result<EntityPattern> parse(std::string_view text);
 
   /// Needs an entity or deeper (checked).
   [[nodiscard]] bool matches(const MemoryId& entity) const;
 
-  /// As it was read.
+  /// The text as it was parsed.
   [[nodiscard]] const std::string& to_string() const { return text_; }
 
   friend bool operator==(const EntityPattern&, const EntityPattern&) = default;

@@ -7,14 +7,14 @@
 
 namespace engram::ltm {
 
-/// Drops snapshots whose values are those of the last one kept, bit by bit: type, order of
-/// members and NaNs included. Metadata do not count.
+/// Drops snapshots whose values equal those of the last one kept bit by bit, including types, the
+/// order of members and NaNs. Metadata do not count.
 ///
-/// Owns: the last snapshot that it kept, arrays shared with whoever made them.
+/// Owns: the last snapshot that it kept; its arrays are shared with the caller.
 class EqualityFilter final : public Filter {
  public:
   struct Options {
-    /// Keep one at least this often, even without change. Nothing: never for that reason.
+    /// Max time between kept snapshots: then one is kept without a change. Empty: no limit.
     std::optional<Duration> max_gap;
 
     [[nodiscard]] Status validate() const;

@@ -12,7 +12,7 @@
 
 namespace engram::ltm {
 
-/// What is around events: the machine of ImportanceFilter and TriggerFilter.
+/// Keeps the candidates around events. ImportanceFilter and TriggerFilter are made of it.
 ///
 /// Threading: one thread.
 class EventWindows {
@@ -31,19 +31,21 @@ class EventWindows {
   WindowBuffer buffer_;
 };
 
-/// Keeps everything within a window around events, and nothing or a base rate elsewhere.
+/// Keeps everything within a window around events. Outside the windows it keeps nothing, or a base
+/// rate.
 ///
-/// Candidates are held for up to `before`, as an event may still come. An event of the entity
-/// itself is seen only where the filters before this one keep it: put this one first.
+/// Candidates are held for up to `before`, because an event may still come. It sees events of the
+/// entity itself only if the filters before it keep them, so put it first.
 class ImportanceFilter final : public Filter {
  public:
   struct Options {
-    std::vector<EventRule> events;  ///< One at least.
+    std::vector<EventRule> events;  ///< At least one.
     Duration before = std::chrono::seconds(5);
     Duration after = std::chrono::seconds(5);
-    /// Kept where nothing happens. Nothing: none. Unit: snapshots per second.
+    /// Max rate that is kept outside the windows. Empty: nothing is kept. Unit: snapshots per
+    /// second.
     std::optional<double> base_rate_hz;
-    /// Most that is held, per entity. More is dropped, the oldest first.
+    /// Max bytes that are held per entity. Beyond it the oldest candidates are dropped.
     uint64_t max_held_bytes = uint64_t{256} << 20;
 
     [[nodiscard]] Status validate() const;
@@ -71,15 +73,15 @@ class ImportanceFilter final : public Filter {
   std::optional<FrequencyFilter> base_;
 };
 
-/// Keeps nothing until an event; then the last while before it, and what follows.
+/// Keeps nothing until an event; then it keeps the time before the event and what follows.
 ///
-/// A ring buffer in memory: see ImportanceFilter for what it sees and holds.
+/// It works as a ring buffer in memory. See ImportanceFilter for what it sees and holds.
 class TriggerFilter final : public Filter {
  public:
   struct Options {
-    std::vector<EventRule> events;  ///< One at least.
+    std::vector<EventRule> events;  ///< At least one.
     Duration before = std::chrono::seconds(10);
-    /// Kept after each event. Nothing: all that follows, for good.
+    /// Time that is kept after each event. Empty: everything after the first event is kept.
     std::optional<Duration> after;
     uint64_t max_held_bytes = uint64_t{256} << 20;
 

@@ -12,22 +12,22 @@
 
 namespace engram::ltm {
 
-/// Which way a value has to cross a bound.
+/// The direction in which a value must cross a bound.
 enum class Crossing : uint8_t { kRising, kFalling, kEither };
 
-/// Says which snapshots are events that make the time around them worth keeping.
+/// Defines which snapshots are events, so that the time around them is worth keeping.
 struct EventRule {
-  /// Whose snapshots are looked at. Nothing: those of the entity that is filtered.
+  /// The entities whose snapshots may be events. Empty: the entity that is filtered.
   std::optional<EntityPattern> entity;
 
-  /// Where the number is, as Data::at reads it; every element of an array counts by itself.
-  /// Empty: every snapshot of `entity` is an event.
+  /// Path of the number, as Data::at reads it. Each element of an array crosses the bound by
+  /// itself. Empty: every snapshot of `entity` is an event.
   std::string path;
 
-  /// Unit: that of the number. A value that equals it is above.
+  /// A value that equals the bound is above it. Unit: that of the number.
   double bound = 0;
 
-  /// A value that is beyond the bound when it is first seen has crossed it, but for kEither.
+  /// A value that is beyond the bound when it is first seen has crossed it, except with kEither.
   Crossing crossing = Crossing::kRising;
 
   [[nodiscard]] Status validate() const;
@@ -42,11 +42,11 @@ class EventDetector {
 
   [[nodiscard]] const EventRule& rule() const { return rule_; }
 
-  /// True where the rule is for this entity, seen from a filter of `own`.
+  /// True if the rule in a filter of the entity `own` applies to `entity`.
   [[nodiscard]] bool is_for(const MemoryId& entity, const MemoryId& own) const;
 
-  /// True where `snapshot`, for which the rule is, is an event.
-  /// Complexity: O(size of what is at the path).
+  /// True if `snapshot` is an event. The rule must apply to its entity.
+  /// Complexity: O(size of the value at the path).
   bool is_event(const Snapshot& snapshot);
 
  private:
@@ -55,7 +55,7 @@ class EventDetector {
   bool crosses(Side& side, double value) const;
 
   EventRule rule_;
-  std::map<MemoryId, std::vector<Side>> sides_;  ///< Per entity, of each element.
+  std::map<MemoryId, std::vector<Side>> sides_;  ///< Per entity, the side of each element.
 };
 
 }  // namespace engram::ltm

@@ -12,19 +12,19 @@
 
 namespace engram::ltm {
 
-/// A snapshot on its way through filters. Copying shares arrays.
+/// A snapshot on its way through filters. Copies share its arrays.
 struct Candidate {
   Snapshot snapshot;
-  uint64_t raw_bytes = 0;         ///< Snapshot::raw_bytes, counted once.
+  uint64_t raw_bytes = 0;         ///< Snapshot::raw_bytes, computed once.
   uint64_t commit = 0;            ///< Number of the commit that it came with.
-  std::optional<idf::Type> type;  ///< Of its segment, where there is one.
+  std::optional<idf::Type> type;  ///< The type of its segment, if one is declared.
 };
 
-/// What a filter decided in one step: candidates that leave it, and those that end there.
+/// The decisions of a filter in one step: the candidates that it keeps and those that it drops.
 struct FilterDecisions {
   struct Drop {
     std::string_view reason;  ///< Lives as long as the program.
-    uint64_t bytes = 0;       ///< Plain.
+    uint64_t bytes = 0;       ///< Plain bytes.
   };
 
   std::vector<Candidate> kept;  ///< In the order in which they were offered.
@@ -40,39 +40,40 @@ struct FilterDecisions {
 /// Snapshots that a filter has not decided on yet.
 struct HeldSnapshots {
   uint64_t snapshots = 0;
-  uint64_t bytes = 0;  ///< Plain.
+  uint64_t bytes = 0;  ///< Plain bytes.
 };
 
-/// Says which snapshots of one entity are worth keeping.
+/// Decides which snapshots of one entity are worth keeping.
 ///
-/// Each candidate is kept or dropped once: right away, or after it was held until later ones or a
-/// flush decided. What is held is in memory only and is lost where the process ends.
-/// Time: increases strictly; FilterChain sees to it.
+/// Each candidate is kept or dropped exactly once: at once, or after it was held until a later
+/// candidate or a flush decided. Held candidates are in memory only and are lost if the process
+/// ends.
+/// Time: increases strictly; FilterChain ensures it.
 /// Threading: one thread; each entity owns its own filters.
 /// Complexity: O(size of one snapshot) per call, spread over all calls.
 class Filter {
  public:
   virtual ~Filter() = default;
 
-  /// "frequency", ...: under which counters name it.
+  /// Its name in counters: "frequency", ...
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  /// Takes one candidate, and decides on it or on others that are held.
+  /// Takes one candidate, and may decide on it or on others that are held.
   virtual void offer(Candidate candidate, FilterDecisions& decisions) = 0;
 
-  /// Why it would drop a candidate of this time whatever its value is; nothing where it would not,
-  /// or cannot tell. Changes nothing.
+  /// The reason for which it would drop a candidate of this time with any value; nothing if it
+  /// would not or if the value matters. Changes nothing.
   [[nodiscard]] virtual std::optional<std::string_view> drops_at(Time) const { return {}; }
 
-  /// Decides on all that is held: nothing more will come.
+  /// Decides on all held candidates, because no more will come.
   virtual void flush(FilterDecisions&) {}
 
   [[nodiscard]] virtual HeldSnapshots held() const { return {}; }
 
-  /// True where `notice` wants to know of this entity, which is not the filter's own.
+  /// True if notice() must be called for this entity, which is not the filter's own.
   [[nodiscard]] virtual bool listens_to(const MemoryId&) const { return false; }
 
-  /// Another entity has a new snapshot, which may decide on what is held.
+  /// Tells the filter of a new snapshot of another entity, which may decide on held candidates.
   virtual void notice(const Snapshot&, FilterDecisions&) {}
 };
 

@@ -27,12 +27,15 @@ bool FilterChain::is_late(Time time) {
     late_run_ = 0;
     return false;
   }
+  // A few late candidates are out of order. Only a run in order can be a clock that was set back.
   late_run_ = newest_late_ && late_run_ > 0 && time > *newest_late_ ? late_run_ + 1 : 1;
   newest_late_ = time;
   return true;
 }
 
 void FilterChain::begin_anew(Output& output) {
+  // Filters remember times after the new ones, so they would drop all until the old time is
+  // reached again. Only new filters forget it.
   flush(output);
   for (size_t i = 0; i < stages_.size(); ++i) {
     auto filter = make_filter(options_[i]);
@@ -100,6 +103,7 @@ void FilterChain::settle(size_t stage, FilterDecisions decisions, Output& output
 }
 
 void FilterChain::flush(Output& output) {
+  // In the order of the chain: what one filter releases, the next ones still decide on.
   for (size_t i = 0; i < stages_.size(); ++i) {
     FilterDecisions decisions;
     stages_[i].filter->flush(decisions);

@@ -13,24 +13,24 @@
 
 namespace engram::ltm {
 
-/// What happened at one filter: offered = kept + all dropped + held, at every moment.
+/// Counts what happened at one filter. At every moment: offered = kept + all dropped + held.
 struct FilterCounters {
-  std::string filter;  ///< Its name.
+  std::string filter;  ///< Name of the filter.
   uint64_t offered = 0;
-  uint64_t offered_bytes = 0;  ///< Plain.
+  uint64_t offered_bytes = 0;  ///< Plain bytes.
   uint64_t kept = 0;
-  uint64_t dropped_bytes = 0;                               ///< Plain.
+  uint64_t dropped_bytes = 0;                               ///< Plain bytes.
   std::map<std::string, uint64_t, std::less<>> dropped_by;  ///< Per reason.
-  HeldSnapshots held;                                       ///< Now.
+  HeldSnapshots held;                                       ///< Held at present.
 
   [[nodiscard]] uint64_t dropped() const;
 };
 
-/// The filters of one entity, one behind the other: each sees what those before it keep.
+/// The filters of one entity in sequence. Each filter sees what those before it keep.
 ///
-/// A candidate that does not come after the newest one is late (or changes an existing time): it
-/// passes all filters untouched. Where ten late ones in a row follow each other in time, the clock
-/// was set back: the filters let go of what they hold and begin anew from there.
+/// A candidate whose time is not after the newest one is late (or changes an existing time): it
+/// bypasses all filters. If ten late candidates in a row have increasing times, the clock was set
+/// back: the filters release what they hold and start again from there.
 /// Threading: one thread.
 class FilterChain {
  public:
@@ -38,19 +38,19 @@ class FilterChain {
   struct Output {
     std::vector<Candidate> kept;
     uint64_t dropped = 0;
-    uint64_t dropped_bytes = 0;  ///< Plain.
+    uint64_t dropped_bytes = 0;  ///< Plain bytes.
   };
 
-  /// Late candidates in a row, each after the one before, that mean a clock that was set back.
+  /// Number of late candidates in a row, with increasing times, that mean a clock was set back.
   static constexpr int kLateOfNewClock = 10;
 
-  /// Without filters it keeps all.
-  /// Errors: kInvalidArgument where options do not validate.
+  /// Without filters it keeps everything.
+  /// Errors: kInvalidArgument if options do not validate.
   static Result<FilterChain> create(std::vector<FilterOptions> filters);
 
   void offer(Candidate candidate, Output& output);
-  /// Drops a candidate that is not made yet, where the first filter needs its time alone for that.
-  /// False: nothing happened; make it and offer it.
+  /// Drops a candidate before it is made, if the first filter would drop it for its time alone. If
+  /// it returns false, nothing happened: make the candidate and offer it.
   bool drop_at(Time time, uint64_t raw_bytes, Output& output);
   void flush(Output& output);
   void notice(const Snapshot& snapshot, Output& output);
@@ -58,9 +58,9 @@ class FilterChain {
 
   [[nodiscard]] bool empty() const { return stages_.empty(); }
   [[nodiscard]] HeldSnapshots held() const;
-  /// Snapshots that came too late to be filtered, and were kept.
+  /// Number of late snapshots, which were kept without filtering.
   [[nodiscard]] uint64_t late() const { return late_; }
-  /// In the order of the chain.
+  /// One per filter, in the order of the chain.
   [[nodiscard]] std::vector<FilterCounters> counters() const;
 
  private:

@@ -9,7 +9,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// A duration, or `never` for none.
+/// Reads a duration, or the word `never` for none.
 Status read_duration_or(ConfigMap& map, std::string_view key, std::string_view never,
                         std::optional<Duration>& out) {
   const auto value = map.find(key);
@@ -39,7 +39,7 @@ Result<Measure> read_measure(const ConfigValue& value) {
       name));
 }
 
-/// `measure` and `bound`, in a map that may hold more.
+/// Reads `measure` and `bound` from a map that may hold more keys.
 Status read_similarity(ConfigMap& map, Similarity& out) {
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue measure, map.require("measure"));
   ENGRAM_ASSIGN_OR_RETURN(out.measure, read_measure(measure));
@@ -141,7 +141,7 @@ constexpr std::array<FilterReader, std::variant_size_v<FilterOptions>> kReaders{
      {"importance", read_importance},
      {"trigger", read_trigger}}};
 
-/// The reader of a filter by its name, where `at` is what the error is about.
+/// The reader of a filter by its name. `at` is the place that an error names.
 Result<const FilterReader*> find_reader(const ConfigValue& at, std::string_view name) {
   std::vector<std::string> known;
   for (const FilterReader& reader : kReaders) {
@@ -154,11 +154,12 @@ Result<const FilterReader*> find_reader(const ConfigValue& at, std::string_view 
               : fmt::format("unknown filter '{}': needs one of {}", name, fmt::join(known, ", ")));
 }
 
-/// `equality`, or `frequency: {rate: 5Hz}`.
+/// Reads one filter: a name alone (`equality`) or with options (`frequency: {rate: 5Hz}`).
 Result<FilterOptions> read_filter(const ConfigValue& value) {
   if (value.is_text()) {
     ENGRAM_ASSIGN_OR_RETURN(const std::string name, value.text());
     ENGRAM_ASSIGN_OR_RETURN(const FilterReader* reader, find_reader(value, name));
+    // A name alone is read as a filter with an empty map, so a missing option is found as usual.
     ENGRAM_ASSIGN_OR_RETURN(const ConfigValue none, ConfigValue::parse("", "options"));
     ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, none.map());
     auto options = reader->read(map);

@@ -13,8 +13,8 @@ namespace engram::ltm {
 /// Source: docs/recording.md, section "Filters".
 Result<std::vector<FilterOptions>> read_filters(const ConfigValue& value);
 
-/// Reads the options of a similarity filter; the caller says what else the map may hold, finishes
-/// it and validates.
+/// Reads the options of a similarity filter. The caller reads what else the map may hold, finishes
+/// the map and validates the options.
 /// Errors: as above.
 Result<SimilarityFilter::Options> read_similarity_options(ConfigMap& map);
 

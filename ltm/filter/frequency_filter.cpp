@@ -33,7 +33,7 @@ void FrequencyFilter::offer(Candidate candidate, FilterDecisions& decisions) {
 }
 
 std::optional<std::string_view> FrequencyFilter::drops_at(Time time) const {
-  // The tolerance takes cameras that jitter around their period.
+  // Cameras jitter around their period. Without the tolerance every early image would be dropped.
   const bool is_early = next_ && time < saturated_add(*next_, -period_ / 10);
   return is_early ? std::optional(kReason) : std::nullopt;
 }

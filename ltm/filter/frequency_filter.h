@@ -7,8 +7,8 @@
 
 namespace engram::ltm {
 
-/// Keeps at most `max_rate_hz` snapshots per second, evenly: the first one that falls into each
-/// period, counted from the first snapshot, within a tenth of a period.
+/// Keeps at most `max_rate_hz` snapshots per second, evenly spaced: the first one in each period,
+/// counted from the first snapshot. A snapshot may be early by up to a tenth of a period.
 class FrequencyFilter final : public Filter {
  public:
   struct Options {
@@ -25,7 +25,7 @@ class FrequencyFilter final : public Filter {
   void offer(Candidate candidate, FilterDecisions& decisions) override;
   [[nodiscard]] std::optional<std::string_view> drops_at(Time time) const override;
 
-  /// True where a snapshot at `time` is one of those; remembers it then.
+  /// True if a snapshot at `time` is to be kept. Then it also starts the next period.
   bool is_due(Time time);
 
  private:

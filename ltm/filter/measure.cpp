@@ -31,7 +31,8 @@ bool is_similarity(Measure measure) {
   return measure == Measure::kSsim || measure == Measure::kCosine;
 }
 
-/// |a - b|; exact for integers before it becomes a double.
+/// |a - b|. For integers it is exact before the conversion to double: a signed difference could
+/// overflow, and doubles of large integers lose their last digits.
 template <typename T>
 double distance(T a, T b) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -141,7 +142,7 @@ double rotation_angle_rad(const idf::NdArray& a, const idf::NdArray& b) {
     minus += (qa[i] - qb[i]) * (qa[i] - qb[i]);
     plus += (qa[i] + qb[i]) * (qa[i] + qb[i]);
   }
-  // q and -q are one rotation. The arc tangent stays exact at small angles, where acos is not.
+  // q and -q are the same rotation. The arc tangent is exact at small angles, where acos is not.
   const double angle = 4 * std::atan2(std::sqrt(minus), std::sqrt(plus));
   return std::min(angle, 2 * std::numbers::pi - angle);
 }

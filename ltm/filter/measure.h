@@ -12,50 +12,51 @@ namespace engram::ltm {
 
 using engram::to_string;
 
-/// How far two tensors of the same type and shape are apart.
+/// How to compare two tensors of the same type and shape.
 enum class Measure : uint8_t {
-  kIgnore,  ///< Not at all, whatever they hold.
-  kEqual,   ///< Bit by bit; the bound does not matter.
-  // Distances: similar up to the bound.
+  kIgnore,  ///< Any two are similar.
+  kEqual,   ///< Equal bit by bit; the bound is not used.
+  // Distances: tensors are similar up to the bound.
   kMse,     ///< Mean squared difference. Unit: that of the number, squared.
   kMae,     ///< Mean absolute difference. Unit: that of the number.
   kMaxAbs,  ///< Largest absolute difference. Unit: that of the number.
   kRms,     ///< Root of the mean squared difference. Unit: that of the number.
   kAngle,   ///< Angle between two rotations, as quaternions w, x, y, z. Unit: rad.
-  // Similarities: similar from the bound on.
-  kSsim,    ///< Mean structural similarity of two images: 1 where they are equal.
-  kCosine,  ///< Cosine of the angle between the numbers as vectors: 1 where it is the same.
+  // Similarities: tensors are similar from the bound on.
+  kSsim,    ///< Mean structural similarity of two images: 1 if they are equal.
+  kCosine,  ///< Cosine of the angle between the numbers as vectors: 1 for the same direction.
 };
 
-/// "ignore", "equal", "mse", ...
+/// The name in configurations: "ignore", "equal", "mse", ...
 [[nodiscard]] std::string_view to_string(Measure measure);
 [[nodiscard]] std::optional<Measure> measure_from_name(std::string_view name);
 
-/// True for kMse, kMae and kSsim, which look at images on a reduced copy.
+/// True for kMse, kMae and kSsim, which compare reduced copies of images.
 [[nodiscard]] bool is_image_measure(Measure measure);
 
-/// A measure, and what is similar by it.
+/// A measure and the bound for being similar.
 struct Similarity {
   Measure measure = Measure::kEqual;
   double bound = 0;
 
-  /// Errors: kInvalidArgument where the bound is no number or out of the measure's range.
+  /// Errors: kInvalidArgument if the bound is not finite or out of the measure's range.
   [[nodiscard]] Status validate() const;
 
-  /// True where a measured value is similar. NaN is not.
+  /// True if a measured value means similar. NaN does not.
   [[nodiscard]] bool admits(double measured) const;
 };
 
-/// Differences of numbers, gathered over any number of tensors that are measured as one vector.
+/// Gathers differences of numbers over any number of tensors, which are measured as one vector.
 ///
-/// A NaN equals a NaN, an infinity itself; where only one is, everything differs.
+/// NaN equals NaN and an infinity equals itself. Any other pair with a number that is not finite
+/// makes the whole differ.
 /// Complexity of add: O(number of elements).
 class NumberDifference {
  public:
-  /// Arrays of the same type and shape (checked).
+  /// Adds two arrays of the same type and shape (checked).
   void add(const idf::NdArray& a, const idf::NdArray& b);
 
-  /// By kMse, kMae, kMaxAbs, kRms or kCosine (checked). NaN where everything differs.
+  /// Returns the kMse, kMae, kMaxAbs, kRms or kCosine (checked). NaN if the whole differs.
   [[nodiscard]] double measured(Measure measure) const;
 
  private:
@@ -69,8 +70,8 @@ class NumberDifference {
   bool is_broken_ = false;
 };
 
-/// The angle between two rotations given as quaternions of any length but zero. Unit: rad, 0 to pi.
-/// NaN where one is no rotation.
+/// The angle between two rotations, given as quaternions of any length but zero. NaN if one is not
+/// a rotation. Unit: rad, 0 to pi.
 /// Shape: float32 or float64 [4].
 [[nodiscard]] double rotation_angle_rad(const idf::NdArray& a, const idf::NdArray& b);
 

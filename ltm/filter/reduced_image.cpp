@@ -38,7 +38,7 @@ bool is_image_shape(const idf::Shape& shape) {
          shape[1] <= kLargestSide;
 }
 
-/// Shares the pixels; only read.
+/// A view that shares the pixels; do not write to it.
 cv::Mat view(const idf::NdArray& array, int depth) {
   const idf::Shape& shape = array.shape();
   const int channels = shape.size() == 3 ? static_cast<int>(shape[2]) : 1;
@@ -46,7 +46,7 @@ cv::Mat view(const idf::NdArray& array, int depth) {
                  CV_MAKETYPE(depth, channels), const_cast<std::byte*>(array.buffer().data()));
 }
 
-/// A copy in which what is not finite is 0; other types have no such values.
+/// A copy in which values that are not finite are 0. Integer images have none and are not copied.
 cv::Mat finite(const cv::Mat& image) {
   if (image.depth() != CV_32F && image.depth() != CV_64F) return image;
   cv::Mat copy;

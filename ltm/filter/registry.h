@@ -13,15 +13,16 @@
 
 namespace engram::ltm {
 
-/// The options of one filter, whichever it is.
+/// The options of one filter of any kind.
 using FilterOptions =
     std::variant<FrequencyFilter::Options, EqualityFilter::Options, SimilarityFilter::Options,
                  ImportanceFilter::Options, TriggerFilter::Options>;
 
-/// Every filter's name, in the order of FilterOptions.
+/// The names of all filters, in the order of FilterOptions.
 [[nodiscard]] std::span<const std::string_view> all_filters();
 
-/// Errors: kInvalidArgument where the options do not validate.
+/// Makes a filter of the kind that the options are of.
+/// Errors: kInvalidArgument if the options do not validate.
 Result<std::unique_ptr<Filter>> make_filter(const FilterOptions& options);
 
 [[nodiscard]] Status validate(const FilterOptions& options);

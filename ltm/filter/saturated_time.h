@@ -5,7 +5,7 @@
 
 namespace engram::ltm {
 
-/// `time` + `step`, or the end of the range of times that lies there.
+/// Returns `time` + `step`, or the closest end of the range of times if the sum overflows.
 [[nodiscard]] inline Time saturated_add(Time time, Duration step) {
   int64_t sum = 0;
   if (!__builtin_add_overflow(to_ns(time), step.count(), &sum)) return time_from_ns(sum);

@@ -11,36 +11,36 @@ namespace engram::ltm {
 
 namespace {
 
-/// A value taken apart, with what was computed of its images on the way.
+/// A value split into members, with the reduced images that were computed so far.
 struct TakenApart {
   idf::SplitValue parts;
-  std::vector<std::optional<ReducedImage>> reduced;  ///< Per tensor, once it was needed.
+  std::vector<std::optional<ReducedImage>> reduced;  ///< Per tensor; set when first needed.
 
   explicit TakenApart(idf::SplitValue split) : parts(std::move(split)) {
     reduced.resize(parts.tensors.size());
   }
 
-  /// Null where the tensor is no image.
+  /// The reduced image of a tensor; null if it is not an image.
   const ReducedImage* image(size_t tensor) {
     if (!reduced[tensor]) reduced[tensor] = ReducedImage::of(parts.tensors[tensor]);
     return reduced[tensor] ? &*reduced[tensor] : nullptr;
   }
 };
 
-/// The members of a layout, each with the rule that it is compared by.
+/// The members of a layout with the rules that compare them.
 struct Plan {
   idf::Layout layout;
-  std::vector<size_t> rule_of;  ///< Per member, index into the rules.
+  std::vector<size_t> rule_of;  ///< Per member, an index into the rules.
 };
 
 }  // namespace
 
 struct SimilarityFilter::State {
   Options options;
-  std::vector<Similarity> rules;  ///< Those of the options, then one per kind of member.
+  std::vector<Similarity> rules;  ///< The rules of the options, then one per kind of member.
 
   std::optional<Time> last_time;
-  std::optional<idf::Type> type;  ///< That the plans were made with.
+  std::optional<idf::Type> type;  ///< The type that the plans were made with.
   std::vector<Plan> plans;        ///< Per instance of the last snapshot that was kept.
   std::vector<TakenApart> last;   ///< Its values.
 
@@ -70,7 +70,7 @@ struct SimilarityFilter::State {
 
   [[nodiscard]] Plan plan_of(const idf::Data& value) const {
     Plan plan;
-    // A camera's images have one size, also where the type leaves it free.
+    // The plan takes free sizes of the type from the value, as a camera's images have one size.
     plan.layout =
         type ? idf::Layout::of(value, *type, idf::FreeSizes::kOfValue) : idf::Layout::of(value);
     for (const idf::TensorMember& member : plan.layout.members())
@@ -78,7 +78,7 @@ struct SimilarityFilter::State {
     return plan;
   }
 
-  /// The values by the last snapshot's layouts; nothing where they have others.
+  /// Splits the values by the layouts of the last snapshot; nothing if they have other layouts.
   [[nodiscard]] std::optional<std::vector<TakenApart>> take_apart(
       const Candidate& candidate) const {
     const auto& instances = candidate.snapshot.instances;
@@ -106,13 +106,13 @@ struct SimilarityFilter::State {
     }
   }
 
-  /// Compares one member; numbers are gathered in `sums` and compared by the caller.
+  /// Compares one member. Numbers are only added to `sums`, which the caller compares.
   [[nodiscard]] bool is_similar(const Similarity& rule, TakenApart& now, TakenApart& then,
                                 size_t tensor, NumberDifference& sums) const {
     const idf::NdArray& a = now.parts.tensors[tensor];
     const idf::NdArray& b = then.parts.tensors[tensor];
     if (rule.measure == Measure::kIgnore || a == b) {
-      // Equal ones belong to the vector too, or its mean would be of fewer elements.
+      // Equal tensors belong to the vector too, or its mean would be over fewer elements.
       if (!is_image_measure(rule.measure) && is_gathered(rule.measure)) sums.add(a, b);
       return true;
     }

@@ -11,33 +11,34 @@
 
 namespace engram::ltm {
 
-/// Drops snapshots that are similar to the last one kept, in every member of every instance.
+/// Drops snapshots that are similar to the last one kept in every member of every instance.
 ///
-/// Members are those of the layout, by the segment's type where there is one. Numbers of one rule
-/// are measured together, as one vector; each image and each orientation by itself. Snapshots of
-/// another layout, or of another number of instances, are kept.
-/// Owns: the last snapshot that it kept, arrays shared with whoever made them.
+/// Members are those of the layout, by the segment's type if one is declared. Numbers of one rule
+/// are measured together as one vector, each image and each orientation by itself. Snapshots with
+/// another layout or another number of instances are kept.
+/// Owns: the last snapshot that it kept; its arrays are shared with the caller.
 /// Source: docs/recording.md, section "Filters".
 class SimilarityFilter final : public Filter {
  public:
-  /// How members are compared whose whole path matches; kImage measures compare reduced images
-  /// (see ReducedImage) and fall back to all elements where a member is none. kSsim and kAngle
-  /// become kEqual where a member has no such thing.
+  /// How to compare members whose whole path matches. Image measures (is_image_measure) compare
+  /// reduced images (see ReducedImage); kMse and kMae compare all elements of a member that is not
+  /// an image. kSsim acts as kEqual on such a member, and kAngle on one that is not a rotation.
   struct MemberRule {
     NamePattern path;
     Similarity similarity;
   };
 
   struct Options {
-    /// The first rule that matches a member counts.
+    /// The first rule that matches a member is used.
     std::vector<MemberRule> members;
-    // Where none does, by kind of member:
+    // If no rule matches, the kind of member decides:
     Similarity images{Measure::kSsim, 0.95};         ///< Images and depth images.
     Similarity numbers{Measure::kMaxAbs, 0.01};      ///< Numbers, arrays, positions, clouds.
-    Similarity orientations{Measure::kAngle, 0.01};  ///< Only where a type tells of them.
-    /// What is no tensor (texts, lists) must be equal to be similar; else it is not looked at.
+    Similarity orientations{Measure::kAngle, 0.01};  ///< Only a type can declare them.
+    /// If true, what is not a tensor (texts, lists) must be equal to be similar. If false, it is
+    /// ignored.
     bool compares_remainder = true;
-    /// Keep one at least this often, even without change. Nothing: never for that reason.
+    /// Max time between kept snapshots: then one is kept without a change. Empty: no limit.
     std::optional<Duration> max_gap = std::chrono::seconds(10);
 
     [[nodiscard]] Status validate() const;

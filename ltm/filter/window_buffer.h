@@ -9,33 +9,34 @@
 
 namespace engram::ltm {
 
-/// Holds the newest candidates back until an event says that the time around it is kept, or they
-/// are too old for any.
+/// Holds the newest candidates until an event comes, whose window keeps them, or they are too old
+/// for any event.
 ///
-/// Windows that follow each other become one; nothing between an event and a later window that was
-/// already open is lost. Order is kept: a candidate waits for those before it.
+/// Windows that follow each other become one, and nothing between an event and a later window that
+/// was already open is lost. Order is kept: a candidate waits for those before it.
 /// Threading: one thread.
 class WindowBuffer {
  public:
   struct Options {
-    Duration before{};              ///< Kept before an event.
-    std::optional<Duration> after;  ///< Kept after it. Nothing: all that follows.
-    uint64_t max_held_bytes = 0;    ///< The oldest go where more are held.
-    std::string_view reason;        ///< Of what no event came for.
+    Duration before{};              ///< Time that is kept before an event.
+    std::optional<Duration> after;  ///< Time that is kept after it. Empty: everything that follows.
+    uint64_t max_held_bytes = 0;    ///< Beyond it the oldest candidates are dropped.
+    std::string_view reason;        ///< Drop reason of candidates for which no event came.
   };
 
-  /// What a held candidate counts beyond its plain bytes, so that tiny ones are bounded too.
+  /// Bytes that a held candidate counts beyond its plain bytes, so that the number of tiny ones is
+  /// bounded too.
   static constexpr uint64_t kHeldOverheadBytes = 512;
 
   explicit WindowBuffer(const Options& options) : options_(options) {}
 
-  /// Takes a candidate; `is_wanted` keeps it whatever comes.
+  /// Adds a candidate. With `is_wanted` it is kept even without an event.
   void add(Candidate candidate, bool is_wanted);
 
   /// Opens the window of an event at `time`.
   void mark(Time time);
 
-  /// Decides on all that can be decided.
+  /// Decides on all candidates that can be decided on.
   void settle(FilterDecisions& decisions);
 
   void flush(FilterDecisions& decisions);

@@ -7,11 +7,11 @@
 
 namespace engram::ltm {
 
-/// Proposes what is old, the oldest first.
+/// Proposes old snapshots, the oldest first.
 class AgePolicy final : public ForgetPolicy {
  public:
   struct Options {
-    /// Proposed are those more than this before now. Nothing: all of them.
+    /// Snapshots older than this are proposed. Empty: all are proposed.
     std::optional<Duration> older_than;
 
     [[nodiscard]] Status validate() const;

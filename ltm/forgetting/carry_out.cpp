@@ -28,7 +28,7 @@ Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan pl
                             forget_snapshots(store, plan.to_set(), progress, stop, options));
     add(round, report.rewritten);
     ++report.rounds;
-    // A round that takes nothing (others were faster) would take nothing again.
+    // If a round took nothing, because others were faster, the next one would take nothing either.
     if (!plan_again || round.is_cancelled || round.snapshots == 0) break;
     ENGRAM_ASSIGN_OR_RETURN(plan, plan_again());
   }

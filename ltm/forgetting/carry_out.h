@@ -7,23 +7,23 @@
 
 namespace engram::ltm {
 
-/// What forgetting did.
+/// The result of forgetting.
 struct ForgetReport {
   RewriteReport rewritten;     ///< Over all rounds.
-  uint64_t rounds = 0;         ///< Plans that were carried out.
-  uint64_t bytes_before = 0;   ///< Of the store's directory.
-  uint64_t bytes_after = 0;    ///< Grows beside a live writer.
-  uint64_t missing_bytes = 0;  ///< That a quota still demands.
+  uint64_t rounds = 0;         ///< Number of plans that were carried out.
+  uint64_t bytes_before = 0;   ///< Bytes of the store's directory before.
+  uint64_t bytes_after = 0;    ///< The same after; a live writer adds to them.
+  uint64_t missing_bytes = 0;  ///< Bytes that a quota still demands.
 };
 
-/// Makes the next plan towards a quota, of the store as it is now.
+/// Makes the next plan towards a quota, from the present state of the store.
 using PlanAgain = std::function<Result<ForgetPlan>()>;
 
-/// Carries out a plan. Plans estimate: where a quota demands more afterwards, `plan_again` is
-/// asked, until its plan takes nothing more. Without one there is one round.
+/// Carries out a plan. Plans are estimates: if a quota demands more afterwards, `plan_again` makes
+/// further plans until one takes nothing more. Without `plan_again` there is one round.
 ///
-/// Killed at any moment, all that was not to go is there; a stop comes between two segments. A
-/// segment that is in a plan and was replaced meanwhile is an error, and may be tried again.
+/// A kill at any moment loses nothing that was to stay. A stop takes effect between two segments.
+/// It is an error if a segment of the plan was replaced in the meantime; the call may be repeated.
 /// Errors and threading: those of forget_snapshots, which gets `options`, and of `plan_again`.
 Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan plan,
                                const PlanAgain& plan_again, const ProgressSink& progress = {},

@@ -16,10 +16,10 @@ Result<EntityPattern> read_pattern(const ConfigValue& value) {
   return pattern;
 }
 
-/// Sets an optional where the key is there.
 constexpr DeprecatedWord kMaxBytesKey{"most_bytes", "max_bytes", "0.3"};
 constexpr DeprecatedWord kMinFreeDiskKey{"least_free_disk", "min_free_disk", "0.3"};
 
+/// Sets an optional if the key exists.
 template <typename T>
 Status read_optional(ConfigMap& map, std::string_view key, std::optional<T>& out,
                      Result<T> (ConfigValue::*as)() const) {
@@ -29,7 +29,7 @@ Status read_optional(ConfigMap& map, std::string_view key, std::optional<T>& out
   return {};
 }
 
-/// An integer from `min` on.
+/// Reads an integer that is at least `min`, if the key exists.
 Status read_count(ConfigMap& map, std::string_view key, int64_t min, std::optional<uint64_t>& out) {
   const auto value = map.find(key);
   if (!value) return {};
@@ -64,6 +64,7 @@ Result<ForgetRule> read_rule(const ConfigValue& value) {
   }
   AgePolicy::Options age;
   ENGRAM_RETURN_IF_ERROR(read_optional(map, "older_than", age.older_than, &ConfigValue::duration));
+  // A policy without a bound would propose all snapshots, so a rule has only those that it names.
   if (age.older_than) rule.age = age;
   UnreadPolicy::Options access;
   ENGRAM_RETURN_IF_ERROR(
@@ -110,7 +111,7 @@ Status read_protection(ConfigMap& section, ForgetProtection& protection) {
 
 Result<ForgetOptions> read_options(const ConfigValue& file) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap top, file.map());
-  // Others read these (docs/recording.md).
+  // The recorder reads these (docs/recording.md); finish() would call them unknown.
   for (const char* key : {"preset", "entities", "store", "recording"}) top.find(key);
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue section, top.require("forget"));
   ENGRAM_RETURN_IF_ERROR(top.finish());

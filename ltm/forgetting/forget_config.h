@@ -9,14 +9,15 @@
 
 namespace engram::ltm {
 
-/// Reads the section `forget` of a configuration: the file that `engram import --config` takes
-/// too, whose sections for recording are not looked at. `name` is what errors call it.
-/// Errors: kInvalidArgument naming file, line and key; unknown keys come with the closest known
-/// one; also where there is no such section.
+/// Reads the section `forget` of a configuration. The file is the one that `engram import --config`
+/// takes too; its sections for recording are ignored. `name` is its name in errors.
+/// Errors: kInvalidArgument naming file, line and key (for an unknown key also the closest known
+/// one), also if there is no such section.
 /// Source: docs/forgetting.md.
 Result<ForgetOptions> parse_forget_config(std::string_view text, const std::string& name);
 
-/// Errors: kNotFound and kUnavailable too.
+/// Reads the section `forget` of a file.
+/// Errors: as above; kNotFound; kUnavailable.
 Result<ForgetOptions> read_forget_config(const std::filesystem::path& path);
 
 }  // namespace engram::ltm

@@ -13,7 +13,8 @@
 
 namespace engram::ltm {
 
-/// What of some entities may go: what all its policies propose, in the order of the last one.
+/// Selects snapshots of some entities that may be forgotten: those that all its policies propose,
+/// in the order of the last policy.
 struct ForgetRule {
   EntityPattern match;
   std::optional<AgePolicy::Options> age;
@@ -21,37 +22,39 @@ struct ForgetRule {
   std::optional<ImportancePolicy::Options> importance;
   std::optional<SimilarityFilter::Options> redundancy;
 
-  /// Errors: kInvalidArgument; one policy at least is needed.
+  /// Errors: kInvalidArgument, also if there is no policy.
   [[nodiscard]] Status validate() const;
 
-  /// In the order in which they are asked, the cheapest first.
+  /// Makes the policies in the order in which they are asked, the cheapest first.
   /// Errors: those of validate.
   Result<std::vector<std::unique_ptr<ForgetPolicy>>> policies(Time now) const;
 };
 
-/// What never goes by a rule or a quota.
+/// Snapshots that no rule or quota may take.
 struct ForgetProtection {
   std::vector<EntityPattern> entities;
-  /// That many of each entity, the newest; those that are not sealed yet count.
+  /// Number of newest snapshots of each entity, including those that are not sealed yet.
   uint64_t newest = 1;
-  /// Snapshots less than this before now.
+  /// Snapshots younger than this.
   std::optional<Duration> younger_than;
-  /// Snapshots that are named in the data of others that stay. Costs a read of all that stays.
+  /// If true, snapshots that the data of staying snapshots link to. It costs a read of all
+  /// snapshots that stay.
   bool linked = false;
 };
 
-/// What a store is to forget.
+/// Defines what a store is to forget.
 /// Source: docs/forgetting.md.
 struct ForgetOptions {
-  /// Each sees what those before it leave.
+  /// Each rule sees what those before it leave.
   std::vector<ForgetRule> rules;
 
-  /// Most bytes of the store's directory.
+  /// Max bytes of the store's directory.
   std::optional<uint64_t> max_bytes;
-  /// Least bytes that are free on its disk.
+  /// Min free bytes on its disk.
   std::optional<uint64_t> min_free_disk_bytes;
-  /// What goes first where these demand more than the rules take: all that the first rule proposes,
-  /// in its order, then the second, and so on; at last whatever is oldest.
+  /// The order in which snapshots go if these quotas demand more than the rules take: first all
+  /// that the first rule here proposes, in its order, then the second, and so on. At last the
+  /// oldest go.
   std::vector<ForgetRule> first;
 
   ForgetProtection protection;

@@ -10,10 +10,10 @@ namespace engram::ltm {
 
 namespace {
 
-/// Snapshots that policies see at a time.
+/// Number of snapshots that policies get at a time. It bounds the memory for their entries.
 constexpr size_t kPartSnapshots = 1 << 16;
 
-/// The manifest counts what was forgotten: it may grow by so much.
+/// Bytes by which the manifest may grow, because it counts what was forgotten.
 constexpr uint64_t kManifestBytes = 4096;
 constexpr uint64_t kManifestBytesPerEntity = 256;
 
@@ -175,7 +175,7 @@ Status ForgetPlanner::follow_links(std::vector<std::pair<size_t, size_t>>& waiti
       const auto i = static_cast<size_t>(time - to->times.begin());
       to->is_protected[i] = true;
       if (to->reason[i] == kStays) continue;
-      // It stays after all, and so does what it leads to.
+      // The snapshot stays now, so what it links to must stay too.
       to->reason[i] = kStays;
       ++to->shielded;
       waiting.emplace_back(static_cast<size_t>(to - entities_.begin()), i);
@@ -190,7 +190,7 @@ Status ForgetPlanner::protect_linked() {
     ENGRAM_RETURN_IF_ERROR(check_stop("look for links", e));
     const std::vector<uint16_t> before = entities_[e].reason;
     for (size_t s = 0; s < before.size(); ++s) {
-      // What is given back meanwhile is followed there and then.
+      // Snapshots that are given back during this loop were followed at that moment.
       if (before[s] != kStays) continue;
       if (context_.stop.stop_requested()) return check_stop("look for links", e);
       waiting.emplace_back(e, s);
@@ -200,7 +200,7 @@ Status ForgetPlanner::protect_linked() {
   return {};
 }
 
-/// A segment that does not tell counts as one with groups: rewriting it frees nothing, either.
+/// A segment that cannot be read counts as one with groups, as rewriting it frees nothing either.
 bool ForgetPlanner::has_groups(uint32_t segment, const MemoryId& entity) {
   const auto [known, is_new] = has_groups_.try_emplace({segment, entity}, true);
   if (!is_new) return known->second;
@@ -235,7 +235,7 @@ Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
   std::vector<Candidate> candidates;
   size_t max = 0;
   for (const Entity& entity : entities_) max += entity.times.size();
-  candidates.reserve(max);  // Pages that are not written to are not there.
+  candidates.reserve(max);  // Costs no memory for pages that are never written.
   for (uint32_t e = 0; e < entities_.size(); ++e) {
     const Entity& entity = entities_[e];
     if (!rule.match.matches(entity.id)) continue;
@@ -257,6 +257,8 @@ Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
   FreedBytes going = freed();
   std::vector<std::vector<bool>> is_queued;
   for (const Entity& entity : entities_) is_queued.emplace_back(entity.reason.size(), false);
+  // Candidates are taken by the careful estimate: a plan that frees too little would need another
+  // round, and each round rewrites segments.
   std::vector<ForgetRule> order = options.first;
   order.emplace_back().age = AgePolicy::Options{};
   for (size_t rank = 0; rank < order.size() && going.careful() < wanted; ++rank) {

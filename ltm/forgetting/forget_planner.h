@@ -12,29 +12,29 @@
 
 namespace engram::ltm {
 
-/// The steps of a plan, each of which takes snapshots or keeps some from it.
+/// Makes a plan in steps. Each step takes snapshots or protects some from being taken.
 ///
 /// Threading: one thread.
 class ForgetPlanner {
  public:
-  /// All outlive this.
+  /// All arguments must outlive this.
   ForgetPlanner(ForgetSource& source, const ForgetProtection& protection,
                 const ForgetContext& context)
       : source_(source), protection_(protection), context_(context) {}
 
-  /// Lists all snapshots. `is_explicit`: what is new is not protected.
+  /// Lists all snapshots. With `is_explicit` new snapshots are not protected.
   Status load(bool is_explicit);
 
-  /// Takes what a rule proposes.
+  /// Takes the snapshots that a rule proposes.
   Status take_by(const ForgetRule& rule);
 
-  /// Takes what was chosen.
+  /// Takes the chosen snapshots.
   Status take(const ForgetSet& chosen, const std::string& reason);
 
-  /// Gives back what is linked to from what stays, and protects it from here on.
+  /// Gives back the snapshots that staying ones link to, and protects them from later steps.
   Status protect_linked();
 
-  /// Takes more, until quotas are met as far as can be told.
+  /// Takes more snapshots until, by the careful estimate, the quotas are met.
   Status take_for_quota(const ForgetOptions& options);
 
   [[nodiscard]] ForgetPlan finish();
@@ -42,30 +42,31 @@ class ForgetPlanner {
  private:
   static constexpr uint16_t kStays = 0;
 
-  /// The snapshots of one, in the order of time: of ten million, little of each.
+  /// The snapshots of one entity, sorted by time. It keeps few bytes of each, because a store may
+  /// have ten million.
   struct Entity {
     MemoryId id;
     std::vector<Time> times;
     std::vector<SnapshotPlaces> places;
     std::vector<bool> is_protected;
-    std::vector<uint16_t> reason;  ///< Per snapshot: kStays, or an index into reasons_.
+    std::vector<uint16_t> reason;  ///< Per snapshot, kStays or an index into reasons_.
     uint64_t unsealed = 0;
     uint64_t shielded = 0;
   };
 
-  /// One that a quota may take.
+  /// A snapshot that a quota may take.
   struct Candidate {
     double order = 0;
     uint32_t entity = 0;
     uint32_t snapshot = 0;
   };
 
-  /// Asks a rule which snapshots of an entity may go: `take` gets their indices and order. Those
-  /// that went, and those that `is_queued`, it does not see.
+  /// Asks a rule which snapshots of an entity may go, and calls `take` with their indices and
+  /// order. The rule does not see snapshots that are taken or queued (`is_queued`).
   Status ask(const ForgetRule& rule, const Entity& entity, const std::vector<bool>& is_queued,
              const std::function<void(const ForgetProposal&)>& take);
 
-  /// What its plans say of a rule.
+  /// The number of the reason that plans state for a rule.
   Result<uint16_t> reason_of(const ForgetRule& rule, const std::string& prefix);
 
   static Result<std::vector<ForgetProposal>> propose(
@@ -88,9 +89,9 @@ class ForgetPlanner {
   ForgetSource& source_;
   const ForgetProtection& protection_;
   const ForgetContext& context_;
-  std::vector<Entity> entities_;  ///< In the order of their names.
+  std::vector<Entity> entities_;  ///< Sorted by ID.
   std::vector<std::string> reasons_{"stays"};
-  std::map<std::pair<uint32_t, MemoryId>, bool> has_groups_;  ///< Segments that were asked.
+  std::map<std::pair<uint32_t, MemoryId>, bool> has_groups_;  ///< Cache of has_groups().
   uint64_t missing_bytes_ = 0;
 };
 

@@ -17,7 +17,7 @@ double most_confident(const std::vector<T>& instances) {
   return max;
 }
 
-/// Adds what `found` leads to, where that is a snapshot.
+/// Adds the targets of the links in `found` that are snapshots.
 void add_snapshots(const std::vector<Link>& found, std::vector<MemoryId>& ids) {
   for (const Link& link : found)
     if (link.id.time()) ids.push_back(link.id.entity().at(*link.id.time()));
@@ -58,7 +58,7 @@ Result<std::vector<MemoryId>> ForgetSource::links(const MemoryId& entity,
   ENGRAM_ASSIGN_OR_RETURN(const Snapshot snapshot, store().read_recorded(entity, entry));
   const idf::Type* type = store().manifest().types.of_entity(entity);
   for (const Instance& instance : snapshot.instances) {
-    // The guess too: texts that are not typed as links may be ones all the same.
+    // Guessed links count too: texts may be links even if their type does not say so.
     add_snapshots(find_links(instance.data), ids);
     if (type != nullptr) add_snapshots(find_links(instance.data, *type), ids);
   }

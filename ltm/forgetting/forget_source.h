@@ -8,32 +8,32 @@
 
 namespace engram::ltm {
 
-/// What policies may ask about the snapshots of one generation of a store.
+/// Gives policies the data of snapshots in one generation of a store.
 ///
 /// Threading: one thread.
 class ForgetSource {
  public:
-  /// Latents whose values are asked for need a `recall` with a loader. Both outlive this.
+  /// To read values of latents, `recall` needs a loader. Both must outlive this.
   ForgetSource(Recall& recall, const AccessTable& accesses)
       : recall_(recall), accesses_(accesses) {}
 
   [[nodiscard]] StoreReader& store() { return recall_.store(); }
 
-  /// Reads that were noted of a snapshot.
+  /// The noted reads of a snapshot.
   [[nodiscard]] AccessStats accesses(const MemoryId& entity, Time snapshot) const {
     return accesses_.find(entity, snapshot);
   }
 
-  /// The confidence of the instance that has most; nothing decoded.
+  /// The highest confidence of an instance. Decodes nothing.
   /// Errors: those of StoreReader.
   Result<double> confidence(const MemoryId& entity, const SnapshotEntry& entry);
 
-  /// The values, latents decoded.
+  /// Reads the values and decodes latents.
   /// Errors: those of Recall::query.
   Result<Snapshot> read(const MemoryId& entity, const SnapshotEntry& entry);
 
-  /// The snapshots that a snapshot's values name. Of latents only what is no tensor is looked at:
-  /// links are texts.
+  /// The snapshots that a snapshot's values link to. Links are texts, so of latents it reads only
+  /// what is not a tensor.
   /// Errors: those of StoreReader.
   Result<std::vector<MemoryId>> links(const MemoryId& entity, const SnapshotEntry& entry);
 

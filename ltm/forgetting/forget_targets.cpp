@@ -7,7 +7,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// All that lies below an ID, or its snapshot. Adds nothing where there is none.
+/// Adds all snapshots below an ID, or the snapshot that it names. Adds nothing if there is none.
 Status add_below(StoreReader& store, const MemoryId& id, ForgetSet& chosen) {
   for (const MemoryId& entity : store.entities()) {
     if (!(id.time() ? id.entity() == entity : id.is_prefix_of(entity))) continue;
@@ -38,7 +38,7 @@ Result<ForgetSet> find_forget_targets(Recall& recall, const std::vector<std::str
   for (const std::string& text : texts) {
     ForgetSet named;
     const auto id = MemoryId::parse(text);
-    // The empty ID is everything: that nobody means by an empty argument.
+    // The empty ID would be everything, which nobody means with an empty argument.
     if (id.ok() && id->depth() > 0) ENGRAM_RETURN_IF_ERROR(add_below(recall.store(), *id, named));
     if (named.empty() && text.find('@') != std::string::npos) {
       ENGRAM_ASSIGN_OR_RETURN(const Query query, Query::parse(text));

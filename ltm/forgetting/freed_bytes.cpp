@@ -7,8 +7,8 @@ namespace engram::ltm {
 
 namespace {
 
-/// Of the shares in a segment that is written anew, what is counted on, and what each such file is
-/// given to grow by (its headers, a worse dictionary).
+/// The part of the shares in a rewritten segment that the careful estimate counts, and the bytes
+/// that each such file may grow by (its headers, a worse dictionary).
 constexpr double kCarefulShare = 0.7;
 constexpr double kCarefulBytes = 8192;
 

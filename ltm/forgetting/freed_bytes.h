@@ -11,7 +11,7 @@
 
 namespace engram::ltm {
 
-/// The segments that hold one snapshot, in 8 bytes: plans remember them of every snapshot.
+/// The segments that hold one snapshot. It has 8 bytes, because plans keep it for every snapshot.
 struct SnapshotPlaces {
   static constexpr uint32_t kNowhere = UINT32_MAX;
   static constexpr uint32_t kJournal = UINT32_MAX - 1;
@@ -26,45 +26,46 @@ struct SnapshotPlaces {
   [[nodiscard]] bool has_latents() const { return latent != kNowhere; }
 };
 
-/// Estimates what forgetting frees, snapshot by snapshot.
+/// Estimates the bytes that forgetting frees, snapshot by snapshot.
 ///
-/// Images of a group do not count until all that the segment holds of their entity goes: those that
-/// stay of a group that is cut are stored one by one, which may take more bytes than all of it did.
+/// Images in groups do not count until all snapshots of their entity in the segment go. The images
+/// that stay of a cut group are stored one by one, which may take more bytes than the whole group.
 ///
 /// Threading: one thread.
 class FreedBytes {
  public:
-  /// Says of a recorded segment, an index into the manifest's, whether it holds groups of images of
-  /// an entity. It is asked once about each entity of a segment that loses anything.
+  /// Returns whether a recorded segment, given as an index into the manifest, holds groups of
+  /// images of an entity. It is called once for each entity of a segment that loses a snapshot.
   using HasGroups = std::function<bool(uint32_t segment, const MemoryId& entity)>;
 
   /// `manifest` must outlive this.
   FreedBytes(const Manifest& manifest, HasGroups has_groups);
 
-  /// Tells of a snapshot that is there, before any goes.
+  /// Counts an existing snapshot. All must be counted before any is taken.
   void count(const MemoryId& entity, const SnapshotPlaces& places);
 
-  /// A counted snapshot goes.
+  /// Takes a counted snapshot.
   void take(const MemoryId& entity, const SnapshotPlaces& places);
 
-  /// A segment that goes whole frees its file; of others each snapshot its share.
+  /// The expected bytes: a segment that goes whole frees its file, in others each snapshot frees
+  /// its share.
   [[nodiscard]] uint64_t expected() const { return exact_ + static_cast<uint64_t>(shares_); }
 
-  /// What they free at least: shares in segments of which something stays count less, as columns
-  /// and blocks of fewer rows compress worse and files have a part that does not shrink. Blocks of
-  /// latents are taken to go whole: of those that are only cut no bytes go.
+  /// A low estimate: shares in segments that stay in part count less, because columns and blocks
+  /// of fewer rows compress worse and a part of each file does not shrink. It assumes that blocks
+  /// of latents go whole; a block that is only cut frees no bytes.
   [[nodiscard]] uint64_t careful() const { return exact_ + static_cast<uint64_t>(careful_); }
 
-  /// The share of one snapshot that went, as it stands now.
+  /// The present share of one snapshot that was taken.
   [[nodiscard]] double share(const MemoryId& entity, const SnapshotPlaces& places) const;
 
  private:
-  /// What a segment holds of an entity.
+  /// The snapshots of an entity in a segment.
   struct Part {
-    double each = 0;    ///< Bytes of one snapshot.
-    uint64_t left = 0;  ///< Counted snapshots that stay.
-    uint64_t went = 0;
-    bool has_groups = false;  ///< Known once one went.
+    double each = 0;          ///< Bytes of one snapshot.
+    uint64_t left = 0;        ///< Counted snapshots that stay.
+    uint64_t went = 0;        ///< Snapshots that were taken.
+    bool has_groups = false;  ///< Valid once a snapshot was taken.
 
     [[nodiscard]] bool counts() const { return !has_groups || left == 0; }
     [[nodiscard]] double shares() const { return counts() ? each * static_cast<double>(went) : 0; }
@@ -74,7 +75,7 @@ class FreedBytes {
     std::map<MemoryId, Part> parts;
     uint64_t bytes = 0;
     uint64_t left = 0;  ///< Counted snapshots that stay.
-    double shares = 0;  ///< Of those that went.
+    double shares = 0;  ///< Bytes of the snapshots that were taken.
     bool is_recorded = false;
   };
 
@@ -84,9 +85,9 @@ class FreedBytes {
 
   HasGroups has_groups_;
   std::vector<Segment> segments_;
-  double shares_ = 0;   ///< In segments of which something stays.
-  double careful_ = 0;  ///< What is counted on of them.
-  uint64_t exact_ = 0;  ///< Of segments that go whole.
+  double shares_ = 0;   ///< Expected bytes in segments that stay in part.
+  double careful_ = 0;  ///< Low estimate of the same bytes.
+  uint64_t exact_ = 0;  ///< Bytes of segments that go whole.
 };
 
 }  // namespace engram::ltm

@@ -8,17 +8,18 @@
 
 namespace engram::ltm {
 
-/// Proposes what matters least: by the confidence of the producer, or by a number in the value.
+/// Proposes the least important snapshots, by the confidence of the producer or by a number in the
+/// value.
 ///
-/// Of several instances the most important one counts. A snapshot without such a number, or with
-/// one that is no number (NaN), is never proposed: nobody knows what it is worth.
-/// Complexity: reads every snapshot that may go; decodes its media only where `path` is given.
+/// Of several instances the most important one counts. A snapshot without the number, or with NaN,
+/// is never proposed, because its importance is unknown.
+/// Complexity: reads every snapshot that may go; decodes its media only if `path` is given.
 class ImportancePolicy final : public ForgetPolicy {
  public:
   struct Options {
-    /// Where the number is, as Data::at reads it. Empty: the confidence.
+    /// Path of the number, as Data::at reads it. Empty: the confidence is used.
     std::string path;
-    /// Proposed are those below. Nothing: all, the least first.
+    /// Snapshots with less than this are proposed. Empty: all are, the least important first.
     std::optional<double> below;
 
     [[nodiscard]] Status validate() const;

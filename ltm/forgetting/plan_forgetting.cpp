@@ -58,7 +58,7 @@ Result<uint64_t> directory_bytes(const std::filesystem::path& directory) {
   std::filesystem::recursive_directory_iterator entry(
       directory, std::filesystem::directory_options::skip_permission_denied, error);
   for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
-    // Files come and go beside a live writer: one that went counts nothing.
+    // A live writer makes and removes files meanwhile. A file that is gone does not count.
     std::error_code gone;
     if (!entry->is_regular_file(gone) || gone) continue;
     const uintmax_t bytes = entry->file_size(gone);

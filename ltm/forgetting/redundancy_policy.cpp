@@ -26,7 +26,8 @@ Result<std::vector<ForgetProposal>> RedundancyPolicy::propose(ForgetSource& sour
   for (size_t i = 0; i < view.snapshots.size(); ++i) {
     const SnapshotEntry& entry = view.snapshots[i];
     if (!view.may_go[i]) {
-      // Before the first that may go only its neighbour counts: it may be similar to that.
+      // Before the first snapshot that may go, only its neighbour is needed: the filter compares
+      // with that, and reading the others would cost much.
       if (!has_begun_) staying_.clear();
       staying_.push_back(entry);
       continue;

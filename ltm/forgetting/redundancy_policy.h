@@ -6,13 +6,13 @@
 
 namespace engram::ltm {
 
-/// Proposes near-duplicates: snapshots similar to the last one that stays, in every member, with
-/// one staying at least every `max_gap`. The older first.
+/// Proposes near-duplicates, the older first: snapshots that are similar in every member to the
+/// last one that stays. At least one stays every `max_gap`.
 ///
 /// Complexity: decodes every snapshot between the first and the last that may go.
 class RedundancyPolicy final : public ForgetPolicy {
  public:
-  /// Errors: kInvalidArgument where the options do not validate.
+  /// Errors: kInvalidArgument if the options do not validate.
   static Result<std::unique_ptr<RedundancyPolicy>> create(const SimilarityFilter::Options& options);
 
   [[nodiscard]] std::string reason() const override { return "redundant"; }
@@ -22,12 +22,12 @@ class RedundancyPolicy final : public ForgetPolicy {
  private:
   explicit RedundancyPolicy(SimilarityFilter filter) : filter_(std::move(filter)) {}
 
-  /// True where it is similar to what was offered before.
+  /// True if the snapshot is similar to the last one that the filter kept.
   Result<bool> offer(ForgetSource& source, const MemoryId& entity, const SnapshotEntry& entry);
 
   SimilarityFilter filter_;
   bool has_begun_ = false;
-  /// What must stay, since the last one that may go.
+  /// Snapshots that must stay and come after the last one that may go.
   std::vector<SnapshotEntry> staying_;
 };
 

@@ -7,16 +7,16 @@
 
 namespace engram::ltm {
 
-/// Proposes what nobody asks for, the longest unread first.
+/// Proposes snapshots that are not read any more, the longest unread first.
 ///
-/// A snapshot that was never read counts as last read at its own time: what is new is not unread
-/// for long.
+/// A snapshot that was never read counts as last read at its own time, so a new snapshot is not
+/// proposed at once.
 class UnreadPolicy final : public ForgetPolicy {
  public:
   struct Options {
-    /// Proposed are those whose last read is more than this before now. Nothing: all.
+    /// Snapshots whose last read is longer ago than this are proposed. Empty: no such condition.
     std::optional<Duration> unread_for;
-    /// And that were read less often than this. Nothing: however often.
+    /// Only snapshots that were read less often than this are proposed. Empty: no such condition.
     std::optional<uint64_t> read_less_than;
 
     [[nodiscard]] Status validate() const;

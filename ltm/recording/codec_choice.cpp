@@ -10,7 +10,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// The rule with each codec of a list.
+/// Returns one copy of the rule for each codec of a list.
 Result<std::vector<PackRule>> rules_with(const std::vector<ConfigValue>& codecs,
                                          const PackRule& rule) {
   std::vector<PackRule> rules(codecs.size(), rule);

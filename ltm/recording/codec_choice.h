@@ -8,13 +8,15 @@
 
 namespace engram::ltm {
 
-/// Whether a rule can be used. kFailedPrecondition: not here, its encoder is not installed.
+/// Checks whether a rule can be used. kFailedPrecondition means that the rule is valid but its
+/// encoder is not installed here.
 using CodecCheck = std::function<Status(const PackRule& rule)>;
 
-/// Puts the text of `codec` into the rule: of a list, the first that `check` finds installed. Where
-/// a list has codecs of groups, the rule's journal is for these alone.
-/// Errors: kInvalidArgument naming the place, also where a later one of a list makes no sense, and
-/// where none can be used.
+/// Returns the rule with `codec` as its codec. From a list it takes the first one that `check`
+/// accepts as installed. If a list has group codecs, the rule's journal codec is used only with
+/// these.
+/// Errors: kInvalidArgument naming the place in the file, also if a later codec of a list is
+/// invalid or none can be used.
 /// Source: docs/recording.md, section "Rules".
 Result<PackRule> choose_codec(const ConfigValue& codec, const PackRule& rule,
                               const CodecCheck& check);

@@ -10,11 +10,11 @@
 
 namespace engram::ltm {
 
-/// How the entities that match are recorded.
+/// How matching entities are recorded.
 struct EntityRule {
-  std::string name;  ///< What reports call it.
+  std::string name;  ///< Its name in reports.
   EntityPattern match;
-  std::vector<FilterOptions> filters;  ///< One behind the other. None: all is kept.
+  std::vector<FilterOptions> filters;  ///< Applied in this order. Empty: everything is kept.
   PackOptions pack;
 };
 

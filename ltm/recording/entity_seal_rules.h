@@ -7,7 +7,8 @@
 
 namespace engram::ltm {
 
-/// The seal-time parts of the rules, by entity; empty where there are none. `options` are valid.
+/// Returns the seal-time parts of the rules by entity; empty if there are none. `options` must be
+/// valid.
 [[nodiscard]] SealRulesOf seal_rules_of(const Recorder::Options& options);
 
 }  // namespace engram::ltm

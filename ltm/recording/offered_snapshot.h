@@ -9,20 +9,21 @@
 
 namespace engram::ltm {
 
-/// An update of a commit with the values that filters and codecs see.
+/// An update of a commit, with the values that filters and codecs read.
 struct OfferedSnapshot {
-  const Snapshot* given = nullptr;  ///< Outlives this.
-  std::optional<Snapshot> cast;     ///< Where its values are not as they came.
-  std::vector<std::string> notes;   ///< What that cost.
+  const Snapshot* given = nullptr;  ///< It must outlive this.
+  std::optional<Snapshot> cast;     ///< Set if values were cast to their segment's type.
+  std::vector<std::string> notes;   ///< What the casts lost.
   uint64_t raw_bytes = 0;
 
   [[nodiscard]] const Snapshot& snapshot() const { return cast ? *cast : *given; }
 
-  /// Checks the values of an update, and casts them where they are not of their segment's type.
+  /// Checks the values of an update, and casts those that are not of their segment's type.
   /// Errors: those of cast_to_type.
   static Result<OfferedSnapshot> of(const Snapshot& update, const SegmentTypes& types);
 
-  /// The same of one that was checked: its values are looked at only where the type is another now.
+  /// The same for an update that was checked before. Its values are checked again only if the
+  /// segment's type has changed since.
   static Result<OfferedSnapshot> of(const CheckedSnapshot& update, const SegmentTypes& types);
 };
 

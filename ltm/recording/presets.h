@@ -14,11 +14,11 @@ struct RecordingPreset {
   std::string_view yaml;
 };
 
-/// From most bytes to fewest: "recorder", "balanced", "small".
+/// All presets, from the largest to the smallest recordings: "recorder", "balanced", "small".
 [[nodiscard]] std::span<const RecordingPreset> all_recording_presets();
 
-/// The YAML text of a preset.
-/// Errors: kNotFound naming the ones there are.
+/// Returns the YAML text of a preset.
+/// Errors: kNotFound listing the known names.
 Result<std::string_view> recording_preset(std::string_view name);
 
 }  // namespace engram::ltm

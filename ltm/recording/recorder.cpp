@@ -15,15 +15,15 @@ namespace engram::ltm {
 
 namespace {
 
-/// Commits of fewer plain bytes are encoded without waking other threads.
+/// Commits of fewer plain bytes are encoded by the caller alone, without waking other threads.
 constexpr uint64_t kMinSharedBytes = 64 << 10;
-/// Most that waits for a disk that fails, after filters let it go. Plain bytes.
+/// Max plain bytes that left the filters and wait in memory for a failing disk.
 constexpr uint64_t kMaxPendingBytes = uint64_t{256} << 20;
 
 /// A snapshot that filters kept.
 struct Kept {
   RecordingChannel* channel = nullptr;
-  const Snapshot* borrowed = nullptr;  ///< Of the running commit; null where `candidate` has it.
+  const Snapshot* borrowed = nullptr;  ///< Of the running commit; null if `candidate` has it.
   Candidate candidate;
   std::optional<PackedSnapshot> packed;
 
@@ -46,7 +46,9 @@ struct Recorder::State {
   RecordingChannels channels;
   WorkerPool workers;
   uint64_t commits = 0;
-  std::vector<Kept> pending;  ///< Of earlier commits: the disk failed when filters let them go.
+  /// Snapshots of earlier commits that could not be stored when filters released them: the disk
+  /// failed.
+  std::vector<Kept> pending;
   Time last_notes;
 
   State(const Options& chosen, Clock now, std::unique_ptr<StoreWriter> store)
@@ -67,7 +69,8 @@ struct Recorder::State {
     return {};
   }
 
-  /// Checks all of a commit before any of it changes anything.
+  /// Checks the whole commit before any of it reaches a filter, so that a refused commit has no
+  /// effect.
   template <typename Update>
   Result<std::vector<OfferedSnapshot>> prepare(std::span<const Update* const> updates) const {
     const std::vector<const Snapshot*> plain(updates.begin(), updates.end());
@@ -136,7 +139,7 @@ struct Recorder::State {
 
   bool drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes) {
     RecordingChannel& channel = channels.of(entity);
-    // Events may be in the value.
+    // Other entities may find an event in the value, so it must be made.
     if (channel.is_event_source || !channel.listeners.empty()) return false;
     FilterChain::Output output;
     if (!channel.chain.drop_at(time, raw_bytes, output)) return false;
@@ -147,7 +150,8 @@ struct Recorder::State {
     return true;
   }
 
-  /// Encodes what is not encoded yet, in parallel where it is worth it.
+  /// Encodes what is not encoded yet, in parallel if there are enough bytes. Snapshots that an
+  /// earlier attempt encoded keep their bytes, so a retry only writes.
   Status pack_all(std::vector<Kept>& kept) {
     struct Part {
       Kept* kept;
@@ -183,7 +187,8 @@ struct Recorder::State {
     return {};
   }
 
-  /// Appends all or nothing; the counts of dropped snapshots go with the first of each entity.
+  /// Appends all snapshots or none. The first one of each entity carries the counts of dropped
+  /// snapshots, which go back to the channel if the append fails.
   Status append(std::vector<Kept>& kept) {
     std::vector<PackedSnapshot> packed;
     for (Kept& each : kept) {
@@ -223,8 +228,9 @@ struct Recorder::State {
     return status;
   }
 
-  /// The running commit was not acknowledged. What filters let go of earlier ones was, as held:
-  /// it waits for a better time, or is stored without the rest.
+  /// Handles a failed append. Snapshots of the running commit are not acknowledged, so the caller
+  /// may send them again. Those of earlier commits, which filters had held, were acknowledged: they
+  /// wait for the next commit or, if waiting cannot help or too much waits, are stored alone.
   void fail(std::vector<Kept>& kept, const Status& status) {
     uint64_t bytes = 0;
     for (Kept& each : kept) {
@@ -255,7 +261,7 @@ struct Recorder::State {
     log::warning("snapshot '{}', which a filter had held, is lost: {}", id, status.to_string());
   }
 
-  /// Stores what filters hold, and seals.
+  /// Stores what filters hold, and seals the store.
   Status finish() {
     ++commits;
     std::vector<Kept> kept;
@@ -290,7 +296,8 @@ struct Recorder::State {
     }
   }
 
-  /// The counts stay where this fails, and are noted later.
+  /// Notes the counts of dropped snapshots if the interval has passed. If it fails, the counts stay
+  /// and are noted later: a commit does not fail for its counts.
   void note_drops_if_due() {
     const Time now = clock();
     if (now >= last_notes && now - last_notes < options.drop_note_interval) return;

@@ -17,11 +17,11 @@
 
 namespace engram::ltm {
 
-/// What happened to the snapshots of one entity on their way in.
+/// Counts what happened to the snapshots of one entity during recording.
 ///
-/// offered = kept + all dropped_by + held + failed, between any two commits.
+/// Between any two commits: offered = kept + all dropped_by + held + failed.
 struct RecordingCounters {
-  std::string rule;  ///< Name of the rule that the entity got; empty where none matched.
+  std::string rule;  ///< Name of the rule that matched the entity; empty if none did.
   uint64_t offered = 0;
   uint64_t offered_bytes = 0;  ///< Plain bytes.
   uint64_t kept = 0;
@@ -29,95 +29,101 @@ struct RecordingCounters {
   uint64_t stored_bytes = 0;                                ///< Of the journal frames.
   std::map<std::string, uint64_t, std::less<>> dropped_by;  ///< Per filter name.
   std::vector<FilterCounters> filters;  ///< In the order of the chain, with reasons.
-  HeldSnapshots held;                   ///< In memory, not decided on: lost where the process ends.
-  uint64_t late = 0;    ///< Of those offered: came after a newer one, and no filter saw them.
-  uint64_t failed = 0;  ///< Their commit failed: not stored, and the caller knows.
-  /// Instances that were cast to their segment's type, which cost members or digits.
+  /// Snapshots in memory that are not decided on; they are lost if the process ends.
+  HeldSnapshots held;
+  /// Offered snapshots that came after a newer one; no filter saw them.
+  uint64_t late = 0;
+  /// Snapshots that are not stored because their commit failed; the caller got the error.
+  uint64_t failed = 0;
+  /// Instances that were cast to their segment's type and lost members or digits.
   uint64_t reinterpreted = 0;
-  std::string last_reinterpretation;  ///< What it cost, the last time.
+  std::string last_reinterpretation;  ///< What the last such cast lost.
 };
 
-/// What becomes of a snapshot whose time does not come after the entity's last one.
+/// How to treat a snapshot whose time is not after the entity's last one.
 enum class LateSnapshots : uint8_t {
-  kKeep,    ///< It is stored, past all filters.
+  kKeep,    ///< It is stored and bypasses all filters.
   kRefuse,  ///< Its commit is refused.
 };
 
-/// The online phase: filters what comes in, encodes what is kept, stores it.
+/// The online phase: filters incoming snapshots, encodes those that are kept, and stores them.
 ///
-/// Threading: one thread; it has threads of its own for encoding.
+/// Threading: one thread; it has its own threads for encoding.
 /// Source: docs/recording.md.
 class Recorder {
  public:
   static constexpr int kMaxThreads = 64;
 
   struct Options {
-    /// For entities that no rule matches: most snapshots per second that are kept. Nothing: all.
+    /// Max rate at which entities without a matching rule are kept. Empty: no limit. Unit:
+    /// snapshots per second.
     std::optional<double> max_rate_hz;
-    /// For the same entities.
+    /// Packing of entities without a matching rule.
     PackOptions pack;
-    /// Its `seal_rules` are made of the rules for packing, where they are empty.
+    /// If its `seal_rules` are empty, they are made from the packing rules.
     StoreWriter::Options store;
-    /// The first one that matches an entity counts.
+    /// The first rule that matches an entity is used.
     std::vector<EntityRule> rules;
     LateSnapshots late = LateSnapshots::kKeep;
-    /// That encode the snapshots of one commit, the caller's included. 1 to kMaxThreads.
+    /// Threads that encode the snapshots of one commit, including the caller's. 1 to kMaxThreads.
     int threads = 2;
-    /// How often counts of dropped snapshots reach the store where none is kept: what `kill -9`
-    /// may cost of them. Each note costs about 200 bytes per entity that dropped any.
+    /// Interval at which counts of dropped snapshots are stored if no snapshot is kept. `kill -9`
+    /// loses the counts of one interval. Each note costs about 200 bytes per entity that dropped
+    /// any.
     Duration drop_note_interval = std::chrono::seconds(5);
 
     [[nodiscard]] Status validate() const;
   };
 
-  /// Opens `store` for writing and makes it where it does not exist.
-  /// Errors: kInvalidArgument, kFailedPrecondition where another process writes to it, and those
-  /// of StoreWriter::open.
+  /// Opens `store` for writing and makes it if it does not exist.
+  /// Errors: kInvalidArgument; kFailedPrecondition if another process writes to it; those of
+  /// StoreWriter::open.
   static Result<Recorder> open(const std::filesystem::path& store, const Options& options,
                                Clock clock = system_now);
 
   Recorder(Recorder&&) noexcept;
   ~Recorder();
 
-  /// Says what the values of a core segment (two names) or provider segment (three) are: commits
-  /// are reinterpreted as that type where possible, and refused where not. The type is stored with
-  /// the segment and holds in later sessions too.
-  /// Errors: kInvalidArgument where a provider's type does not extend the core type; those of
+  /// Declares the type of the values in a core segment (two names) or provider segment (three
+  /// names). Values of other types are cast to it if possible, else their commit is refused. The
+  /// type is stored with the segment and holds in later sessions too.
+  /// Errors: kInvalidArgument if a provider's type does not extend the core type; those of
   /// StoreWriter::declare.
   Status declare(const MemoryId& segment, const idf::Type& type);
 
-  /// After this returns ok, every snapshot of the commit that counts as kept survives `kill -9`.
-  /// What a filter holds does not, until a later commit or close lets it go.
-  /// Errors: those of Commit::check; kInvalidArgument where a late snapshot is refused, or naming
-  /// every path where a value is not of its segment's type; kResourceExhausted, kUnavailable where
+  /// Filters and stores the snapshots of a commit. After this returns ok, every snapshot that
+  /// counts as kept survives `kill -9`. A snapshot that a filter holds does not, until a later
+  /// commit or close() releases it.
+  /// Errors: those of Commit::check; kInvalidArgument if a late snapshot is refused, or if values
+  /// are not of their segment's type (it names every path); kResourceExhausted or kUnavailable if
   /// the disk fails: then nothing of the commit was acknowledged, and it may be tried again.
   Status commit(const Commit& commit);
 
-  /// The same of snapshots that were checked on their way here, as working memory's were: their
-  /// values are not looked at again, but where their segment's type is another by now.
+  /// The same for snapshots that were checked before, such as those of working memory. Their values
+  /// are checked again only if their segment's type has changed since.
   Status commit_checked(std::span<const CheckedSnapshot* const> updates);
 
-  /// The types of all segments, as they were declared here or in sessions before.
+  /// The types of all segments, declared in this session or earlier ones.
   [[nodiscard]] const SegmentTypes& types() const;
 
-  /// Drops a snapshot that is not made yet, where the entity's filters would by its time alone, and
-  /// counts it as any other. For values that cost much to make. False: nothing happened; make it
-  /// and commit it. `raw_bytes`: what Snapshot::raw_bytes would be.
+  /// Drops and counts a snapshot before it is made, if the entity's filters would drop it for its
+  /// time alone. Use it for values that are expensive to make. If it returns false, nothing
+  /// happened: make the snapshot and commit it. `raw_bytes` is what Snapshot::raw_bytes would be.
   bool drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes);
 
-  /// Lets go of what filters hold, seals everything and closes the store. Without it the journal
-  /// keeps what was kept.
-  /// Errors: those of commit and of StoreWriter::seal: the journal keeps what was acknowledged, and
-  /// is forced to the disk; where that fails too (StoreWriter::sync), the message says so.
+  /// Releases what filters hold, seals everything and closes the store. Without it, what was kept
+  /// stays in the journal.
+  /// Errors: those of commit and of StoreWriter::seal. Then acknowledged data stays in the journal,
+  /// which is forced to the disk; if that fails too (StoreWriter::sync), the message says so.
   Status close();
 
-  /// Time of the entity's last snapshot, stored in this session or before.
+  /// Time of the entity's last snapshot, stored in this session or an earlier one.
   [[nodiscard]] std::optional<Time> last_time(const MemoryId& entity) const;
 
-  /// Places in the journal where acknowledged data of an earlier session was found damaged.
+  /// Number of places in the journal where acknowledged data of an earlier session is damaged.
   [[nodiscard]] uint64_t lost_frames() const;
 
-  /// Per entity of this session; current as of this call, valid as long as the recorder.
+  /// Counters per entity of this session, updated by this call. Valid as long as the recorder.
   [[nodiscard]] const std::map<MemoryId, RecordingCounters>& counters() const;
 
  private:

@@ -7,7 +7,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// The events of a filter; null where it has none.
+/// The events of a filter; null if it is of a kind without events.
 const std::vector<EventRule>* events_of(const FilterOptions& filter) {
   if (const auto* importance = std::get_if<ImportanceFilter::Options>(&filter))
     return &importance->events;
@@ -15,7 +15,7 @@ const std::vector<EventRule>* events_of(const FilterOptions& filter) {
   return nullptr;
 }
 
-/// The index of the first rule that matches; the number of rules where none does.
+/// The index of the first rule that matches; the number of rules if none does.
 size_t rule_of(const Recorder::Options& options, const MemoryId& entity) {
   const auto rule = std::ranges::find_if(
       options.rules, [&](const EntityRule& each) { return each.match.matches(entity); });
@@ -83,7 +83,7 @@ void RecordingChannels::connect(RecordingChannel& made) {
       made.listeners.push_back(&other);
     if (!other.is_event_source || !made.chain.listens_to(entity)) continue;
     other.listeners.push_back(&made);
-    // An event may have come before the first snapshot of what it makes worth keeping.
+    // An event may come before the first snapshot of the entity whose filter it opens.
     FilterChain::Output nothing;
     if (other.last_offered) made.chain.notice(*other.last_offered, nothing);
   }

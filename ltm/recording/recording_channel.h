@@ -11,32 +11,32 @@
 
 namespace engram::ltm {
 
-/// One entity on its way in.
+/// The recording state of one entity.
 struct RecordingChannel {
   MemoryId entity;
   FilterChain chain;
   Packer packer;
-  RecordingCounters* counters;  ///< Of the recorder.
+  RecordingCounters* counters;  ///< Owned by the recorder.
   uint64_t dropped = 0;         ///< Since the last snapshot that was kept, or the last note.
   uint64_t dropped_bytes = 0;
-  DropReasons noted_by;  ///< What the store was told of them, by filter.
-  uint64_t pending = 0;  ///< Left the filters, but the disk failed.
+  DropReasons noted_by;  ///< Dropped snapshots that the store was told of, by filter.
+  uint64_t pending = 0;  ///< Snapshots that left the filters but are not stored: the disk failed.
   uint64_t pending_bytes = 0;
 
-  bool is_event_source = false;              ///< Some rule's events may come from it.
-  std::optional<Snapshot> last_offered;      ///< Of event sources only.
-  std::vector<RecordingChannel*> listeners;  ///< Channels whose filters want to know of it.
+  bool is_event_source = false;              ///< True if a rule's events may come from it.
+  std::optional<Snapshot> last_offered;      ///< Set for event sources only.
+  std::vector<RecordingChannel*> listeners;  ///< Channels whose filters listen to this entity.
 
-  /// Brings the counters up to date with the filters.
+  /// Updates the counters from the filters.
   void count() const;
 };
 
-/// The channels of a session, made as entities come.
+/// The channels of a session. A channel is made at its entity's first snapshot.
 ///
 /// Threading: one thread.
 class RecordingChannels {
  public:
-  /// `options` are valid and outlive this.
+  /// `options` must be valid and outlive this.
   explicit RecordingChannels(const Recorder::Options& options);
 
   /// The entity's channel; valid as long as this.
@@ -49,7 +49,7 @@ class RecordingChannels {
   void connect(RecordingChannel& made);
 
   const Recorder::Options& options_;
-  std::vector<Packer> packers_;  ///< Per rule, then that of entities without one.
+  std::vector<Packer> packers_;  ///< One per rule, then one for entities without a rule.
   std::vector<EntityPattern> event_sources_;
   std::map<MemoryId, RecordingChannel> channels_;
   std::map<MemoryId, RecordingCounters> counters_;

@@ -68,7 +68,8 @@ Result<EntityRule> read_rule(const ConfigValue& value) {
   return rule;
 }
 
-/// Puts the file's rules before those that are there.
+/// Puts the file's rules before those of the preset. The first rule that matches counts, so the
+/// file's rules override the preset.
 Status read_entities(ConfigMap& top, Recorder::Options& options) {
   const auto value = top.find("entities");
   if (!value) return {};
@@ -104,6 +105,7 @@ Status read_recording(ConfigMap& top, Recorder::Options& options) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value->map());
   int64_t threads = options.threads;
   ENGRAM_RETURN_IF_ERROR(map.read("threads", threads, &ConfigValue::integer));
+  // validate() checks it too, but this error names the line, and the cast below cannot overflow.
   if (threads < 1 || threads > Recorder::kMaxThreads)
     return map.find("threads")->error(
         fmt::format("found {}, needs 1 to {}", threads, Recorder::kMaxThreads));
@@ -136,7 +138,7 @@ Result<Recorder::Options> read_options(const ConfigValue& file) {
   ENGRAM_RETURN_IF_ERROR(read_entities(top, options));
   ENGRAM_RETURN_IF_ERROR(read_store(top, options.store));
   ENGRAM_RETURN_IF_ERROR(read_recording(top, options));
-  top.find("forget");  // ltm/forgetting reads it.
+  top.find("forget");  // ltm/forgetting reads it; finish() would call it unknown.
   ENGRAM_RETURN_IF_ERROR(top.finish());
   if (const Status status = options.validate(); !status.ok()) return file.error(status);
   return options;

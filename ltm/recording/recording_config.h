@@ -11,16 +11,17 @@
 namespace engram::ltm {
 
 /// Reads a recording configuration: entity patterns with their filters and codecs, and the options
-/// of the store. `name` is what errors call it.
+/// of the store. `name` is its name in errors.
 ///
-/// With `preset: NAME` in it the rest comes on top of that preset: settings replace its, and rules
-/// come before its rules.
-/// Errors: kInvalidArgument naming file, line and key; unknown keys come with the closest known
+/// If the text has `preset: NAME`, its settings replace those of the preset, and its rules come
+/// before the rules of the preset.
+/// Errors: kInvalidArgument naming file, line and key; for an unknown key also the closest known
 /// one.
 /// Source: docs/recording.md.
 Result<Recorder::Options> parse_recording_config(std::string_view text, const std::string& name);
 
-/// Errors: kNotFound and kUnavailable too.
+/// Reads a recording configuration from a file.
+/// Errors: as above; kNotFound; kUnavailable.
 Result<Recorder::Options> read_recording_config(const std::filesystem::path& path);
 
 }  // namespace engram::ltm

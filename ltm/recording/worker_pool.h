@@ -11,12 +11,12 @@
 
 namespace engram::ltm {
 
-/// Threads that share the work of one caller. There is one job at a time, so nothing queues up.
+/// Threads that share the work of one caller. There is one job at a time, so there is no queue.
 ///
-/// Threading: one thread calls; the work runs on that one and on the pool's.
+/// Threading: one thread calls run(); the work runs on it and on the threads of the pool.
 class WorkerPool {
  public:
-  /// `threads` counts the caller: with one there are no others.
+  /// `threads` includes the caller's: with 1 the pool starts no thread.
   explicit WorkerPool(int threads);
 
   /// Calls `work` with 0 to `count` - 1, each once, in any order, and returns when all are done.
@@ -35,7 +35,7 @@ class WorkerPool {
   size_t next_ ENGRAM_GUARDED_BY(mutex_) = 0;
   size_t finished_ ENGRAM_GUARDED_BY(mutex_) = 0;
 
-  std::vector<std::jthread> threads_;  ///< Last: they end before what they use.
+  std::vector<std::jthread> threads_;  ///< The last member, so that they end before what they use.
 };
 
 }  // namespace engram::ltm
