@@ -11,10 +11,10 @@ namespace engram::ltm {
 namespace {
 
 constexpr std::string_view kSuffix = ".checkpoint";
-/// Of one that was being written.
+/// Suffix of a checkpoint that is still being written.
 constexpr std::string_view kUnfinished = ".checkpoint.new";
 
-/// What the names of all checkpoints of an entity begin with.
+/// The common prefix of the file names of an entity's checkpoints.
 std::string prefix_of(const MemoryId& entity) {
   constexpr std::string_view kModelEnd = ".v1.h5";
   std::string name = std::filesystem::path(model_file_name(entity, 1)).filename().string();

@@ -12,21 +12,22 @@
 
 namespace engram::ltm {
 
-/// Where work on an entity that takes long is kept in the store's `tmp/`, so that it can go on
-/// after its process was killed: "tmp/Vision.RGB.head.cam.0123456789abcdef.checkpoint". No writer
-/// removes it; who did the work does. `key` tells one work from another.
+/// Names the file in the store's `tmp/` that keeps the state of long work on an entity, so that the
+/// work can go on after its process was killed:
+/// "tmp/Vision.RGB.head.cam.0123456789abcdef.checkpoint". Writers never remove it; the process that
+/// does the work has to. `key` distinguishes one piece of work from another.
 [[nodiscard]] std::filesystem::path checkpoint_file(const std::filesystem::path& store,
                                                     const MemoryId& entity, uint64_t key);
 
-/// Whether a file of `tmp/` with this name is one.
+/// Whether `name`, of a file in `tmp/`, is that of a checkpoint.
 [[nodiscard]] bool is_checkpoint(const std::string& name);
 
-/// Removes the checkpoints of `entity`, but for `kept`.
+/// Removes the checkpoints of `entity` except those in `kept`.
 /// Errors: kUnavailable.
 Status remove_checkpoints(const std::filesystem::path& store, const MemoryId& entity,
                           std::span<const std::filesystem::path> kept = {});
 
-/// Removes those of entities that are not among `entities`.
+/// Removes the checkpoints of all entities that are not in `entities`.
 /// Errors: kUnavailable.
 Status remove_checkpoints_of_others(const std::filesystem::path& store,
                                     const std::vector<MemoryId>& entities);

@@ -10,10 +10,10 @@
 
 namespace engram::ltm {
 
-/// XXH3, 64 bits: finds damage, does not resist forgery.
+/// The 64-bit XXH3 hash. It detects accidental damage but does not resist forgery.
 [[nodiscard]] uint64_t checksum(std::span<const std::byte> bytes);
 
-/// The checksum of a file, read in pieces.
+/// Computes the checksum of a file. The file is read in pieces, so memory stays bounded.
 Result<uint64_t> checksum_of_file(const std::filesystem::path& path);
 
 }  // namespace engram::ltm

@@ -16,7 +16,7 @@ using idf::Dict;
 using idf::List;
 using idf::NdArray;
 
-/// Largest plain form of what remains of a value without its media.
+/// Max plain size of a value without its media, in bytes.
 constexpr size_t kMaxRestBytes = size_t{1} << 30;
 
 NdArray bytes_array(Buffer bytes) {
@@ -26,7 +26,9 @@ NdArray bytes_array(Buffer bytes) {
   return std::move(array).value();
 }
 
-/// Reads members of a dict and remembers that one was missing or of another kind.
+/// Reads members of a dict and remembers whether one was missing or had another kind. A frame comes
+/// from a file and may hold anything, so one check of `status` after all reads replaces one per
+/// member.
 class DictReader {
  public:
   explicit DictReader(const Data& data) : dict_(data.get_if<Dict>()) {}
@@ -86,7 +88,8 @@ Result<PackedMedium> medium_from_data(const Data& data) {
   return medium;
 }
 
-/// Frames stand alone: the others of the group may never be written.
+/// Makes a medium independent of its group, because the other frames of the group may never be
+/// written.
 Result<PackedMedium> outside_its_group(const PackedMedium& medium, MediumDecoder& decoder) {
   const GroupCodec* codec = find_group_codec(medium.codec);
   if (codec != nullptr && !codec->is_lossless())
@@ -109,6 +112,8 @@ Result<Data> instance_to_data(const PackedInstance& instance) {
     media.push_back(medium_to_data(alone));
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto rest, idf::encode(instance.value.rest));
+  // The reader refuses larger values, because a hostile file may claim any plain size. Such a value
+  // must not be acknowledged.
   if (rest.size() > kMaxRestBytes)
     return invalid_argument("a value has {} bytes beside its media, at most {} fit", rest.size(),
                             kMaxRestBytes);
@@ -134,7 +139,7 @@ Result<PackedInstance> instance_from_data(const Data& data) {
   return instance;
 }
 
-/// Of an instance as it stands in a frame.
+/// True if the instance, in the form it has in a frame, is augmented.
 bool is_augmented(const Data& instance) {
   return instance.at("metadata/recipe") != nullptr || instance.at("metadata/origin") != nullptr;
 }

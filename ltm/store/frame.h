@@ -8,18 +8,19 @@
 
 namespace engram::ltm {
 
-/// Payload of a journal frame: one packed snapshot. A snapshot without instances only says what
-/// was dropped after the one before.
-/// Images of a group that has no loss are written singly, as frames stand alone.
-/// Errors: kInvalidArgument where a value nests too deep or an image is of a group with loss: it
-/// would be encoded once more when it is sealed. Those of pack_alone.
+/// Encodes one packed snapshot as the payload of a journal frame. A snapshot without instances only
+/// records how many snapshots filters dropped since the previous one.
+/// Frames must be readable alone, so images of a lossless group are written one by one.
+/// Errors: kInvalidArgument if a value nests too deep, or if an image is in a group of a lossy
+/// codec, because sealing would encode it with loss a second time; those of pack_alone.
 /// Source: docs/format.md, section "Journal".
 Result<std::vector<std::byte>> encode_frame(const PackedSnapshot& snapshot);
 
-/// Safe on hostile bytes; media view `payload`. Errors: kDataLoss.
+/// Decodes the payload of a frame. Safe on hostile bytes. The media of the result are views of
+/// `payload`. Errors: kDataLoss.
 Result<PackedSnapshot> decode_frame(const Buffer& payload);
 
-/// What an index needs of a frame, without unpacking its values. Errors: kDataLoss.
+/// The fields of a frame that an index needs. They are read without unpacking its values.
 struct FrameHead {
   MemoryId entity;
   Time time{};
@@ -27,11 +28,12 @@ struct FrameHead {
   uint64_t dropped = 0;
   uint64_t dropped_bytes = 0;
   size_t instances = 0;
-  bool is_augmented = false;  ///< Any of them is.
+  bool is_augmented = false;  ///< At least one instance is augmented.
 };
+/// Reads the head of a frame. Errors: kDataLoss.
 Result<FrameHead> decode_frame_head(const Buffer& payload);
 
-/// The metadata of an instance as a value, and back.
+/// Convert the metadata of an instance to a value and back. Errors of the way back: kDataLoss.
 [[nodiscard]] idf::Data metadata_to_data(const InstanceMetadata& metadata);
 Result<InstanceMetadata> metadata_from_data(const idf::Data& data);
 

@@ -28,7 +28,7 @@ constexpr uint64_t padded(uint64_t size) {
   return (size + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-/// The payload at `at` if a whole frame starts there.
+/// The payload of the frame at `at`, or nullopt if no whole frame starts there.
 std::optional<std::span<const std::byte>> frame_at(std::span<const std::byte> bytes, uint64_t at) {
   FrameHeader header;
   if (bytes.size() - at < sizeof(header)) return std::nullopt;
@@ -46,7 +46,9 @@ std::optional<uint64_t> next_frame(std::span<const std::byte> bytes, uint64_t fr
   return std::nullopt;
 }
 
-/// True where a frame of full size starts at `at` in which one field or the payload is damaged.
+/// True if a frame of full size starts at `at` and only one of its fields or its payload is
+/// damaged. A killed append leaves the beginning of a frame, never a complete frame with wrong
+/// content, so such a frame is probably damaged data rather than a torn append.
 bool is_damaged_frame(std::span<const std::byte> bytes, uint64_t at) {
   FrameHeader header;
   if (bytes.size() - at < sizeof(header)) return false;
@@ -59,6 +61,8 @@ bool is_damaged_frame(std::span<const std::byte> bytes, uint64_t at) {
   };
   if (is_payload(header.payload_bytes)) return true;
   if (header.magic != kFrameMagic) return false;
+  // A flipped bit in the size moves the end of the payload, so each size that differs in one bit is
+  // tried.
   for (uint32_t bit = 1; bit != 0; bit <<= 1)
     if (is_payload(header.payload_bytes ^ bit)) return true;
   return false;
@@ -66,7 +70,7 @@ bool is_damaged_frame(std::span<const std::byte> bytes, uint64_t at) {
 
 using FrameVisit = std::function<Status(uint64_t offset, const Buffer& payload)>;
 
-/// Walks over the frames from byte `at` on.
+/// Visits the frames from byte `at` on.
 Result<JournalScan> walk_frames(const Buffer& content, uint64_t at, JournalScan scan,
                                 const FrameVisit& visit) {
   const auto bytes = content.bytes();
@@ -90,8 +94,8 @@ Result<JournalScan> walk_frames(const Buffer& content, uint64_t at, JournalScan 
   return scan;
 }
 
-/// A beginning of the magic: a journal that was killed while it was made. Nothing was acknowledged
-/// into it.
+/// True for an incomplete magic: the process was killed while it created the journal, and nothing
+/// was acknowledged yet.
 bool is_unfinished(std::string_view text) {
   return text.size() < kFileMagic.size() && kFileMagic.starts_with(text);
 }
@@ -119,7 +123,7 @@ Status Journal::append(std::span<const std::vector<std::byte>> payloads) {
   if (!encoded.ok()) return encoded.status().with_context(file_.path().string());
   const std::vector<std::byte>& frames = *encoded;
   if (Status status = file_.append(frames); !status.ok()) {
-    // What was half-way written was never acknowledged; without the cut it would be a torn frame
+    // The partly written frames were never acknowledged. Without the cut they would be a torn frame
     // in the middle of the file.
     is_broken_ = !file_.truncate(size_).ok();
     return status;
@@ -180,7 +184,7 @@ Result<Buffer> read_journal_frame(const File& file, uint64_t offset) {
 Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store) {
   std::vector<uint64_t> numbers;
   std::error_code error;
-  // Copies leave out empty folders.
+  // Some copies of a store omit empty folders.
   if (!std::filesystem::exists(store / "journal", error)) return numbers;
   for (const auto& entry : std::filesystem::directory_iterator(store / "journal", error)) {
     const std::string name = entry.path().filename().string();

@@ -11,7 +11,8 @@
 
 namespace engram::ltm {
 
-/// Forces a journal to the disk every so often, on a thread of its own: who appends does not wait.
+/// Forces journals to the disk at a fixed interval, on a thread of its own, so that appending does
+/// not wait for the disk.
 ///
 /// Threading: thread-safe.
 class JournalSyncer {
@@ -19,10 +20,11 @@ class JournalSyncer {
   explicit JournalSyncer(Duration interval);
   ~JournalSyncer();
 
-  /// `journal` was appended to.
+  /// Records that data was appended to `journal`. It is forced to the disk at the next interval.
   void note_append(const std::shared_ptr<Journal>& journal);
 
-  /// Ok where everything up to the last interval is on the disk. An error is told once.
+  /// Returns ok if everything appended before the last interval is on the disk. Each error is
+  /// returned once.
   Status take_error();
 
  private:
@@ -31,7 +33,7 @@ class JournalSyncer {
   const Duration interval_;
   Mutex mutex_;
   StoppableCondition changed_;
-  /// Appended to since they were forced.
+  /// Journals that were appended to since they were last forced to the disk.
   std::vector<std::shared_ptr<Journal>> dirty_ ENGRAM_GUARDED_BY(mutex_);
   Status error_ ENGRAM_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< Last: it uses all the others.

@@ -6,8 +6,9 @@
 
 namespace engram::ltm {
 
-/// Orders what stands in journals by its `time`; of equal times the last counts: it is an update,
-/// or an append whose sync failed and that was tried again.
+/// Sorts entries from journals by `time` and keeps only the last appended one of each time. Two
+/// entries have the same time if one is an update, or if its append was repeated after a failed
+/// sync.
 template <typename T>
 void keep_last_of_each_time(std::vector<T>& appended) {
   std::ranges::stable_sort(appended, {}, &T::time);

@@ -12,14 +12,14 @@
 
 namespace engram::ltm {
 
-/// What an encoder made of one value: the code of its tensor members, and the remainder that
-/// cannot be a tensor, as it was.
+/// The output of an encoder for one value: the code of its tensor members, and the remainder, the
+/// parts that are not tensors, unchanged.
 ///
-/// Consecutive snapshots of an entity may be coded as one block, which is stored once.
+/// Consecutive snapshots of an entity may be coded together as one block, which is stored once.
 struct Latent {
-  Buffer code;  ///< Of the whole block, shared by its rows.
+  Buffer code;  ///< The code of the whole block. All rows of the block share it.
   idf::List remainder;
-  GroupPlace place = {};  ///< In the block. Alone: 0 of 1.
+  GroupPlace place = {};  ///< Place in the block; 0 of 1 if the latent is coded alone.
 };
 
 struct LatentInstance {
@@ -28,16 +28,17 @@ struct LatentInstance {
   MeasuredError error;
 };
 
-/// One snapshot as latents of version `model_version` of its entity's model.
+/// One snapshot as latents, coded by version `model_version` of its entity's model.
 struct LatentSnapshot {
   Time time{};
   int model_version = 0;
   std::vector<LatentInstance> instances;
 };
 
-/// Codes anew what is left of a block whose other rows are to go, so that its bytes tell nothing of
-/// these any more. Gets latents of one block in its order; gives one for each, which decodes to
-/// the same: code and place count, remainders stay as they are.
+/// Codes the remaining rows of a block again when its other rows are forgotten, so that the bytes
+/// no longer contain information about those. It receives latents of one block in block order and
+/// returns one latent for each, which decodes to the same value. Only `code` and `place` of the
+/// results are used; the remainders stay as they are.
 using LatentRecoder = std::function<Result<std::vector<Latent>>(
     const MemoryId& entity, int model_version, std::span<const Latent> kept)>;
 

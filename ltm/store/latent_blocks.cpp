@@ -23,7 +23,7 @@ bool is_same(const Buffer& a, const Buffer& b) {
   return a.size() == b.size() && (a.data() == b.data() || std::ranges::equal(a.bytes(), b.bytes()));
 }
 
-/// What is left of one block.
+/// The remaining latents of one block.
 using Block = std::vector<Latent*>;
 
 Status recode_block(const MemoryId& entity, int version, const Block& block,
@@ -48,7 +48,8 @@ Result<uint64_t> LatentBlocks::add(const Latent& latent) {
   ENGRAM_RETURN_IF_ERROR(check_place(latent, row));
   if (latent.place.count == 1) return row;
   std::erase_if(open_, [row](const Open& block) { return row - block.last_row > kMaxBlockStride; });
-  // The newest first: of two alike blocks the older one may have lost its last rows.
+  // Try the newest block first: if two blocks have the same bytes, the older one may have lost its
+  // last rows.
   for (size_t i = open_.size(); i-- > 0;) {
     Open& block = open_[i];
     if (block.last_place.count != latent.place.count ||

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: which latents of a part share their bytes.
+// Private to this room: finds the latents of a part that share their bytes.
 
 #include <vector>
 
@@ -9,17 +9,18 @@
 
 namespace engram::ltm {
 
-/// Rows of one block lie at most so far apart: other instances of their snapshots may lie between
-/// them. Source: docs/format.md, section "Latent segments".
+/// Max distance between consecutive rows of one block. Rows of other instances of the same
+/// snapshots may lie between them. Source: docs/format.md, section "Latent segments".
 inline constexpr uint64_t kMaxBlockStride = 64;
 
-/// Finds the rows of a part that are of one block: their codes are the same bytes, their places
+/// Finds the rows of a part that are in one block: their codes are the same bytes and their places
 /// increase.
 class LatentBlocks {
  public:
-  /// The row that stands first of the next row's block: an earlier one, or that row itself.
-  /// Errors: kInvalidArgument where its place is none that a block can have.
-  /// Complexity: O(1); where other blocks are still open, they are compared with.
+  /// Adds the next row and returns the first row of its block, which is an earlier row or the added
+  /// row itself.
+  /// Errors: kInvalidArgument if the latent's place is not valid in a block.
+  /// Complexity: O(1), plus a comparison with each other block that is still open.
   Result<uint64_t> add(const Latent& latent);
 
  private:
@@ -30,15 +31,17 @@ class LatentBlocks {
     GroupPlace last_place;
   };
 
-  std::vector<Open> open_;  ///< That later rows may be of.
+  std::vector<Open> open_;  ///< Blocks to which later rows can still belong.
   uint64_t rows_ = 0;
 };
 
-/// Has each block of an entity of which not all places are left coded anew from those that are.
+/// Calls `recode` for each block of an entity that has lost some of its rows, and stores the
+/// result.
 ///
-/// `snapshots` are what stays of a part, in its order; they may share blocks with nothing else.
-/// Errors: those of `recode`; kInvalidArgument where it gives another number of latents than it
-/// got.
+/// `snapshots` are the remaining snapshots of a part, in order. Their blocks must not be shared
+/// with any other snapshot.
+/// Errors: those of `recode`; kInvalidArgument if it returns a different number of latents than it
+/// received.
 Status recode_cut_blocks(const MemoryId& entity, std::vector<LatentSnapshot>& snapshots,
                          const LatentRecoder& recode);
 

@@ -7,7 +7,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// More entities that are linked to are not remembered.
+/// Max number of link targets that are remembered; it bounds memory.
 constexpr size_t kMaxTargets = 10'000;
 
 }  // namespace

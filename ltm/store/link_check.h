@@ -11,25 +11,26 @@
 
 namespace engram::ltm {
 
-/// Collects the links of typed values and tells of those that lead to entities that are not there.
+/// Collects the links in typed values and reports those that lead to entities that do not exist.
 ///
 /// Threading: one thread.
 class LinkCheck {
  public:
   void add_entity(const MemoryId& entity) { entities_.insert(entity); }
 
-  /// Looks at the MemoryLink members of a snapshot whose values came under `types`.
+  /// Collects the MemoryLink members of a snapshot. `types` are the types that its values were
+  /// declared with.
   void add(const PackedSnapshot& snapshot, const SegmentTypes& types, const std::string& file);
 
   [[nodiscard]] const std::set<MemoryId>& entities() const { return entities_; }
 
-  /// A note per entity that is linked to and not known.
+  /// One note for each entity that is linked to but not known.
   [[nodiscard]] std::vector<Finding> findings() const;
 
  private:
   struct Place {
     std::string file;
-    std::string snapshot;  ///< The first one that has such a link.
+    std::string snapshot;  ///< The first snapshot with such a link.
     uint64_t links = 0;
   };
 

@@ -22,7 +22,7 @@ constexpr const char* kManifestLock = "MANIFEST.lock";
 constexpr std::string_view kUnfinishedManifest = "MANIFEST.json.new";
 constexpr std::array<std::string_view, 4> kFolders{"journal", "segments", "models", "tmp"};
 
-/// A checksum as text: JSON numbers of other programs carry 53 bits only.
+/// Writes a checksum as text, because JSON numbers in other programs carry only 53 bits.
 std::string to_hex(uint64_t value) {
   return fmt::format("{:016x}", value);
 }
@@ -42,7 +42,7 @@ MemoryId entity_from(const Json& json) {
   return *id;
 }
 
-/// Files are named relative to the store and never leave it.
+/// Reads a file name. Names must be relative to the store and must not leave it.
 std::string file_from(const Json& json) {
   auto name = json.get<std::string>();
   const std::filesystem::path path(name);
@@ -221,7 +221,7 @@ Manifest manifest_from(const Json& json) {
   return manifest;
 }
 
-/// What follows the digits of the manifest's own checksum, its last member.
+/// The text after the digits of the manifest's own checksum, which is its last member.
 constexpr std::string_view kEnd = "\"\n}\n";
 constexpr size_t kDigits = 16;
 
@@ -229,7 +229,7 @@ std::string checksum_of_text(std::string_view text) {
   return to_hex(checksum(as_bytes(text.substr(0, text.size() - kEnd.size() - kDigits))));
 }
 
-/// The manifest as text, sealed with the checksum of all that stands before it.
+/// The manifest as text, followed by the checksum of all text before it.
 std::string to_text(const Manifest& manifest) {
   Json json = to_json(manifest);
   json["checksum"] = std::string(kDigits, '0');
@@ -238,7 +238,7 @@ std::string to_text(const Manifest& manifest) {
   return text;
 }
 
-/// Manifests without checksum, of earlier programs, end with a list.
+/// Verifies the checksum. Manifests of earlier programs have none and end with a list.
 void check_text(std::string_view text, const Json& json) {
   if (!json.contains("checksum") && !text.ends_with(kEnd)) return;
   if (!text.ends_with(kEnd) || text.size() < kEnd.size() + kDigits ||
@@ -304,7 +304,8 @@ Result<Manifest> read_manifest(const std::filesystem::path& store) {
 
 Status edit_manifest(const std::filesystem::path& store,
                      const std::function<Status(Manifest&)>& change) {
-  // Before the lock: it would make a lock file in a directory that is no store.
+  // Read before locking, because taking the lock creates a file, even in a directory that is not a
+  // store.
   if (const auto manifest = read_manifest(store); !manifest.ok()) return manifest.status();
   ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / kManifestLock, File::Mode::kAppend));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(true));
@@ -321,7 +322,7 @@ bool is_store_absent(const std::filesystem::path& store) {
   if (!std::filesystem::is_directory(store, error)) return false;
   for (const auto& entry : std::filesystem::directory_iterator(store, error)) {
     const std::string name = entry.path().filename().string();
-    // Empty folders of ours and a manifest that was not finished: a killed create_store.
+    // A killed create_store leaves only empty folders of a store and an unfinished manifest.
     const bool is_leftover =
         name == kUnfinishedManifest || (std::ranges::find(kFolders, name) != kFolders.end() &&
                                         std::filesystem::is_empty(entry.path(), error));
@@ -338,7 +339,8 @@ Status create_store(const std::filesystem::path& store) {
   Manifest manifest;
   manifest.store_id = random_store_id();
   ENGRAM_RETURN_IF_ERROR(write_manifest(store, manifest));
-  // The store's own name: without it a power cut costs all that is in it.
+  // Sync the parent directory too; otherwise a power cut could lose the new store's directory entry
+  // and with it all data.
   return sync_directory(std::filesystem::absolute(store).parent_path());
 }
 

@@ -12,12 +12,13 @@
 
 namespace engram::ltm {
 
-/// Newest format of a store that this program reads and writes. Source: docs/format.md.
+/// Newest store format that this program reads and writes. Source: docs/format.md.
 inline constexpr int kStoreFormatVersion = 1;
 
 enum class SegmentKind { kRecorded, kLatent };
 
-/// Sums over the latents of one entity in one segment, so that reports open no segment.
+/// Sums over the latents of one entity in one segment. Reports use them and need not open the
+/// segment.
 struct LatentSums {
   int model_version = 0;
   uint64_t image_rows = 0;   ///< Rows with image members.
@@ -27,19 +28,19 @@ struct LatentSums {
   double number_mse = 0;     ///< Sum over number rows.
 };
 
-/// What one segment file holds of one entity.
+/// Describes what one segment file contains of one entity.
 struct SegmentEntity {
   MemoryId id;
   uint64_t snapshots = 0;
   uint64_t rows = 0;  ///< Instances.
   Time first{};
   Time last{};
-  uint64_t raw_bytes = 0;         ///< Of these snapshots, plain.
-  uint64_t stored_bytes = 0;      ///< Of this entity in the file.
-  uint64_t dropped = 0;           ///< Snapshots that the online filters dropped in this span.
-  uint64_t dropped_bytes = 0;     ///< Their plain bytes.
-  LatentSums latent;              ///< Only in latent segments.
-  uint64_t augmented = 0;         ///< Of the snapshots, those that were made of others.
+  uint64_t raw_bytes = 0;      ///< Plain size of these snapshots, in bytes.
+  uint64_t stored_bytes = 0;   ///< This entity's share of the file, in bytes.
+  uint64_t dropped = 0;        ///< Snapshots that the online filters dropped in this span.
+  uint64_t dropped_bytes = 0;  ///< Their plain bytes.
+  LatentSums latent;           ///< Only in latent segments.
+  uint64_t augmented = 0;      ///< Number of these snapshots that are augmented.
 };
 
 struct SegmentInfo {
@@ -47,11 +48,12 @@ struct SegmentInfo {
   SegmentKind kind = SegmentKind::kRecorded;
   uint64_t bytes = 0;
   uint64_t checksum = 0;  ///< XXH3-64 of the file.
-  /// The last journal that anything in a recorded segment came from; 0 where nobody knows.
+  /// Number of the last journal whose data is in this segment; 0 if unknown. Only recorded segments
+  /// have it.
   uint64_t last_journal = 0;
   std::vector<SegmentEntity> entities;
 
-  /// Null where the segment has nothing of it.
+  /// Null if the segment contains nothing of `entity`.
   [[nodiscard]] const SegmentEntity* find(const MemoryId& entity) const;
 };
 
@@ -69,11 +71,12 @@ struct ModelInfo {
 /// Snapshots that filters dropped, by the name of the filter.
 using DropReasons = std::map<std::string, uint64_t, std::less<>>;
 
-/// What was forgotten of an entity: it is gone, but counted.
+/// Sums over the forgotten snapshots of an entity. The snapshots are gone, but reports still count
+/// them.
 struct ForgottenSums {
   uint64_t snapshots = 0;
-  uint64_t raw_bytes = 0;      ///< Plain bytes of them.
-  uint64_t dropped = 0;        ///< What filters had dropped, told of in segments that went.
+  uint64_t raw_bytes = 0;      ///< Their plain size, in bytes.
+  uint64_t dropped = 0;        ///< Dropped snapshots that were counted in the removed segments.
   uint64_t dropped_bytes = 0;  ///< Their plain bytes.
 };
 
@@ -83,21 +86,23 @@ struct Manifest {
   uint64_t generation = 0;
   uint64_t next_segment = 1;   ///< Number of the next segment file.
   uint64_t first_journal = 1;  ///< Journals below this number are sealed.
-  uint64_t damaged = 0;        ///< Places in sealed journals where acknowledged data was lost.
-  SegmentTypes types;          ///< As they were declared last; segment files have their own.
+  uint64_t damaged = 0;  ///< Number of places in sealed journals where acknowledged data was lost.
+  SegmentTypes types;    ///< The latest declared types. Each segment file also stores its own.
   std::map<MemoryId, ForgottenSums> forgotten;
-  /// Why filters dropped, over all sessions. Reaches the manifest when a journal is sealed: what a
-  /// killed session dropped since then is in the counts of the segments, without its reason.
+  /// Reasons for which filters dropped snapshots, over all sessions. They reach the manifest when a
+  /// journal is sealed. Drops of a killed session since its last seal are counted in the segments,
+  /// but their reasons are lost.
   std::map<MemoryId, DropReasons> dropped_by;
   std::vector<SegmentInfo> segments;
   std::vector<ModelInfo> models;
 
-  /// The model of the highest version; null where the entity has none.
+  /// The model with the highest version, or null if the entity has no model.
   [[nodiscard]] const ModelInfo* newest_model(const MemoryId& entity) const;
 };
 
-/// Errors: kNotFound where `store` is no directory or holds no manifest; kFailedPrecondition where
-/// its format is newer; kDataLoss where the manifest is broken.
+/// Reads the manifest of a store.
+/// Errors: kNotFound if `store` is not a directory or has no manifest; kFailedPrecondition if its
+/// format is newer than this program's; kDataLoss if the manifest is damaged.
 Result<Manifest> read_manifest(const std::filesystem::path& store);
 
 /// Reads the manifest under the store's manifest lock, lets `change` edit it, and replaces it
@@ -107,11 +112,12 @@ Result<Manifest> read_manifest(const std::filesystem::path& store);
 Status edit_manifest(const std::filesystem::path& store,
                      const std::function<Status(Manifest&)>& change);
 
-/// True where create_store may make a store: nothing there, an empty directory, or one in which a
-/// process was killed while it made a store.
+/// True if create_store can create a store here: `store` does not exist, is an empty directory, or
+/// is a directory in which a process was killed while it created a store.
 [[nodiscard]] bool is_store_absent(const std::filesystem::path& store);
 
-/// Makes an empty store in `store`. Errors: kAlreadyExists where something is there, kUnavailable.
+/// Creates an empty store in `store`. Errors: kAlreadyExists if is_store_absent is false,
+/// kUnavailable.
 Status create_store(const std::filesystem::path& store);
 
 }  // namespace engram::ltm

@@ -10,8 +10,8 @@ namespace engram::ltm {
 
 namespace {
 
-/// Where images of one path come in more shapes and instances, those of the others stay single:
-/// who reads a row looks at every one of these.
+/// Max number of streams per path that become groups; the images of further streams are stored
+/// singly. Reading a row looks at every group of a path, so many streams would make reads slow.
 constexpr size_t kMaxStreams = 16;
 
 bool is_same_group(const PackedMedium& a, const PackedMedium& b) {
@@ -66,14 +66,14 @@ Status MediaSorter::sort(Places places) {
   return {};
 }
 
-/// Null where the medium stays as it is.
+/// The codec for a group of this medium, or null if the medium stays as it is.
 const GroupCodec* MediaSorter::codec_for(const PackedMedium& medium) const {
   const Codec* recorded = find_codec(medium.codec);
   if (medium.group || recorded == nullptr || !recorded->is_lossless()) return nullptr;
   return rules_.group_codec(medium.path, medium.type, medium.shape);
 }
 
-/// The images at the front that are of one group and follow each other in it.
+/// The leading images that are in one group and follow each other in it.
 MediaSorter::Places MediaSorter::next_group(Places places) const {
   const PackedMedium& first = *places[0].medium;
   size_t count = 1;
@@ -83,7 +83,7 @@ MediaSorter::Places MediaSorter::next_group(Places places) const {
   return places.first(count);
 }
 
-/// The images at the front that one group takes.
+/// The leading images that fit into one group.
 MediaSorter::Places MediaSorter::next_run(Places places, const GroupCodec& codec) const {
   const uint64_t bytes = *idf::size_bytes(places[0].medium->type, places[0].medium->shape);
   const size_t max =

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are written of.
+// Private to this room: parts of the segment writer.
 
 #include <map>
 #include <span>
@@ -16,21 +16,22 @@
 
 namespace engram::ltm {
 
-/// Says which media of an entity are stored as groups of images.
+/// Decides which media of an entity are stored as groups of images.
 ///
-/// What is a group already stays one where all its images are there, in order; else what is left
-/// of it is stored image by image, as decoded: nothing is encoded with loss twice. Images that
-/// were recorded without loss become groups where the rules say so.
+/// An encoded group stays one if all its images are present and in order. Otherwise its remaining
+/// images are decoded and stored one by one, so that nothing is encoded with loss twice. Images
+/// that were recorded without loss become groups if the rules say so.
 ///
 /// Threading: one thread. Rules and rows must outlive it.
 class MediaSorter {
  public:
   explicit MediaSorter(const SealRules& rules) : rules_(rules) {}
 
-  /// Takes the media of one more row.
+  /// Adds the media of the next row.
   void append(size_t row, const SegmentRow& media);
 
-  /// Errors: kDataLoss where a group that is to be taken apart does not decode.
+  /// Returns the sorted media.
+  /// Errors: kDataLoss if a group that must be split up does not decode.
   Result<SortedMedia> finish();
 
  private:
@@ -39,7 +40,8 @@ class MediaSorter {
     const PackedMedium* medium = nullptr;
   };
   using Places = std::span<const Place>;
-  /// What images need to share to be of one group: path, type, shape and index of the instance.
+  /// The properties that all images of one group share: path, type, shape and index of the
+  /// instance.
   using Stream = std::tuple<std::string, idf::ElementType, idf::Shape, size_t>;
   using Groups = std::vector<GroupColumn>;
 
@@ -56,7 +58,7 @@ class MediaSorter {
   const SealRules& rules_;
   std::map<Stream, std::vector<Place>> streams_;
   MediumDecoder decoder_;
-  std::map<std::string, size_t> encoded_streams_;  ///< How many, per path.
+  std::map<std::string, size_t> encoded_streams_;  ///< Number of encoded streams per path.
   SortedMedia sorted_;
 };
 

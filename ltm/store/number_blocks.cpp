@@ -11,22 +11,26 @@ namespace engram::ltm {
 namespace {
 
 constexpr const char* kCodec = "columns";
-/// Who reads one row decodes its block: wide ones have fewer rows.
+/// Desired plain size of a block. Reading one row decodes its whole block, so blocks of wide rows
+/// have fewer rows.
 constexpr uint64_t kBlockBytes = 256 << 10;
 constexpr uint64_t kMaxRows = 4096;
-/// Columns of few rows hardly compress: a block has so many, as far as they fit into a larger one.
+/// Desired min number of rows per block, because columns of few rows hardly compress. It applies
+/// only up to kLargeBlockBytes.
 constexpr uint64_t kWishedRows = 64;
 constexpr uint64_t kLargeBlockBytes = 16 << 20;
 static_assert(kLargeBlockBytes <= kMaxNumberBlockBytes);
 
-/// Of rows that are no larger than blocks may be: then a block of so many is not, either.
+/// Rows per block. If one row is not larger than kMaxNumberBlockBytes, the block is not larger
+/// either.
 uint64_t rows_per_block(uint64_t row_bytes) {
   row_bytes = std::max<uint64_t>(row_bytes, 1);
   const uint64_t rows = std::clamp(kBlockBytes / row_bytes, kWishedRows, kMaxRows);
   return std::clamp<uint64_t>(kLargeBlockBytes / row_bytes, 1, rows);
 }
 
-/// Swaps cells and their elements: `[rows, count]` to `[count, rows]`.
+/// Transposes `[rows, count]` to `[count, rows]`, because neighbouring values of one column
+/// compress better than those of one row.
 void transpose(std::span<const std::byte> from, size_t rows, size_t count, size_t width,
                std::span<std::byte> to) {
   for (size_t row = 0; row < rows; ++row)
@@ -127,7 +131,7 @@ uint64_t NumberBlocks::held_bytes() const {
   return bytes;
 }
 
-/// Lets go of the blocks that were not used for longest, until `bytes` more fit.
+/// Frees the least recently used blocks until `bytes` more fit.
 void NumberBlocks::make_room(uint64_t bytes) {
   const auto last_use = [](const auto& each) {
     return each.second.cells.empty() ? UINT64_MAX : each.second.last_use;

@@ -12,7 +12,7 @@
 
 namespace engram::ltm {
 
-/// Numbers of one type: `columns` columns, in each row `elements` numbers of every column.
+/// A table of numbers of one type. Each row has `columns` cells of `elements` numbers each.
 struct NumberTable {
   idf::ElementType type = idf::ElementType::kFloat64;
   uint64_t rows = 0;
@@ -23,29 +23,30 @@ struct NumberTable {
   [[nodiscard]] size_t row_bytes() const { return columns * cell_bytes(); }
 };
 
-/// The most plain bytes of a block that are read: a hostile file may tell of any size.
+/// Max plain size of a block that is read, in bytes. It bounds memory, because a hostile file may
+/// claim any size.
 inline constexpr uint64_t kMaxNumberBlockBytes = uint64_t{1} << 30;
 
-/// Writes the cells, row-major, as blobs of compressed columns, a block of rows at a time.
-/// Errors: kInvalidArgument where one row has more than kMaxNumberBlockBytes; those of
+/// Writes row-major `cells` as blobs of compressed columns, one block of rows at a time.
+/// Errors: kInvalidArgument if one row is larger than kMaxNumberBlockBytes; those of
 /// h5::File::write.
 /// Source: docs/format.md, "Columns".
 Status write_number_blocks(h5::File& file, const std::string& group, const NumberTable& table,
                            std::span<const std::byte> cells);
 
-/// Reads such rows; the last block of each table is kept, as far as they fit. Safe on hostile
-/// files.
+/// Reads the rows that write_number_blocks wrote. It keeps the block read last of each table in
+/// memory, up to a total of `kept_bytes`. Safe on hostile files.
 ///
 /// Threading: one thread. The source must outlive it.
 class NumberBlocks {
  public:
-  /// The most plain bytes that are kept over all tables, though always one block.
+  /// Max plain bytes kept over all tables. One block is always kept, even if it is larger.
   static constexpr uint64_t kKeptBytes = uint64_t{256} << 20;
 
   explicit NumberBlocks(SegmentSource& source, uint64_t kept_bytes = kKeptBytes)
       : source_(source), kept_bytes_(kept_bytes) {}
 
-  /// True where the numbers at `group` are blocks, false where they are a plain dataset.
+  /// True if the numbers at `group` are stored as blocks, false if they are a plain dataset.
   /// Errors: kNotFound, kDataLoss.
   Result<bool> has(const std::string& group);
 
@@ -54,14 +55,14 @@ class NumberBlocks {
   Result<std::span<const std::byte>> row(const std::string& group, const NumberTable& table,
                                          uint64_t row);
 
-  /// Plain bytes that are kept now.
+  /// Plain bytes of the blocks that are kept now.
   [[nodiscard]] uint64_t held_bytes() const;
 
  private:
   struct Block {
     bool is_there = false;
     uint64_t rows_per_block = 0;
-    uint64_t number = UINT64_MAX;  ///< Of the block in `cells`.
+    uint64_t number = UINT64_MAX;  ///< Number of the block in `cells`.
     std::vector<std::byte> cells;  ///< Row-major.
     uint64_t last_use = 0;
   };

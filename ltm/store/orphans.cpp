@@ -19,7 +19,8 @@ Finding note(std::string file, std::string what, std::string advice = kAdviceLef
   return {Severity::kNote, std::move(file), "", std::move(what), std::move(advice)};
 }
 
-/// None where the folder is missing, as in copies that leave out empty ones.
+/// Lists the files in a folder. It may be missing, because some copies of a store omit empty
+/// folders.
 std::vector<std::string> files_in(const std::filesystem::path& store, const std::string& folder) {
   std::vector<std::string> files;
   std::error_code error;
@@ -33,7 +34,8 @@ std::vector<std::string> files_in(const std::filesystem::path& store, const std:
 
 Result<std::vector<Finding>> find_orphans(const std::filesystem::path& store) {
   std::vector<Finding> notes;
-  // Listed first: what is published meanwhile is not taken for left over.
+  // List files before reading the manifest, so that a file published meanwhile is not taken for an
+  // orphan.
   std::vector<std::string> published = files_in(store, "segments");
   std::ranges::move(files_in(store, "models"), std::back_inserter(published));
   ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(store));

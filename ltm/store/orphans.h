@@ -9,8 +9,8 @@
 
 namespace engram::ltm {
 
-/// Files of a store that no reader looks at: what killed processes left, sealed journals, journals
-/// that are kept since they were damaged. A note each.
+/// Finds files of a store that no reader uses: files left by killed processes, sealed journals, and
+/// damaged journals that are kept for inspection. Returns one note for each.
 /// Errors: those of read_manifest; kUnavailable.
 Result<std::vector<Finding>> find_orphans(const std::filesystem::path& store);
 

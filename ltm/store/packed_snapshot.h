@@ -16,23 +16,23 @@ struct PackedInstance {
   InstanceMetadata metadata;
 };
 
-/// One snapshot on its way into the store or out of it, values packed.
+/// A snapshot in packed form, as it is written to and read from the store.
 struct PackedSnapshot {
   MemoryId entity;
   Time time{};
   std::vector<PackedInstance> instances;
-  uint64_t raw_bytes = 0;      ///< Of the plain values.
-  uint64_t dropped = 0;        ///< Snapshots of this entity that filters dropped since the last.
+  uint64_t raw_bytes = 0;  ///< Plain size of the values, in bytes.
+  uint64_t dropped = 0;  ///< Snapshots of this entity that filters dropped since the previous one.
   uint64_t dropped_bytes = 0;  ///< Their plain bytes.
 
-  /// Whether any of its instances is.
+  /// True if any of its instances is augmented.
   [[nodiscard]] bool is_augmented() const {
     return std::ranges::any_of(
         instances, [](const auto& instance) { return instance.metadata.is_augmented(); });
   }
 };
 
-/// Errors: kDataLoss where media do not decode.
+/// Decodes the media and returns the plain snapshot. Errors: kDataLoss if media do not decode.
 Result<Snapshot> unpack(const PackedSnapshot& packed, MediumDecoder& decoder);
 Result<Snapshot> unpack(const PackedSnapshot& packed);
 

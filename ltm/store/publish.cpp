@@ -17,10 +17,12 @@ namespace engram::ltm {
 
 namespace {
 
-/// A live writer seals now and then while latents are being written.
+/// Max attempts to publish. A live writer may seal a journal, which changes the generation, while
+/// latents are being written.
 constexpr int kPublishAttempts = 20;
 
-/// The name that segment_name and "%2E" made of `text`; nothing where they could not have.
+/// The inverse of the escaping in model_file_name, or nullopt if `text` is not a valid result of
+/// it.
 std::optional<std::string> plain_name(std::string_view text) {
   if (text == "%") return std::string();
   std::string name;
@@ -45,7 +47,7 @@ std::set<Time> times_of(const std::vector<LatentSnapshot>& snapshots) {
   return times;
 }
 
-/// Latent segments of `entity` whose every snapshot is among `times`.
+/// Latent segments of `entity` that contain only snapshots at `times`.
 Result<std::set<std::string>> superseded_segments(const std::filesystem::path& store,
                                                   const Manifest& manifest, const MemoryId& entity,
                                                   const std::set<Time>& times) {
@@ -68,13 +70,13 @@ bool is_used(const ModelInfo& model, const Manifest& manifest) {
   });
 }
 
-/// Latents as publish_model needs them.
+/// Checks that latents meet the conditions of publish_model.
 Status check_latents(const MemoryId& entity, int version,
                      const std::vector<LatentSnapshot>& snapshots) {
   const std::string name = ModelInfo{entity, version, "", 0, 0}.name();
   if (!entity.is_entity())
     return invalid_argument("model {}: '{}' is no entity", name, entity.to_string());
-  // A model that no latent names would be removed at once.
+  // A model without latents would be removed at once.
   if (snapshots.empty()) return invalid_argument("model {}: there are no latents of it", name);
   for (size_t i = 0; i < snapshots.size(); ++i) {
     if (snapshots[i].model_version != version)
@@ -89,7 +91,7 @@ Status check_latents(const MemoryId& entity, int version,
   return {};
 }
 
-/// Those of `snapshots` that are still what the store has, of which the job can know.
+/// Keeps the snapshots whose recorded form is still the one from which the latents were made.
 Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const MemoryId& entity,
                                                 const std::vector<LatentSnapshot>& snapshots,
                                                 uint64_t first_unseen_journal) {
@@ -99,7 +101,8 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
     ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_after(snapshot.time));
     if (!entry || entry->time != snapshot.time) continue;
     const auto& recorded = entry->recorded;
-    // What is unsealed is sealed behind these latents, and then counts before them.
+    // Unsealed data will be sealed into a later segment than these latents and then supersedes
+    // them.
     if (recorded && recorded->rows == 0) continue;
     if (recorded &&
         reader.manifest().segments[recorded->source].last_journal >= first_unseen_journal)
@@ -113,7 +116,8 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
       entity.to_string(), snapshots.size());
 }
 
-/// Whether the manifest can take latents of `model`, which has a file to come or not.
+/// Checks whether the manifest can take latents of `model`. `is_new` says that the model file is
+/// published too.
 Status check_model(const std::filesystem::path& store, const Manifest& manifest,
                    const ModelInfo& model, bool is_new) {
   if (is_new && next_model_version(manifest, model.entity) > model.version)
@@ -126,8 +130,8 @@ Status check_model(const std::filesystem::path& store, const Manifest& manifest,
   return {};
 }
 
-/// Puts latents into the manifest, and their model where it has a file, if the manifest is still of
-/// `generation`. False where it is not, and nothing was changed.
+/// Publishes the latents, and the model if it has a file, provided the manifest is still of
+/// `generation`. Returns false without any change if it is not.
 Result<bool> publish_once(const std::filesystem::path& store, uint64_t generation,
                           const ModelInfo& model,
                           const std::optional<std::filesystem::path>& model_file,
@@ -139,6 +143,8 @@ Result<bool> publish_once(const std::filesystem::path& store, uint64_t generatio
   bool has_changed = false;
   const Status status = edit_manifest(store, [&](Manifest& manifest) -> Status {
     has_changed = manifest.generation != generation;
+    // The kept snapshots were selected in `generation`. In a newer one some may have been forgotten
+    // or updated, so the selection must be repeated.
     if (has_changed) return cancelled("store '{}' has changed", store.string());
     ENGRAM_RETURN_IF_ERROR(check_model(store, manifest, model, model_file.has_value()));
     ENGRAM_ASSIGN_OR_RETURN(
@@ -197,7 +203,7 @@ std::string model_file_name(const MemoryId& entity, int version) {
   std::string name;
   for (const std::string& part : entity.names()) {
     if (!name.empty()) name += '.';
-    // A dot inside a name must not look like the one between names.
+    // Escape dots inside a name, because a dot separates the names.
     for (const char c : segment_name(part)) name += c == '.' ? "%2E" : std::string(1, c);
   }
   return fmt::format("models/{}.v{}.h5", name, version);

@@ -17,7 +17,7 @@ namespace {
 Result<std::vector<std::string>> names_in(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
-  // Copies leave out empty folders.
+  // Some copies of a store omit empty folders.
   if (!std::filesystem::exists(folder, error)) return names;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error))
     names.push_back(entry.path().filename().string());
@@ -30,14 +30,14 @@ Finding lost(const std::string& file, const Status& why) {
   return {Severity::kFault, file, "", why.message(), "none: what it held is lost"};
 }
 
-/// Types that segments carry; later ones count.
+/// Adds the types stored in a segment. Later segments take precedence.
 void add_types(const std::filesystem::path& file, SegmentTypes& types) {
   const auto reader = SegmentReader::open(file);
   if (!reader.ok()) return;
   const auto found = (*reader)->types();
   if (!found.ok()) return;
   for (const auto& [segment, type] : found->all()) {
-    // What contradicts the types that are known stays in its segment only.
+    // A type that contradicts the known ones stays in its segment only.
     if (const Status declared = types.declare(segment, type); !declared.ok())
       log::warning("'{}': its type of '{}' is not the store's: {}", file.string(),
                    segment.to_string(), declared.message());

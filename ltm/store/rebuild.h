@@ -9,18 +9,18 @@
 
 namespace engram::ltm {
 
-/// A manifest that was made from the files of a store.
+/// A manifest that was rebuilt from the files of a store.
 struct RebuiltManifest {
   Manifest manifest;
-  /// Segments in which not everything can be read; what the manifest says of them is what can.
+  /// Segments that are partly unreadable. The manifest describes only their readable content.
   std::vector<std::string> damaged;
-  uint64_t unreadable = 0;  ///< Segment files of which nothing can be read.
+  uint64_t unreadable = 0;  ///< Number of segment files that are completely unreadable.
   std::vector<Finding> findings;
 };
 
-/// Makes the manifest of a store whose own is broken or gone: from the segment files, in the order
-/// of their numbers, the names of the model files, and the types that the segments carry.
-/// Errors: kFailedPrecondition where a segment's format is newer; kUnavailable.
+/// Rebuilds the manifest of a store whose own is damaged or missing. It uses the segment files in
+/// the order of their numbers, the names of the model files, and the types stored in the segments.
+/// Errors: kFailedPrecondition if a segment's format is newer than this program's; kUnavailable.
 Result<RebuiltManifest> rebuild_manifest(const std::filesystem::path& store);
 
 }  // namespace engram::ltm

@@ -21,7 +21,7 @@ bool is_there(const std::filesystem::path& path) {
   return std::filesystem::exists(std::filesystem::symlink_status(path, error));
 }
 
-/// A copy on the disk.
+/// Copies a file and forces the copy to the disk.
 Status copy_to_disk(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code error;
   std::filesystem::copy_file(from, to, error);
@@ -32,7 +32,7 @@ Status copy_to_disk(const std::filesystem::path& from, const std::filesystem::pa
   return copy.sync();
 }
 
-/// True where it is below `directory`, or is it.
+/// True if `path` is `directory` or lies below it.
 bool lies_in(const std::filesystem::path& path, const std::filesystem::path& directory) {
   std::error_code error;
   const auto inner = std::filesystem::weakly_canonical(path, error);
@@ -51,7 +51,7 @@ class Recovery {
     ENGRAM_RETURN_IF_ERROR(lock());
     ENGRAM_RETURN_IF_ERROR(load());
     ENGRAM_RETURN_IF_ERROR(create_store(target_));
-    // Models first: latents without their model are of no use.
+    // Save models first, because latents are useless without their model.
     for (const ModelInfo& model : old_.models) ENGRAM_RETURN_IF_ERROR(save(model));
     for (const SegmentInfo& segment : old_.segments) ENGRAM_RETURN_IF_ERROR(save(segment));
     for (const uint64_t number : journals_) ENGRAM_RETURN_IF_ERROR(save_journal(number));
@@ -61,7 +61,8 @@ class Recovery {
   }
 
  private:
-  /// No writer may come while this reads. Locking writes nothing.
+  /// Takes the writer's lock so that no writer starts during recovery. Locking writes nothing to
+  /// the source.
   Status lock() {
     auto file = File::open(source_ / "WRITER.lock", File::Mode::kRead);
     if (file.status().code() == StatusCode::kNotFound) return {};
@@ -132,7 +133,7 @@ class Recovery {
         {Severity::kFault, file, std::move(object), std::move(what), std::move(advice)});
   }
 
-  /// Copies a file that must be what the manifest says. False where it is not.
+  /// Copies a file if it matches the manifest. Returns false if it does not.
   Result<bool> copy(const std::string& file, uint64_t bytes, uint64_t expected) {
     std::error_code error;
     if (std::filesystem::file_size(source_ / file, error) != bytes || error) return false;
@@ -147,7 +148,7 @@ class Recovery {
   Status save(const ModelInfo& model) {
     ENGRAM_RETURN_IF_ERROR(begin(model.file, model.bytes));
     ENGRAM_ASSIGN_OR_RETURN(const bool is_copied, copy(model.file, model.bytes, model.checksum));
-    // Without a manifest nobody knows what its checksum should be.
+    // Without a manifest the expected checksum is unknown.
     const bool needs_test = options_.test_model && (report_.is_rebuilt || !is_copied);
     const Status tested = needs_test ? options_.test_model(source_ / model.file) : Status();
     if (is_copied && tested.ok()) return keep(model);
@@ -167,7 +168,7 @@ class Recovery {
     return {};
   }
 
-  /// A model whose damage does not matter: it passes its own test.
+  /// Keeps a model whose checksum does not match if it passes its test.
   Status keep_damaged(ModelInfo model) {
     ENGRAM_RETURN_IF_ERROR(make_directories((target_ / model.file).parent_path()));
     ENGRAM_RETURN_IF_ERROR(copy_to_disk(source_ / model.file, target_ / model.file));
@@ -263,7 +264,8 @@ class Recovery {
            "nothing: it was never acknowledged"});
   }
 
-  /// Consolidation takes no writer's lock.
+  /// Checks that the source did not change. Consolidation does not take the writer's lock, so it
+  /// may have run meanwhile.
   Status check_unchanged() const {
     if (report_.is_rebuilt) return {};
     const auto now = read_manifest(source_);
@@ -291,7 +293,8 @@ class Recovery {
   std::optional<File> lock_;
   Manifest old_;
   Manifest new_;
-  std::set<std::string> damaged_;  ///< Segments that a rebuilt manifest knows to be damaged.
+  /// Segments that were found damaged while the manifest was rebuilt.
+  std::set<std::string> damaged_;
   std::vector<uint64_t> journals_;
   uint64_t done_ = 0;
   uint64_t total_ = 0;
@@ -329,7 +332,7 @@ Result<RecoverReport> recover_store(const std::filesystem::path& source,
                                     const std::filesystem::path& target,
                                     const RecoverOptions& options, const ProgressSink& progress,
                                     const std::stop_token& stop) {
-  // "store/" and "store" are one.
+  // "store/" and "store" are the same directory.
   const std::filesystem::path place = target.has_filename() ? target : target.parent_path();
   std::filesystem::path unfinished = place;
   unfinished += ".unfinished";

@@ -9,47 +9,48 @@
 namespace engram::ltm {
 
 struct RecoverOptions {
-  /// Empty: where its checksum is not known, a model file is taken as it is.
+  /// Tests a model file. If empty, a model whose checksum is unknown is copied without a test.
   ModelTest test_model;
 };
 
-/// What of one entity was saved and lost, form by form.
+/// Counts of saved and lost snapshots of one entity, for each form.
 struct RecoveredEntity {
   uint64_t recorded = 0;  ///< Snapshots saved from segments.
   uint64_t recorded_lost = 0;
   uint64_t latent = 0;  ///< Snapshots whose latents were saved.
   uint64_t latent_lost = 0;
-  uint64_t unsealed = 0;  ///< Snapshots saved from journals; what those lost has no name.
+  /// Snapshots saved from journals. Lost frames cannot be attributed to an entity.
+  uint64_t unsealed = 0;
 };
 
 struct RecoverReport {
-  bool is_rebuilt = false;          ///< The manifest was broken or gone: made anew from the files.
-  uint64_t segments_copied = 0;     ///< Whole, as they were.
-  uint64_t segments_rewritten = 0;  ///< From what is whole in them.
+  bool is_rebuilt = false;  ///< The manifest was damaged or missing and was rebuilt from the files.
+  uint64_t segments_copied = 0;     ///< Undamaged segments, copied unchanged.
+  uint64_t segments_rewritten = 0;  ///< Damaged segments, rewritten from their readable snapshots.
   uint64_t segments_lost = 0;
   uint64_t models = 0;
   uint64_t models_lost = 0;
   uint64_t journals = 0;
-  uint64_t damaged_places = 0;  ///< In journals; acknowledged data was there.
+  uint64_t damaged_places = 0;  ///< Places in journals where acknowledged data was lost.
   std::map<MemoryId, RecoveredEntity> entities;
-  /// What was lost, each a fault, and what else is worth knowing.
+  /// A fault for each loss, and notes.
   std::vector<Finding> findings;
 
   [[nodiscard]] bool has_loss() const;
 };
 
-/// Copies everything that can be read of `source` into a new store. Nothing is ever written to
-/// `source`; `target` is there only once it is whole: until then it is `target`.unfinished.
+/// Copies everything readable in `source` into a new store. It never writes to `source`. The copy
+/// is made as `target`.unfinished and gets the name `target` once it is complete.
 ///
-/// Whole files are copied as they are. Of damaged segments every snapshot that passes its checksums
-/// is written anew, of journals every whole frame. Where the manifest is broken or gone, the files
-/// say what they hold; then segments count in the order of their numbers, and how many snapshots
-/// unreadable groups and files held is not known.
+/// Undamaged files are copied unchanged. Of a damaged segment, every snapshot that passes its
+/// checksums is rewritten; of a damaged journal, every whole frame. If the manifest is damaged or
+/// missing, it is rebuilt from the files. In that case segments are ordered by number, and the
+/// number of snapshots in unreadable groups and files is unknown.
 ///
-/// Errors: kNotFound where there is no store; kFailedPrecondition where its format is newer, a
-/// process writes to it or the decoder of a group of images is not installed; kAlreadyExists where
-/// `target` or what a killed recover left is there; kInvalidArgument where `target` lies in
-/// `source`; kResourceExhausted, kUnavailable, kCancelled.
+/// Errors: kNotFound if there is no store; kFailedPrecondition if its format is newer, if a process
+/// writes to it, or if the decoder of a group of images is not installed; kAlreadyExists if
+/// `target` or the unfinished copy of a killed recovery exists; kInvalidArgument if `target` lies
+/// in `source`; kResourceExhausted, kUnavailable, kCancelled.
 /// Source: docs/format.md, section "Checking and recovering".
 Result<RecoverReport> recover_store(const std::filesystem::path& source,
                                     const std::filesystem::path& target,

@@ -17,8 +17,8 @@ namespace engram::ltm {
 
 namespace {
 
-/// Runs of recorded segments that can become one. Latents between them end a run: what is recorded
-/// after latents may be an update of what they were made of.
+/// Finds runs of recorded segments that can be joined. A latent segment ends a run, because a
+/// recorded segment after it may update the snapshots from which the latents were made.
 Result<std::vector<std::vector<uint32_t>>> runs_to_join(const std::filesystem::path& store,
                                                         const Manifest& manifest,
                                                         const CompactOptions& options) {
@@ -51,7 +51,7 @@ Result<std::vector<std::vector<uint32_t>>> runs_to_join(const std::filesystem::p
   return runs;
 }
 
-/// Of the moments that go from latent segment `number`, those that had no other form.
+/// Sums over the snapshots to be removed from latent segment `number` that have no other form.
 Result<ForgottenSums> count_latent_only(StoreReader& reader, uint32_t number, const MemoryId& id,
                                         const std::vector<Time>& times) {
   ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader.timeline(id));
@@ -64,7 +64,8 @@ Result<ForgottenSums> count_latent_only(StoreReader& reader, uint32_t number, co
   return sums;
 }
 
-/// A latent segment without what is to be forgotten. False where it has nothing of that.
+/// Rewrites a latent segment without the snapshots to be forgotten. Returns false if it contains
+/// none of them.
 Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& reader,
                              uint32_t number, const ForgetSet& gone,
                              const ForgetRewriteOptions& options, RewriteReport& report) {
@@ -106,11 +107,11 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
   return true;
 }
 
-/// Opens the store anew for a segment that is to be written anew: what others took the place of is
-/// not there for a reader that was open before.
+/// Opens the store again for each segment to be rewritten, because a reader opened earlier does not
+/// see replaced segments.
 struct OpenedSegment {
   std::unique_ptr<StoreReader> reader;
-  uint32_t number = 0;  ///< Index into its manifest's segments.
+  uint32_t number = 0;  ///< Index into the segments of the reader's manifest.
 };
 
 Result<OpenedSegment> open_for(const std::filesystem::path& store, const std::string& file) {
@@ -133,7 +134,7 @@ bool holds_any(const SegmentInfo& segment, const ForgetSet& gone) {
   });
 }
 
-/// Fails where a model file of the entity is not what was published.
+/// Fails if a model file of the entity differs from the published one.
 Status check_models(const std::filesystem::path& store, const Manifest& manifest,
                     const MemoryId& entity) {
   for (const ModelInfo& model : manifest.models) {
@@ -150,8 +151,8 @@ bool is_dropped(const SnapshotEntry& entry, const TimeSet& keep) {
   return entry.recorded && entry.recorded->rows > 0 && entry.latent && !keep.contains(entry.time);
 }
 
-/// Counts what is dropped and what stays, and reads the latents of the former: their recorded form
-/// may be the only good copy.
+/// Counts dropped and kept snapshots, and reads the latents of the dropped ones first, because
+/// their recorded form may be the only good copy.
 Result<DropReport> check_before_drop(StoreReader& reader, const MemoryId& entity,
                                      const TimeSet& keep) {
   DropReport report;
@@ -183,7 +184,8 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
     if (progress) progress({"compact " + store.string(), i, runs.size(), "", -1});
     std::vector<std::string> files;
     for (const uint32_t number : runs[i]) files.push_back(manifest.segments[number].file);
-    // Anew for each run: segments have other numbers after each, and indices cost memory.
+    // Open the store again for each run: segment numbers change after each, and indices cost
+    // memory.
     ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
     std::vector<uint32_t> numbers;
     for (uint32_t n = 0; n < reader->manifest().segments.size(); ++n)
@@ -205,8 +207,8 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
     const auto times = gone.find(id);
     return times != gone.end() && times->second.contains(entry.time) ? Fate::kForget : Fate::kKeep;
   };
-  // Latents first: without them the recorded form still is whole, the other way round a moment
-  // that was forgotten would live on as latents.
+  // Remove latents first. If the process is killed in between, the recorded form is still complete;
+  // in the other order, a forgotten snapshot would survive as latents.
   for (const SegmentKind kind : {SegmentKind::kLatent, SegmentKind::kRecorded}) {
     for (size_t i = 0; i < before.segments.size() && !report.is_cancelled; ++i) {
       const SegmentInfo& segment = before.segments[i];
@@ -236,13 +238,14 @@ Result<DropReport> drop_recorded(const std::filesystem::path& store, const Memor
   for (const SegmentInfo& segment : reader->manifest().segments)
     if (segment.kind == SegmentKind::kLatent) checked.insert(segment.file);
   RewriteReport rewritten;
-  // In the order of the list: older forms go before the newer ones whose place they would take.
+  // Rewrite in list order: older forms must be removed before the newer ones, whose place they
+  // would otherwise take.
   for (const SegmentInfo& segment : reader->manifest().segments) {
     if (segment.kind != SegmentKind::kRecorded || segment.find(entity) == nullptr) continue;
     ENGRAM_ASSIGN_OR_RETURN(const OpenedSegment opened, open_for(store, segment.file));
     const auto& now = opened.reader->manifest().segments;
     const FateOf fate_of = [&](const MemoryId& id, const SnapshotEntry& entry) {
-      // Latents that were published meanwhile were not read.
+      // Latents that were published meanwhile were not read and checked.
       const bool is_to_go = id == entity && is_dropped(entry, keep) &&
                             checked.contains(now[entry.latent->source].file);
       return is_to_go ? Fate::kDrop : Fate::kKeep;

@@ -12,13 +12,13 @@
 
 namespace engram::ltm {
 
-/// What rewriting segments did.
+/// The result of rewriting segments.
 struct RewriteReport {
-  uint64_t segments_before = 0;  ///< That were rewritten.
+  uint64_t segments_before = 0;  ///< Number of segments that were rewritten.
   uint64_t segments_after = 0;
   uint64_t bytes_before = 0;
   uint64_t bytes_after = 0;
-  uint64_t snapshots = 0;  ///< Different moments that went.
+  uint64_t snapshots = 0;  ///< Number of distinct times that were removed.
   bool is_cancelled = false;
 
   [[nodiscard]] uint64_t freed_bytes() const {
@@ -27,9 +27,11 @@ struct RewriteReport {
 };
 
 struct CompactOptions {
-  /// Segments grow up to about this size. Costs a few times as much memory.
+  /// Approximate max size of a joined segment, in bytes. Joining needs a few times as much memory.
+  /// Lower it on machines with little memory.
   uint64_t segment_bytes = uint64_t{128} << 20;
-  /// And up to so many snapshots: small ones cost more memory than their bytes.
+  /// Max number of snapshots of a joined segment. Small snapshots need more memory than their
+  /// stored bytes, so `segment_bytes` alone would not bound it.
   uint64_t segment_snapshots = 300'000;
 
   [[nodiscard]] Status validate() const;
@@ -38,37 +40,40 @@ struct CompactOptions {
 struct DropReport {
   uint64_t snapshots = 0;
   uint64_t freed_bytes = 0;
-  uint64_t kept = 0;  ///< Sealed snapshots whose recorded form stays.
+  uint64_t kept = 0;  ///< Number of sealed snapshots whose recorded form is kept.
 };
 
-/// Drops the recorded form of every sealed snapshot of `entity` that has latents and is not among
-/// `keep`. The model files are checked and the latents read first.
+/// Drops the recorded form of every sealed snapshot of `entity` that has latents and is not in
+/// `keep`. It first checks the model files and reads the latents, because the recorded form may be
+/// the only good copy.
 /// Errors: kNotFound, kDataLoss, kUnavailable, kResourceExhausted.
 Result<DropReport> drop_recorded(const std::filesystem::path& store, const MemoryId& entity,
                                  const TimeSet& keep);
 
-/// Moments that are to be forgotten.
+/// Times to forget, by entity.
 using ForgetSet = std::map<MemoryId, TimeSet>;
 
-/// Joins small recorded segments that follow each other, and leaves out what updates replaced.
-/// Each step publishes whole files: killed at any moment, nothing is lost.
-/// Errors: kDataLoss where a segment is damaged (nothing of it is changed); kUnavailable,
+/// Joins small consecutive recorded segments and leaves out snapshots that updates replaced. Each
+/// step publishes whole files, so a kill at any moment loses nothing.
+/// Errors: kDataLoss if a segment is damaged (that segment stays unchanged); kUnavailable,
 /// kResourceExhausted.
-/// Threading: runs beside a live writer and beside readers, which may have to open the store again.
+/// Threading: may run beside a live writer and beside readers. Readers may have to open the store
+/// again.
 Result<RewriteReport> compact(const std::filesystem::path& store, const CompactOptions& options,
                               const ProgressSink& progress = {}, const std::stop_token& stop = {});
 
 struct ForgetRewriteOptions {
-  /// Where it is given, each block of latents that lacks rows in a segment that is written anew is
-  /// coded again from those that stay. Else its bytes stay whole until its last row goes: nothing
-  /// reads the rows that went, but they could still be decoded from the file.
+  /// If set, each block that loses rows in a rewritten segment is coded again from its remaining
+  /// rows. If empty, the bytes of the block are kept until its last row is forgotten. The removed
+  /// rows can no longer be read through the store, but could still be decoded from the file.
   LatentRecoder recode_latents = {};
 };
 
-/// Takes sealed snapshots out of the store in every form, recorded and latent, and counts them in
-/// the manifest. What is in a journal stays. A model that no latent names any more goes.
-/// Errors: those of compact and of the recoder; then nothing of that segment is changed.
-/// Threading: as of compact.
+/// Removes sealed snapshots from the store in every form, recorded and latent, and counts them in
+/// the manifest. Snapshots in journals are not removed. Models that no latent uses any more are
+/// removed.
+/// Errors: those of compact and of the recoder; the segment at hand is then unchanged.
+/// Threading: like compact.
 Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
                                        const ProgressSink& progress = {},
                                        const std::stop_token& stop = {},

@@ -14,9 +14,9 @@ namespace engram::ltm {
 
 namespace {
 
-/// About the most bytes of snapshots that are held before they are written.
+/// Approximate max size of the snapshots that are held before they are written, in bytes.
 constexpr uint64_t kHeldBytes = uint64_t{64} << 20;
-/// Frames are appended to a journal in groups of about so many bytes.
+/// Approximate size of the groups in which frames are appended to a journal, in bytes.
 constexpr uint64_t kFramesBytes = uint64_t{1} << 20;
 
 uint64_t size_of(const PackedSnapshot& snapshot) {
@@ -27,7 +27,7 @@ uint64_t size_of(const PackedSnapshot& snapshot) {
   return bytes;
 }
 
-/// True where a group of images goes on behind this snapshot.
+/// True if a group of images continues after this snapshot.
 bool is_in_group(const std::map<MemoryId, RecordedEntity>& recorded, const MemoryId& entity) {
   const auto found = recorded.find(entity);
   if (found == recorded.end() || found->second.snapshots.empty()) return false;
@@ -37,7 +37,7 @@ bool is_in_group(const std::map<MemoryId, RecordedEntity>& recorded, const Memor
   return false;
 }
 
-/// True where a block of latents goes on behind this snapshot.
+/// True if a block of latents continues after this snapshot.
 bool is_in_block(const std::vector<LatentSnapshot>& latents) {
   if (latents.empty()) return false;
   return std::ranges::any_of(latents.back().instances, [](const LatentInstance& instance) {
@@ -45,7 +45,8 @@ bool is_in_block(const std::vector<LatentSnapshot>& latents) {
   });
 }
 
-/// What a snapshot adds to those that are held; the bytes of a block count once. `codes` are held.
+/// The size that a snapshot adds to the held ones. The bytes of a block count once; `codes` are the
+/// codes already held.
 uint64_t size_of(const LatentSnapshot& snapshot, std::set<const std::byte*>& codes) {
   uint64_t bytes = 0;
   for (const LatentInstance& instance : snapshot.instances) {
@@ -82,7 +83,7 @@ class SegmentSalvage {
       counts.lost += snapshots;
       if (reason.empty()) reason = why.message();
     };
-    Status broken;  // Of writing: reading goes on.
+    Status broken;  // An error of writing. Errors of reading only count as losses.
     const Status walked =
         walk_rows(reader_, told.id, [&](const RowSpan& span, const Status& times) -> Status {
           if (stop_.stop_requested()) return broken = cancelled("recover: stopped");
@@ -90,7 +91,7 @@ class SegmentSalvage {
           if (last && span.time <= *last)
             return lose(1, data_loss("row {} runs backwards in time", span.first)), Status();
           const Status read = collect(told.id, span);
-          // Nothing is lost that another installation decodes.
+          // Stop here: data that another installation can decode is not lost.
           if (read.code() == StatusCode::kFailedPrecondition) return broken = read;
           if (!read.ok()) return lose(1, read), Status();
           last = span.time;
@@ -133,7 +134,8 @@ class SegmentSalvage {
     return {};
   }
 
-  /// Whether others of their group are lost comes out later: then they are written as they decode.
+  /// Decodes the groups of a snapshot to check them. Only later snapshots show whether other images
+  /// of a group are lost; if so, the images are written as decoded.
   Status decode_groups(const PackedSnapshot& packed) {
     for (const PackedInstance& instance : packed.instances)
       for (const PackedMedium& medium : instance.value.media)
@@ -141,20 +143,21 @@ class SegmentSalvage {
     return {};
   }
 
-  /// Numbers stay stored as they were.
+  /// Numbers keep their stored form.
   [[nodiscard]] SealRules rules_of(const MemoryId& entity) {
     const auto forms = reader_.forms(entity);
     return forms.ok() ? SealRules::columns(forms->columns) : SealRules();
   }
 
-  /// Groups of images that are cut must be taken apart, blocks of latents be stored twice: they may
-  /// take some more room.
+  /// True if more snapshots can be held. The limit is higher inside a group or block, because a
+  /// group that is cut must be split into single images and a block that is cut must be stored
+  /// twice.
   [[nodiscard]] bool has_room(const MemoryId& entity) const {
     const bool goes_on = is_in_group(recorded_, entity) || is_in_block(latents_);
     return held_bytes_ < (goes_on ? kMaxGroupBytes : kHeldBytes);
   }
 
-  /// What filters dropped stays counted, also where the rows that told of it are lost.
+  /// Keeps the count of dropped snapshots, even if the rows that recorded it are lost.
   Status keep_drops(const SegmentEntity& told) {
     const auto [dropped, bytes] = dropped_[told.id];
     const uint64_t left = told.dropped - std::min(told.dropped, dropped);
@@ -205,13 +208,14 @@ class SegmentSalvage {
   SegmentTypes types_;
   MediumDecoder decoder_;
   std::map<MemoryId, RecordedEntity> recorded_;
-  std::map<MemoryId, std::pair<uint64_t, uint64_t>> dropped_;  ///< Counted in rows; their bytes.
+  /// Dropped snapshots counted in rows, and their bytes.
+  std::map<MemoryId, std::pair<uint64_t, uint64_t>> dropped_;
   std::vector<LatentSnapshot> latents_;
-  std::set<const std::byte*> held_codes_;  ///< Of these.
+  std::set<const std::byte*> held_codes_;  ///< Codes of `latents_`.
   uint64_t held_bytes_ = 0;
 };
 
-/// A segment of which nothing can be read.
+/// The result for a completely unreadable segment.
 SalvagedSegment all_lost(const SegmentInfo& told, const Status& why) {
   SalvagedSegment result;
   for (const SegmentEntity& entity : told.entities)

@@ -75,12 +75,13 @@ Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job)
   if (job.rules)
     for (auto& [id, entity] : content.entities) entity.rules = job.rules(id);
   if (!content.entities.empty() || content.damaged > 0) {
-    // It is tried again and again: what failed must not fill the disk.
+    // The temporary file is removed after an error, because sealing is retried and failed attempts
+    // must not fill the disk.
     ENGRAM_ASSIGN_OR_RETURN(const TemporaryFile file, TemporaryFile::create(store, ".h5"));
     ENGRAM_RETURN_IF_ERROR(publish_segment(store, file.path(), content, job));
   }
-  // From here on the segment is the truth; a journal that stays behind is removed at the next
-  // opening. Damaged journals are kept for whoever wants to look at what was lost.
+  // From here on the segment is authoritative. A journal that remains is removed when the store is
+  // next opened. Damaged journals are kept so that the lost places can be inspected.
   for (const uint64_t number : job.journals) {
     const std::filesystem::path file = store / Journal::file_name(number);
     ENGRAM_RETURN_IF_ERROR(content.damaged_journals.contains(number)
@@ -102,6 +103,9 @@ void Sealer::run(const std::stop_token& stop) {
   while (changed_.wait(mutex_, stop, [this]() ENGRAM_REQUIRES(mutex_) { return !jobs_.empty(); }) &&
          !stop.stop_requested()) {
     const Job job = jobs_.front();
+    // Sealing encodes and syncs whole journals, so it runs without the lock; otherwise `add` would
+    // block the writer. The job stays in the queue until it succeeds, so that `finish` waits for
+    // it.
     lock.unlock();
     Status status = seal_journals(store_, job);
     if (!status.ok())

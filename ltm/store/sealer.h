@@ -13,37 +13,37 @@
 
 namespace engram::ltm {
 
-/// The rules of an entity. Called from the sealer's thread.
+/// Returns the seal rules of an entity. Called from the sealer's thread.
 using SealRulesOf = std::function<SealRules(const MemoryId&)>;
 
-/// Turns closed journals into segments, in order, on a thread of its own. Where this fails the
-/// journals keep what they hold, and it is tried again.
+/// Turns closed journals into segments, in order, on a thread of its own. If a job fails, the
+/// journals keep their data and the job is tried again.
 ///
 /// Threading: thread-safe.
 /// Source: docs/format.md, section "Writing, locks and crashes".
 class Sealer {
  public:
   struct Options {
-    /// Before a failed job is tried again.
+    /// Time to wait before a failed job is tried again.
     Duration retry_after = std::chrono::seconds(10);
   };
 
-  /// What one segment is made of.
+  /// The input of one segment.
   struct Job {
     std::vector<uint64_t> journals;
-    uint64_t bytes = 0;                          ///< Of the journals.
-    SegmentTypes types;                          ///< That their values came under.
-    std::map<MemoryId, DropReasons> dropped_by;  ///< Since the job before.
-    SealRulesOf rules;  ///< Empty: all is stored as it lies in the journals.
+    uint64_t bytes = 0;                          ///< Total size of the journals.
+    SegmentTypes types;                          ///< Types that the values were declared with.
+    std::map<MemoryId, DropReasons> dropped_by;  ///< Drop reasons since the previous job.
+    SealRulesOf rules;  ///< If empty, data is stored as it is in the journals.
   };
 
   Sealer(std::filesystem::path store, const Options& options);
-  /// Finishes the job at hand; those behind it stay in their journals.
+  /// Finishes the current job. Later jobs stay in their journals.
   ~Sealer();
 
   void add(Job job);
 
-  /// Waits until fewer than `count` jobs wait, or until one has failed.
+  /// Waits until fewer than `count` jobs are waiting, or until a job fails.
   void wait_below(size_t count);
 
   /// Waits until all jobs are done. A job that failed before is tried again at once.
@@ -57,16 +57,16 @@ class Sealer {
   const Options options_;
   Mutex mutex_;
   StoppableCondition changed_;
-  std::deque<Job> jobs_ ENGRAM_GUARDED_BY(mutex_);   ///< The first one is at work.
-  uint64_t attempts_ ENGRAM_GUARDED_BY(mutex_) = 0;  ///< That have ended.
-  /// Calls of finish, which end a wait between tries.
+  std::deque<Job> jobs_ ENGRAM_GUARDED_BY(mutex_);   ///< The first one is being worked on.
+  uint64_t attempts_ ENGRAM_GUARDED_BY(mutex_) = 0;  ///< Number of attempts that have ended.
+  /// Number of calls of finish. Each ends the wait before the next attempt.
   uint64_t hurries_ ENGRAM_GUARDED_BY(mutex_) = 0;
   Status last_ ENGRAM_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< Last: it uses all the others.
 };
 
 /// Publishes journals as one segment and removes them.
-/// Errors: kDataLoss, kUnavailable, kResourceExhausted; then the journals are still there.
+/// Errors: kDataLoss, kUnavailable, kResourceExhausted; the journals are kept then.
 Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job);
 
 }  // namespace engram::ltm

@@ -15,22 +15,23 @@ namespace engram::ltm {
 namespace {
 
 constexpr int kRemainderLevel = 12;
-/// A dictionary is tried for so many blocks or more, of fewer bytes each than this when packed.
+/// A dictionary is tried for at least kMinBlocks blocks whose mean packed size is below
+/// kMaxMeanBytes.
 constexpr size_t kMinBlocks = 64;
 constexpr size_t kMaxMeanBytes = 4096;
-/// It learns from so many blocks, evenly chosen.
+/// Approximate number of blocks, evenly chosen, from which a dictionary is trained.
 constexpr size_t kSamples = 512;
-/// About what the dataset of a dictionary takes beside its bytes.
+/// Approximate size of a dictionary's dataset besides its bytes.
 constexpr uint64_t kDatasetBytes = 512;
 
-/// About a hundredth of what it is for pays.
+/// Size of the dictionary: about a hundredth of the plain data pays off.
 size_t dictionary_bytes(const std::vector<Buffer>& blocks) {
   uint64_t plain = 0;
   for (const Buffer& block : blocks) plain += block.size();
   return std::clamp<uint64_t>(plain / 100, 256, 16 << 10);
 }
 
-/// What the blocks have in common; nothing where it is not worth trying.
+/// A dictionary trained on the blocks, or nullopt if it is not worth trying.
 std::optional<ZstdDictionary> trained_dictionary(const std::vector<Buffer>& blocks,
                                                  uint64_t packed_bytes) {
   if (blocks.size() < kMinBlocks || packed_bytes / blocks.size() >= kMaxMeanBytes)
@@ -40,7 +41,7 @@ std::optional<ZstdDictionary> trained_dictionary(const std::vector<Buffer>& bloc
   for (size_t i = 0; i < blocks.size(); i += step) samples.push_back(blocks[i]);
   auto dictionary = ZstdDictionary::train(
       samples, {.max_bytes = dictionary_bytes(blocks), .level = kRemainderLevel});
-  // Blocks that have nothing in common make no dictionary.
+  // Training fails on blocks that have nothing in common.
   return dictionary.ok() ? std::optional(*std::move(dictionary)) : std::nullopt;
 }
 
@@ -73,7 +74,7 @@ void RemainderColumn::append(idf::Data row) {
 }
 
 Status RemainderColumn::write(h5::File& file, const std::string& group) {
-  // Who reads one row unpacks its block: blocks of large rows have few.
+  // Reading one row unpacks its whole block, so blocks of large rows have few rows.
   const size_t block = std::clamp<size_t>(
       kRemainderBlockBytes / std::max<size_t>(largest_bytes_, 1), 1, kRemainderBlockRows);
   ENGRAM_RETURN_IF_ERROR(file.make_group(group));

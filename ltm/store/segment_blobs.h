@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are written of.
+// Private to this room: parts of the segment writer.
 
 #include <algorithm>
 #include <cstring>
@@ -14,7 +14,7 @@
 
 namespace engram::ltm {
 
-/// A 1-D packed dataset.
+/// Writes a 1-D packed dataset.
 template <typename T>
 Status write_column(h5::File& file, const std::string& path, const std::vector<T>& values) {
   const uint64_t count = values.size();
@@ -22,7 +22,7 @@ Status write_column(h5::File& file, const std::string& path, const std::vector<T
                     std::as_bytes(std::span(values)), h5::Storage::kCompressed);
 }
 
-/// A number per row of an entity; one stands for all where they are equal.
+/// Writes one number per row of an entity. If all are equal, only one is stored.
 template <typename T>
 Status write_row_column(h5::File& file, const std::string& path, const std::vector<T>& values) {
   const auto differs = [&](const T& value) {
@@ -33,7 +33,7 @@ Status write_row_column(h5::File& file, const std::string& path, const std::vect
   return write_column(file, path, values);
 }
 
-/// Byte strings of varying length, one per row or block of rows.
+/// A column of byte strings of varying length, one per row or block of rows.
 ///
 /// Source: docs/format.md, "Blobs".
 class BlobColumn {
@@ -51,15 +51,15 @@ class BlobColumn {
   std::vector<uint64_t> checksums_;
 };
 
-/// The values of a remainder, packed a block of rows at a time: alike strings cost little. Many
-/// small blocks get a dictionary of what they have in common, where it and they take fewer bytes.
+/// A column of remainders, packed in blocks of rows so that similar strings cost little. Many small
+/// blocks share a dictionary if that takes fewer bytes in total.
 ///
 /// Source: docs/format.md, "Remainder".
 class RemainderColumn {
  public:
   void append(idf::Data row);
 
-  /// Errors: those of h5::File::write and idf::encode. Once only.
+  /// Writes the column. May be called only once. Errors: those of h5::File::write and idf::encode.
   Status write(h5::File& file, const std::string& group);
 
  private:

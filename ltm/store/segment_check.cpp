@@ -11,7 +11,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Of one entity in one segment, so many kinds of damage are told one by one.
+/// Max number of different kinds of damage reported for one entity in one segment.
 constexpr size_t kMaxTold = 10;
 
 /// Checks the entities of one open segment.
@@ -68,12 +68,13 @@ class SegmentCheck {
     if (walked.code() == StatusCode::kCancelled) return walked;
     if (!walked.ok()) add(entity.id.to_string(), walked.message());
     tell_damage(entity.id);
+    // The counts of damaged data differ anyway; comparing them would report the same damage again.
     if (walked.ok() && damaged_ == 0) compare(entity, seen);
     if (segment_.kind == SegmentKind::kLatent) check_model(entity);
     return {};
   }
 
-  /// Counts a snapshot, or tells why it cannot be read.
+  /// Counts a snapshot and records why it cannot be read, if so.
   void note(SegmentEntity& seen, const RowSpan& span, const Status& status) {
     if (!status.ok()) add_damage(seen.id, span, status.message());
     if (seen.snapshots == 0) seen.first = span.time;
@@ -84,7 +85,7 @@ class SegmentCheck {
     report_.instances += span.rows;
   }
 
-  /// A damaged dataset shows in every row: rows with the same trouble are told once.
+  /// Records damage. A damaged dataset affects every row, so equal messages are reported once.
   void add_damage(const MemoryId& entity, const RowSpan& span, const std::string& what) {
     ++damaged_;
     const auto known = std::ranges::find(damage_, what, &Damage::what);
@@ -164,8 +165,8 @@ class SegmentCheck {
 
   SegmentTypes types_;
   MediumDecoder decoder_;
-  std::vector<Damage> damage_;  ///< Of the entity at hand.
-  uint64_t damaged_ = 0;        ///< Places of it, all of them.
+  std::vector<Damage> damage_;  ///< Damage of the current entity.
+  uint64_t damaged_ = 0;        ///< Number of all damaged places of the current entity.
 };
 
 }  // namespace
@@ -196,6 +197,7 @@ Status check_segment(const std::filesystem::path& store, const Manifest& manifes
                     std::back_inserter(report.findings));
   const auto reader = SegmentReader::open(store / segment.file);
   if (!reader.ok()) {
+    // check_file has already reported a missing file.
     if (reader.status().code() != StatusCode::kNotFound)
       report.findings.push_back(fault(segment.file, "", reader.status().message()));
     return {};

@@ -11,16 +11,16 @@ namespace engram::ltm {
 
 inline constexpr const char* kAdviceRecover = "'engram recover STORE -o COPY' saves what is whole";
 
-/// A fault about `file`; the advice is to recover.
+/// Makes a fault about `file` whose advice is to recover the store.
 [[nodiscard]] Finding fault(std::string file, std::string object, std::string what);
 
-/// Where a published file is not what the manifest says: nothing where it is.
+/// Compares a published file with the manifest. Returns no findings if they agree.
 [[nodiscard]] std::vector<Finding> check_file(const std::filesystem::path& store,
                                               const std::string& file, uint64_t bytes,
                                               uint64_t checksum);
 
-/// Reads a segment whole and compares it with what `manifest` says of it. Counts into `report`,
-/// findings included; adds links to `links`.
+/// Reads a whole segment and compares it with its entry in `manifest`. Adds counts and findings to
+/// `report`, and links to `links`.
 /// Errors: kCancelled.
 Status check_segment(const std::filesystem::path& store, const Manifest& manifest,
                      const SegmentInfo& segment, const CheckOptions& options,

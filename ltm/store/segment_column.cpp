@@ -7,9 +7,9 @@ namespace engram::ltm {
 
 namespace {
 
-/// Of datasets that are not chunked.
+/// Window size of datasets that are not chunked, in bytes.
 constexpr uint64_t kWindowBytes = 64 << 10;
-/// Windows of one column that are kept, and about the most bytes of them.
+/// Max number of windows kept per column, and their approximate max total size.
 constexpr uint64_t kMaxWindows = 8;
 constexpr uint64_t kKeptBytes = 256 << 10;
 

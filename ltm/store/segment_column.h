@@ -10,8 +10,8 @@
 
 namespace engram::ltm {
 
-/// A dataset of a segment file, read in windows of rows: neighbours cost one read, and memory
-/// stays bounded. A window is a chunk of the dataset; the last few are kept.
+/// A dataset of a segment file, read in windows of rows, so that neighbouring rows cost one read
+/// and memory stays bounded. A window is one chunk of the dataset. The windows used last are kept.
 ///
 /// Threading: one thread. The file must outlive it.
 class SegmentColumn {
@@ -23,12 +23,12 @@ class SegmentColumn {
   [[nodiscard]] const h5::DatasetInfo& info() const { return info_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// The bytes of one row; valid until the next call.
-  /// Errors: kDataLoss where there is no such row or its chunk is damaged.
+  /// The bytes of one row, valid until the next call.
+  /// Errors: kDataLoss if the row does not exist or its chunk is damaged.
   Result<std::span<const std::byte>> row(uint64_t index);
 
-  /// A number of a 1-D column.
-  /// Errors: kDataLoss, also where it has another element type.
+  /// One number of a 1-D column.
+  /// Errors: kDataLoss, also if the column has a different element type.
   template <typename T>
   Result<T> number(uint64_t index);
 
@@ -53,7 +53,7 @@ class SegmentColumn {
   std::vector<Window> windows_;
 };
 
-/// The type of a dataset that holds elements of `type`.
+/// The HDF5 type of a dataset with elements of `type`.
 [[nodiscard]] h5::Type h5_type(idf::ElementType type);
 
 template <typename T>

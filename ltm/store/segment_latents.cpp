@@ -7,7 +7,8 @@ namespace engram::ltm {
 
 namespace {
 
-/// Blocks that are kept of a part: instances of one snapshot may be of different ones.
+/// Max number of blocks kept per part. The instances of one snapshot may be in different blocks, so
+/// one is not enough.
 constexpr size_t kKeptBlocks = 4;
 
 }  // namespace
@@ -24,6 +25,7 @@ Status LatentCodeColumn::append(const Latent& latent) {
 
 Status LatentCodeColumn::write(h5::File& file, const std::string& group) const {
   ENGRAM_RETURN_IF_ERROR(blobs_.write(file, group));
+  // Without these columns every row is alone, so segments without blocks do not store them.
   if (std::ranges::all_of(counts_, [](uint32_t count) { return count == 1; })) return {};
   ENGRAM_RETURN_IF_ERROR(write_row_column(file, group + "/holder", holders_));
   ENGRAM_RETURN_IF_ERROR(write_row_column(file, group + "/index", indices_));
@@ -63,7 +65,7 @@ Result<LatentCodeReader::Spot> LatentCodeReader::spot(const std::string& group, 
   return found;
 }
 
-/// Fails where a row is not what its block says. Complexity: O(kMaxBlockStride).
+/// Fails if a row contradicts its block. Complexity: O(kMaxBlockStride).
 Status LatentCodeReader::check_block(const std::string& group, uint64_t row, const Spot& found) {
   if (found.holder == row) return {};
   ENGRAM_ASSIGN_OR_RETURN(const Spot first, spot(group, found.holder));
@@ -73,7 +75,7 @@ Status LatentCodeReader::check_block(const std::string& group, uint64_t row, con
   return check_before(group, row, found);
 }
 
-/// Fails where the row before it of its block does not stand before it in the block.
+/// Fails if the previous row of the same block does not come before this row in the block.
 Status LatentCodeReader::check_before(const std::string& group, uint64_t row, const Spot& found) {
   const uint64_t min = std::max(found.holder, row - std::min(row, kMaxBlockStride));
   for (uint64_t before = row; before-- > min;) {

@@ -14,7 +14,8 @@
 
 namespace engram::ltm {
 
-/// Codes of latents, one per row; those of a block are stored once, by its first row.
+/// A column with the codes of latents, one per row. The code of a block is stored once, at its
+/// first row.
 ///
 /// Source: docs/format.md, section "Latent segments".
 class LatentCodeColumn {
@@ -32,10 +33,10 @@ class LatentCodeColumn {
   std::vector<uint32_t> indices_, counts_;
 };
 
-/// Reads codes of latents; rows of one block share its bytes. Of each part the last blocks are
-/// kept.
+/// Reads the codes of latents. Rows of one block share its bytes. The last few blocks of each part
+/// are kept.
 ///
-/// Errors: kDataLoss naming file, object and row, everywhere.
+/// Errors: all functions return kDataLoss naming file, object and row.
 /// Threading: one thread. The source must outlive it.
 /// Source: docs/format.md, section "Latent segments".
 class LatentCodeReader {
@@ -46,7 +47,7 @@ class LatentCodeReader {
   Result<Latent> read(const std::string& group, uint64_t row);
 
  private:
-  /// Where the code of a row lies.
+  /// The holder of a row's code and the row's place in the block.
   struct Spot {
     uint64_t holder = 0;
     GroupPlace place;
@@ -62,7 +63,8 @@ class LatentCodeReader {
   Result<Buffer> block(const std::string& group, uint64_t holder);
 
   SegmentSource& source_;
-  std::map<std::string, std::vector<Block>> blocks_;  ///< By group, read last at the end.
+  /// Kept blocks by group; the one read last is at the end.
+  std::map<std::string, std::vector<Block>> blocks_;
 };
 
 }  // namespace engram::ltm

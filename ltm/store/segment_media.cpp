@@ -18,17 +18,18 @@ Status write_header(h5::File& file, const std::string& name, const std::string& 
   return file.write_attribute(name, "element_type", to_string(type));
 }
 
-/// Names the groups of media.
+/// Generates the names of media groups.
 class MediaNames {
  public:
   MediaNames(std::string group, const std::set<std::string>& paths)
       : group_(std::move(group)), paths_(paths) {}
 
-  /// The next one for media at `path`.
+  /// The next name for media at `path`.
   std::string next(const std::string& path) {
     const int number = numbers_[path]++;
     std::string name = group_ + "/media" + segment_member(path);
-    // A number, too, where groups of other media would lie among the datasets of this one.
+    // A number is also needed if other media lie below this path, because their groups would be
+    // placed among the datasets of this one.
     if (number > 0 || has_media_below(path)) name += fmt::format("#{}", number);
     names_.push_back(name);
     return name;
@@ -48,6 +49,8 @@ class MediaNames {
   std::vector<std::string> names_;
 };
 
+// An HDF5 group has one codec, one element type and shapes of one rank, so media that differ in
+// these from the first at their path get a column of their own.
 std::vector<MediaColumn> columns_of(const std::vector<RowMedium>& media) {
   std::vector<MediaColumn> columns;
   for (const RowMedium& each : media) {
@@ -74,7 +77,7 @@ void MediaColumn::append(const RowMedium& added) {
   ++rows_;
 }
 
-/// Rows without this medium have no bytes.
+/// Adds an empty blob for each row without this medium.
 void MediaColumn::fill(size_t until) {
   for (; rows_ < until; ++rows_) {
     blobs_.append({});
@@ -107,7 +110,7 @@ Status GroupColumn::write(h5::File& file, const std::string& name, size_t rows) 
   ENGRAM_RETURN_IF_ERROR(write_header(file, name, path_, codec_, type_));
   ENGRAM_RETURN_IF_ERROR(write_column(file, name + "/shape", shape_));
   ENGRAM_RETURN_IF_ERROR(write_column(file, name + "/first_image", first_images_));
-  // Where every row has its image they are in the same order.
+  // If every row has an image, image i is that of row i and `row` is not needed.
   return rows_.size() == rows ? Status() : write_column(file, name + "/row", rows_);
 }
 

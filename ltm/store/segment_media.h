@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are written of.
+// Private to this room: parts of the segment writer.
 
 #include <span>
 #include <string>
@@ -18,8 +18,8 @@ struct RowMedium {
   PackedMedium medium;
 };
 
-/// Media that are stored row by row: a group per path, and per variant of codec, type and number of
-/// axes.
+/// Media that are stored row by row. Each path has one group per variant of codec, type and number
+/// of axes.
 ///
 /// Source: docs/format.md, "Media".
 class MediaColumn {
@@ -29,10 +29,10 @@ class MediaColumn {
 
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// True where a medium belongs into this variant.
+  /// True if a medium belongs to this variant.
   [[nodiscard]] bool fits(const PackedMedium& medium) const;
 
-  /// Rows come in ascending order; those without this medium are left out.
+  /// Adds the medium of a row. Rows must ascend; rows without this medium are left out.
   void append(const RowMedium& added);
 
   /// Writes the media of `rows` rows. Errors: those of h5::File::write.
@@ -45,7 +45,7 @@ class MediaColumn {
   std::string path_;
   std::string codec_;
   idf::ElementType type_;
-  idf::Shape shape_;  ///< Of the first medium.
+  idf::Shape shape_;  ///< Shape of the first medium.
   BlobColumn blobs_;
   std::vector<int64_t> shapes_;  ///< Row-major [rows, rank].
   size_t rows_ = 0;
@@ -63,7 +63,7 @@ class GroupColumn {
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const std::string& codec() const { return codec_; }
 
-  /// Adds a group, one image for each of `rows`. Rows ascend, also over groups.
+  /// Adds a group with one image for each of `rows`. Rows must ascend, also from group to group.
   void append(std::span<const std::byte> group, std::span<const uint64_t> rows);
 
   /// Writes the groups; the entity has `rows` rows. Errors: those of h5::File::write.
@@ -79,7 +79,7 @@ class GroupColumn {
   std::vector<uint64_t> rows_;
 };
 
-/// What was made of the media of an entity.
+/// The media of an entity, sorted by how they are stored.
 struct SortedMedia {
   std::vector<GroupColumn> groups;
   std::vector<RowMedium> single;  ///< In the order of rows.

@@ -52,8 +52,12 @@ Result<std::optional<PackedMedium>> SegmentMediaReader::of_group(MediaGroup& fou
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t number, last_not_above(firsts, groups, *image));
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t first, source_.number<uint64_t>(firsts, number));
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t end, source_.number<uint64_t>(firsts, number + 1));
+  // The columns come from a file and may contradict each other; a wrong place would decode another
+  // row's image.
   if (*image < first || *image >= end || end > images || end - first > kMaxGroupImages)
     return source_.broken(firsts, fmt::format("image {} has no valid group", *image));
+  // Neighbouring rows mostly have images of the same group. The number is cleared first, so that a
+  // failed read does not leave old bytes under a new number.
   if (found.last_group != number) {
     found.last_group = UINT64_MAX;
     ENGRAM_ASSIGN_OR_RETURN(found.last_bytes, source_.blob(found.name, number));
@@ -67,7 +71,7 @@ Result<std::optional<PackedMedium>> SegmentMediaReader::of_group(MediaGroup& fou
   return std::optional(std::move(medium));
 }
 
-/// The number of the image that a row has; nothing where it has none.
+/// The number of the image of a row, or nullopt if the row has none.
 Result<std::optional<uint64_t>> SegmentMediaReader::image_of(const MediaGroup& found,
                                                              uint64_t images, uint64_t row) {
   const std::string path = found.name + "/row";
@@ -84,7 +88,8 @@ Result<std::optional<uint64_t>> SegmentMediaReader::image_of(const MediaGroup& f
   return its_row == row ? std::optional(image) : std::nullopt;
 }
 
-/// Of the first `count` numbers of an ascending column the last that is not above `value`; else 0.
+/// Index of the last of the first `count` numbers of an ascending column that is not greater than
+/// `value`, or 0 if there is none.
 Result<uint64_t> SegmentMediaReader::last_not_above(const std::string& path, uint64_t count,
                                                     uint64_t value) {
   uint64_t min = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are read with.
+// Private to this room: parts of the segment reader.
 
 #include <map>
 #include <optional>
@@ -14,8 +14,8 @@
 
 namespace engram::ltm {
 
-/// Reads the media of rows as they are stored. The images of an encoded group share its bytes; of
-/// each media group the last one read is kept.
+/// Reads the media of rows in stored form. Images of one encoded group share its bytes. The group
+/// read last of each media group is kept.
 ///
 /// Threading: one thread. The source must outlive it.
 /// Source: docs/format.md, "Media".
@@ -23,25 +23,25 @@ class SegmentMediaReader {
  public:
   explicit SegmentMediaReader(SegmentSource& source) : source_(source) {}
 
-  /// Those that a row of the entity has.
+  /// The media of one row of the entity.
   /// Errors: kDataLoss.
   Result<std::vector<PackedMedium>> media(const std::string& group, uint64_t row);
 
-  /// The names of the codecs that its media are stored with.
+  /// The names of the codecs with which the entity's media are stored.
   /// Errors: kDataLoss.
   Result<std::set<std::string>> codecs(const std::string& group);
 
-  /// True where images of any of them are stored in groups.
+  /// True if images of any medium of the entity are stored in groups.
   /// Errors: kDataLoss.
   Result<bool> has_groups(const std::string& group);
 
  private:
   struct MediaGroup {
     std::string name;
-    PackedMedium medium;  ///< Without bytes, and without shape where each row has its own.
+    PackedMedium medium;  ///< Has no bytes, and no shape if each row has its own.
     bool has_shapes = false;
-    bool has_groups = false;           ///< Of images; the others hold a medium per row.
-    uint64_t last_group = UINT64_MAX;  ///< Of what is in `last_bytes`.
+    bool has_groups = false;  ///< True for groups of images; otherwise there is one medium per row.
+    uint64_t last_group = UINT64_MAX;  ///< Number of the group in `last_bytes`.
     Buffer last_bytes;
   };
 

@@ -16,7 +16,8 @@ namespace engram::ltm {
 namespace {
 
 constexpr size_t kMaxEntities = size_t{1} << 20;
-/// Deflate makes no more of a byte of times.
+/// Max number of rows per byte of a file, from the max ratio of deflate. A hostile file may claim
+/// any number of rows.
 constexpr uint64_t kMaxRowsPerByte = 256;
 
 }  // namespace
@@ -26,11 +27,12 @@ struct SegmentReader::State {
   SegmentValueReader values{source};
   SegmentMediaReader media{source};
   LatentCodeReader codes{source};
-  std::map<std::string, bool> augmented;  ///< Whether any row is, by the path of metadata.
+  /// Whether any row is augmented, by the path of the metadata.
+  std::map<std::string, bool> augmented;
 
   State(h5::File file, File raw) : source(std::move(file), std::move(raw)) {}
 
-  /// A time of the metadata; where there are none, that of the snapshot.
+  /// A time of the metadata, or the time of the snapshot if the column is missing.
   Result<Time> row_time(const std::string& path, uint64_t row, Time otherwise) {
     ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * found, source.column_if_there(path));
     if (found == nullptr) return otherwise;
@@ -38,7 +40,7 @@ struct SegmentReader::State {
     return time_from_ns(ns);
   }
 
-  /// Missing: zero in all rows.
+  /// A figure of the accounting. A missing column means zero in all rows.
   Result<uint64_t> accounting(const std::string& path, uint64_t row) {
     ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * found, source.column_if_there(path));
     return found == nullptr ? Result<uint64_t>(0) : source.row_number<uint64_t>(path, row);
@@ -61,7 +63,8 @@ struct SegmentReader::State {
     return result;
   }
 
-  /// Whether any row of an entity is augmented, asked of the file once.
+  /// Whether any row of an entity is augmented. The answer is kept, because the lookup in the file
+  /// would otherwise be repeated for each row.
   Result<bool> has_augmented(const std::string& base) {
     const auto known = augmented.find(base);
     if (known != augmented.end()) return known->second;
@@ -70,7 +73,7 @@ struct SegmentReader::State {
     return augmented.emplace(base, has_recipes || has_origins).first->second;
   }
 
-  /// Of a text per row; empty behind the last one.
+  /// The text of a row; empty after the last stored one.
   Result<std::string> row_text(const std::string& path, uint64_t row) {
     ENGRAM_ASSIGN_OR_RETURN(const auto* texts, source.strings(path));
     return row < texts->size() ? (*texts)[row] : std::string();
@@ -96,7 +99,7 @@ struct SegmentReader::State {
     return result;
   }
 
-  /// Adds the entity of a group at the level of entities.
+  /// Adds the entity of a group.
   void add_entity(const std::string& group, SegmentContents& contents) const {
     const auto text = source.file().string_attribute(group, "memory_id");
     if (!text.ok()) return contents.damaged.push_back(text.status());
@@ -106,14 +109,14 @@ struct SegmentReader::State {
     contents.entities.push_back(std::move(id).value());
   }
 
-  /// Adds the entities below a group that lies `levels` above theirs.
+  /// Adds the entities of the groups `levels` below `group`.
   void add_entities(const std::string& group, size_t levels, SegmentContents& contents) const {
     if (levels == 0) return add_entity(group, contents);
     const auto names = source.file().list(group.empty() ? "/" : group);
     if (!names.ok()) return contents.damaged.push_back(names.status());
     for (const std::string& name : *names) {
       if (contents.entities.size() + contents.damaged.size() >= kMaxEntities) return;
-      // No memory's name starts like that: the types.
+      // No memory name starts with '#'; this is the dataset of types.
       if (!name.starts_with('#')) add_entities(group + "/" + name, levels - 1, contents);
     }
   }

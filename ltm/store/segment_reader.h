@@ -16,7 +16,7 @@
 
 namespace engram::ltm {
 
-/// Where one snapshot lies in a segment.
+/// The rows of one snapshot in a segment.
 struct RowSpan {
   Time time{};
   uint64_t first = 0;
@@ -25,40 +25,43 @@ struct RowSpan {
 
 /// How the recorded form of an entity is stored.
 struct StoredForms {
-  std::set<std::string> media_codecs;  ///< Names; those of groups of images, too.
-  bool has_groups = false;             ///< Images of one medium or more are stored in groups.
-  /// Paths of the numbers in compressed columns; all others are in plain datasets.
+  /// Names of the codecs, including those of groups of images.
+  std::set<std::string> media_codecs;
+  bool has_groups = false;  ///< At least one medium is stored in groups of images.
+  /// Paths of the numbers that are stored in compressed columns. All other numbers are in plain
+  /// datasets.
   std::set<std::string, std::less<>> columns;
 
   [[nodiscard]] bool has_columns() const { return !columns.empty(); }
 
-  /// Takes over what another segment holds in each form.
+  /// Adds the forms of another segment.
   void add(const StoredForms& other);
 };
 
-/// What a segment file says of itself.
+/// The contents of a segment according to the file itself.
 struct SegmentContents {
   SegmentKind kind = SegmentKind::kRecorded;
   std::vector<MemoryId> entities;
-  std::vector<Status> damaged;  ///< Why groups cannot be read: one each.
+  std::vector<Status> damaged;  ///< One error for each group that cannot be read.
 };
 
-/// Reads one published segment file. Safe on damaged files: checksums are verified on reading.
+/// Reads one published segment file. Safe on damaged files: checksums are verified on every read.
 ///
 /// Threading: one thread.
 /// Source: docs/format.md, section "Segment".
 class SegmentReader {
  public:
-  /// Errors: kNotFound, kDataLoss, kFailedPrecondition where the format is newer.
+  /// Opens a segment file.
+  /// Errors: kNotFound, kDataLoss, kFailedPrecondition if the format is newer than this program's.
   static Result<std::unique_ptr<SegmentReader>> open(const std::filesystem::path& file);
   ~SegmentReader();
 
-  /// The types that the file's values came under.
+  /// The types that the values in the file were declared with.
   /// Errors: kDataLoss.
   Result<SegmentTypes> types() const;
 
-  /// Looks for entities without the help of a manifest. Groups that cannot be read are told.
-  /// Errors: kDataLoss where the file has no kind.
+  /// Lists the entities without the help of a manifest, and reports groups that cannot be read.
+  /// Errors: kDataLoss if the file has no kind.
   Result<SegmentContents> contents() const;
 
   /// Errors: kNotFound, kDataLoss.
@@ -66,26 +69,27 @@ class SegmentReader {
   Result<Time> time_at(const MemoryId& entity, uint64_t row);
   Result<int> model_version(const MemoryId& entity) const;
 
-  /// Bytes of the file that the entity's datasets take.
+  /// Bytes of the file that the entity's datasets occupy.
   Result<uint64_t> stored_bytes(const MemoryId& entity) const;
 
-  /// Of recorded segments. Errors: kNotFound, kDataLoss.
+  /// How the entity is stored. Only for recorded segments. Errors: kNotFound, kDataLoss.
   Result<StoredForms> forms(const MemoryId& entity);
 
-  /// Snapshots of an entity in the order of the file, which is that of time.
+  /// The snapshots of an entity in file order, which is the order of time.
   /// Errors: kNotFound, kDataLoss.
   Result<std::vector<RowSpan>> index(const MemoryId& entity);
 
-  /// The first row of the entity whose time is not before `time`, or the number of rows.
+  /// The first row of the entity whose time is not before `time`, or the number of rows if there is
+  /// none.
   /// Complexity: O(log rows); reads a few chunks of times.
   Result<uint64_t> lower_bound(const MemoryId& entity, Time time);
 
-  /// The snapshot that begins at `row`; nothing behind the last one.
+  /// The snapshot that begins at `row`, or nullopt after the last one.
   Result<std::optional<RowSpan>> snapshot_at(const MemoryId& entity, uint64_t row);
 
   /// Errors: kNotFound, kDataLoss naming file, object and row.
   Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);
-  /// Rows of one block share a Buffer where they are read in their order.
+  /// Rows of one block share a Buffer if they are read in order.
   Result<LatentSnapshot> read_latent(const MemoryId& entity, const RowSpan& span);
 
  private:

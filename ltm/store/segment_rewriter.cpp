@@ -13,15 +13,16 @@ namespace engram::ltm {
 
 namespace {
 
-/// The content of some recorded segments without what updates replaced and what is to be forgotten.
+/// The content of recorded segments without replaced snapshots and those to be forgotten.
 struct Merged {
   std::map<MemoryId, RecordedEntity> entities;
   std::map<MemoryId, ForgottenSums> gone;
-  std::map<MemoryId, uint64_t> raw_bytes;  ///< As reports count them, forgotten ones excluded.
-  /// Something was left out, be it forgotten or replaced by an update.
+  /// Plain bytes as reports count them, without forgotten snapshots.
+  std::map<MemoryId, uint64_t> raw_bytes;
+  /// At least one snapshot was left out because it was forgotten or replaced by an update.
   bool has_less = false;
 
-  /// True where nothing is left to be stored or counted.
+  /// True if nothing remains to be stored or counted.
   [[nodiscard]] bool empty() const {
     return std::ranges::all_of(entities, [this](const auto& entity) {
       return entity.second.snapshots.empty() && entity.second.trailing_dropped == 0 &&
@@ -50,7 +51,7 @@ class Merger {
   Merged finish() {
     for (auto& [id, entity] : merged_.entities)
       std::ranges::stable_sort(entity.snapshots, {}, &PackedSnapshot::time);
-    // Entities of which nothing is left need no group.
+    // Entities without remaining snapshots need no group.
     for (auto entity = merged_.entities.begin(); entity != merged_.entities.end();)
       entity = entity->second.snapshots.empty() && merged_.gone.contains(entity->first)
                    ? forget_rest(entity)
@@ -61,7 +62,7 @@ class Merger {
  private:
   using Entities = std::map<MemoryId, RecordedEntity>;
 
-  /// Numbers stay stored as they were; so do images, which need no rules for it.
+  /// Numbers keep their stored form. Images keep theirs too, which needs no rules.
   Status keep_forms(uint32_t segment, const MemoryId& id, RecordedEntity& kept) {
     ENGRAM_ASSIGN_OR_RETURN(const StoredForms forms, reader_.forms(id, segment));
     columns_[id].insert(forms.columns.begin(), forms.columns.end());
@@ -112,17 +113,18 @@ class Merger {
 
   StoreReader& reader_;
   const FateOf& fate_of_;
-  std::map<MemoryId, std::set<std::string, std::less<>>> columns_;  ///< In any of the segments.
+  /// Compressed columns in any of the segments.
+  std::map<MemoryId, std::set<std::string, std::less<>>> columns_;
   Merged merged_;
 };
 
-/// `like` is one of the segments that it takes the place of.
+/// Writes the merged segment. `like` is one of the segments that it replaces.
 Result<SegmentInfo> write_merged(const std::filesystem::path& file, const Merged& merged,
                                  const std::filesystem::path& like) {
   ENGRAM_ASSIGN_OR_RETURN(const auto source, SegmentReader::open(like));
   ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
   ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made, write_recorded_segment(file, merged.entities, types));
-  // Recorded forms that were dropped stay counted: their latents are still there.
+  // Dropped recorded forms are still counted, because their latents remain.
   for (SegmentEntity& part : made.entities) part.raw_bytes = merged.raw_bytes.at(part.id);
   return made;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: segments that are written anew.
+// Private to this room: rewrites segments.
 
 #include <filesystem>
 #include <functional>
@@ -15,32 +15,33 @@
 
 namespace engram::ltm {
 
-/// What becomes of a recorded snapshot when its segment is written anew.
+/// What happens to a recorded snapshot when its segment is rewritten.
 enum class Fate {
   kKeep,
-  kDrop,    ///< Its latents stay: reports go on counting it.
-  kForget,  ///< It goes altogether.
+  kDrop,    ///< Only its recorded form is removed. Its latents stay, and reports still count it.
+  kForget,  ///< It is removed in every form.
 };
 using FateOf = std::function<Fate(const MemoryId&, const SnapshotEntry&)>;
 
-/// Adds what was forgotten to what the manifest counts.
+/// Adds forgotten snapshots to the sums in the manifest.
 void add_sums(Manifest& manifest, const std::map<MemoryId, ForgottenSums>& gone);
 
-/// A segment that is written and not published yet.
+/// A segment that is written but not published yet.
 struct MadeSegment {
   TemporaryFile file;
-  SegmentInfo info;  ///< Without `file`.
+  SegmentInfo info;  ///< Has no `file` yet.
 };
 
-/// Puts `made` in the place of segments that are there now; the files of these go. Nothing in
-/// `made`: they go alone. `note` may change the manifest further.
-/// Errors: kFailedPrecondition where one of them is not there any more; those of edit_manifest.
+/// Replaces the segments `old` by `made` and removes their files. If `made` is empty, they are only
+/// removed. `note` may change the manifest further.
+/// Errors: kFailedPrecondition if one of `old` is no longer in the manifest; those of
+/// edit_manifest.
 Status replace_segments(const std::filesystem::path& store, const std::vector<SegmentInfo>& old,
                         const std::optional<MadeSegment>& made,
                         const std::function<void(Manifest&)>& note);
 
-/// Writes recorded segments anew as one: without what updates replaced and what is to go, all else
-/// stored as it was.
+/// Rewrites recorded segments as one segment. It leaves out snapshots that updates replaced and
+/// those to be removed; everything else stays stored as it was.
 ///
 /// Threading: one thread. The reader must outlive it.
 class SegmentRewriter {
@@ -48,8 +49,8 @@ class SegmentRewriter {
   SegmentRewriter(std::filesystem::path store, StoreReader& reader, FateOf fate_of)
       : store_(std::move(store)), reader_(reader), fate_of_(std::move(fate_of)) {}
 
-  /// `numbers` ascend: indices into the reader's manifest's segments. One alone of which nothing
-  /// goes stays as it is. Adds to the report.
+  /// Rewrites the segments `numbers`, ascending indices into the segments of the reader's manifest.
+  /// A single segment that loses nothing stays as it is. Adds to the report.
   /// Errors: kDataLoss; those of replace_segments.
   Status rewrite(const std::vector<uint32_t>& numbers, RewriteReport& report);
 

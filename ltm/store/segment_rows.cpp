@@ -9,7 +9,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Nothing where all are zero.
+/// Writes figures, or nothing if all are zero.
 Status write_figures(h5::File& file, const std::string& path,
                      const std::vector<uint64_t>& figures) {
   const bool is_any = std::ranges::any_of(figures, [](uint64_t figure) { return figure != 0; });

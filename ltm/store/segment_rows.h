@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are written of.
+// Private to this room: parts of the segment writer.
 
 #include <string>
 #include <unordered_map>
@@ -12,7 +12,7 @@
 
 namespace engram::ltm {
 
-/// A row of a recorded entity: one instance of a snapshot, which must outlive it.
+/// A row of a recorded entity: one instance of a snapshot. The snapshot must outlive it.
 struct SegmentRow {
   const PackedSnapshot* snapshot;
   size_t instance;
@@ -20,7 +20,7 @@ struct SegmentRow {
   [[nodiscard]] const PackedInstance& packed() const { return snapshot->instances[instance]; }
 };
 
-/// Columns that rows of every kind share: time, instance and metadata.
+/// The columns that rows of all kinds have: time, instance and metadata.
 class RowColumns {
  public:
   void append(Time time, size_t instance, const InstanceMetadata& metadata);
@@ -31,10 +31,10 @@ class RowColumns {
   [[nodiscard]] size_t rows() const { return timestamps_.size(); }
 
  private:
-  /// Nothing where no row is augmented.
+  /// Writes nothing if no row is augmented.
   Status write_augmented(h5::File& file, const std::string& metadata) const;
 
-  /// Nothing where they are the times of the snapshots.
+  /// Writes nothing if `times` are equal to the times of the snapshots.
   Status write_times(h5::File& file, const std::string& path,
                      const std::vector<int64_t>& times) const;
 
@@ -43,11 +43,11 @@ class RowColumns {
   std::vector<float> confidences_;
   std::vector<std::string> providers_;
   std::unordered_map<std::string, size_t> provider_index_;
-  /// Up to the last augmented row, empty where a row is not.
+  /// Entries up to the last augmented row; empty for rows that are not augmented.
   std::vector<std::string> origins_, recipes_;
 };
 
-/// What the online filters did, per row; a snapshot's figures stand at its first row.
+/// What the online filters did, as columns. The figures of a snapshot are in its first row.
 class AccountingColumns {
  public:
   void append(const SegmentRow& row);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are read with.
+// Private to this room: parts of the segment reader.
 
 #include <limits>
 #include <map>
@@ -17,14 +17,14 @@
 
 namespace engram::ltm {
 
-/// An open segment file: its datasets and blobs, each opened once. Safe on hostile files.
+/// An open segment file. Each of its datasets and blobs is opened once. Safe on hostile files.
 ///
-/// Errors: kDataLoss naming file, object and row, everywhere.
-/// Threading: one thread. What it gave back is valid as long as it, rows until the next call.
+/// Errors: all functions return kDataLoss naming file, object and row.
+/// Threading: one thread. Results are valid as long as this object, rows until the next call.
 class SegmentSource {
  public:
   SegmentSource(h5::File file, File raw) : file_(std::move(file)), raw_(std::move(raw)) {}
-  /// Columns refer to it.
+  /// Not copyable, because columns refer to it.
   SegmentSource(const SegmentSource&) = delete;
   SegmentSource& operator=(const SegmentSource&) = delete;
 
@@ -33,7 +33,7 @@ class SegmentSource {
 
   [[nodiscard]] Status broken(const std::string& object, std::string_view what) const;
 
-  /// Puts the file's name before an error.
+  /// Adds the file's name to an error.
   template <typename T>
   [[nodiscard]] Result<T> located(Result<T> result) const {
     if (result.ok()) return result;
@@ -41,7 +41,7 @@ class SegmentSource {
   }
 
   Result<SegmentColumn*> column(const std::string& path);
-  /// Null where the file has no such dataset.
+  /// The column at `path`, or null if the file has no such dataset.
   Result<SegmentColumn*> column_if_there(const std::string& path);
 
   template <typename T>
@@ -50,7 +50,7 @@ class SegmentSource {
     return located(values->number<T>(row));
   }
 
-  /// A number per row of the entity, where one row stands for all if they are equal.
+  /// One number of a row. A column of one row holds the number of all rows.
   template <typename T>
   Result<T> row_number(const std::string& path, uint64_t row) {
     ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values, column(path));
@@ -59,13 +59,15 @@ class SegmentSource {
 
   Result<const std::vector<std::string>*> strings(const std::string& path);
 
-  /// Blob `index` of a blob column, read at its offset without HDF5. Empty where it has no bytes.
+  /// Reads blob `index` of a blob column at its offset, without HDF5. Empty if the blob has no
+  /// bytes.
   Result<Buffer> blob(const std::string& group, uint64_t index);
 
  private:
   h5::File file_;
   File raw_;  ///< The same file, for blobs at their offsets.
-  std::map<std::string, std::optional<SegmentColumn>> columns_;  ///< Nothing: not there.
+  /// nullopt: the dataset does not exist.
+  std::map<std::string, std::optional<SegmentColumn>> columns_;
   std::map<std::string, std::vector<std::string>> string_lists_;
 };
 

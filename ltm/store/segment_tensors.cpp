@@ -12,10 +12,11 @@ namespace engram::ltm {
 
 namespace {
 
-/// Rows of further layouts are kept whole.
+/// Max number of layouts that are counted. Rows of further layouts are kept whole.
 constexpr size_t kMaxLayoutsCounted = 32;
 
-/// HDF5 strings end at a zero byte. Our own reader takes paths from the layout.
+/// Replaces zero bytes, at which HDF5 strings end. The segment reader takes paths from the layout
+/// instead.
 std::string printable(std::string path) {
   std::ranges::replace(path, '\0', '?');
   return path;
@@ -80,6 +81,8 @@ Status TensorColumns::write_scalars(h5::File& file, const std::string& group,
                                     const std::vector<size_t>& members) const {
   const idf::ElementType type = layout_.members()[members.front()].type;
   const size_t size = idf::size_bytes(type);
+  // Scalars of one type share a matrix, because a dataset for each would cost about 1 KB of headers
+  // per member and segment.
   std::vector<std::byte> matrix(rows_ * members.size() * size);
   std::vector<std::string> paths;
   bool are_blocks = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are written of.
+// Private to this room: parts of the segment writer.
 
 #include <string>
 #include <vector>
@@ -13,19 +13,21 @@
 
 namespace engram::ltm {
 
-/// The layout that most rows have; the others are kept whole in the remainder. Columns are for
-/// the many: where fewer than half of the rows would fill them, there are none.
+/// The most common layout of the rows. Rows of other layouts are kept whole in the remainder. If
+/// fewer than half of the rows share a layout there are no columns, since most of their cells would
+/// be empty.
 [[nodiscard]] idf::Layout most_common_layout(const std::vector<SegmentRow>& rows);
 
-/// The tensor members of the rows as datasets: scalars of one type share a matrix. Where the rules
-/// say so they become compressed columns, the whole matrix where they say so of any of it.
+/// The tensor members of the rows as datasets. Scalars of one type share a matrix. Members become
+/// compressed columns if the rules say so; a matrix becomes compressed if the rules say so for any
+/// of its members.
 ///
 /// Layout and rules must outlive it.
 class TensorColumns {
  public:
   TensorColumns(const idf::Layout& layout, size_t rows, const SealRules& rules);
 
-  /// `tensors` in the order of the layout's members.
+  /// Sets the tensors of a row, given in the order of the layout's members.
   void set(size_t row, const std::vector<idf::NdArray>& tensors);
 
   /// Errors: those of h5::File::write.

@@ -19,6 +19,8 @@ constexpr int kDepth = idf::kMaxDepth + idf::kContainerDepth;
 
 Result<idf::Data> SegmentValueReader::value(const std::string& group, uint64_t row) {
   ENGRAM_ASSIGN_OR_RETURN(idf::Data remains, remainder(group + "/remainder", row));
+  // A row of another layout is stored whole in its remainder; its cells in the columns have no
+  // meaning.
   if (const idf::Data* whole = remains.at("value"); remains.is<idf::Dict>() && whole != nullptr)
     return *whole;
   if (!remains.is<idf::List>())
@@ -40,6 +42,7 @@ Result<idf::Data> SegmentValueReader::remainder(const std::string& group, uint64
 
 Status SegmentValueReader::read_block(const std::string& group, uint64_t number,
                                       Remainder& remainder) {
+  // Cleared first, so that a failed read does not leave old rows under a new number.
   remainder.number.reset();
   ENGRAM_ASSIGN_OR_RETURN(const Buffer packed, source_.blob(group, number));
   const auto& common = remainder.dictionary;
@@ -109,6 +112,7 @@ Result<SegmentValueReader::Tables> SegmentValueReader::open_tables(const std::st
       }
     }
     const auto are_blocks = blocks_.has(made.path);
+    // The layout names this dataset, so a missing one is damage and not an absent member.
     if (are_blocks.status().code() == StatusCode::kNotFound)
       return source_.broken(made.path, "is missing");
     ENGRAM_ASSIGN_OR_RETURN(made.are_blocks, are_blocks);
@@ -135,6 +139,7 @@ Result<std::vector<idf::NdArray>> SegmentValueReader::tensors(Tables& tables, ui
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, row_of(table, row));
     const size_t offset = tables.members[i].offset;
     const size_t size = table.shape.cell_bytes();
+    // Layout and dataset are separate objects of the file and may contradict each other.
     if (bytes.size() < offset + size)
       return source_.broken(table.path, "has fewer columns than the layout");
     ENGRAM_ASSIGN_OR_RETURN(

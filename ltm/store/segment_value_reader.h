@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what segment files are read with.
+// Private to this room: parts of the segment reader.
 
 #include <functional>
 #include <map>
@@ -17,7 +17,7 @@
 
 namespace engram::ltm {
 
-/// Joins the values of rows from their tensor members and remainders, without media.
+/// Assembles the values of rows from their tensor members and remainders, without media.
 ///
 /// Threading: one thread. The source must outlive it.
 /// Source: docs/format.md, section "Recorded segments".
@@ -25,15 +25,15 @@ class SegmentValueReader {
  public:
   explicit SegmentValueReader(SegmentSource& source) : source_(source), blocks_(source) {}
 
-  /// The value of a row, `none` where its media were.
+  /// The value of a row, with `none` in place of its media.
   /// Errors: kDataLoss.
   Result<idf::Data> value(const std::string& group, uint64_t row);
 
-  /// The entry of a row in a group of remainders; the last block read is kept.
+  /// The entry of a row in a group of remainders. The block read last is kept.
   /// Errors: kDataLoss.
   Result<idf::Data> remainder(const std::string& group, uint64_t row);
 
-  /// Paths of the numbers of the entity that are stored as compressed columns.
+  /// Paths of the entity's numbers that are stored as compressed columns.
   /// Errors: kDataLoss.
   Result<std::set<std::string, std::less<>>> columns(const std::string& group);
 
@@ -41,16 +41,16 @@ class SegmentValueReader {
   /// A group of remainders, opened once.
   struct Remainder {
     uint64_t rows_per_block = 0;
-    std::optional<ZstdDictionary> dictionary;  ///< Nothing where blocks were packed without one.
-    std::optional<uint64_t> number;            ///< Of the last block read.
-    idf::List rows;                            ///< Of it.
+    std::optional<ZstdDictionary> dictionary;  ///< nullopt if the blocks were packed without one.
+    std::optional<uint64_t> number;            ///< Number of the block read last.
+    idf::List rows;                            ///< Rows of that block.
   };
 
   Result<idf::Layout> layout(const std::string& group);
   Result<Remainder*> remainder_of(const std::string& group);
   Result<Remainder> open_remainder(const std::string& group);
   Status read_block(const std::string& group, uint64_t number, Remainder& remainder);
-  /// Where the members of a layout lie.
+  /// A dataset or group that stores members of a layout.
   struct Table {
     std::string path;
     NumberTable shape;
@@ -58,7 +58,7 @@ class SegmentValueReader {
   };
   struct Member {
     size_t table = 0;   ///< Index into the tables.
-    size_t offset = 0;  ///< Of its bytes in a row of the table.
+    size_t offset = 0;  ///< Offset of its bytes in a row of the table.
   };
   struct Tables {
     idf::Layout layout;

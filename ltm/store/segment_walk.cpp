@@ -11,10 +11,11 @@ namespace engram::ltm {
 
 namespace {
 
-/// Behind so many neighbours without a time, none is looked for any more.
+/// Max number of consecutive rows without a readable time that are searched for the next readable
+/// one.
 constexpr uint64_t kMaxUnreadableRows = uint64_t{1} << 18;
 
-/// The rows from `row` on that share its time, which can be read.
+/// The rows from `row` on that share the readable time of `row`.
 RowSpan snapshot_span(SegmentReader& reader, const MemoryId& entity, uint64_t row, uint64_t rows,
                       Time time) {
   RowSpan span{time, row, 1};
@@ -31,12 +32,14 @@ RowSpan unreadable_span(SegmentReader& reader, const MemoryId& entity, uint64_t 
                         uint64_t rows) {
   uint64_t end = row + 1;
   while (end < rows && end - row < kMaxUnreadableRows && !reader.time_at(entity, end).ok()) ++end;
+  // A hostile file may claim any number of rows, and trying each would take forever. The rest
+  // counts as unreadable.
   if (end - row == kMaxUnreadableRows) end = rows;
   const uint64_t count = std::min<uint64_t>(end - row, std::numeric_limits<uint32_t>::max());
   return {Time{}, row, static_cast<uint32_t>(count)};
 }
 
-/// Reads the segment's entities one after the other and sums up what it can read.
+/// Reads the segment's entities one by one and sums up what can be read.
 class Describer {
  public:
   Describer(SegmentReader& reader, DescribedSegment& result) : reader_(reader), result_(result) {}

@@ -8,24 +8,25 @@
 
 namespace engram::ltm {
 
-/// Receives rows in the order of the file: those of one snapshot, or, where `times` is an error,
-/// neighbours whose times cannot be read.
+/// Receives rows in file order: the rows of one snapshot, or, if `times` is an error, consecutive
+/// rows whose times cannot be read.
 using RowVisit = std::function<Status(const RowSpan& span, const Status& times)>;
 
-/// Walks over all rows of an entity in a segment that may be damaged. Memory is bounded. Snapshots
-/// come in the order of time in whole files only.
-/// Errors: kNotFound, kDataLoss where the entity has no rows that can be counted; those of `visit`.
+/// Visits all rows of an entity in a segment that may be damaged. Memory is bounded. Snapshots come
+/// in the order of time only if the file is undamaged.
+/// Errors: kNotFound; kDataLoss if the entity's rows cannot be counted; those of `visit`.
 Status walk_rows(SegmentReader& reader, const MemoryId& entity, const RowVisit& visit);
 
-/// A segment as a manifest would tell it, made from the file alone.
+/// The manifest entry of a segment, made from the file alone.
 struct DescribedSegment {
-  SegmentInfo info;             ///< Without `file`. Counts what can be read.
-  bool is_whole = true;         ///< Every value in it can be read.
-  std::vector<Status> damaged;  ///< Why groups, or the types, cannot be read: one each.
+  SegmentInfo info;      ///< Has no `file`. Counts only readable content.
+  bool is_whole = true;  ///< True if every value in the segment can be read.
+  /// One error for each group that cannot be read, and for the types.
+  std::vector<Status> damaged;
 };
 
-/// Reads a segment whole. Errors: kDataLoss where it is none; kFailedPrecondition where its format
-/// is newer; kUnavailable.
+/// Reads a whole segment. Errors: kDataLoss if it is not a segment; kFailedPrecondition if its
+/// format is newer than this program's; kUnavailable.
 Result<DescribedSegment> describe_segment(const std::filesystem::path& file);
 
 }  // namespace engram::ltm

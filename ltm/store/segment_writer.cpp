@@ -24,6 +24,7 @@ namespace {
 using h5::Storage;
 using idf::Dict;
 
+// A row without any error has an infinite PSNR, which would make every sum infinite.
 constexpr double kPsnrCapDb = 60;
 
 Status write_entity_header(h5::File& file, const std::string& group, const MemoryId& entity) {
@@ -53,6 +54,7 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
     const PackedInstance& packed = rows[i].packed();
     columns.append(rows[i].snapshot->time, rows[i].instance, packed.metadata);
     accounting.append(rows[i]);
+    // A row that does not fit the layout of most rows is kept whole in the remainder.
     auto parts = layout.split(packed.value.rest);
     if (parts.ok()) {
       tensors.set(i, parts->tensors);
@@ -70,7 +72,7 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
   return write_media(file, group, sorted, rows.size());
 }
 
-/// The types of the segment's entities, so that the file explains itself.
+/// Writes the types of the segment's entities, so that the file is self-describing.
 Status write_types(h5::File& file, const SegmentInfo& info, const SegmentTypes& types) {
   std::vector<MemoryId> entities;
   for (const SegmentEntity& entity : info.entities) entities.push_back(entity.id);
@@ -89,12 +91,15 @@ Result<h5::File> create_segment(const std::filesystem::path& path, std::string_v
   return file;
 }
 
-/// Closes the file; the entities' bytes sum to the file's.
+/// Closes the file and fills in sizes and checksum. The bytes of all entities add up to the size of
+/// the file.
 Status finish_segment(h5::File file, SegmentInfo& info) {
   const std::filesystem::path path = file.path();
   for (SegmentEntity& entity : info.entities) {
     ENGRAM_ASSIGN_OR_RETURN(entity.stored_bytes, file.storage_bytes(segment_group(entity.id)));
   }
+  // HDF5 writes its last metadata on closing, so the size and checksum of the file are known only
+  // then.
   ENGRAM_RETURN_IF_ERROR(file.close());
   info.bytes = std::filesystem::file_size(path);
   spread_overhead(info);

@@ -14,12 +14,12 @@ namespace engram::ltm {
 
 namespace {
 
-/// A writer may seal a journal or replace a segment while the store is listed: then look again.
+/// Max attempts to list the store. A writer may seal a journal or replace a segment meanwhile.
 constexpr int kOpenAttempts = 100;
-/// Damaged frames of one journal that are told one by one.
+/// Max number of damaged frames reported one by one per journal.
 constexpr uint64_t kMaxTold = 10;
 
-/// What of a store is left where its manifest is not.
+/// True if a directory without a manifest still has data of a store.
 bool has_data(const std::filesystem::path& store) {
   std::error_code error;
   for (const char* folder : {"segments", "models", "journal"})
@@ -64,7 +64,8 @@ class StoreCheck {
     report_.findings.push_back({Severity::kNote, file, "", std::move(what), std::move(advice)});
   }
 
-  /// Reads manifest and journals of one generation. False where the manifest is broken or gone.
+  /// Reads the manifest and lists the journals of one generation. Returns false if the manifest is
+  /// damaged or missing.
   Result<bool> load() {
     for (int attempt = 0; attempt < kOpenAttempts; ++attempt) {
       auto manifest = read_manifest(store_);
@@ -172,7 +173,8 @@ class StoreCheck {
     return {};
   }
 
-  /// What a newer generation does not name any more may have gone while it was read.
+  /// Removes the findings about a file that a newer generation no longer names, because it may have
+  /// been removed during the check.
   void forget_if_replaced(size_t before, const std::string& file) {
     if (report_.findings.size() == before) return;
     const auto now = read_manifest(store_);

@@ -14,40 +14,41 @@
 
 namespace engram::ltm {
 
-/// Opens a model file and tests it. Given from above: the store knows no learning library.
+/// Opens a model file and tests it. The caller provides it, because the store does not depend on a
+/// learning library.
 using ModelTest = std::function<Status(const std::filesystem::path&)>;
 
 struct CheckOptions {
-  /// Decode every medium by its codec, too; otherwise its checksum must do. Costs as much as
-  /// reading all values.
+  /// Also decodes every medium with its codec; otherwise only checksums are verified. Costs as much
+  /// as reading all values.
   bool is_deep = false;
-  /// Empty: the checksums of models must do.
+  /// Tests each model. If empty, only the checksums of models are verified.
   ModelTest test_model;
 };
 
-/// What a check looked at, and what it found.
+/// The result of a check: how much was checked, and the findings.
 struct CheckReport {
-  uint64_t generation = 0;  ///< Of the manifest; 0 where that is broken.
+  uint64_t generation = 0;  ///< Generation of the manifest; 0 if the manifest is damaged.
   uint64_t segments = 0;
   uint64_t models = 0;
   uint64_t journals = 0;
-  uint64_t frames = 0;  ///< Whole ones in journals.
+  uint64_t frames = 0;  ///< Whole frames in journals.
   uint64_t entities = 0;
-  uint64_t snapshots = 0;  ///< In segments; those with several forms count as often.
-  uint64_t instances = 0;  ///< Of these.
-  uint64_t media = 0;      ///< Of these.
-  uint64_t bytes = 0;      ///< Of all files.
+  uint64_t snapshots = 0;  ///< Snapshots in segments; one with several forms counts once for each.
+  uint64_t instances = 0;  ///< Instances of these snapshots.
+  uint64_t media = 0;      ///< Media of these snapshots.
+  uint64_t bytes = 0;      ///< Size of all files, in bytes.
   std::vector<Finding> findings;
 
   [[nodiscard]] uint64_t faults() const;
   [[nodiscard]] bool is_clean() const { return faults() == 0; }
 };
 
-/// Reads a store whole and says what is wrong with it. Changes nothing; memory is bounded by the
-/// largest journal. Beside a live writer, one generation is checked.
+/// Reads a whole store and reports what is wrong with it. It changes nothing. Memory is bounded by
+/// the largest journal. If a writer is live, one generation is checked.
 ///
-/// Errors: kNotFound where there is no store; kFailedPrecondition where its format is newer;
-/// kUnavailable; kCancelled.
+/// Errors: kNotFound if there is no store; kFailedPrecondition if its format is newer than this
+/// program's; kUnavailable; kCancelled.
 /// Source: docs/format.md, section "Checking and recovering".
 Result<CheckReport> check_store(const std::filesystem::path& store,
                                 const CheckOptions& options = {}, const ProgressSink& progress = {},

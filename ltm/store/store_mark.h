@@ -9,19 +9,18 @@
 
 namespace engram::ltm {
 
-/// How a store looks from outside. Where it looks the same as before, nothing was published and
-/// nothing was written to a journal meanwhile; to find that out takes microseconds, to open a store
-/// milliseconds.
+/// The outside state of a store. If two marks are equal, nothing was published and no journal was
+/// written between them. Taking a mark costs microseconds; opening a store costs milliseconds.
 struct StoreMark {
-  /// Inode, time of the last change in nanoseconds, and size: a manifest is replaced, never
-  /// changed.
+  /// Inode, time of the last change in nanoseconds, and size. These suffice because a manifest is
+  /// replaced, never changed in place.
   std::array<int64_t, 3> manifest{};
   std::map<std::string, uint64_t> journals;  ///< Bytes of each file; they only grow.
 
   friend bool operator==(const StoreMark&, const StoreMark&) = default;
 };
 
-/// Nothing fails: what cannot be looked at is as if it were not there.
+/// Takes the mark of a store. It never fails: a file that cannot be inspected counts as missing.
 [[nodiscard]] StoreMark look_at_store(const std::filesystem::path& store);
 
 }  // namespace engram::ltm

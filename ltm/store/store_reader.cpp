@@ -15,13 +15,13 @@ namespace engram::ltm {
 
 namespace {
 
-/// Open segments keep their last windows of rows in memory: no more than so many stay open.
+/// Max number of open segments. Each keeps its last windows of rows in memory.
 constexpr size_t kMaxOpenSegments = 64;
 
-/// A writer may seal and remove a journal while it is being opened: then look again.
+/// Max attempts to open the store. A writer may seal and remove a journal meanwhile.
 constexpr int kOpenAttempts = 100;
 
-/// That are looked at for how an entity is stored.
+/// Number of newest segments that are inspected to find how an entity is stored.
 constexpr int kSegmentsForForms = 4;
 
 struct JournalEntry {
@@ -38,9 +38,11 @@ struct StoreReader::State {
   Manifest manifest;
   std::vector<File> journals;
   std::map<MemoryId, std::vector<JournalEntry>> journal_entries;
-  std::map<MemoryId, std::pair<uint64_t, uint64_t>> journal_trailing;  ///< Dropped, their bytes.
+  /// Drops after the last frame, and their bytes.
+  std::map<MemoryId, std::pair<uint64_t, uint64_t>> journal_trailing;
   uint64_t journal_damaged = 0;
-  std::list<std::pair<uint32_t, std::unique_ptr<SegmentReader>>> segments;  ///< Latest used first.
+  /// Most recently used first.
+  std::list<std::pair<uint32_t, std::unique_ptr<SegmentReader>>> segments;
   std::map<MemoryId, std::vector<TimelinePart>> parts;
   std::map<MemoryId, Timeline> timelines;
   std::map<MemoryId, std::vector<SnapshotEntry>> indices;
@@ -77,7 +79,7 @@ struct StoreReader::State {
     }
   }
 
-  /// The entity's frames in the order of time; of equal times the last counts.
+  /// The entity's frames in the order of time. Of frames with equal times the last one counts.
   [[nodiscard]] std::vector<SnapshotEntry> journal_snapshots(const MemoryId& entity) const {
     std::vector<SnapshotEntry> entries;
     const auto frames = journal_entries.find(entity);
@@ -115,7 +117,8 @@ struct StoreReader::State {
     return segments.front().second.get();
   }
 
-  /// A segment that a later generation no longer names may go while this reader is open.
+  /// The error for a missing segment. A segment that a later generation no longer names may be
+  /// removed while this reader is open.
   [[nodiscard]] Status missing(const std::string& file) const {
     const auto now = read_manifest(path);
     if (now.ok() &&
@@ -136,7 +139,7 @@ struct StoreReader::State {
                      names.empty() ? "none" : names);
   }
 
-  /// The entity's moments in recorded form, as latents, or both.
+  /// The timeline of the entity's recorded form, its latents, or both.
   Timeline make_timeline(const MemoryId& entity, bool is_recorded, bool is_latent) {
     std::vector<TimelinePart> some;
     if (const auto known = parts.find(entity); known != parts.end())
@@ -164,7 +167,7 @@ Result<std::unique_ptr<StoreReader>> StoreReader::open(const std::filesystem::pa
     last = state->load();
     const auto now = read_manifest(store);
     if (!now.ok()) return now.status();
-    // Journals of another generation may have been missed or read half-removed.
+    // The journals may belong to another generation and may have been missing or partly removed.
     if (now->generation != state->manifest.generation) continue;
     if (!last.ok()) return last;
     return std::unique_ptr<StoreReader>(new StoreReader(std::move(state)));
@@ -321,7 +324,8 @@ Result<Snapshot> StoreReader::read_recorded(const MemoryId& entity, const Snapsh
 Result<bool> StoreReader::is_augmented(const MemoryId& entity, const SnapshotEntry& entry) {
   const SnapshotEntry::Location& at = *entry.recorded;
   if (at.rows > 0) {
-    // Segments say how many are: mostly none or all.
+    // The manifest counts augmented snapshots per segment. Usually none or all are, so the row need
+    // not be read.
     const SegmentEntity* part = state_->manifest.segments[at.source].find(entity);
     if (part == nullptr || part->augmented == 0) return false;
     if (part->augmented == part->snapshots) return true;

@@ -15,72 +15,75 @@
 
 namespace engram::ltm {
 
-/// Everything `engram info` says of one entity.
+/// Everything that `engram info` reports about one entity.
 struct EntitySummary {
   MemoryId id;
-  uint64_t snapshots = 0;  ///< Distinct times, whatever their representation.
+  uint64_t snapshots = 0;  ///< Number of distinct times, in any form.
   Time first{};
   Time last{};
   uint64_t recorded_snapshots = 0;
   uint64_t latent_snapshots = 0;
-  uint64_t augmented_snapshots = 0;  ///< Made of others; later updates of one time count again.
-  uint64_t raw_bytes = 0;            ///< Plain bytes of the snapshots that were kept.
-  uint64_t offered = 0;              ///< Snapshots that came in, dropped ones included.
-  uint64_t offered_bytes = 0;        ///< Their plain bytes.
-  uint64_t stored_bytes = 0;         ///< Recorded form: segments and journal.
-  uint64_t latent_bytes = 0;         ///< Latents, without models; blocks count once.
-  uint64_t model_bytes = 0;          ///< All model files of the entity.
-  ForgottenSums forgotten;           ///< Counted in `offered` too.
-  DropReasons dropped_by;            ///< Why filters dropped, as far as it is known.
+  /// Augmented snapshots; each update of the same time counts again.
+  uint64_t augmented_snapshots = 0;
+  uint64_t raw_bytes = 0;      ///< Plain bytes of the kept snapshots.
+  uint64_t offered = 0;        ///< Snapshots that arrived, including those that filters dropped.
+  uint64_t offered_bytes = 0;  ///< Their plain bytes.
+  uint64_t stored_bytes = 0;   ///< Bytes of the recorded form in segments and journals.
+  uint64_t latent_bytes = 0;   ///< Bytes of the latents, without models. A block counts once.
+  uint64_t model_bytes = 0;    ///< All model files of the entity.
+  ForgottenSums forgotten;     ///< Also counted in `offered`.
+  DropReasons dropped_by;      ///< Reasons for which filters dropped snapshots, as far as known.
   std::vector<ModelInfo> models;
-  LatentSums latent;  ///< Over all latent segments; the newest model's version.
+  LatentSums latent;  ///< Sums over all latent segments, with the newest model's version.
 };
 
-/// Reads one generation of a store, unsealed journal included. Later changes are not seen. Groups
-/// of images that were decoded last are kept, see MediumDecoder.
+/// Reads one generation of a store, including unsealed journals. Later changes are not visible. The
+/// groups of images decoded last are kept in memory, see MediumDecoder.
 ///
-/// Threading: one thread. Any number of readers run beside each other and beside a writer.
+/// Threading: one thread. Any number of readers may run beside each other and beside a writer.
 /// Source: docs/format.md.
 class StoreReader {
  public:
-  /// Errors: those of read_manifest; kDataLoss where a published file is missing or damaged.
+  /// Opens a store. Errors: those of read_manifest; kDataLoss if a published file is missing or
+  /// damaged.
   static Result<std::unique_ptr<StoreReader>> open(const std::filesystem::path& store);
   ~StoreReader();
 
   [[nodiscard]] const std::filesystem::path& path() const;
   [[nodiscard]] const Manifest& manifest() const;
 
-  /// In the order of their names.
+  /// All entities, in the order of their names.
   [[nodiscard]] std::vector<MemoryId> entities() const;
 
   /// Complexity: O(log n).
   [[nodiscard]] bool has(const MemoryId& entity) const;
 
-  /// Errors: kNotFound naming the entity and the ones there are.
+  /// Errors: kNotFound naming the entity and the existing ones.
   Result<EntitySummary> summary(const MemoryId& entity);
 
-  /// The moments of the entity; valid as long as the reader.
+  /// The timeline of the entity, valid as long as the reader.
   /// Errors: kNotFound.
   Result<Timeline*> timeline(const MemoryId& entity);
 
-  /// All snapshots of the entity in the order of time, in memory; valid as long as the reader. For
-  /// those who read them all; who looks for some asks the timeline.
-  /// Errors: kNotFound, kDataLoss; here and when reading, kUnavailable where a consolidation
-  /// replaced a segment meanwhile: open the store again.
+  /// All snapshots of the entity in the order of time, in memory, valid as long as the reader. Use
+  /// it to read them all; to find a few, query the timeline instead.
+  /// Errors: kNotFound, kDataLoss; here and when reading, kUnavailable if a consolidation replaced
+  /// a segment meanwhile; open the store again then.
   Result<const std::vector<SnapshotEntry>*> index(const MemoryId& entity);
 
-  /// Places in journals, sealed ones included, where acknowledged data was found damaged.
+  /// Number of places in journals, including sealed ones, where acknowledged data was damaged.
   [[nodiscard]] uint64_t damaged_places() const;
 
-  /// The recorded form as it is stored. Needs `entry.recorded` (checked).
+  /// Reads the recorded form in packed form. Needs `entry.recorded` (checked).
   /// Errors: kDataLoss naming the segment and the row.
   Result<PackedSnapshot> read_packed(const MemoryId& entity, const SnapshotEntry& entry);
 
-  /// How the entity is stored in a recorded segment: an index into the manifest's (checked).
+  /// How the entity is stored in a recorded segment. `segment` is an index into the manifest's
+  /// segments (checked).
   /// Errors: kNotFound, kDataLoss.
   Result<StoredForms> forms(const MemoryId& entity, uint32_t segment);
 
-  /// How the entity is stored in the newest segments that hold it.
+  /// How the entity is stored in the newest segments that contain it.
   /// Errors: kDataLoss.
   Result<StoredForms> newest_forms(const MemoryId& entity);
 
@@ -88,8 +91,8 @@ class StoreReader {
   /// Errors: kDataLoss naming the segment and the row.
   Result<Snapshot> read_recorded(const MemoryId& entity, const SnapshotEntry& entry);
 
-  /// Whether the recorded form was made of another snapshot by changing it on purpose. Needs
-  /// `entry.recorded` (checked). Errors: as read_packed.
+  /// True if the recorded form is augmented, that is, made from another snapshot by changing it on
+  /// purpose. Needs `entry.recorded` (checked). Errors: those of read_packed.
   Result<bool> is_augmented(const MemoryId& entity, const SnapshotEntry& entry);
 
   /// Reads the latents. Needs `entry.latent` (checked).

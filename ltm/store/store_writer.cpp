@@ -19,17 +19,17 @@ namespace engram::ltm {
 
 namespace {
 
-/// Which text of the metadata cannot be stored; empty: none.
+/// Name of a metadata text with a zero byte, which cannot be stored; empty if there is none.
 std::string_view text_with_zero_byte(const InstanceMetadata& metadata) {
   if (metadata.provider.find('\0') != std::string::npos) return "provider's name";
   if (metadata.recipe.find('\0') != std::string::npos) return "recipe";
   return metadata.origin.to_string().find('\0') != std::string::npos ? "origin" : "";
 }
 
-/// Removes what killed processes left behind: temporary files, and published files that no
-/// manifest names.
+/// Removes files that killed processes left: temporary files, and published files that the manifest
+/// does not name.
 Status remove_leftovers(const std::filesystem::path& store) {
-  // Copies of a store leave out empty folders.
+  // Some copies of a store omit empty folders.
   for (const char* folder : {"journal", "segments", "models", "tmp"})
     ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
   for (const auto& entry : std::filesystem::directory_iterator(store / "tmp"))
@@ -60,15 +60,17 @@ struct StoreWriter::State {
   Clock clock;
   File lock;
   std::shared_ptr<Journal> journal;  ///< Null until the first append after it was closed.
-  std::vector<uint64_t> closed_journals;  ///< That nobody was told to seal yet.
+  /// Closed journals that were not handed to the sealer yet.
+  std::vector<uint64_t> closed_journals;
   uint64_t next_journal = 1;
-  uint64_t first_own = 1;               ///< The first journal of this session.
-  bool has_unforced = false;            ///< Appended since `sync` or `seal`, without an fsync.
-  uint64_t unsealed_bytes = 0;          ///< Of these journals.
-  std::optional<Time> oldest_unsealed;  ///< By the clock, when it was appended.
+  uint64_t first_own = 1;     ///< The first journal of this session.
+  bool has_unforced = false;  ///< Data was appended without fsync since the last `sync` or `seal`.
+  uint64_t unsealed_bytes = 0;  ///< Size of the unsealed journals.
+  /// Time by the clock at which the oldest unsealed snapshot was appended.
+  std::optional<Time> oldest_unsealed;
   std::map<MemoryId, Time> last_times;
   SegmentTypes types;
-  std::map<MemoryId, DropReasons> dropped_by;  ///< Since the last job of the sealer.
+  std::map<MemoryId, DropReasons> dropped_by;  ///< Drop reasons since the last job of the sealer.
   uint64_t damaged = 0;
   std::optional<JournalSyncer> syncer;
   std::optional<Sealer> sealer;
@@ -119,7 +121,7 @@ struct StoreWriter::State {
     return {};
   }
 
-  /// Fails before the disk is full: then what is there could not even be sealed.
+  /// Fails before the disk is full; on a full disk the journals could not even be sealed.
   Status check_disk() const {
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t free, free_disk_bytes(path));
     if (free >= options.min_free_bytes) return {};
@@ -158,12 +160,12 @@ struct StoreWriter::State {
     sealer->add({std::move(journals), unsealed_bytes, types, std::exchange(dropped_by, {}), rules});
   }
 
-  /// Hands all journals to the sealer; the next append begins a new one.
+  /// Hands all journals to the sealer. The next append starts a new one.
   void hand_over() {
     if (journal) closed_journals.push_back(journal->number());
     journal.reset();
     const auto own = std::ranges::lower_bound(closed_journals, first_own);
-    // By what rules another session recorded is not known.
+    // The rules of another session are unknown, so its journals are sealed as they are.
     if (options.seal_rules) add_job({closed_journals.begin(), own}, {});
     add_job({options.seal_rules ? own : closed_journals.begin(), closed_journals.end()},
             options.seal_rules);
@@ -172,7 +174,8 @@ struct StoreWriter::State {
     oldest_unsealed.reset();
   }
 
-  /// What was appended is acknowledged whether sealing works or not: the journal holds it.
+  /// Seals if due. The result does not affect the append: the journal holds the data even if
+  /// sealing fails.
   void seal_if_due() {
     if (!is_seal_due()) return;
     sealer->wait_below(static_cast<size_t>(options.max_waiting_journals));
@@ -193,7 +196,8 @@ struct StoreWriter::State {
     return status.ok() ? regular : status;
   }
 
-  /// Those of this session that nobody has sealed yet; one may be sealed and removed meanwhile.
+  /// Forces the unsealed journals of this session to the disk. One of them may be sealed and
+  /// removed meanwhile.
   Status sync_journals() const {
     ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
     Status first;

@@ -10,17 +10,17 @@
 
 namespace engram::ltm {
 
-/// A file name of its own in the store's `tmp/`, for what is written before it is published.
-/// What a killed process left there is removed by the next writer.
+/// Returns a unique file name in the store's `tmp/` for a file that is written before it is
+/// published. The next writer removes files that a killed process left there.
 Result<std::filesystem::path> temporary_file(const std::filesystem::path& store,
                                              std::string_view suffix);
 
-/// True where the process is gone that a file in `tmp/` with this name belongs to.
+/// True if the process that the file `name` in `tmp/` belongs to no longer exists.
 [[nodiscard]] bool belongs_to_dead_process(const std::string& name);
 
-/// The place of a file in the store's `tmp/`. What lies there and was not published goes with this.
+/// A file in the store's `tmp/`. The destructor removes it unless it was published.
 ///
-/// Owns: the file, where there is one. Threading: one thread.
+/// Owns: the file, if it exists. Threading: one thread.
 class TemporaryFile {
  public:
   /// Errors: those of temporary_file.
@@ -34,7 +34,7 @@ class TemporaryFile {
  private:
   explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
 
-  std::filesystem::path path_;  ///< Empty: moved away.
+  std::filesystem::path path_;  ///< Empty after a move.
 };
 
 }  // namespace engram::ltm

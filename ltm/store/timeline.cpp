@@ -61,7 +61,7 @@ std::optional<Time> Timeline::last() const {
 Result<std::optional<RowSpan>> Timeline::span_at_or_after(size_t part, Time time) {
   ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, open(part));
   RowSpan& hint = hints_[part];
-  // Most questions go on from the one before.
+  // Most queries continue where the previous one ended.
   if (hint.rows > 0 && hint.time == time) return std::optional(hint);
   std::optional<RowSpan> found;
   if (hint.rows > 0 && hint.time < time) {
@@ -91,7 +91,7 @@ Result<std::optional<Time>> Timeline::part_at_or_before(size_t part, Time time) 
     return std::optional(
         std::prev(std::ranges::upper_bound(journal_, time, {}, &SnapshotEntry::time))->time);
   ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, open(part));
-  // The part goes on after `time`, so there is a next nanosecond.
+  // The part continues after `time`, so the next nanosecond exists.
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t row, reader->lower_bound(entity_, *next_ns(time)));
   if (row == 0) return std::optional<Time>();
   ENGRAM_ASSIGN_OR_RETURN(const auto span, reader->snapshot_at(entity_, row - 1));
@@ -156,7 +156,7 @@ Status Timeline::visit_part(size_t part, Time first, Time last, const Visit& vis
     entry.time = span->time;
     entry.put(parts_[part].is_latent, {parts_[part].segment, span->rows, span->first});
     ENGRAM_RETURN_IF_ERROR(visit(entry));
-    // A visit may have read so many other segments that this one was closed.
+    // A visit may have opened so many other segments that this one was closed.
     ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, open(part));
     ENGRAM_ASSIGN_OR_RETURN(span, reader->snapshot_at(entity_, span->first + span->rows));
   }

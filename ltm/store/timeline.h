@@ -9,9 +9,9 @@
 
 namespace engram::ltm {
 
-/// One snapshot of an entity and where its representations lie.
+/// One snapshot of an entity and the locations of its forms.
 struct SnapshotEntry {
-  /// Row span in a segment, or a frame of a journal.
+  /// Rows in a segment, or a frame of a journal.
   struct Location {
     uint32_t source = 0;  ///< Index into the reader's segments or journals.
     uint32_t rows = 0;    ///< Number of instances; zero for a journal frame.
@@ -22,15 +22,15 @@ struct SnapshotEntry {
   std::optional<Location> recorded;
   std::optional<Location> latent;
 
-  /// Takes over a representation that comes after those that are there: latents were made of what
-  /// was recorded before them, and are of the past where an update follows.
+  /// Adds a form that is newer than those already present. Latents belong to the recorded form
+  /// before them, so a later update of the recorded form makes them obsolete.
   void put(bool is_latent, const Location& location) {
     if (!is_latent) latent.reset();
     (is_latent ? latent : recorded) = location;
   }
 };
 
-/// What one segment holds of an entity, as the manifest tells it.
+/// What one segment contains of an entity, according to the manifest.
 struct TimelinePart {
   uint32_t segment = 0;  ///< Index into the manifest's segments.
   bool is_latent = false;
@@ -40,24 +40,24 @@ struct TimelinePart {
   uint64_t rows = 0;
 };
 
-/// The moments of one entity, over all segments and journals, without loading them: a question
-/// opens only the segments in which its answer can lie.
+/// The snapshot times of one entity over all segments and journals, without loading them. A query
+/// opens only the segments that can contain its answer.
 ///
-/// Where a moment is in several places, the journal counts before segments and later segments
-/// before earlier ones.
-/// Errors: those of SegmentReader, everywhere.
+/// If a time is in several places, the journal takes precedence over segments, and later segments
+/// over earlier ones.
+/// Errors: all functions return those of SegmentReader.
 /// Threading: one thread.
 class Timeline {
  public:
-  /// What it gives is used until it is called again, or a visit is.
+  /// Opens a segment. The result is used only until the next call of it or of a visit.
   using OpenSegment = std::function<Result<SegmentReader*>(uint32_t segment)>;
 
-  /// `parts` in the order of the manifest, none of them empty; `journal` in the order of time, each
-  /// time once. `open` must outlive it.
+  /// `parts` are in the order of the manifest and none is empty. `journal` is in the order of time
+  /// and has each time once. `open` must outlive it.
   Timeline(MemoryId entity, std::vector<TimelinePart> parts, std::vector<SnapshotEntry> journal,
            OpenSegment open);
 
-  /// Times of the first and last snapshot; nothing where there is none.
+  /// Times of the first and last snapshot, or nullopt if there is none.
   [[nodiscard]] std::optional<Time> first() const;
   [[nodiscard]] std::optional<Time> last() const;
 
@@ -68,22 +68,23 @@ class Timeline {
   /// The last snapshot that is not after `time`.
   Result<std::optional<SnapshotEntry>> at_or_before(Time time);
 
-  /// Snapshot number `index`, counted from the first.
-  /// Complexity: segments that share no time with others are skipped, in the rest it is O(index).
+  /// The snapshot with number `index`, counted from the first.
+  /// Complexity: segments that share no times with others are skipped; in the others it is
+  /// O(index).
   Result<std::optional<SnapshotEntry>> nth(uint64_t index);
 
-  /// Number of different times.
-  /// Complexity: as nth.
+  /// Number of distinct times.
+  /// Complexity: like nth.
   Result<uint64_t> count();
 
-  /// Visits the snapshots from `first` to `last`, both included, in the order of time, until one
-  /// visit fails. A visit may read from the store, and ask this timeline.
+  /// Visits the snapshots from `first` to `last`, inclusive, in the order of time, until a visit
+  /// fails. A visit may read from the store and query this timeline.
   using Visit = std::function<Status(const SnapshotEntry&)>;
   Status for_each(Time first, Time last, const Visit& visit);
   Status for_each(const Visit& visit) { return for_each(Time::min(), Time::max(), visit); }
 
  private:
-  /// Parts that share times, directly or through others.
+  /// Parts that share times, directly or through other parts.
   struct Cluster {
     Time first{};
     Time last{};
@@ -112,7 +113,7 @@ class Timeline {
   std::vector<SnapshotEntry> journal_;
   OpenSegment open_;
   std::vector<Cluster> clusters_;
-  std::vector<RowSpan> hints_;  ///< Per part, the snapshot that was found last.
+  std::vector<RowSpan> hints_;  ///< The snapshot found last in each part.
 };
 
 }  // namespace engram::ltm
