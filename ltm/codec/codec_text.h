@@ -9,31 +9,31 @@
 
 namespace engram::ltm {
 
-/// The text form of a codec with options, read once by the codec that it names.
+/// The text form of a codec with options. The codec that it names reads it once.
 ///
-/// `name`, `name:value` or `name:key=value,key=value`; the value without a key is that of the
-/// codec's main option. Whole numbers only.
+/// The form is `name`, `name:value` or `name:key=value,key=value`. A value without a key belongs to
+/// the codec's main option. Values are whole numbers.
 class CodecText {
  public:
-  /// Errors: kInvalidArgument where the text is malformed or names a key twice.
+  /// Errors: kInvalidArgument if the text is malformed or contains a key twice.
   static Result<CodecText> parse(std::string_view text);
 
   [[nodiscard]] const std::string& name() const { return name_; }
 
   [[nodiscard]] bool has(const std::string& key) const { return values_.contains(key); }
 
-  /// Takes the value of `key`, or `fallback` where it was not given. `is_main` takes a value
-  /// without a key too.
-  /// Errors: kInvalidArgument where it is no number of `min` to `max`.
+  /// Takes the value of `key`, or `fallback` if it is not given. With `is_main`, also takes a value
+  /// without a key.
+  /// Errors: kInvalidArgument if it is not a number from `min` to `max`.
   Result<int> take(const std::string& key, bool is_main, int fallback, int min, int max);
 
-  /// Errors: kInvalidArgument naming an option that nobody took.
+  /// Checks that all options were taken. Errors: kInvalidArgument naming an option that was not.
   [[nodiscard]] Status finish() const;
 
  private:
   std::string name_;
   std::map<std::string, int> values_;  // The main option has the empty key.
-  std::string known_;                  // For messages.
+  std::string known_;                  // Names of the known options, for messages.
 };
 
 }  // namespace engram::ltm

@@ -28,10 +28,11 @@ Result<std::vector<std::byte>> encode(std::string_view format, const idf::NdArra
                                       const std::vector<int>& parameters) {
   const idf::Shape& shape = array.shape();
   try {
-    // cv::Mat has no const view; it is only read.
+    // cv::Mat has no const view, but the array is only read.
     const cv::Mat view(static_cast<int>(shape[0]), static_cast<int>(shape[1]),
                        cv_type(array.type(), shape), const_cast<std::byte*>(array.bytes().data()));
-    // Into a Mat of its own: one that shares the view's pixels would be changed in place.
+    // Convert into a separate Mat, because a Mat that shares the view's pixels would be changed in
+    // place.
     cv::Mat bgr;
     if (shape[2] == 3)
       cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);

@@ -12,17 +12,19 @@
 
 namespace engram::ltm::cv_image {
 
-/// uint8 [H, W, 3], uint8 or, with `allows_16_bits`, uint16 [H, W, 1] of sides up to `max_side`.
+/// True for uint8 [H, W, 3], uint8 [H, W, 1] or, with `allows_16_bits`, uint16 [H, W, 1] with sides
+/// up to `max_side`.
 [[nodiscard]] bool fits(idf::ElementType type, const idf::Shape& shape, int64_t max_side,
                         bool allows_16_bits);
 
-/// `format` names the codec in messages and, with a dot before it, the file format.
-/// Errors: kInvalidArgument where the encoder refuses.
+/// Encodes an image. `format` is the codec's name in messages and, with a dot before it, the file
+/// extension for OpenCV.
+/// Errors: kInvalidArgument if the encoder fails.
 Result<std::vector<std::byte>> encode(std::string_view format, const idf::NdArray& array,
                                       const std::vector<int>& parameters);
 
-/// Errors: kDataLoss where the bytes hold another image. The caller has checked the size that
-/// they announce: it is allocated here.
+/// Decodes an image. The caller must have checked the announced size, because it is allocated here.
+/// Errors: kDataLoss if the bytes contain another image.
 Result<idf::NdArray> decode(std::string_view format, std::span<const std::byte> bytes,
                             idf::ElementType type, const idf::Shape& shape);
 

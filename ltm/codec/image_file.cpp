@@ -32,12 +32,12 @@ std::optional<AnnouncedImage> announced_png(std::span<const std::byte> file) {
                         {number_at(file, 20, 4), number_at(file, 16, 4), colour == 2 ? 3 : 1}};
 }
 
-/// Walks over the segments up to the one that begins the frame (SOF).
+/// Reads segments up to the one that begins the frame (SOF).
 std::optional<AnnouncedImage> announced_jpeg(std::span<const std::byte> file) {
   for (size_t at = 2; at + 10 <= file.size();) {
     if (number_at(file, at, 1) != 0xff) return std::nullopt;
     const int64_t marker = number_at(file, at + 1, 1);
-    if (marker == 0xff) {  // Filled up.
+    if (marker == 0xff) {  // Padding.
       ++at;
       continue;
     }

@@ -10,21 +10,21 @@
 
 namespace engram::ltm {
 
-/// What a PNG or JPEG file says that it holds, before anything is decoded.
+/// The image that a PNG or JPEG file announces, read before anything is decoded.
 struct AnnouncedImage {
   std::string_view codec;  ///< "png" or "jpeg", as find_codec knows them.
   idf::ElementType type = idf::ElementType::kUInt8;
   idf::Shape shape;  ///< [H, W, 3] (RGB) or [H, W, 1] (grey).
 };
 
-/// Nothing where the bytes are no such file, or one of another kind: with transparency, a palette,
-/// RGB of 16 bits, CMYK.
+/// Reads the announced image. Returns nullopt if the bytes are not a PNG or JPEG file, or one of an
+/// unsupported kind: with transparency, a palette, 16-bit RGB or CMYK.
 [[nodiscard]] std::optional<AnnouncedImage> announced_image(std::span<const std::byte> file);
 
-/// Decodes a whole file that nobody vouches for.
+/// Decodes a whole file from an untrusted source.
 /// Shape: uint8 [H, W, 3] or [H, W, 1], uint16 [H, W, 1].
-/// Errors: kInvalidArgument where nothing is announced, or more than 256 MiB of pixels; kDataLoss
-/// where it is broken.
+/// Errors: kInvalidArgument if no image is announced, or one of more than 256 MiB of pixels;
+/// kDataLoss if the file is damaged.
 Result<idf::NdArray> decode_image_file(std::span<const std::byte> file);
 
 }  // namespace engram::ltm

@@ -12,11 +12,12 @@ namespace {
 
 constexpr int64_t kMaxSide = 65'500;
 constexpr int kDefaultQuality = 90;
-/// A block of 8 x 8 takes at least this share of a byte in the densest progressive file; an upper
-/// bound of what can come out of few bytes.
+/// Max expansion of a byte: a block of 8 x 8 takes at least this share of a byte in the densest
+/// progressive file. It bounds what few bytes can announce.
 constexpr size_t kMaxExpansion = 4096;
 
-/// Decoders fill in grey where the file was cut.
+/// True if the file is complete. Decoders fill the missing part of a truncated file with grey and
+/// report no error.
 bool is_whole(std::span<const std::byte> bytes) {
   return bytes.size() >= 4 && bytes[bytes.size() - 2] == std::byte{0xff} &&
          bytes[bytes.size() - 1] == std::byte{0xd9};

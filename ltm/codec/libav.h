@@ -21,10 +21,10 @@ struct Deleter {
 template <typename T>
 using Owned = std::unique_ptr<T, Deleter>;
 
-/// What the library calls an error.
+/// The library's description of an error.
 [[nodiscard]] std::string describe(int error);
 
-/// Keeps the library from printing: what it has to say becomes a Status.
+/// Stops the library from printing; its errors are reported as Status instead.
 void keep_quiet();
 
 }  // namespace engram::ltm::libav

@@ -16,8 +16,9 @@ Result<idf::NdArray> decode_single(const PackedMedium& medium) {
   return codec->decode(medium.bytes.bytes(), medium.type, medium.shape);
 }
 
-/// Plain bytes of the group that a medium is of.
-/// Errors: kDataLoss where these are more than a group may have, or its place is not in it.
+/// Plain bytes of the group that a medium belongs to.
+/// Errors: kDataLoss if they exceed the max of a group, or if the medium's place is not in the
+/// group.
 Result<uint64_t> group_bytes(const PackedMedium& medium) {
   const auto bytes = idf::size_bytes(medium.type, medium.shape);
   const GroupPlace& place = *medium.group;

@@ -8,22 +8,22 @@
 
 namespace engram::ltm {
 
-/// Decodes media one after the other. The groups decoded last are kept: who reads the images of a
-/// group in a row, in any order, decodes it once.
+/// Decodes media one by one. It keeps the groups decoded last, so reading the images of one group
+/// in a row, in any order, decodes the group once.
 ///
 /// Threading: one thread.
 class MediumDecoder {
  public:
-  /// About the most decoded bytes that are kept, though always one group.
+  /// Approximate max size of the kept decoded groups, in bytes. One group is always kept.
   static constexpr uint64_t kKeptBytes = uint64_t{256} << 20;
 
-  /// Errors: kDataLoss where the bytes hold anything else; kFailedPrecondition where the decoder of
-  /// a group is not installed.
+  /// Errors: kDataLoss if the bytes contain anything else; kFailedPrecondition if the decoder of a
+  /// group is not installed.
   Result<idf::NdArray> decode(const PackedMedium& medium);
 
  private:
   struct Group {
-    Buffer bytes;  ///< Their place in memory tells one group from another.
+    Buffer bytes;  ///< Their address in memory identifies the group.
     std::vector<idf::NdArray> arrays;
     uint64_t size_bytes = 0;
     uint64_t last_use = 0;

@@ -13,7 +13,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// Of single arrays and of groups, each once.
+/// Names of the codecs for single arrays and for groups, each once.
 std::string known_codecs() {
   std::set<std::string_view> names(group_codec_names().begin(), group_codec_names().end());
   for (const Codec* codec : all_codecs()) names.insert(codec->name());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what a rule's codec is for.
+// Private to this room: the use of a rule's codec.
 
 #include <string_view>
 
@@ -9,18 +9,18 @@
 
 namespace engram::ltm {
 
-/// The text of a rule under which arrays stay in the value, and numbers in plain datasets.
+/// The codec text of a rule that keeps arrays in the value and numbers in plain datasets.
 inline constexpr std::string_view kStays = "none";
-/// That of one under which numbers become compressed columns.
+/// The codec text of a rule that stores numbers as compressed columns.
 inline constexpr std::string_view kColumns = "columns";
 
 enum class PackRuleUse : uint8_t {
-  kSingle,   ///< Each array by itself, as it is recorded.
-  kGroup,    ///< Images in groups, when they are sealed.
-  kNumbers,  ///< Numbers that stay in the value.
+  kSingle,   ///< Each array is encoded alone when it is recorded.
+  kGroup,    ///< Images are encoded in groups when they are sealed.
+  kNumbers,  ///< Numbers, which stay in the value.
 };
 
-/// Errors: kInvalidArgument where the rule contradicts itself.
+/// Errors: kInvalidArgument if the rule contradicts itself.
 Result<PackRuleUse> use_of(const PackRule& rule);
 
 }  // namespace engram::ltm

@@ -16,10 +16,10 @@ namespace engram::ltm {
 namespace {
 
 constexpr int64_t kMinSide = 8;
-/// For images by themselves, the first that accepts them.
+/// Codecs for single images; the first one that accepts an image is used.
 constexpr std::array<std::string_view, 3> kLosslessCodecs{"rowpred", "png", "shuffle"};
 
-/// Null where the arrays stay in the value.
+/// Null if the arrays stay in the value.
 using ChosenCodec = std::shared_ptr<const Codec>;
 
 Result<ChosenCodec> make_chosen(const std::string& text) {
@@ -44,16 +44,18 @@ struct Packer::Plan {
     std::string path;
     std::optional<MediumKind> kind;
     ChosenCodec codec;
-    bool is_for_groups = false;  ///< Then a null codec stands for one without loss.
+    bool is_for_groups = false;  ///< A null codec then stands for a lossless one.
 
     [[nodiscard]] const Codec* choose(const idf::TensorMember& member) const {
       if (codec != nullptr && codec->accepts(member.type, member.shape)) return codec.get();
       if (is_for_groups) return &lossless_codec(member.type, member.shape);
+      // "shuffle" accepts every array, so an array that the rule's codec does not accept never
+      // stops a recording.
       return codec == nullptr ? nullptr : find_codec("shuffle");
     }
   };
 
-  /// The codec of an array; null where it stays.
+  /// The codec of an array, or null if it stays in the value.
   [[nodiscard]] const Codec* choose(const idf::TensorMember& member, size_t bytes) const {
     const MediumKind kind = medium_kind(member.type, member.shape);
     for (const Rule& rule : rules) {
@@ -62,7 +64,7 @@ struct Packer::Plan {
     }
     if (member.kind == idf::MemberKind::kImage || is_picture(kind)) {
       if (image == nullptr || image->accepts(member.type, member.shape)) return image.get();
-      // What no image codec takes is float depth, or too large.
+      // The image codec does not accept it: it is float depth, or too large.
       return member.kind == idf::MemberKind::kImage ? &zstd_codec() : array.get();
     }
     return bytes >= min_array_bytes ? array.get() : nullptr;
@@ -86,7 +88,8 @@ MediumKind medium_kind(idf::ElementType type, const idf::Shape& shape) {
 }
 
 bool matches_path(std::string_view pattern, std::string_view path) {
-  // ends[i]: the pattern so far stands for the first i characters of the path.
+  // ends[i] is true if the pattern so far matches the first i characters of the path. Unlike
+  // backtracking, this takes no longer on patterns with many stars.
   std::vector<bool> ends(path.size() + 1, false);
   ends[0] = true;
   for (size_t p = 0; p < pattern.size(); ++p) {

@@ -12,37 +12,37 @@
 
 namespace engram::ltm {
 
-/// The most plain bytes and arrays of a group: who wants one of them decodes them all.
+/// Max plain bytes and max number of arrays of a group. Decoding one array decodes them all.
 inline constexpr uint64_t kMaxGroupBytes = uint64_t{512} << 20;
 inline constexpr uint64_t kMaxGroupImages = 1024;
 
-/// Which array of an encoded group.
+/// The place of an array in an encoded group.
 struct GroupPlace {
   uint32_t index = 0;
-  uint32_t count = 1;  ///< Of the group's arrays.
+  uint32_t count = 1;  ///< Number of arrays in the group.
 };
 
-/// An ndarray that left its value and went through a codec.
+/// An ndarray that was taken out of its value and encoded by a codec.
 struct PackedMedium {
-  std::string path;   ///< Where it belongs in the value.
+  std::string path;   ///< Its place in the value.
   std::string codec;  ///< Name of the codec (ltm/codec/codec.h).
   idf::ElementType type = idf::ElementType::kUInt8;
   idf::Shape shape;
   Buffer bytes;
-  /// Where `codec` is a group codec (ltm/codec/group_codec.h): then `bytes` are those of the whole
-  /// group, which all of its arrays share.
+  /// Set if `codec` is a group codec (ltm/codec/group_codec.h). `bytes` then contain the whole
+  /// group and are shared by all of its arrays.
   std::optional<GroupPlace> group = std::nullopt;
 };
 
-/// A value as it is stored: its media encoded apart, the rest as it was.
+/// A value in stored form: its media are encoded separately, the rest is unchanged.
 struct PackedValue {
   idf::Data rest;  ///< The value with `none` where media were.
   std::vector<PackedMedium> media;
 };
 
-/// What an array is, as far as its element type and shape tell.
+/// The kind of an array, as far as its element type and shape determine it.
 enum class MediumKind {
-  kImage,   ///< What a layout calls an image (ltm/idf/layout.h), but for depth.
+  kImage,   ///< An image as defined by ltm/idf/layout.h, except depth.
   kDepth,   ///< float32 or uint16 [H, W, 1] with H, W of at least 8.
   kCloud,   ///< float32 [N, 3 to 16] with N of at least 8.
   kArray,   ///< Any other.
@@ -51,38 +51,41 @@ enum class MediumKind {
 
 [[nodiscard]] MediumKind medium_kind(idf::ElementType type, const idf::Shape& shape);
 
-/// Says how some arrays are stored.
+/// A rule for how some arrays are stored.
 struct PackRule {
-  /// Their paths: `*` stands for any characters but `/`, `**` for any, `?` for one but `/`.
+  /// Pattern of their paths: `*` matches any characters except `/`, `**` matches any characters,
+  /// `?` matches one character except `/`.
   std::string path = "**";
-  /// Their kind; nothing: any.
+  /// Their kind; nullopt matches any kind.
   std::optional<MediumKind> kind;
-  /// Text of a codec (ltm/codec/codec_text.h), or "none": they stay in the value. That of a group
-  /// codec: they are recorded singly, and put together when they are sealed
-  /// (ltm/codec/seal_rules.h). For numbers: "columns" or "none".
+  /// Text of a codec (ltm/codec/codec_text.h), or "none" to keep the arrays in the value. With a
+  /// group codec, arrays are recorded singly and grouped when they are sealed
+  /// (ltm/codec/seal_rules.h). For numbers it is "columns" or "none".
   std::string codec;
-  /// How arrays for a group codec are recorded, without loss. Empty: by "rowpred", or where that
-  /// does not accept them by "png".
+  /// The lossless codec with which arrays for a group codec are recorded. Empty: "rowpred", or
+  /// "png" for arrays that "rowpred" does not accept.
   std::string journal = {};
 };
 
 struct PackOptions {
-  /// The first one that fits an array counts. An array that its codec does not accept goes through
+  /// The first matching rule applies. An array that its codec does not accept is stored with
   /// "shuffle".
   std::vector<PackRule> rules;
-  /// For images and depth that no rule fits; what it does not accept goes through "zstd".
+  /// Codec for images and depth without a matching rule. Images that it does not accept are stored
+  /// with "zstd".
   std::string image_codec = "png";
-  /// For other arrays that no rule fits.
+  /// Codec for other arrays without a matching rule.
   std::string array_codec = "shuffle";
-  /// Smaller ones of these stay in the value, as plain datasets of segments. Unit: bytes.
+  /// Such arrays that are smaller than this stay in the value, as plain datasets of segments. Unit:
+  /// bytes.
   size_t min_array_bytes = 64 << 10;
 
-  /// Errors: kInvalidArgument where a codec is unknown, a rule contradicts itself or a path is
-  /// empty; kFailedPrecondition where the encoder of a group codec is not installed.
+  /// Errors: kInvalidArgument if a codec is unknown, a rule contradicts itself or a path is empty;
+  /// kFailedPrecondition if the encoder of a group codec is not installed.
   [[nodiscard]] Status validate() const;
 };
 
-/// Packs values, with its codecs made once.
+/// Packs values. Its codecs are created once.
 ///
 /// Threading: immutable, const-parallel.
 class Packer {
@@ -90,7 +93,7 @@ class Packer {
   /// Errors: kInvalidArgument if `options` do not validate.
   static Result<Packer> create(const PackOptions& options);
 
-  /// Errors: kInvalidArgument where a codec fails.
+  /// Errors: kInvalidArgument if a codec fails.
   Result<PackedValue> pack(const idf::Data& value) const;
 
  private:
@@ -105,15 +108,17 @@ Result<PackedValue> pack(const idf::Data& value, const PackOptions& options);
 
 class MediumDecoder;
 
-/// Errors: kDataLoss where media do not decode to what was packed.
+/// Decodes the media and puts them back into the value. Errors: kDataLoss if media do not decode to
+/// what was packed.
 Result<idf::Data> unpack(const PackedValue& packed, MediumDecoder& decoder);
 Result<idf::Data> unpack(const PackedValue& packed);
 
-/// A medium of a group as one by itself: what it decodes to, without further loss.
+/// Converts a medium of a group into a single one, without further loss.
 /// Errors: those of MediumDecoder.
 Result<PackedMedium> pack_alone(const PackedMedium& medium, MediumDecoder& decoder);
 
-/// True where `pattern` of PackRule::path stands for `path`. Complexity: O(product of the sizes).
+/// True if `pattern`, in the form of PackRule::path, matches `path`. Complexity: O(product of the
+/// sizes).
 [[nodiscard]] bool matches_path(std::string_view pattern, std::string_view path);
 
 }  // namespace engram::ltm

@@ -23,7 +23,7 @@ uint8_t* row_of(const AVFrame& picture, int plane, int64_t y) {
   return picture.data[plane] + y * picture.linesize[plane];
 }
 
-/// BT.601 in 1/65536.
+/// BT.601, in integers of 1/65536. Integer arithmetic gives the same bytes on every processor.
 void to_ycc(const uint8_t* rgb, int64_t width, uint8_t* luma, uint8_t* blue, uint8_t* red) {
   for (int64_t x = 0; x < width; ++x) {
     const int r = rgb[3 * x], g = rgb[3 * x + 1], b = rgb[3 * x + 2];
@@ -63,7 +63,7 @@ void from_bgr0(const uint8_t* in, int64_t width, uint8_t* rgb) {
 bool holds(AVPixelFormat format, PictureLayout layout) {
   switch (layout) {
     case PictureLayout::kGray8:
-      // Some decoders add the colours that a grey picture does not have.
+      // Some decoders add colour planes to a grey picture.
       return format == AV_PIX_FMT_GRAY8 || format == AV_PIX_FMT_YUV420P ||
              format == AV_PIX_FMT_YUVJ420P;
     case PictureLayout::kYcc444:

@@ -10,32 +10,34 @@
 
 namespace engram::ltm {
 
-/// How the numbers of an array lie in a picture. The values are part of the format: never renumber.
+/// The layout of an array's numbers in a picture. The values are part of the format: never
+/// renumber.
 enum class PictureLayout : uint8_t {
   kGray8 = 0,
   kGray16 = 1,
-  /// Red, green and blue as they are, four bytes each.
+  /// Unchanged red, green and blue, in four bytes per pixel.
   kRgb = 2,
-  /// Luma and two colour differences at full resolution (BT.601, full range). Back to RGB, rounding
-  /// alone changes a number by 2 at most.
+  /// Luma and two colour differences at full resolution (BT.601, full range). Rounding changes a
+  /// number by at most 2 when it is converted back to RGB.
   kYcc444 = 3,
 };
 
-/// Nothing where the array is no picture of this kind: uint8 [H, W, 3] or [H, W, 1], uint16
-/// [H, W, 1].
+/// The layout of an array, or nullopt if the array is not a picture: uint8 [H, W, 3] or [H, W, 1],
+/// uint16 [H, W, 1].
 [[nodiscard]] std::optional<PictureLayout> layout_of(idf::ElementType type, const idf::Shape& shape,
                                                      bool keeps_rgb);
 
 [[nodiscard]] AVPixelFormat pixel_format(PictureLayout layout);
 
-/// A picture with room for such arrays.
+/// Allocates a picture for arrays of this layout and shape.
 /// Errors: kResourceExhausted.
 Result<libav::Owned<AVFrame>> make_picture(PictureLayout layout, const idf::Shape& shape);
 
-/// Needs an array of the picture's size.
+/// Copies an array into the picture. It must have the picture's size.
 void write_picture(const idf::NdArray& array, PictureLayout layout, AVFrame& picture);
 
-/// Errors: kDataLoss where the decoded picture has another size or pixel format.
+/// Copies a decoded picture into an array. Errors: kDataLoss if the picture has another size or
+/// pixel format.
 Result<idf::NdArray> read_picture(const AVFrame& picture, PictureLayout layout,
                                   idf::ElementType type, const idf::Shape& shape);
 

@@ -11,7 +11,7 @@ namespace engram::ltm {
 namespace {
 
 constexpr int64_t kMaxSide = 1 << 15;
-/// Deflate expands no byte further than this.
+/// Max expansion of a byte by deflate.
 constexpr size_t kMaxExpansion = 1032;
 constexpr int kFastest = -1;
 

@@ -15,8 +15,8 @@
 
 static_assert(std::endian::native == std::endian::little);
 
-// The same loops are compiled for the oldest processor and for one with wider vectors. Not by
-// target_clones: their resolvers run before a sanitizer is ready.
+// The same loops are compiled for the oldest processor and for one with wider vectors.
+// target_clones is not used because its resolvers run before a sanitizer is ready.
 #if defined(__x86_64__)
 #define ENGRAM_WIDE_VECTORS __attribute__((target("avx2")))
 #define ENGRAM_HAS_WIDE_VECTORS() __builtin_cpu_supports("avx2")
@@ -86,6 +86,9 @@ ENGRAM_INLINE void predict(const std::byte* image, const ImageSize& size, bool c
   }
 }
 
+/// Restores single bytes in bands of sixteen rows, because along a row each number depends on the
+/// previous one and cannot be vectorised (row_wavefront.h). A 640 x 480 frame takes 0.22 ms instead
+/// of 0.82 ms with AVX2 (docs/codecs.md).
 template <size_t kChannels>
 ENGRAM_INLINE void restore_bytes(const std::byte* residuals, const ImageSize& size,
                                  bool colour_differences, std::byte* image) {
@@ -200,7 +203,8 @@ const Kernels& kernels_of(const ImageSize& size, Vectors vectors) {
   return is_wide ? kernels_of<Wide>(size) : kernels_of<Plain>(size);
 }
 
-/// How far the residuals of bytes are from zero, all together.
+/// Sum of the distances of byte residuals from zero. It is a cheap estimate of their compressed
+/// size.
 size_t cost(std::span<const std::byte> residuals) {
   size_t sum = 0;
   for (const std::byte residual : residuals) {
@@ -212,6 +216,8 @@ size_t cost(std::span<const std::byte> residuals) {
 
 }  // namespace
 
+// A few pairs of rows decide for the whole image, since predicting all of it both ways would double
+// the cost of prediction.
 bool prefers_colour_differences(std::span<const std::byte> image, const ImageSize& size) {
   if (size.channels < 3 || size.height == 0) return false;
   if (size.is_float) return false;

@@ -6,13 +6,14 @@
 
 namespace engram::ltm {
 
-/// Which instructions to use; the result is the same.
+/// The instruction set to use. The result is the same for all.
 enum class Vectors {
-  kWidest,    ///< The widest that the processor has.
-  kPortable,  ///< Those that every processor has; to test that nothing differs.
+  kWidest,  ///< The widest vectors that the processor has.
+  /// Vectors that every processor has. Tests use it to check that the results are the same.
+  kPortable,
 };
 
-/// Size of an image whose channels lie beside each other in memory.
+/// Size of an image with interleaved channels.
 struct ImageSize {
   size_t height = 1;  ///< At least 1, like width.
   size_t width = 1;
@@ -23,25 +24,27 @@ struct ImageSize {
   [[nodiscard]] size_t bytes() const { return height * width * channels * element_bytes; }
 };
 
-/// Says whether red and blue are better told as differences from green, from a few rows.
-/// False where there are fewer than three channels.
+/// Estimates from a few rows whether red and blue take fewer bytes as differences from green.
+/// Returns false for fewer than three channels.
 [[nodiscard]] bool prefers_colour_differences(std::span<const std::byte> image,
                                               const ImageSize& size);
 
-/// Replaces every number by its difference from what its left, upper and upper left neighbours
-/// suggest (their median edge detector), one channel and one byte of its numbers after the other.
+/// Replaces each number by its difference from the prediction of its left, upper and upper left
+/// neighbours (their median edge detector). The output is ordered by channel, then by byte of the
+/// numbers.
 ///
-/// With `colour_differences` (three channels or more) green comes first, then red and blue less
-/// green. The first row knows only its left neighbours, the first column only its upper ones.
-/// Differences are modulo the numbers' range; of 2 and 4 bytes they are folded (0, -1, 1, -2, ...)
-/// so that the high bytes of small ones are zero, and float32 is ordered as an integer before.
-/// Identical on every processor. Needs residuals.size() == image.size() == size.bytes() (checked).
+/// With `colour_differences` (three channels or more) green comes first, then red minus green and
+/// blue minus green. The first row uses only left neighbours, the first column only upper ones.
+/// Differences are modulo the numbers' range. Those of 2 and 4 bytes are folded (0, -1, 1, -2, ...)
+/// so that small ones have zero high bytes; float32 is first mapped to integers of the same order.
+/// The result is identical on every processor. Needs residuals.size() == image.size() ==
+/// size.bytes() (checked).
 /// Source: M. Weinberger, G. Seroussi, G. Sapiro, "The LOCO-I lossless image compression
 /// algorithm", 2000, section III-B (the predictor).
 void predict_rows(std::span<const std::byte> image, const ImageSize& size, bool colour_differences,
                   std::span<std::byte> residuals, Vectors vectors = Vectors::kWidest);
 
-/// The exact inverse of predict_rows; any bytes are residuals of some image.
+/// The exact inverse of predict_rows. Any bytes are valid residuals.
 void restore_rows(std::span<const std::byte> residuals, const ImageSize& size,
                   bool colour_differences, std::span<std::byte> image,
                   Vectors vectors = Vectors::kWidest);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to ltm/codec/row_prediction.cpp: loops over one row each, which the compiler turns into
-// vector code for whatever processor the function around them is compiled for.
+// Private to ltm/codec/row_prediction.cpp: loops over one row each. The compiler vectorises them
+// for the processor for which the enclosing function is compiled.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace engram::ltm::row_loops {
 
-/// Where the median of left, upper and left + upper - corner lies.
+/// The median of left, upper and left + upper - corner.
 template <typename T>
 ENGRAM_INLINE T median_edge(T left, T upper, T corner) {
   const T min = std::min(left, upper);
@@ -22,7 +22,7 @@ ENGRAM_INLINE T median_edge(T left, T upper, T corner) {
   return static_cast<T>(min + max - std::min(std::max(corner, min), max));
 }
 
-/// 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
+/// Maps 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
 template <typename T>
 ENGRAM_INLINE T fold(T difference) {
   const auto sign = static_cast<T>(0 - (difference >> (8 * sizeof(T) - 1)));
@@ -34,7 +34,8 @@ ENGRAM_INLINE T unfold(T folded) {
   return static_cast<T>((folded >> 1) ^ static_cast<T>(0 - (folded & 1)));
 }
 
-/// Bits of a float as an integer of the same order, and back. A bijection: NaNs keep their bits.
+/// Maps the bits of a float to an integer of the same order, and back. It is a bijection: NaNs keep
+/// their bits.
 ENGRAM_INLINE uint32_t ordered(uint32_t bits) {
   return bits ^ (static_cast<uint32_t>(0 - (bits >> 31)) | 0x80000000u);
 }
@@ -43,13 +44,13 @@ ENGRAM_INLINE uint32_t unordered(uint32_t order) {
   return order ^ (static_cast<uint32_t>((order >> 31) - 1) | 0x80000000u);
 }
 
-/// A row of one channel with room for its left neighbour before it.
+/// A row of one channel, with room for the left neighbour of its first number.
 template <typename T>
 class Line {
  public:
   explicit Line(size_t width) : values_(width + 1) {}
   T* data() { return values_.data() + 1; }
-  /// The first column knows only its upper neighbour: left and corner repeat it.
+  /// The first column has only an upper neighbour, so its left and corner are set to that value.
   void set_left(T value) { values_[0] = value; }
 
  private:
@@ -85,7 +86,7 @@ ENGRAM_INLINE void add(T* __restrict row, const T* __restrict other, size_t widt
   for (size_t x = 0; x < width; ++x) row[x] = static_cast<T>(row[x] + other[x]);
 }
 
-/// `row` and `above` have a left neighbour before them.
+/// Predicts a row. `row` and `above` must have a left neighbour before them.
 template <typename T>
 ENGRAM_INLINE void predict_line(const T* __restrict row, const T* __restrict above,
                                 T* __restrict residuals, size_t width) {
@@ -100,7 +101,8 @@ ENGRAM_INLINE void predict_line(const T* __restrict row, const T* __restrict abo
   }
 }
 
-/// Each number needs the one before: the channels run beside each other, to keep the core busy.
+/// Restores a row. Each number depends on the previous one, so the channels are interleaved to keep
+/// the processor busy.
 template <typename T, size_t kChannels>
 ENGRAM_INLINE void restore_lines(const Rows<const T, kChannels>& residuals,
                                  const Rows<T, kChannels>& above, const Rows<T, kChannels>& rows,
@@ -117,7 +119,8 @@ ENGRAM_INLINE void restore_lines(const Rows<const T, kChannels>& residuals,
     }
 }
 
-/// Writes pixels; with `colour_differences` the first row is green, the next two less green.
+/// Writes pixels. With `colour_differences` the first row is green, and the next two are
+/// differences from green.
 template <size_t kChannels>
 ENGRAM_INLINE void join_pixels(const Rows<uint8_t, kChannels>& rows, bool colour_differences,
                                uint8_t* __restrict pixels, size_t width) {
@@ -154,7 +157,7 @@ ENGRAM_INLINE void join_bytes(const uint8_t* __restrict in, size_t stride, T* __
       row[x] = static_cast<T>(row[x] | static_cast<T>(in[b * stride + x]) << (8 * b));
 }
 
-/// Green first, then red and blue, then what else there is.
+/// Green first, then red and blue, then any other channel.
 template <typename T, size_t kChannels>
 Rows<T, kChannels> in_coded_order(Rows<T, kChannels> rows, bool colour_differences) {
   if constexpr (kChannels >= 3)

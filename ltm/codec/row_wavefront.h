@@ -3,14 +3,14 @@
 
 // Private to ltm/codec/row_prediction.cpp: restores bytes along a slanted front.
 //
-// A number needs its left, upper and corner neighbours. Of sixteen rows, the k-th is restored k
-// columns behind the first: then all that a step needs was made by the two steps before, and one
-// vector holds the sixteen numbers of a step.
+// A number needs its left, upper and corner neighbours. In a band of sixteen rows, row k is
+// restored k columns behind the first. Everything that a step needs was then made by the two steps
+// before it, and one vector holds the sixteen numbers of a step.
 //
-//     above   . . . . . u . .        one step restores the numbers x,
-//     row 0   . . . . . x            whose upper neighbours are those of the step before,
+//     above   . . . . . u . .        one step restores the numbers x;
+//     row 0   . . . . . x            their upper neighbours are the numbers of the step before,
 //     row 1   . . . . x              moved by one lane,
-//     row 2   . . . x                and whose corners are the upper ones of the step before
+//     row 2   . . . x                and their corners are the upper neighbours of that step
 
 #include <algorithm>
 #include <array>
@@ -37,7 +37,7 @@ ENGRAM_INLINE void store(Lanes lanes, uint8_t* to) {
   std::memcpy(to, &lanes, kLanes);
 }
 
-/// Rows become columns: four perfect shuffles of its halves.
+/// Transposes rows and columns by four perfect shuffles of its halves.
 ENGRAM_INLINE void transpose(Square& square) {
   constexpr size_t kHalf = kLanes / 2;
   for (int round = 0; round < 4; ++round) {
@@ -54,7 +54,7 @@ ENGRAM_INLINE void transpose(Square& square) {
   }
 }
 
-/// Every lane moves up by one; the last one of `first` becomes the lowest.
+/// Moves every lane up by one; the last lane of `first` becomes the lowest.
 ENGRAM_INLINE Lanes push(Lanes first, Lanes lanes) {
   return __builtin_shufflevector(first, lanes, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27,
                                  28, 29, 30);
@@ -67,10 +67,11 @@ ENGRAM_INLINE Lanes median_edges(Lanes left, Lanes upper, Lanes corner) {
   return min + max - (above_min < max ? above_min : max);
 }
 
-/// Sixteen rows of every channel and the row above them, in place: residuals become numbers.
+/// Sixteen rows of every channel and the row above them. Residuals are replaced by numbers in
+/// place.
 ///
-/// Before each row stand as many zeros as its lane starts late, and zeros below zeros have zeros
-/// as residuals: a row begins with equal left and corner numbers, as it has to.
+/// Each row is preceded by as many zeros as its lane starts late. Zeros below zeros have zero
+/// residuals, so each row begins with equal left and corner numbers, as it must.
 template <size_t kChannels>
 class Band {
  public:
@@ -103,7 +104,7 @@ class Band {
  private:
   using Squares = std::array<Square, kChannels>;
 
-  /// What the next step of one channel needs.
+  /// The state that the next step of one channel needs.
   struct Front {
     Lanes left{};
     Lanes upper{};
@@ -113,7 +114,8 @@ class Band {
     return bytes_.data() + channel * (kLanes + 1) * stride_ + kLanes;
   }
 
-  /// Sixteen steps of all channels, whose chains keep the core busy beside each other.
+  /// Restores sixteen steps of all channels. The channels are independent, which keeps the
+  /// processor busy.
   ENGRAM_INLINE void restore_squares(std::array<Front, kChannels>& fronts, size_t step) {
     Squares squares;
     for (size_t c = 0; c < kChannels; ++c) {
@@ -139,7 +141,7 @@ class Band {
   }
 
   size_t width_;
-  size_t steps_;  ///< Until the last row is at its end, in whole squares.
+  size_t steps_;  ///< Number of steps until the last row is complete, in whole squares.
   size_t stride_;
   std::vector<uint8_t> bytes_;
 };

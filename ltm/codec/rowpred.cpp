@@ -14,11 +14,11 @@ namespace {
 
 constexpr int64_t kMaxSide = 1 << 16;
 constexpr uint8_t kVersion = 1;
-/// Most that a thread keeps for residuals: an image of 1280 x 720 RGB. Pages that were never
-/// written take no memory.
+/// Max size of the memory that a thread keeps for residuals: an image of 1280 x 720 RGB. Pages that
+/// were never written take no memory.
 constexpr size_t kKeptRoomBytes = size_t{3} << 20;
 
-/// What precedes the Zstandard frame.
+/// The header before the Zstandard frame.
 struct Header {
   uint8_t version = kVersion;
   uint8_t colour_differences = 0;
@@ -48,13 +48,13 @@ Header header_of(idf::ElementType type, const idf::Shape& shape) {
   return header;
 }
 
-/// Memory that nobody zeroes before it is written.
+/// Allocates memory without zeroing it.
 std::shared_ptr<std::byte[]> make_room(size_t bytes) {
   return std::make_unique_for_overwrite<std::byte[]>(bytes);
 }
 
-/// Where residuals lie while an image is encoded or decoded. Fresh memory costs as much time as
-/// half of the prediction, so each thread keeps some; larger images have their own.
+/// Memory for residuals while an image is encoded or decoded. Fresh memory costs as much time as
+/// half of the prediction, so each thread keeps some; larger images allocate their own.
 class ResidualRoom {
  public:
   explicit ResidualRoom(size_t bytes) : bytes_(bytes) {

@@ -11,11 +11,12 @@ struct SealRules::Plan {
   struct Rule {
     PackRule rule;
     PackRuleUse use = PackRuleUse::kSingle;
-    std::shared_ptr<const GroupCodec> group;  ///< Of groups only.
+    std::shared_ptr<const GroupCodec> group;  ///< Only for groups.
   };
 
   std::vector<Rule> rules;
-  std::set<std::string, std::less<>> columns;  ///< Paths, whatever the rules say.
+  /// These paths become columns regardless of the rules.
+  std::set<std::string, std::less<>> columns;
 };
 
 Result<SealRules> SealRules::create(const PackOptions& options) {

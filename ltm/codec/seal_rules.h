@@ -12,8 +12,8 @@
 
 namespace engram::ltm {
 
-/// What becomes of the values of an entity when its journal is sealed: which images are put
-/// together as groups, and which numbers as compressed columns. By default all stays as it is.
+/// How the values of an entity are stored when its journal is sealed: which images become groups,
+/// and which numbers become compressed columns. By default everything stays as it is.
 ///
 /// Threading: immutable, const-parallel. Copies share the codecs.
 /// Source: docs/recording.md, section "Rules".
@@ -21,31 +21,32 @@ class SealRules {
  public:
   SealRules() = default;
 
-  /// The seal-time part of the rules that values are packed by.
-  /// Errors: kInvalidArgument if `options` do not validate; kFailedPrecondition where an encoder
-  /// is not installed.
+  /// The part of the packing rules that applies when data is sealed.
+  /// Errors: kInvalidArgument if `options` do not validate; kFailedPrecondition if an encoder is
+  /// not installed.
   static Result<SealRules> create(const PackOptions& options);
 
-  /// Rules under which the numbers at these paths, and no others, become columns; images stay.
+  /// Rules that make the numbers at these paths, and no others, columns. Images stay as they are.
   static SealRules columns(std::set<std::string, std::less<>> paths);
 
-  /// Rules under which all numbers do.
+  /// Rules that make all numbers columns.
   static SealRules all_columns();
 
-  /// True where all stays as it is.
+  /// True if everything stays as it is.
   [[nodiscard]] bool empty() const { return plan_ == nullptr; }
 
-  /// Null where arrays of this path, type and shape stay single. Valid as long as the rules.
+  /// The group codec for arrays of this path, type and shape, or null if they stay single. Valid as
+  /// long as the rules.
   [[nodiscard]] const GroupCodec* group_codec(std::string_view path, idf::ElementType type,
                                               const idf::Shape& shape) const;
 
-  /// True where the number or array at `path` becomes a compressed column.
+  /// True if the number or array at `path` becomes a compressed column.
   [[nodiscard]] bool are_columns(std::string_view path) const;
 
  private:
   struct Plan;
 
-  std::shared_ptr<const Plan> plan_;  ///< Null: none.
+  std::shared_ptr<const Plan> plan_;  ///< Null if there are no rules.
 };
 
 }  // namespace engram::ltm

@@ -18,7 +18,7 @@ void check_sizes(size_t bytes, size_t record_bytes, size_t out) {
                bytes, out);
 }
 
-/// Swaps rows and columns of 8 x 8 bits; its own inverse.
+/// Transposes 8 x 8 bits; its own inverse.
 uint64_t transposed(uint64_t bits) {
   uint64_t moved = (bits ^ (bits >> 7)) & 0x00aa00aa00aa00aa;
   bits ^= moved ^ (moved << 7);

@@ -11,7 +11,7 @@ namespace {
 constexpr int kDefaultLevel = 3;
 constexpr int64_t kMaxFields = 16;
 
-/// Part of the format: docs/codecs.md, section "Formats".
+/// The record size, which is part of the format: docs/codecs.md, section "Formats".
 size_t record_bytes(idf::ElementType type, const idf::Shape& shape) {
   const bool has_fields = shape.size() >= 2 && shape.back() >= 1 && shape.back() <= kMaxFields;
   return idf::size_bytes(type) * (has_fields ? static_cast<size_t>(shape.back()) : 1);

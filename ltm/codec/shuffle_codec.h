@@ -6,9 +6,10 @@
 
 namespace engram::ltm {
 
-/// Any ndarray through a byte shuffle and Zstandard: for float arrays and point clouds. Lossless.
-/// A record of the shuffle is an element, or a row of up to 16 of them (the fields of a point).
-/// "shuffle:level=1..19", 3 by default.
+/// Compresses any ndarray by a byte shuffle and Zstandard; meant for float arrays and point clouds.
+/// Lossless. A record of the shuffle is an element, or a row of up to 16 elements (the fields of a
+/// point).
+/// The text is "shuffle:level=1..19"; the default is 3.
 /// Errors: kInvalidArgument for other options.
 Result<std::unique_ptr<const Codec>> make_shuffle_codec(CodecText text);
 

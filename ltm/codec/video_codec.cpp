@@ -18,9 +18,9 @@ namespace engram::ltm {
 namespace {
 
 constexpr int64_t kMaxSide = 1 << 14;
-/// A few bytes may announce any size, and decoders allocate it: this bounds what they get.
+/// Max number of pixels. A few bytes may announce any size, and decoders allocate it.
 constexpr int64_t kMaxPixels = 1 << 26;
-/// Codecs pad pictures to whole blocks.
+/// Max padding of a picture's sides, because codecs pad pictures to whole blocks.
 constexpr int64_t kMaxPadding = 128;
 constexpr int kMaxGroup = 1024;
 constexpr size_t kMaxSetupBytes = 1 << 20;
@@ -79,12 +79,12 @@ struct VideoOptions {
 };
 
 void set(AVCodecContext& encoder, const char* key, const std::string& value) {
-  // An option that the installed version does not have is left alone.
+  // An option that the installed version does not have is ignored.
   av_opt_set(encoder.priv_data, key, value.c_str(), 0);
 }
 
-/// One thread, and nothing that depends on the clock: equal groups give equal bytes; of libx264
-/// nearly always, as it reads memory that nobody wrote where pictures are tiny.
+/// Uses one thread and nothing that depends on the clock, so that equal groups give equal bytes.
+/// With libx264 this holds nearly always: it reads uninitialised memory for tiny pictures.
 void configure(const VideoKind& kind, const VideoOptions& options, AVCodecContext& encoder) {
   if (kind.name == "ffv1") {
     encoder.level = 3;
@@ -98,15 +98,16 @@ void configure(const VideoKind& kind, const VideoOptions& options, AVCodecContex
     encoder.bit_rate = 0;
     set(encoder, "cpu-used", std::to_string(std::clamp(9 - options.effort, 0, 8)));
     set(encoder, "row-mt", "0");
-    // Without looking ahead, libaom gives all frames much the same quality whatever crf says.
+    // Without lookahead, libaom encodes all frames with much the same quality, regardless of crf.
     set(encoder, "lag-in-frames", "19");
-    // Pictures that are shown are not to be smoothed over time first: no quality would undo it.
+    // Disable temporal smoothing of the pictures before encoding: no quality setting would undo it.
     set(encoder, "arnr-strength", "0");
     set(encoder, "aom-params", "enable-keyframe-filtering=0");
     return;
   }
   set(encoder, "preset", kPresets[static_cast<size_t>(options.effort)]);
-  // The tree of block costs writes beyond its buffers where pictures are not whole vectors wide.
+  // cutree writes beyond its buffers if the width of a picture is not a multiple of the vector
+  // size.
   if (kind.name == "h265")
     set(encoder, "x265-params",
         "log-level=none:pools=none:frame-threads=1:wpp=0:info=0:keyint=" +
@@ -150,6 +151,8 @@ Result<libav::Owned<AVCodecContext>> open_decoder(const VideoKind& kind, const V
   decoder->width = static_cast<int>(group.width);
   decoder->thread_count = 1;
   decoder->max_pixels = (group.height + kMaxPadding) * (group.width + kMaxPadding);
+  // By default decoders conceal damage and return a plausible picture; here damage must be an
+  // error.
   decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   if (!group.setup.empty()) {
     decoder->extradata =
@@ -240,7 +243,7 @@ class VideoCodec final : public GroupCodec {
   VideoOptions options_;
 };
 
-/// A group of one.
+/// Encodes one image as a group of one.
 class Ffv1ImageCodec final : public Codec {
  public:
   [[nodiscard]] std::string_view name() const override { return "ffv1"; }

@@ -19,7 +19,8 @@ void put(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
   out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
-/// Takes numbers and byte strings from the front; everything fails once something did not fit.
+/// Reads numbers and byte strings from the front. After one read past the end all reads fail, so
+/// the caller checks once, at the end.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -50,7 +51,7 @@ class Cursor {
   bool is_ok_ = true;
 };
 
-/// Collects what the encoder has ready.
+/// Collects the packets that the encoder has ready.
 Status drain_encoder(AVCodecContext& encoder, AVPacket& packet, VideoGroup& group) {
   while (true) {
     const int code = avcodec_receive_packet(&encoder, &packet);
@@ -80,7 +81,7 @@ class Decoding {
 
  private:
   Status feed(const VideoPacket& packet) {
-    // The decoder reads beyond the end: av_new_packet adds zeros there.
+    // Decoders read beyond the end of a packet; av_new_packet adds zeros there.
     if (av_new_packet(packet_.get(), static_cast<int>(packet.bytes.size())) < 0)
       return resource_exhausted("no memory for a packet");
     if (!packet.bytes.empty()) std::memcpy(packet_->data, packet.bytes.data(), packet.bytes.size());
@@ -90,6 +91,8 @@ class Decoding {
       if (code == AVERROR(EAGAIN)) {
         const size_t before = arrays_.size();
         ENGRAM_RETURN_IF_ERROR(drain());
+        // A decoder that accepts no packet and gives no picture would loop forever on hostile
+        // bytes.
         if (arrays_.size() == before) return data_loss("the decoder is stuck");
         continue;
       }
@@ -176,7 +179,7 @@ Result<VideoGroup> encode_group(AVCodecContext& encoder, PictureLayout layout,
   for (size_t i = 0; i <= arrays.size(); ++i) {
     const bool is_end = i == arrays.size();
     if (!is_end) {
-      // The encoder may still look at the pictures before.
+      // The encoder may still use the previous pictures.
       if (av_frame_make_writable(picture.get()) < 0)
         return resource_exhausted("no memory for a picture");
       write_picture(arrays[i], layout, *picture);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: a group of pictures as packets of a video codec, and packets as a blob.
+// Private to this room: groups of pictures as packets of a video codec, and packets as a blob.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,17 +13,17 @@
 namespace engram::ltm {
 
 struct VideoPacket {
-  int32_t order = 0;  ///< Place of its picture in the order of time.
+  int32_t order = 0;  ///< Position of its picture in the order of time.
   std::vector<std::byte> bytes;
 };
 
-/// A group as it is stored. Source: docs/codecs.md, section "Formats".
+/// A group in stored form. Source: docs/codecs.md, section "Formats".
 struct VideoGroup {
   PictureLayout layout = PictureLayout::kGray8;
   uint32_t count = 0;
   uint32_t height = 0;
   uint32_t width = 0;
-  std::vector<std::byte> setup;  ///< What the decoder needs before the first packet.
+  std::vector<std::byte> setup;  ///< Data that the decoder needs before the first packet.
   std::vector<VideoPacket> packets;
 
   [[nodiscard]] std::vector<std::byte> to_bytes() const;
@@ -31,12 +31,13 @@ struct VideoGroup {
   static Result<VideoGroup> from_bytes(std::span<const std::byte> bytes);
 };
 
-/// Runs opened encoder over all arrays, which fit `layout`.
-/// Errors: kResourceExhausted, kInvalidArgument where the encoder refuses.
+/// Encodes all arrays with an opened encoder. They must have the layout `layout`.
+/// Errors: kResourceExhausted; kInvalidArgument if the encoder fails.
 Result<VideoGroup> encode_group(AVCodecContext& encoder, PictureLayout layout,
                                 std::span<const idf::NdArray> arrays);
 
-/// Errors: kDataLoss where the packets do not give exactly the group's pictures, undamaged.
+/// Decodes a group. Errors: kDataLoss if the packets do not give exactly the group's pictures,
+/// undamaged.
 Result<std::vector<idf::NdArray>> decode_group(AVCodecContext& decoder, const VideoGroup& group,
                                                idf::ElementType type, const idf::Shape& shape);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/zstd.h"
 
-// Literals are coded at negative levels only on demand, by a parameter that is not in the stable
-// part.
+// Needed for a parameter that is not in the stable API: at negative levels, literals are entropy
+// coded only on request.
 #define ZSTD_STATIC_LINKING_ONLY
 #include <zstd.h>
 
@@ -12,10 +12,11 @@ namespace engram::ltm {
 
 namespace {
 
-/// No frame expands further: a block takes at least 3 bytes and gives at most 128 KiB.
+/// Bounds for the expansion of a frame: a block takes at least 3 bytes and gives at most 128 KiB.
 constexpr size_t kLargestBlockBytes = 128 << 10;
 constexpr size_t kSmallestBlockBytes = 3;
-/// A negative level is how many bytes are passed over after each failed search for a repetition.
+/// A negative level is the number of bytes that are skipped after each failed search for a
+/// repetition.
 constexpr int kEntropyOnlyLevel = -20'000;
 constexpr size_t kWorthSearching = 5;
 
@@ -24,8 +25,8 @@ struct ContextFreer {
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-// Making a context costs more than a small value takes, so each thread keeps one of each kind. What
-// they give does not depend on what they did before.
+// Creating a context costs more than compressing a small value, so each thread keeps one of each
+// kind. The output does not depend on earlier use.
 ZSTD_CCtx* compressor() {
   thread_local const std::unique_ptr<ZSTD_CCtx, ContextFreer> context(ZSTD_createCCtx());
   ENGRAM_CHECK(context != nullptr, "zstd: no memory");
@@ -54,7 +55,7 @@ void append_residuals(std::span<const std::byte> bytes, std::vector<std::byte>& 
   ZSTD_CCtx_reset(context, ZSTD_reset_session_and_parameters);
   ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, kEntropyOnlyLevel);
   ZSTD_CCtx_setParameter(context, ZSTD_c_literalCompressionMode, ZSTD_lcm_huffman);
-  // Not in `out`, which would keep room for the worst case.
+  // Compress into a temporary buffer, because `out` would keep the capacity for the worst case.
   const size_t max = ZSTD_compressBound(bytes.size());
   const auto frame = std::make_unique_for_overwrite<std::byte[]>(max);
   const size_t size = ZSTD_compress2(context, frame.get(), max, bytes.data(), bytes.size());

@@ -6,11 +6,12 @@
 
 namespace engram::ltm {
 
-/// Any ndarray as it lies, through Zstandard. Lossless. "zstd:level=1..19", 3 by default.
+/// Compresses the unchanged bytes of any ndarray with Zstandard. Lossless. The text is
+/// "zstd:level=1..19"; the default is 3.
 /// Errors: kInvalidArgument for other options.
 Result<std::unique_ptr<const Codec>> make_zstd_codec(CodecText text);
 
-/// The one with default options.
+/// The codec with default options.
 [[nodiscard]] const Codec& zstd_codec();
 
 }  // namespace engram::ltm

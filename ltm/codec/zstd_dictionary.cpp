@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/zstd_dictionary.h"
 
-// Frames without a magic number are not in the stable part; nor are tables that are shared.
+// Frames without a magic number and shared tables are not in the stable API.
 #define ZSTD_STATIC_LINKING_ONLY
 #include <zdict.h>
 #include <zstd.h>
@@ -86,12 +86,13 @@ Result<ZstdDictionary> ZstdDictionary::from_bytes(Buffer bytes, int level) {
 }
 
 std::vector<std::byte> ZstdDictionary::compress(std::span<const std::byte> bytes) const {
-  // Making a context takes longer than compressing a small value.
+  // Creating a context takes longer than compressing a small value.
   thread_local const Compressor context = make_compressor();
   ZSTD_CCtx_refCDict(context.get(), tables_->compressing.get());
   std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
   const size_t size =
       ZSTD_compress2(context.get(), out.data(), out.size(), bytes.data(), bytes.size());
+  // The thread's context outlives this dictionary and must not keep a pointer to its tables.
   ZSTD_CCtx_refCDict(context.get(), nullptr);
   ENGRAM_CHECK(ZSTD_isError(size) == 0, "zstd: {}", ZSTD_getErrorName(size));
   return {out.begin(), out.begin() + static_cast<ptrdiff_t>(size)};

@@ -12,29 +12,30 @@
 
 namespace engram::ltm {
 
-/// What many small values have in common, so that each takes only what is its own.
+/// The common content of many small values, so that each frame stores only what differs.
 ///
-/// The frames it makes have no magic number and do not name it: whoever stores them keeps `id` and
-/// `bytes` beside them. With another dictionary they decode to an error or to other bytes.
+/// Frames have no magic number and do not name their dictionary; store `id` and `bytes` beside
+/// them. With another dictionary they decode to an error or to other bytes.
 /// Threading: immutable, const-parallel. Copies share the tables.
 /// Source: docs/codecs.md, section "Dictionaries".
 class ZstdDictionary {
  public:
   struct Options {
-    /// Largest dictionary. About a hundredth of what it is for pays. Unit: bytes, 256 to 1 MiB.
+    /// Max size of the dictionary. About a hundredth of the data that it is used for pays off.
+    /// Unit: bytes, 256 to 1 MiB.
     size_t max_bytes = 16 << 10;
-    int level = 3;  ///< 1 to 19; more takes longer to compress with.
+    int level = 3;  ///< 1 to 19; a higher level compresses more slowly.
 
     [[nodiscard]] Status validate() const;
   };
 
-  /// Learns from samples; a few hundred do. Equal samples give equal dictionaries.
-  /// Errors: kInvalidArgument where the options do not validate or the samples are too few or too
-  /// small to learn from.
+  /// Trains a dictionary on samples; a few hundred suffice. Equal samples give equal dictionaries.
+  /// Errors: kInvalidArgument if the options do not validate, or if the samples are too few or too
+  /// small.
   static Result<ZstdDictionary> train(std::span<const Buffer> samples, const Options& options);
 
-  /// Takes what `bytes` gave.
-  /// Errors: kDataLoss where they are no dictionary.
+  /// Makes a dictionary from the bytes of another one, as returned by `bytes`.
+  /// Errors: kDataLoss if they are not a dictionary.
   static Result<ZstdDictionary> from_bytes(Buffer bytes, int level = 3);
 
   [[nodiscard]] uint32_t id() const { return id_; }
@@ -42,7 +43,7 @@ class ZstdDictionary {
 
   [[nodiscard]] std::vector<std::byte> compress(std::span<const std::byte> bytes) const;
 
-  /// Safe on hostile bytes: nothing is allocated beyond `max_size`.
+  /// Decompresses a frame. Safe on hostile bytes: nothing is allocated beyond `max_size`.
   /// Errors: kDataLoss.
   Result<std::vector<std::byte>> decompress(std::span<const std::byte> bytes,
                                             size_t max_size) const;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kChecksumBytes = 4;
 
-/// Fletcher's sum over pairs of bytes, the higher one first.
+/// Fletcher's checksum over pairs of bytes, high byte first.
 uint32_t fletcher32(RawView bytes) {
   uint32_t a = 0;
   uint32_t b = 0;
@@ -30,7 +30,7 @@ Result<RawBytes> checked(RawBytes bytes) {
   const auto stated = raw_number<uint32_t>(bytes, bytes.size() - kChecksumBytes);
   bytes.resize(bytes.size() - kChecksumBytes);
   const uint32_t sum = fletcher32(bytes);
-  // Either half may be all ones where it could be zero.
+  // Modulo 65535, zero and all ones are the same, and either half may be written as either.
   const auto is_same = [](uint32_t x, uint32_t y) {
     return (x & 0xFFFF) % 0xFFFF == (y & 0xFFFF) % 0xFFFF;
   };

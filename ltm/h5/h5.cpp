@@ -43,12 +43,13 @@ Result<File> File::create(const std::filesystem::path& path, Audience audience) 
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored))
     return already_exists("HDF5 file '{}' exists", path.string());
-  // Before the lock, so that it goes after it: its destructor takes the lock itself.
+  // Created before the lock, so that it is destroyed after it: its destructor takes the lock
+  // itself.
   auto state = std::make_unique<State>();
   state->path = path;
   const LibraryLock lock;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // The 1.10 format spends far fewer bytes per dataset than the default of 1.8 and older.
+  // The 1.10 format takes far fewer bytes per dataset than the default, that of 1.8 and older.
   if (audience == Audience::kOurselves)
     H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   const Handle creation = without_times(H5P_FILE_CREATE);
@@ -60,7 +61,8 @@ Result<File> File::create(const std::filesystem::path& path, Audience audience) 
 Result<File> File::open(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path))
     return not_found("HDF5 file '{}' does not exist", path.string());
-  // Before the lock, so that it goes after it: its destructor takes the lock itself.
+  // Created before the lock, so that it is destroyed after it: its destructor takes the lock
+  // itself.
   auto state = std::make_unique<State>();
   state->path = path;
   const LibraryLock lock;

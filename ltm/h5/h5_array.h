@@ -23,21 +23,21 @@ enum class Type {
 
 [[nodiscard]] size_t size_bytes(Type type);
 
-/// What the elements of an array in a file of other people are.
+/// The kind of the elements of an array in a file that another program wrote.
 enum class Kind : uint8_t {
-  kNumber,     ///< Of a Type, in any order of bytes.
-  kHalf,       ///< A float of two bytes; kFloat32 in memory.
-  kBool,       ///< h5py's enumeration FALSE, TRUE of one byte; kUInt8 in memory.
-  kFixedText,  ///< Padded to a length.
-  kText,       ///< Of variable length.
+  kNumber,     ///< A number of a Type, in either byte order.
+  kHalf,       ///< A 2-byte float; kFloat32 in memory.
+  kBool,       ///< h5py's 1-byte enumeration FALSE, TRUE; kUInt8 in memory.
+  kFixedText,  ///< Text padded to a fixed length.
+  kText,       ///< Text of variable length.
   kBytes,      ///< uint8 of variable length, such as a compressed image.
-  kOther,      ///< Compounds, references, ...: not read.
+  kOther,      ///< Compounds, references, and others, which are not read.
 };
 
 struct Element {
   Kind kind = Kind::kNumber;
-  Type type = Type::kUInt8;  ///< In memory; means nothing to texts.
-  uint64_t text_bytes = 0;   ///< Of a fixed text.
+  Type type = Type::kUInt8;  ///< Type in memory; has no meaning for texts.
+  uint64_t text_bytes = 0;   ///< Size of a fixed text, in bytes.
 
   [[nodiscard]] bool is_number() const { return kind <= Kind::kBool; }
 
@@ -48,13 +48,14 @@ struct Element {
 struct ArrayInfo {
   Element element;
   std::vector<uint64_t> shape;  ///< Empty: one element.
-  uint64_t chunk_rows = 0;      ///< Rows of a chunk along axis 0; 0: not chunked.
-  int deflate_level = 0;        ///< 0: not compressed.
+  uint64_t chunk_rows = 0;      ///< Number of rows of a chunk along axis 0; 0 if not chunked.
+  int deflate_level = 0;        ///< 0 if not compressed.
 
-  /// Size of axis 0; 0 where there is none.
+  /// Size of axis 0; 0 if there is no axis.
   [[nodiscard]] uint64_t rows() const { return shape.empty() ? 0 : shape[0]; }
   [[nodiscard]] uint64_t row_elements() const;
-  /// In memory, of numbers. Arrays of opened files were checked not to overflow.
+  /// Size of a row of numbers in memory, in bytes. It does not overflow: arrays of opened files are
+  /// checked.
   [[nodiscard]] uint64_t row_bytes() const { return row_elements() * size_bytes(element.type); }
 
   friend bool operator==(const ArrayInfo&, const ArrayInfo&) = default;
@@ -64,7 +65,7 @@ struct ArrayInfo {
 struct Attribute {
   Element element;
   std::vector<uint64_t> shape;   ///< Empty: one element.
-  std::vector<std::byte> bytes;  ///< Of numbers.
+  std::vector<std::byte> bytes;  ///< The numbers.
   std::vector<std::string> texts;
 
   friend bool operator==(const Attribute&, const Attribute&) = default;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays of other people's files.
+// Reads arrays in files of other programs.
 #include <algorithm>
 
 #include "ltm/h5/h5_state.h"
@@ -12,7 +12,8 @@ namespace {
 constexpr size_t kMaxOpenArrays = 256;
 constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxTextBytes = 1 << 28;
-/// Arrays that were never written may announce this much; others, what deflate can shrink.
+/// Max announced size of an array without stored data. The size of others is bounded by what
+/// deflate can shrink.
 constexpr uint64_t kMaxUnwrittenBytes = 64 << 20;
 constexpr uint64_t kMaxShrinkage = 1100;
 
@@ -36,8 +37,9 @@ std::optional<ChunkFilter> known_filter(H5Z_filter_t filter) {
   return std::nullopt;
 }
 
-/// Chunks and filters of an array; what is wrong with them, if anything is.
+/// Reads chunks and filters of an array. Returns what is wrong with them, or an empty string.
 std::string read_chunks(hid_t creation, OpenArray& array) {
+  // A file must not make us open other files.
   if (H5Pget_external_count(creation) > 0) return "lies in other files, which are not read";
   if (H5Pget_layout(creation) == H5D_VIRTUAL) return "is made of other files, which are not read";
   if (H5Pget_layout(creation) != H5D_CHUNKED) return {};
@@ -66,11 +68,12 @@ std::string read_chunks(hid_t creation, OpenArray& array) {
   return {};
 }
 
-/// Turns rows as they are in the file into those in memory.
+/// Converts rows from their type in the file to that in memory.
 Status convert(hid_t dataset, const Element& element, uint64_t count, RawBytes& bytes) {
   const Handle stored(H5Dget_type(dataset), H5Tclose);
   const Handle memory = memory_type(element);
   const size_t size = size_bytes(element.type);
+  // H5Tconvert converts in place, so the buffer must have room for the larger of the two types.
   bytes.resize(std::max<uint64_t>(bytes.size(), count * size));
   if (H5Tconvert(stored, memory, count, bytes.data(), nullptr, H5P_DEFAULT) < 0)
     return data_loss("numbers cannot be converted");
@@ -139,7 +142,7 @@ Result<OpenArray> File::State::open_array(const std::string& object) const {
 Result<const OpenArray*> File::State::kept_array(const std::string& object) {
   if (const auto known = open_arrays.find(object); known != open_arrays.end())
     return &known->second;
-  // HDF5 crashes on some datasets as soon as it opens them.
+  // Check the header first: HDF5 crashes on some damaged datasets as soon as it opens them.
   ENGRAM_ASSIGN_OR_RETURN(const auto header, header_of(object));
   if (const Status status = check_dataset(header); !status.ok())
     return broken(object, status.message());

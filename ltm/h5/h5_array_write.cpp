@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays and attributes for other people's programs.
+// Writes arrays and attributes for other programs.
 #include <algorithm>
 
 #include "ltm/h5/h5_state.h"
@@ -8,7 +8,7 @@ namespace engram::h5 {
 
 namespace {
 
-/// Texts as HDF5 takes them: padded to one length, or by pointer.
+/// Texts in the form that HDF5 needs: padded to one length, or as pointers.
 struct StoredTexts {
   std::string padded;
   std::vector<const char*> pointers;
@@ -37,6 +37,7 @@ struct StoredTexts {
 Handle creation_list(const ArrayInfo& info) {
   Handle list = without_times(H5P_DATASET_CREATE);
   const bool is_empty = std::ranges::find(info.shape, 0u) != info.shape.end();
+  // HDF5 refuses chunks without elements, and filters need chunks.
   if (is_empty || (info.chunk_rows == 0 && info.deflate_level == 0)) return list;
   std::vector<hsize_t> chunk(info.shape.begin(), info.shape.end());
   chunk[0] = std::clamp<uint64_t>(info.chunk_rows, 1, info.shape[0]);
@@ -99,6 +100,7 @@ Status File::create_array(const std::string& path, const ArrayInfo& info) {
       H5Dcreate2(state_->file, path.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT),
       H5Dclose);
   if (!dataset.valid()) return state_->write_failed(path);
+  // The dataset stays open until finish_array, so that writing rows does not open it each time.
   state_->open_arrays.insert_or_assign(path, OpenArray{std::move(dataset), info, 0, {}, {}});
   return {};
 }
@@ -130,6 +132,7 @@ Status File::finish_array(const std::string& path) {
   const LibraryLock lock;
   const auto opened = state_->open_arrays.find(path);
   if (opened == state_->open_arrays.end()) return {};
+  // HDF5 writes much of a dataset only when it is closed, so a full disk may only show here.
   const bool is_written = opened->second.handle.finish();
   state_->open_arrays.erase(opened);
   return is_written ? Status() : state_->write_failed(path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attributes of other people's files.
+// Reads attributes in files of other programs.
 #include <algorithm>
 
 #include "ltm/h5/h5_state.h"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint64_t kMaxBytes = 1 << 28;
 
-/// Names where some attributes lie outside of the object's header.
+/// Names of all attributes if some are stored outside the object's header.
 Result<std::vector<std::string>> all_names(hid_t file, const std::string& object) {
   std::vector<std::string> names;
   const auto collect = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {

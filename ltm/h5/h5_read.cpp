@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What File reads.
+// The reading functions of File.
 #include <algorithm>
 
 #include "ltm/h5/h5_state.h"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint64_t kMaxStringBytes = 1 << 30;
 
-/// Whether an attribute is one number of that class, which is in `value` now.
+/// Reads an attribute into `value`. Returns false if it is not one number of that class.
 bool read_number(hid_t attribute, hid_t type, H5T_class_t type_class, void* value) {
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
@@ -28,6 +28,7 @@ Result<bool> File::exists(const std::string& path) const {
 Result<bool> File::is_group(const std::string& path) const {
   const LibraryLock lock;
   H5O_info_t info{};
+  // Existence is checked only after a failure, because the check visits each level of the path.
   if (H5Oget_info_by_name2(state_->file, path.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
     ENGRAM_RETURN_IF_ERROR(state_->check_exists(path));
     return state_->broken(path, "is damaged");
@@ -63,6 +64,7 @@ Result<std::vector<std::byte>> File::read(const std::string& path, Type type,
   ENGRAM_ASSIGN_OR_RETURN(const DatasetInfo info, state_->info(path, dataset));
   if (info.type != type) return state_->broken(path, "has another element type than needed");
   const uint64_t needed = info.count() * size_bytes(type);
+  // Checked before allocating: the header may announce any size.
   if (needed > max_bytes)
     return state_->broken(path, fmt::format("has {} bytes, at most {} fit", needed, max_bytes));
   std::vector<std::byte> bytes(needed);
@@ -103,7 +105,7 @@ Result<std::vector<std::string>> File::read_strings(const std::string& path) con
   const Handle stored(H5Dget_type(dataset), H5Tclose);
   const Handle space(H5Dget_space(dataset), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
-  // Strings of variable length are not read: HDF5 crashes where they are damaged.
+  // Strings of variable length are refused: HDF5 crashes if they are damaged.
   if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) != 0 ||
       H5Sget_simple_extent_ndims(space) != 1 || count < 0)
     return state_->broken(path, "is no list of strings");
@@ -128,6 +130,7 @@ Result<std::string> File::string_attribute(const std::string& object,
   ENGRAM_ASSIGN_OR_RETURN(const Handle attribute, state_->open_attribute(object, name));
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
+  // Fixed length only, for the same reason as in read_strings.
   if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) != 0 ||
       H5Sget_simple_extent_npoints(space) != 1)
     return state_->broken(object, fmt::format("attribute '{}' is no string", name));

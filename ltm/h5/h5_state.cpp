@@ -7,7 +7,8 @@ namespace engram::h5 {
 
 namespace {
 
-/// Datasets that stay open for reading; opening one costs more than reading a chunk of it.
+/// Max number of datasets that stay open for reading. Opening one costs more than reading one of
+/// its chunks.
 constexpr size_t kMaxOpenDatasets = 64;
 
 std::optional<Type> type_of(hid_t h5_type) {
@@ -17,19 +18,19 @@ std::optional<Type> type_of(hid_t h5_type) {
 }
 
 Mutex& library_mutex() {
-  static Mutex mutex;  ///< What HDF5 keeps for itself, in this process.
+  static Mutex mutex;  ///< Guards the global state of HDF5 in this process.
   return mutex;
 }
 
 }  // namespace
 
 LibraryLock::LibraryLock() : lock_(library_mutex()) {
-  // A file that could not be written to the end (a full disk) stays half-open inside HDF5, whose
-  // clean-up at exit then crashes. We close all that we open.
+  // HDF5 keeps a file half-open if it could not be written completely (a full disk), and its
+  // clean-up at exit then crashes. We close everything that we open, so the clean-up is not needed.
   [[maybe_unused]] static const herr_t is_unregistered = H5dont_atexit();
-  // A file must not make us open others.
+  // External links are disabled, because a file must not make us open other files.
   [[maybe_unused]] static const herr_t has_no_outer_links = H5Lunregister(H5L_TYPE_EXTERNAL);
-  // Kept by thread: errors are told by status, not printed.
+  // HDF5 keeps this setting per thread. Errors are returned as Status, not printed.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -78,7 +79,7 @@ Status File::State::error(StatusCode code, const std::string& object, std::strin
 
 Result<bool> File::State::look_up(const std::string& object) const {
   if (object == "/") return true;
-  // H5Lexists fails on paths whose parents are missing: look at each level. Where it fails for
+  // H5Lexists fails on paths with missing parents, so each level is checked. If it fails for
   // another reason, a group is damaged.
   for (size_t slash = object.find('/', 1);; slash = object.find('/', slash + 1)) {
     const std::string level = object.substr(0, slash);
@@ -95,12 +96,12 @@ Status File::State::check_exists(const std::string& object) const {
 }
 
 Result<Handle> File::State::open_dataset(const std::string& object) const {
-  // Callers keep the chunks that they need: HDF5 need not keep them, too.
+  // Disable HDF5's chunk cache, because callers keep the chunks that they need.
   const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
   H5Pset_chunk_cache(access, 0, 0, 1.0);
   Handle dataset(H5Dopen2(file, object.c_str(), access), H5Dclose);
   if (dataset.valid()) return dataset;
-  // Looking for it first would cost more than opening it.
+  // Check existence only after a failure, because the check costs more than opening.
   ENGRAM_RETURN_IF_ERROR(check_exists(object));
   return broken(object, "is no dataset");
 }

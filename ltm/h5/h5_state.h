@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to ltm/h5: an open file, and what reading and writing share.
+// Private to ltm/h5: an open file, and the code that reading and writing share.
 
 #include <hdf5.h>
 
@@ -18,8 +18,9 @@
 
 namespace engram::h5 {
 
-/// HDF5 keeps global state; one lock serialises all our calls, whatever the library's build. In the
-/// thread that has it HDF5 prints nothing. It guards what is HDF5's own, no member of ours.
+/// Serialises all our calls of HDF5, which has global state, regardless of how the library was
+/// built. While a thread holds it, HDF5 prints nothing in that thread. It guards only HDF5's own
+/// state, not our members.
 class LibraryLock {
  public:
   LibraryLock();
@@ -28,7 +29,7 @@ class LibraryLock {
   const MutexLock lock_;
 };
 
-/// Closes an HDF5 identifier when it goes.
+/// Owns an HDF5 identifier and closes it when destroyed.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -44,7 +45,8 @@ class Handle {
   ~Handle() {
     if (valid()) close_(id_);
   }
-  /// False where closing failed: HDF5 writes much of a dataset only then.
+  /// Closes the identifier. Returns false on failure, which matters because HDF5 writes much of a
+  /// dataset only then.
   [[nodiscard]] bool finish() { return close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
   [[nodiscard]] bool valid() const { return id_ >= 0; }
   operator hid_t() const { return id_; }  // NOLINT: an HDF5 handle is used as one
@@ -56,34 +58,34 @@ class Handle {
 
 hid_t memory_type(Type type);
 
-/// What elements of a type in a file are.
+/// The elements of a type in a file.
 Element element_of(hid_t stored);
 
-/// The type in a file of elements that are not kOther.
+/// The type in a file of elements of any kind except kOther.
 Handle stored_type(const Element& element);
 
 /// The type in memory of numbers.
 Handle memory_type(const Element& element);
 
-/// Shape of a data space, if it has one and its bytes fit 63 bits.
+/// The shape of a data space, or nullopt if it has none or its size in bytes exceeds 63 bits.
 std::optional<std::vector<uint64_t>> shape_of(hid_t space, uint64_t element_bytes);
 
-/// Texts of `size` bytes each, without the zeros at their ends.
+/// Splits bytes into texts of `size` bytes each and removes the zeros at their ends.
 std::vector<std::string> unpadded(RawView bytes, size_t size);
 
-/// Creation properties of an object without a time stamp: the same content, the same bytes.
+/// Creation properties of an object without a time stamp, so that equal content gives equal bytes.
 Handle without_times(hid_t property_class);
 
-/// An array that is read or written.
+/// An array that is being read or written.
 struct OpenArray {
   Handle handle;
   ArrayInfo info;
-  uint64_t element_bytes = 0;   ///< In the file.
-  std::vector<uint64_t> chunk;  ///< Empty: not chunked.
+  uint64_t element_bytes = 0;   ///< Size of an element in the file.
+  std::vector<uint64_t> chunk;  ///< Empty if not chunked.
   std::vector<ChunkFilter> filters;
 };
 
-/// Threading: whoever calls holds the library's lock; the destructor takes it itself.
+/// Threading: the caller must hold the library's lock, except for the destructor, which takes it.
 struct File::State {
   struct OpenDataset {
     Handle handle;
@@ -92,8 +94,9 @@ struct File::State {
 
   std::filesystem::path path;
   Handle file;
-  std::optional<RawFile> raw;  ///< The same file; once it was asked for.
-  std::map<std::string, OpenDataset, std::less<>> open_datasets;  ///< For reading rows.
+  std::optional<RawFile> raw;  ///< The same file, opened on first use.
+  /// Datasets that stay open for reading rows.
+  std::map<std::string, OpenDataset, std::less<>> open_datasets;
   std::map<std::string, OpenArray, std::less<>> open_arrays;
 
   ~State();
@@ -107,24 +110,24 @@ struct File::State {
     return error(StatusCode::kUnavailable, object, "cannot be written");
   }
 
-  /// Errors: kDataLoss where a group on the way is damaged.
+  /// True if the object exists. Errors: kDataLoss if a parent group is damaged.
   Result<bool> look_up(const std::string& object) const;
 
-  /// Errors: kNotFound, kDataLoss.
+  /// Fails if the object does not exist. Errors: kNotFound, kDataLoss.
   Status check_exists(const std::string& object) const;
 
   Result<Handle> open_dataset(const std::string& object) const;
 
-  /// The dataset and what is known of it; valid until the next call.
+  /// The open dataset and its description, valid until the next call.
   Result<const OpenDataset*> kept_open(const std::string& object);
 
-  /// The array and what is known of it; valid until the next call.
+  /// The open array and its description, valid until the next call.
   Result<const OpenArray*> kept_array(const std::string& object);
 
-  /// Errors: kDataLoss where its sizes cannot be, or a filter is not known.
+  /// Opens an array. Errors: kDataLoss if its sizes are impossible or a filter is unknown.
   Result<OpenArray> open_array(const std::string& object) const;
 
-  /// Rows as they are in the file.
+  /// Rows in the form that they have in the file.
   Result<RawBytes> stored_rows(const OpenArray& array, uint64_t first, uint64_t count) const;
 
   /// The messages of an object's header, read without HDF5.
@@ -134,7 +137,7 @@ struct File::State {
 
   Result<DatasetInfo> info(const std::string& object, hid_t dataset) const;
 
-  /// Makes a group and those above it where they are missing.
+  /// Creates a group and its missing parents.
   Status make_groups(const std::string& group_path);
 
   Status write_attribute(const std::string& object, const std::string& name, hid_t type,

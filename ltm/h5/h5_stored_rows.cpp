@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of arrays as they are in the file, gathered without HDF5's code for chunks.
+// Gathers stored rows of arrays without HDF5's code for chunks.
 #include <algorithm>
 
 #include "ltm/h5/h5_state.h"
@@ -8,7 +8,7 @@ namespace engram::h5 {
 
 namespace {
 
-/// Copies what a chunk and the wanted rows have in common.
+/// Copies the elements that a chunk and the wanted rows have in common.
 class ChunkCopy {
  public:
   ChunkCopy(const OpenArray& array, uint64_t first, uint64_t count, RawBytes& out)
@@ -17,7 +17,7 @@ class ChunkCopy {
   void run(const std::vector<hsize_t>& corner, RawView chunk) { copy(corner, chunk, 0, 0, 0); }
 
  private:
-  /// `from` and `to` count elements, at axes before `axis`.
+  /// `from` and `to` are counted in elements, at the axes before `axis`.
   void copy(const std::vector<hsize_t>& corner, RawView chunk, size_t axis, uint64_t from,
             uint64_t to) {
     const auto& shape = array_.info.shape;
@@ -42,7 +42,7 @@ class ChunkCopy {
   RawBytes& out_;
 };
 
-/// The chunk behind this one among those with wanted rows; false where there is none.
+/// Advances to the next chunk with wanted rows. Returns false if there is none.
 bool advance(const OpenArray& array, uint64_t end, std::vector<hsize_t>& corner) {
   for (size_t axis = corner.size(); axis-- > 0;) {
     corner[axis] += array.chunk[axis];
@@ -57,14 +57,14 @@ bool advance(const OpenArray& array, uint64_t end, std::vector<hsize_t>& corner)
 Result<RawBytes> File::State::stored_rows(const OpenArray& array, uint64_t first,
                                           uint64_t count) const {
   const uint64_t row_bytes = array.info.row_elements() * array.element_bytes;
-  // What was never written is zero.
+  // Rows that were never written are zero.
   RawBytes rows(row_bytes * count);
   if (rows.empty()) return rows;
   if (array.chunk.empty()) {
     const haddr_t offset = H5Dget_offset(array.handle);
     if (offset != HADDR_UNDEF) return raw->read(offset + first * row_bytes, rows.size());
     const Handle stored(H5Dget_type(array.handle), H5Tclose);
-    // Compact, in the header: check_dataset() has seen that it is all there.
+    // Compact data is in the header. check_dataset() has verified that it is complete.
     if (H5Dget_storage_size(array.handle) == 0 || !array.info.element.is_number()) return rows;
     RawBytes all(row_bytes * array.info.rows());
     if (H5Dread(array.handle, stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What File writes.
+// The writing functions of File.
 #include <algorithm>
 
 #include "ltm/h5/h5_state.h"
@@ -8,15 +8,15 @@ namespace engram::h5 {
 
 namespace {
 
-/// Rows of a chunk are chosen so that it takes about this much, and has no more than so many: who
-/// asks for one row waits for its chunk.
+/// Desired size and max number of rows of a chunk. Reading one row reads its whole chunk.
 constexpr uint64_t kChunkBytes = 64 << 10;
 constexpr uint64_t kChunkRows = 2048;
-/// Smaller datasets lie in their header: a chunk would cost more than it saves.
+/// Datasets up to this size are stored in their header, because a chunk would cost more than it
+/// saves.
 constexpr uint64_t kCompactBytes = 128;
 constexpr unsigned kDeflateLevel = 6;
 
-/// UTF-8 of at most `size` bytes, padded with zeros.
+/// A UTF-8 string type of `size` bytes, padded with zeros.
 Handle string_type(size_t size) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, std::max<size_t>(size, 1));
@@ -108,7 +108,7 @@ Status File::write_strings(const std::string& path, std::span<const std::string>
 Status File::write_attribute(const std::string& object, const std::string& name,
                              std::string_view value) {
   const LibraryLock lock;
-  // Fixed length: variable-length attributes would add a heap of their own to each file.
+  // Fixed length, because variable-length attributes would add a heap to each file.
   const Handle type = string_type(value.size());
   const std::string padded = value.empty() ? std::string(1, '\0') : std::string(value);
   return state_->write_attribute(object, name, type, padded.data());
@@ -119,7 +119,8 @@ Status File::write_attribute(const std::string& object, const std::string& name,
   return state_->write_attribute(object, name, H5T_NATIVE_INT64, &value);
 }
 
-// By the object: HDF5 does not find an attribute again, to write it, that was opened by its name.
+// Opens the attribute through its object, because HDF5 does not find an attribute again for writing
+// if it was opened by name.
 Status File::replace_attribute(const std::string& object, const std::string& name, int64_t value) {
   const LibraryLock lock;
   ENGRAM_RETURN_IF_ERROR(state_->open_attribute(object, name).status());

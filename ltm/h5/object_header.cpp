@@ -22,10 +22,10 @@ struct Block {
   uint64_t size = 0;
 };
 
-/// How the messages of an object header are laid out.
+/// The layout of the messages in an object header.
 struct Form {
   bool is_old = false;
-  size_t header_bytes = 0;  ///< Of one message.
+  size_t header_bytes = 0;  ///< Size of the header of one message.
 };
 
 Result<Block> first_block(const RawFile& file, uint64_t header, Form& form) {
@@ -57,7 +57,7 @@ void add_messages(RawView rest, const Form& form, std::vector<HeaderMessage>& me
     const RawView body = rest.subspan(form.header_bytes, size);
     if (type == kContinuation && body.size() >= 16) {
       Block next{raw_number<uint64_t>(body, 0), raw_number<uint64_t>(body, 8)};
-      // Newer ones begin with a signature and end with a checksum.
+      // Newer continuation blocks begin with a signature and end with a checksum.
       if (!form.is_old) next = {next.offset + 4, next.size < 8 ? 0 : next.size - 8};
       blocks.push_back(next);
     }
@@ -82,7 +82,7 @@ std::optional<std::vector<uint64_t>> shape_of(RawView space) {
   return shape;
 }
 
-/// Sizes of a chunk, that of an element last; nothing where they do not lie in the message.
+/// Sizes of a chunk, the element size last, or nullopt if they exceed the message.
 std::optional<std::vector<uint64_t>> chunk_of(RawView layout) {
   const bool is_old = raw_number<uint8_t>(layout, 0) == 3;
   const size_t header_bytes = is_old ? 11 : 5;
@@ -114,6 +114,7 @@ Result<std::vector<HeaderMessage>> read_object_header(const RawFile& file, uint6
   std::vector<Block> blocks{first};
   std::vector<HeaderMessage> messages;
   for (size_t i = 0; i < blocks.size(); ++i) {
+    // Continuations of a hostile file may form a cycle; the max number of blocks ends it.
     if (i == kMaxBlocks || blocks[i].size > kMaxBlockBytes)
       return data_loss("offset {}: the object header is too large", offset);
     ENGRAM_ASSIGN_OR_RETURN(const RawBytes block, file.read(blocks[i].offset, blocks[i].size));
@@ -139,6 +140,8 @@ Status check_dataset(const std::vector<HeaderMessage>& header) {
     return data_loss("has layout {} of version {}, which is not read", layout_class, version);
   if (layout_class == 0) return check_compact(layout->body, *shape, element_bytes);
   if (layout_class == 1) return {};
+  // HDF5 trusts that the sizes in layout, shape and type agree, and reads out of bounds if they do
+  // not.
   const auto chunk = chunk_of(layout->body);
   if (!chunk || chunk->size() != shape->size() + 1 || chunk->back() != element_bytes ||
       std::ranges::find(*chunk, 0u) != chunk->end())

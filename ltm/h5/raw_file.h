@@ -17,13 +17,13 @@ namespace engram::h5 {
 using RawBytes = std::vector<std::byte>;
 using RawView = std::span<const std::byte>;
 
-/// Reads at offsets as HDF5 counts them.
+/// Reads at HDF5 offsets.
 ///
-/// Errors: kDataLoss naming the offset, what was announced and what the file has.
+/// Errors: kDataLoss naming the offset, the announced size and the size of the file.
 /// Threading: const-parallel.
 class RawFile {
  public:
-  /// `base` is where the HDF5 file begins: behind a user block.
+  /// `base` is the start of the HDF5 content, after any user block.
   static Result<RawFile> open(const std::filesystem::path& path, uint64_t base);
 
   [[nodiscard]] Result<RawBytes> read(uint64_t offset, uint64_t size) const;
@@ -37,7 +37,7 @@ class RawFile {
   uint64_t size_ = 0;
 };
 
-/// The number at `at`, lowest byte first; needs the bytes to be there.
+/// The little-endian number at `at`. The bytes must exist.
 template <typename T>
 [[nodiscard]] T raw_number(RawView bytes, size_t at) {
   T value{};
@@ -45,7 +45,7 @@ template <typename T>
   return value;
 }
 
-/// `size` up to the next multiple of 8.
+/// `size`, rounded up to a multiple of 8.
 [[nodiscard]] inline uint64_t padded_size(uint64_t size) {
   return (size + 7) / 8 * 8;
 }

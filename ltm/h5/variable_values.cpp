@@ -10,7 +10,7 @@ namespace {
 constexpr uint64_t kMaxBytes = 1 << 28;
 constexpr size_t kHeapHeaderBytes = 16;
 
-/// One collection of values, which hold the next ones, too, as a rule.
+/// One collection of values. It is kept, because the next values are usually in it too.
 struct Collection {
   uint64_t offset = 0;
   RawBytes bytes;
