@@ -9,7 +9,8 @@ using torch::Tensor;
 
 namespace {
 
-/// What the encoder's output is multiplied by, so that rounding costs little in the beginning.
+/// Factor of the encoder's output. It makes latents large enough that rounding costs little in the
+/// beginning.
 constexpr double kLatentGain = 4.0;
 
 }  // namespace
@@ -86,6 +87,8 @@ ImageAutoencoderImpl::ImageAutoencoderImpl(const ImageShape& shape, const Networ
       decoder(register_module("decoder", ImageDecoder(shape, sizes, numbers))) {}
 
 ImageLatents ImageAutoencoderImpl::encode(const Tensor& x, const View& view) {
+  // Backgrounds learn from what is decoded alone: gradients through the encoder's input are cut
+  // here.
   return encoder(with_known(x / kGreyLevels, -view.background.detach()), view);
 }
 
@@ -128,6 +131,7 @@ Views AutoencoderImpl::views_of(const Tensor& scene, const std::vector<Tensor>& 
   const Tensor row = !is_known ? torch::full({1}, -1, torch::kLong)
                      : is_one  ? scene.slice(0, 0, 1)
                                : scene;
+  // Views with gradients belong to one graph and are never kept.
   if (!is_one || torch::GradMode::is_enabled()) return look(row, backgrounds);
   const auto is_same = [](const Tensor& a, const Tensor& b) { return a.equal(b); };
   const int64_t version = weights_version();

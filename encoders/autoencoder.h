@@ -11,10 +11,11 @@
 //
 // Letters of shapes, in all headers of networks:
 //   B    snapshots of a batch                 C    channels of an image
-//   H W  height and width of it, padded       F    features at 1/16 (NetworkSizes::width)
+//   H W  its height and width, padded         F    features at 1/16 (NetworkSizes::width)
 //   Z z  channels of coarse and fine latents  N    numbers beside the images
 //   K    numbers of the condition             P    steps that are planned
-// Of images above 256 pixels H and W count units of 2 x 2, 4 x 4, ... pixels (ImageShape::unit).
+// For images with a side above 256 pixels, H and W count units of 2 x 2, 4 x 4, ... pixels
+// (ImageShape::unit).
 
 namespace engram::encoders {
 
@@ -22,14 +23,15 @@ namespace engram::encoders {
 struct Parts {
   std::vector<torch::Tensor> images;  ///< Grey levels [B, C, H, W].
   torch::Tensor numbers;              ///< Normalised [B, N]; undefined without numbers.
-  torch::Tensor scene;                ///< Which background, of int64 [B].
-  /// Backgrounds of a view that is none of the scenes, per image member [1, C, H, W], in grey
-  /// levels; empty: the scene's. `scene` then is the one most like it.
+  torch::Tensor scene;                ///< Index of the background of each row, int64 [B].
+  /// Backgrounds of a view that is none of the trained scenes, per image member [1, C, H, W], in
+  /// grey levels; `scene` then names the most similar scene. If it is empty, the scene's background
+  /// is used.
   std::vector<torch::Tensor> backgrounds{};
-  /// Numbers of the entity that predictions start from too, normalised [B, K]; undefined where they
-  /// are not known.
+  /// Numbers of the entity that conditions predictions, normalised [B, K]; undefined if they are
+  /// not known.
   torch::Tensor conditions{};
-  /// The same as planned for the next steps [B, P, K]; undefined without a plan.
+  /// Planned values of these numbers at the next steps [B, P, K]; undefined without a plan.
   torch::Tensor plan{};
 };
 
@@ -39,16 +41,16 @@ struct ImageLatents {
   torch::Tensor fine;    ///< [B, z, H/8, W/8].
 };
 
-/// What a batch is decoded from. Numbers are not turned into latents: they have a codec of their
-/// own, which keeps a bound, and are known when images are decoded.
+/// The input of the decoder. Numbers are not turned into latents: their own codec keeps an error
+/// bound, and they are already decoded when the images are.
 struct Latents {
   std::vector<ImageLatents> images;
   torch::Tensor numbers;
   torch::Tensor scene;
-  std::vector<torch::Tensor> backgrounds{};  ///< As of Parts.
+  std::vector<torch::Tensor> backgrounds{};  ///< As in Parts.
 };
 
-/// Image minus background to latents, not rounded.
+/// Maps an image minus its background to latents that are not rounded.
 ///
 ///     image - background [B, C, H, W]
 ///           | unshuffle by 4, stem 3x3, + View::quarter
@@ -58,8 +60,8 @@ struct Latents {
 ///           | to_sixteenth
 ///     [B, 3F/4, H/16, W/16]  sixteenth: 2 blocks - coarse 1x1 --> coarse [B, Z, H/16, W/16]
 ///
-/// Source: our own structure; latents that cost bits in training follow Ballé et al., End-to-end
-/// Optimized Image Compression, 2017.
+/// Source: our own structure; the cost of latents in bits during training follows Ballé et al.,
+/// End-to-end Optimized Image Compression, 2017.
 struct ImageEncoderImpl : torch::nn::Module {
   ImageEncoderImpl(const ImageShape& shape, const NetworkSizes& sizes);
   ImageLatents forward(const torch::Tensor& x, const View& view);
@@ -72,8 +74,8 @@ struct ImageEncoderImpl : torch::nn::Module {
 };
 TORCH_MODULE(ImageEncoder);
 
-/// Latents to image minus background. Most weights lie where places are few: it may know a scene by
-/// heart and stay quick.
+/// Maps latents to an image minus its background. Most weights lie at the coarsest scale, where
+/// there are few places, so the decoder can memorise a scene and still be fast.
 ///
 ///     coarse latents [B, Z, H/16, W/16]
 ///           | from_coarse 3x3, + View::sixteenth, + from_numbers (of [B, N])
@@ -102,13 +104,18 @@ struct ImageDecoderImpl : torch::nn::Module {
 };
 TORCH_MODULE(ImageDecoder);
 
-/// One image member: a background per scene, and what differs from it.
+/// The networks of one image member: one background per scene, and an autoencoder of the difference
+/// to it.
 ///
 ///     image --(-)--> encoder --> latents --> decoder --(+)--> image
 ///              |        |                      |        |
 ///              +--------+---- background ------+--------+   [scenes, C, H, W]
 ///                       |                      |
 ///                       +--- places (View) ----+
+///
+/// The background is a parameter: it starts as the median image of a recording and is trained.
+/// Letters are those at the top of this file.
+/// Source: docs/learning_methods.md, section "The image autoencoder".
 struct ImageAutoencoderImpl : torch::nn::Module {
   ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers);
 
@@ -122,38 +129,41 @@ struct ImageAutoencoderImpl : torch::nn::Module {
 };
 TORCH_MODULE(ImageAutoencoder);
 
-/// The autoencoder of one entity: all its images.
+/// The autoencoder of one entity: one ImageAutoencoder per image member.
 ///
 /// Source: docs/learning_methods.md, section "The image autoencoder".
 struct AutoencoderImpl : torch::nn::Module {
   explicit AutoencoderImpl(const NetworkShape& shape);
 
-  /// What is known of each row of a batch. Shape: `scene` of int64 [B], negative: none;
-  /// `backgrounds` per image member [B, C, H, W], in grey levels, or none: those of the scenes.
+  /// Makes the view of each row of a batch.
+  /// Shape: `scene` int64 [B], negative for a view that is no trained scene; `backgrounds` per
+  /// image member [B, C, H, W], in grey levels, or empty to use those of the scenes.
   Views look(const torch::Tensor& scene, const std::vector<torch::Tensor>& backgrounds);
-  /// Of all rows together where they are alike. `backgrounds` as of Parts.
+  /// Makes one view for all rows if they have the same scene, else one per row. `backgrounds` as in
+  /// Parts.
   Views views_of(const torch::Tensor& scene, const std::vector<torch::Tensor>& backgrounds);
 
-  /// Not rounded.
+  /// Returns latents that are not rounded.
   Latents encode(const Parts& values, const Views& views);
   Latents encode(const Parts& values) {
     return encode(values, views_of(values.scene, values.backgrounds));
   }
-  /// Images whose latents are undefined stay so.
+  /// Images whose latents are undefined stay undefined.
   Parts decode(const Latents& latents, const Views& views);
   Parts decode(const Latents& latents) {
     return decode(latents, views_of(latents.scene, latents.backgrounds));
   }
 
-  /// Sum over all pixels of how far an image is from the background of each scene. [B, scenes]
+  /// Sum over all pixels of the distance between an image and the background of each scene.
+  /// Shape: [B, scenes].
   torch::Tensor distances(const Parts& values);
 
   NetworkShape shape;
-  std::vector<ImageAutoencoder> images;  ///< None where the sizes say so.
+  std::vector<ImageAutoencoder> images;  ///< Empty if the width is 0.
 
  private:
-  /// The last views that views_of() made of one row without gradients: decoding asks for the same
-  /// again and again.
+  /// The last views that views_of() made of one row without gradients. They are kept because
+  /// decoding asks for the same views many times.
   struct LastViews {
     torch::Tensor scene;
     std::vector<torch::Tensor> backgrounds;
@@ -161,14 +171,14 @@ struct AutoencoderImpl : torch::nn::Module {
     Views views;
   };
 
-  /// Grows with every change of the weights that views are made with.
+  /// Grows with every change of the weights that make views.
   [[nodiscard]] int64_t weights_version() const;
 
   LastViews last_views_;
 };
 TORCH_MODULE(Autoencoder);
 
-/// Every latent rounded to an integer.
+/// Rounds every latent to an integer.
 [[nodiscard]] Latents round(const Latents& latents);
 
 }  // namespace engram::encoders

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kCodecNames{"", "h264", "h265", "av1", "ffv1"};
 
-/// Per quality, in the order of preference. What is still wrong, latents mend where it
-/// pays.
+/// Codec options per quality, in the order of preference. A background need not be good: latents
+/// correct its errors if that saves bytes.
 constexpr std::array<std::array<std::string_view, 3>, kBackgroundQualities> kCodecs{
     {{"av1:crf=10,effort=7", "h265:crf=14", "h264:crf=12"},
      {"av1:crf=18,effort=7", "h265:crf=18", "h264:crf=16"},

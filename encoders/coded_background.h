@@ -12,13 +12,13 @@
 
 namespace engram::encoders {
 
-/// How the images of one member are kept in a block. The values are part of the format.
+/// The form in which a block keeps the images of one member. The values are part of the format.
 enum class ImageForm : uint8_t { kLatents = 0, kH264 = 1, kH265 = 2, kAv1 = 3, kFfv1 = 4 };
 
 /// The group codec of a form (ltm/codec/group_codec.h); empty for latents.
 [[nodiscard]] std::string_view codec_name(ImageForm form);
 
-/// The form of a group codec's data; nothing where blocks do not take it.
+/// The form for a group codec's name; empty if blocks do not accept that codec.
 [[nodiscard]] std::optional<ImageForm> form_of_codec(std::string_view name);
 
 /// Type and shape of an image member.
@@ -31,8 +31,8 @@ struct FrameShape {
   }
 };
 
-/// A background that a block carries itself, as the single image of a video: of a view that its
-/// model was not trained on.
+/// A background that a block carries itself, coded as a video of one image, because the model was
+/// not trained on its view.
 struct CodedBackground {
   ImageForm form = ImageForm::kAv1;
   std::vector<std::byte> bytes;
@@ -41,15 +41,15 @@ struct CodedBackground {
   friend bool operator==(const CodedBackground&, const CodedBackground&) = default;
 };
 
-/// Qualities that backgrounds are coded in, the best one first.
+/// Number of qualities in which a background may be coded. Quality 0 is the best one.
 inline constexpr size_t kBackgroundQualities = 5;
 
-/// Nothing where no installed video codec with loss takes such an image.
-/// Errors: those of the codec.
+/// Codes a background. The result is empty if no installed lossy video codec accepts such an image.
+/// Errors: the codec's errors.
 Result<std::optional<CodedBackground>> code_background(const idf::NdArray& image, size_t quality);
 
-/// Safe on hostile bytes. Errors: kDataLoss; kFailedPrecondition where the decoder is not
-/// installed.
+/// Decodes a background. It is safe on hostile bytes.
+/// Errors: kDataLoss if the bytes are damaged; kFailedPrecondition if the decoder is not installed.
 Result<CodedBackground> decode_background(ImageForm form, std::vector<std::byte> bytes,
                                           const FrameShape& frame);
 

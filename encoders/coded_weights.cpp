@@ -24,7 +24,7 @@ Status write_parts(h5::File& file, const std::string& path, ByteWriter& writer) 
   return write_vector(file, path, std::vector<uint8_t>(first, first + bytes.size()));
 }
 
-/// Takes the next part off `bytes`.
+/// Removes the next part from `bytes` and returns it.
 Result<std::span<const std::byte>> next_part(std::span<const std::byte>& bytes,
                                              const std::string& name) {
   ByteReader reader(bytes);
@@ -37,7 +37,7 @@ Result<std::span<const std::byte>> next_part(std::span<const std::byte>& bytes,
   return rest.first(static_cast<size_t>(size));
 }
 
-/// Reads all parts of a dataset: `decode(bytes, shape)` gives the values of one.
+/// Reads all parts of a dataset. `decode(bytes, shape)` returns the values of one part.
 template <typename Value, typename Shape, typename Decode>
 Result<std::vector<Value>> read_parts(const h5::File& file, const std::string& path,
                                       std::span<const Shape> shapes, Decode decode) {

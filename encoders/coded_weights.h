@@ -9,27 +9,27 @@
 #include "encoders/coding/latent_grid.h"
 #include "ltm/h5/h5.h"
 
-// Private to this room: how the weights of 8 bits and the backgrounds of a model lie in its file.
+// Private to this room. Reads and writes the 8-bit weights and the backgrounds in a model file.
 
 namespace engram::encoders {
 
-/// A matrix of weights, row by row.
+/// Name and size of a matrix of weights, which is stored row by row.
 struct MatrixShape {
   std::string name;
   size_t rows = 0;
   size_t columns = 0;
 };
 
-/// The backgrounds of one image member.
+/// Name and size of the backgrounds of one image member.
 struct ScenesShape {
   std::string name;
   size_t scenes = 0;
-  LatentGrid shape;  ///< Of one of them.
+  LatentGrid shape;  ///< Of one background.
 };
 
-// One dataset each: every part after a varint of its bytes. Reading is safe on hostile files.
-// `weights` and `pixels` hold all parts one after the other.
-// Errors: kDataLoss naming the part.
+// Each function uses one dataset, in which a varint with its number of bytes precedes every part.
+// `weights` and `pixels` hold all parts one after the other. Reading is safe on hostile files.
+// Errors: kDataLoss, with the name of the damaged part.
 
 Status write_matrices(h5::File& file, std::span<const MatrixShape> shapes,
                       std::span<const int8_t> weights);

@@ -8,7 +8,7 @@ namespace engram::encoders {
 
 namespace {
 
-/// Deviations that a number counts as at most.
+/// Max magnitude of a normalised number, in deviations.
 constexpr double kMax = 1e4;
 
 }  // namespace

@@ -12,23 +12,25 @@
 
 namespace engram::encoders {
 
-/// The numbers of another entity that predictions start from: the joints of the robot whose camera
-/// it is.
+/// The numbers of another entity that condition predictions, for example the joints of the robot
+/// that carries the camera.
 ///
 /// Threading: const-parallel.
 struct Condition {
   std::string entity;  ///< Its ID.
   TensorPlan plan;
   std::vector<double> mean;       ///< Per number.
-  std::vector<double> deviation;  ///< Per number; 0 where it never changed.
+  std::vector<double> deviation;  ///< Per number; 0 if it never changed.
 
-  /// Normalised numbers of one value of that entity; 0 for those that are not finite. [1, K]
-  /// Errors: kInvalidArgument where it has another layout.
+  /// Returns the normalised numbers of one value of that entity; numbers that are not finite become
+  /// 0.
+  /// Shape: [1, K].
+  /// Errors: kInvalidArgument if the value has another layout.
   [[nodiscard]] Result<torch::Tensor> read(const idf::Data& value) const;
 };
 
-/// Numbers in units of their deviation from the mean; 0 for those that are not finite or never
-/// changed.
+/// Returns numbers minus their means, in units of their standard deviations. Numbers that are not
+/// finite or never changed in training become 0.
 [[nodiscard]] std::vector<float> normalised(std::span<const double> numbers,
                                             std::span<const double> mean,
                                             std::span<const double> deviation);

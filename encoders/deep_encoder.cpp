@@ -57,11 +57,11 @@ class DeepEncoder : public ltm::Encoder {
   }
 
  private:
-  /// The last block that was decoded, and of it the last chain, as far as it was.
+  /// Keeps the last decoded block and the decoded rows of its last chain.
   class Block {
    public:
-    /// Decodes so that the row of `latent` is there. Who asks twice for a chain gets all of it at
-    /// the second time, and the next rows cost nothing.
+    /// Decodes up to the row of `latent`. The first request for a chain decodes no more rows than
+    /// it needs. A second one decodes the whole chain, because more requests are then likely.
     Status reach(const LatentBlockCodec& codec, const ltm::Latent& latent) {
       const auto [index, count] = latent.place;
       if (index >= count)
@@ -71,7 +71,7 @@ class DeepEncoder : public ltm::Encoder {
       row_ = index % open_.chain_rows;
       const bool is_known = chain == chain_;
       if (is_known && row_ < known_) return {};
-      const bool is_video = codec.chain.images.empty();  // Decoded whole in any case.
+      const bool is_video = codec.chain.images.empty();  // A video is always decoded whole.
       const size_t wanted = is_known || is_video ? open_.rows_of(chain) : row_ + 1;
       chain_.reset();
       known_ = 0;
@@ -82,7 +82,7 @@ class DeepEncoder : public ltm::Encoder {
     }
 
     [[nodiscard]] const LatentRows& rows() const { return rows_; }
-    /// Which of them was reached.
+    /// Index of the row of the last reach().
     [[nodiscard]] size_t row() const { return row_; }
 
    private:
@@ -99,10 +99,10 @@ class DeepEncoder : public ltm::Encoder {
       return {};
     }
 
-    Buffer bytes_;  ///< What `open_` looks at.
+    Buffer bytes_;  ///< The bytes that `open_` refers to.
     OpenBlock open_;
     std::optional<size_t> chain_;
-    size_t known_ = 0;  ///< Rows of `rows_`.
+    size_t known_ = 0;  ///< Decoded rows in `rows_`.
     size_t row_ = 0;
     LatentRows rows_;
   };

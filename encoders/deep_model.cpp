@@ -14,7 +14,7 @@ namespace {
 
 constexpr int64_t kLargestLatent = 1 << 20;
 
-/// The pixels of an image, as they lie in memory. [1, H, W, C]
+/// The pixels of an image in memory order. Shape: [1, H, W, C].
 Tensor pixels_of(const ImageMember& image, const idf::NdArray& array) {
   return torch::from_blob(const_cast<std::byte*>(array.bytes().data()),
                           {1, image.height, image.width, image.channels},
@@ -41,7 +41,7 @@ idf::NdArray with_residual(const idf::NdArray& image, std::span<const int16_t> r
   return idf::NdArray::take<uint8_t>(image.shape(), std::move(pixels));
 }
 
-/// [1, z, h, w]
+/// Shape: [1, z, h, w].
 Tensor grid_tensor(const LatentGrid& grid, std::span<const int32_t> integers) {
   std::vector<float> values(integers.begin(), integers.end());
   for (float& value : values) value = std::clamp(value, -1e6f, 1e6f);
@@ -53,7 +53,7 @@ Tensor grid_tensor(const LatentGrid& grid, std::span<const int32_t> integers) {
 }  // namespace
 
 idf::NdArray to_image_array(const ImageMember& image, const Tensor& batch) {
-  // A network that met values it never saw may answer with no number at all.
+  // For values unlike the training data a network may return NaN.
   const Tensor pixels = torch::nan_to_num(
       batch.select(0, 0).slice(1, 0, image.height).slice(2, 0, image.width).permute({1, 2, 0}), 0,
       0, 0);
@@ -63,7 +63,7 @@ idf::NdArray to_image_array(const ImageMember& image, const Tensor& batch) {
 
 Tensor to_grey_levels(const ImageMember& image, const ImageShape& shape, const Tensor& pixels) {
   Tensor grey = pixels.permute({0, 3, 1, 2}).to(torch::kFloat32);  // [B, C, H, W]
-  // LibTorch has no unsigned 16-bit type: the upper half came out negative.
+  // LibTorch has no unsigned 16-bit type, so the upper half of the range is negative here.
   if (image.is_depth) grey = torch::where(grey < 0, grey + 65536.0, grey) * image.scale;
   const int below = shape.height - image.height;
   const int right = shape.width - image.width;
@@ -129,7 +129,7 @@ std::vector<double> DeepModel::moved_numbers(std::vector<double> numbers, const 
   for (size_t i = 0; i < numbers.size(); ++i) {
     const double now = from.data_ptr<float>()[i];
     const double next = to.data_ptr<float>()[i];
-    // What is not finite counts as the mean.
+    // A number that is not finite counts as the mean.
     numbers[i] = std::isfinite(numbers[i]) ? numbers[i] + deviation[i] * (next - now)
                                            : mean[i] + deviation[i] * next;
   }
@@ -220,7 +220,8 @@ void DeepModel::add_latents(std::vector<Parts> parts, LatentRows& rows) {
   const Tensor scene = best_scene(parts);
   rows.scene = static_cast<uint32_t>(scene.item<int64_t>());
   const std::vector<Tensor> backgrounds = backgrounds_of(rows);
-  // One at a time: what comes out must not depend on what is encoded beside it.
+  // Values are encoded one at a time, because the latents of one must not depend on the others in a
+  // batch.
   for (Parts& one : parts) {
     one.scene = scene;
     one.backgrounds = backgrounds;

@@ -21,7 +21,7 @@
 
 namespace engram::encoders {
 
-/// Everything that a model file holds.
+/// The content of a model file.
 ///
 /// Threading: one thread.
 struct DeepModel {
@@ -30,80 +30,85 @@ struct DeepModel {
 
   TensorPlan plan;
   std::vector<double> mean;       ///< Per number.
-  std::vector<double> deviation;  ///< Per number; 0 where it never changed.
+  std::vector<double> deviation;  ///< Per number; 0 if it never changed.
   Autoencoder autoencoder;
   Dynamics dynamics;
   GlobalCode global_code;
   LatentBlockCodec codec;
   std::optional<Condition> condition;
-  PredictionRecord prediction;     ///< With conditions, where there are any.
-  PredictionRecord planned;        ///< With conditions, and what is planned of them.
-  PredictionRecord unconditioned;  ///< Where they are not known.
-  PredictionRecord copied;         ///< Of copies of the last value.
+  PredictionRecord prediction;     ///< Measured with conditions, if the model has any.
+  PredictionRecord planned;        ///< Measured with conditions and their plan.
+  PredictionRecord unconditioned;  ///< Measured without conditions.
+  PredictionRecord copied;         ///< Measured for copies of the last value.
   Provenance provenance;
 
-  /// Numbers in units of their deviation from the mean; 0 for those that are not finite.
+  /// Returns numbers minus their means, in units of their standard deviations; numbers that are not
+  /// finite become 0.
   [[nodiscard]] std::vector<float> normalise(std::span<const double> numbers) const;
 
-  /// The images of one value in grey levels, padded, and its numbers, normalised. Batch of one, of
-  /// scene 0.
-  /// Errors: kInvalidArgument where the value has another layout.
+  /// Returns the images of one value in grey levels, padded, and its normalised numbers, as a batch
+  /// of one with scene 0.
+  /// Errors: kInvalidArgument if the value has another layout.
   Result<Parts> to_parts(const idf::SplitValue& value) const;
 
-  /// The images of a batch of one as arrays.
+  /// Returns the images of a batch of one as arrays.
   [[nodiscard]] std::vector<idf::NdArray> to_arrays(const Parts& parts) const;
 
-  /// One array per image member and all numbers, as a value.
+  /// Assembles a value from one array per image member, all numbers and the remainder.
   Result<idf::Data> to_value(std::vector<idf::NdArray> images, std::span<const double> numbers,
                              const idf::List& remainder) const;
 
-  /// What numbers become that change as `then` differs from `last`, both of a batch of one. Those
-  /// that never changed in training stay what they are.
+  /// Adds to `numbers` the difference between `then` and `last`, each a batch of one. Numbers that
+  /// never changed in training stay as they are.
   /// Shape: numbers [plan.number_count()].
   [[nodiscard]] std::vector<double> moved_numbers(std::vector<double> numbers, const Parts& last,
                                                   const Parts& then) const;
 
-  /// Mean squared differences of two batches of one, without what is padded, as training::compare
-  /// counts them.
+  /// Mean squared differences of two batches of one, without the padding, computed as in
+  /// training::compare.
   [[nodiscard]] ltm::MeasuredError difference(const Parts& a, const Parts& b) const;
 
-  /// Rounded latents of one image of a batch of one: coarse, then fine.
+  /// Rounds the latents of one image of a batch of one: first the coarse ones, then the fine ones.
   [[nodiscard]] static std::vector<int32_t> to_integers(const ImageLatents& latents);
 
-  /// One row as a batch of one.
+  /// Returns one row as a batch of one.
   [[nodiscard]] Latents to_latents(const LatentRows& rows, size_t row) const;
 
-  /// Consecutive values of one recording as rows: images as latents, on backgrounds of their `own`
-  /// where there are any. Without networks they have none, and need another form before they can
-  /// be coded.
+  /// Turns consecutive values of one recording into rows. Images become latents on the backgrounds
+  /// in `own`, or on the best background of the model if `own` is empty. A model without networks
+  /// makes no latents, so its images need another form before they can be coded.
   Result<LatentRows> to_rows(std::span<const idf::SplitValue> values,
                              std::vector<CodedBackground> own = {});
 
-  /// Backgrounds of a block as the networks see them, per image member [1, C, H, W]; none where it
-  /// has none of its own. Unit: grey levels.
+  /// Backgrounds that a block carries, as input of the networks, per image member; empty if it
+  /// carries none.
+  /// Shape: [1, C, H, W].
+  /// Unit: grey levels.
   [[nodiscard]] std::vector<torch::Tensor> backgrounds_of(const LatentRows& rows) const;
 
-  /// The scene that rows of one recording are reconstructed best with: [1] of int64.
+  /// Finds the scene with the best reconstruction of rows of one recording.
+  /// Shape: int64 [1].
   [[nodiscard]] torch::Tensor best_scene(std::span<const Parts> parts);
 
-  /// Most rows that are coded as one block: as many chains as it may have, but no more than 64 MB
-  /// of images, and one chain at least.
+  /// Maximum number of rows of one block: kMaxChains chains, but no more than 64 MB of images, and
+  /// at least one chain.
   [[nodiscard]] size_t block_rows() const;
 
-  /// Codes consecutive values of one recording as one block: images as latents, or, without
-  /// networks, as videos of usual quality.
-  /// Errors: kInvalidArgument where an image is too small for a video.
+  /// Codes consecutive values of one recording as one block. Images are kept as latents or, without
+  /// networks, as videos of default quality.
+  /// Errors: kInvalidArgument if an image is too small for a video.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
 
-  /// The images of a row, one per member, with their residuals.
+  /// Decodes the images of a row, one per member, and adds their residuals.
   Result<std::vector<idf::NdArray>> decode_images(const LatentRows& rows, size_t row);
   Result<idf::Data> decode(const LatentRows& rows, size_t row, const idf::List& remainder);
 
-  /// The global code of a value, kGlobalCodeSize numbers: alike where images look alike.
-  /// Errors: kInvalidArgument where it has another layout; kFailedPrecondition where the model has
-  /// no global code: without networks, or of an older file.
+  /// Returns the global code of a value: kGlobalCodeSize numbers that are similar for images that
+  /// look similar.
+  /// Errors: kInvalidArgument if the value has another layout; kFailedPrecondition if the model has
+  /// no global code because it has no networks or its file is older.
   Result<std::vector<float>> global_code_of(const idf::Data& value);
-  /// That of a row. Images are decoded only where they are not kept as latents.
+  /// Returns the global code of a row. Images are decoded only if they are not kept as latents.
   Result<std::vector<float>> global_code_of(const LatentRows& rows, size_t row,
                                             const idf::List& remainder);
 
@@ -114,56 +119,57 @@ struct DeepModel {
   double reconstruction_error(Parts values, const torch::Tensor& scene);
 };
 
-/// Pixels [B, H, W, C] as they lie in memory -> [B, C, H, W] in grey levels, padded by repeating
-/// the edge.
+/// Converts pixels from memory order to grey levels and pads them by repeating the edge.
+/// Shape: [B, H, W, C] -> [B, C, H, W].
 [[nodiscard]] torch::Tensor to_grey_levels(const ImageMember& image, const ImageShape& shape,
                                            const torch::Tensor& pixels);
 
-/// The image of a batch of one [1, C, H, W], in grey levels, as an array of the member's type,
-/// without what it was padded with.
+/// Converts a batch of one [1, C, H, W], in grey levels, to an array of the member's type without
+/// the padding.
 [[nodiscard]] idf::NdArray to_image_array(const ImageMember& image, const torch::Tensor& batch);
 
-/// The latents of a block: one per split value, whose remainders they take.
+/// Makes the latents of a block: one per split value, with the remainder of that value.
 [[nodiscard]] std::vector<ltm::Latent> latents_of(std::vector<std::byte> block,
                                                   std::vector<idf::SplitValue> values);
 
-/// What training and queries both see of a model.
+/// The interfaces through which both training and queries use a model.
 [[nodiscard]] std::unique_ptr<ltm::Encoder> make_encoder(std::shared_ptr<DeepModel> model);
 [[nodiscard]] std::unique_ptr<ltm::Predictor> make_predictor(std::shared_ptr<DeepModel> model);
-/// Copies the last value, whatever its layout; of the model's it knows how wrong that is.
+/// Makes a predictor that copies the last value of any layout. For values of the model's layout it
+/// estimates the error.
 [[nodiscard]] std::unique_ptr<ltm::Predictor> make_copies(std::shared_ptr<DeepModel> model);
 
-/// Shares of a prediction.
+/// Weights of the parts of a prediction.
 struct BlendShares {
   double latents = 0;  ///< Of images.
   double motion = 0;   ///< Of images.
   double numbers = 0;
 };
 
-/// What is expected of one moment.
+/// The expected value at one moment.
 struct Future {
-  Parts latents;                      ///< As the latents have it.
-  std::vector<torch::Tensor> motion;  ///< Images as their motion has them.
+  Parts latents;                      ///< As predicted from latents.
+  std::vector<torch::Tensor> motion;  ///< Images as predicted from motion.
 };
 
-/// What is needed of one moment ahead: a closed gate needs nothing of what it lets through.
+/// The parts of the prediction that one horizon needs. A part whose gate is closed is not needed.
 struct FutureNeed {
   int step = 1;
   bool latents = true;
   bool motion = true;
 };
 
-/// What is needed after each of some steps, in their order (ascending, each once): one rollout
-/// serves them all. What is not needed is left empty.
+/// Computes the needed parts for several horizons in one rollout. The steps in `needs` ascend and
+/// are distinct. Parts that are not needed stay empty.
 [[nodiscard]] std::vector<Future> futures_of(DeepModel& model, const Parts& last,
                                              const Parts& before,
                                              std::span<const FutureNeed> needs);
 
-/// The futures of 1..`steps` steps after `last`, whose latents are made on the way.
+/// Computes the futures at 1..`steps` steps after `last`, and encodes both values first.
 [[nodiscard]] std::vector<Future> futures_of(DeepModel& model, const Parts& last,
                                              const Parts& before, int steps);
 
-/// The last value, plus the shares of how expectations differ from it.
+/// Adds to the last value the differences of the expected values to it, weighted by `shares`.
 [[nodiscard]] Parts mix(const Parts& last, const Future& future, const BlendShares& shares);
 
 }  // namespace engram::encoders

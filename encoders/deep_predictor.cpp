@@ -10,14 +10,14 @@ namespace engram::encoders {
 
 namespace {
 
-/// The value before the last one; where there is none, the last one.
+/// Returns the value before the last one, or the last one if it is the only one.
 Result<Parts> parts_before(const DeepModel& model, std::span<const idf::Data> history) {
   const idf::Data& before = history[history.size() > 1 ? history.size() - 2 : 0];
   ENGRAM_ASSIGN_OR_RETURN(const auto split, model.plan.layout().split(before));
   return model.to_parts(split);
 }
 
-/// How much the last two values differ. Not known of one alone.
+/// Returns the difference of the last two values, which is not known if there is only one.
 ltm::MeasuredError change_of(const DeepModel& model, std::span<const idf::Data> history,
                              const Parts& last, const Parts& before) {
   return history.size() > 1 ? model.difference(last, before) : ltm::MeasuredError{};
@@ -72,7 +72,7 @@ class DeepPredictor : public ltm::Predictor {
             record.number_gates[horizon]};
   }
 
-  /// The values at `steps`, which may come in any order and more than once.
+  /// Predicts the values at `steps`, which may be in any order and may repeat.
   Result<std::vector<ltm::Prediction>> predict_checked(const ltm::Past& past,
                                                        std::span<const int> steps) {
     torch::NoGradGuard no_grad;
@@ -115,7 +115,7 @@ class DeepPredictor : public ltm::Predictor {
     return predictions;
   }
 
-  /// [1, P, K]
+  /// Shape: [1, P, K].
   Result<torch::Tensor> read_plan(std::span<const idf::Data> plan) const {
     std::vector<torch::Tensor> steps;
     for (const idf::Data& value : plan) {
@@ -126,7 +126,7 @@ class DeepPredictor : public ltm::Predictor {
     return torch::stack(steps, 1);
   }
 
-  /// False where the condition has another layout now: then it is not known.
+  /// Returns false if the condition has another layout now. Then it counts as not known.
   bool add_conditions(const idf::Data& value, Parts& parts) const {
     auto numbers = model_->condition->read(value);
     if (numbers.ok()) parts.conditions = *std::move(numbers);
@@ -170,7 +170,7 @@ class MeasuredCopies : public ltm::Predictor {
   Result<std::vector<ltm::Prediction>> predict(const ltm::Past& past, int steps) override {
     ENGRAM_ASSIGN_OR_RETURN(auto copies, ltm::make_copy_last_predictor()->predict(past, steps));
     const auto change = guarded("predict", [&] { return change_before(past.values); });
-    // What is not of the model's layout is copied too, but nothing is known of it.
+    // A value of another layout is copied too, but without an estimate of its error.
     if (!change.ok() && change.status().code() != StatusCode::kInvalidArgument)
       return change.status();
     for (size_t i = 0; change.ok() && i < copies.size(); ++i)

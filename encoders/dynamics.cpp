@@ -16,16 +16,16 @@ namespace {
 constexpr int kNumberFeatures = 128;
 constexpr int kMotionFeatures = 16;
 constexpr int kConditionFeatures = 64;
-/// How much more a change of conditions counts than where they are.
+/// Factor of the changes of conditions relative to their values.
 constexpr double kChangeGain = 3.0;
-/// Logit that gates start with: 27 % open.
+/// Initial logit of gates: they start 27 % open.
 constexpr double kFirstGate = -1.0;
-/// Deviations from the mean that numbers and their changes count as at most. Beyond what they were
-/// trained on linear layers go on without end.
+/// Max magnitude of numbers and their changes, in deviations. Without it, linear layers extrapolate
+/// without limit beyond the training data.
 constexpr double kMaxDeviations = 5.0;
 constexpr double kMinLogScale = -4.0;
 constexpr double kMaxLogScale = 6.0;
-/// No latent costs more than -log2 of it.
+/// Min probability of a latent, which bounds its cost at -log2 of it.
 constexpr double kMinProbability = 1e-7;
 
 Tensor twice_as_large(const Tensor& x) {
@@ -35,12 +35,12 @@ Tensor twice_as_large(const Tensor& x) {
                                .mode(torch::kNearest));
 }
 
-/// Of normalised numbers.
+/// Clamps normalised numbers.
 Tensor saturated(const Tensor& numbers) {
   return numbers.clamp(-kMaxDeviations, kMaxDeviations);
 }
 
-/// [B]
+/// Shape: [B].
 Tensor bits_of(const Tensor& z, const ExpectedLatents& expected) {
   return laplace_bits((z - expected.mean).abs(), expected.log_scale.exp()).sum({1, 2, 3});
 }
@@ -112,7 +112,7 @@ DynamicsImpl::DynamicsImpl(const NetworkShape& network) : shape(network) {
         register_module("image" + std::to_string(i),
                         ImageDynamics(network.images[i], network.sizes, features, told)));
   if (conditions > 0) {
-    // Where they are and how they change, what is planned, and whether each of the two is known.
+    // The input is values and changes, the plan, and two flags: whether each of the two is known.
     const int inputs = (2 + ImageMotionImpl::kSteps) * conditions + 2;
     condition_input =
         register_module("condition_input", torch::nn::Linear(inputs, kConditionFeatures));
@@ -139,7 +139,7 @@ Tensor DynamicsImpl::condition_features(const Parts& last, const Parts& before, 
     return activate(condition_hidden(activate(condition_input(nothing))));
   }
   const bool is_planned = last.plan.defined() && last.plan.size(1) > 0;
-  // Moments are counted from the last one that is known.
+  // Steps of the plan count from the last known moment.
   const auto at = [&](int moment) {
     if (moment < 0) return before.conditions;
     if (moment == 0) return last.conditions;
@@ -194,7 +194,7 @@ std::vector<std::vector<Tensor>> DynamicsImpl::move(const Parts& last, const Par
   for (size_t i = 0; i < images.size(); ++i) {
     std::array<Tensor, 2> seen{before.images[i], last.images[i]};
     for (size_t step = 0; step < moved.size();) {
-      // What comes later goes on from what was predicted.
+      // Later steps continue from predicted images.
       const Tensor features = motion_features(last, before, static_cast<int>(step));
       const Tensor moved_images = moved_on(seen[0], seen[1], ImageMotionImpl::kSteps);
       for (Tensor& image : images[i]->motion(seen[1], seen[0], moved_images, features)) {
@@ -210,7 +210,7 @@ namespace {
 
 Parts gated(const Parts& last, const DynamicsStep& step, const Parts& then, const Parts& now) {
   Parts values{{}, {}, last.scene};
-  if (then.images.empty()) values.images = last.images;  // There are no networks.
+  if (then.images.empty()) values.images = last.images;  // The model has no networks.
   for (size_t i = 0; i < then.images.size(); ++i)
     values.images.push_back(
         (last.images[i] + step.gates[i] * (then.images[i] - now.images[i])).clamp(0, 255));

@@ -11,15 +11,17 @@
 
 namespace engram::encoders {
 
-/// What is expected of the latents of one grid before they are known. [B, z, h, w] each.
+/// The expected latents of one grid before they are known.
+/// Shape: [B, z, h, w] for the mean and the scale, [B, G, h, w] for the features (letters of
+/// LatentPrior).
 struct ExpectedLatents {
   torch::Tensor mean;
   torch::Tensor log_scale;  ///< Of a Laplace distribution around the mean.
-  torch::Tensor features;   ///< What it was concluded from.
+  torch::Tensor features;   ///< Features from which both were computed.
 };
 
-/// The distribution of the next latents of a grid, given the last two and what else is known.
-/// Starts by expecting the last ones again.
+/// Predicts the distribution of the next latents of a grid from the last two and other known
+/// features. Before training it expects the last latents again.
 ///
 ///     last, last - before, known   [B, 2z + K', h, w]
 ///           | input 3x3, + added
@@ -27,7 +29,8 @@ struct ExpectedLatents {
 ///           | output 1x1
 ///     change of the mean, log scale   [B, z, h, w] each
 ///
-/// z channels of the grid, h w its size, K' channels of `known`, G `features`.
+/// B is the batch, z the channels of the grid, h and w its size, K' the channels of `known`, and G
+/// is `features`.
 /// Source: our own.
 struct LatentPriorImpl : torch::nn::Module {
   LatentPriorImpl(int channels, int known, int features);
@@ -41,24 +44,28 @@ struct LatentPriorImpl : torch::nn::Module {
 };
 TORCH_MODULE(LatentPrior);
 
-/// The prior of the latents of one image, how far its prediction is trusted per pixel, and what
-/// predicts without latents.
+/// The predictors of one image member: a prior of its latents, a gate that says per pixel how far
+/// that prediction is trusted, and a network of motion that needs no latents.
 ///
 ///     last two coarse latents, features of numbers --> coarse_prior --> next coarse latents
 ///                                                           |  features [B, F/2, H/16, W/16]
 ///                                                           +--> gate_output --> gate [B, 1, H, W]
 ///     last two fine latents, next coarse latents ----> fine_prior ----> next fine latents
 ///     last two images, features of numbers and conditions --> motion --> next images
+///
+/// Letters are those of autoencoder.h.
+/// Source: docs/learning_methods.md, section "Prediction".
 struct ImageDynamicsImpl : torch::nn::Module {
   ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features,
                     int motion_features);
 
   ExpectedLatents coarse(const ImageLatents& last, const ImageLatents& before,
                          const torch::Tensor& number_features);
-  /// `then`: the coarse latents of the snapshot whose fine ones are asked for.
+  /// `then` are the coarse latents of the snapshot whose fine latents are predicted.
   ExpectedLatents fine(const ImageLatents& last, const ImageLatents& before,
                        const torch::Tensor& then);
-  /// Of ExpectedLatents::features of coarse(): [B, 1, H, W], 0 to 1.
+  /// Computes the gate from the features that coarse() returned. Its values are 0 to 1.
+  /// Shape: [B, 1, H, W].
   torch::Tensor gate(const torch::Tensor& features);
 
   int stride;
@@ -76,12 +83,13 @@ struct DynamicsStep {
   torch::Tensor number_gate;         ///< [B, N], 0 to 1; undefined without numbers.
 };
 
-/// Expects the next latents from the last two: what makes them cheap, and what predicts.
+/// Predicts the next latents from the last two. The same prediction makes latents cheap to store
+/// and predicts future values.
 ///
 ///     value(k) = last + gate * (decode(z(k)) - decode(z))
 ///
-/// so that a closed gate is a copy of the last value. Images are also predicted from their pixels
-/// (ImageMotion), which carries over better to what the latents were not trained on.
+/// A closed gate therefore copies the last value. Images are also predicted from their pixels
+/// (ImageMotion), which generalises better to scenes that the latents were not trained on.
 ///
 ///     numbers, their change [B, 2N] --> number_input -- number_hidden --> [B, 128]
 ///           --> number_change [B, N], number_gate [B, N]; images[i] as features of numbers
@@ -92,17 +100,19 @@ struct DynamicsStep {
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);
 
-  /// Bits that the image latents `then` take after `last` and `before`. [B]
+  /// Number of bits of the image latents `then` after `last` and `before`.
+  /// Shape: [B].
   torch::Tensor bits(const Latents& then, const Latents& last, const Latents& before);
 
   DynamicsStep step(const Latents& last, const Latents& before);
 
-  /// What motion is told beside the images, for the steps that follow `ahead` ones: of the numbers,
-  /// of the conditions, and of what is planned of these. Beyond its end a plan stands still.
+  /// Features that the network of motion gets beside the images for the steps after the first
+  /// `ahead` ones: features of the numbers, of the conditions and of their plan. Beyond its end a
+  /// plan keeps its last values.
   torch::Tensor motion_features(const Parts& last, const Parts& before, int ahead = 0);
 
-  /// The images of the next `steps` steps as their motion goes on: per step, per image member, grey
-  /// levels 0 to 255. None without networks.
+  /// Predicts the images of the next `steps` steps from motion: per step and image member, in grey
+  /// levels from 0 to 255. The result is empty without networks.
   std::vector<std::vector<torch::Tensor>> move(const Parts& last, const Parts& before, int steps);
 
   NetworkShape shape;
@@ -112,17 +122,18 @@ struct DynamicsImpl : torch::nn::Module {
   torch::nn::Linear condition_input{nullptr}, condition_hidden{nullptr};
 
  private:
-  /// Of normalised numbers [B, N]; undefined without numbers.
+  /// Takes normalised numbers [B, N]; the result is undefined without numbers.
   torch::Tensor number_features(const torch::Tensor& last, const torch::Tensor& before);
   torch::Tensor condition_features(const Parts& last, const Parts& before, int ahead);
 };
 TORCH_MODULE(Dynamics);
 
-/// Bits of the unit interval around a value `distance` from the mean of a Laplace distribution.
+/// Number of bits of the unit interval around a value at `distance` from the mean of a Laplace
+/// distribution.
 [[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance, const torch::Tensor& scale);
 
-/// The values after each of `steps` (ascending) as the latents have them, from the last values and
-/// the last two latents: what lies between stays latent, for decoding is most of what a step costs.
+/// Predicts the values after each of `steps` (ascending) from the last values and the last two
+/// latents. Steps in between are not decoded, because decoding is most of the cost of a step.
 /// Values are grey levels (clamped to 0..255) and normalised numbers.
 [[nodiscard]] std::vector<Parts> roll_out(Autoencoder& autoencoder, Dynamics& dynamics,
                                           const Parts& last, const Latents& now,

@@ -8,32 +8,33 @@
 
 namespace engram::encoders {
 
-/// How wrong predictions of one kind and horizon are, told by how much changed just before them:
+/// The error of predictions of one kind and horizon as a function of the change just before them:
 ///
 ///     scale = (change + min_change) ^ exponent
 ///
-/// so that calm moments are told small errors and busy ones large errors. Changes and errors are
-/// mean squares, in grey levels or in the units of numbers.
+/// Calm moments therefore get small error estimates and busy moments large ones. Changes and errors
+/// are mean squares, of grey levels or in the units of the numbers.
 ///
 /// Threading: immutable but for assignment.
 /// Source: docs/learning_methods.md, section "How wrong predictions are".
 struct ErrorCalibration {
-  double min_change = 1;  ///< More than 0: noise alone changes that much.
-  double exponent = 0;    ///< 0 to 1; 0: errors do not depend on what changed.
-  /// Mean error, and what it stays within with kBoundProbability, per scale. Not a number where too
-  /// little was measured.
+  double min_change = 1;  ///< More than 0, because noise alone causes such a change.
+  double exponent = 0;    ///< 0 to 1; with 0, errors do not depend on the change.
+  /// Mean error, and the bound that the error keeps with kBoundProbability, both per scale. NaN if
+  /// there were too few measurements.
   double expected_per_scale = std::numeric_limits<double>::quiet_NaN();
   double bound_per_scale = std::numeric_limits<double>::quiet_NaN();
-  double mean = std::numeric_limits<double>::quiet_NaN();  ///< Error over all that was measured.
-  int64_t measured = 0;                                    ///< Predictions.
+  /// Mean error of all measured predictions.
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  int64_t measured = 0;  ///< Predictions.
 
   [[nodiscard]] double scale(double change) const;
-  /// Not a number for `change`: it is not known. Then errors are expected to be as usual.
+  /// If `change` is NaN, which means that it is not known, the result is the mean error.
   [[nodiscard]] double expected(double change) const;
-  /// Not a number where it is not known.
+  /// NaN if the bound is not known.
   [[nodiscard]] double bound(double change) const;
 
-  /// Errors: kDataLoss where a number cannot be.
+  /// Errors: kDataLoss if a number is out of range.
   [[nodiscard]] Status validate() const;
 };
 

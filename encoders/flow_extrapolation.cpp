@@ -10,14 +10,14 @@ namespace engram::encoders {
 
 namespace {
 
-/// Smaller images have no flow: OpenCV takes none below 12 pixels.
+/// Min side of an image. Smaller images get no flow, because OpenCV accepts none below 12 pixels.
 constexpr int kMinSide = 16;
-/// What a pixel that stands still counts, beside the squared speed of others.
+/// Weight of a pixel that does not move, relative to the squared speed of others.
 constexpr float kStillWeight = 0.01F;
-/// Share of a pixel that must have arrived, or it stays as it was.
+/// Min covered share of a pixel. A pixel with less keeps its value.
 constexpr float kMinCoverage = 0.5F;
 
-/// Shares the pixels; only read.
+/// A view that shares the pixels with `image` and is only read.
 cv::Mat view(const idf::NdArray& image) {
   const int depth = image.type() == idf::ElementType::kUInt8 ? CV_8U : CV_16U;
   const int channels = image.rank() == 3 ? static_cast<int>(image.shape()[2]) : 1;
@@ -25,7 +25,7 @@ cv::Mat view(const idf::NdArray& image) {
                  CV_MAKETYPE(depth, channels), const_cast<std::byte*>(image.bytes().data()));
 }
 
-/// What flow is found in: 8 bits, one channel. `scale` to grey levels.
+/// Converts to the input of the flow: 8 bits and one channel. `scale` converts to grey levels.
 cv::Mat grey(const cv::Mat& image, double scale) {
   cv::Mat one;
   if (image.channels() == 3)
@@ -43,7 +43,7 @@ double largest_of(const cv::Mat& image) {
   return largest;
 }
 
-/// How far each pixel of `last` moved since `before`. Unit: pixels. [H, W, 2]
+/// Displacement of each pixel of `last` since `before`. Shape: [H, W, 2]. Unit: pixels.
 cv::Mat motion_of(const cv::Mat& before, const cv::Mat& last) {
   cv::Mat flow = cv::Mat::zeros(last.size(), CV_32FC2);
   if (std::min(last.rows, last.cols) < kMinSide) return flow;
@@ -55,7 +55,7 @@ cv::Mat motion_of(const cv::Mat& before, const cv::Mat& last) {
   return -flow;
 }
 
-/// What arrives at the pixels of an image.
+/// Sums of the pixels that arrive at each pixel of an image.
 class Arrivals {
  public:
   explicit Arrivals(const cv::Mat& image)
@@ -64,7 +64,7 @@ class Arrivals {
         weights_(cv::Mat::zeros(image.size(), CV_32F)),
         coverage_(cv::Mat::zeros(image.size(), CV_32F)) {}
 
-  /// A pixel arrives between four others.
+  /// Distributes an arriving pixel to its four neighbours.
   void add(const float* pixel, float x, float y, float importance) {
     const int left = static_cast<int>(std::floor(x));
     const int top = static_cast<int>(std::floor(y));
@@ -76,7 +76,7 @@ class Arrivals {
     add_to(pixel, left + 1, top + 1, right_share * low_share, importance);
   }
 
-  /// Puts what arrived over `image`, of floats.
+  /// Writes the arrived pixels over `image`, which holds floats.
   void put_over(cv::Mat& image) const {
     for (int y = 0; y < image.rows; ++y)
       for (int x = 0; x < image.cols; ++x) {
@@ -108,7 +108,7 @@ cv::Mat moved(const cv::Mat& image, const cv::Mat& motion, float steps) {
   for (int y = 0; y < pixels.rows; ++y)
     for (int x = 0; x < pixels.cols; ++x) {
       const auto& v = motion.at<cv::Vec2f>(y, x);
-      // Flow of hostile pixels may be anything; far outside is far enough.
+      // The flow of hostile pixels may have any value. Such pixels lie far outside and are skipped.
       if (!(std::abs(v[0]) < 1e4F && std::abs(v[1]) < 1e4F)) continue;
       arrivals.add(pixels.ptr<float>(y) + x * pixels.channels(),
                    static_cast<float>(x) + steps * v[0], static_cast<float>(y) + steps * v[1],

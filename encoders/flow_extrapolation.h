@@ -10,13 +10,14 @@
 
 namespace engram::encoders {
 
-/// The images 1..`steps` steps after `last`, each pixel moving on as it did since `before`: dense
-/// optical flow, pixels of `last` carried forward. Where several arrive the quicker ones count
-/// more; where none does, `last` stays. Learns nothing: where learned motion starts from, and what
-/// predictions are compared with.
+/// Extrapolates the images at 1..`steps` steps after `last`: dense optical flow from `before` to
+/// `last` carries each pixel of `last` forward. If several pixels arrive at one place, faster ones
+/// get a larger weight; if none arrives, the pixel of `last` stays. Nothing is learned. The learned
+/// motion starts from this result, and predictions are compared with it.
 ///
-/// Shape: uint8 or uint16, [H, W] or [H, W, 1 to 4], both alike, as are those returned.
-/// Errors: kInvalidArgument where they are not; kUnavailable where OpenCV fails.
+/// Shape: uint8 or uint16, [H, W] or [H, W, 1 to 4]; both images and the results have the same type
+/// and shape.
+/// Errors: kInvalidArgument if type or shape is another one; kUnavailable if OpenCV fails.
 /// Source: Kroeger et al., Fast Optical Flow using Dense Inverse Search.
 Result<std::vector<idf::NdArray>> flow_extrapolated(const idf::NdArray& before,
                                                     const idf::NdArray& last, int steps);

@@ -9,7 +9,7 @@ using torch::Tensor;
 
 namespace {
 
-/// Most cells along a side of a grid.
+/// Max number of cells along a side of a grid.
 constexpr int64_t kCells = 4;
 
 }  // namespace

@@ -10,29 +10,33 @@ namespace engram::encoders {
 /// Numbers of a global code.
 inline constexpr int64_t kGlobalCodeSize = 48;
 
-/// Means of the coarse latents of all images over a few cells of their grids: what a global code is
-/// made from. Shape: [B, P], P = pooled_size().
+/// Means of the coarse latents of all images over up to 4 x 4 cells of their grids: the input of a
+/// global code.
+/// Shape: [B, P], where P is pooled_size().
 [[nodiscard]] torch::Tensor pooled_latents(const Latents& latents);
 
 /// The P of pooled_latents; 0 without networks.
 [[nodiscard]] int64_t pooled_size(const NetworkShape& shape);
 
-/// A few numbers per snapshot that are near each other where snapshots look alike: a projection of
-/// pooled latents, and an offset per background. Their distance is about that of the small images
-/// that training fitted it to. Unit: grey levels, root mean square.
+/// A code of 48 numbers per snapshot whose distance is small for snapshots that look similar: a
+/// projection of pooled latents plus an offset per background. The distance of two codes is about
+/// the root mean square difference of the snapshots as images of 8 x 8 pixels.
+/// Unit: grey levels.
 ///
 ///     coarse latents, rounded --> pooled_latents [B, P] --> projection --(+)--> [B, 48]
 ///     scene [B] --> offset ------------------------------------------------+
 ///
-/// P is pooled_size(). Both tensors are fitted in closed form: ridge regression of the small images
-/// on pooled latents, then principal components of what that explains. Our own.
+/// B is the batch and P is pooled_size(). Both tensors are fitted in closed form: a ridge
+/// regression of the small images on pooled latents, then the principal components of its result.
+/// The method is our own.
 /// Source: docs/learning_methods.md, section "Global codes".
 struct GlobalCode {
-  torch::Tensor projection;  ///< [kGlobalCodeSize, P]; undefined where a model has none.
+  torch::Tensor projection;  ///< [kGlobalCodeSize, P]; undefined if the model has no global code.
   torch::Tensor offset;      ///< [scenes, kGlobalCodeSize].
 
   [[nodiscard]] bool is_known() const { return projection.defined(); }
-  /// Shape: [B, kGlobalCodeSize]. Needs rounded latents of every image member.
+  /// Computes codes from rounded latents of every image member.
+  /// Shape: [B, kGlobalCodeSize].
   [[nodiscard]] torch::Tensor of(const Latents& latents) const;
 };
 

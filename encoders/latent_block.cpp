@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::string_view kWhat = "block of latents";
 
-/// Of a background that the block carries.
+/// The head of a background that the block carries.
 struct BackgroundHead {
   ImageForm form = ImageForm::kLatents;
   std::span<const std::byte> bytes;
 };
 
-/// A block in its parts.
+/// The parts of a block.
 struct BlockParts {
   int64_t scene = 0;
-  std::vector<BackgroundHead> own;  ///< Per image member, or none.
+  std::vector<BackgroundHead> own;  ///< Per image member, or empty.
   size_t chain_rows = 0;
   std::vector<std::span<const std::byte>> chains;
 };
@@ -66,7 +66,7 @@ Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, si
   return parts;
 }
 
-/// Rows `first` to `end` of `values`, which hold `count` rows.
+/// Copies rows `first` to `end` of `values`, which hold `count` rows.
 template <typename T>
 std::vector<T> some_rows(const std::vector<T>& values, size_t count, size_t first, size_t end) {
   const size_t each = values.size() / count;
@@ -99,6 +99,8 @@ std::vector<LatentRows> cut_chains(const LatentRows& rows, size_t count, size_t 
     chain.own = rows.own;
     chain.numbers = some_rows(rows.numbers, count, first, end);
     for (const ImageRows& image : rows.images) {
+      // Videos and residuals are coded per chain and depend on their first row, so they cannot be
+      // cut.
       ENGRAM_CHECK(image.video.empty() && image.residual.empty(), "only latents can be cut");
       ImageRows& part = chain.images.emplace_back();
       part.is_refined = image.is_refined;
@@ -125,6 +127,7 @@ std::vector<std::byte> LatentBlockCodec::encode(std::span<const LatentRows> chai
   }
   writer.put_varint(static_cast<int64_t>(chain_rows));
   for (size_t i = 0; i < chains.size(); ++i) {
+    // The block keeps the scene and the backgrounds once, so its chains must share them.
     ENGRAM_CHECK(chains[i].scene == first.scene && chains[i].own.size() == first.own.size(),
                  "chains of one block with several views");
     parts.push_back(chain.encode(chains[i], std::min(chain_rows, count - i * chain_rows)));

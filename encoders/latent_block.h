@@ -11,29 +11,31 @@
 
 namespace engram::encoders {
 
-/// Chains of a block. What they share, a background of their own, is then cheap.
+/// Maximum number of chains in a block. They share the cost of the background that the block
+/// carries.
 inline constexpr size_t kMaxChains = 8;
-/// Most rows of a block.
+/// Maximum number of rows in a block.
 inline constexpr size_t kMaxBlockRows = ltm::kMaxGroupImages;
 
-/// A block whose checksum fits, and what its chains share. Lives as long as the bytes.
+/// A block whose checksum was verified. It refers to the bytes of the block, which must outlive it.
 struct OpenBlock {
   size_t count = 0;       ///< Rows.
-  size_t chain_rows = 0;  ///< Of every chain but the last, which may have fewer.
+  size_t chain_rows = 0;  ///< Of every chain but the last one, which may have fewer.
   uint32_t scene = 0;
-  std::vector<CodedBackground> own;  ///< Decoded; per image member, or none.
+  std::vector<CodedBackground> own;  ///< Decoded backgrounds per image member, or empty.
   std::vector<std::span<const std::byte>> chains;
 
-  /// Rows of a chain.
+  /// Number of rows in a chain.
   [[nodiscard]] size_t rows_of(size_t chain) const {
     return std::min(chain_rows, count - chain * chain_rows);
   }
 };
 
-/// What a block says of itself, without its model.
+/// The head of a block, which can be read without its model.
 struct BlockDescription {
   size_t chain_rows = 0;
-  std::vector<uint64_t> background_bytes;      ///< Per image member; 0: it has none of its own.
+  /// Per image member; 0 if the block carries no background.
+  std::vector<uint64_t> background_bytes;
   std::vector<std::vector<ImageCode>> chains;  ///< [chain][image member].
 };
 
@@ -41,33 +43,36 @@ struct BlockDescription {
 Result<BlockDescription> describe_block(std::span<const std::byte> block, size_t count,
                                         size_t images);
 
-/// Rows of a block as rows of its chains.
+/// Splits the rows of a block into the rows of its chains.
 [[nodiscard]] std::vector<LatentRows> cut_chains(const LatentRows& rows, size_t count,
                                                  size_t chain_rows);
 
-/// Codes consecutive rows as one block: chains that decode alone, seen from one view.
+/// Codes consecutive rows of one view as one block of chains. Each chain decodes without the
+/// others.
 ///
-/// Format: as varints, twice the scene, plus one where the block has backgrounds of its own; form
-/// and size of those; rows of a chain; the size of each chain; then backgrounds, chains, and a
-/// checksum of 32 bits over all, which also covers the number of rows.
+/// Format: varints for twice the scene (plus one if the block carries backgrounds), the form and
+/// size of each such background, the number of rows of a chain and the size of each chain; then the
+/// backgrounds, the chains, and a checksum of 32 bits over all bytes and the number of rows.
 /// Threading: const-parallel.
 struct LatentBlockCodec {
   LatentChainCodec chain;
   uint32_t scenes = 1;
   size_t chain_rows = 16;
 
-  /// `chains` are those of `count` rows, of one scene and background (checked).
+  /// Encodes `chains` of together `count` rows, which have one scene and background (checked).
   [[nodiscard]] std::vector<std::byte> encode(std::span<const LatentRows> chains,
                                               size_t count) const;
 
-  /// Safe on hostile bytes.
-  /// Errors: kDataLoss; kFailedPrecondition where a background's decoder is not installed.
+  /// Verifies the checksum and reads the head. It is safe on hostile bytes.
+  /// Errors: kDataLoss; kFailedPrecondition if the decoder of a background is not installed.
   Result<OpenBlock> open(std::span<const std::byte> block, size_t count) const;
 
-  /// The first `wanted` rows of a chain. Errors: those of LatentChainCodec::decode.
+  /// Decodes the first `wanted` rows of a chain.
+  /// Errors: the errors of LatentChainCodec::decode.
   Result<LatentRows> decode(const OpenBlock& block, size_t chain_index, size_t wanted) const;
 
-  /// All rows of all chains, one after another. Errors: those of open and decode.
+  /// Decodes all rows of all chains, in their order.
+  /// Errors: the errors of open and decode.
   Result<std::vector<LatentRows>> decode_all(std::span<const std::byte> block, size_t count) const;
 };
 

@@ -13,7 +13,7 @@ constexpr std::string_view kWhat = "chain of latents";
 constexpr int64_t kRefined = 8;
 constexpr int64_t kHasResidual = 16;
 
-/// Of one image member, before the codes.
+/// The head of one image member. All heads precede the codes.
 struct ImageHead {
   ImageForm form = ImageForm::kLatents;
   bool is_refined = false;
@@ -27,6 +27,7 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   const int64_t codec = form & (kRefined - 1);
   constexpr auto kMaxCodec = static_cast<int64_t>(ImageForm::kFfv1);
   const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxCodec;
+  // The flags of refinement and residuals are valid for latents alone.
   if (!is_known || (codec != 0 && form != codec))
     return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kWhat, form, kMaxCodec,
                      kRefined, kHasResidual, kRefined + kHasResidual);
@@ -136,6 +137,7 @@ Result<LatentRows> LatentChainCodec::decode(std::span<const std::byte> chain, si
   }
   if (!numbers) return rows;
   ENGRAM_ASSIGN_OR_RETURN(rows.numbers, numbers->decode(bytes, count));
+  // The code of the numbers ends in a checksum over all rows, so they are decoded whole and cut.
   rows.numbers.resize(wanted * numbers->model().count());
   return rows;
 }

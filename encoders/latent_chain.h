@@ -17,56 +17,60 @@ namespace engram::encoders {
 /// One image member over the rows of a chain.
 struct ImageRows {
   ImageForm form = ImageForm::kLatents;
-  bool is_refined = false;           ///< Whether latents are not as the encoder made them.
-  std::vector<int32_t> latents;      ///< [rows, latents]; empty in other forms.
-  std::vector<std::byte> residual;   ///< What ResidualEncoder made of all rows; empty: they are
-                                     ///< good as latents alone.
+  bool is_refined = false;       ///< Whether the latents were refined after encoding.
+  std::vector<int32_t> latents;  ///< [rows, latents]; empty in other forms.
+  /// Code of all rows by ResidualEncoder; empty if the latents alone keep the bound.
+  std::vector<std::byte> residual;
   ResidualRows residuals;            ///< Decoded from `residual`; not needed to encode.
-  std::vector<std::byte> video;      ///< What the codec of the form made of all rows.
+  std::vector<std::byte> video;      ///< Code of all rows by the codec of `form`.
   std::vector<idf::NdArray> frames;  ///< Decoded from `video`; not needed to encode.
 
   friend bool operator==(const ImageRows&, const ImageRows&) = default;
 };
 
-/// What the images and numbers of consecutive snapshots are decoded from.
+/// The data from which the images and numbers of consecutive snapshots are decoded.
 struct LatentRows {
-  uint32_t scene = 0;                ///< Which background, or the one most like the block's own.
-  std::vector<CodedBackground> own;  ///< Backgrounds of the block itself, per image; or none.
-  std::vector<ImageRows> images;     ///< Per image member.
-  std::vector<double> numbers;       ///< [rows, N].
+  /// Index of the background, or of the one most similar to the block's own.
+  uint32_t scene = 0;
+  /// Backgrounds that the block carries, per image member, or empty.
+  std::vector<CodedBackground> own;
+  std::vector<ImageRows> images;  ///< Per image member.
+  std::vector<double> numbers;    ///< [rows, N].
 };
 
-/// How one image member is kept in a chain.
+/// The form and size of one image member in a chain.
 struct ImageCode {
   ImageForm form = ImageForm::kLatents;
   bool is_refined = false;
-  uint64_t bytes = 0;  ///< Of all rows together, without residuals.
-  /// Of each row; nothing where it has none. Empty where no row has one.
+  uint64_t bytes = 0;  ///< Of all rows, without residuals.
+  /// Size of the residual of each row, if it has one. The vector is empty if no row has one.
   std::vector<std::optional<uint64_t>> residual_bytes;
 };
 
-/// What a chain of `count` rows and `images` image members says of itself, without its model.
+/// Reads the head of a chain of `count` rows and `images` image members, without its model.
 /// Errors: kDataLoss.
 Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, size_t count,
                                               size_t images);
 
-/// Codes consecutive rows as a chain, each from those before it: decoding starts at the first.
+/// Codes consecutive rows as a chain. Each row is coded from the rows before it, so decoding starts
+/// at the first one.
 ///
-/// Format: as varints, of each image member its form (plus 8 where latents were refined, plus 16
-/// where residuals follow), the size of its code and, where they follow, of its residuals; what was
-/// so announced, in this order; and the code of the numbers.
+/// Format: for each image member varints of its form (plus 8 if latents were refined, plus 16 if
+/// residuals follow), of the size of its code and of the size of its residuals, if any; then these
+/// codes in the same order; then the code of the numbers.
 /// Threading: const-parallel.
 struct LatentChainCodec {
   std::vector<FrameShape> frames;           ///< Per image member.
-  std::vector<LatentSequenceCodec> images;  ///< Per image member, or none: then all are videos.
+  std::vector<LatentSequenceCodec> images;  ///< Per image member; empty if all are videos.
   std::optional<NumberCodec> numbers;
 
-  /// `rows` hold `count` rows of every member (checked). Scene and backgrounds are not part of it.
+  /// Encodes `count` rows, which `rows` has of every member (checked). The chain does not contain
+  /// the scene and the backgrounds.
   [[nodiscard]] std::vector<std::byte> encode(const LatentRows& rows, size_t count) const;
 
-  /// The first `wanted` of the `count` rows; videos are decoded whole, residuals as far as latents.
-  /// Safe on hostile bytes.
-  /// Errors: kDataLoss; kFailedPrecondition where a video's decoder is not installed.
+  /// Decodes the first `wanted` of `count` rows. A video is always decoded whole, residuals only up
+  /// to `wanted`. It is safe on hostile bytes.
+  /// Errors: kDataLoss; kFailedPrecondition if the decoder of a video is not installed.
   Result<LatentRows> decode(std::span<const std::byte> chain, size_t count, size_t wanted) const;
 
  private:

@@ -7,50 +7,52 @@
 
 // Internal to the learning rooms: includes LibTorch.
 //
-// The layers that all networks are made of. B batch, C channels, H W height and width, F features.
+// The layers of all networks. In shapes, B is the batch, C channels, H and W height and width, F
+// features.
 //
 // A model file holds the tensors of a network in the order in which its modules register them, and
 // no names. So a member or its registered name may be renamed, but the order of register_module()
-// and register_parameter() may not change: old files would be read into the wrong tensors.
-// Few names have a meaning: what ends in "background" is kept as pixels (weight_rounding.h), and
-// training finds by name what it starts from and what belongs to the motion.
+// and register_parameter() may not change: old files would be read into the wrong tensors. A few
+// names have a meaning: a tensor whose name ends in "background" is kept as pixels
+// (weight_rounding.h), and training finds the tensors of a warm start and of the motion by name.
 
 namespace engram::encoders {
 
-/// A unit of the networks' image side. Unit: grey levels.
+/// One unit of the input and output of the networks for images. Unit: grey levels.
 inline constexpr double kGreyLevels = 64.0;
 
 [[nodiscard]] torch::Tensor activate(const torch::Tensor& x);
 
-/// The same in place, of a tensor that is no view and that nothing else needs.
+/// The same in place, for a tensor that is no view and that is not used elsewhere.
 [[nodiscard]] torch::Tensor activate(torch::Tensor&& x);
 
 /// [B, C, H, W] -> [B, C factor^2, H / factor, W / factor], channels last in memory.
 [[nodiscard]] torch::Tensor unshuffled(const torch::Tensor& x, int factor);
 
-/// `conv`, a 1x1 convolution, of unshuffled(x, 2): of all places of 2 x 2 at once.
+/// Applies `conv`, a 1x1 convolution, to unshuffled(x, 2), as one convolution with stride 2.
 [[nodiscard]] torch::Tensor halved(torch::nn::Conv2d& conv, const torch::Tensor& x);
 
-/// pixel_shuffle(conv(x), 2) of a 1x1 convolution, in runs of channels. Trains faster here than a
-/// transposed convolution.
+/// pixel_shuffle(conv(x), 2) of a 1x1 convolution, computed as one matrix product. It trains faster
+/// here than a transposed convolution.
 /// Source: Shi et al., Real-Time Single Image and Video Super-Resolution Using an Efficient
 /// Sub-Pixel Convolutional Neural Network, 2016.
 [[nodiscard]] torch::Tensor doubled(torch::nn::Conv2d& conv, const torch::Tensor& x);
 
-/// Adds what is known of images to several rows of each, one after the other.
+/// Adds features of views to x, in which each view has N consecutive rows.
 /// Shape: x [N B, C, H, W], known [B, C, H, W].
 [[nodiscard]] torch::Tensor with_known(const torch::Tensor& x, const torch::Tensor& known);
 
-/// A convolution that keeps the size and starts at zero where `starts_at_zero`.
+/// A convolution that keeps the size. Its weights start at zero if `starts_at_zero`.
 [[nodiscard]] torch::nn::Conv2d make_conv(int in, int out, int kernel, bool starts_at_zero = false);
 
-/// A dense layer that starts at zero.
+/// A dense layer whose weights start at zero.
 [[nodiscard]] torch::nn::Linear make_zero_linear(int in, int out);
 
 /// Adds a vector of features [B, F] to every place of x [B, F, H, W].
 [[nodiscard]] torch::Tensor with_features(const torch::Tensor& x, const torch::Tensor& features);
 
-/// Two 3x3 convolutions beside an identity; starts as the identity.
+/// Two 3x3 convolutions beside an identity. The block starts as the identity, because its second
+/// convolution starts at zero.
 ///
 ///     x --+-- first 3x3 -- activate -- second 3x3 --(+)-- y        x, y [B, F, H, W]
 ///         +---------------------------------------------+

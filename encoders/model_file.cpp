@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kFormat = "engram model";
 
-/// The integers of the file's root that say how large the networks are.
+/// Visits the integers in the root of the file that give the sizes of the networks.
 template <typename Visit>
 Status for_each_size(NetworkSizes& sizes, Visit visit) {
   ENGRAM_RETURN_IF_ERROR(visit("width", sizes.width));
@@ -57,6 +57,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/mean", model.mean));
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/deviation", model.deviation));
   std::vector<double> scales;
+  // The scale of a depth image is chosen in training, so a layout alone does not give it.
   for (const ImageMember& image : model.plan.images()) scales.push_back(image.scale);
   ENGRAM_RETURN_IF_ERROR(write_vector(file, "/normaliser/image_scale", scales));
   ENGRAM_RETURN_IF_ERROR(write_weights(file, model));
@@ -104,6 +105,8 @@ Result<TensorPlan> read_plan(const h5::File& file) {
 Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(TensorPlan plan, read_plan(file));
   ENGRAM_ASSIGN_OR_RETURN(const NetworkSizes sizes, read_sizes(file));
+  // This check comes before the networks are made: a hostile file could otherwise request any
+  // amount of memory for backgrounds.
   for (const ImageShape& image : network_shape(plan, sizes).images)
     if (sizes.scenes > max_scenes(image))
       return data_loss("found {} backgrounds of {} x {} pixels, needs at most {}", sizes.scenes,
@@ -133,14 +136,15 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
   return model;
 }
 
-/// What a broken file makes other functions say, told as what it is.
+/// Turns an error of reading a broken file into one that names the file and says that it is
+/// damaged.
 Status as_damage(const Status& status, const std::filesystem::path& path) {
   const std::string text = fmt::format("model '{}': {}", path.string(), status.message());
   if (status.code() == StatusCode::kFailedPrecondition) return failed_precondition("{}", text);
   return data_loss("{}", text);
 }
 
-/// What `read` makes of a model file of our format.
+/// Opens a model file, checks its format and returns the result of `read`.
 template <typename Read>
 auto read_part(const std::filesystem::path& path, Read read)
     -> decltype(read(std::declval<const h5::File&>())) {

@@ -9,16 +9,16 @@
 
 namespace engram::encoders {
 
-/// The format of model files that this program reads and writes.
+/// Version of the format of model files that this program reads and writes.
 inline constexpr int kModelFormatVersion = 5;
 
-/// Reads where a model comes from, without its networks.
-/// Errors: kNotFound; kDataLoss where the file is damaged; kFailedPrecondition where its format is
-/// another.
+/// Reads the provenance of a model without its networks.
+/// Errors: kNotFound; kDataLoss if the file is damaged; kFailedPrecondition if its format version
+/// is another one.
 Result<Provenance> read_provenance(const std::filesystem::path& path);
 
-/// Reads the layout of the values that a model is of, without its networks.
-/// Errors: as read_provenance.
+/// Reads the layout of the values of a model without its networks.
+/// Errors: as for read_provenance.
 Result<idf::Layout> read_layout(const std::filesystem::path& path);
 
 }  // namespace engram::encoders

@@ -30,7 +30,7 @@ Result<std::vector<TimeSpan>> read_spans(const h5::File& file, const std::string
 }
 
 constexpr const char* kCurve = "/provenance/curve";
-/// Columns of the curve: phase, step, seconds, loss, PSNR in dB, bytes.
+/// Number of columns of the curve: phase, step, seconds, loss, PSNR in dB, bytes.
 constexpr size_t kCurveColumns = 6;
 
 Status write_curve(h5::File& file, const std::vector<CurvePoint>& curve) {
@@ -41,7 +41,7 @@ Status write_curve(h5::File& file, const std::vector<CurvePoint>& curve) {
   return write_vector(file, kCurve, rows);
 }
 
-/// Empty where the file has none.
+/// The result is empty if the file has none.
 Result<std::vector<CurvePoint>> read_curve(const h5::File& file) {
   std::vector<CurvePoint> curve;
   ENGRAM_ASSIGN_OR_RETURN(const bool is_there, file.exists(kCurve));
@@ -131,7 +131,7 @@ Result<Condition> read_condition(const h5::File& file, int count) {
 
 namespace {
 
-/// The numbers of one kind of error, in their order.
+/// Visits the numbers of one kind of error in their order in the file.
 template <typename Calibration, typename Visit>
 void for_each_number(Calibration& errors, Visit visit) {
   visit(errors.min_change);
@@ -142,7 +142,8 @@ void for_each_number(Calibration& errors, Visit visit) {
   visit(errors.measured);
 }
 
-/// Those of a record: for each horizon its gates, then the errors of images and of numbers.
+/// Visits the numbers of a record: for each horizon its gates, then the errors of images and of
+/// numbers.
 template <typename Record, typename Visit>
 void for_each_number_of(Record& record, Visit visit) {
   for (size_t i = 0; i < kMeasuredHorizons; ++i) {
@@ -158,7 +159,7 @@ constexpr size_t kNumbersOfHorizon = 3 + 2 * 6;
 
 }  // namespace
 
-// One dataset: each costs more than its numbers.
+// All numbers share one dataset, because a dataset costs more bytes than its few numbers.
 Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record) {
   std::vector<double> numbers;
   for_each_number_of(record,
@@ -198,7 +199,7 @@ namespace {
 
 constexpr const char* kForms = "/provenance/forms";
 
-/// The integers of StoredForms by name.
+/// Visits the integers of StoredForms by name.
 template <typename Forms, typename Visit>
 Status for_each_count(Forms& forms, Visit visit) {
   ENGRAM_RETURN_IF_ERROR(visit("noise_images", forms.noise_images));
@@ -235,7 +236,7 @@ Status write_forms(h5::File& file, const StoredForms& forms) {
 
 constexpr const char* kChoice = "/provenance/choice";
 
-/// The integers of ModelChoice by name.
+/// Visits the integers of ModelChoice by name.
 template <typename Choice, typename Visit>
 Status for_each_choice(Choice& choice, Visit visit) {
   ENGRAM_RETURN_IF_ERROR(visit("previous_version", choice.previous_version));
@@ -324,7 +325,8 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   return write_curve(file, from.curve);
 }
 
-/// Zero stands for none, but where every bit is kept: earlier files could not say so.
+/// A bound of zero means that none was given, unless the file says that numbers are exact. Earlier
+/// files could not say so.
 Result<std::optional<double>> read_number_bound(const h5::File& file, const std::string& group) {
   ENGRAM_ASSIGN_OR_RETURN(const double bound, file.double_attribute(group, "number_bound"));
   const bool is_exact = file.int_attribute(group, "has_exact_numbers").value_or(0) != 0;

@@ -10,30 +10,30 @@
 
 namespace engram::encoders {
 
-// What a model file holds beside its networks. Reading is safe on hostile files.
-// Errors: kDataLoss where numbers are missing or out of their bounds.
+// The records that a model file holds beside its networks. Reading is safe on hostile files.
+// Errors: kDataLoss if numbers are missing or out of range.
 
-/// "/codec": what the latents of images and the numbers are coded with.
+/// "/codec": the parameters of the codecs of image latents and numbers.
 Status write_codec(h5::File& file, const LatentBlockCodec& codec);
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec);
 
-/// "/global_code": 8 bits per weight, a scale per number, the offset of each background. Absent
-/// where the model has none.
+/// "/global_code": 8 bits per weight, a scale per number, the offset of each background. Absent if
+/// the model has no global code.
 Status write_global_code(h5::File& file, const GlobalCode& code);
 Result<GlobalCode> read_global_code(const h5::File& file, const NetworkShape& shape);
 
-/// "/condition": which numbers of another entity predictions start from.
+/// "/condition": the numbers of another entity that condition predictions.
 Status write_condition(h5::File& file, const Condition& condition);
 Result<Condition> read_condition(const h5::File& file, int count);
 
-/// A group of gates and measured errors per horizon.
+/// A group with the gates and measured errors of each horizon.
 Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record);
 Result<PredictionRecord> read_prediction(const h5::File& file, const std::string& group);
 
-/// The choice between models in "/provenance", in a file that has one already.
+/// Replaces the choice between models in the "/provenance" of an existing file.
 Status replace_choice(h5::File& file, const ModelChoice& choice);
 
-/// "/provenance".
+/// "/provenance": see Provenance.
 Status write_provenance(h5::File& file, const Provenance& from);
 Result<Provenance> read_provenance(const h5::File& file);
 

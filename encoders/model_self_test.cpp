@@ -13,12 +13,13 @@ using torch::Tensor;
 
 namespace {
 
-/// Decoded grey levels may differ by this much between machines.
+/// Max difference of decoded grey levels between machines.
 constexpr double kImageTolerance = 1.0;
-/// Decoded numbers may, in standard deviations.
+/// Max difference of decoded numbers between machines, in standard deviations.
 constexpr double kNumberTolerance = 1e-2;
 
-/// Every image element and every number of a decoded value: what the self test compares.
+/// The content of a decoded value that the self test compares: every image element and every
+/// number.
 struct SelfTest {
   std::vector<double> grey_levels;
   std::vector<double> numbers;  ///< In standard deviations.

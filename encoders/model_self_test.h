@@ -8,12 +8,13 @@
 
 namespace engram::encoders {
 
-/// Writes the code of `example` and what the model decodes from it: "/self_test" of a model file.
-/// Errors: those of DeepModel::encode.
+/// Writes the code of `example` and the value that the model decodes from it, as "/self_test" of a
+/// model file.
+/// Errors: the errors of DeepModel::encode.
 Status write_self_test(h5::File& file, DeepModel& model, const idf::Data& example);
 
-/// Decodes that code again. Safe on hostile files.
-/// Errors: kDataLoss where something else comes out, but for what machines differ in.
+/// Decodes that code again and compares the values. It is safe on hostile files.
+/// Errors: kDataLoss if they differ by more than machines may differ.
 Status run_self_test(const h5::File& file, DeepModel& model);
 
 }  // namespace engram::encoders

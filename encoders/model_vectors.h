@@ -12,10 +12,10 @@
 
 namespace engram::encoders {
 
-/// Largest dataset of a model file that is read.
+/// Maximum size of a dataset that is read from a model file.
 inline constexpr uint64_t kMaxModelDatasetBytes = uint64_t{1} << 30;
 
-/// How numbers of type T lie in a model file.
+/// The type in a model file of numbers of type T.
 template <typename T>
 inline constexpr h5::Type kTypeOf = [] {
   if constexpr (std::is_same_v<T, int8_t>)
@@ -36,7 +36,7 @@ inline constexpr h5::Type kTypeOf = [] {
   }
 }();
 
-/// Writes a dataset of one axis.
+/// Writes a dataset with one axis.
 template <typename T>
 Status write_vector(h5::File& file, const std::string& path, const std::vector<T>& values) {
   const uint64_t shape = values.size();
@@ -44,7 +44,8 @@ Status write_vector(h5::File& file, const std::string& path, const std::vector<T
                     values.empty() ? h5::Storage::kContiguous : h5::Storage::kCompressed);
 }
 
-/// Reads one. Errors: kDataLoss where its type is another or it is too large.
+/// Reads a dataset with one axis.
+/// Errors: kDataLoss if it has another type or is too large.
 template <typename T>
 Result<std::vector<T>> read_vector(const h5::File& file, const std::string& path) {
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file.read(path, kTypeOf<T>, kMaxModelDatasetBytes));

@@ -16,8 +16,8 @@ using torch::Tensor;
 
 namespace {
 
-/// Weights of a module in the order in which it registers them, by the way they are stored. Names
-/// are not stored.
+/// Weights of a module, grouped by the way in which they are stored, in the order in which the
+/// module registers them. Names are not stored.
 struct Weights {
   std::vector<int8_t> bytes;    ///< Matrices and convolutions.
   std::vector<float> scales;    ///< One per output channel of those.
@@ -74,7 +74,7 @@ Weights collect(DeepModel& model) {
   return weights;
 }
 
-/// Takes the next values of each kind, and checks that there are enough.
+/// Takes the next values of each kind and checks that there are enough of them.
 class WeightReader {
  public:
   explicit WeightReader(const Weights& weights) : weights_(weights) {}
@@ -125,7 +125,7 @@ class WeightReader {
   size_t bytes_ = 0, scales_ = 0, pixels_ = 0, floats_ = 0;
 };
 
-/// The tensors that are kept in one way, in the order of their names.
+/// The tensors that are kept in one way, sorted by name.
 std::vector<std::pair<std::string, Tensor>> tensors_kept(DeepModel& model, Kept kept) {
   std::vector<std::pair<std::string, Tensor>> tensors;
   const Status status =

@@ -10,11 +10,12 @@
 
 namespace engram::encoders {
 
-/// Writes the weights of both networks, which round_weights rounded: "/weights" of a model file.
+/// Writes the weights of both networks as "/weights" of a model file. They were rounded by
+/// round_weights.
 Status write_weights(h5::File& file, DeepModel& model);
 
-/// Reads them into networks of the same sizes. Safe on hostile files.
-/// Errors: kDataLoss where there are more or fewer than the networks have.
+/// Reads the weights into networks of the same sizes. It is safe on hostile files.
+/// Errors: kDataLoss if the file has more or fewer weights than the networks.
 Status read_weights(const h5::File& file, DeepModel& model);
 
 /// Elements of a tensor, row by row.

@@ -7,9 +7,9 @@ using torch::Tensor;
 
 namespace {
 
-/// Pixels of an image of one unit that a flow of one moves by.
+/// Displacement of a flow of one, in pixels of an image with one unit.
 constexpr double kFlowPixels = 8.0;
-/// Logit that masks and shares start with: 27 % open.
+/// Initial logit of masks and shares: they start 27 % open.
 constexpr double kFirstMask = -1.0;
 
 Tensor enlarged(const Tensor& x, int factor) {
@@ -27,7 +27,8 @@ Tensor warp(const Tensor& x, const Tensor& flow) {
   namespace F = torch::nn::functional;
   const int64_t height = x.size(2);
   const int64_t width = x.size(3);
-  // Places are told from -1 to 1, edges of pixels at both ends.
+  // grid_sample takes places from -1 to 1, which are the outer edges of the first and the last
+  // pixel.
   const auto places = [](int64_t count) {
     return (torch::arange(count, torch::kFloat32) * 2 + 1) / static_cast<double>(count) - 1;
   };

@@ -7,8 +7,8 @@
 
 namespace engram::encoders {
 
-/// Images 1..`steps` steps after each `last`, as optical flow from `before` moves them on
-/// (flow_extrapolation.h). Where no flow can be found they are copies.
+/// Extrapolates the images at 1..`steps` steps after each `last` by optical flow from `before`
+/// (flow_extrapolation.h). If no flow can be found, they are copies of `last`.
 ///
 /// Shape: both [B, C, H, W], grey levels -> [B, steps, C, H, W], whole grey levels.
 [[nodiscard]] torch::Tensor moved_on(const torch::Tensor& before, const torch::Tensor& last,

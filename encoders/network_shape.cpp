@@ -7,7 +7,7 @@ namespace engram::encoders {
 
 namespace {
 
-/// The longest side of an image, in units.
+/// Max side of an image, in units.
 constexpr int kMaxUnits = 256;
 
 int padded(int size, int multiple) {

@@ -8,12 +8,13 @@
 
 namespace engram::encoders {
 
-/// What is known of an image member before training.
+/// Size of an image member as the networks see it.
 struct ImageShape {
   int channels = 3;
   int height = 0;  ///< Padded to a multiple of coarse_stride().
   int width = 0;
-  int unit = 1;  ///< Pixels along a side that the networks see as one: more for large images.
+  /// Pixels along the side of one unit of the networks; more than 1 for large images.
+  int unit = 1;
 
   [[nodiscard]] int coarse_stride() const { return 16 * unit; }
   [[nodiscard]] int fine_stride() const { return 8 * unit; }
@@ -21,35 +22,36 @@ struct ImageShape {
 
 /// Sizes of the networks of one model, as a user may choose them.
 struct NetworkSizes {
-  int width = 64;            ///< Features where places are few, a multiple of 16; 0: no networks.
-  int coarse_channels = 24;  ///< Latents per place of 16 x 16 units.
-  int fine_channels = 8;     ///< Latents per place of 8 x 8 units.
+  /// Features at 1/16 of the resolution, a multiple of 16; 0 for no networks.
+  int width = 64;
+  int coarse_channels = 24;  ///< Latents per cell of 16 x 16 units.
+  int fine_channels = 8;     ///< Latents per cell of 8 x 8 units.
   int scenes = 1;            ///< Backgrounds of each image member.
-  int conditions = 0;        ///< Numbers of another entity that predictions start from.
+  int conditions = 0;        ///< Numbers of another entity that condition predictions.
 
   static constexpr int kMaxWidth = 512;
   static constexpr int kMaxChannels = 256;
   static constexpr int kMaxScenes = 64;
-  /// Of an image member, of all scenes.
+  /// Of all scenes of one image member.
   static constexpr int64_t kMaxBackgroundPixels = int64_t{1} << 26;
 
   [[nodiscard]] bool is_valid() const;
 };
 
-/// What the networks of one model are made from.
+/// The sizes from which the networks of one model are made.
 struct NetworkShape {
   NetworkSizes sizes;
   std::vector<ImageShape> images;
   int numbers = 0;
 
-  /// The grids of an image's latents, coarse and fine.
+  /// The grids of the latents of an image: coarse, then fine.
   [[nodiscard]] std::vector<LatentGrid> grids(size_t image) const;
 };
 
-/// Backgrounds of an image member that fit: at least one.
+/// Maximum number of backgrounds of an image member: at least one.
 [[nodiscard]] int max_scenes(const ImageShape& image);
 
-/// The shape for a layout.
+/// The shape of the networks for a layout.
 [[nodiscard]] NetworkShape network_shape(const TensorPlan& plan, const NetworkSizes& sizes);
 
 }  // namespace engram::encoders

@@ -143,7 +143,7 @@ Result<std::vector<idf::Data>> OpenModel::decode(const LatentArrays& latents) {
       const auto numbers = std::span(latents.numbers).subspan(at * count, count);
       row.numbers.assign(numbers.begin(), numbers.end());
       auto value = state_->model->decode(row, 0, latents.remainders[at]);
-      // What is data loss in a store is a wrong argument here.
+      // The same error is data loss in a store, but here the caller passed the latents.
       if (!value.ok()) return invalid_argument("latents {}: {}", at, value.status().message());
       values.push_back(std::move(value).value());
     }
@@ -164,6 +164,8 @@ Result<LatentArrays> OpenModel::stored(std::span<const ltm::Latent> latents) {
     const auto [index, count] = latent.place;
     if (index >= count)
       return data_loss("latent: found place {} in a block of {} rows", index, count);
+    // Snapshots of a block share its code, and callers pass them in order: each block is decoded
+    // once.
     if (count != rows_of_block || !std::ranges::equal(block.bytes(), latent.code.bytes())) {
       rows_of_block = 0;
       ENGRAM_ASSIGN_OR_RETURN(const OpenBlock open, codec.open(latent.code.bytes(), count));

@@ -16,35 +16,35 @@ namespace engram::encoders {
 
 /// The latents of one image member: rounded integers, the coarse ones first, then the fine ones.
 struct LatentMember {
-  std::string path;   ///< In the value; empty: the value itself.
-  LatentGrid coarse;  ///< A place is 16 x 16 pixels, more for large images.
-  LatentGrid fine;    ///< Half of that.
+  std::string path;   ///< Path in the value; empty for the value itself.
+  LatentGrid coarse;  ///< A cell is 16 x 16 pixels, or more for large images.
+  LatentGrid fine;    ///< A cell has half of that side.
 
   [[nodiscard]] size_t count() const { return coarse.count() + fine.count(); }
 };
 
-/// Latents of values as arrays: what plots and experiments work on. N values, K numbers of each.
+/// Latents of N values with K numbers each as arrays, for plots and experiments.
 struct LatentArrays {
   std::vector<uint32_t> scenes;              ///< Background of each value. [N]
   std::vector<std::vector<int32_t>> images;  ///< Per image member [N, LatentMember::count()].
-  /// Per image member whether a value is kept as latents there. [N] Where not, they are zero.
+  /// Per image member [N]: whether a value is kept as latents. If not, its latents are zero.
   std::vector<std::vector<bool>> is_latent;
   std::vector<double> numbers;        ///< [N, K]
-  std::vector<idf::List> remainders;  ///< What cannot be a tensor, as it was. [N]
+  std::vector<idf::List> remainders;  ///< Parts that cannot be a tensor, unchanged. [N]
 };
 
-/// A tensor of a model by its name: weights, biases, backgrounds.
+/// A named tensor of a model: weights, biases or backgrounds.
 struct NamedWeights {
   std::string name;
   idf::NdArray values;  ///< float32
 };
 
-/// A model file that is looked into.
+/// An open model file, for inspection and experiments.
 ///
 /// Threading: one thread.
 class OpenModel {
  public:
-  /// Errors: those of load_model.
+  /// Errors: the errors of load_model.
   static Result<OpenModel> open(const std::filesystem::path& path);
 
   OpenModel(OpenModel&&) noexcept;
@@ -52,31 +52,32 @@ class OpenModel {
 
   [[nodiscard]] const Provenance& provenance() const;
   [[nodiscard]] const idf::Layout& layout() const;
-  /// Image members that have latents: none where the model has no networks.
+  /// Image members that have latents; empty if the model has no networks.
   [[nodiscard]] const std::vector<LatentMember>& images() const;
-  /// Paths of the members whose numbers are LatentArrays::numbers, each as often as it has some.
+  /// The path of the member of each number in LatentArrays::numbers.
   [[nodiscard]] std::vector<std::string> numbers() const;
 
-  /// Each value alone, all on the one background that suits them best: they should be of one
-  /// recording.
-  /// Errors: kInvalidArgument where a value has another layout.
+  /// Encodes each value alone, all with the one background that fits them best. The values should
+  /// be of one recording.
+  /// Errors: kInvalidArgument if a value has another layout.
   Result<LatentArrays> encode(std::span<const idf::Data> values);
 
-  /// The images of latents are those of the networks: residuals are no part of them.
-  /// Errors: kInvalidArgument where the arrays are not of this model; kFailedPrecondition where it
-  /// has images and no networks.
+  /// Decodes latents. Residuals are not applied: images are the output of the networks alone.
+  /// Errors: kInvalidArgument if the arrays do not fit this model; kFailedPrecondition if it has
+  /// images and no networks.
   Result<std::vector<idf::Data>> decode(const LatentArrays& latents);
 
-  /// What latents of a store hold, without decoding images. Errors: kDataLoss.
+  /// Reads the latents that a store holds, without decoding images.
+  /// Errors: kDataLoss.
   Result<LatentArrays> stored(std::span<const ltm::Latent> latents);
 
-  /// As Encoder::global_code, of each.
+  /// Returns the result of Encoder::global_code for each value.
   Result<std::vector<std::vector<float>>> global_codes(std::span<const idf::Data> values);
 
-  /// See Predictor.
+  /// The model's predictor. It lives as long as this object.
   [[nodiscard]] ltm::Predictor& predictor();
 
-  /// All weights, in the order of their names.
+  /// All weights, sorted by name.
   [[nodiscard]] std::vector<NamedWeights> weights() const;
 
  private:

@@ -9,29 +9,30 @@
 
 namespace engram::encoders {
 
-/// Horizons that a model's gates and errors are measured for.
+/// Number of horizons for which the gates and errors of a model are measured.
 inline constexpr int kMeasuredHorizons = 5;
 
-/// How wrong predictions of one horizon are.
+/// The errors of predictions of one horizon.
 struct HorizonErrors {
   ErrorCalibration images, numbers;
 };
 
-/// How well a model predicts, per horizon from 1 on.
+/// The gates and measured errors of a model per horizon, from horizon 1 on.
 struct PredictionRecord {
-  /// Shares of what latents and of what motion expects; the rest is the last value: both zero are
-  /// copy-last.
+  /// Shares of the predictions by latents and by motion. The rest is the last value, so a
+  /// prediction with both at zero copies it.
   std::array<double, kMeasuredHorizons> image_gates{};
   std::array<double, kMeasuredHorizons> motion_gates{};
   std::array<double, kMeasuredHorizons> number_gates{};
   std::array<HorizonErrors, kMeasuredHorizons> errors{};
   Duration step{};
 
-  /// Of a prediction so many steps ahead, where so much changed just before. Steps beyond what was
-  /// measured are expected to be as wrong as the last ones that were, and have no bound.
+  /// Estimates the error of a prediction `steps` ahead after a `change` of the last two values.
+  /// Steps beyond the measured horizons get the expected error of the last measured one and no
+  /// bound.
   [[nodiscard]] ltm::ErrorEstimate estimate(const ltm::MeasuredError& change, int steps) const;
 
-  /// Those horizons that were measured.
+  /// The horizons that were measured.
   [[nodiscard]] std::vector<ltm::HorizonRecord> horizons() const;
 };
 

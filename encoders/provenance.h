@@ -11,7 +11,7 @@
 
 namespace engram::encoders {
 
-/// Both ends included.
+/// A span of time that includes both ends.
 struct TimeSpan {
   Time first{};
   Time last{};
@@ -20,44 +20,45 @@ struct TimeSpan {
   friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
 };
 
-/// How the images of an entity were kept, and what it was chosen from. Each image member counts.
+/// The forms in which the images of an entity are kept, and the alternatives. Each image member
+/// counts.
 struct StoredForms {
-  std::string representation;  ///< That was asked for: auto, latents or video.
-  double bound_db = 0;         ///< Least PSNR of every image; 0: none was kept.
-  int64_t noise_images = 0;    ///< Whose noise the bound follows from; 0: it was given.
-  double noise = 0;            ///< Their standard deviation. Unit: grey levels.
+  std::string representation;  ///< The requested one: auto, latents or video.
+  double bound_db = 0;         ///< Min PSNR of every image; 0 if there was no bound.
+  int64_t noise_images = 0;    ///< Images that the noise was measured on; 0 if the bound was given.
+  double noise = 0;            ///< Standard deviation of the noise. Unit: grey levels.
   int64_t rows = 0;
-  // What was kept, each row once.
-  int64_t latent_rows = 0;    ///< As latents, as the encoder made them.
-  int64_t refined_rows = 0;   ///< As latents that were searched for.
+  // Rows by the form that was kept; each row counts once.
+  int64_t latent_rows = 0;    ///< As latents from the encoder.
+  int64_t refined_rows = 0;   ///< As refined latents.
   int64_t residual_rows = 0;  ///< As latents, refined or not, with a residual.
   int64_t video_rows = 0;
   int64_t lossless_rows = 0;
   int64_t kept_bytes = 0;
-  // Of these, by form. A block's latents count evenly for its rows.
+  // Kept bytes by form. The latents of a block count evenly for its rows.
   int64_t latent_kept_bytes = 0;
   int64_t refined_kept_bytes = 0;
   int64_t residual_kept_bytes = 0;
   int64_t video_kept_bytes = 0;
   int64_t lossless_kept_bytes = 0;
-  // What was tried, and what all rows would take in one form alone; 0: not tried.
-  int64_t below_bound_rows = 0;   ///< Whose latents, as the encoder made them, miss the bound.
-  int64_t refine_tried_rows = 0;  ///< Whose latents were searched for.
-  int64_t latent_bytes = 0;       ///< As the encoder made them, whatever their error.
-  int64_t residual_bytes = 0;     ///< As latents with residuals; 0 where some cannot be.
-  int64_t video_bytes = 0;        ///< At the bound, or without loss where that is less.
+  // Rows that were tried, and the bytes of all rows in one form alone; 0 if it was not tried.
+  int64_t below_bound_rows = 0;   ///< Rows whose latents from the encoder miss the bound.
+  int64_t refine_tried_rows = 0;  ///< Rows whose latents were refined.
+  int64_t latent_bytes = 0;       ///< As latents from the encoder, whatever their error.
+  int64_t residual_bytes = 0;     ///< As latents with residuals; 0 if some rows cannot be.
+  int64_t video_bytes = 0;        ///< At the bound, or without loss if that is smaller.
   int64_t lossless_bytes = 0;
 
   friend bool operator==(const StoredForms&, const StoredForms&) = default;
 };
 
-/// Bytes that a store takes for an entity if it goes on with one model.
+/// Bytes of an entity in a store if it continues with one model.
 struct ModelBytes {
-  int64_t known = 0;  ///< Latents of snapshots that had some before.
-  int64_t news = 0;   ///< Of those that had none, numbers and remainders included.
-  int64_t model = 0;  ///< Of the model's file, where the store would not have it otherwise.
+  int64_t known = 0;  ///< Latents of snapshots that had latents before.
+  int64_t news = 0;   ///< Latents of the other snapshots, with numbers and remainders.
+  int64_t model = 0;  ///< The model's file, if the store would not have it otherwise.
 
-  /// In so many nights that bring as much as this one.
+  /// Total after `nights` nights that add as much as this one.
   [[nodiscard]] double total(int64_t nights) const {
     return static_cast<double>(known) + static_cast<double>(news) * static_cast<double>(nights) +
            static_cast<double>(model);
@@ -65,49 +66,55 @@ struct ModelBytes {
   friend bool operator==(const ModelBytes&, const ModelBytes&) = default;
 };
 
-/// A new model beside the one before it, on the same snapshots and at the same bound.
+/// A comparison of a new model with the one before it, on the same snapshots and at the same bound.
 struct ModelChoice {
-  int64_t previous_version = 0;  ///< 0: there was none to compare with.
+  int64_t previous_version = 0;  ///< 0 if there was none to compare with.
   int64_t snapshots = 0;
-  int64_t new_snapshots = 0;  ///< Of these, the ones that had no latents.
+  int64_t new_snapshots = 0;  ///< Snapshots that had no latents before.
   int64_t nights = 1;
   ModelBytes previous;
   ModelBytes made;
 
-  /// What a new model has to save at least, relative to going on with the one before it: encoders
-  /// of video do not always give equal bytes for equal images.
+  /// The share of bytes that a new model must save to replace the one before it. It is above zero
+  /// because video encoders do not always give equal bytes for equal images.
   static constexpr double kMinGain = 0.005;
 
-  /// Whether the new model is not worth its bytes.
+  /// Whether the new model saves too little and the previous one stays.
   [[nodiscard]] bool keeps_previous() const {
     return previous_version > 0 && previous.total(nights) * (1 - kMinGain) <= made.total(nights);
   }
   friend bool operator==(const ModelChoice&, const ModelChoice&) = default;
 };
 
-/// Where a model comes from.
+/// The origin of a model: what it was trained on, how, and what was kept.
 struct Provenance {
   std::string entity;
   std::string code_version;
   uint64_t seed = 0;
   TrainingVariant variant = TrainingVariant::kRateAware;
-  int64_t steps = 0;  ///< Of the optimiser, autoencoder and dynamics together.
+  int64_t steps = 0;  ///< Steps of the optimiser, for autoencoder and dynamics together.
   double training_seconds = 0;
   double final_loss = 0;
-  double psnr_db = 0;      ///< That was aimed at.
-  double error_price = 0;  ///< Kilobytes of a squared grey level at the end; 0: unknown.
-  /// What the prior told at the end of the autoencoder's training that the images' latents of a
-  /// snapshot take after others, smoothed; 0: unknown. Later it is trained to predict instead.
+  double psnr_db = 0;  ///< The target PSNR.
+  /// Price at the end of training, in kilobytes per squared grey level; 0 if unknown.
+  double error_price = 0;
+  /// Bytes of the image latents of a snapshot that follows others, as estimated by the prior at the
+  /// end of the autoencoder's training, smoothed; 0 if unknown. After that the prior is trained to
+  /// predict instead.
   double prior_bytes = 0;
-  /// Largest error of numbers; 0: none; not given: one of each, relative to how far it moves.
+  /// Maximum error of numbers; 0 for exact numbers. Without a value, each number has a bound
+  /// relative to its range of motion.
   std::optional<double> number_bound;
-  int64_t snapshots = 0;     ///< That the autoencoder was trained on.
-  int64_t started_from = 0;  ///< Version of the model whose weights were the first; 0: of none.
-  /// Recordings that the autoencoder was trained on; those of the model that it started from, too.
+  int64_t snapshots = 0;  ///< Snapshots that the autoencoder was trained on.
+  /// Version of the model whose weights training started from; 0 for none.
+  int64_t started_from = 0;
+  /// Recordings that the autoencoder was trained on, including those of the model that it started
+  /// from.
   std::vector<TimeSpan> autoencoder_spans;
   /// The parts of them that the dynamics were trained on.
   std::vector<TimeSpan> dynamics_spans;
-  std::vector<CurvePoint> curve;  ///< How it went; empty: of a file from before it was kept.
+  /// The course of training; empty in files from before it was kept.
+  std::vector<CurvePoint> curve;
 
   StoredForms forms;
   ModelChoice choice;

@@ -52,7 +52,7 @@ T nearest(double value) {
   }
 }
 
-/// Whether doubles hold this whole number and all that are smaller.
+/// Whether doubles hold this whole number and all smaller ones.
 template <typename T>
 bool is_double(T value) {
   constexpr int64_t kLargest = int64_t{1} << 53;
@@ -62,6 +62,7 @@ bool is_double(T value) {
 bool is_too_large(const idf::TensorMember& member) {
   int64_t count = 1;
   for (const int64_t size : member.shape) {
+    // Each size is checked before it is multiplied, so that the product cannot overflow.
     if (size > TensorPlan::kMaxArrayElements) return true;
     count *= size;
     if (count > TensorPlan::kMaxArrayElements) return true;
@@ -172,6 +173,7 @@ void TensorPlan::make_orientations_unit(std::span<double> numbers) const {
     const auto q = numbers.subspan(number.first, number.count);
     double squared = 0;
     for (const double part : q) squared += part * part;
+    // Zero has no direction, and NaN or infinity must not spread to the other parts.
     if (!(squared > 0) || !std::isfinite(squared)) continue;
     for (double& part : q) part /= std::sqrt(squared);
   }

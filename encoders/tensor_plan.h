@@ -10,13 +10,13 @@
 
 namespace engram::encoders {
 
-/// An image member as a network sees it.
+/// Size and scale of an image member.
 struct ImageMember {
   size_t member = 0;  ///< Index into Layout::members().
   int height = 0;
   int width = 0;
   int channels = 0;
-  /// Grey levels per unit of the image: 1 for uint8; for uint16 the model chooses it.
+  /// Grey levels per unit of the image: 1 for uint8; the model chooses it for uint16.
   double scale = 1;
   bool is_depth = false;  ///< uint16.
 };
@@ -28,21 +28,22 @@ struct NumberMember {
   size_t count = 0;
 };
 
-/// How the tensor members of a layout become images and one vector of numbers.
+/// Maps the tensor members of a layout to images and one vector of numbers.
 ///
 /// Threading: immutable but for assignment.
 class TensorPlan {
  public:
-  /// Most elements of an ndarray that is not an image.
+  /// Maximum number of elements of an ndarray that is not an image.
   static constexpr int64_t kMaxArrayElements = 4096;
-  /// Most pixels along a side of an image.
+  /// Maximum number of pixels along a side of an image.
   static constexpr int64_t kMaxImageSide = 4096;
-  /// Most numbers of all members together.
+  /// Maximum number of numbers of all members together.
   static constexpr size_t kMaxNumbers = NumberModel::kMaxNumbers;
 
   TensorPlan() = default;
 
-  /// Errors: kInvalidArgument naming a member that is too large, or where there is none.
+  /// Errors: kInvalidArgument if a member is too large, with its name, or if there is no tensor
+  /// member.
   static Result<TensorPlan> create(idf::Layout layout);
 
   [[nodiscard]] const idf::Layout& layout() const { return layout_; }
@@ -51,12 +52,12 @@ class TensorPlan {
   [[nodiscard]] const std::vector<NumberMember>& numbers() const { return numbers_; }
   [[nodiscard]] size_t number_count() const { return number_count_; }
 
-  /// Takes a value apart that is to be stored.
-  /// Errors: kInvalidArgument naming the path where `value` has another layout, or a whole number
-  /// that no double holds (see inexact_members).
+  /// Splits a value that is to be stored.
+  /// Errors: kInvalidArgument, with the path, if `value` has another layout or a whole number that
+  /// no double holds (see inexact_members).
   Result<idf::SplitValue> split(const idf::Data& value) const;
 
-  /// All numbers of a value that was split by layout().
+  /// Returns all numbers of a value that was split by layout().
   /// Shape: [number_count()].
   [[nodiscard]] std::vector<double> read_numbers(const idf::SplitValue& value) const;
 
@@ -64,8 +65,9 @@ class TensorPlan {
   /// Shape: numbers [number_count()]; tensors one per member of the layout.
   void write_numbers(std::span<const double> numbers, std::vector<idf::NdArray>& tensors) const;
 
-  /// What adds up numbers leaves orientations that are none: they get length one again, where they
-  /// have a length. Shape: numbers [number_count()].
+  /// Scales the quaternions in `numbers` to length one again after arithmetic has changed their
+  /// length. Quaternions of length zero stay as they are.
+  /// Shape: numbers [number_count()].
   void make_orientations_unit(std::span<double> numbers) const;
 
  private:
@@ -75,12 +77,12 @@ class TensorPlan {
   size_t number_count_ = 0;
 };
 
-/// The paths of members with whole numbers that no double holds (beyond 2^53).
-/// `parts` are of this layout.
+/// Returns the paths of members with whole numbers that no double holds (beyond 2^53). `parts` must
+/// have this layout.
 [[nodiscard]] std::vector<std::string> inexact_members(const idf::Layout& layout,
                                                        const idf::SplitValue& parts);
 
-/// The elements of an array as doubles.
+/// Converts the elements of an array to doubles.
 [[nodiscard]] std::vector<double> to_doubles(const idf::NdArray& array);
 
 }  // namespace engram::encoders

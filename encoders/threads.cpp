@@ -5,7 +5,7 @@
 
 #include "encoders/torch.h"
 
-// Only OpenBLAS has it; with another BLAS the address is null.
+// Only OpenBLAS has this function. With another BLAS the address of the weak symbol is null.
 extern "C" [[gnu::weak]] void openblas_set_num_threads(int threads);
 
 namespace engram::encoders {

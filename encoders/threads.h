@@ -3,8 +3,9 @@
 
 namespace engram::encoders {
 
-/// Sets how many threads networks compute with, in the whole process. Matrix products of the BLAS
-/// stay on one: the networks' own threads come on top of them. Values below 1 count as 1.
+/// Sets the number of threads of the networks in the whole process. Values below 1 count as 1.
+/// Matrix products of the BLAS use one thread, because its threads would multiply with those of the
+/// networks.
 void set_threads(int threads);
 
 }  // namespace engram::encoders

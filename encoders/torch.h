@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// LibTorch for the sources of this repository that need it. Costs 16 s per translation unit where
-// it is not precompiled: no public header includes this.
+// Includes LibTorch. This costs 16 s per translation unit that does not precompile it, so no public
+// header includes this one.
 #include <torch/torch.h>
 
 #include <string>
@@ -11,7 +11,8 @@
 
 namespace engram::encoders {
 
-/// Runs `work`, which returns a Status or a Result, and turns what LibTorch throws into a Status.
+/// Runs `work`, which returns a Status or a Result, and turns exceptions of LibTorch into a Status.
+/// Errors: kUnavailable; kResourceExhausted without memory; the errors of `work`.
 template <typename Work>
 auto guarded(std::string_view what, Work work) -> decltype(work()) {
   try {

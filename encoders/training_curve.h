@@ -7,20 +7,20 @@
 
 namespace engram::encoders {
 
-/// How training went at one moment; means are smoothed.
+/// The state of training at one step. Means are smoothed.
 struct CurvePoint {
   int32_t phase = 0;  ///< 0 autoencoder, 1 dynamics, 2 motion.
   int64_t step = 0;   ///< Of the phase.
-  float seconds = 0;  ///< Of work since training began; 0 where the number of steps was fixed.
+  float seconds = 0;  ///< Time of work since training began; 0 if the number of steps was fixed.
   float loss = 0;
-  float psnr_db = 0;  ///< Mean over images; 0 where there are none.
-  float bytes = 0;    ///< Of the latents of a value, as the prior tells; 0 where it does not.
+  float psnr_db = 0;  ///< Mean over images; 0 without images.
+  float bytes = 0;    ///< Of the latents of a value, estimated by the prior; 0 if unknown.
 
   friend bool operator==(const CurvePoint&, const CurvePoint&) = default;
 };
 
-/// A training from its beginning on, in few points however long it takes: those of every step, then
-/// of every second, fourth, ... one.
+/// The course of a training in at most kMaxPoints points. It starts with a point for every step and
+/// thins out to every second, fourth, ... step.
 ///
 /// Threading: one thread.
 class TrainingCurve {
@@ -28,7 +28,7 @@ class TrainingCurve {
   static constexpr size_t kMaxPoints = 64;
 
   TrainingCurve() = default;
-  /// Goes on from the points of another one as that would have.
+  /// Continues from the points of another curve.
   explicit TrainingCurve(std::vector<CurvePoint> points);
 
   /// Points come in the order of phases and steps.
@@ -38,7 +38,7 @@ class TrainingCurve {
 
  private:
   std::vector<CurvePoint> points_;
-  int64_t stride_ = 1;  ///< Steps that are kept are multiples of it.
+  int64_t stride_ = 1;  ///< Kept steps are multiples of it.
 };
 
 }  // namespace engram::encoders

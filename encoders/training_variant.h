@@ -9,7 +9,8 @@
 
 namespace engram::encoders {
 
-/// What latents were trained for. Networks, codec, storage and prediction are the same.
+/// The loss that latents were trained for. Networks, codec, storage and prediction are the same in
+/// all variants.
 ///
 /// Source: docs/learning_methods.md, section "Training variants". Papers: Ballé et al., End-to-end
 /// Optimized Image Compression, 2017 (rate); Kingma and Welling, Auto-Encoding Variational Bayes,
@@ -27,7 +28,7 @@ inline constexpr std::array kTrainingVariants{TrainingVariant::kRateAware,
 /// "rate", "ae", "vae", "wae".
 [[nodiscard]] std::string_view to_string(TrainingVariant variant);
 
-/// Errors: kInvalidArgument where no variant has that name.
+/// Errors: kInvalidArgument if no variant has that name.
 Result<TrainingVariant> training_variant_of(std::string_view name);
 
 }  // namespace engram::encoders

@@ -10,8 +10,8 @@
 
 namespace engram::encoders {
 
-/// What is known of images before their latents: the background, and what follows from it. Each row
-/// stands for as many rows of images, one after the other.
+/// The knowledge about images before their latents: the background and features computed from it.
+/// Each row of a view applies to an equal number of consecutive rows of images.
 struct View {
   torch::Tensor background;  ///< [B, C, H, W], in units of kGreyLevels.
   torch::Tensor sixteenth;   ///< Features of places: [B, F, H/16, W/16],
@@ -22,9 +22,9 @@ struct View {
 /// One per image member.
 using Views = std::vector<View>;
 
-/// What encoder and decoder are told of places: a network that reads the background, and, where the
-/// scene is one that was trained on, what was learned of it by heart. Views that are new, or that
-/// are shifted, have their background alone.
+/// Makes the features of places for encoder and decoder. A network reads the background; if the
+/// scene is a trained one, parameters that memorise it are added. New or shifted views have their
+/// background alone.
 ///
 ///     background [B, C, H, W]
 ///           | unshuffle by 4, stem 3x3
@@ -34,13 +34,14 @@ using Views = std::vector<View>;
 ///           | to_sixteenth
 ///     [B, F, H/16, W/16] ---------------------------------- + sixteenth_by_heart > sixteenth
 ///
-/// On the right are the members of View.
+/// The members of View are on the right. "..._by_heart" are the memorised parameters.
 ///
 /// Source: our own.
 struct PlaceFeaturesImpl : torch::nn::Module {
   PlaceFeaturesImpl(const ImageShape& shape, const NetworkSizes& sizes);
 
-  /// `background` [B, C, H, W] in units of kGreyLevels; `scene` of int64 [B], negative: none.
+  /// `background` [B, C, H, W] in units of kGreyLevels; `scene` of int64 [B], negative if it is no
+  /// trained scene.
   View forward(const torch::Tensor& background, const torch::Tensor& scene);
 
   int unit;

@@ -11,7 +11,8 @@ using torch::Tensor;
 
 float weight_scale(float largest) {
   if (!(largest > 0)) return 1.0f;
-  // Few enough bits that 127 * scale is exact: rounding rounded weights changes nothing.
+  // The scale has so few bits that 127 * scale is exact. So rounding rounded weights changes
+  // nothing.
   int exponent = 0;
   const float fraction = std::frexp(largest / 127.0f, &exponent);
   return std::ldexp(std::ceil(fraction * 1024.0f) / 1024.0f, exponent);

@@ -10,19 +10,19 @@
 
 namespace engram::encoders {
 
-/// Estimates how likely the next bit of one context is a one, from those before.
+/// Estimates the probability that the next bit of one context is a one from the bits before it.
 ///
-/// The mean of two estimates: one follows changes, the other holds still. Both start by counting,
-/// so that the first few bits teach much.
+/// The estimate is the mean of two: one adapts fast, the other slowly. Both start by counting, so
+/// that the first bits have a large effect.
 /// Threading: one thread.
 class AdaptiveBit {
  public:
-  static constexpr int kFastRate = 6;  ///< A bit moves the estimate by 2^-rate of the way.
+  static constexpr int kFastRate = 6;  ///< A bit moves the estimate by 2^-rate of the distance.
   static constexpr int kSlowRate = 7;
-  static constexpr BitProbability kMin = 32;  ///< No estimate is nearer to certain.
+  static constexpr BitProbability kMin = 32;  ///< Min probability of either bit.
 
   AdaptiveBit() = default;
-  /// Starts as if `seen` bits (at most 255) had taught it `one` (1 to 65535).
+  /// Starts as if it had learned the probability `one` (1 to 65535) from `seen` bits (at most 255).
   AdaptiveBit(BitProbability one, int seen)
       : fast_(static_cast<uint16_t>(one)), slow_(fast_), seen_(static_cast<uint8_t>(seen)) {}
 
@@ -33,7 +33,7 @@ class AdaptiveBit {
   /// one() before it is clamped: 0 to 65535.
   [[nodiscard]] uint32_t mean() const { return (uint32_t{fast_} + slow_) / 2; }
 
-  /// Bits that taught it, at most 255.
+  /// Number of bits that it learned from, at most 255.
   [[nodiscard]] int seen() const { return seen_; }
 
   void update(bool bit) {
@@ -52,13 +52,13 @@ class AdaptiveBit {
   }
 
  private:
-  /// Numbers below 2^16 are divided by up to 2^7 as products, exactly: this many bits of an
-  /// inverse, rounded up, are enough.
+  /// Products with an inverse of this many bits, rounded up, replace divisions. They are exact for
+  /// numbers below 2^16 and divisors of up to 2^7.
   static constexpr int kInverseBits = 23;
   struct Inverses {
     uint32_t fast, slow;
   };
-  /// The inverse of the share of the way that a bit moves an estimate, by the bits seen before.
+  /// Inverses of the divisors of a move, indexed by the number of bits seen before.
   static constexpr auto kShares = [] {
     const auto inverse = [](size_t seen, int rate) {
       const auto share = std::min(static_cast<uint32_t>(seen) + 2, 1u << rate);
@@ -71,7 +71,8 @@ class AdaptiveBit {
   }();
 
   static void move(uint16_t& estimate, bool bit, uint32_t inverse) {
-    const uint32_t flip = bit ? 0xffff : 0;  // The way to a one is that to a zero, mirrored.
+    // The distance to a one is the mirrored distance to a zero.
+    const uint32_t flip = bit ? 0xffff : 0;
     const uint32_t way = estimate ^ flip;
     const auto step = static_cast<uint32_t>((uint64_t{way} * inverse) >> kInverseBits);
     estimate = static_cast<uint16_t>((way - step) ^ flip);

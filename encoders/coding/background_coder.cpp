@@ -55,7 +55,7 @@ class ScenePixelCoder {
                                        ByteModel::class_of(16 * size(before))};
     int guess = median_edge(left, up, corner);
     if (follows_channels_) guess = std::clamp(guess + before, 0, 255);
-    // Differences wrap around: all of them fit a byte.
+    // Differences wrap around, so each fits a byte.
     const int step = model.code(port, contexts, static_cast<int8_t>(pixels_[at] - guess));
     pixels_[at] = static_cast<uint8_t>(guess + step);
     residuals_[at] = static_cast<int16_t>(pixels_[at] - median_edge(left, up, corner));
@@ -64,7 +64,7 @@ class ScenePixelCoder {
   std::span<uint8_t> pixels_;
   size_t width_, height_;
   bool follows_channels_;
-  std::vector<int16_t> residuals_;  ///< From the neighbours alone.
+  std::vector<int16_t> residuals_;  ///< Relative to the prediction from neighbours alone.
 };
 
 template <typename Port>

@@ -30,7 +30,7 @@ bool BinaryDecoder::code(bool, BitProbability one) {
 
 uint32_t BinaryDecoder::code_even(uint32_t, int count) {
   const uint32_t part = input_.range() >> count;
-  // What is left over behind the last part was never written.
+  // Encoders never write the remainder after the last part, so an offset there is clamped.
   const uint32_t value = std::min(input_.offset() / part, (1u << count) - 1);
   input_.narrow(value * part, part);
   return value;

@@ -14,8 +14,8 @@ namespace engram::encoders {
 using BitProbability = uint32_t;
 inline constexpr int kProbabilityBits = 16;
 
-/// Writes bits of known probability into few bytes: one of probability p takes about -log2(p).
-/// Integer arithmetic only, so every machine writes and reads the same.
+/// A range coder: a bit of probability p takes about -log2(p) bits. It uses integer arithmetic
+/// only, so every machine writes and reads the same bytes.
 ///
 /// Threading: one thread.
 /// Source: docs/learning_methods.md, section "Numbers".
@@ -23,38 +23,39 @@ class BinaryEncoder {
  public:
   static constexpr bool kIsDecoder = false;
 
-  /// Returns `bit`, as a decoder returns what it reads: one walk serves both.
+  /// Returns `bit`, as the decoder returns the bit that it reads, so that one function can encode
+  /// and decode.
   bool code(bool bit, BitProbability one);
 
-  /// `count` bits (1 to 16) whose values are all alike, at once. Returns `value`.
+  /// Writes `count` bits (1 to 16) of equally likely values at once. Returns `value`.
   uint32_t code_even(uint32_t value, int count);
 
-  /// Ends the stream; zero bytes at its end are left out. The encoder must not be used afterwards.
+  /// Ends the stream, without the zero bytes at its end. The encoder must not be used afterwards.
   [[nodiscard]] std::vector<std::byte> finish();
 
  private:
   RangeOutput output_;
 };
 
-/// A port that writes nothing: what is left of coding is learning.
+/// A port that writes nothing. Coding with it only trains the models.
 class BinaryListener {
  public:
   static constexpr bool kIsDecoder = false;
   bool code(bool bit, BitProbability) { return bit; }
 };
 
-/// Reads what BinaryEncoder wrote, given the same probabilities. Any bytes give some bits: whether
-/// they are the written ones is for a checksum to say (checked_block.h). Never reads outside.
+/// Reads the output of BinaryEncoder, given the same probabilities. Any bytes decode to some bits,
+/// so a checksum must tell damage (checked_block.h). It never reads out of bounds.
 ///
 /// Threading: one thread.
 class BinaryDecoder {
  public:
   static constexpr bool kIsDecoder = true;
 
-  /// `bytes` outlive the decoder.
+  /// `bytes` must outlive the decoder.
   explicit BinaryDecoder(std::span<const std::byte> bytes) : input_(bytes) {}
 
-  /// The next bit; the first argument is not looked at.
+  /// Returns the next bit. The first argument is ignored.
   bool code(bool, BitProbability one);
   uint32_t code_even(uint32_t, int count);
 

@@ -31,7 +31,7 @@ constexpr auto kCosines = [] {
   return rows;
 }();
 
-/// Places of a block from slow changes to fast ones, diagonal by diagonal.
+/// Places of a block from low to high frequencies, diagonal by diagonal.
 constexpr auto kOrder = [] {
   std::array<size_t, kSize> order{};
   size_t at = 0;
@@ -43,7 +43,7 @@ constexpr auto kOrder = [] {
   return order;
 }();
 
-/// Brightness and two colours of red, green and blue: rows of length one, at right angles.
+/// Maps red, green and blue to brightness and two colours: orthogonal rows of length one.
 constexpr std::array<std::array<int32_t, 3>, 3> kColours{
     {{4730, 4730, 4730}, {5793, 0, -5793}, {3344, -6689, 3344}}};
 
@@ -55,7 +55,8 @@ int32_t clamped(int32_t value) {
   return std::clamp(value, -kMaxCoefficient, kMaxCoefficient);
 }
 
-/// Transforms each row of a block and lays it down as a column: done twice, both ways.
+/// Transforms each row of a block and writes it as a column. Applied twice, it transforms rows and
+/// columns.
 Block transformed(const Block& block) {
   Block result{};
   for (size_t y = 0; y < kSide; ++y)
@@ -78,7 +79,7 @@ Block transformed_back(const Block& block) {
   return result;
 }
 
-/// Planes of whole blocks [planes, rows * 8, columns * 8].
+/// Planes of whole blocks. Shape: [planes, rows * 8, columns * 8].
 class Planes {
  public:
   explicit Planes(const PixelShape& shape)

@@ -36,20 +36,20 @@ struct BlockGrid {
   [[nodiscard]] size_t coefficients() const { return blocks() * kCoefficients; }
 };
 
-/// Coefficients are in 1/8 grey level and lie within this, either way.
+/// Max magnitude of a coefficient. Unit: 1/8 grey level.
 inline constexpr int kMaxCoefficient = 32767;
 inline constexpr int kCoefficientUnit = 8;
 
-/// Differences of images (-255 to 255) as coefficients whose squares sum to theirs: three channels
-/// are turned towards brightness and two colours, each plane goes through a cosine transform.
-/// Images whose sides are no multiple of 8 are continued by their edge.
+/// Transforms differences of images (-255 to 255) to coefficients with the same sum of squares.
+/// Three channels are rotated to brightness and two colours, and each plane goes through a cosine
+/// transform. If a side is no multiple of 8, the edge is repeated.
 ///
-/// Integer arithmetic only: the same on every machine.
-/// Shape: differences [H, W, C]; coefficients [planes, rows, columns, 64], slow changes first.
+/// It uses integer arithmetic only, so the result is the same on every machine.
+/// Shape: differences [H, W, C]; coefficients [planes, rows, columns, 64], low frequencies first.
 [[nodiscard]] std::vector<int16_t> to_coefficients(std::span<const int16_t> differences,
                                                    const PixelShape& shape);
 
-/// Any coefficients are good.
+/// The inverse of to_coefficients(). It accepts any coefficients.
 [[nodiscard]] std::vector<int16_t> from_coefficients(std::span<const int16_t> coefficients,
                                                      const PixelShape& shape);
 

@@ -56,7 +56,7 @@ template <typename Port>
 int ByteModel::code(Port& port, const Contexts& contexts, int value) {
   const bool is_negative = sign_[contexts.front()].code(port, value < 0);
   const size_t side = is_negative ? 1 : 0;
-  // -1 is as far from the middle as 0: both signs have magnitudes of up to 7 bits.
+  // Magnitudes count from 0 for positive and from -1 for negative values, so both fit 7 bits.
   const auto magnitude = static_cast<uint32_t>(is_negative ? ~value : value) & 0x7f;
   auto width = static_cast<size_t>(std::bit_width(magnitude));
   size_t node = 1;

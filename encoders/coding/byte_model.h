@@ -13,32 +13,36 @@
 
 namespace engram::encoders {
 
-/// Adaptive model of integers from -128 to 127 whose magnitudes several contexts tell of: sign,
-/// number of bits, two highest bits below the first; what is left of them is as it is.
+/// Adaptive model of integers from -128 to 127 with several contexts of their magnitude. It models
+/// the sign, the number of bits and the two highest bits below the first one; the other bits are
+/// coded as equally likely.
 ///
-/// Each context has an estimate of the number of bits; a mixer joins them by their log odds. The
-/// first one tells of the sign: zero counts as positive, so it is not even where zeros are many.
+/// Each context has an estimate of the number of bits, and a mixer combines them by their log odds.
+/// The first context also estimates the sign: zero counts as positive, so signs are not equally
+/// likely if many values are zero.
 /// Threading: one thread.
 class ByteModel {
  public:
   static constexpr size_t kContexts = 3;
-  /// Classes of each context, as class_of makes them.
+  /// Number of classes of each context, see class_of().
   static constexpr size_t kClasses = 24;
   using Contexts = std::array<size_t, kContexts>;
 
-  /// The class of a mean magnitude in 1/16, from 0 on: two for each doubling.
+  /// The class of a mean magnitude in 1/16, from 0 on. There are two classes per doubling.
   static size_t class_of(uint32_t sixteenths);
 
   ByteModel();
 
-  /// Writes `value`, or reads and returns one: any bits give one. `contexts` are below kClasses.
+  /// Encodes `value`, or decodes and returns a value; any bits decode to one. `contexts` must be
+  /// below kClasses.
   template <typename Port>
   int code(Port& port, const Contexts& contexts, int value);
 
  private:
   static constexpr size_t kWidths = 8;           ///< 0 to 7 bits.
-  static constexpr size_t kNodes = 2 * kWidths;  ///< The width of either sign: trees of eight.
-  static constexpr size_t kHigh = 4;             ///< Bits below the first: a tree of two.
+  static constexpr size_t kNodes = 2 * kWidths;  ///< Trees of eight widths, one per sign.
+  /// Nodes of a tree of the two bits below the first.
+  static constexpr size_t kHigh = 4;
   using ByteMixer = Mixer<kContexts + 1>;
 
   template <typename Port>

@@ -12,14 +12,14 @@
 
 namespace engram::encoders {
 
-/// The unsigned integer of a number's bits.
+/// The unsigned integer type with the size of T.
 template <typename T>
 using BitsOf =
     std::conditional_t<sizeof(T) == 1, uint8_t,
                        std::conditional_t<sizeof(T) == 2, uint16_t,
                                           std::conditional_t<sizeof(T) == 4, uint32_t, uint64_t>>>;
 
-/// Numbers as little-endian bytes.
+/// Writes numbers as little-endian bytes.
 ///
 /// Threading: one thread.
 class ByteWriter {
@@ -31,7 +31,7 @@ class ByteWriter {
       bytes_.push_back(std::byte(static_cast<uint8_t>(bits >> (8 * i))));
   }
 
-  /// Seven bits a byte, small numbers of either sign first.
+  /// Writes seven bits per byte, zigzag coded, so that small numbers of either sign are short.
   void put_varint(int64_t value) {
     auto code = (static_cast<uint64_t>(value) << 1) ^ static_cast<uint64_t>(value >> 63);
     for (; code >= 128; code >>= 7) put(static_cast<uint8_t>(code | 128));
@@ -44,7 +44,7 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what ByteWriter wrote. Beyond the end everything is zero and failed() tells.
+/// Reads the output of ByteWriter. Beyond the end it returns zeros, and failed() is true.
 ///
 /// Threading: one thread.
 class ByteReader {

@@ -12,17 +12,17 @@
 namespace engram::encoders {
 
 /// Appends a checksum of 32 bits (XXH3, truncated, little endian) that finds damage. It also covers
-/// `count`, which is not stored: who reads must know it.
+/// `count`, which is not stored, so the reader must know it.
 [[nodiscard]] std::vector<std::byte> with_checksum(std::vector<std::byte> bytes,
                                                    uint64_t count = 0);
 
-/// What with_checksum was given. `what` names the bytes in the message.
-/// Errors: kDataLoss where the checksum does not fit.
+/// Verifies the checksum and returns the bytes before it. `what` names the bytes in messages.
+/// Errors: kDataLoss if the checksum does not fit.
 Result<std::span<const std::byte>> without_checksum(std::span<const std::byte> bytes,
                                                     std::string_view what, uint64_t count = 0);
 
-/// The next `size` bytes, which `bytes` then begin behind. `what` names them in the message.
-/// Errors: kDataLoss where there are not so many.
+/// Removes the next `size` bytes from `bytes` and returns them. `what` names them in messages.
+/// Errors: kDataLoss if there are fewer.
 Result<std::span<const std::byte>> take_part(std::span<const std::byte>& bytes, int64_t size,
                                              std::string_view what);
 

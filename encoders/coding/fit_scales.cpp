@@ -26,7 +26,7 @@ double cost(const ResidualTrace& sample, size_t estimate, double log_scale) {
   return -std::log2(std::max(share, 1e-9));
 }
 
-/// Adam on one vector of parameters.
+/// The optimiser Adam for one vector of parameters.
 class Adam {
  public:
   explicit Adam(size_t count) : mean_(count), square_(count) {}
@@ -72,7 +72,7 @@ std::vector<double> descend(const std::vector<ResidualTrace>& samples, size_t ch
   return parameters;
 }
 
-/// The correction that makes one estimate of one channel cheapest. Unit: 1/16 of an octave.
+/// The correction with the lowest cost for one estimate of one channel. Unit: 1/16 of an octave.
 int8_t best_bias(const std::vector<const ResidualTrace*>& samples, size_t estimate,
                  const std::vector<double>& parameters) {
   int best = 0;

@@ -9,7 +9,8 @@ namespace engram::encoders {
 
 namespace {
 
-/// Beyond, channels are taken for strangers: the search stays quick for many numbers.
+/// Max distance of channels that may predict each other, which keeps the search fast for many
+/// numbers.
 constexpr size_t kMaxDistance = 64;
 /// Ridge, in squared steps.
 constexpr double kRidge = 4.0;
@@ -117,7 +118,8 @@ class TermSearch {
     candidates_.push_back(std::move(candidate));
   }
 
-  /// Weights that make least squares a fit of least sizes.
+  /// Weights of reweighted least squares, which minimise sizes of residuals instead of squares:
+  /// code length follows sizes.
   [[nodiscard]] std::vector<double> row_weights() const {
     std::vector<double> result;
     result.reserve(residual_.size());

@@ -9,17 +9,18 @@
 
 namespace engram::encoders {
 
-/// Adaptive model of signed 64-bit integers in one context: is it zero, its sign, the number of
-/// bits of its magnitude one by one, then those bits; the first two of them have models too.
+/// Adaptive model of signed 64-bit integers in one context. It codes whether the integer is zero,
+/// its sign, the number of bits of its magnitude in unary, then those bits. The first two of them
+/// below the highest have models too.
 ///
 /// Threading: one thread.
 /// Source: docs/learning_methods.md, section "Numbers".
 class IntegerModel {
  public:
-  /// Bits of the magnitude: that of INT64_MIN has 64.
+  /// Max bits of a magnitude: that of INT64_MIN has 64.
   static constexpr size_t kWidths = 64;
 
-  /// Writes `value`, or reads and returns one: any bits give one.
+  /// Encodes `value`, or decodes and returns a value; any bits decode to one.
   template <typename Port>
   int64_t code(Port& port, int64_t value);
 
@@ -29,7 +30,7 @@ class IntegerModel {
 
   AdaptiveBit zero_;
   AdaptiveBit sign_;
-  std::array<AdaptiveBit, kWidths> wider_;  ///< Has the magnitude more than i + 1 bits?
+  std::array<AdaptiveBit, kWidths> wider_;  ///< Whether the magnitude has more than i + 1 bits.
   std::array<std::array<AdaptiveBit, 3>, kWidths> high_;
 };
 

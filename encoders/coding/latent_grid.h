@@ -5,7 +5,7 @@
 
 namespace engram::encoders {
 
-/// Size of one block of integer latents, channels first.
+/// Size of one grid of integer latents, channels first.
 struct LatentGrid {
   int channels = 0;
   int height = 1;

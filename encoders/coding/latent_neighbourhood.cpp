@@ -5,7 +5,7 @@ namespace engram::encoders {
 
 namespace {
 
-/// How many channels before a latent's own tell of it.
+/// Number of previous channels that are context of a latent.
 constexpr int kChannelsBefore = 4;
 
 }  // namespace
@@ -49,7 +49,7 @@ void LatentNeighbourhood::begin_channel(int channel) {
 }
 
 void LatentNeighbourhood::end_row() {
-  // The oldest row's memory is the next one's.
+  // The memory of the oldest row is reused for the next one.
   std::swap(before_, last_);
   std::swap(last_, now_);
   if (rows_++ == 0) before_ = last_;

@@ -15,15 +15,16 @@
 
 namespace engram::encoders {
 
-/// Small numbers that contexts are made of.
+/// Classes of values and sums, from which contexts are made.
 namespace latent_classes {
 
-/// A class is "more" from here on at the latest: larger magnitudes need not be told apart.
+/// Magnitudes are capped here, because no class distinguishes larger ones.
 inline constexpr int kMax = 9;
-using ValueTable = std::array<uint8_t, 2 * kMax + 1>;  // From -kMost on.
-using SumTable = std::array<uint8_t, 128>;             // Of at most seven magnitudes.
+using ValueTable = std::array<uint8_t, 2 * kMax + 1>;  // From -kMax on.
+// Indexed by sums of at most seven magnitudes.
+using SumTable = std::array<uint8_t, 128>;
 
-/// Each value up to `max` either way, and what is beyond.
+/// Maps each value from -`max` to `max` to a class; values beyond share the classes at the ends.
 constexpr ValueTable values_up_to(int max) {
   ValueTable table{};
   for (int value = -kMax; value <= kMax; ++value)
@@ -52,34 +53,34 @@ inline constexpr SumTable kFewOf = [] {
 
 }  // namespace latent_classes
 
-/// What is known around the latents of one grid while the rows of a block are walked over, in
-/// classes.
+/// Computes the classes of the known neighbours of each latent of one grid while the rows of a
+/// block are coded.
 ///
-/// Everything is a byte in planes with a border of zeros: what rows and channels before tell is
-/// summed for a whole channel at once, and nothing asks where a plane ends.
+/// All values are bytes in planes with a border of zeros. Sums over previous rows and channels are
+/// computed for a whole channel at once, and no code has to check for the edge of a plane.
 /// Shape: planes of [height + 2, width + 2]; `at` is an index into one (place()).
 /// Threading: one thread.
 /// Source: docs/learning_methods.md, section "Sequences of latents".
 class LatentNeighbourhood {
  public:
-  /// Kinds of classes: how much there is of something, coarser, values from -3 to 3, from -2 to 2.
+  /// Number of classes of each kind: sums, coarser sums, values from -3 to 3 and from -2 to 2.
   static constexpr size_t kSteps = 6;
   static constexpr size_t kFewSteps = 4;
   static constexpr size_t kWide = 7;
   static constexpr size_t kNarrow = 5;
 
-  /// Of one latent, before it is known. Where there is no row before, it was zeros; where there is
-  /// but one, the row before that was the same.
+  /// The classes of one latent before it is known. Before the first row all rows count as zeros;
+  /// after the first row, the row before it counts as equal to it.
   struct Classes {
     size_t last;         ///< Wide: the same latent in the last row.
-    size_t before;       ///< Wide: in the row before that.
-    size_t past;         ///< Narrow: the same.
-    size_t last_size;    ///< Its magnitude in the last row: 0, 1, more.
+    size_t before;       ///< Wide: the same latent in the row before that.
+    size_t past;         ///< Narrow: the same value as `before`.
+    size_t last_size;    ///< Its magnitude in the last row: 0, 1 or more.
     size_t west, north;  ///< Narrow: neighbours.
     size_t around;       ///< Step: magnitudes around it.
-    size_t around_then;  ///< Step: around it in the last row.
-    size_t channels;     ///< Few: magnitudes in the four channels before.
-    size_t change;       ///< Step: how much neighbours and those channels differ from the last row.
+    size_t around_then;  ///< Step: magnitudes around it in the last row.
+    size_t channels;     ///< Few: magnitudes in the four previous channels.
+    size_t change;       ///< Step: difference of neighbours and those channels from the last row.
   };
 
   explicit LatentNeighbourhood(const LatentGrid& shape);
@@ -87,23 +88,24 @@ class LatentNeighbourhood {
   /// Forgets all rows.
   void begin_block();
 
-  /// Needs the channels before of this row.
+  /// Begins a channel. The previous channels of this row must be complete.
   void begin_channel(int channel);
 
-  /// The row is complete: it is the last one now.
+  /// Ends the row, which then is the last row.
   void end_row();
 
-  /// Where a latent of a plane [height, width] lies in one with a border.
+  /// Index in a plane with a border of a latent of a plane [height, width].
   [[nodiscard]] size_t place(size_t latent) const { return places_[latent]; }
 
-  /// Of a latent of the channel that was begun; needs those left of it and above.
+  /// Classes of a latent of the current channel. The latents to the left and above must be known.
   [[nodiscard]] Classes classes(size_t at) const;
 
-  /// Notes a latent of the channel that was begun, and what it was in the last row.
+  /// Stores a latent of the current channel; `last` is its value in the last row.
   void put(size_t at, int32_t value, int32_t last);
 
-  /// Few: how much all channels of this row together differ from the last one, at each place of a
-  /// grid of another size. Shape: [height, width] of `other`.
+  /// Computes the difference of this row from the last one over all channels, as "few" classes, at
+  /// each place of a grid of another size.
+  /// Shape: [height, width] of `other`.
   void find_changes(const LatentGrid& other, std::span<uint8_t> changes) const;
 
  private:
@@ -122,16 +124,16 @@ class LatentNeighbourhood {
   size_t plane_;
   std::vector<size_t> places_;
   size_t rows_ = 0;
-  size_t first_ = 0;  ///< Where the planes of the channel that was begun lie.
-  // Of all channels: values of this and the last two rows, magnitudes of this one, differences of
-  // this from the last one.
+  size_t first_ = 0;  ///< Offset of the planes of the current channel.
+  // Planes of all channels: values of this row and the last two, magnitudes of this row, and its
+  // differences from the last row.
   Planes now_, last_, before_, size_, distance_;
-  // Of the channel that was begun: sums around each place in the last row, over the channels
-  // before.
+  // Planes of the current channel: sums around each place in the last row, and over the previous
+  // channels.
   Planes around_then_, channels_, change_;
 };
 
-// What is asked for every latent.
+// These functions are inline, because they are called for every latent.
 
 inline LatentNeighbourhood::Classes LatentNeighbourhood::classes(size_t at) const {
   using namespace latent_classes;

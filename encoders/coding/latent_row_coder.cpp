@@ -9,9 +9,9 @@ namespace engram::encoders {
 namespace {
 
 constexpr int kMixerRate = 14;
-/// How many bits a stored start is worth.
+/// Number of bits that a stored start counts as.
 constexpr int kTrust = 30;
-/// Starts: log odds in 1/16; this says that a context was never met.
+/// Marks a context that training never met. Other starts are log odds in 1/16.
 constexpr int8_t kUnmet = -128;
 constexpr int kMinSeen = 2;
 
@@ -30,7 +30,7 @@ AdaptiveBit bit_of(int8_t start) {
   return start == kUnmet ? AdaptiveBit() : AdaptiveBit(squash(LogOdds{start} * 16), kTrust);
 }
 
-/// The bits of all starts, INT8_MIN first.
+/// The adaptive bits of all possible starts, from INT8_MIN on.
 const std::array<OddsBit, 256>& all_bits() {
   static const auto bits = [] {
     std::array<OddsBit, 256> made;
@@ -173,7 +173,7 @@ int32_t LatentRowCoder::code_other(Port& port, Grid& grid, Place place, LatentMi
     place.back() = relation + static_cast<size_t>(beyond);
     if (!code_bit(port, place, mixers[node], bits_of(node), needed > magnitude)) break;
   }
-  // Hostile bytes may tell of anything.
+  // Hostile bytes may decode to any magnitude.
   if (magnitude > static_cast<int64_t>(kLatentUnary))
     magnitude +=
         std::clamp<int64_t>(grid.large.code(port, needed - magnitude), 0, int64_t{1} << 31);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the one coder of rows of latents that encoder, decoder and training share.
+// Private to this room: the coder of rows of latents that encoder, decoder and training share.
 
 #include <array>
 #include <cmath>
@@ -16,19 +16,19 @@
 
 namespace engram::encoders {
 
-/// Bits that a latent is told by: is it zero, is it negative, is its magnitude above 1, 2, ... 12;
-/// what is above that follows as an integer of its own.
+/// The bits of a latent: whether it is zero, whether it is negative, and whether its magnitude is
+/// above 1, 2, ... 12. The rest of a larger magnitude is coded as an integer.
 inline constexpr size_t kLatentUnary = 12;
 inline constexpr size_t kLatentNodes = 2 + kLatentUnary;
 
-/// Contexts that estimate a bit at the same time, and a constant.
+/// Number of contexts that estimate each bit. The mixer has one more input, a constant.
 inline constexpr size_t kLatentContexts = 7;
 using LatentMixer = Mixer<kLatentContexts + 1>;
 
-/// The kinds of rows that are told apart: the first of a block knows no past.
+/// Kinds of rows: the first row of a block has no past, so it has mixers of its own.
 inline constexpr size_t kRowKinds = 2;
 
-/// Ideal lengths instead of bytes.
+/// A port that sums ideal code lengths instead of writing bytes.
 class BitCounter {
  public:
   static constexpr bool kIsDecoder = false;
@@ -42,39 +42,39 @@ class BitCounter {
   double bits_ = 0;
 };
 
-/// Codes the rows of one block, one after the other, and learns from each.
+/// Codes the rows of one block in order and learns from each.
 ///
 /// Threading: one thread.
 class LatentRowCoder {
  public:
-  /// Number of starts and weights of a model.
+  /// Number of starts and of weights of a model.
   [[nodiscard]] static size_t start_count(const std::vector<LatentGrid>& grids);
   [[nodiscard]] static size_t weight_count(const std::vector<LatentGrid>& grids);
 
-  /// `model` outlives the coder.
+  /// `model` must outlive the coder.
   explicit LatentRowCoder(const LatentModel& model);
 
   /// Encodes a row, or decodes into it.
   template <typename Port>
   void code_row(Port& port, std::span<int32_t> row);
 
-  /// Puts what was learned where the next block starts from.
+  /// Stores the learned state in `model` as the start of every block.
   void store(LatentModel& model);
 
-  /// Forgets the rows, keeps what was learned.
+  /// Forgets the rows and keeps the learned state.
   void begin_block();
 
  private:
-  /// Where the contexts of a grid lie among all.
+  /// The ranges of the contexts of a grid among those of all grids.
   struct Contexts {
-    std::array<size_t, kLatentContexts> offset{};  ///< Of each kind of context.
+    std::array<size_t, kLatentContexts> offset{};  ///< Offset of each kind of context.
     size_t end = 0;
   };
   struct Grid {
     LatentGrid shape;
     Contexts contexts;
     LatentNeighbourhood around;
-    std::vector<uint8_t> change;  ///< Per place: how much the grid before changed below it.
+    std::vector<uint8_t> change;  ///< Per place: change of the coarser grid there.
     IntegerModel large;
   };
   /// The contexts of one latent.
@@ -86,7 +86,8 @@ class LatentRowCoder {
   template <typename Port>
   bool code_bit(Port& port, const Place& place, LatentMixer& mixer, std::vector<OddsBit>& bits,
                 bool bit);
-  /// A latent that is not zero. `mixers` [node]; `last`: the same in the last row.
+  /// Codes a latent that is not zero. `mixers` has one mixer per node; `last` is the latent's value
+  /// in the last row.
   template <typename Port>
   int32_t code_other(Port& port, Grid& grid, Place place, LatentMixer* mixers, int32_t last,
                      int32_t value);
@@ -94,8 +95,8 @@ class LatentRowCoder {
   const LatentModel& model_;
   const OddsTable& odds_;
   std::vector<Grid> grids_;
-  /// [node, context]: what is asked together lies together. Made where it is asked for: most blocks
-  /// have no large latents.
+  /// [node, context]: the bits of one node lie together for the cache. They are made on first use,
+  /// because most blocks have no large latents.
   std::array<std::vector<OddsBit>, kLatentNodes> bits_;
   std::vector<LatentMixer> mixers_;  ///< [grid, row kind, node].
   std::vector<int32_t> last_;        ///< Zeros before the first row.

@@ -14,16 +14,17 @@ namespace engram::encoders {
 
 namespace {
 
-/// Training walks so often over what it learns from: the first time starts from nothing.
+/// Number of passes over the training data. One is not enough, because the first pass starts
+/// untrained.
 constexpr int kTrainingPasses = 2;
 
-/// Codes stored numbers; those that lie `period` apart are alike.
+/// Codes stored numbers. Numbers that lie `period` apart share a model.
 template <typename T, typename Port>
 void code_numbers(Port& port, std::vector<T>& numbers, size_t period) {
   std::vector<IntegerModel> models(period * 2);
   int64_t before = 0;
   for (size_t i = 0; i < numbers.size(); ++i) {
-    // What was never met comes in runs: whether the number before was that is half the news.
+    // Contexts that were never met come in runs, so the previous number predicts the next one.
     IntegerModel& model = models[(i % period) * 2 + (before == 0 ? 0 : 1)];
     before = model.code(port, numbers[i]);
     numbers[i] = static_cast<T>(before);
@@ -78,7 +79,7 @@ size_t LatentModel::latents() const {
 
 std::vector<std::byte> LatentModel::to_bytes() const {
   BinaryEncoder encoder;
-  // Zero is what takes least: here, that a context was never met.
+  // Zero is the cheapest number to code, so it stands for contexts that were never met.
   std::vector<int16_t> starts(starts_.begin(), starts_.end());
   for (int16_t& start : starts)
     start = static_cast<int16_t>(start == INT8_MIN ? 0 : start < 0 ? start : start + 1);

@@ -12,8 +12,8 @@ namespace engram::encoders {
 
 namespace {
 
-// Tables are made by the compiler with additions, multiplications and divisions alone, which are
-// rounded alike everywhere; std::exp is not.
+// The compiler makes these tables with additions, multiplications and divisions alone, which round
+// in the same way everywhere; std::exp does not.
 
 constexpr double exp_of(double x) {
   constexpr int kHalvings = 8;
@@ -34,7 +34,7 @@ constexpr auto kTail = [] {
   for (size_t i = 0; i < kTailEntries; ++i) {
     const double z = static_cast<double>(i) / 32.0;
     const double core = 1.0 / (1.0 + exp_of(z)), wide = 1.0 / (1.0 + exp_of(z / 4));
-    // The ramp keeps neighbours apart.
+    // The ramp keeps the table strictly falling.
     const double ramp = static_cast<double>(kTailEntries - 1 - i) * 16 + 1024;
     table[i] =
         static_cast<uint32_t>((2147483648.0 - 131072.0) * (0.875 * core + 0.125 * wide) + ramp);
@@ -42,7 +42,7 @@ constexpr auto kTail = [] {
   return table;
 }();
 
-// 2^31 * ln(2) / 2^23 and friends would do; a table of ln over [1, 2) in 1/256 units is plainer.
+// Logarithms come from a table of ln over [1, 2) in steps of 1/256.
 constexpr size_t kLogBits = 8;
 constexpr double ln_of(double x) {  // x in [1, 2]
   const double t = (x - 1) / (x + 1);
@@ -80,7 +80,8 @@ constexpr auto kInverse = [] {  // 2^20 * 2^(-i / 16) for i in [0, 16)
   return table;
 }();
 
-constexpr int kOddsStep = 8;  // Computed so many units apart, straight lines between.
+// Distance in units of the computed values; values between are interpolated linearly.
+constexpr int kOddsStep = 8;
 
 }  // namespace
 

@@ -12,7 +12,7 @@
 
 namespace engram::encoders {
 
-/// Bits of one kind, each estimated by N contexts at once; a mixer joins the estimates by their
+/// Codes bits of one kind, each estimated by N contexts. A mixer combines the estimates by their
 /// log odds, and all of them learn from every bit.
 ///
 /// Threading: one thread.
@@ -21,12 +21,12 @@ class MixedBits {
  public:
   using Contexts = std::array<size_t, N>;
 
-  /// `sizes`: how many values each context has.
+  /// `sizes` is the number of values of each context.
   MixedBits(const Contexts& sizes, size_t mixers) : odds_(odds_table()), mixers_(mixers) {
     for (size_t i = 0; i < N; ++i) estimates_[i].resize(sizes[i]);
   }
 
-  /// Codes a bit; contexts and mixer lie within their sizes.
+  /// Codes a bit. `contexts` and `mixer` must be below their sizes.
   template <typename Port>
   bool code(Port& port, const Contexts& contexts, size_t mixer, bool bit) {
     std::array<LogOdds, N + 1> odds{};

@@ -11,8 +11,8 @@
 
 namespace engram::encoders {
 
-/// Joins several estimates of one bit into one: a weighted sum of their log odds, the weights
-/// learning from every bit (a small neural network, in integers).
+/// Combines several estimates of one bit into one: a weighted sum of their log odds, whose weights
+/// learn from every bit. This is a small neural network in integers.
 ///
 /// Threading: one thread.
 /// Source: Mahoney, "Adaptive Weighing of Context Models for Lossless Data Compression", 2005.
@@ -34,7 +34,7 @@ class Mixer {
     return result;
   }
 
-  /// Needs odds of at most kMaxLogOdds either way.
+  /// The magnitude of each of `odds` must be at most kMaxLogOdds.
   [[nodiscard]] BitProbability mix(std::span<const LogOdds, N> odds) const {
     int64_t sum = 0;
     for (size_t i = 0; i < N; ++i) sum += int64_t{odds[i]} * weights_[i];
@@ -42,9 +42,9 @@ class Mixer {
         static_cast<LogOdds>(std::clamp<int64_t>(sum / 65536, -kMaxLogOdds, kMaxLogOdds)));
   }
 
-  /// `one` is what mix returned for `odds`; a smaller `rate` learns faster (2^-rate).
+  /// `one` is the result of mix() for `odds`. The learning rate is 2^-rate.
   void update(std::span<const LogOdds, N> odds, BitProbability one, bool bit, int rate) {
-    // Below 2^16 times odds below 2^12: 32 bits hold the product.
+    // The error is below 2^16 and odds are below 2^12, so 32 bits hold the product.
     const int32_t error = (bit ? 65535 : 0) - static_cast<int32_t>(one);
     for (size_t i = 0; i < N; ++i) {
       const int32_t change = (odds[i] * error) >> rate;

@@ -8,12 +8,12 @@
 
 namespace engram::encoders {
 
-/// Turns rows of numbers into few bytes, every one within its bound, and back.
+/// Encodes rows of numbers, each within its error bound, and decodes them.
 ///
-/// A block decodes alone; K rows of it cost less than K blocks, and reaching one row of it means
-/// decoding those before. Bounded numbers lie on a lattice around their prediction; what that
-/// cannot hold (infinities, huge values, quaternions of other lengths) is kept bit by bit.
-/// What is decoded is the same on every machine.
+/// A block decodes alone. One block of K rows is smaller than K blocks, but to read a row, the rows
+/// before it must be decoded. Bounded numbers lie on a lattice around their prediction. Values that
+/// it cannot hold (infinities, huge values, quaternions of other lengths) are kept bit by bit.
+/// Decoded values are the same on every machine.
 /// Shape: rows [K, N], N = model().count().
 /// Threading: const-parallel.
 /// Source: docs/learning_methods.md, section "Numbers".
@@ -21,11 +21,11 @@ class NumberCodec {
  public:
   explicit NumberCodec(NumberModel model) : model_(std::move(model)) {}
 
-  /// Needs whole rows (checked). Equal rows give equal bytes.
+  /// Encodes whole rows (checked). Equal rows give equal bytes.
   [[nodiscard]] std::vector<std::byte> encode(std::span<const double> rows) const;
 
-  /// The rows of a block of exactly `count`. Safe on hostile bytes.
-  /// Errors: kDataLoss where the checksum does not fit or the block has another number of rows.
+  /// Decodes a block of exactly `count` rows. It is safe on hostile bytes.
+  /// Errors: kDataLoss if the checksum does not fit or the block has another number of rows.
   Result<std::vector<double>> decode(std::span<const std::byte> block, size_t count) const;
 
   [[nodiscard]] const NumberModel& model() const { return model_; }

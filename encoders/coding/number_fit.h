@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the parts of training that fit.
+// Private to this room: the parts of training that fit parameters.
 
 #include <span>
 #include <vector>
@@ -11,19 +11,20 @@
 
 namespace engram::encoders {
 
-/// One recording as the channels see it. Unit: steps. Shape: [rows][C].
+/// The channels of one recording. Unit: steps. Shape: [rows][C].
 struct ChannelRows {
-  std::vector<std::vector<double>> coded;  ///< As it will be decoded.
-  std::vector<std::vector<double>> real;   ///< As it was; as `coded` where that is unknown.
+  std::vector<std::vector<double>> coded;  ///< Values as they will be decoded.
+  /// Recorded values; those of `coded` if they are unknown.
+  std::vector<std::vector<double>> real;
 };
 
-/// The terms that predict `channel` best.
+/// Chooses the terms that predict `channel` best and fits their weights.
 [[nodiscard]] std::vector<PredictorTerm> fit_terms(const NumberModel& model, size_t channel,
                                                    std::span<const ChannelRows> recordings,
                                                    const NumberTraining& options);
 
-/// How the size of the next residual follows from those before: fills scale_weights and
-/// scale_bias.
+/// Fits the expected size of the next residual as a function of those before it: fills
+/// scale_weights and scale_bias.
 void fit_scales(std::span<const ResidualTrace> trace, NumberModel& model);
 
 }  // namespace engram::encoders

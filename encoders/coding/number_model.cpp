@@ -76,7 +76,7 @@ NumberChannel read_channel(ByteReader& in) {
   return channel;
 }
 
-/// Terms may look only at what is decoded by then.
+/// Whether all terms of a channel use only values that are decoded before it.
 bool are_terms_known(const NumberModel& model, size_t at) {
   return std::ranges::all_of(model.channels[at].terms, [&](const PredictorTerm& term) {
     const bool is_now = term.kind == FeatureKind::kChangeNow || term.kind == FeatureKind::kLevelNow;
@@ -145,6 +145,7 @@ Result<NumberModel> NumberModel::create(std::vector<NumberField> fields) {
   model.channel_starts.resize(channels * kChannelNodes);
   for (NumberChannel& channel : model.channels) channel.start_scale = channel.usual_scale = 16;
   for (auto& sets : model.mixers)
+    // The first prediction starts with a weight of 1/4, the others and the contexts with 1/8.
     for (auto& weights : sets) weights = {1024, 512, 512, 512, 512, 512, 512, 0};
   return model;
 }
@@ -177,6 +178,7 @@ Result<NumberModel> NumberModel::from_bytes(std::span<const std::byte> bytes) {
     return failed_precondition("number model: version {}, needs {}", version, kVersion);
   ENGRAM_ASSIGN_OR_RETURN(auto fields, read_fields(in));
   auto created = NumberModel::create(std::move(fields));
+  // Fields that create() refuses are damage here, because a writer cannot have made such a model.
   if (!created.ok()) return data_loss("{}", created.status().message());
   NumberModel model = std::move(created).value();
   for (NumberChannel& channel : model.channels) channel = read_channel(in);

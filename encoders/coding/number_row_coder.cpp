@@ -10,7 +10,8 @@ namespace engram::encoders {
 namespace {
 
 constexpr int kTermBits = 12;
-/// From the largest prediction to the smallest value: also the largest that ResidualModels reads.
+/// Max residual: the distance from the largest prediction to the smallest value. ResidualModels
+/// reads no larger one.
 constexpr int64_t kMaxResidual = (int64_t{1} << 41) - 1;
 constexpr int64_t kMaxSize = int64_t{1} << 24;
 constexpr int64_t kMaxFeature = int64_t{1} << 36;
@@ -129,7 +130,7 @@ NumberRowCoder::Prediction NumberRowCoder::predict(size_t channel) const {
   return result;
 }
 
-// Normalised least mean squares.
+// Normalised least mean squares. Sizes are clamped, so that products stay within 64 bits.
 void NumberRowCoder::adapt(size_t channel) {
   const auto& terms = model_.channels[channel].terms;
   const ChannelHistory& own = history_[channel];
@@ -232,11 +233,12 @@ bool NumberRowCoder::must_be_plain(const NumberField& field, size_t channel,
   if (field.kind == NumberKind::kOrientation) return !is_unit(values.first<4>());
   const NumberChannel& known = model_.channels[channel];
   if (is_exact(field.kind)) return !has_decimals(field, known.decimals, values[0]);
-  // False for what is not a number.
+  // The comparison is false for NaN, which is therefore plain.
   return !(std::abs(to_units(field, known, values[0])) < static_cast<double>(kMaxUnits / 2));
 }
 
-/// What was stored as it is becomes what the next value is predicted from, as far as it can.
+/// Makes a value that was stored bit by bit the basis of the next prediction, if it fits the
+/// lattice.
 void NumberRowCoder::take_plain(const NumberField& field, size_t channel, double value) {
   const double units = to_units(field, model_.channels[channel], value);
   ChannelHistory& own = history_[channel];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the one coder of rows of numbers that encoder, decoder and training share.
+// Private to this room: the coder of rows of numbers that encoder, decoder and training share.
 //
-// C channels, N numbers of a row. A channel's history is kept in units: a bounded number has 8191
-// of them a step, others one.
+// In shapes, C is the number of channels and N the number of numbers in a row. The history of a
+// channel is kept in units: a step of a bounded number has 8191 units, other steps have one.
 
 #include <array>
 #include <span>
@@ -21,33 +21,33 @@ namespace engram::encoders {
 
 inline constexpr size_t kEstimates = 4;
 
-/// What a channel's value was in the last rows. Unit: units.
+/// Values of a channel in the last rows. Unit: units.
 struct ChannelHistory {
   int64_t now = 0, last = 0, before = 0, earlier = 0;
-  int64_t fast = 16;  ///< Sizes of residuals, moving means. Unit: 1/16 step.
+  int64_t fast = 16;  ///< Moving means of the sizes of residuals. Unit: 1/16 step.
   int64_t slow = 16;
-  int64_t residual = 0;  ///< That of the last row. Unit: steps.
+  int64_t residual = 0;  ///< The residual of the last row. Unit: steps.
 };
 
-/// Where the distributions of a residual are centred and how wide they are.
+/// Centres and widths of the distributions of a residual.
 struct Estimates {
   std::array<int64_t, kEstimates> offset{};  ///< From the lattice's centre. Unit: 1/16 step.
   std::array<int32_t, kEstimates> scale{};   ///< 2^(x / 16) steps.
 };
 
-/// The models of a residual's bits. They learn from every bit.
+/// The adaptive models of the bits of a residual. They learn from every bit.
 ///
 /// Threading: one thread.
 class ResidualModels {
  public:
   explicit ResidualModels(const NumberModel& model);
 
-  /// Codes how many steps a value lies from its prediction.
+  /// Codes a residual: the number of steps between a value and its prediction.
   template <typename Port>
   int64_t code(Port& port, size_t channel, bool is_first, const Estimates& estimates,
                int64_t last_residual, int64_t residual);
 
-  /// Puts what was learned where the next block starts from.
+  /// Stores the learned state in `model` as the start of every block.
   void store(NumberModel& model) const;
 
  private:
@@ -72,7 +72,7 @@ class ResidualModels {
   std::array<std::array<Mixer<kMixerInputs>, kNumberNodes>, 2> mixers_;
 };
 
-/// What training looks at for one residual.
+/// The data of one residual for training.
 struct ResidualTrace {
   size_t channel = 0;
   bool is_first = false;
@@ -81,22 +81,22 @@ struct ResidualTrace {
   int64_t residual = 0;
 };
 
-/// Codes rows of one block, one after the other.
+/// Codes the rows of one block in order.
 ///
 /// Threading: one thread.
 class NumberRowCoder {
  public:
-  /// `model` outlives the coder.
+  /// `model` must outlive the coder.
   explicit NumberRowCoder(const NumberModel& model);
 
-  /// Encodes `row`, or decodes into it; an encoder leaves in it what will be decoded.
+  /// Encodes `row`, or decodes into it. An encoder replaces it by the values that will be decoded.
   /// Shape: row [N].
   template <typename Port>
   void code(Port& port, std::span<double> row);
 
   [[nodiscard]] ResidualModels& models() { return models_; }
   [[nodiscard]] const std::vector<ChannelHistory>& history() const { return history_; }
-  /// Where each residual is told; null: nowhere.
+  /// Appends each residual to `trace`; null turns this off.
   void trace_to(std::vector<ResidualTrace>* trace) { trace_ = trace; }
 
  private:
@@ -141,17 +141,18 @@ class NumberRowCoder {
   ResidualModels models_;
   std::vector<ChannelHistory> history_;
   std::vector<int64_t> steps_;                 ///< Per channel. Unit: units.
-  std::vector<std::vector<int32_t>> adapted_;  ///< Weights that go on learning, in 1/65536.
-  std::vector<std::array<Quaternion, 2>> orientations_;  ///< Last and the one before.
+  std::vector<std::vector<int32_t>> adapted_;  ///< Weights of the adapting prediction, in 1/65536.
+  std::vector<std::array<Quaternion, 2>> orientations_;  ///< The last one and the one before.
   std::vector<double> last_row_;
-  /// Per orientation: whether the last one was stored negated, and how likely that changes.
+  /// Per orientation: whether the last one was stored negated, and the probability that this
+  /// changes.
   std::vector<bool> was_negative_;
   std::vector<AdaptiveBit> sign_changes_;
   AdaptiveBit any_plain_{64, 60};
   std::vector<AdaptiveBit> is_plain_;
   IntegerModel plain_;
   size_t rows_ = 0;
-  // Of this row so far and of the one before. Unit: 1/16 step.
+  // Sums of this row so far and of the row before. Unit: 1/16 step.
   int64_t row_sum_ = 0;
   int64_t row_before_ = 16;
   std::array<int64_t, 4> recent_{};

@@ -31,7 +31,7 @@ void for_each_number(const NumberModel& model, Visit visit, VisitOrientation vis
   }
 }
 
-/// The same share of every recording, from its start: one row at least, where it has one.
+/// Takes the same share of every recording from its start, but at least one row if it has any.
 std::vector<Rows> sample(std::span<const Rows> recordings, size_t numbers, size_t max_rows) {
   size_t rows = 0;
   for (const Rows& recording : recordings) rows += recording.size() / numbers;
@@ -51,7 +51,7 @@ int8_t quarter_octaves(double size, int min, int max) {
   return static_cast<int8_t>(std::clamp<long>(result, min, max));
 }
 
-/// How much finer float32 is there than a step. Unit: bits.
+/// Number of bits by which float32 is finer than `step` at `value`.
 double bits_of_floats(double value, double step) {
   const float size = std::abs(static_cast<float>(value));
   const double finest = std::nextafter(size, INFINITY) - double{size};
@@ -70,6 +70,8 @@ class Training {
     fit_decimals();
     fit_orientations();
     fit_starts();
+    // The first fit uses recorded values. The next ones use decoded values, since a decoder
+    // predicts from those.
     for (int i = 0; i <= kClosedLoops; ++i) fit_predictors(i == 0);
     std::vector<ResidualTrace> trace;
     pass(&trace, nullptr);
@@ -82,7 +84,7 @@ class Training {
   }
 
  private:
-  /// Visits the values of one number at the starts of blocks, or all.
+  /// Visits the rows at the starts of blocks, or all rows.
   template <typename Visit>
   void for_each_row(bool is_start, Visit visit) const {
     for (const Rows& rows : recordings_)
@@ -103,8 +105,10 @@ class Training {
           ++fitting;
           saved_bits += bits_of_floats(row[number], std::pow(10.0, -decimals));
         });
+        // Up to 2 % of the values may not fit: they are stored bit by bit.
         if (fitting * 100 < all * 98) continue;
-        // So many decimals may be finer than what they are rounded to.
+        // Many decimals may be finer than float32 itself. Then ordered bits are the smaller
+        // integers.
         if (field.kind == NumberKind::kExactFloat && saved_bits <= 0) break;
         model_.channels[channel].decimals = decimals;
         return;
@@ -115,7 +119,7 @@ class Training {
     for_each_number(model_, fit, [](auto&, size_t, size_t) {});
   }
 
-  /// How much of the last turn goes on: what leaves least to say.
+  /// Chooses the share of the last turn that continues, by the smallest remaining angles.
   void fit_orientations() {
     const auto fit = [&](const NumberField&, size_t channel, size_t number) {
       double min = INFINITY;
@@ -188,7 +192,8 @@ class Training {
       model_.channels[i].terms = fit_terms(model_, i, channels, options_);
   }
 
-  /// What predictors see: values as coded with what is known so far, or as they are.
+  /// The rows from which predictors are fitted: values as the current model codes them, or recorded
+  /// values if `is_open`.
   [[nodiscard]] std::vector<ChannelRows> channel_rows(bool is_open) const {
     std::vector<ChannelRows> result;
     for (const Rows& rows : recordings_) {
@@ -223,8 +228,8 @@ class Training {
     channels.real.push_back(std::move(real));
   }
 
-  /// Codes everything block by block. `models` go on learning from block to block; null: they
-  /// start anew each time.
+  /// Codes everything block by block. `models` continue to learn from block to block; if it is
+  /// null, each block starts from the model.
   void pass(std::vector<ResidualTrace>* trace, ResidualModels* models) const {
     for (const Rows& rows : recordings_) {
       const size_t block = options_.block_rows == 0 ? rows.size() : options_.block_rows * numbers_;

@@ -9,26 +9,27 @@
 namespace engram::encoders {
 
 struct NumberTraining {
-  /// Rows of the blocks that will be coded; 0: whole recordings. Tells where blocks start.
+  /// Rows of the blocks that will be coded, which gives where blocks start; 0 for whole recordings.
   size_t block_rows = 0;
-  /// Numbers that may help to predict one: each costs four bytes of the model.
+  /// Max number of terms that predict one number. Each costs four bytes of the model.
   size_t max_terms = 8;
-  /// A term must save so many bits of the training data: more keeps the model small and less bound
-  /// to what it saw.
+  /// Min number of bits that a term must save in the training data. Larger values keep the model
+  /// smaller and reduce overfitting.
   double min_gain_bits = 6;
-  /// Rows that are looked at, those of all recordings together. Time grows with them and with the
-  /// square of the numbers.
+  /// Max number of rows of all recordings that are used. Time grows with them and with the square
+  /// of the number of numbers.
   size_t max_rows = 4096;
 
   [[nodiscard]] Status validate() const;
 };
 
-/// Learns an entity's predictors and starts from recordings of it.
+/// Learns the predictors and starts of an entity from its recordings.
 ///
-/// Shape: each recording [rows, N], N the numbers of the fields; what is not finite is passed over.
-/// Errors: kInvalidArgument where fields, options or a recording's size do not fit.
-/// Threading: const-parallel. The same input gives the same model on one machine, not on all: what
-/// it decodes to is part of the model, and that is the same everywhere.
+/// Shape: each recording [rows, N], where N is the number of numbers of all fields. Values that are
+/// not finite are skipped.
+/// Errors: kInvalidArgument if fields, options or the size of a recording are invalid.
+/// Threading: const-parallel. The same input gives the same model on one machine, but not on all. A
+/// given model decodes to the same values everywhere.
 Result<NumberModel> train_number_model(std::vector<NumberField> fields,
                                        std::span<const std::vector<double>> recordings,
                                        const NumberTraining& options);

@@ -72,7 +72,7 @@ bool has_decimals(const NumberField& field, uint8_t decimals, double value) {
     return has_same_bits(static_cast<double>(static_cast<float>(value)), value);
   const double whole = std::nearbyint(value * kPowers[decimals]);
   if (!(std::abs(whole) <= static_cast<double>(kMaxUnits / 2))) return false;
-  // By way of an integer: zero loses its sign there.
+  // The conversion to an integer removes the sign of zero.
   const auto units = static_cast<double>(static_cast<int64_t>(whole));
   return has_same_bits(from_decimals(field, decimals, units), value);
 }

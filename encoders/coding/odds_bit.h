@@ -8,8 +8,8 @@
 
 namespace engram::encoders {
 
-/// An adaptive bit that knows its log odds: they are looked up when it learns, so that who mixes
-/// many of them need not wait.
+/// An adaptive bit that keeps its log odds. They are looked up when it learns, so that mixing many
+/// estimates needs no lookup.
 ///
 /// Threading: one thread.
 class OddsBit {

@@ -26,7 +26,7 @@ Quaternion canonical(const Quaternion& q) {
 
 bool is_unit(std::span<const double, 4> q) {
   const double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  return std::abs(squared - 1) < 1e-5;  // False for what is not a number.
+  return std::abs(squared - 1) < 1e-5;  // False for NaN.
 }
 
 RotationParameters to_parameters(const Quaternion& q) {
@@ -52,7 +52,8 @@ double angle_between_rad(const Quaternion& a, const Quaternion& b) {
   return 2 * std::atan2(sine, std::abs(d[0]));
 }
 
-// The angle changes by at most 4 times the parameters, rounding moves these by sqrt(3) / 2 steps.
+// The angle changes by at most 4 times the change of the parameters, and rounding moves these by up
+// to sqrt(3) / 2 steps.
 double parameter_step(double bound_rad) {
   return 0.2886 * bound_rad;
 }

@@ -14,7 +14,7 @@ void RangeOutput::narrow(uint32_t start, uint32_t range) {
   }
 }
 
-// A byte leaves when no carry can reach it any more: 0xff bytes wait with the one before them.
+// A byte is written once no carry can reach it. 0xff bytes wait together with the byte before them.
 void RangeOutput::shift_low() {
   if (low_ < 0xff000000u || low_ > 0xffffffffu) {
     const auto carry = static_cast<uint8_t>(low_ >> 32);
@@ -30,7 +30,8 @@ void RangeOutput::shift_low() {
 }
 
 std::vector<std::byte> RangeOutput::finish() {
-  // Any number of the last interval will do: the one with most zeros at its end is shortest.
+  // Any number in the last interval is valid, and the one with the most zeros at its end is the
+  // shortest.
   const uint64_t last = low_ + range_ - 1;
   for (int bits = 32; bits >= 0; --bits) {
     const uint64_t rounded = (last >> bits) << bits;

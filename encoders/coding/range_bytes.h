@@ -8,20 +8,20 @@
 
 namespace engram::encoders {
 
-/// Below this a range is widened by a byte.
+/// A smaller range is widened by a byte.
 inline constexpr uint32_t kSmallestRange = 1u << 24;
 
-/// Turns an interval that gets smaller and smaller into bytes: what every range encoder shares.
+/// The output of a range encoder: writes a shrinking interval as bytes.
 ///
 /// Threading: one thread.
 class RangeOutput {
  public:
   [[nodiscard]] uint32_t range() const { return range_; }
 
-  /// Goes on with the part of the interval from `start` on, `range` wide. Both lie within range().
+  /// Narrows the interval to `range` values from `start` on. Both must lie within range().
   void narrow(uint32_t start, uint32_t range);
 
-  /// Ends the stream; zero bytes at its end are left out. Must not be used afterwards.
+  /// Ends the stream, without the zero bytes at its end. The object must not be used afterwards.
   [[nodiscard]] std::vector<std::byte> finish();
 
  private:
@@ -35,20 +35,21 @@ class RangeOutput {
   std::vector<std::byte> bytes_;
 };
 
-/// Follows the interval that RangeOutput wrote. Behind the last byte come zeros.
+/// The input of a range decoder: follows the interval that RangeOutput wrote. Zeros follow the last
+/// byte.
 ///
 /// Threading: one thread.
 class RangeInput {
  public:
-  /// `bytes` outlive it.
+  /// `bytes` must outlive this object.
   explicit RangeInput(std::span<const std::byte> bytes);
 
   [[nodiscard]] uint32_t range() const { return range_; }
 
-  /// How far into the interval the written number lies.
+  /// Offset of the written number in the interval.
   [[nodiscard]] uint32_t offset() const { return offset_; }
 
-  /// As RangeOutput::narrow.
+  /// See RangeOutput::narrow.
   void narrow(uint32_t start, uint32_t range);
 
  private:

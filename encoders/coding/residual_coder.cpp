@@ -102,6 +102,7 @@ int ResidualCoder::code_magnitude(Port& port, size_t band, const Neighbourhood& 
   }
   constexpr int64_t kBeyond = kLongest + 1;
   const int64_t rest = rest_.code(port, magnitude - kBeyond);
+  // Hostile bytes may decode to any integer, so it is clamped.
   return static_cast<int>(kBeyond + std::clamp<int64_t>(rest, 0, kMaxCoefficient - kBeyond));
 }
 
@@ -124,6 +125,7 @@ void ResidualCoder::code_levels(Port& port, const Place& place, bool continues, 
                    band, levels[at] == 0);
     zeros = is_zero ? zeros + 1 : 0;
     if (is_zero) continue;
+    // Signs are coded as equally likely: no context predicts them.
     const bool is_negative = port.code(levels[at] < 0, kEven);
     const int magnitude = code_magnitude(port, band, known, std::abs(int{levels[at]}));
     levels[at] = static_cast<int16_t>(is_negative ? -magnitude : magnitude);
@@ -147,6 +149,7 @@ void ResidualCoder::code_block(Port& port, const Place& place, QuantisedResidual
   int16_t* levels = image.levels.data() + block * kSize;
   bool continues = false;
   modes_[block] = ends_[block] = 0;
+  // Without a last residual to continue from, the block has no choice and the bit is not coded.
   if (has_last_[block] != 0) {
     AdaptiveBit& bit = continues_[(place.left_mode * 3 + place.above_mode) * 3 + place.before_mode];
     continues = bit.code(port, image.continues[block] != 0);

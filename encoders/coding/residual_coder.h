@@ -16,11 +16,11 @@
 
 namespace engram::encoders {
 
-/// Steps of the quantiser: eight for each doubling, from half a grey level on.
+/// Number of steps of the quantiser: eight per doubling, from half a grey level on.
 inline constexpr int kResidualSteps = 80;
 inline constexpr int kResidualStepBits = 7;
 
-/// Unit: 1/8 grey level, as of coefficients.
+/// Size of a step. Unit: 1/8 grey level, as for coefficients.
 [[nodiscard]] int32_t residual_step(int index);
 
 /// The residual of one image as integers.
@@ -33,8 +33,8 @@ struct QuantisedResidual {
   std::vector<int16_t> levels;     ///< [blocks, 64], in steps.
 };
 
-/// Codes the residuals of consecutive images, in writing and reading alike: what is known
-/// already tells how likely each bit is.
+/// Encodes and decodes the residuals of consecutive images. Known levels around a bit, in this
+/// image and the last residual, are its contexts.
 ///
 /// Threading: one thread.
 /// Source: docs/learning_methods.md, section "Residuals".
@@ -42,38 +42,39 @@ class ResidualCoder {
  public:
   explicit ResidualCoder(const BlockGrid& grid);
 
-  /// Writes an image, or reads one into `image`: any bits give one.
+  /// Encodes an image, or decodes into `image`; any bits decode to one.
   template <typename Port>
   void code(Port& port, QuantisedResidual& image);
 
-  /// What an image amounts to that follows those that were coded, as coefficients.
+  /// The residual of an image that follows the coded ones, as coefficients.
   [[nodiscard]] std::vector<int16_t> after(const QuantisedResidual& image) const;
 
-  /// That of the last one; zeros before the first.
+  /// The residual of the last image; zeros before the first.
   [[nodiscard]] const std::vector<int16_t>& last() const { return last_; }
 
  private:
   static constexpr size_t kSize = BlockGrid::kCoefficients;
-  static constexpr size_t kPlanes = 3;  ///< That contexts tell apart.
-  static constexpr size_t kBands = 8;   ///< Of places in a block.
+  static constexpr size_t kPlanes = 3;  ///< Planes that contexts distinguish.
+  static constexpr size_t kBands = 8;   ///< Bands of places in a block.
   static constexpr size_t kLongest = 14;
 
-  /// A block, and where to find what tells of it.
+  /// A block and pointers to its contexts.
   struct Place {
-    size_t plane = 0;  ///< As contexts see it.
+    size_t plane = 0;  ///< As contexts distinguish it.
     size_t block = 0;
     const int16_t* left = nullptr;  ///< Levels of the neighbours; null at the edge.
     const int16_t* above = nullptr;
-    const int16_t* before = nullptr;  ///< In the plane before.
+    const int16_t* before = nullptr;  ///< Levels in the plane before.
     size_t left_end = 0, above_end = 0, before_end = 0;
-    size_t left_mode = 0, above_mode = 0, before_mode = 0;  ///< 0: had no choice; else 1 or 2.
+    /// 0 if the block had no choice, else 1 or 2.
+    size_t left_mode = 0, above_mode = 0, before_mode = 0;
   };
-  /// What is known of a place in the block that is being coded.
+  /// The contexts of a place in the current block.
   struct Neighbourhood {
-    size_t beside = 0;  ///< Magnitudes here of left and upper block, at most 3.
-    size_t near = 0;    ///< Of the two levels before, at most 3.
-    size_t before = 0;  ///< In the plane before, at most 2.
-    size_t last = 0;    ///< Class of the last residual, in steps; 5 more where it is continued.
+    size_t beside = 0;  ///< Magnitudes at this place in the left and upper blocks, at most 3.
+    size_t near = 0;    ///< Magnitudes of the two levels before, at most 3.
+    size_t before = 0;  ///< Magnitude in the plane before, at most 2.
+    size_t last = 0;    ///< Class of the last residual, in steps; plus 5 if the block continues it.
   };
 
   [[nodiscard]] Place place_of(const QuantisedResidual& image, size_t plane, size_t row,
@@ -88,14 +89,14 @@ class ResidualCoder {
   template <typename Port>
   int code_magnitude(Port& port, size_t band, const Neighbourhood& known, int magnitude);
 
-  /// Makes what was before a block of `image` what is after it.
+  /// Updates `last` from the residual before a block of `image` to the one after it.
   void add_to(std::vector<int16_t>& last, const QuantisedResidual& image, size_t block) const;
 
   BlockGrid grid_;
   int32_t step_ = 1;
   std::vector<int16_t> last_;
   std::vector<uint8_t> has_last_;  ///< [blocks]: whether any of last_ is not zero.
-  std::vector<uint8_t> ends_;      ///< [blocks]: behind the last level that is not zero.
+  std::vector<uint8_t> ends_;      ///< [blocks]: index after the last level that is not zero.
   std::vector<uint8_t> modes_;     ///< [blocks]: as in Place.
   std::array<AdaptiveBit, 27> continues_;
   MixedBits<4> coded_;

@@ -16,11 +16,11 @@ namespace engram::encoders {
 namespace {
 
 constexpr size_t kSize = BlockGrid::kCoefficients;
-/// What a bit is worth, in 1/64 of a squared step: where squared error and bits of a fine quantiser
-/// are in balance.
+/// Price of a bit, in 1/64 of a squared step. At this price squared error and bits of a fine
+/// quantiser are in balance.
 constexpr int64_t kBitPrice = 8;
 
-/// A way to quantise a block.
+/// One way to quantise a block.
 struct BlockChoiceOfLevels {
   std::array<int16_t, kSize> levels{};
   bool continues = false;
@@ -28,17 +28,19 @@ struct BlockChoiceOfLevels {
 };
 
 int32_t to_level(int32_t value, int32_t step) {
-  // Rounded down up to three quarters of a step: a zero is cheap.
+  // A value is rounded down below three quarters of a step, because zeros and small levels are
+  // cheap.
   const int32_t level = (4 * std::abs(value) + step) / (4 * step);
   return std::clamp(value < 0 ? -level : level, -kMaxCoefficient, kMaxCoefficient);
 }
 
-/// About the bits of a level that is not zero.
+/// Approximate number of bits of a level that is not zero.
 int64_t bits_of(int32_t level) {
   return 3 + 2 * std::bit_width(static_cast<uint32_t>(std::abs(level)));
 }
 
-/// The cheaper of coding the differences to `base` (null: to zero) and of leaving them.
+/// The cheaper choice of coding the differences to `base` (or to zero if it is null) and of coding
+/// nothing.
 BlockChoiceOfLevels quantised(const int16_t* target, const int16_t* base, int32_t step) {
   BlockChoiceOfLevels choice;
   choice.continues = base != nullptr;
@@ -87,7 +89,7 @@ uint64_t squared_error(std::span<const uint8_t> image, std::span<const uint8_t> 
   return sum;
 }
 
-/// The code of a row; nothing where it has none.
+/// The code of a row, if it has one.
 using RowCode = std::optional<std::span<const std::byte>>;
 
 Result<std::vector<RowCode>> codes_of(std::span<const std::byte> bytes, size_t rows) {
@@ -132,7 +134,7 @@ bool ResidualEncoder::add(std::span<const uint8_t> decoded, std::span<const uint
     missing[i] = static_cast<int16_t>(recorded[i] - decoded[i]);
   const std::vector<int16_t> target = to_coefficients(missing, shape_);
   std::optional<QuantisedResidual> best;
-  int good = -1, bad = kResidualSteps;  // Known to keep the bound, and not to.
+  int good = -1, bad = kResidualSteps;  // Steps that are known to keep and to miss the bound.
   while (bad - good > 1) {
     const int step = (good + bad) / 2;
     QuantisedResidual image = quantised(target, coder_->last(), grid_, step);

@@ -15,10 +15,11 @@ namespace engram::encoders {
 
 class ResidualCoder;
 
-/// Codes what consecutive images lack, row by row of a block: as little as keeps each within a
-/// bound. Rows may have none; one that has may go on from what the last one lacked.
+/// Codes the residuals of consecutive images, one row at a time: the smallest ones that keep each
+/// image within an error bound. A row may have no residual. A residual may continue from the last
+/// one.
 ///
-/// Integer arithmetic only: every machine adds the same to what it decoded.
+/// It uses integer arithmetic only, so every machine decodes the same residuals.
 /// Threading: one thread.
 /// Source: docs/learning_methods.md, section "Residuals".
 class ResidualEncoder {
@@ -26,39 +27,42 @@ class ResidualEncoder {
   explicit ResidualEncoder(const PixelShape& shape);
   ~ResidualEncoder();
 
-  /// The next row. Where the squares of all differences between `decoded` and `recorded` sum to at
-  /// most `max_error` it needs no residual; else it gets the coarsest one that makes them so.
-  /// Returns false where none does: then no row is added.
+  /// Adds the next row. If the squared differences between `decoded` and `recorded` sum to at most
+  /// `max_error`, the row has no residual; else it gets the coarsest one that reaches this. If none
+  /// does, the function returns false and adds no row.
   /// Shape: both [H, W, C].
   [[nodiscard]] bool add(std::span<const uint8_t> decoded, std::span<const uint8_t> recorded,
                          uint64_t max_error);
 
-  /// All rows as they are stored; empty where none has a residual.
-  /// Format: per row a varint: 0 where it has none, else one more than the bytes of its code; then
-  /// the codes.
+  /// Returns the code of all rows, which is empty if none has a residual.
+  /// Format: per row a varint, which is 0 if it has no residual and else one more than the size of
+  /// its code in bytes; then the codes.
   [[nodiscard]] std::vector<std::byte> finish() const;
 
  private:
   PixelShape shape_;
   BlockGrid grid_;
   std::unique_ptr<ResidualCoder> coder_;
-  std::vector<std::optional<std::vector<std::byte>>> codes_;  ///< Per row; nothing: it has none.
+  /// Per row; empty if it has no residual.
+  std::vector<std::optional<std::vector<std::byte>>> codes_;
 };
 
-/// What rows lack, as coefficients (block_transform.h); empty where a row lacks nothing.
+/// Residuals of rows as coefficients (block_transform.h); empty for a row without a residual.
 using ResidualRows = std::vector<std::vector<int16_t>>;
 
-/// The first `wanted` of `rows` rows. Safe on hostile bytes: any code gives some residual.
-/// Errors: kDataLoss where the bytes do not hold so many rows.
+/// Decodes the first `wanted` of `rows` rows. It is safe on hostile bytes: any code decodes to some
+/// residual.
+/// Errors: kDataLoss if the bytes hold fewer rows.
 Result<ResidualRows> decode_residuals(std::span<const std::byte> bytes, const PixelShape& shape,
                                       size_t rows, size_t wanted);
 
-/// The bytes that each of `rows` rows takes; nothing where it has no residual.
-/// Errors: as decode_residuals.
+/// The size in bytes of each of `rows` rows, if it has a residual.
+/// Errors: as for decode_residuals.
 Result<std::vector<std::optional<uint64_t>>> residual_bytes(std::span<const std::byte> bytes,
                                                             size_t rows);
 
-/// Adds what `image` lacks. Shape: [H, W, C].
+/// Adds a residual to `image`, rounded and clamped.
+/// Shape: [H, W, C].
 void add_residual(std::span<const int16_t> residual, const PixelShape& shape,
                   std::span<uint8_t> image);
 

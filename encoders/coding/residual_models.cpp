@@ -6,13 +6,14 @@ namespace engram::encoders {
 namespace {
 
 constexpr int kMixerRate = 16;
-/// How many bits a stored start is worth.
+/// Number of bits that a stored start counts as.
 constexpr int kScaleTrust = 60;
 constexpr int kChannelTrust = 16;
 constexpr int kMaxWidth = 40;
 
-// Nodes: is it zero, is it negative, has the magnitude more bits (ten), its first bit below the
-// highest by width (four), the other bits.
+// Nodes are the modelled bits: whether the residual is zero, whether it is negative, whether the
+// magnitude has more bits (ten nodes), its first bit below the highest by width (four), and the
+// other bits.
 constexpr size_t kZeroNode = 0, kSignNode = 1, kWidthNode = 2, kFirstBitNode = 12, kOtherNode = 16;
 constexpr int kNoChannelNode = -1;
 
@@ -24,7 +25,7 @@ int8_t stored(const AdaptiveBit& bit) {
   return static_cast<int8_t>(std::clamp(log_odds(bit.one()) / 16, -127, 127));
 }
 
-/// Where the last value lies from the prediction, `offset` in 1/16 of a step.
+/// Class of the distance from the prediction to the last value; `offset` is in 1/16 of a step.
 size_t hold_class(int64_t offset) {
   const int64_t size = offset < 0 ? -offset : offset;
   if (size < 4) return 0;
@@ -32,7 +33,7 @@ size_t hold_class(int64_t offset) {
   return offset < 0 ? distance + 3 : distance;
 }
 
-/// 2^31 times the share of residuals whose `sign` times is above `magnitude` - 1/2.
+/// 2^31 times the share of residuals whose product with `sign` is above `magnitude` - 1/2.
 uint64_t share(const Estimates& estimates, size_t i, int sign, int64_t magnitude) {
   const int64_t place = std::clamp<int64_t>((2 * magnitude - 1) * 8 - sign * estimates.offset[i],
                                             -(int64_t{1} << 36), int64_t{1} << 36);
@@ -90,7 +91,7 @@ template <typename Port>
 int64_t ResidualModels::code_magnitude(Port& port, const Place& place, int sign,
                                        int64_t magnitude) {
   std::array<uint64_t, kEstimates> part{}, rest{};
-  /// Compares [middle, end) with [begin, middle); an end of zero is infinity.
+  /// Fills the shares of [middle, end) and [begin, middle). An `end` of zero is infinity.
   const auto split = [&](int64_t begin, int64_t middle, int64_t end) {
     for (size_t i = 0; i < kEstimates; ++i) {
       const uint64_t low = share(*place.estimates, i, sign, begin);

@@ -15,13 +15,13 @@ namespace engram::encoders {
 
 namespace {
 
-/// Mean magnitudes are in 1/256. They begin with what weights up to 127 often have.
+/// Mean magnitudes are in 1/256. They start at a typical mean of weights up to 127.
 constexpr int32_t kOne = 256;
 constexpr int32_t kFirstMean = 32 * kOne;
 constexpr int kColumnRate = 3, kRowRate = 4;
 constexpr size_t kClasses = 64;
 
-/// Four classes for each doubling.
+/// Class of a mean magnitude, with four classes per doubling.
 size_t class_of(int32_t mean) {
   const auto width = std::bit_width(static_cast<uint32_t>(mean));
   if (width < 3) return 0;
@@ -31,17 +31,17 @@ size_t class_of(int32_t mean) {
 
 }  // namespace
 
-/// A weight is told by the number of bits of its magnitude, the two highest below the first, and
-/// the rest with its sign, which nothing foretells.
+/// The code of a weight is the number of bits of its magnitude, its two bits below the highest, and
+/// then the rest and the sign, which are coded as equally likely.
 struct WeightCoder::Model {
   static constexpr size_t kWidths = 8;  ///< 0 to 7 bits.
 
-  std::array<std::array<AdaptiveBit, kWidths>, kClasses> width;  ///< Trees of eight.
-  std::array<std::array<AdaptiveBit, 3>, kWidths> high;          ///< Trees of four.
+  std::array<std::array<AdaptiveBit, kWidths>, kClasses> width;  ///< Trees of eight widths.
+  std::array<std::array<AdaptiveBit, 3>, kWidths> high;          ///< Trees of two bits.
 
   template <typename Port>
   int code(Port& port, size_t expected, int weight) {
-    // -1 is as far from the middle as 0: both signs have magnitudes of up to 7 bits.
+    // Magnitudes count from 0 for positive and from -1 for negative values, so both fit 7 bits.
     uint32_t magnitude = static_cast<uint32_t>(weight < 0 ? ~weight : weight);
     const auto width_of_it = static_cast<uint32_t>(std::bit_width(magnitude));
     size_t node = 1;
