@@ -13,14 +13,14 @@ using torch::Tensor;
 
 namespace {
 
-/// Of one run.
+/// The used part of one run.
 struct Reach {
   size_t run = 0;
-  size_t rows = 0;      ///< Those that are trained on.
-  size_t held_out = 0;  ///< The last ones of them.
+  size_t rows = 0;      ///< Rows that are trained on.
+  size_t held_out = 0;  ///< Held-out rows at the end of them.
 };
 
-/// What of each run was made of the recordings that are trained on.
+/// Finds the part of each run that was made of recordings that are trained on.
 std::vector<Reach> reaches_of(const TrainingSource& source, size_t left_out_sequences) {
   std::vector<Sequence> sequences = cut_sequences(source.times);
   sequences.resize(sequences.size() - left_out_sequences);
@@ -42,7 +42,7 @@ std::vector<Reach> reaches_of(const TrainingSource& source, size_t left_out_sequ
   return reaches;
 }
 
-/// Every so many, for at most `max` rows.
+/// Keeps evenly spaced runs with at most `max` rows.
 std::vector<Reach> thinned(std::vector<Reach> reaches, size_t max) {
   size_t total = 0;
   for (const Reach& reach : reaches) total += reach.rows;
@@ -53,12 +53,12 @@ std::vector<Reach> thinned(std::vector<Reach> reaches, size_t max) {
   return kept;
 }
 
-/// As the networks see them. Shape: [N, C, H, W], grey levels.
+/// Median of images as input of the networks. Shape: [N, C, H, W]. Unit: grey levels.
 Tensor median_of(const Tensor& images) {
   return std::get<0>(images.median(0, true));
 }
 
-/// As it comes back from the codec in a quality; as it is where no codec takes it.
+/// A background after coding in a quality; unchanged if no codec accepts it.
 Tensor coded(const encoders::ImageMember& member, const encoders::ImageShape& shape,
              const Tensor& background, size_t quality) {
   if (member.is_depth) return background;
@@ -116,7 +116,7 @@ class Reader {
     return {};
   }
 
-  /// As those of the dataset are; what is not finite becomes 0.
+  /// Normalises numbers as in the dataset; numbers that are not finite become 0.
   [[nodiscard]] Tensor normalised() const {
     Tensor values = torch::zeros(plain_.sizes());
     for (size_t i = 0; i < data_.mean.size(); ++i) {

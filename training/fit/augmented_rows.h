@@ -11,11 +11,12 @@
 
 namespace engram::training {
 
-/// Reads the augmented values of `source` as a part of `data`, which is complete but for them:
-/// their numbers are normalised as its are. Each run has a background of its own, the median of its
-/// images, as a block of a recording has that no model knows. What was made of rows that
-/// predictions are measured on is marked as held out. More than `memory_bytes`: evenly spaced runs.
-/// Errors: kInvalidArgument where a value has another layout; kCancelled; those of reading.
+/// Reads the augmented values of `source` for `data`, which must be complete otherwise, and
+/// normalises their numbers as in `data`. Each run gets a background of its own, the median of its
+/// images, as a block of a recording that the model does not know. Values made of rows on which
+/// predictions are measured are marked as held out. If the values take more than `memory_bytes`,
+/// evenly spaced runs are used.
+/// Errors: kInvalidArgument if a value has another layout; kCancelled; the errors of reading.
 Result<AugmentedRows> read_augmented(const TrainingSource& source, const Dataset& data,
                                      uint64_t memory_bytes, const std::stop_token& stop);
 

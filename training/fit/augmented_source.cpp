@@ -19,18 +19,18 @@ namespace {
 struct Found {
   ltm::SnapshotEntry entry;
   size_t instance = 0;
-  size_t origin = 0;  ///< Index into the times that are trained on.
+  size_t origin = 0;  ///< Index into the times of the source.
   augmentation::Recipe recipe;
 };
 
-/// What neighbours share of a recipe: all but the seed of its noise.
+/// The part of a recipe that consecutive values share: everything except the seed of its noise.
 augmentation::Recipe shared_part(const std::string& text) {
   auto recipe = augmentation::Recipe::parse(text);
-  // Recipes of other makers hold for one snapshot.
+  // A recipe in another format is valid for one snapshot only.
   return recipe.ok() ? augmentation::with_seed(*std::move(recipe), 0) : augmentation::Recipe{};
 }
 
-/// Collects the augmented instances of an entity, one run after the other.
+/// Collects the augmented instances of an entity as runs.
 class Collector {
  public:
   Collector(ltm::StoreReader& reader, const ltm::MemoryId& entity, const TrainingSource& source)
@@ -50,7 +50,7 @@ class Collector {
     return {};
   }
 
-  /// All runs, those of the first copy first.
+  /// All runs, sorted by copy.
   [[nodiscard]] std::vector<std::vector<Found>> runs() && {
     std::vector<std::vector<Found>> all;
     for (auto& [copy, runs] : copies_) std::ranges::move(runs, std::back_inserter(all));
@@ -87,10 +87,10 @@ class Collector {
   const ltm::MemoryId& entity_;
   std::string store_;
   std::map<Time, size_t> origins_;
-  std::set<size_t> starts_;                                   ///< Where recordings begin.
+  std::set<size_t> starts_;                                   ///< First indices of recordings.
   std::map<size_t, std::vector<std::vector<Found>>> copies_;  ///< By index of the instance.
   size_t left_out_ = 0;
-  std::string names_;  ///< Everything that makes these values what they are.
+  std::string names_;  ///< The text that identifies these values.
 };
 
 }  // namespace

@@ -11,11 +11,12 @@
 
 namespace engram::training {
 
-/// The augmented instances of a store that were made of what `source` trains on: what was made of
-/// anything else, such as a recording that is left out of training, would tell what is measured.
-/// Runs end where the recipe changes, where one is missing, and where a recording ends. `source`
-/// has its layout; values of another one are left out, too. Nothing where the store does not know
-/// the entity. Errors: kInvalidArgument where the store has real snapshots of it; kCancelled; those
+/// Finds the augmented instances of a store that were made of snapshots of `source`. All others are
+/// left out: they may be made of recordings that are held out, on which models are measured. A run
+/// ends if the recipe changes, an instance is missing, or the recording ends. `source` must have
+/// its layout; values of another one are left out. The result is empty if the store does not know
+/// the entity.
+/// Errors: kInvalidArgument if the store has real snapshots of the entity; kCancelled; the errors
 /// of the store.
 Result<AugmentedValues> find_augmented(const std::filesystem::path& store,
                                        const ltm::MemoryId& entity, const TrainingSource& source,

@@ -6,14 +6,14 @@
 
 namespace engram::training {
 
-/// Knows whether somebody else needs the processors now.
+/// Tells whether other work needs the processors now.
 ///
 /// Threading: one thread.
 class Busy {
  public:
   virtual ~Busy() = default;
 
-  /// Why they are needed, as a reader would say it; nothing where they are free. Never waits.
+  /// The reason why they are needed, for a message, or nothing if they are free. It never waits.
   [[nodiscard]] virtual std::optional<std::string> reason() = 0;
 };
 

@@ -14,10 +14,11 @@ namespace engram::training {
 
 namespace {
 
-/// Raised with every change of what is kept or of how training goes on from it.
+/// Must change with every change of the content of checkpoints or of the training that continues
+/// from them.
 constexpr std::string_view kMagic = "EGRMCKP2";
 constexpr size_t kHeadBytes = kMagic.size() + sizeof(uint64_t);
-/// A hostile file must not fill the memory.
+/// Max size of a file, so that a hostile one cannot fill the memory.
 constexpr uint64_t kMaxBytes = uint64_t{4} << 30;
 
 idf::Data data_of(const FitStep& step) {
@@ -111,7 +112,8 @@ std::string_view name_of(FitPhase phase) {
 }
 
 uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& o) {
-  // So many steps promise the same model; within a time, other threads may go on.
+  // A fixed number of steps promises the same model, which depends on the threads. A training by
+  // time may continue with other threads.
   const int threads = o.steps ? o.threads : 0;
   std::string text =
       fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", kMagic, source.entity,

@@ -19,43 +19,44 @@ enum class FitPhase : int32_t { kAutoencoder, kDynamics, kMotion };
 /// "autoencoder", "dynamics", "motion".
 [[nodiscard]] std::string_view name_of(FitPhase phase);
 
-/// What a checkpoint belongs to: options (but for the time they allow and the threads that use it),
-/// code, the times of the data and the model that training goes on from. Another key, another
-/// training.
+/// The key of the training that a checkpoint belongs to. It covers the options (without the budget,
+/// and without the threads unless steps are fixed), the format of checkpoints, the times of the
+/// data and the model that training starts from. A checkpoint with another key is not used.
 [[nodiscard]] uint64_t checkpoint_key(const TrainingSource& source, const TrainOptions& options);
 
-/// Training between two steps: all that the rest of it depends on, but for the data.
+/// The state of training between two steps: everything that the remaining steps depend on, except
+/// the data.
 struct Checkpoint {
   FitPhase phase = FitPhase::kAutoencoder;
-  double share = 0;    ///< Of this phase.
-  double seconds = 0;  ///< Of work so far, in all processes.
-  FitStep coded;       ///< The end of the autoencoder's phase; in later ones only.
-  FitStep predicted;   ///< The end of the dynamics' phase; in later ones only.
-  idf::Data state;     ///< Of the fit, see kept_state().
-  std::vector<encoders::CurvePoint> curve;  ///< Up to here, of all processes.
+  double share = 0;    ///< Done share of this phase.
+  double seconds = 0;  ///< Time of work so far, in all processes.
+  FitStep coded;       ///< Last step of the autoencoder's phase; set in later phases only.
+  FitStep predicted;   ///< Last step of the dynamics' phase; set in later phases only.
+  idf::Data state;     ///< State of the fit, see kept_state().
+  std::vector<encoders::CurvePoint> curve;  ///< Curve up to here, of all processes.
 };
 
-/// Writes the file whole: a reader sees the old one or this one.
+/// Replaces the file atomically: a reader sees the old file or the new one.
 /// Errors: kUnavailable, kResourceExhausted.
 Status write_checkpoint(const std::filesystem::path& file, uint64_t key,
                         const Checkpoint& checkpoint);
 
-/// Safe on hostile bytes.
-/// Errors: kNotFound; kFailedPrecondition where it has another key; kDataLoss where it is damaged.
+/// Reads a checkpoint. It is safe on hostile bytes.
+/// Errors: kNotFound; kFailedPrecondition if the key is another one; kDataLoss if it is damaged.
 Result<Checkpoint> read_checkpoint(const std::filesystem::path& file, uint64_t key);
 
-/// The checkpoint of one training, written every now and then. What goes wrong with it is told as a
-/// warning: training goes on.
+/// The checkpoint of one training, written at intervals. Errors of writing are logged as warnings,
+/// and training continues.
 ///
 /// Threading: one thread.
 class Checkpoints {
  public:
-  /// `file` empty: keeps nothing. `interval`: of work, between two of them.
+  /// Keeps nothing if `file` is empty. `interval` is the time between two checkpoints.
   Checkpoints(std::filesystem::path file, uint64_t key, Duration interval);
 
-  /// What an earlier process left; null where there is none.
+  /// The checkpoint of an earlier process, or null.
   [[nodiscard]] const Checkpoint* found() const { return found_ ? &*found_ : nullptr; }
-  /// For one that turns out not to fit: from now on none was found.
+  /// Discards the found checkpoint because it does not fit: found() then returns null.
   void refuse_found(const Status& why);
   [[nodiscard]] bool has_refused() const { return has_refused_; }
 
@@ -63,12 +64,12 @@ class Checkpoints {
   [[nodiscard]] bool is_due() const;
   void save(Checkpoint checkpoint);
 
-  /// Of work, what earlier processes did included.
+  /// Time of work, including that of earlier processes.
   [[nodiscard]] double seconds() const;
   void did_not_work(double seconds) { idle_seconds_ += seconds; }
 
-  FitStep coded, predicted;       ///< Go into what is saved from now on.
-  encoders::TrainingCurve curve;  ///< Likewise.
+  FitStep coded, predicted;       ///< Written into every later checkpoint.
+  encoders::TrainingCurve curve;  ///< Written into every later checkpoint.
 
  private:
   std::filesystem::path file_;

@@ -8,7 +8,7 @@ namespace engram::training {
 
 namespace {
 
-/// The last recorded value at or before a time; nothing where there is none.
+/// Reads the last recorded value at or before a time, if there is one.
 Result<std::optional<idf::Data>> condition_at(ltm::StoreReader& reader,
                                               const ltm::MemoryId& condition, Time time) {
   auto timeline = reader.timeline(condition);

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 5> kExponents{0.0, 0.25, 0.5, 0.75, 1.0};
-/// What a bound of no error at all counts as where bounds are compared. Relative to the least
-/// change.
+/// Min bound in comparisons of bounds, relative to the min change. The logarithm of zero would be
+/// infinite.
 constexpr double kMinBound = 1e-6;
 
 double bound_per_scale(const ErrorCalibration& by, std::span<const MeasuredPrediction> measured) {
@@ -36,7 +36,7 @@ double error_per_scale(const ErrorCalibration& by, std::span<const MeasuredPredi
   return errors / scales;
 }
 
-/// Mean logarithm of the bounds that measured predictions would be told.
+/// Mean logarithm of the bounds of measured predictions.
 double mean_width(ErrorCalibration by, std::span<const MeasuredPrediction> measured) {
   by.bound_per_scale = bound_per_scale(by, measured);
   double sum = 0;
@@ -63,7 +63,7 @@ double best_exponent(ErrorCalibration by, std::span<const MeasuredPrediction> me
 
 double conformal_quantile(std::vector<double> scores, double probability) {
   ENGRAM_CHECK(probability > 0 && probability < 1, "found a probability of {}", probability);
-  // The product must not exceed a whole number by a rounding.
+  // Rounding must not raise the product above a whole number.
   constexpr double kRounding = 1e-9;
   const auto rank = static_cast<size_t>(
       std::ceil(static_cast<double>(scores.size() + 1) * probability - kRounding));

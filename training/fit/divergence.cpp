@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array kScales{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 
-/// Mean of the kernel over all pairs.
+/// Mean of the kernel over all pairs of samples.
 Tensor mean_kernel(const Tensor& x, const Tensor& y) {
   const Tensor dot = torch::matmul(x, y.t());
   const Tensor squares = x.square().sum(1).unsqueeze(1) + y.square().sum(1).unsqueeze(0);

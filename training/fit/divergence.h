@@ -16,11 +16,12 @@ namespace engram::training {
 [[nodiscard]] torch::Tensor gaussian_divergence(const torch::Tensor& mean,
                                                 const torch::Tensor& log_variance);
 
-/// Squared maximum mean discrepancy of two samples: 0 where they are equal, at most 2. The kernel
-/// is the mean over scales s of C s / (C s + |a - b|^2) with C = 2 K, what two unit Gaussians are
-/// apart on average.
+/// Squared maximum mean discrepancy of two samples: 0 for equal samples, at most 2. The kernel is
+/// the mean over scales s of C s / (C s + |a - b|^2). C = 2 K is the mean squared distance of two
+/// samples of a unit Gaussian.
 ///
-/// Shape: x [n, K], y [m, K] -> of one number, with diagonals (never negative).
+/// Shape: x [n, K], y [m, K]; the result is one number. Diagonals are included, so it is never
+/// negative.
 /// Source: Tolstikhin et al., Wasserstein Auto-Encoders, section 4.
 [[nodiscard]] torch::Tensor mean_discrepancy(const torch::Tensor& x, const torch::Tensor& y);
 

@@ -55,7 +55,8 @@ Result<EntitySource> EntitySource::find(ltm::StoreReader& reader, const ltm::Mem
     source.missing = "nothing new";
     return source;
   }
-  // The layout of most snapshots would need reading all; the newest one's is what comes next.
+  // To find the most frequent layout, all snapshots would have to be read. The newest layout is
+  // used instead, because the next snapshots will have it too.
   ENGRAM_ASSIGN_OR_RETURN(const auto newest, reader.read_recorded(entity, recorded.back()));
   if (newest.instances.empty()) {
     source.missing = "the newest snapshot has no instance";

@@ -13,26 +13,28 @@
 
 namespace engram::training {
 
-/// The recorded snapshots of an entity that one model can learn: those of the newest one's layout.
+/// The recorded snapshots of an entity that one model can learn: those with the layout of the
+/// newest one.
 ///
-/// The layout is that of the value, with the kinds that its type tells (orientations); whole
-/// numbers that no double holds, such as nanoseconds of today, are remainder.
+/// The layout is that of the value, with the kinds of its segment's type (orientations). Whole
+/// numbers that no double holds, such as today's time in nanoseconds, are remainder.
 struct EntitySource {
   std::vector<ltm::SnapshotEntry> entries;
   idf::Layout layout;
   uint64_t left_behind = 0;    ///< Recorded snapshots of another layout.
-  uint64_t augmented = 0;      ///< Left out: they are trained on beside others, never encoded.
-  uint64_t new_snapshots = 0;  ///< Of `entries`, those without latents.
-  uint64_t plain_bytes = 0;    ///< Of `entries`.
-  std::string missing;         ///< Why there are not enough; else empty.
+  uint64_t augmented = 0;      ///< Left-out augmented snapshots, which are never encoded.
+  uint64_t new_snapshots = 0;  ///< Snapshots in `entries` without latents.
+  uint64_t plain_bytes = 0;    ///< Size of the values in `entries`.
+  std::string missing;         ///< Reason why there are too few; else empty.
 
-  /// What is sealed: the rest is the next night's. Fewer than `min` are told in `missing`; and,
-  /// where `needs_news`, that all have latents already.
-  /// Errors: kCancelled; those of the store.
+  /// Finds sealed snapshots; the others are left to the next night. If there are fewer than `min`,
+  /// or `needs_news` and all have latents, the reason is in `missing`.
+  /// Errors: kCancelled; the errors of the store.
   static Result<EntitySource> find(ltm::StoreReader& reader, const ltm::MemoryId& entity,
                                    size_t min, bool needs_news, const std::stop_token& stop);
 
-  /// The first instance of each of some snapshots. Reader and entity outlive it.
+  /// Returns a source of the first instance of each of `entries`. Reader and entity must outlive
+  /// it.
   static TrainingSource values(ltm::StoreReader& reader, const ltm::MemoryId& entity,
                                const idf::Layout& layout, std::vector<ltm::SnapshotEntry> entries);
 };

@@ -22,27 +22,28 @@ using torch::Tensor;
 namespace {
 
 constexpr double kPeakRate = 1.5e-3;
-/// Rate of the backgrounds, relative to the others: their first values are good already.
+/// Learning rate of backgrounds relative to the other parameters. It is lower, because medians are
+/// good starts.
 constexpr double kBackgroundRate = 0.5;
-/// Share of the time that rounding is imitated by noise; afterwards latents are rounded.
+/// Share of the time in which noise stands in for rounding. After it latents are rounded.
 constexpr double kNoiseShare = 0.5;
-/// Share of the time that weights are used as they are; afterwards as they will be stored.
+/// Share of the time with exact weights. After it weights are rounded as they will be stored.
 constexpr double kExactShare = 0.75;
 constexpr double kLargestGradient = 1.0;
-/// The price of errors where it follows no quality.
+/// Price of errors in variants whose price does not follow the quality.
 constexpr double kUnsteeredPrice = 0.01;
-/// Consecutive rows of a batch, after one that is only their past.
+/// Number of consecutive rows of a chunk, after one row that is only their past.
 constexpr int64_t kChunk = 4;
 constexpr double kRecent = 0.02;
 
-/// A sampler that keeps apart what the dynamics must not learn from.
+/// Makes a sampler that separates the rows that the dynamics must not learn from.
 RowSampler make_sampler(const Dataset& data) {
   std::vector<size_t> first_held_out;
   for (const Sequence& sequence : data.sequences) first_held_out.push_back(held_out_from(sequence));
   return {data.sequences, first_held_out, data.is_known};
 }
 
-/// The same for augmented rows: what was made of those is kept apart, too.
+/// The same for augmented rows: rows made of such rows are separated too.
 std::optional<RowSampler> make_augmented_sampler(const Dataset& data) {
   if (!data.augmented) return std::nullopt;
   return RowSampler(data.augmented->sequences, data.augmented->first_held_out);
@@ -51,8 +52,10 @@ std::optional<RowSampler> make_augmented_sampler(const Dataset& data) {
 /// Consecutive rows of a batch.
 struct Batch {
   std::vector<int64_t> rows;  ///< [chunks, kChunk + 1]
-  Tensor weights;             ///< Of the costs of all but each chunk's first row. [chunks * kChunk]
-  bool is_held_out = false;   ///< They end in parts that the dynamics must not learn from.
+  /// Factors of the costs of all rows but the first of each chunk. [chunks * kChunk]
+  Tensor weights;
+  /// Whether the chunks end in parts that the dynamics must not learn from.
+  bool is_held_out = false;
 };
 
 Batch draw(RowSampler& sampler, int64_t chunks) {
@@ -68,7 +71,7 @@ Batch draw(RowSampler& sampler, int64_t chunks) {
   return batch;
 }
 
-/// Tells the sampler what every row of a batch cost. Shape: costs [chunks * kChunk].
+/// Passes the cost of every row of a batch to the sampler. Shape: costs [chunks * kChunk].
 void tell(RowSampler& sampler, const Batch& batch, const Tensor& costs) {
   const Tensor known = costs.to(torch::kFloat64).contiguous();
   for (int64_t i = 0; i < known.size(0); ++i) {
@@ -78,18 +81,18 @@ void tell(RowSampler& sampler, const Batch& batch, const Tensor& costs) {
   }
 }
 
-/// Rows `from` to `to` of every chunk of x [chunks * (kChunk + 1), ...], flat.
+/// Selects rows `from` to `to` of every chunk of x [chunks * (kChunk + 1), ...], flattened.
 Tensor of_chunks(const Tensor& x, int64_t from, int64_t to) {
   return x.unflatten(0, {-1, kChunk + 1}).slice(1, from, to).flatten(0, 1);
 }
 
-/// The rows before each; the first stands for what was before itself.
+/// The row before each row. The first row counts as its own past.
 Tensor before_each(const Tensor& x) {
   const Tensor rows = x.unflatten(0, {-1, kChunk + 1});
   return torch::cat({rows.slice(1, 0, 1), rows.slice(1, 0, kChunk - 1)}, 1).flatten(0, 1);
 }
 
-/// The same part of all tensors of a batch.
+/// Selects the same part of all tensors of a batch.
 template <typename Part>
 Latents part_of(const Latents& latents, Part part) {
   Latents result{{}, {}, part(latents.scene)};
@@ -125,17 +128,18 @@ void set_rate(torch::optim::Adam& optimiser, double share) {
   static_cast<torch::optim::AdamOptions&>(groups[1].options()).lr(rate * kBackgroundRate);
 }
 
-/// Rows of one chunk. [kChunk + 1, ...]
+/// Rows of one chunk. Shape: [kChunk + 1, ...].
 Tensor chunk_of(const Tensor& x, int64_t chunk) {
   return x.slice(0, chunk * (kChunk + 1), (chunk + 1) * (kChunk + 1));
 }
 
-/// What is known of the chunks of a batch before they are encoded. `values` of some of them become
-/// those of another view, which no scene stands for.
+/// The views of the chunks of a batch. The `values` of some chunks are changed to another view,
+/// which has no scene.
 class ChunkViews {
  public:
-  /// `varied_share` of the chunks are seen so, where there is more than one scene: the networks
-  /// must not know by heart what only the background tells of the next recording.
+  /// Changes a share `varied_share` of the chunks if there is more than one scene. So the networks
+  /// learn to use the background, which is all that they get of the next recording, instead of
+  /// memorised scenes.
   ChunkViews(encoders::DeepModel& model, const Dataset& data, double varied_share,
              encoders::Parts& values)
       : scene_(values.scene.unflatten(0, {-1, kChunk + 1}).select(1, 0).clone()) {
@@ -144,7 +148,7 @@ class ChunkViews {
     std::vector<std::vector<Tensor>> backgrounds(values.images.size());
     for (int64_t chunk = 0; chunk < scenes.size(0); ++chunk) {
       const bool is_varied = torch::rand({1}).item<double>() < varied_share;
-      // Numbers beside the images would not fit mirrored ones.
+      // Numbers beside the images, such as joints, would not fit mirrored images.
       const ViewChange change = ViewChange::draw(!values.numbers.defined());
       const Tensor scene = scenes.slice(0, chunk, chunk + 1);
       const Tensor coded =
@@ -162,7 +166,7 @@ class ChunkViews {
     for (const auto& of_chunks : backgrounds) backgrounds_.push_back(torch::cat(of_chunks));
   }
 
-  /// Of augmented rows: each chunk is seen on the background of its own run.
+  /// For augmented rows: each chunk has the background of its own run.
   ChunkViews(const AugmentedRows& augmented, const Tensor& rows)
       : scene_(torch::full({rows.size(0) / (kChunk + 1)}, -1, torch::kLong)) {
     const Tensor runs =
@@ -171,26 +175,26 @@ class ChunkViews {
       backgrounds_.push_back(background.index_select(0, runs));
   }
 
-  /// With the weights as they are now: one row per chunk.
+  /// Makes the views with the current weights, with one row per chunk.
   [[nodiscard]] encoders::Views look(encoders::DeepModel& model) const {
     return model.autoencoder->look(scene_, backgrounds_);
   }
 
-  /// One where a row is as it was recorded, else zero. [chunks * kChunk]
+  /// One for rows as they were recorded, zero for changed ones. Shape: [chunks * kChunk].
   [[nodiscard]] Tensor recorded() const {
     return scene_.ge(0).to(torch::kFloat32).repeat_interleave(kChunk);
   }
 
  private:
-  Tensor scene_;                     ///< [chunks]; negative where seen as another view.
-  std::vector<Tensor> backgrounds_;  ///< Per image member [chunks, C, H, W], or none.
+  Tensor scene_;                     ///< [chunks]; negative for a changed view.
+  std::vector<Tensor> backgrounds_;  ///< Per image member [chunks, C, H, W], or empty.
 };
 
-/// What a batch costs.
+/// The parts of the cost of a batch.
 struct Cost {
   Tensor error;    ///< Mean squared error per row and image, in grey levels. [B, images]
   Tensor bits;     ///< [B]
-  Tensor latents;  ///< What the training variant adds: [B] or of one number. Unit: kilobytes.
+  Tensor latents;  ///< Cost added by the training variant: [B] or one number. Unit: kilobytes.
 };
 
 Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
@@ -213,12 +217,12 @@ Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
   return cost;
 }
 
-/// Mean over the images of a row. [B]
+/// Mean PSNR over the images of a row. Shape: [B].
 Tensor psnr_db(const Tensor& error) {
   return (10.0 * torch::log10(255.0 * 255.0 / error.detach().clamp_min(1e-3))).mean(1);
 }
 
-/// Means over recent batches, as if all rows were equally likely.
+/// Weighted mean over recent batches, which estimates the mean over equally likely rows.
 class WeightedMean {
  public:
   explicit WeightedMean(double share_of_new) : sum_(share_of_new), weight_(share_of_new) {}
@@ -228,10 +232,10 @@ class WeightedMean {
     weight_.add(weights.sum().item<double>());
   }
   [[nodiscard]] bool is_known() const { return weight_.value() > 0; }
-  /// Zero where nothing is known.
+  /// Zero if nothing was added.
   [[nodiscard]] double value() const { return is_known() ? sum_.value() / weight_.value() : 0; }
 
-  /// Everything that changes, for checkpoints.
+  /// All numbers that change, for checkpoints.
   [[nodiscard]] std::vector<double*> state() {
     std::vector<double*> all = sum_.state();
     std::ranges::copy(weight_.state(), std::back_inserter(all));
@@ -242,7 +246,7 @@ class WeightedMean {
   Smoothed sum_, weight_;
 };
 
-/// The others are those of the model that training goes on from.
+/// Sets the backgrounds of new scenes. The others are those of the model that training starts from.
 void start_from_new_backgrounds(encoders::DeepModel& model, const Dataset& data) {
   torch::NoGradGuard no_grad;
   for (size_t i = 0; i < data.backgrounds.size(); ++i)
@@ -266,7 +270,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   ErrorPrice price(options.psnr_db, regulariser->is_steered() ? data.error_price : kUnsteeredPrice);
   RowSampler real_sampler = make_sampler(data);
   std::optional<RowSampler> augmented_sampler = make_augmented_sampler(data);
-  // What was asked for is the quality of what is stored: of images as they were recorded.
+  // The requested quality is that of stored images, so only images as they were recorded count.
   const double real_share = data.augmented ? 1 - options.augmented_share : 1;
   const double recorded_share =
       (data.coded_backgrounds.empty() ? 1 : 1 - options.varied_share) * real_share;
@@ -292,7 +296,8 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     auto values = is_augmented ? data.augmented_batch(shape, rows) : data.batch(shape, rows);
     const ChunkViews views = is_augmented ? ChunkViews(*data.augmented, rows)
                                           : ChunkViews(model, data, options.varied_share, values);
-    // What predictions are measured on must not teach the prior: it only tells what latents cost.
+    // Predictions are measured on held-out rows, so the prior is frozen there and only estimates
+    // bits.
     std::optional<FrozenParameters> frozen;
     if (batch.is_held_out) frozen.emplace(*model.dynamics);
     std::optional<encoders::RoundedWeights> rounded;

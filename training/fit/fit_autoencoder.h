@@ -12,22 +12,22 @@
 
 namespace engram::training {
 
-/// How quick a fit was in this process.
+/// Speed of a fit in this process.
 struct FitSpeed {
-  int64_t images = 0;               ///< Of all batches, those that are only a past not.
-  std::clock_t processor_time = 0;  ///< Of steps, all threads together.
+  int64_t images = 0;               ///< Images of all batches, without those that are only a past.
+  std::clock_t processor_time = 0;  ///< Processor time of all steps and threads.
 
-  /// Zero where nothing was done.
+  /// Zero if there were no steps.
   [[nodiscard]] double images_per_second() const {
     if (processor_time <= 0) return 0;
     return static_cast<double>(images) * CLOCKS_PER_SEC / static_cast<double>(processor_time);
   }
 };
 
-/// Trains the autoencoder and the prior of its latents together: fewest bits at the PSNR that was
-/// asked for. Adds to `speed`. Does nothing without images.
-/// The prior learns nothing from the held-out parts of sequences (held_out_from).
-/// Errors: those of the loop.
+/// Trains the autoencoder and the prior of its latents together, for the fewest bits at the
+/// requested PSNR. It adds to `speed`, and does nothing without images. The prior does not learn
+/// from the held-out parts of sequences (held_out_from).
+/// Errors: the errors of the loop.
 Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
                                 const TrainOptions& options, FitLoop& loop, FitSpeed& speed);
 

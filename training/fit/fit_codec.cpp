@@ -15,16 +15,16 @@ using torch::Tensor;
 
 namespace {
 
-/// Bound of a number where none was asked for, relative to its standard deviation.
+/// Default bound of a number, relative to its standard deviation.
 constexpr double kRelativeBound = 0.005;
-/// The least bound that a codec takes.
+/// Min bound that a codec accepts.
 constexpr double kMinBound = 1e-150;
-/// Bound of an orientation where none was asked for. Unit: rad.
+/// Default bound of an orientation. Unit: rad.
 constexpr double kOrientationBound = 1e-3;
-/// The largest that a codec takes. Unit: rad.
+/// Max bound of an orientation that a codec accepts. Unit: rad.
 constexpr double kMaxTurn = 1.0;
 
-/// Rows of one image member, of one sequence: [rows, coarse and fine latents].
+/// Latents of one image member in one sequence. Shape: [rows, coarse and fine latents].
 std::vector<int32_t> integers_of(const encoders::ImageLatents& image, const Sequence& sequence) {
   const auto first = static_cast<int64_t>(sequence.first);
   const auto end = static_cast<int64_t>(sequence.end);
@@ -36,8 +36,8 @@ std::vector<int32_t> integers_of(const encoders::ImageLatents& image, const Sequ
   return {rows.data_ptr<int32_t>(), rows.data_ptr<int32_t>() + rows.numel()};
 }
 
-/// One field per number, but for orientations: each number has a bound of its own where none was
-/// asked for, and what never changed is kept exactly.
+/// Makes one field per number or orientation. Without a requested bound each number has its own,
+/// and numbers that never changed are exact.
 std::vector<NumberField> fields_of(const Dataset& data, std::optional<double> bound) {
   if (bound == 0.0) return encoders::number_fields(data.plan.layout(), 0, 0);
   std::vector<NumberField> fields;

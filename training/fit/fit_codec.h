@@ -9,8 +9,8 @@
 
 namespace engram::training {
 
-/// Learns what latents and numbers are coded with, from what will be coded.
-/// Errors: kInvalidArgument where the numbers cannot be coded.
+/// Trains the codecs of latents and numbers on the values that will be coded.
+/// Errors: kInvalidArgument if the numbers cannot be coded.
 Status fit_codec(encoders::DeepModel& model, const Dataset& data, const LatentTable& latents,
                  const TrainOptions& options);
 

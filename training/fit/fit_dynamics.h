@@ -10,8 +10,8 @@
 
 namespace engram::training {
 
-/// Trains the dynamics to predict values; the autoencoder stays as it is.
-/// Errors: those of the loop.
+/// Trains the dynamics to predict values, with the autoencoder frozen.
+/// Errors: the errors of the loop.
 Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
                              const LatentTable& latents, const TrainOptions& options,
                              FitLoop& loop);

@@ -14,12 +14,12 @@ namespace {
 
 /// Side of the small images that codes are fitted to.
 constexpr int64_t kSide = 8;
-/// Added to the variance of every pooled latent, relative to their mean variance.
+/// Ridge that is added to the variance of every pooled latent, relative to their mean variance.
 constexpr double kRidge = 0.01;
 constexpr int64_t kTogether = 64;
 
-/// All images of a batch at kSide x kSide. Unit: such that distances are root mean squares of grey
-/// levels. [B, T]
+/// All images of a batch at kSide x kSide, scaled such that distances are root mean squares of grey
+/// levels. Shape: [B, T].
 Tensor small_images(const encoders::Parts& values) {
   std::vector<Tensor> small;
   for (const Tensor& image : values.images)
@@ -67,7 +67,8 @@ Moments moments_of(const encoders::DeepModel& model, const Dataset& data,
   return m;
 }
 
-/// Columns that span most of the variance, the largest first. [T, at most kGlobalCodeSize]
+/// The principal components with the largest variances, in falling order. Shape: [T, at most
+/// kGlobalCodeSize].
 Tensor principal_columns(const Tensor& covariance) {
   const Tensor columns = std::get<1>(torch::linalg_eigh(covariance)).flip(1);
   return columns.slice(1, 0, encoders::kGlobalCodeSize);

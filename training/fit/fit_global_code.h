@@ -8,7 +8,7 @@
 
 namespace engram::training {
 
-/// Fits the model's global code to small images of the rows. Does nothing without images.
+/// Fits the model's global code to small images of the rows. It does nothing without images.
 void fit_global_code(encoders::DeepModel& model, const Dataset& data, const LatentTable& latents);
 
 }  // namespace engram::training

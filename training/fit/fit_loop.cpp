@@ -54,7 +54,7 @@ Status FitLoop::pause(const FitState& state, double share) {
   const bool is_stopped = pace_.stop().stop_requested();
   const bool is_busy = !is_stopped && pace_.is_busy();
   if (!is_stopped && !is_busy) return {};
-  // The robot may be turned off while it waits.
+  // The state is kept first, because the robot may be switched off during the wait.
   keep(state, share);
   const double before = pace_.paused_seconds();
   ENGRAM_RETURN_IF_ERROR(pace_.pause());

@@ -10,8 +10,8 @@
 
 namespace engram::training {
 
-/// What happens between the steps of a fit: it ends when its time is over, stops, waits while the
-/// robot is busy, is kept now and then, and goes on where an earlier process was.
+/// Controls a fit between its steps. It ends the fit when its time is over or it is stopped, waits
+/// while the robot is busy, writes checkpoints, and continues where an earlier process was.
 ///
 ///     FitState state{model, optimiser, now, numbers};
 ///     ENGRAM_RETURN_IF_ERROR(loop.begin(state));
@@ -25,18 +25,19 @@ namespace engram::training {
 /// Threading: one thread.
 class FitLoop {
  public:
-  /// All but `sink` outlive it.
+  /// All arguments but `sink` must outlive it.
   FitLoop(FitPhase phase, Schedule& schedule, JobPace& pace, Checkpoints& checkpoints,
           StepSink sink);
 
-  /// Puts back what an earlier process kept of this phase; or, where it was in a later one, its
-  /// weights: then this phase is over at once.
-  /// Errors: kDataLoss where what was kept does not fit; it is refused, and training has to begin
-  /// anew, from the first phase on.
+  /// Restores the state that an earlier process kept of this phase. If that process was in a later
+  /// phase, it restores the weights only, and this phase is over at once.
+  /// Errors: kDataLoss if the kept state does not fit; it is refused, and training must start again
+  /// from the first phase.
   Status begin(FitState& state);
 
-  /// The share of the time that is over, before the next step: 1 and more at the end.
-  /// Errors: those of JobPace::pause; the state is kept first.
+  /// Returns the share of the time that is over before the next step, which is 1 or more at the
+  /// end.
+  /// Errors: the errors of JobPace::pause, before which the state is kept.
   Result<double> next(const FitState& state);
 
   void tell(const FitStep& now) const;

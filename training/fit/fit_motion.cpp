@@ -18,22 +18,23 @@ namespace {
 constexpr double kPeakRate = 1e-3;
 constexpr double kWeightDecay = 1e-2;
 constexpr double kLargestGradient = 1.0;
-/// Errors below are all alike. Unit: squared grey levels.
+/// Min error in the loss: smaller errors count as equal. Unit: squared grey levels.
 constexpr double kMinError = 4.0;
 constexpr double kRecent = 0.05;
-/// It is over after so many passes over what there is, but not before so many steps: more knows by
-/// heart what was, and predicts worse what comes.
+/// Training ends after kMaxPasses passes over the windows, but not before kFewestSteps steps: more
+/// passes memorise recordings and were worse on left-out ones.
 constexpr int64_t kMaxPasses = 5;
 constexpr int64_t kFewestSteps = 400;
-/// Share of the batches whose conditions are not known.
+/// Share of the batches without conditions.
 constexpr double kUnknownShare = 0.2;
-/// Share of the others that are told what comes as a plan.
+/// Share of the other batches that get the following numbers as a plan.
 constexpr double kPlannedShare = 0.35;
-/// What conditions are blurred by, in standard deviations, and their changes relative to that.
+/// Noise that is added to conditions, in standard deviations, and to their changes, relative to
+/// that.
 constexpr double kConditionBlur = 0.1;
 constexpr double kChangeBlur = 0.3;
 
-/// What optical flow makes of the rows of one image member, found when it is asked for first.
+/// The images of one image member extrapolated by optical flow. They are computed on first use.
 class MovedImages {
  public:
   MovedImages(const Dataset& data, const encoders::NetworkShape& shape, size_t image)
@@ -65,12 +66,12 @@ class MovedImages {
   const Dataset& data_;
   const encoders::NetworkShape& shape_;
   size_t image_;
-  std::vector<Tensor> known_;  ///< Per row, as far as memory allows.
-  int64_t bytes_ = 0;          ///< Of them.
+  std::vector<Tensor> known_;  ///< Per row, up to a limit of memory.
+  int64_t bytes_ = 0;          ///< Bytes in `known_`.
 };
 
-/// Windows of one image member, each seen differently: the image before, the last, those to
-/// predict, and what flow makes of them [B, C, H, W].
+/// Windows of one image member, each with its own change of view: the image before, the last one,
+/// those to predict, and those extrapolated by flow. Shape: [B, C, H, W].
 std::vector<Tensor> draw(const Dataset& data, const encoders::NetworkShape& shape, size_t image,
                          MovedImages& moved, const Tensor& rows) {
   std::vector<Tensor> steps;
@@ -83,7 +84,7 @@ std::vector<Tensor> draw(const Dataset& data, const encoders::NetworkShape& shap
   return torch::stack(seen).unbind(1);
 }
 
-/// Mean logarithm of the squared error, so that a decibel counts the same in every image.
+/// Mean logarithm of the squared error, so that a decibel has the same weight in every image.
 Tensor loss_of(encoders::ImageMotion& motion, const std::vector<Tensor>& window,
                const Tensor& features) {
   const Tensor moved = torch::stack(
@@ -98,8 +99,8 @@ Tensor loss_of(encoders::ImageMotion& motion, const std::vector<Tensor>& window,
   return loss;
 }
 
-/// What motion is told of some rows. Conditions are blurred, and unknown in some batches: what was
-/// seen of them is little.
+/// The features of motion for some rows. Conditions get noise and are missing in some batches,
+/// because the training data covers few of their values.
 Tensor features_of(encoders::DeepModel& model, const Dataset& data, const Tensor& rows) {
   const auto part_of = [&](const Tensor& at) {
     encoders::Parts parts;
@@ -128,7 +129,7 @@ Tensor features_of(encoders::DeepModel& model, const Dataset& data, const Tensor
   return model.dynamics->motion_features(last, before);
 }
 
-/// Pulls weights towards zero, apart from their gradients.
+/// Decays weights towards zero, independently of their gradients.
 void decay(const std::vector<Tensor>& parameters, double rate) {
   torch::NoGradGuard no_grad;
   for (Tensor parameter : parameters) parameter.mul_(1 - rate * kWeightDecay);

@@ -9,8 +9,8 @@
 
 namespace engram::training {
 
-/// Trains what continues the motion of images; everything else stays as it is. Does nothing without
-/// networks.
+/// Trains the networks of motion (ImageMotion and the features of conditions) with everything else
+/// frozen. It does nothing without networks.
 /// Errors: kCancelled.
 Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
                            const TrainOptions& options, FitLoop& loop);

@@ -21,7 +21,7 @@ idf::NdArray array_of(const Tensor& tensor) {
   return idf::NdArray::take<T>(flat.sizes().vec(), std::vector<T>(first, first + flat.numel()));
 }
 
-/// A tensor of `like`'s shape and layout.
+/// Converts an array to a tensor with the shape and layout of `like`.
 Result<Tensor> tensor_of(const idf::Data& data, const Tensor& like) {
   const auto* array = data.get_if<idf::NdArray>();
   if (array == nullptr || array->type() != idf::ElementType::kFloat32 ||
@@ -51,7 +51,7 @@ std::vector<Tensor> trained_by(torch::optim::Adam& optimiser) {
   return tensors;
 }
 
-/// Everything that changes and is a number.
+/// All numbers that change.
 std::vector<double*> numbers_of(const FitState& state) {
   FitStep& now = state.now;
   std::vector<double*> numbers{&now.loss, &now.psnr_db, &now.bytes, &now.price};
@@ -63,7 +63,7 @@ std::string key_of(const Tensor& tensor) {
   return c10::guts::to_string(tensor.unsafeGetTensorImpl());
 }
 
-/// Nothing where the optimiser never saw a gradient of it.
+/// The moments of a tensor; None if the optimiser never had a gradient of it.
 idf::Data moments_of(torch::optim::Adam& optimiser, const Tensor& tensor) {
   const auto found = optimiser.state().find(key_of(tensor));
   if (found == optimiser.state().end()) return {};
@@ -133,7 +133,7 @@ Tensor generator_state() {
   return generator.get_state();
 }
 
-/// What LibTorch refuses is data loss.
+/// Restores the random generator. A state that LibTorch refuses is data loss.
 Status set_generator(const idf::Data* kept) {
   const auto* array = kept == nullptr ? nullptr : kept->get_if<idf::NdArray>();
   if (array == nullptr || array->type() != idf::ElementType::kUInt8 || array->rank() != 1)
@@ -181,6 +181,7 @@ Status restore_state(const idf::Data& kept, FitState& state) {
   if (step == nullptr || !step->is<int64_t>() || step->get<int64_t>() < 0 || array == nullptr ||
       array->type() != idf::ElementType::kFloat64 || array->shape() != shape)
     return data_loss("needs the number of steps and {} other numbers", shape.front());
+  // Everything that can fail comes before the first change, so a refused state changes nothing.
   ENGRAM_RETURN_IF_ERROR(set_generator(kept.at("generator")));
   const auto values = array->values<double>();
   state.now.step = step->get<int64_t>();

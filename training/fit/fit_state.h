@@ -11,22 +11,23 @@
 
 namespace engram::training {
 
-/// What one step of a fit leaves to the next, beside LibTorch's random generator.
+/// The state that one step of a fit leaves to the next, besides LibTorch's random generator.
 struct FitState {
   encoders::DeepModel& model;
   torch::optim::Adam& optimiser;
   FitStep& now;
-  std::vector<double*> numbers = {};  ///< Everything else that changes.
+  std::vector<double*> numbers = {};  ///< All other numbers that change.
 };
 
-/// All weights, moments of the optimiser, random generator and numbers, copied.
+/// Copies all weights, the moments of the optimiser, the random generator and the numbers.
 [[nodiscard]] idf::Data kept_state(const FitState& state);
 
-/// Puts a kept state back: the next step is bit for bit what it would have been.
-/// Errors: kDataLoss where `kept` is not of a fit like this one; then nothing is changed.
+/// Restores a kept state. The next step is then bit for bit the same as without the interruption.
+/// Errors: kDataLoss if `kept` is of a different fit; then nothing is changed.
 Status restore_state(const idf::Data& kept, FitState& state);
 
-/// The weights of a kept state alone. Errors: as of restore_state.
+/// Restores only the weights of a kept state.
+/// Errors: as for restore_state.
 Status restore_weights(const idf::Data& kept, encoders::DeepModel& model);
 
 }  // namespace engram::training

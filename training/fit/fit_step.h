@@ -8,16 +8,16 @@
 
 namespace engram::training {
 
-/// How a fit is going.
+/// The progress of a fit at one step.
 struct FitStep {
   int64_t step = 0;
   double loss = 0;     ///< Smoothed.
-  double psnr_db = 0;  ///< Mean over images, smoothed; 0 where there are none.
-  double bytes = 0;    ///< Of the latents of a value, as the prior tells, smoothed.
+  double psnr_db = 0;  ///< Mean over images, smoothed; 0 without images.
+  double bytes = 0;    ///< Of the latents of a value, estimated by the prior, smoothed.
   double price = 0;    ///< Of a squared grey level, in kilobytes.
 };
 
-/// Told after every step.
+/// Called after every step.
 using StepSink = std::function<void(const FitStep&)>;
 
 }  // namespace engram::training

@@ -9,7 +9,7 @@
 
 namespace engram::training {
 
-/// Freezes the parameters of a module as long as it lives.
+/// Freezes the parameters of a module during its lifetime.
 class FrozenParameters {
  public:
   explicit FrozenParameters(torch::nn::Module& module) : parameters_(module.parameters()) {
@@ -26,8 +26,8 @@ class FrozenParameters {
   std::vector<torch::Tensor> parameters_;
 };
 
-/// The next step's are taken as they come, and what has none is left as it is; LibTorch's own
-/// zero_grad fills and adds, or not, depending on its version.
+/// Removes all gradients, so that the next step leaves parameters without one unchanged. LibTorch's
+/// zero_grad is not used, because it fills with zeros or not depending on its version.
 inline void forget_gradients(torch::optim::Optimizer& optimiser) {
   for (auto& group : optimiser.param_groups())
     for (torch::Tensor& parameter : group.params()) parameter.mutable_grad().reset();

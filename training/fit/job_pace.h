@@ -10,32 +10,32 @@
 
 namespace engram::training {
 
-/// Where a long job pauses, stops and tells how far it is.
+/// Lets a long job pause, stop and report its progress.
 ///
 /// Threading: one thread.
 class JobPace {
  public:
-  /// `busy` may be null, `progress` empty. `end`: the job waits no longer than until then. All
-  /// outlive it.
+  /// `busy` may be null and `progress` empty. The job waits until `end` at the latest. All
+  /// arguments must outlive this object.
   JobPace(Busy* busy, const ProgressSink& progress, const std::stop_token& stop,
           std::optional<Time> end = {}, Clock clock = system_now);
   JobPace(const JobPace&) = delete;
   JobPace& operator=(const JobPace&) = delete;
 
-  /// Hands on what it is told, and tells it again while the robot is busy. Never empty.
+  /// Passes progress on, and repeats it while the robot is busy. It is never empty.
   [[nodiscard]] const ProgressSink& progress() const { return sink_; }
   [[nodiscard]] const std::stop_token& stop() const { return stop_; }
 
   /// Whether pause() would wait.
   [[nodiscard]] bool is_busy();
 
-  /// Sleeps as long as the robot is busy.
-  /// Errors: kCancelled on a stop; kResourceExhausted where the robot is busy until the end.
+  /// Sleeps while the robot is busy.
+  /// Errors: kCancelled on a stop; kResourceExhausted if the robot is busy until the end.
   Status pause();
 
-  /// That pause() slept, all in all.
+  /// Total time that pause() slept.
   [[nodiscard]] double paused_seconds() const { return paused_seconds_; }
-  /// Whether pause() gave up since the end had come.
+  /// Whether pause() gave up because the end was reached.
   [[nodiscard]] bool is_time_over() const { return is_time_over_; }
 
  private:

@@ -11,7 +11,7 @@ using torch::Tensor;
 
 namespace {
 
-/// Bits are all that latents cost: the prior's gradients reach the encoder.
+/// The cost of latents is bits alone, so gradients of the prior reach the encoder.
 class RateRegulariser : public LatentRegulariser {
  public:
   RegularisedLatents regularise(const Latents& exact, bool is_noisy) override {
@@ -21,7 +21,7 @@ class RateRegulariser : public LatentRegulariser {
   [[nodiscard]] bool is_steered() const override { return true; }
 };
 
-/// Latents cost nothing.
+/// Latents have no cost.
 class PlainRegulariser : public LatentRegulariser {
  public:
   RegularisedLatents regularise(const Latents& exact, bool is_noisy) override {

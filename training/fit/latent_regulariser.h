@@ -12,32 +12,35 @@ namespace engram::training {
 
 /// The latents of a batch as training uses them.
 struct RegularisedLatents {
-  encoders::Latents decoded;  ///< What the decoder is given.
-  /// What the prior is told. Without gradients to the encoder where bits teach it nothing.
+  encoders::Latents decoded;  ///< Input of the decoder.
+  /// Input of the prior. It has no gradients to the encoder in variants whose encoder does not
+  /// learn from bits.
   encoders::Latents coded;
-  /// Beside squared error and bits, of every row [B] or of one number. Unit: kilobytes a snapshot.
+  /// Cost besides squared error and bits, for every row [B] or as one number. Unit: kilobytes per
+  /// snapshot.
   torch::Tensor cost;
 };
 
-/// What a training variant does with latents between encoder and decoder, and what they cost.
+/// The treatment of latents between encoder and decoder in a training variant, and their cost.
 ///
-/// What is learned of it are its parameters, what it remembers are its buffers.
-/// Source: docs/learning.md, section "Training variants".
+/// Learned values are its parameters, and state is in its buffers.
+/// Source: docs/learning_methods.md, section "Training variants".
 class LatentRegulariser : public torch::nn::Module {
  public:
-  /// Shape: `exact` as the encoder made them, [B, z, h, w] of each grid.
-  /// `is_noisy`: noise stands in for rounding, where the variant rounds.
+  /// `exact` are the latents of the encoder. With `is_noisy`, a variant that rounds adds noise
+  /// instead.
+  /// Shape: [B, z, h, w] for each grid.
   virtual RegularisedLatents regularise(const encoders::Latents& exact, bool is_noisy) = 0;
 
-  /// Whether the price of squared error follows the PSNR that was asked for; else it stays.
+  /// Whether the price of squared error follows the requested PSNR. Else it is constant.
   [[nodiscard]] virtual bool is_steered() const = 0;
 };
 
-/// Never null. Draws from LibTorch's random generator.
+/// Makes the regulariser of a variant, which is never null. It uses LibTorch's random generator.
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_latent_regulariser(
     encoders::TrainingVariant variant, const encoders::NetworkShape& shape);
 
-/// One per variant.
+/// One function per variant.
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_rate_regulariser();
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_plain_regulariser();
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_vae_regulariser(
@@ -45,11 +48,11 @@ class LatentRegulariser : public torch::nn::Module {
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_wae_regulariser(
     const encoders::NetworkShape& shape);
 
-/// Latents to be rounded later: rounded with gradients passed straight through, or with noise of
-/// the same size.
+/// Quantises latents in training: rounds them and passes gradients straight through, or adds
+/// uniform noise of the same size.
 [[nodiscard]] encoders::Latents quantised(const encoders::Latents& exact, bool is_noisy);
 
-/// Rounded, without gradients: what will be stored.
+/// Rounds latents as they will be stored, without gradients.
 [[nodiscard]] encoders::Latents stored(const encoders::Latents& exact);
 
 }  // namespace engram::training

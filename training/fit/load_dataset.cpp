@@ -24,7 +24,7 @@ uint64_t value_bytes(const encoders::TensorPlan& plan) {
   return bytes;
 }
 
-/// Snapshots that stay together where not all are used: windows need neighbours.
+/// Number of snapshots that stay together if not all are used, because windows need neighbours.
 constexpr size_t kRunLength = 32;
 
 /// Every `stride`-th run of every sequence.
@@ -43,12 +43,12 @@ size_t total_size(std::span<const Sequence> sequences) {
   return total;
 }
 
-/// What numbers are normalised with.
+/// Mean and deviation for normalising a number.
 struct Scale {
   double mean = 0;
   double deviation = 0;
 
-  /// Whether numbers of another scale are of a usual size in this one.
+  /// Whether numbers of another scale have a normal size in this one.
   [[nodiscard]] bool holds(const Scale& other) const {
     constexpr double kMax = 4;
     return deviation > 0 && other.deviation <= kMax * deviation &&
@@ -56,7 +56,8 @@ struct Scale {
   }
 };
 
-/// Of one column. A number that never changes keeps deviation 0 and its exact value as mean.
+/// The scale of one column. A number that never changes has deviation 0 and its exact value as
+/// mean.
 Scale scale_of(const Tensor& column) {
   const Tensor known = column.masked_select(torch::isfinite(column));
   if (known.numel() == 0) return {};
@@ -68,8 +69,8 @@ Scale scale_of(const Tensor& column) {
   return {mean, spread};
 }
 
-/// Normalised by means and deviations, which are those of the columns or, where these are of a
-/// usual size in them, those that are there. Values that are not finite become 0.
+/// Normalises by means and deviations. Given ones are kept if the columns have a normal size in
+/// them, else they are replaced by those of the columns. Values that are not finite become 0.
 /// Shape: plain [n, N] of float64 -> [n, N] of float32.
 Tensor scaled(const Tensor& plain, std::vector<double>& mean, std::vector<double>& deviation) {
   const auto count = static_cast<size_t>(plain.size(1));
@@ -147,8 +148,8 @@ class Loader {
     return {};
   }
 
-  /// All conditions, where any has numbers. Those of another layout than the first count as unknown
-  /// and become the mean.
+  /// Reads all conditions, if any has numbers. Values with another layout than the first one count
+  /// as unknown and become the mean.
   Status read_conditions(std::span<const Sequence> runs) {
     if (!source_.read_condition || data_.images.empty()) return {};
     encoders::Condition condition;
@@ -193,7 +194,7 @@ class Loader {
       const auto* values = static_cast<const uint16_t*>(pixels.data_ptr());
       const uint16_t largest = *std::max_element(values, values + pixels.numel());
       image.scale = 255.0 / std::max<uint16_t>(largest, 1);
-      // A model's own reaches further, or as far.
+      // The range of the previous model is kept if it is the larger one.
       if (start_ != nullptr) image.scale = std::min(image.scale, start_->plan.images()[i].scale);
     }
   }

@@ -11,9 +11,10 @@
 
 namespace engram::training {
 
-/// Reads what fits into options.memory_bytes. With a model of this layout to go on from, its
-/// backgrounds come first, and numbers are normalised as it does where they still fit.
-/// Errors: as train_model.
+/// Reads the values that fit into options.memory_bytes. If training starts from a model of this
+/// layout, its backgrounds come first, and numbers are normalised as in that model unless they have
+/// moved too far.
+/// Errors: as for train_model.
 Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
                              const encoders::DeepModel* start, const std::stop_token& stop);
 

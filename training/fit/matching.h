@@ -11,9 +11,9 @@
 
 namespace engram::training {
 
-/// The entities of a store that any of some queries without selectors matches, in the order of
-/// their names; all of them where there are no queries.
-/// Errors: kInvalidArgument where a text is no query.
+/// Returns the entities of a store that match any of some queries without selectors, sorted by
+/// name, or all entities if there are no queries.
+/// Errors: kInvalidArgument if a text is not a query.
 Result<std::vector<ltm::MemoryId>> matching_entities(const ltm::StoreReader& reader,
                                                      std::span<const std::string> texts);
 

@@ -21,16 +21,15 @@ namespace {
 constexpr size_t kHorizons = encoders::kMeasuredHorizons;
 constexpr size_t kMaxWindows = 256;
 constexpr std::array<double, 5> kGates{0.0, 0.25, 0.5, 0.75, 1.0};
-/// What noise changes in an image. Unit: squared grey levels.
+/// Min change of an image, which noise alone causes. Unit: squared grey levels.
 constexpr double kMinImageChange = 1.0;
-/// How much better a prediction with latents has to be than one by motion alone. The autoencoder
-/// was trained on what is measured here too, on what is to be predicted it was not. Unit: dB.
+/// Min gain of a prediction with latents over one by motion alone. The autoencoder was trained on
+/// the held-out windows too, so latents look better here than on new recordings. Unit: dB.
 constexpr double kMinGainOfLatents = 0.5;
-/// What counts as no change of numbers, in their deviations.
+/// Min change of numbers, in their deviations.
 constexpr double kMinNumberChange = 0.01;
 
-/// Shares of images that are tried: of latents and of motion, together at most all. The first one
-/// copies.
+/// The tried shares of latents and of motion, whose sum is at most 1. The first pair copies.
 std::vector<BlendShares> image_shares() {
   std::vector<BlendShares> shares;
   for (const double latents : kGates)
@@ -41,7 +40,7 @@ std::vector<BlendShares> image_shares() {
 
 /// Mean squared errors of windows at one horizon, by share and window.
 struct HorizonErrorsByShare {
-  std::vector<ltm::MeasuredError> changes;   ///< By window: of its last two values.
+  std::vector<ltm::MeasuredError> changes;   ///< Per window: change of its last two values.
   std::vector<std::vector<double>> images;   ///< By image_shares().
   std::vector<std::vector<double>> numbers;  ///< By kGates.
 
@@ -58,7 +57,7 @@ struct HorizonErrorsByShare {
           number_error(model, encoders::mix(last, future, {0, 0, kGates[i]}), actual));
   }
 
-  /// One whose only share is that of a copy.
+  /// Adds a window whose only share is that of a copy.
   void add_copy(const encoders::DeepModel& model, const Parts& last,
                 const ltm::MeasuredError& change, const Parts& actual) {
     changes.push_back(change);
@@ -81,12 +80,13 @@ struct HorizonErrorsByShare {
   }
 };
 
-/// Shares are chosen on every other window, and errors are measured on those between.
+/// Shares are chosen on every other window, and errors are measured on the windows in between.
 bool is_for_choosing(size_t window) {
   return window % 2 == 0;
 }
 
-/// The highest mean PSNR that does not lose in squared error to the first one, by image_shares().
+/// Index of the shares with the highest mean PSNR whose squared error is not above that of the
+/// first ones.
 size_t best_for_images(const std::vector<BlendShares>& shares,
                        const std::vector<std::vector<double>>& errors) {
   size_t best = 0;
@@ -129,7 +129,7 @@ std::vector<MeasuredPrediction> paired(const std::vector<double>& changes,
   return pairs;
 }
 
-/// Errors by window, and where known those of copies in the same and in all windows.
+/// Errors by window and, if known, those of copies in the same windows and in all windows.
 struct Errors {
   std::vector<MeasuredPrediction> own, copied, copied_everywhere;
 };
@@ -143,7 +143,7 @@ encoders::ErrorCalibration calibration_of(const Errors& errors, double min_chang
   return by;
 }
 
-/// The least change of numbers that counts, in their units.
+/// Min change of numbers, in their units.
 double min_number_change(const encoders::DeepModel& model) {
   double sum = 0;
   for (const double deviation : model.deviation) sum += deviation * deviation;
@@ -152,7 +152,7 @@ double min_number_change(const encoders::DeepModel& model) {
                   std::numeric_limits<double>::min());
 }
 
-/// What changed before each window, of images and of numbers.
+/// Changes of images and of numbers before each window.
 std::pair<std::vector<double>, std::vector<double>> changes_of(
     const HorizonErrorsByShare& measured) {
   std::pair<std::vector<double>, std::vector<double>> changes;
@@ -163,12 +163,12 @@ std::pair<std::vector<double>, std::vector<double>> changes_of(
   return changes;
 }
 
-/// The first share is that of a copy; none where nothing was measured.
+/// Errors of copies, which are those of the first share; empty if nothing was measured.
 std::vector<double> of_copies(const std::vector<std::vector<double>>& by_share) {
   return by_share.empty() ? std::vector<double>() : by_share.front();
 }
 
-/// How wrong these shares are. `copied`: copies in all windows.
+/// The errors of these shares. `copied` are copies in all windows.
 encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
                                   const HorizonErrorsByShare& measured,
                                   const HorizonErrorsByShare& copied, size_t image, size_t number) {
@@ -186,14 +186,13 @@ encoders::HorizonErrors errors_of(const encoders::DeepModel& model,
 
 using Measured = std::array<HorizonErrorsByShare, kHorizons>;
 
-/// Keeps the shares that are best, or copies, and what is known of them. `copied`: copies in all
-/// windows.
+/// Keeps the best shares, or copies, and their errors. `copied` are copies in all windows.
 void keep(const encoders::DeepModel& model, const Measured& measured, const Measured& copied,
           PredictionRecord& record) {
   const std::vector<BlendShares> shares = image_shares();
   for (size_t i = 0; i < kHorizons; ++i) {
     if (measured[i].changes.empty()) {
-      // What no recording is long enough for is as uncertain as the last that was measured.
+      // A horizon that no recording is long enough for gets the errors of the last measured one.
       if (i > 0) record.errors[i] = record.errors[i - 1];
       for (encoders::ErrorCalibration* errors :
            {&record.errors[i].images, &record.errors[i].numbers}) {
@@ -215,14 +214,14 @@ Tensor index_of(int64_t row) {
   return torch::tensor({row}, torch::kLong);
 }
 
-/// Horizons that are known after a row.
+/// Number of horizons with a known value after a row.
 size_t steps_after(const Dataset& data, int64_t row) {
   const auto sequence = std::find_if(data.sequences.begin(), data.sequences.end(),
                                      [&](auto& s) { return static_cast<size_t>(row) < s.end; });
   return std::min<size_t>(kHorizons, sequence->end - 1 - static_cast<size_t>(row));
 }
 
-/// Copies from all windows: they learn nothing, so what was trained on tells of them too.
+/// Measures copies on all windows. They learn nothing, so training data is valid for them.
 Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
   const auto& shape = model.autoencoder->shape;
   auto [rows, held_out] = make_windows(data.sequences, 1);
@@ -241,7 +240,7 @@ Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
   return measured;
 }
 
-/// Predicts from held-out windows.
+/// Measures predictions on held-out windows.
 Measured measure(encoders::DeepModel& model, const Dataset& data, ltm::PredictorInputs told) {
   const auto& shape = model.autoencoder->shape;
   const std::vector<BlendShares> shares = image_shares();

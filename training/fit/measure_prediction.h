@@ -7,9 +7,9 @@
 
 namespace engram::training {
 
-/// Measures the shares of every way to predict on every other held-out window and keeps those that
-/// win over copying the last value, in mean squared error and (images) in mean PSNR; on the others,
-/// how wrong these are. Copies are measured on all windows.
+/// Chooses the shares of the ways to predict on every other held-out window, and measures their
+/// errors on the windows in between. Shares are kept only if they improve on a copy of the last
+/// value in mean squared error and, for images, in mean PSNR. Copies are measured on all windows.
 void measure_prediction(encoders::DeepModel& model, const Dataset& data);
 
 }  // namespace engram::training

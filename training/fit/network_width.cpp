@@ -8,7 +8,8 @@
 
 namespace engram::training {
 
-// Features that pay for their bytes in the model file. Source: docs/learning.md.
+// Wider networks pay for their bytes in the model file only with more snapshots. Source:
+// docs/learning_methods.md, section "What is stored".
 int network_width(const TrainOptions& options, size_t snapshots) {
   if (!options.has_networks) return 0;
   if (options.width > 0) return options.width;

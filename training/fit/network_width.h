@@ -9,19 +9,19 @@
 
 namespace engram::training {
 
-/// Networks may take this part of what they save.
+/// Max size of networks as a share of the bytes that they may save.
 inline constexpr double kMaxModelShare = 0.2;
 
-/// About the bytes of networks of options.width, which is not 0; 0 where the layout has no images
-/// or cannot be a tensor.
+/// Approximate size in bytes of networks with options.width, which must not be 0. The result is 0
+/// if the layout has no images or cannot be a tensor.
 [[nodiscard]] uint64_t network_bytes(const idf::Layout& layout, const TrainOptions& options);
 
-/// Features of the networks that are made for so many snapshots.
+/// Number of features of the networks for `snapshots` snapshots.
 [[nodiscard]] int network_width(const TrainOptions& options, size_t snapshots);
 
-/// The most features of 32, 48, 64, 96 and 128 whose networks take no more than a fifth of the
-/// bytes that they may save; 0 where none do, or the layout has no images.
-/// Source: docs/learning.md, section "What is stored: latents or video".
+/// The max number of features out of 32, 48, 64, 96 and 128 whose networks take no more than a
+/// fifth of the bytes that they may save; 0 if there is none, or the layout has no images.
+/// Source: docs/learning_methods.md, section "What is stored".
 [[nodiscard]] int width_that_pays(const idf::Layout& layout, const TrainOptions& options,
                                   double saved_bytes);
 

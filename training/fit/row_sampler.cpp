@@ -10,13 +10,14 @@ namespace engram::training {
 
 namespace {
 
-/// Share of the draws in which all rows are equally likely: no weight is above its inverse.
+/// Share of the draws with equal probabilities. It bounds weights to its inverse.
 constexpr double kEqualShare = 0.5;
 constexpr double kRecent = 0.3;
-/// Most of the mean that rows have which a model knows already.
+/// Max share of the mean of rows that the previous model knows.
 constexpr double kReplayShare = 0.3;
 
-/// What each row counts in the mean: all the same, but known ones no more than their share.
+/// The share of each row in the mean. Rows count equally, but known ones together no more than
+/// kReplayShare.
 std::vector<double> shares_of(size_t rows, const std::vector<bool>& is_known) {
   const auto all = static_cast<double>(rows);
   const auto known = static_cast<double>(std::ranges::count(is_known, true));
@@ -27,7 +28,7 @@ std::vector<double> shares_of(size_t rows, const std::vector<bool>& is_known) {
   return shares;
 }
 
-/// The first index whose cumulated probability is above a random number.
+/// Draws an index: the first one whose cumulative probability is above a random number.
 int64_t drawn(std::span<const double> probabilities) {
   const double total = std::reduce(probabilities.begin(), probabilities.end());
   double left = torch::rand({1}, torch::kFloat64).item<double>() * total;
@@ -58,7 +59,7 @@ std::vector<double> RowSampler::probabilities() const {
   const double told =
       static_cast<double>(std::ranges::count_if(costs_, [](double cost) { return cost > 0; }));
   const double sum = std::reduce(costs_.begin(), costs_.end());
-  // Rows that nothing is known of count as usual ones.
+  // Rows with unknown costs count as average ones.
   const double usual = told > 0 ? sum / told : 1.0;
   std::vector<double> by_cost;
   for (size_t row = 0; row < costs_.size(); ++row)
@@ -76,8 +77,8 @@ std::vector<RowSampler::Draw> RowSampler::draw(int64_t chunks) {
   std::vector<Draw> draws;
   for (int64_t i = 0; i < chunks; ++i) {
     const int64_t last = drawn(likely);
-    // Among rows of one kind probabilities keep their ratios: over all batches a row is drawn as
-    // often as if kinds were mixed.
+    // Probabilities keep their ratios among rows of one kind, so over all batches a row is drawn as
+    // often as without the separation.
     const auto at = static_cast<size_t>(last);
     draws.push_back({last, shares_[at] / probability[at]});
     if (i > 0) continue;

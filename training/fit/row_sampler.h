@@ -9,43 +9,44 @@
 
 namespace engram::training {
 
-/// Chunks of consecutive rows to train on: those that cost much are drawn more often, and count
-/// less each time, so that the mean is that of all rows. Rows that a model knows already are told
-/// again, but are at most 30 % of it (replay).
+/// Draws chunks of consecutive rows to train on. Expensive rows are drawn more often and get a
+/// smaller weight, so that the mean loss stays that of all rows. Rows that the previous model has
+/// latents of are trained on too, but count for at most 30 % of the mean (replay).
 ///
-/// Uses LibTorch's random generator. Threading: one thread.
-/// Source: docs/learning.md, section "The image autoencoder".
+/// It uses LibTorch's random generator.
+/// Threading: one thread.
+/// Source: docs/learning_methods.md, sections "The image autoencoder" and "Later nights".
 class RowSampler {
  public:
-  /// The last row of a chunk, and what its cost is to be multiplied by.
+  /// The last row of a chunk, and the factor of its cost.
   struct Draw {
     int64_t last = 0;
     double weight = 1;
   };
 
-  /// `first_held_out` per sequence: rows from there on are never in one batch with those before.
-  /// `is_known` per row; empty: none is.
+  /// `first_held_out` is the first held-out row of each sequence; a batch has only held-out rows or
+  /// only others. `is_known` is per row; if it is empty, no row is known.
   RowSampler(std::span<const Sequence> sequences, std::span<const size_t> first_held_out,
              const std::vector<bool>& is_known = {});
 
-  /// The ends of some chunks, all of the same kind: the first one decides.
+  /// Draws the last rows of `chunks` chunks. All are held out or none is, as the first one.
   [[nodiscard]] std::vector<Draw> draw(int64_t chunks);
 
-  /// What a row cost when it was drawn.
+  /// Stores the cost of a row that was drawn.
   void told(int64_t row, double cost);
 
   [[nodiscard]] bool is_held_out(int64_t row) const;
-  /// The first row of the sequence of a row.
+  /// First row of the sequence that contains `row`.
   [[nodiscard]] int64_t first_of(int64_t row) const;
 
-  /// Everything that changes, for checkpoints; valid as long as this.
+  /// All numbers that change, for checkpoints. The pointers are valid as long as this object.
   [[nodiscard]] std::vector<double*> state();
 
  private:
   [[nodiscard]] std::vector<double> probabilities() const;
 
-  std::vector<double> shares_;   ///< Of the mean, per row.
-  std::vector<double> costs_;    ///< Smoothed; 0 where never told.
+  std::vector<double> shares_;   ///< Share of the mean, per row.
+  std::vector<double> costs_;    ///< Smoothed; 0 if never drawn.
   std::vector<int64_t> firsts_;  ///< Per row.
   std::vector<bool> is_held_out_;
 };

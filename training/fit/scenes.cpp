@@ -9,13 +9,13 @@ using torch::Tensor;
 
 namespace {
 
-/// Images that a median is taken of, evenly spaced.
+/// Max number of evenly spaced images of a median.
 constexpr size_t kMaxMedianImages = 64;
-/// Recordings whose medians differ by less share a background. Unit: grey levels, mean.
+/// Recordings whose medians differ by less on average share a background. Unit: grey levels.
 constexpr double kAlike = 3.0;
 constexpr size_t kMaxScenes = 16;
 
-/// The median image of a sequence, per member. [1, C, H, W]
+/// The median image of a sequence per member. Shape: [1, C, H, W].
 std::vector<Tensor> medians_of(const Dataset& data, const encoders::NetworkShape& shape,
                                const Sequence& sequence) {
   const size_t step = (sequence.size() + kMaxMedianImages - 1) / kMaxMedianImages;
@@ -39,8 +39,7 @@ double difference(const std::vector<Tensor>& a, const std::vector<Tensor>& b) {
   return sum / count;
 }
 
-/// All scenes of a member in each quality, as they come back from the codec; undefined where none
-/// takes them.
+/// All scenes of a member after coding in each quality; undefined if no codec accepts them.
 Tensor coded(const encoders::ImageMember& member, const encoders::ImageShape& shape,
              const Tensor& backgrounds) {
   if (member.is_depth) return {};
@@ -69,13 +68,13 @@ void code_backgrounds(Dataset& data, const encoders::NetworkShape& shape) {
   }
 }
 
-/// What a recording of a scene may look like.
+/// One appearance of a scene.
 struct Look {
   int64_t scene = 0;
   std::vector<Tensor> image;  ///< Per member. [1, C, H, W]
 };
 
-/// Of a model, per scene and member. [1, C, H, W]
+/// The backgrounds of a model, per scene and member. Shape: [1, C, H, W].
 std::vector<std::vector<Tensor>> scenes_of(const encoders::DeepModel& model) {
   torch::NoGradGuard no_grad;
   std::vector<std::vector<Tensor>> scenes(
@@ -107,7 +106,8 @@ void find_scenes(Dataset& data, const encoders::DeepModel* start) {
     std::vector<double> differences;
     for (const Look& look : looks) differences.push_back(difference(look.image, medians));
     auto nearest = std::ranges::min_element(differences);
-    // Trained backgrounds are no medians any more: those of recordings that they are of count too.
+    // Trained backgrounds are no longer medians, so the medians of their recordings are compared
+    // too.
     const bool is_known = data.known_scenes > 0 && data.is_known[sequence.first];
     const bool is_new = nearest == differences.end() ||
                         (!is_known && *nearest >= kAlike && scenes.size() < max_scenes);

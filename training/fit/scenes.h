@@ -7,9 +7,10 @@
 
 namespace engram::training {
 
-/// Finds the backgrounds of a dataset: the median image of each recording, recordings that look
-/// alike sharing one. Those of `start` come first, as they are; recordings that it knows share
-/// them. Sets `scene`, `backgrounds` and `known_scenes`. `start` may be null.
+/// Finds the backgrounds of a dataset: the median image of each recording. Recordings with similar
+/// medians share one. The backgrounds of `start`, which may be null, come first and unchanged, and
+/// recordings that it knows share them. The function sets `scene`, `backgrounds` and
+/// `known_scenes`.
 void find_scenes(Dataset& data, const encoders::DeepModel* start);
 
 }  // namespace engram::training

@@ -10,15 +10,15 @@ namespace engram::training {
 
 namespace {
 
-/// What the price starts with, and where it stays between.
+/// First value of the price, and its bounds.
 constexpr double kFirstPrice = 0.003;
 constexpr double kMinPrice = 1e-4;
 constexpr double kMaxPrice = 1.0;
 /// Share of the time before the price moves.
 constexpr double kSettling = 0.05;
-/// How fast it moves where quality is off by one decibel: factors of e in the whole time.
+/// Speed of the price per decibel of difference: factors of e in the whole time.
 constexpr double kSteering = 25.0;
-/// What training is taken to gain with every doubling of its time, and by the falling rate at its
+/// Expected gain of quality per doubling of the time of training, and by the falling rate at its
 /// end. Unit: decibels.
 constexpr double kGainOfDoubling = 1.2;
 constexpr double kGainOfEnd = 1.0;

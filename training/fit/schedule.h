@@ -10,46 +10,46 @@
 
 namespace engram::training {
 
-/// How far a fit is, asked once per step: it ends by number of steps, by time that it works, or at
-/// a moment.
+/// The progress of a fit, asked for once per step. A fit ends after a number of steps, after a time
+/// of work, or at a moment.
 ///
 /// Threading: one thread.
 class Schedule {
  public:
-  /// Ends after `steps` where given, else after `seconds`.
+  /// Ends after `steps` if given, else after `seconds`.
   Schedule(std::optional<int> steps, double seconds);
 
-  /// Ends at a moment that leaves what follows its part of the time until `end`: a whole fit like
-  /// this one counts as `weight`, what follows as `weight_after`.
+  /// Ends early enough before `end` to leave time for later parts. The time is divided between
+  /// `weight` for this whole fit and `weight_after` for the later parts.
   Schedule(Time end, double weight, double weight_after, Clock clock = system_now);
 
-  /// From now on it goes from `share` on: after a break, or where an earlier process was. Time that
-  /// passed since the last share counts only where the end is a moment.
+  /// Continues from `share`, after a break or in a new process. The time since the last share
+  /// counts only if the end is a moment.
   void go_on_from(double share);
 
-  /// The share that is done, 0 to 1 and more.
+  /// The share that is done, from 0 to 1 or more.
   [[nodiscard]] double share(int64_t step) const;
-  /// Negative where nobody knows.
+  /// Negative if unknown.
   [[nodiscard]] double seconds_left(int64_t step) const;
 
  private:
   [[nodiscard]] double elapsed() const;
 
   std::optional<int> steps_;
-  double seconds_ = 0;  ///< Of a whole fit.
+  double seconds_ = 0;  ///< Duration of a whole fit.
   std::optional<Time> end_;
   double weight_ = 1;
   double weight_after_ = 0;
   Clock clock_;
   double first_share_ = 0;
-  double first_seconds_ = 0;  ///< From first_share_ to the end.
+  double first_seconds_ = 0;  ///< Duration from first_share_ to the end.
   std::chrono::steady_clock::time_point start_;
 };
 
-/// Learning rate relative to its peak: rises for a start, then falls as a cosine to nearly zero.
+/// Learning rate relative to its peak: a linear warm-up, then a cosine to nearly zero.
 [[nodiscard]] double learning_rate_share(double share);
 
-/// A mean over some recent values.
+/// A mean over recent values.
 class Smoothed {
  public:
   explicit Smoothed(double share_of_new) : share_of_new_(share_of_new) {}
@@ -65,17 +65,17 @@ class Smoothed {
   double count_ = 0;
 };
 
-/// The price of squared error against bytes: rises where quality is below what was asked for, less
-/// what training is expected to gain by itself until its end.
+/// The price of squared error in bytes. It rises while quality is below the requested one minus the
+/// gain that training is expected to make by itself until its end.
 class ErrorPrice {
  public:
-  /// `first`: what it starts at, where that is known; 0: it is not.
+  /// `first` is the price to start at, or 0 for the default.
   explicit ErrorPrice(double wanted_db, double first = 0);
 
-  /// Kilobytes that a squared grey level is worth.
+  /// Price in kilobytes per squared grey level.
   [[nodiscard]] double value() const;
 
-  /// Told the smoothed quality of every step, and how much of the time is over.
+  /// Updates the price from the smoothed quality of a step and the share of the time that is over.
   void follow(double psnr_db, double share);
 
   /// Everything that changes, for checkpoints.

@@ -18,18 +18,17 @@ struct Sequence {
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };
 
-/// The median time between two snapshots; zero for fewer than two.
-/// Time: increasing within a recording.
+/// The median time between two snapshots; zero for fewer than two. Times must increase within a
+/// recording.
 [[nodiscard]] Duration median_step(std::span<const Time> times);
 
-/// Cuts the times of an entity into recordings, where a gap is longer than 1.5 median steps, or
-/// where time goes back.
-/// Time: increasing within a recording.
+/// Cuts the times of an entity into recordings: at gaps longer than 1.5 median steps, and where
+/// time decreases. Times must increase within a recording.
 [[nodiscard]] std::vector<Sequence> cut_sequences(std::span<const Time> times);
 
-/// The snapshots of one recording as slower ones that lie between each other: in each, snapshots
-/// are `every` apart, as far as there are any. The first one starts at the recording's start.
-/// Shape: indices into `times`, every one at most once.
+/// Splits one recording into interleaved slower ones, in which snapshots are `every` apart. The
+/// first one starts at the start of the recording.
+/// Shape: indices into `times`, each at most once.
 [[nodiscard]] std::vector<std::vector<size_t>> interleaved(std::span<const Time> times,
                                                            const Sequence& recording,
                                                            Duration every);

@@ -11,16 +11,16 @@ namespace engram::training {
 
 class JobPace;
 
-/// How training runs beside other work, and outlives its process: nothing of it changes what so
-/// many steps learn.
+/// Options for running training beside other work and across processes. They do not change the
+/// result of a fixed number of steps.
 struct TrainControl {
   /// Training ends at this moment instead of after the budget.
   std::optional<Time> end;
-  /// Kept here now and then, and gone on from where it fits; a training that is done leaves it.
-  /// Empty: nowhere. See checkpoint_key.
+  /// File of the checkpoint, from which training continues if its key fits (see checkpoint_key). It
+  /// is not removed when training is done. If it is empty, no checkpoint is kept.
   std::filesystem::path checkpoint;
   Duration checkpoint_interval = std::chrono::minutes(1);
-  /// Where training waits while the robot is busy; null: it never does.
+  /// Pauses training while the robot is busy; null to never pause.
   JobPace* pace = nullptr;
 };
 

@@ -8,7 +8,7 @@ namespace engram::training {
 
 namespace {
 
-/// What both numbers and orientations can be kept within.
+/// Min and max bound that both numbers and orientations accept.
 constexpr double kMinNumberBound = 1e-9;
 constexpr double kMaxNumberBound = 1e9;
 

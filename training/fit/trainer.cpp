@@ -24,7 +24,7 @@ namespace engram::training {
 namespace {
 
 constexpr std::string_view kCodeVersion = "0.1.0";
-/// Shares of the budget, or of the steps, that the autoencoder and what continues motion get.
+/// Shares of the budget, or of the steps, for the autoencoder and for motion.
 constexpr double kAutoencoderShare = 0.72;
 constexpr double kMotionShare = 0.2;
 constexpr size_t kFewestSnapshots = 2;
@@ -41,7 +41,7 @@ std::string text_of(const FitStep& step, std::string_view phase, size_t epoch) {
   return text + fmt::format("loss {:.4f}", step.loss);
 }
 
-/// A part of training, in shares of the whole.
+/// One part of training, as shares of the whole.
 struct Part {
   std::string_view name;
   double before = 0;
@@ -50,7 +50,7 @@ struct Part {
   [[nodiscard]] double after() const { return 1 - before - share; }
 };
 
-/// Of a part, with the time that it leaves for the next one.
+/// The schedule of a part, which leaves time for the parts after it.
 Schedule schedule_of(const TrainOptions& options, const TrainControl& control, const Part& part) {
   if (control.end && !options.steps) return Schedule(*control.end, part.share, part.after());
   std::optional<int> steps;
@@ -58,7 +58,7 @@ Schedule schedule_of(const TrainOptions& options, const TrainControl& control, c
   return Schedule(steps, to_seconds(options.budget) * part.share);
 }
 
-/// Tells progress in steps where their number is fixed, else in thousandths of the time.
+/// Reports progress in steps if their number is fixed, else in thousandths of the time.
 StepSink step_sink(const ProgressSink& progress, const std::string& entity,
                    const TrainOptions& options, const TrainControl& control, const Part& part,
                    size_t steps_per_epoch, const Schedule& schedule) {
@@ -80,7 +80,7 @@ StepSink step_sink(const ProgressSink& progress, const std::string& entity,
   };
 }
 
-/// Adds those of an earlier model that lie in none of the new ones.
+/// Adds the spans of an earlier model that no new span contains.
 void add_spans(std::vector<encoders::TimeSpan>& spans,
                const std::vector<encoders::TimeSpan>& earlier) {
   std::vector<encoders::TimeSpan> all;
@@ -94,7 +94,7 @@ void add_spans(std::vector<encoders::TimeSpan>& spans,
   spans = std::move(all);
 }
 
-/// What a report and the model file say about the data.
+/// Writes the description of the data for the report and the model file.
 void describe(const Dataset& data, const WarmStart& start, encoders::Provenance& provenance) {
   provenance.snapshots = static_cast<int64_t>(data.size());
   for (const Sequence& sequence : data.sequences) {
@@ -133,7 +133,7 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
     report.notes.push_back("no recording is long enough to test predictions: they copy the last");
 }
 
-/// They are as large as the weights, and whoever goes on with the model needs none.
+/// Removes all gradients: they are as large as the weights, and users of the model need none.
 void forget_gradients(encoders::DeepModel& model) {
   for (const auto& weights : model.autoencoder->parameters()) weights.mutable_grad().reset();
   for (const auto& weights : model.dynamics->parameters()) weights.mutable_grad().reset();
@@ -159,7 +159,8 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   model.deviation = data.deviation;
   model.condition = data.condition;
 
-  // The autoencoder and its codec, then what predicts: each on the weights that will be stored.
+  // The autoencoder and its codec come first, then prediction, which is trained on the weights that
+  // will be stored.
   const size_t epoch = data.size() / static_cast<size_t>(options.batch_size);
   const bool has_networks = !model.autoencoder->images.empty();
   const Part coding{name_of(FitPhase::kAutoencoder), 0, has_networks ? kAutoencoderShare : 0};
@@ -213,7 +214,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   provenance.seed = options.seed;
   provenance.variant = options.variant;
   provenance.steps = coded.step + report.dynamics_steps;
-  // Under a fixed number of steps the same seed gives the same file.
+  // With a fixed number of steps the same seed must give the same file, so times are left out.
   provenance.training_seconds = options.steps ? 0 : report.seconds;
   provenance.final_loss = coded.loss;
   provenance.psnr_db = options.psnr_db;

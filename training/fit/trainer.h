@@ -18,7 +18,7 @@ struct DeepModel;
 
 namespace engram::training {
 
-/// A model that was made, with the weights that a model file keeps, and how.
+/// A trained model, with its weights rounded as in a model file, and the report of its training.
 struct FittedModel {
   std::shared_ptr<encoders::DeepModel> model;
   TrainReport training;
@@ -26,16 +26,18 @@ struct FittedModel {
 
 /// Trains a model on `source`.
 ///
-/// Errors: kInvalidArgument where the values cannot be tensors; kCancelled on `stop`;
-/// kResourceExhausted where memory ends, or the time of control.pace while the robot is busy;
-/// those of source.read.
-/// Threading: one at a time per process; uses LibTorch's global random generator and threads.
+/// Errors: kInvalidArgument if the values cannot be tensors; kCancelled on `stop`;
+/// kResourceExhausted if memory runs out, or the time of control.pace while the robot is busy; the
+/// errors of source.read.
+/// Threading: one training at a time per process, because it uses LibTorch's global random
+/// generator and threads.
 Result<FittedModel> fit_model(const TrainingSource& source, const TrainOptions& options,
                               const ProgressSink& progress, const std::stop_token& stop,
                               const TrainControl& control = {});
 
 /// Trains a model and writes it to `file`, which must not exist.
-/// Errors, threading: as of fit_model; those of writing.
+/// Errors: as for fit_model; the errors of writing.
+/// Threading: as for fit_model.
 Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions& options,
                                 const std::filesystem::path& file, const ProgressSink& progress,
                                 const std::stop_token& stop, const TrainControl& control = {});

@@ -15,46 +15,46 @@
 
 namespace engram::training {
 
-/// A model of the same entity that training may go on from.
+/// A model of the same entity that training may start from.
 struct PreviousModel {
   std::filesystem::path file;
   int version = 0;
   uint64_t checksum = 0;
 };
 
-/// Values that were made of those that are trained on, by changing them on purpose: they are
-/// trained on too, and never encoded, measured or counted as real ones.
+/// Augmented values: changed copies of training values. They are trained on, but never encoded,
+/// measured or counted as real ones.
 struct AugmentedValues {
-  /// Per run of consecutive values that were changed alike: which of the source's times each was
-  /// made of, one after the other.
+  /// Per run of consecutive values with the same recipe: the index of the source's time from which
+  /// each value was made, in order.
   std::vector<std::vector<size_t>> origins;
-  /// Value `index` of run `run`.
+  /// Reads value `index` of run `run`.
   std::function<Result<idf::Data>(size_t run, size_t index)> read;
-  size_t left_out = 0;    ///< Values that were made of others.
-  uint64_t identity = 0;  ///< The same for the same values alone.
+  size_t left_out = 0;    ///< Values made of snapshots outside the source.
+  uint64_t identity = 0;  ///< A hash that identifies these values.
 };
 
-/// What one model is trained on: values of one layout, in the order of time.
+/// The training data of one model: values of one layout, in the order of time.
 struct TrainingSource {
   std::string entity;
   std::vector<Time> times;
-  /// The value of times[index].
+  /// Reads the value at times[index].
   std::function<Result<idf::Data>(size_t index)> read;
-  /// That the values have; not given: what the first one shows.
+  /// Layout of the values; by default that of the first one.
   std::optional<idf::Layout> layout;
 
-  /// Another entity whose numbers predictions may start from; empty: none.
+  /// Another entity whose numbers condition predictions; empty for none.
   std::string condition_entity;
-  /// Its value at or before times[index]; nothing where there is none.
+  /// Reads the value of that entity at or before times[index], if there is one.
   std::function<Result<std::optional<idf::Data>>(size_t index)> read_condition;
 
-  /// Training starts from its weights where its networks have the same sizes, else anew.
+  /// Training starts from the weights of this model if its networks have the same sizes.
   std::optional<PreviousModel> previous;
-  /// Beside `times`: which of them that model has latents of. Where training starts from it, they
-  /// are told again beside the others, see RowSampler. Empty: none.
+  /// Per time: whether that model has latents of it. If training starts from that model, such rows
+  /// are replayed, see RowSampler. Empty if there are none.
   std::vector<bool> is_known;
 
-  /// Trained on beside the others, at TrainOptions::augmented_share.
+  /// Augmented values that are trained on with a share of TrainOptions::augmented_share.
   std::optional<AugmentedValues> augmented;
 };
 

@@ -14,17 +14,17 @@ namespace {
 
 /// Deviation of the prior. Unit: steps of the quantiser.
 constexpr double kPriorDeviation = 8.0;
-/// Least deviation of a posterior in the same unit: rounding adds 0.29, less than what the decoder
-/// has learned to bear.
+/// Min deviation of a posterior in the same unit. Rounding adds a deviation of 0.29, which is less
+/// than the decoder was trained with.
 constexpr double kMinDeviation = 0.5;
-/// Where between these two, on a logarithmic scale, deviations start (as a logit: one step), and
-/// how much faster than weights they move.
+/// First deviation, as a logit between these two on a logarithmic scale (it stands for one step),
+/// and the speed of deviations relative to weights.
 constexpr double kFirstLogit = -1.0986;
 constexpr double kDeviationSpeed = 10.0;
 constexpr double kNatsPerKilobyte = 8000.0 * std::numbers::ln2;
 
-/// A Gaussian posterior around each latent, its deviation one of each channel, and a Gaussian prior
-/// of all. The mean is what is stored.
+/// Uses a Gaussian posterior around each latent, with one deviation per channel, and a Gaussian
+/// prior of all latents. The mean is stored.
 class VaeRegulariser : public LatentRegulariser {
  public:
   explicit VaeRegulariser(const encoders::NetworkShape& shape) {
@@ -51,7 +51,7 @@ class VaeRegulariser : public LatentRegulariser {
     return register_parameter("deviation_" + name, torch::zeros({1, channels, 1, 1}));
   }
 
-  /// Draws from the posterior, and adds its divergence from the prior to `kilobytes`.
+  /// Samples the posterior and adds its divergence from the prior to `kilobytes`.
   static Tensor sampled(const Tensor& mean, const Tensor& logit, Tensor& kilobytes) {
     const double range = std::log(kPriorDeviation / kMinDeviation);
     const Tensor below_prior =  // Logarithm of the posterior's deviation over the prior's.

@@ -10,9 +10,9 @@ using torch::Tensor;
 
 namespace {
 
-/// Most that images are shifted by, relative to their side.
+/// Max shift of images, relative to their side.
 constexpr double kMaxShift = 0.09;
-/// Most that contrast and brightness are changed by: a factor, and grey levels.
+/// Max change of contrast, as a factor, and of brightness, in grey levels.
 constexpr double kMaxContrast = 0.15;
 constexpr double kMaxBrightness = 12.0;
 

@@ -7,10 +7,10 @@
 
 namespace engram::training {
 
-/// Another view of what images show: the camera shifted, other light, mirrored. What is trained on
-/// such views carries over to recordings that it was not trained on.
+/// A change of the view that images show: a shifted camera, other light, a mirror image. Networks
+/// trained on such views generalise to other recordings.
 ///
-/// Source: docs/learning.md, section "The image autoencoder".
+/// Source: docs/learning_methods.md, section "The image autoencoder".
 struct ViewChange {
   double right = 0;       ///< Relative to the width.
   double down = 0;        ///< Relative to the height.
@@ -18,10 +18,11 @@ struct ViewChange {
   double brightness = 0;  ///< Added. Unit: grey levels.
   bool is_mirrored = false;
 
-  /// Uses LibTorch's random generator.
+  /// Draws a random change with LibTorch's random generator.
   static ViewChange draw(bool may_mirror);
 
-  /// Repeats the edge where nothing was seen. Shape: [N, C, H, W], all changed alike.
+  /// Changes all images in the same way. The edge is repeated outside the view.
+  /// Shape: [N, C, H, W].
   [[nodiscard]] torch::Tensor of(const torch::Tensor& images) const;
 };
 

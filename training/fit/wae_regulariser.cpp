@@ -14,13 +14,14 @@ namespace {
 
 /// Deviation of the prior of pooled latents. Unit: steps of the quantiser.
 constexpr double kPriorDeviation = 4.0;
-/// What a discrepancy of one costs. Unit: kilobytes a snapshot.
+/// Price of a discrepancy of one. Unit: kilobytes per snapshot.
 constexpr double kDiscrepancyPrice = 1.0;
-/// Codes that a batch is joined by: those of the last snapshots, which get no gradients.
+/// Number of codes of earlier snapshots that are added to a batch, without gradients.
 constexpr int64_t kRecentCodes = 256;
 
-/// Draws a code of each snapshot, pooled latents along fixed random directions, towards a unit
-/// Gaussian; the latents themselves are free. A batch alone would be too few for the discrepancy.
+/// Pulls the distribution of codes, which are pooled latents along fixed random directions, towards
+/// a unit Gaussian. The latents themselves are free. Codes of earlier batches are added, because
+/// one batch has too few for the discrepancy.
 class WaeRegulariser : public LatentRegulariser {
  public:
   explicit WaeRegulariser(const encoders::NetworkShape& shape) {

@@ -10,7 +10,7 @@ using torch::Tensor;
 
 namespace {
 
-/// Why networks for so many snapshots cannot start from a model; empty where they can.
+/// The reason why networks for `snapshots` snapshots cannot start from a model; empty if they can.
 std::string misfit(const encoders::DeepModel& model, size_t snapshots,
                    const TrainOptions& options) {
   const encoders::NetworkSizes& found = model.autoencoder->shape.sizes;
@@ -28,7 +28,7 @@ std::string misfit(const encoders::DeepModel& model, size_t snapshots,
   return {};
 }
 
-/// Whether tensors differ only in how many backgrounds they are for.
+/// Whether tensors differ only in their number of backgrounds.
 bool has_more_scenes(const Tensor& from, const Tensor& to, int64_t from_scenes, int64_t to_scenes) {
   return from.dim() == to.dim() && from.dim() > 1 && from.size(0) == from_scenes &&
          to.size(0) == to_scenes && from_scenes < to_scenes &&

@@ -12,19 +12,19 @@
 
 namespace engram::training {
 
-/// Where training starts from.
+/// The model that training starts from.
 struct WarmStart {
-  std::shared_ptr<encoders::DeepModel> model;  ///< Null: it starts anew.
-  std::string note;  ///< Which model it is, or why it is none; empty without a previous one.
+  std::shared_ptr<encoders::DeepModel> model;  ///< Null if training starts anew.
+  std::string note;  ///< Names the model, or says why there is none; empty without a previous one.
 };
 
-/// Reads source.previous, and sees whether its networks have the sizes that `options` ask for.
-/// What is missing or damaged only is told in the note.
-/// Errors: those of source.read.
+/// Reads source.previous and checks whether its networks have the sizes in `options`. A missing or
+/// damaged model is no error, but reported in the note.
+/// Errors: the errors of source.read.
 Result<WarmStart> find_start(const TrainingSource& source, const TrainOptions& options);
 
-/// Copies all weights that both models have. Of a model with more backgrounds the first ones are
-/// those of `from`; what else belongs to the others starts at the mean of those.
+/// Copies all weights that both models have. If `to` has more backgrounds, the first ones are those
+/// of `from`, and other parameters of the additional ones start at the mean of the known ones.
 void copy_weights(encoders::DeepModel& from, encoders::DeepModel& to);
 
 }  // namespace engram::training
