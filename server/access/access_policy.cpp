@@ -13,7 +13,7 @@ struct Identity::Grant {
   std::string name;
   TokenHash hash{};
   Role role = Role::kRead;
-  std::vector<MemoryId> memories;  ///< The empty one: all.
+  std::vector<MemoryId> memories;  ///< The empty ID covers all memories.
   mutable std::optional<RateLimit> rate;
 
   [[nodiscard]] bool covers(const MemoryId& id) const {
@@ -55,7 +55,7 @@ Result<TokenHash> read_hash(ConfigMap& map, const std::filesystem::path& directo
   }
   ENGRAM_ASSIGN_OR_RETURN(const std::string text, hash->text());
   if (const auto value = token_hash_from_hex(text)) return *value;
-  // What stands there may be the token itself: no message repeats it.
+  // The text may be the token itself, put there by mistake, so the message does not repeat it.
   return hash->error(
       fmt::format("found a text of {} bytes, needs 64 hexadecimal digits", text.size()));
 }
@@ -191,6 +191,7 @@ Result<Identity> AccessPolicy::authenticate(std::string_view token) const {
                                token.size(), kMaxTokenBytes);
   const TokenHash hash = hash_token(token);
   std::shared_ptr<const Identity::Grant> found;
+  // No early exit: the time must not tell at which entry a token matched.
   for (const auto& grant : grants_)
     if (equal_in_constant_time(grant->hash, hash)) found = grant;
   if (found == nullptr) return failed_precondition("access: the token is not known");

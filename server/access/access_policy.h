@@ -16,33 +16,35 @@
 
 namespace engram::server {
 
-/// What somebody may do. Each may do what those before it may.
+/// What a caller may do. Each role includes the ones before it.
 enum class Role : uint8_t {
-  kRead,   ///< Ask.
-  kWrite,  ///< Commit, declare types.
-  kAdmin,  ///< Forget, change limits, stop the server.
+  kRead,   ///< Query and subscribe.
+  kWrite,  ///< Commit and declare types.
+  kAdmin,  ///< Forget, change limits and stop the server.
 };
 
 /// "read", "write", "admin".
 [[nodiscard]] std::string_view to_string(Role role);
 
-/// Whom a token belongs to, and what that one may do.
+/// The holder of a token, and what that holder may do.
 ///
-/// Owns: shared with its policy, and stays as it is where the policy is replaced.
+/// Owns: a share of the policy's entry, which stays unchanged if the policy is replaced.
 /// Threading: thread-safe.
 class Identity {
  public:
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] Role role() const;
 
-  /// Errors: kFailedPrecondition naming who, what and the ID; never the token.
+  /// Checks that the holder has a role for an ID.
+  /// Errors: kFailedPrecondition naming the holder, the role and the ID, never the token.
   [[nodiscard]] Status check(Role needed, const ltm::MemoryId& id) const;
 
-  /// For the answers of queries with patterns: whether this entity, or what lies below, is for it.
+  /// Filters the answers of queries with patterns: whether the holder may read this entity, or what
+  /// lies below this ID.
   [[nodiscard]] bool may_read(const ltm::MemoryId& id) const;
 
-  /// Counts a request.
-  /// Errors: kResourceExhausted where there were too many.
+  /// Counts a request against the rate of the token.
+  /// Errors: kResourceExhausted if the rate is exceeded.
   [[nodiscard]] Status take_request(SteadyTime now) const;
 
  private:
@@ -53,35 +55,37 @@ class Identity {
   std::shared_ptr<const Grant> grant_;
 };
 
-/// Who may do what: the tokens file of docs/access.md.
+/// Decides who may do what, from the tokens file of docs/access.md.
 ///
-/// Tokens are kept as SHA-256 alone and compared in constant time, each with all of them.
+/// Only the SHA-256 of each token is kept. A given token is compared with all of them in constant
+/// time.
 /// Threading: thread-safe.
 class AccessPolicy {
  public:
   static constexpr size_t kMaxTokens = 1000;
   static constexpr size_t kMaxTokenBytes = 1024;
-  /// Of a token that is read from a file: fewer can be guessed.
+  /// The min length of a token read from a file: shorter ones can be guessed.
   static constexpr size_t kFewestTokenBytes = 32;
 
-  /// Everybody may do everything, with or without a token: for servers that only this machine can
-  /// reach and that have no tokens file.
+  /// A policy under which everyone may do everything, with or without a token. It is for servers
+  /// without a tokens file that only this machine can reach.
   static AccessPolicy everyone();
 
-  /// `now` is when the limits of rates begin.
-  /// Errors: kNotFound, kUnavailable; kFailedPrecondition where others can read the file, or that
-  /// of a token; kInvalidArgument naming file, line and key.
+  /// Reads a tokens file. The rate limits start at `now`.
+  /// Errors: kNotFound, kUnavailable; kFailedPrecondition if others can read the file or a token's
+  /// file; kInvalidArgument naming file, line and key.
   static Result<AccessPolicy> read_file(const std::filesystem::path& path,
                                         SteadyTime now = steady_now());
 
-  /// The same from a text that was read; files of tokens are looked for in `directory`.
+  /// Like read_file(), from a parsed text. Relative paths of token files start at `directory`.
   static Result<AccessPolicy> parse(const ConfigValue& config,
                                     const std::filesystem::path& directory, SteadyTime now);
 
-  /// True of everyone(): callers cannot be told apart.
+  /// Whether this is everyone(): callers then cannot be distinguished.
   [[nodiscard]] bool is_everyone() const { return everyone_ != nullptr; }
 
-  /// Errors: kFailedPrecondition where there is no such token.
+  /// Returns the holder of a token.
+  /// Errors: kFailedPrecondition if the token is unknown.
   Result<Identity> authenticate(std::string_view token) const;
 
  private:
@@ -92,7 +96,7 @@ class AccessPolicy {
       const ConfigValue& config, const std::filesystem::path& directory, SteadyTime now);
 
   Grants grants_;
-  std::shared_ptr<const Identity::Grant> everyone_;  ///< Null but for everyone().
+  std::shared_ptr<const Identity::Grant> everyone_;  ///< Set only for everyone().
 };
 
 }  // namespace engram::server

@@ -18,7 +18,8 @@ std::string folder_in_tmp() {
 
 std::string default_folder() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  // Services have none, and what is not absolute is to be passed over.
+  // Services have no such variable, and its specification says to ignore a path that is not
+  // absolute.
   if (runtime != nullptr && runtime[0] == '/') {
     std::string folder = runtime;
     while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
@@ -44,7 +45,7 @@ Status prepare_folder(const Endpoint& endpoint) {
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     return unavailable("endpoint '{}': its folder cannot be made: {}", endpoint.to_string(),
                        std::strerror(errno));
-  // Anybody may have made that one.
+  // Any user may have made the folder in /tmp, so its owner and mode are checked.
   if (folder != folder_in_tmp()) return {};
   struct stat about {};
   if (::lstat(folder.c_str(), &about) != 0 || !S_ISDIR(about.st_mode) ||

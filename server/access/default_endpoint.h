@@ -7,14 +7,15 @@
 
 namespace engram::server {
 
-/// Where a server listens, and programs look for it, when nobody says otherwise: engram.sock, or
-/// engram-NAME.sock where it has another name than "engram", in $XDG_RUNTIME_DIR, else in
-/// /tmp/engram-UID.
-/// Errors: kInvalidArgument where the name cannot be part of a path, or that is too long.
+/// Returns the endpoint at which a server listens, and programs look for it, by default:
+/// engram.sock, or engram-NAME.sock for a server with another name than "engram", in
+/// $XDG_RUNTIME_DIR, else in /tmp/engram-UID.
+/// Errors: kInvalidArgument if the name cannot be part of a path, or the path is too long.
 Result<Endpoint> default_endpoint(std::string_view server = "engram");
 
-/// Makes the folder of a socket where there is none, for this user alone. Fine for other endpoints.
-/// Errors: kUnavailable; kFailedPrecondition where the folder in /tmp belongs to somebody else.
+/// Makes the folder of a socket if it does not exist, accessible to this user alone. Does nothing
+/// for other endpoints.
+/// Errors: kUnavailable; kFailedPrecondition if the folder in /tmp belongs to another user.
 Status prepare_folder(const Endpoint& endpoint);
 
 }  // namespace engram::server

@@ -14,11 +14,11 @@ namespace engram::server {
 namespace {
 
 constexpr std::string_view kUnixStart = "unix:";
-/// The path of a socket ends in a zero byte.
+/// One less than the field, because the path ends in a zero byte.
 constexpr size_t kMaxPathBytes = sizeof(sockaddr_un::sun_path) - 1;
 constexpr size_t kMaxHostBytes = 253;
 constexpr size_t kMaxLabelBytes = 63;
-/// Longest piece of a found text that an error repeats.
+/// The max length of a text that an error message quotes.
 constexpr size_t kMaxQuoted = 80;
 
 using AddressV4 = std::array<unsigned char, 4>;
@@ -48,7 +48,8 @@ bool is_label(std::string_view label) {
          label.back() != '-' && std::ranges::all_of(label, is_allowed);
 }
 
-/// A name whose last label is a number is an address that is written in no way that we read.
+/// A name whose last label is a number is refused: it is an address in a notation that we do not
+/// read.
 bool is_host_name(std::string_view host) {
   if (host.size() > kMaxHostBytes) return false;
   while (true) {

@@ -9,30 +9,33 @@
 
 namespace engram::server {
 
-/// Where a server listens, or is to be reached.
+/// Where a server listens, or where clients reach it.
 ///
-///     unix:/run/engram/vision.sock    a socket in the file system: absolute path, at most 107
-///     bytes head.local:50051  10.0.0.7:50051  [fe80::1]:50051    a host by name or address, and a
-///     port
+///     unix:/run/engram/vision.sock
+///     head.local:50051
+///     10.0.0.7:50051
+///     [fe80::1]:50051
 ///
-/// Threading: immutable but for assignment.
+/// The first is a socket in the file system: an absolute path of 107 bytes at most. The others are
+/// a host, by name or address, and a port.
+/// Threading: immutable except by assignment.
 class Endpoint {
  public:
   enum class Kind : uint8_t { kUnix, kTcp };
 
-  /// Port 0 is for listening: the system chooses one.
+  /// Parses an endpoint. Port 0 is for listening: the system chooses a port.
   /// Errors: kInvalidArgument naming the text, what was found and what was needed.
   static Result<Endpoint> parse(std::string_view text);
 
   [[nodiscard]] Kind kind() const { return kind_; }
-  [[nodiscard]] const std::string& path() const { return place_; }  ///< Of kUnix.
-  [[nodiscard]] const std::string& host() const { return place_; }  ///< Of kTcp, without brackets.
-  [[nodiscard]] uint16_t port() const { return port_; }             ///< Of kTcp.
+  [[nodiscard]] const std::string& path() const { return place_; }  ///< For kUnix.
+  [[nodiscard]] const std::string& host() const { return place_; }  ///< For kTcp, without brackets.
+  [[nodiscard]] uint16_t port() const { return port_; }             ///< For kTcp.
 
-  /// True where only this machine can reach it: a unix socket, 127.0.0.0/8, ::1, `localhost`.
+  /// Whether only this machine can reach it: a Unix socket, 127.0.0.0/8, ::1 or `localhost`.
   [[nodiscard]] bool is_local() const;
 
-  /// What parse reads back to the same.
+  /// Returns the text that parse() reads back to an equal endpoint.
   [[nodiscard]] std::string to_string() const;
 
   friend bool operator==(const Endpoint&, const Endpoint&) = default;

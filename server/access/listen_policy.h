@@ -8,32 +8,34 @@
 
 namespace engram::server {
 
-/// Whether an endpoint may be listened on.
+/// Decides whether a server may listen on an endpoint.
 ///
-/// What only this machine can reach needs nothing, and is spoken to without TLS. Anything else
-/// needs a certificate, its key and a tokens file; there is no option to do without.
+/// An endpoint that only this machine can reach needs nothing, and is used without TLS. Any other
+/// endpoint needs a certificate, its key and a tokens file; no option disables that.
 /// Threading: immutable, const-parallel.
 /// Source: docs/access.md.
 class ListenPolicy {
  public:
-  /// Files; an empty path: there is none.
+  /// Paths of files; an empty path means that there is none.
   struct Options {
-    std::filesystem::path certificate;  ///< PEM, the server's first, then those that vouch for it.
-    std::filesystem::path key;          ///< PEM; nobody else may read it.
-    std::filesystem::path client_ca;    ///< PEM; clients need a certificate that it vouches for.
-    std::filesystem::path tokens;       ///< See AccessPolicy; nobody else may read it.
+    /// PEM: the server's certificate, then those of the authorities that signed it.
+    std::filesystem::path certificate;
+    std::filesystem::path key;  ///< PEM; readable by its owner and group at most.
+    /// PEM; if set, clients need a certificate that this authority signed.
+    std::filesystem::path client_ca;
+    std::filesystem::path tokens;  ///< See AccessPolicy; readable by its owner and group at most.
   };
 
   explicit ListenPolicy(Options options) : options_(std::move(options)) {}
 
-  /// Errors: kFailedPrecondition with everything that is missing: files that are not named, are not
-  /// there, or can be read by others.
+  /// Errors: kFailedPrecondition listing everything that is missing: files that are not named, do
+  /// not exist, or can be read by others.
   [[nodiscard]] Status check(const Endpoint& endpoint) const;
 
-  /// All of them; the message has a line for each that may not be listened on.
+  /// Checks all endpoints; the message has a line for each one that is refused.
   [[nodiscard]] Status check(const std::vector<Endpoint>& endpoints) const;
 
-  /// True where servers and clients speak TLS.
+  /// Whether servers and clients use TLS at an endpoint.
   [[nodiscard]] static bool needs_tls(const Endpoint& endpoint) { return !endpoint.is_local(); }
 
   [[nodiscard]] const Options& options() const { return options_; }

@@ -12,7 +12,8 @@ namespace engram::server {
 
 namespace {
 
-/// An open file, closed when this goes; one that waits for nobody.
+/// An open file that is closed with this object. It is opened without blocking, because opening a
+/// pipe would wait for a writer.
 class OpenFile {
  public:
   explicit OpenFile(const std::filesystem::path& path)

@@ -10,13 +10,15 @@
 
 namespace engram::server {
 
-/// Fails where the file of a secret is none, or where others than its owner and group can read it,
-/// others than its owner can change it, or the owner is neither this user nor root.
+/// Checks the file of a secret. It fails if the path is no regular file, if others than its owner
+/// and group can read it, if others than its owner can change it, or if the owner is neither this
+/// user nor root.
 /// Errors: kNotFound, kUnavailable; kFailedPrecondition naming what to change.
 Status check_private_file(const std::filesystem::path& path);
 
-/// Its text, at most `max_bytes`; checked as it was opened.
-/// Errors: the same; kInvalidArgument where it is longer.
+/// Reads the file's text, `max_bytes` at most. The checks are made on the opened file, so it cannot
+/// be exchanged between check and read.
+/// Errors: those of check_private_file; kInvalidArgument if it is longer.
 Result<std::string> read_private_file(const std::filesystem::path& path, size_t max_bytes);
 
 }  // namespace engram::server

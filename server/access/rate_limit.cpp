@@ -13,7 +13,7 @@ RateLimit::RateLimit(double rate_hz, SteadyTime now)
 
 bool RateLimit::take(SteadyTime now) {
   const MutexLock lock(mutex_);
-  // Threads read the clock before they come here, not always in that order.
+  // Threads read the clock before they take the lock, so times may arrive out of order.
   if (now > filled_) {
     tokens_ = std::min(max_tokens_, tokens_ + rate_hz_ * to_seconds(now - filled_));
     filled_ = now;

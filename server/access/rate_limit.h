@@ -6,17 +6,17 @@
 
 namespace engram::server {
 
-/// Lets through so many requests per second, and as many at once as come in one second: a bucket
-/// of tokens that fills steadily.
+/// Limits the rate of requests by a token bucket that fills steadily and holds the requests of one
+/// second.
 ///
 /// Threading: thread-safe.
 class RateLimit {
  public:
-  /// Needs a finite rate above 0 (checked). Of less than one request per second, one may come at
-  /// once.
+  /// Needs a finite rate above 0 (checked). Below one request per second, a single request may
+  /// still come at once.
   RateLimit(double rate_hz, SteadyTime now);
 
-  /// Takes one request, or refuses it, which costs nothing.
+  /// Accepts a request, or refuses it; a refused request costs nothing.
   [[nodiscard]] bool take(SteadyTime now);
 
  private:

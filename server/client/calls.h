@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: requests and their replies on a stream.
+// Private to this room: sends requests on a stream and matches each reply to its request.
 
 #include <grpcpp/channel.h>
 
@@ -16,11 +16,14 @@
 
 namespace engram::server {
 
-/// One kind of stream of a client: opened when it is needed, each request with its reply.
+/// One kind of stream of a client. It is opened with the first request, and opened again with the
+/// next request after it has ended. Replies are matched to requests by number.
+/// Threading: thread-safe; handlers run on gRPC's threads.
 template <typename Reply>
 class Calls : public std::enable_shared_from_this<Calls<Reply>> {
  public:
-  /// Takes a reply; true where it was the last one of its request.
+  /// What is called for one request. `on_reply` returns true if that reply was the last one of its
+  /// request; exactly one of the two then ends the request.
   struct Pending {
     std::function<bool(Reply&)> on_reply;
     std::function<void(const Status&)> on_failure;
@@ -33,7 +36,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
         token_(std::move(token)),
         session_(std::move(session)) {}
 
-  /// `make` makes the request of its number.
+  /// Sends a request. `make` builds the message for the number that this call assigns.
   template <typename Make>
   void call(const Make& make, Pending pending) {
     std::shared_ptr<ClientStream> stream;
@@ -49,13 +52,13 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
     if (!sent.ok()) fail_one(number, sent);
   }
 
-  /// Lets go of a request that nobody waits for any more.
+  /// Drops a request that nobody waits for any more; a late reply to it is ignored.
   void forget(uint64_t number) ENGRAM_EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     pending_.erase(number);
   }
 
-  /// Ends the stream, and waits until nothing of it is left.
+  /// Cancels the stream and waits until every stream of this object is destroyed.
   void close() {
     std::shared_ptr<ClientStream> stream;
     {
@@ -84,7 +87,7 @@ class Calls : public std::enable_shared_from_this<Calls<Reply>> {
 
   void take(grpc::ByteBuffer& bytes) {
     Reply reply;
-    // A reply that cannot be read is answered by the timeout.
+    // A reply that cannot be parsed has no usable number, so its request fails by its timeout.
     if (!read_message(bytes, reply).ok()) return;
     Pending pending;
     {

@@ -36,7 +36,7 @@ std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Cha
   if (!session.empty()) stream->context_.AddMetadata("engram-session", session);
   grpc::GenericStub stub{std::shared_ptr<grpc::ChannelInterface>(channel)};
   stub.PrepareBidiStreamingCall(&stream->context_, method, {}, stream.get());
-  // Writes come from any thread, at any time: without a hold the call could be over before.
+  // Any thread may write at any time. Without a hold, the call could end before a write begins.
   stream->AddHold();
   stream->StartRead(&stream->reply_);
   stream->StartCall();
@@ -44,7 +44,8 @@ std::shared_ptr<ClientStream> ClientStream::open(const std::shared_ptr<grpc::Cha
 }
 
 Status ClientStream::send(grpc::ByteBuffer request) {
-  // Begun with the lock held: nothing may be begun after the hold was removed.
+  // The write begins with the lock held, because gRPC forbids new operations once the hold is
+  // removed.
   const MutexLock lock(mutex_);
   if (!is_open_) return unavailable("the stream has ended");
   if (is_writing_) {
@@ -78,7 +79,7 @@ void ClientStream::OnReadDone(bool ok) {
     is_open_ = false;
     waiting_.clear();
   }
-  // Nothing comes any more: the call has ended, and the hold with it.
+  // A failed read means that the call has ended, so the hold that kept it open is released.
   RemoveHold();
 }
 

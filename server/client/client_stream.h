@@ -15,18 +15,20 @@
 
 namespace engram::server {
 
-/// The streams of one owner, to wait for the end of the last one.
+/// Counts the open streams of one owner, so that the owner can wait until the last one is
+/// destroyed.
 ///
-/// A stream keeps its channel until it is destroyed, by one of gRPC's threads. Were that the last
-/// to know the channel, gRPC would end its threads from within one of them and free their queue
-/// twice (1.51): who owns a channel waits here before letting go of it.
-/// Threading: thread-safe; wait() not by a handler of one of the streams.
+/// A stream keeps its channel until one of gRPC's threads destroys the stream. If that stream held
+/// the last reference to the channel, gRPC would end its threads from within one of them and free
+/// their queue twice (gRPC 1.51). The owner of a channel therefore waits here before it releases
+/// the channel.
+/// Threading: thread-safe. wait() must not be called by a handler of one of the streams.
 class OpenStreams {
  public:
-  /// To be kept by a stream as long as it is there.
+  /// Returns a token that a stream keeps for its whole life.
   [[nodiscard]] std::shared_ptr<void> enter();
 
-  /// Until all are destroyed.
+  /// Blocks until all streams are destroyed.
   void wait();
 
  private:
@@ -39,31 +41,33 @@ class OpenStreams {
   const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
-/// The client's end of a stream of requests and replies, in bytes.
+/// The client's end of a bidirectional stream of requests and replies, as bytes.
 ///
-/// Threading: thread-safe. Handlers are called by gRPC's threads, one at a time, and must not wait.
+/// Threading: thread-safe. gRPC's threads call the handlers, one at a time; handlers must not
+/// block.
 class ClientStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                            public std::enable_shared_from_this<ClientStream> {
  public:
   struct Handlers {
     std::function<void(grpc::ByteBuffer&)> on_reply;
-    /// Once, when the stream has ended for whatever reason; nothing is sent or told after it.
+    /// Called once when the stream has ended for any reason. No handler is called after it.
     std::function<void(const Status&)> on_end;
   };
 
-  /// Opens the stream `method` ("/engram.v1.MemoryServer/Commit"), one of `streams`. `session`: of
-  /// shared memory.
+  /// Opens the stream of the RPC `method`, such as "/engram.v1.MemoryServer/Commit", and counts it
+  /// in `streams`. `session` names a session of shared memory and may be empty.
   static std::shared_ptr<ClientStream> open(const std::shared_ptr<grpc::Channel>& channel,
                                             const std::string& method, const std::string& token,
                                             OpenStreams& streams, Handlers handlers,
                                             const std::string& session = {});
 
-  /// Errors: kUnavailable where the stream has ended.
+  /// Queues a request and returns without waiting for it to be written.
+  /// Errors: kUnavailable if the stream has ended.
   Status send(grpc::ByteBuffer request);
 
   [[nodiscard]] bool is_open() const;
 
-  /// Ends it; on_end follows.
+  /// Cancels the stream; `on_end` is called afterwards.
   void cancel();
 
   void OnReadDone(bool ok) override;
@@ -74,7 +78,8 @@ class ClientStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
   ClientStream(OpenStreams& streams, Handlers handlers)
       : entered_(streams.enter()), handlers_(std::move(handlers)) {}
 
-  const std::shared_ptr<void> entered_;  ///< The first member: goes after the context.
+  /// Declared first, so that it is destroyed after the context.
+  const std::shared_ptr<void> entered_;
   Handlers handlers_;
   grpc::ClientContext context_;
   std::shared_ptr<ClientStream> self_;

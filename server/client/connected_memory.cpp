@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memories of servers behind the interface of those that a program opens: Memory::connect.
+// Memory::connect: memories of servers, behind the same interface as memories that a program opens
+// itself.
 
 #include "ltm/core/mutex.h"
 #include "memory/memory.h"
@@ -11,7 +12,7 @@ namespace engram {
 
 namespace {
 
-/// One server (MemoryClient), or all that a name system knows (RobotMemory).
+/// A memory over one server (MemoryClient) or over all servers of a name system (RobotMemory).
 template <typename Client>
 class ConnectedMemory final : public Memory {
  public:
@@ -60,7 +61,7 @@ class ConnectedMemory final : public Memory {
   }
 
  private:
-  /// Shared with calls that go on while another thread closes.
+  /// Returns a shared pointer, because a call may go on while another thread closes the memory.
   [[nodiscard]] std::shared_ptr<Client> client() {
     const MutexLock lock(mutex_);
     return client_;

@@ -24,11 +24,11 @@ namespace engram::server {
 namespace {
 
 constexpr auto kFirstWait = std::chrono::milliseconds(20);
-/// Where the server offered no shared memory.
+/// How long the client waits before it asks again for shared memory that the server did not offer.
 constexpr auto kShareAgainAfter = std::chrono::seconds(1);
 constexpr auto kLongestWait = std::chrono::milliseconds(500);
 
-/// Tries again until `deadline` what could not be reached.
+/// Calls `call`, and repeats it until `deadline` while it returns kUnavailable.
 template <typename Call>
 auto retried(SteadyTime deadline, const Call& call) -> decltype(call()) {
   for (Duration wait = kFirstWait;; wait = std::min<Duration>(2 * wait, kLongestWait)) {
@@ -46,7 +46,8 @@ auto retried(SteadyTime deadline, const Call& call) -> decltype(call()) {
 
 using Async = v1::MemoryServer::StubInterface::async_interface;
 
-/// What a blocked caller waits for. Shared with handlers that may come too late.
+/// The value that a blocked caller waits for. It is shared with handlers, which may run after the
+/// caller has timed out.
 template <typename Value>
 struct Awaited {
   std::promise<Value> promise;
@@ -57,13 +58,13 @@ struct Awaited {
   }
 };
 
-/// Commits over shared memory.
+/// What commits over shared memory need.
 struct SharedCommits {
   std::shared_ptr<SharedLane> lane;
   std::shared_ptr<Calls<v1::CommitReply>> calls;
 };
 
-/// Adds a part of an answer to those before it.
+/// Adds one part of an answer to the parts that arrived before it.
 Status take_part(v1::QueryReply& reply, ltm::QueryResult& answer) {
   ENGRAM_RETURN_IF_ERROR(to_status(reply.outcome()));
   for (v1::EntityAnswer& entity : *reply.mutable_entities()) {
@@ -87,7 +88,7 @@ v1::Durability to_message(CommitDurability durability) {
 struct MemoryClient::State {
   ClientOptions options;
   std::string endpoint;
-  bool is_local = false;  ///< A Unix socket.
+  bool is_local = false;  ///< Whether the server is reached by a Unix socket.
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::MemoryServer::Stub> stub;
   std::shared_ptr<Calls<v1::CommitReply>> commits;
@@ -95,9 +96,11 @@ struct MemoryClient::State {
 
   Mutex sharing_mutex;
   SharedCommits sharing ENGRAM_GUARDED_BY(sharing_mutex);
-  SteadyTime share_again ENGRAM_GUARDED_BY(sharing_mutex){};  ///< Not before that.
+  /// The earliest time for the next try.
+  SteadyTime share_again ENGRAM_GUARDED_BY(sharing_mutex){};
 
-  /// Shared memory with the server, where both are on this host; asks for it where there is none.
+  /// Returns the shared memory with the server. Asks the server for it if there is none; returns an
+  /// empty value if the server is on another host or does not offer it.
   SharedCommits shared() ENGRAM_EXCLUDES(sharing_mutex) {
     const MutexLock lock(sharing_mutex);
     if (sharing.lane && sharing.lane->is_alive()) return sharing;
@@ -114,9 +117,10 @@ struct MemoryClient::State {
     return sharing;
   }
 
-  /// A block to write into; nothing where there is no room.
+  /// Returns a block to write into, or nothing if the server has no room.
   std::optional<BlockRef> lease(const SharedCommits& with, const std::string& memory,
                                 size_t bytes) {
+    // A lease of an earlier commit saves a round trip to the server before this commit.
     if (auto kept = with.lane->take_lease(memory, bytes)) return kept;
     auto awaited = std::make_shared<Awaited<Result<BlockRef>>>();
     v1::CommitRequest request;
@@ -137,11 +141,13 @@ struct MemoryClient::State {
     return leased.ok() ? std::optional(*leased) : std::nullopt;
   }
 
-  /// Sends a commit through shared memory. False where that cannot be.
+  /// Sends a commit through shared memory. Returns false if that is impossible: the caller then
+  /// sends it through the stream.
   bool share(const ltm::Commit& commit, CommitDurability durability,
              const std::function<void(const Status&)>& done) {
     const size_t bytes = bytes_in_block(commit);
     const auto memory = memory_of(commit);
+    // A block belongs to one memory, because its readers can read all of it.
     if (bytes < kSharedPayloadBytes || !memory) return false;
     const SharedCommits with = shared();
     if (!with.lane) return false;
@@ -173,7 +179,7 @@ struct MemoryClient::State {
     return true;
   }
 
-  /// Until when what could not be reached is tried again.
+  /// The time until which a call is retried.
   [[nodiscard]] SteadyTime last_try(SteadyTime deadline) const {
     return options.tries_again ? deadline : steady_now();
   }
@@ -182,7 +188,7 @@ struct MemoryClient::State {
     return unavailable("server '{}': no answer within {}", endpoint, to_string(options.timeout));
   }
 
-  /// Waits for at most what is left.
+  /// Waits for the value until `deadline`, then fails with a timeout.
   template <typename Value>
   Value wait(const std::shared_ptr<Awaited<Value>>& awaited, SteadyTime deadline) {
     const BlockingScope blocking;

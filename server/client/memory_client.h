@@ -17,42 +17,49 @@
 
 namespace engram::server {
 
-/// How to reach servers.
+/// How a client reaches servers.
 struct ClientOptions {
-  std::string token;                            ///< Empty: none.
-  std::filesystem::path ca;                     ///< PEM: who vouches for servers on other machines.
-  Duration timeout = std::chrono::seconds(10);  ///< Of each call, retries included.
-  bool tries_again = true;  ///< Where a server cannot be reached; else the call fails at once.
+  std::string token;  ///< Sent with each call; empty: no token is sent.
+  /// PEM file of the certificate authority that signed the certificates of servers on other
+  /// machines.
+  std::filesystem::path ca;
+  Duration timeout = std::chrono::seconds(10);  ///< For each call, retries included.
+  /// Whether a call is retried until the timeout while the server cannot be reached; otherwise the
+  /// call fails at once.
+  bool tries_again = true;
   int max_message_bytes = 256 << 20;
-  /// Large payloads go through shared memory where the server is reached by a Unix socket. What a
-  /// subscriber keeps of them, it keeps from the server.
+  /// Whether large payloads go through shared memory when the server is reached by a Unix socket. A
+  /// payload that a subscriber keeps occupies the server's shared memory until the subscriber frees
+  /// it.
   bool shares_memory = true;
 };
 
-/// What a server says of itself.
+/// What a server reports about itself.
 struct ServerInfo {
   std::string server;
   std::string version;
-  std::vector<std::string> memories;  ///< Empty: any.
+  std::vector<std::string> memories;  ///< Empty: the server takes any memory.
   std::string figures_json;
 };
 
-/// A memory server, as programs use it. Streams are opened when they are needed, and again when
-/// they broke.
+/// The client of one memory server. Its streams are opened when they are first needed, and reopened
+/// after they broke.
 ///
 /// Threading: thread-safe.
 /// Source: docs/server.md.
 class MemoryClient {
  public:
-  /// `endpoint`: see Endpoint. Does not wait for the server.
-  /// Errors: kInvalidArgument; those of reading the CA file.
+  /// Creates a client of the server at `endpoint` (see Endpoint) without waiting for the server.
+  /// Errors: kInvalidArgument for a bad endpoint; the errors of reading the CA file.
   static Result<std::unique_ptr<MemoryClient>> connect(const std::string& endpoint,
                                                        const ClientOptions& options = {});
   ~MemoryClient();
 
-  /// Waits until it is acknowledged. Where the server cannot be reached it is tried again until the
-  /// timeout: of the same entity and time, a commit that came twice counts once.
-  /// Errors: those of memory::MemoryService::commit; kUnavailable: it may have arrived or not.
+  /// Sends a commit and waits until it is acknowledged. While the server cannot be reached, the
+  /// commit is retried until the timeout; a commit that arrives twice counts once, because the
+  /// server identifies it by entity and time.
+  /// Errors: those of memory::MemoryService::commit; kUnavailable if there was no answer, in which
+  /// case the commit may or may not have arrived.
   Status commit(const ltm::Commit& commit,
                 CommitDurability durability = CommitDurability::kDefault);
 
@@ -60,21 +67,26 @@ class MemoryClient {
   void commit(const ltm::Commit& commit, CommitDurability durability,
               std::function<void(const Status&)> done);
 
-  /// `engine`: of predictions; empty: the best.
+  /// Answers a query. `engine` names the engine of predictions; empty chooses the best one.
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
 
   /// The same without waiting or trying again; `done` is called by a thread of the client.
   void query(const ltm::Query& query, const std::string& engine,
              std::function<void(Result<ltm::QueryResult>)> done);
 
+  /// Declares the type of a segment; see Memory::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
-  /// What predicts an entity, measured for each horizon; the one that answers first.
+  /// Returns one list per horizon: the engines that can predict the entity, each with its error at
+  /// that horizon on the entity's own past. The first engine of each list is the one that answers.
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
                                                               std::span<const Duration> horizons);
+  /// Asks the server what it is and what it has.
   Result<ServerInfo> info();
+  /// Returns the server's metrics as text for Prometheus.
   Result<std::string> metrics();
 
-  /// Returns when the server says that all from now on is told.
+  /// Subscribes to new snapshots. Returns once the server has confirmed that it sends all snapshots
+  /// from then on.
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers);
 

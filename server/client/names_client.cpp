@@ -17,7 +17,7 @@ namespace {
 
 using Async = v1::MemoryNameSystem::StubInterface::async_interface;
 
-/// Of a heartbeat: longer would cost the next one.
+/// The timeout of a heartbeat. A longer one would delay the next heartbeat.
 constexpr auto kHeartbeatTimeout = std::chrono::milliseconds(800);
 constexpr auto kTryAgainAfter = std::chrono::milliseconds(200);
 
@@ -122,17 +122,19 @@ struct Registrar::State {
   NamesClient& names;
   const Registration registration;
   std::atomic<bool> is_registered{false};
-  Mutex mutex;  ///< What `wake` needs; it guards nothing.
+  Mutex mutex;  ///< `wake` needs a mutex; this one guards no member.
   StoppableCondition wake;
   std::jthread thread;
 
-  /// How long until the next word is due.
+  /// Sends a heartbeat, or registers the server if the name system does not know it. Returns how
+  /// long to wait until the next call.
   Duration say() {
     const Status alive = is_registered
                              ? names.heartbeat(registration.server, registration.incarnation)
                              : not_found("not registered yet");
     if (alive.ok()) return interval;
-    // One that started over knows nobody; one that cannot be reached may have.
+    // A name system that restarted knows no server. One that cannot be reached may have restarted
+    // as well, so the server registers again in both cases.
     if (is_registered.exchange(false))
       log::warning("server '{}': {}; registering again", registration.server, alive.message());
     const auto added = names.add(registration);

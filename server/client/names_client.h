@@ -10,24 +10,29 @@
 
 namespace engram::server {
 
-/// The Memory Name System, as servers and clients use it. Each call waits for the answer.
+/// The client of a Memory Name System, for servers and for clients. Each call blocks until the
+/// answer arrives.
 ///
 /// Threading: thread-safe.
 class NamesClient {
  public:
-  /// Does not wait for the name system.
-  /// Errors: as MemoryClient::connect.
+  /// Creates a client without waiting for the name system.
+  /// Errors: those of MemoryClient::connect.
   static Result<std::unique_ptr<NamesClient>> connect(const std::string& endpoint,
                                                       const ClientOptions& options = {});
   ~NamesClient();
 
-  /// Errors: those of NameRegistry; kUnavailable.
+  /// Registers a server and returns the interval at which it must send heartbeats.
+  /// Errors: those of NameRegistry; kUnavailable if the name system cannot be reached.
   Result<Duration> add(const Registration& registration);
+  /// Renews the registration of a server. See NameRegistry::heartbeat.
   Status heartbeat(const std::string& server, uint64_t incarnation);
+  /// Removes the registration of a server. See NameRegistry::remove.
   Status remove(const std::string& server, uint64_t incarnation);
 
-  /// The servers of memories: a name or a regular expression; empty: all. With `wait`, waits for
-  /// the first one of a name that nobody has yet.
+  /// Returns the servers that have `memory`, which is a name or a regular expression; empty returns
+  /// all servers. With `wait`, a call for a name that no server has yet blocks until the first
+  /// server registers it, for `wait` at most.
   Result<std::vector<Registration>> resolve(const std::string& memory, Duration wait = {});
 
  private:
@@ -36,15 +41,15 @@ class NamesClient {
   std::unique_ptr<State> state_;
 };
 
-/// Keeps a server registered as long as it lives, also when the name system starts over.
+/// Keeps a server registered as long as this object lives, even if the name system restarts.
 ///
-/// Owns: a thread.
+/// Owns: one thread, which sends heartbeats.
 /// Threading: one thread.
 class Registrar {
  public:
-  /// `names` outlives it.
+  /// `names` must outlive this object.
   Registrar(NamesClient& names, Registration registration);
-  /// Says that the server leaves.
+  /// Removes the registration.
   ~Registrar();
 
   [[nodiscard]] bool is_registered() const;

@@ -16,18 +16,18 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(options.max_message_bytes);
   arguments.SetMaxSendMessageSize(options.max_message_bytes);
-  // A server that starts over, or a network that comes back, is found within a second.
+  // A short backoff finds a server that restarts, or a network that comes back, within a second.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
-  // How long a try may take: a TLS handshake of a busy machine needs more than the wait between
-  // two.
+  // gRPC uses this value as the timeout of one connection attempt. The TLS handshake of a busy
+  // machine needs more time than the wait between two attempts.
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
-  // One that vanished without a word is noticed within seconds.
+  // Keepalive pings detect within seconds a server that vanished without closing its connection.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 2000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 2000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  // Each client its own connection: what one waits for does not hold up another.
+  // Each client has its own connection, so that a call that waits does not hold up another client.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   std::shared_ptr<grpc::ChannelCredentials> credentials = grpc::InsecureChannelCredentials();
   if (ListenPolicy::needs_tls(endpoint)) {

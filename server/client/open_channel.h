@@ -14,14 +14,15 @@
 
 namespace engram::server {
 
-/// A connection that is made when it is needed, and again when it broke.
+/// Returns a channel that connects when it is first used, and reconnects after the connection
+/// broke.
 /// Errors: those of reading the CA file.
 Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
                                                     const ClientOptions& options);
 
-/// Makes a call of a stub's async interface, and waits for its end. By gRPC's threads, which work
-/// on the connection all the time: blocking calls work on it only while they last, and those that
-/// fail at once, again and again, would never see a handshake through.
+/// Makes a call through a stub's async interface and blocks until it ends. gRPC's own threads then
+/// drive the connection all the time. A blocking call would drive it only while the call lasts, so
+/// calls that fail at once, again and again, would never complete a TLS handshake.
 template <typename Async, typename Request, typename Reply>
 grpc::Status wait_for_call(Async* async,
                            void (Async::*method)(grpc::ClientContext*, const Request*, Reply*,

@@ -16,7 +16,7 @@ namespace engram::server {
 
 namespace {
 
-/// How late the server may learn that a block is not read any more.
+/// The interval at which the server is told which blocks are no longer read.
 constexpr auto kReleaseEvery = std::chrono::milliseconds(20);
 constexpr auto kAgainAfter = std::chrono::milliseconds(100);
 
@@ -47,7 +47,7 @@ class RemoteSubscription final : public Subscription {
     streams_.wait();
   }
 
-  /// Waits for the server's word that it has begun.
+  /// Opens the stream and waits until the server confirms that the subscription has begun.
   Status begin() {
     const BlockingScope blocking;
     open();
@@ -63,7 +63,7 @@ class RemoteSubscription final : public Subscription {
   }
 
  private:
-  /// Opens the stream again where it broke.
+  /// Starts the thread that reopens the stream after it broke and gives blocks back.
   void keep_alive() {
     thread_ = std::thread([this] {
       MutexLock lock(mutex_);
@@ -112,7 +112,7 @@ class RemoteSubscription final : public Subscription {
       const MutexLock lock(mutex_);
       stream_ = stream;
     }
-    // Where it ended already, end() says so, and it is opened again.
+    // If the stream has already ended, end() is called and the stream is opened again.
     if (const Status status = stream->send(to_bytes(request)); !status.ok())
       log::debug("subscription: {}", status.message());
   }
@@ -141,7 +141,7 @@ class RemoteSubscription final : public Subscription {
       const bool has_data = event.instances_size() > 0 &&
                             (!event.instances(0).data().empty() || event.instances(0).has_shared());
       if (event.has_block() && event.block().generation() != block_generation) {
-        // Of all events of a message that lie in one block, one lease.
+        // All events of a message that lie in one block share one lease of it.
         block = readable(to_block(event.block()));
         block_generation = event.block().generation();
       }
@@ -152,7 +152,8 @@ class RemoteSubscription final : public Subscription {
     if (!told.empty() && handlers_.on_snapshots) handlers_.on_snapshots(std::move(told));
   }
 
-  /// Empty where it cannot be mapped: then its snapshots cannot be read.
+  /// Maps a block. Returns an empty buffer if it cannot be mapped: its snapshots are then
+  /// unreadable.
   Buffer readable(const BlockRef& block) {
     std::shared_ptr<SharedLane> lane;
     {
@@ -168,7 +169,7 @@ class RemoteSubscription final : public Subscription {
     return bytes.ok() ? *std::move(bytes) : Buffer();
   }
 
-  /// Tells the server which blocks are not read any more.
+  /// Tells the server which blocks are no longer read.
   void release(const std::shared_ptr<ClientStream>& stream) {
     std::vector<BlockRef> blocks;
     {
@@ -178,7 +179,8 @@ class RemoteSubscription final : public Subscription {
     if (blocks.empty() || !stream) return;
     v1::SubscribeRequest request;
     for (const BlockRef& block : blocks) *request.add_released() = to_message(block);
-    // The server takes back what a client has whose stream ended.
+    // Ignoring the failure is safe: the server takes back all blocks of a client whose stream
+    // ended.
     if (const Status status = stream->send(to_bytes(request)); !status.ok())
       log::debug("subscription: {} blocks not given back: {}", blocks.size(), status.message());
   }
@@ -188,7 +190,8 @@ class RemoteSubscription final : public Subscription {
     {
       const MutexLock lock(mutex_);
       if (!is_started_ && status.code() != StatusCode::kUnavailable) is_lasting_ = status;
-      // Told once: what comes between the loss and the next beginning is lost anyway.
+      // An interruption is reported once, since all snapshots between the loss and the next
+      // beginning are lost anyway.
       is_loss = is_telling_ && !is_ending_;
     }
     if (is_loss && handlers_.on_interrupted) handlers_.on_interrupted(status);
@@ -201,14 +204,15 @@ class RemoteSubscription final : public Subscription {
   const ClientOptions client_;
   const SubscriptionHandlers handlers_;
   const LaneSource lanes_;
-  /// Buffers may outlive the subscription.
+  /// Blocks that are no longer read. The list is shared because buffers may outlive the
+  /// subscription.
   struct Released {
     Mutex mutex;
     std::vector<BlockRef> blocks ENGRAM_GUARDED_BY(mutex);
   };
   const std::shared_ptr<Released> released_ = std::make_shared<Released>();
   v1::SubscribeRequest request_;
-  uint64_t lost_ = 0;  ///< Used by one thread at a time: that of the stream.
+  uint64_t lost_ = 0;  ///< Used only by the thread that runs the stream's handlers.
 
   OpenStreams streams_;
   Mutex mutex_;
@@ -216,10 +220,11 @@ class RemoteSubscription final : public Subscription {
   std::shared_ptr<ClientStream> stream_ ENGRAM_GUARDED_BY(mutex_);
   std::shared_ptr<SharedLane> lane_ ENGRAM_GUARDED_BY(mutex_);
   int open_streams_ ENGRAM_GUARDED_BY(mutex_) = 0;
-  bool is_started_ ENGRAM_GUARDED_BY(mutex_) = false;  ///< The server said so, at any time.
-  bool is_telling_ ENGRAM_GUARDED_BY(mutex_) = false;  ///< And on this stream.
+  bool is_started_ ENGRAM_GUARDED_BY(mutex_) = false;  ///< Confirmed on any stream so far.
+  bool is_telling_ ENGRAM_GUARDED_BY(mutex_) = false;  ///< Confirmed on the current stream.
   bool is_ending_ ENGRAM_GUARDED_BY(mutex_) = false;
-  Status is_lasting_ ENGRAM_GUARDED_BY(mutex_);  ///< Why it will not begin.
+  /// The permanent error because of which the subscription cannot begin.
+  Status is_lasting_ ENGRAM_GUARDED_BY(mutex_);
   std::thread thread_;
 };
 

@@ -8,10 +8,10 @@
 
 namespace engram::server {
 
-/// Shared memory with the server, as it is now; null where there is none.
+/// Returns the current shared memory with the server, or null if there is none.
 using LaneSource = std::function<std::shared_ptr<SharedLane>()>;
 
-/// See MemoryClient::subscribe.
+/// Opens a subscription at one server; see MemoryClient::subscribe.
 Result<std::unique_ptr<Subscription>> subscribe_remotely(std::shared_ptr<grpc::Channel> channel,
                                                          const ClientOptions& client,
                                                          const SubscriptionOptions& options,

@@ -19,7 +19,7 @@ std::string told_by(const ServerOutcome& outcome) {
              : fmt::format("server '{}': {}", outcome.server, outcome.status.message());
 }
 
-/// All failures as one: the first one's code.
+/// Joins all failures into one status, with the code of the first failure.
 Status joined(const std::vector<ServerOutcome>& outcomes) {
   std::vector<std::string> messages;
   std::optional<StatusCode> code;
@@ -33,21 +33,21 @@ Status joined(const std::vector<ServerOutcome>& outcomes) {
 
 using Updates = std::vector<const ltm::EntityUpdate*>;
 
-/// What of a commit goes to one server.
+/// The part of a commit that goes to one server.
 struct CommitPart {
   Registration server;
   Updates updates;
 };
 
-/// By the names of servers.
+/// Keyed by the server's name; the empty name holds updates of memories that no server has.
 using CommitParts = std::map<std::string, CommitPart>;
 
-/// A question to several servers, and what they have said so far.
+/// A query to several servers, with the answers received so far.
 struct Asking {
-  std::map<std::string, Registration> servers;  ///< All that were to be asked.
+  std::map<std::string, Registration> servers;  ///< All servers that the query concerns.
   std::map<std::string, Result<ltm::QueryResult>> answers;
 
-  /// Has to be asked, or asked again.
+  /// Whether the server still has to be asked, or asked again.
   [[nodiscard]] bool is_open(const std::string& server) const {
     const auto found = answers.find(server);
     return found == answers.end() || is_lost(found->second.status());
@@ -61,8 +61,8 @@ struct RobotMemory::State {
 
   [[nodiscard]] SteadyTime deadline() const { return steady_now() + servers->options().timeout; }
 
-  /// What is known may be old where it tells all that is asked for. A name system that knows no
-  /// server has just begun.
+  /// Renews the list of servers unless the list names the server of each memory in the query. A
+  /// name system that knows no server has just started, so the client waits for it to learn some.
   Status renew_servers(const ltm::Query& query, Backoff& backoff) {
     bool is_known = true;
     for (const ltm::MemoryQuery& memory : query.memories())
@@ -77,9 +77,9 @@ struct RobotMemory::State {
     return {};
   }
 
-  // Of commits.
+  // Commits.
 
-  /// Which updates go to which server; those of memories that nobody has go to "".
+  /// Distributes updates to servers; updates of memories that no server has go to "".
   [[nodiscard]] CommitParts split(const Updates& updates) const {
     CommitParts parts;
     for (const ltm::EntityUpdate* update : updates) {
@@ -95,7 +95,7 @@ struct RobotMemory::State {
     return servers->absence(part.updates[0]->entity.names()[0]);
   }
 
-  /// Sends all parts, and waits for all of them.
+  /// Sends all parts at once and waits for all replies until `deadline`.
   std::vector<ServerOutcome> send(const CommitParts& parts, CommitDurability durability,
                                   SteadyTime deadline) {
     const auto pending = std::make_shared<PendingReplies>(
@@ -119,8 +119,8 @@ struct RobotMemory::State {
       clients[at]->commit(commit, durability,
                           [pending, at](const Status& status) { pending->set(at, status); });
     }
-    // Without the lock from here on: who drops a connection may wait for another that is opened,
-    // and late answers want it meanwhile.
+    // No lock is held from here on: drop() may wait for a connection that is being opened, while
+    // late replies need the lock.
     const std::vector<Status> statuses = pending->wait(deadline);
     std::vector<ServerOutcome> outcomes;
     index = 0;
@@ -149,7 +149,7 @@ struct RobotMemory::State {
       rest.clear();
       std::vector<ServerOutcome> failed;
       for (ServerOutcome& outcome : send(parts, durability, deadline)) {
-        // One that says that it has no such memory may have given it away.
+        // A server that no longer has the memory may have handed it to another server.
         if (!is_lost(outcome.status) && outcome.status.code() != StatusCode::kNotFound) {
           outcomes.push_back(std::move(outcome));
           continue;
@@ -167,7 +167,8 @@ struct RobotMemory::State {
     }
   }
 
-  /// Does something at the server of a memory; again where it is gone or has given it away.
+  /// Calls `work` with the server of a memory; repeats it if the server is gone or no longer has
+  /// the memory.
   template <typename Work>
   Status at_holder(const std::string& memory, const Work& work) {
     Backoff backoff(deadline());
@@ -191,9 +192,10 @@ struct RobotMemory::State {
     }
   }
 
-  // Of queries.
+  // Queries.
 
-  /// One that was to be asked and is gone is still owed, unless others have its memories now.
+  /// Updates the servers that the query concerns. A server that has disappeared remains in the list
+  /// unless other servers now have its memories, so that its missing answer is not overlooked.
   void find_servers(const ltm::Query& query, Asking& asking) const {
     std::map<std::string, Registration> found;
     for (Registration& server : servers->holders(query)) {
@@ -228,7 +230,8 @@ struct RobotMemory::State {
       asking.answers.insert_or_assign(open[i]->server, std::move(answers[i]));
   }
 
-  /// Asks until all have answered, or there is no time left.
+  /// Asks until all servers have answered or the time is over. Unless `is_patient`, servers that
+  /// cannot be reached are tried only once more.
   Result<RobotAnswer> query(const ltm::Query& query, const std::string& engine, bool is_patient) {
     Backoff backoff(deadline());
     ENGRAM_RETURN_IF_ERROR(renew_servers(query, backoff));
@@ -245,7 +248,7 @@ struct RobotMemory::State {
       }
       if (has_answer && !is_any_open) break;
       if (is_any_open && ((!is_patient && round > 0) || !backoff.wait())) break;
-      // What nobody has may have moved, or arrived, since servers were found.
+      // A memory that no server has may have moved or arrived since the servers were found.
       servers->refresh(is_any_open ? Duration(kFirstWait) : Duration(0));
       if (is_any_open) continue;
       if (servers->all() == before || round > 0) break;
@@ -329,7 +332,7 @@ Result<std::vector<std::vector<ltm::EngineRecord>>> RobotMemory::engines(
   Result<std::vector<std::vector<ltm::EngineRecord>>> records = cancelled("not asked");
   ENGRAM_RETURN_IF_ERROR(state_->at_holder(entity.names()[0], [&](MemoryClient& client) {
     records = client.engines(entity, horizons);
-    // That it has no such entity is an answer.
+    // kNotFound is a valid answer here: the server has no such entity.
     return is_lost(records.status()) ? records.status() : Status();
   }));
   return records;

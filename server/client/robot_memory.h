@@ -11,58 +11,60 @@
 
 namespace engram::server {
 
-/// What became of the part of a request that went to one server.
+/// The outcome of the part of a request that went to one server.
 struct ServerOutcome {
-  std::string server;  ///< Empty: no server has this.
+  std::string server;  ///< Empty: no server has this memory.
   Status status;
 };
 
-/// What all servers that were asked know together.
+/// The united answer of all servers that were asked.
 struct RobotAnswer {
   ltm::QueryResult result;
   std::vector<ServerOutcome> missing;  ///< Servers that could not be reached.
 };
 
-/// A server of the robot, and what it says of itself.
+/// A server of the robot, with what it reports about itself.
 struct RobotServer {
   Registration registration;
   Result<ServerInfo> info;
 };
 
-/// The memories of a robot, wherever they are: a client addresses memories, and the name system
-/// knows their servers. What it said is kept, and asked for anew when a server fails; while it
-/// cannot be reached, what it said last holds. A server without named memories takes all that
-/// nobody else has.
+/// All memories of a robot, across its servers. A client addresses memories; the name system knows
+/// which server has which memory. The client keeps the name system's last answer, asks again when a
+/// server fails, and continues with the last answer while the name system cannot be reached. A
+/// server without named memories takes every memory that no other server has.
 ///
-/// Of the endpoints of a server the nearest is used: one of this host that this server answers at,
-/// else the others in their order.
+/// The client uses the nearest endpoint of a server: an endpoint of this host at which this very
+/// server answers, otherwise the other endpoints in their order.
 /// Threading: thread-safe.
 /// Source: docs/server.md.
 class RobotMemory {
  public:
-  /// `options.timeout`: of each call, renewals and retries included. Waits for nobody.
-  /// Errors: as NamesClient::connect.
+  /// Creates a client without waiting for anything. `options.timeout` bounds each call, including
+  /// renewals of the list of servers and retries.
+  /// Errors: those of NamesClient::connect.
   static Result<std::unique_ptr<RobotMemory>> connect(const std::string& names,
                                                       const ClientOptions& options = {});
   ~RobotMemory();
 
-  /// Commits to each server what is of its memories, to all of them at once. Where one is gone or
-  /// has moved, it is looked for until the timeout. Each part is all or nothing; `outcomes`, where
-  /// given, has one for each.
-  /// Errors: those of MemoryClient::commit, naming every server that failed; kNotFound where no
-  /// server has a memory.
+  /// Sends to each server the updates of its memories, to all servers at once. If a server is gone
+  /// or a memory has moved, the client looks for it until the timeout. Each server's part is all or
+  /// nothing; `outcomes`, if given, receives one outcome per part.
+  /// Errors: those of MemoryClient::commit, naming every server that failed; kNotFound if no server
+  /// has a memory.
   Status commit(const ltm::Commit& commit, CommitDurability durability = CommitDurability::kDefault,
                 std::vector<ServerOutcome>* outcomes = nullptr);
 
-  /// Asks all servers that may have what is asked for at once, and unites their answers. A server
-  /// that has no such entity has nothing to add; one that was there seconds ago is waited for.
-  /// Errors: kNotFound where none has; kUnavailable naming the servers that could not be reached;
-  /// those of MemoryClient::query.
+  /// Asks all servers that may have matching entities at once and unites their answers. A server
+  /// without such an entity adds nothing; a server that disappeared within the last seconds is
+  /// waited for.
+  /// Errors: kNotFound if no server has the entity; kUnavailable naming the servers that could not
+  /// be reached; those of MemoryClient::query.
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
 
-  /// The same, but what cannot be reached is told beside the answer, and waited for less: it is
-  /// looked for once.
-  /// Errors: the same, kUnavailable where no server at all could be reached.
+  /// Like query(), but servers that cannot be reached are listed beside the answer, and the client
+  /// looks for them only once more instead of until the timeout.
+  /// Errors: those of query(), but kUnavailable only if no server at all could be reached.
   Result<RobotAnswer> query_reachable(const ltm::Query& query, const std::string& engine = {});
 
   /// See MemoryClient::declare.
@@ -72,19 +74,20 @@ class RobotMemory {
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
                                                               std::span<const Duration> horizons);
 
-  /// Subscribes to all servers that may have such entities, those that arrive or move later
-  /// included; what is lost meanwhile is told by on_interrupted. Handlers are called one at a time.
-  /// Returns when the servers that are there now say that they tell; one that cannot be reached
-  /// yet is told by on_interrupted, and subscribed to when it can be.
-  /// Errors: kInvalidArgument; what a server refuses the subscription for.
+  /// Subscribes to all servers that may have matching entities, including servers that arrive or
+  /// move later. `on_interrupted` reports snapshots lost meanwhile. Handlers are called one at a
+  /// time. Returns once all servers that are reachable now have confirmed the subscription;
+  /// `on_interrupted` reports a server that cannot be reached yet, and the client subscribes to it
+  /// when it can.
+  /// Errors: kInvalidArgument; any error with which a server refuses the subscription.
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers);
 
-  /// Waits until a server has this memory, and answers.
+  /// Waits until a server has this memory and answers.
   /// Errors: kUnavailable after `timeout`.
   Status wait_for_memory(const std::string& name, Duration timeout);
 
-  /// All servers that the name system knows, asked at once.
+  /// Returns all servers that the name system knows, and asks them all at once.
   /// Errors: those of NamesClient::resolve.
   Result<std::vector<RobotServer>> info();
 

@@ -10,9 +10,10 @@ namespace engram::server {
 
 namespace {
 
-/// Of what must not hold up a call: the name system, and whether a server is near.
+/// The timeout of requests that must not hold up a call: those to the name system, and those that
+/// check whether a server is near.
 constexpr Duration kShortTimeout = std::chrono::seconds(1);
-/// Memories whose last server is remembered.
+/// The max number of memories whose last server is remembered.
 constexpr size_t kMaxLastHolders = 4096;
 
 bool may_have(const Registration& server, const ltm::Query& query) {
@@ -107,7 +108,7 @@ std::map<std::string, std::string> RobotServers::gone(const ltm::Query& query) c
   const SteadyTime now = steady_now();
   const MutexLock lock(mutex_);
   for (const auto& known : last_holders_) {
-    // No structured binding: clang 14 does not let lambdas use one.
+    // Not a structured binding, because clang 14 does not let lambdas capture one.
     const std::string& memory = known.first;
     const LastHolder& last = known.second;
     const auto is_asked = [&](const ltm::MemoryQuery& asked) {
@@ -172,14 +173,16 @@ Result<std::string> RobotServers::nearest(const Registration& server) {
   return far[tries_[server.server]++ % far.size()];
 }
 
-/// Another host may have a socket or a port of the same name: who answers has to be the server.
+/// Whether this very server answers at the endpoint: another host may have a socket or a port of
+/// the same name.
 bool RobotServers::answers(const std::string& endpoint, const std::string& server) const {
   ClientOptions asking = options_;
   asking.timeout = std::min(asking.timeout, kShortTimeout);
   const auto client = MemoryClient::connect(endpoint, asking);
   if (!client.ok()) return false;
   const auto info = (*client)->info();
-  // One that does not let this client in says so to the call itself.
+  // A server that refuses this client is accepted here, because the call itself will report the
+  // refusal.
   return info.ok() ? info->server == server
                    : info.status().code() == StatusCode::kFailedPrecondition;
 }

@@ -14,65 +14,68 @@
 
 namespace engram::server {
 
-/// The servers of a robot as the name system told them last, and a connection to each that is
-/// used.
+/// The servers of a robot, as the name system last reported them, with a connection to each server
+/// that is used.
 ///
 /// Threading: thread-safe.
 class RobotServers {
  public:
-  /// How old what is known may be where servers that just arrived matter.
+  /// The max age of the list of servers where servers that have just arrived matter.
   static constexpr Duration kFreshFor = std::chrono::milliseconds(300);
+  /// How long a server that disappeared is waited for: a server that restarts is back by then.
   static constexpr Duration kGoneAfter = std::chrono::seconds(10);
 
   static Result<std::unique_ptr<RobotServers>> connect(const std::string& names,
                                                        const ClientOptions& options);
 
-  /// Asks the name system, unless that was done within `age`, with success or not.
-  /// Errors: those of NamesClient::resolve; what was known stays.
+  /// Asks the name system for its servers, unless it was asked within `age`, successfully or not.
+  /// Errors: those of NamesClient::resolve; the previous list then stays.
   Status renew(Duration age = Duration(0)) ENGRAM_EXCLUDES(renewing_, mutex_);
 
-  /// The same for who goes on with what was known: where the name system cannot be reached, that is
-  /// logged once until it can be, and absence() tells it to who misses something.
+  /// Like renew(), for callers that can continue with the previous list. If the name system cannot
+  /// be reached, that is logged once per outage, and absence() reports it for a missing memory.
   void refresh(Duration age);
 
-  /// Why no server is known to have a memory: kUnavailable where the name system could not be asked
-  /// last, or where the server that had it is gone; else kNotFound.
+  /// Why no server is known to have a memory: kUnavailable if the name system could not be reached
+  /// last time or the server that had the memory is gone; otherwise kNotFound.
   [[nodiscard]] Status absence(std::string_view memory) const;
 
-  /// All that are known, by their names.
+  /// All known servers, ordered by name.
   [[nodiscard]] std::vector<Registration> all() const;
 
-  /// The server that has this memory, or takes any; nothing where none does.
+  /// The server that has this memory, otherwise a server that takes any memory, otherwise nothing.
   [[nodiscard]] std::optional<Registration> holder(std::string_view memory) const;
 
-  /// Those that may have what is asked for.
+  /// The servers that may have matching entities.
   [[nodiscard]] std::vector<Registration> holders(const ltm::Query& query) const;
 
-  /// The server that had a memory when it was last told; empty where none ever did.
+  /// The last server known to have had a memory; empty if none ever had it.
   [[nodiscard]] std::string last_holder(std::string_view memory) const ENGRAM_EXCLUDES(mutex_);
 
-  /// Memories that are asked for, had a server and have none now, with that server. Those that are
-  /// not asked for by name only for kGoneAfter: a server that starts over is back by then.
+  /// Memories in the query that had a server and have none now, mapped to that server. A memory
+  /// that the query does not name literally is included only for kGoneAfter: a server that restarts
+  /// is back by then.
   [[nodiscard]] std::map<std::string, std::string> gone(const ltm::Query& query) const;
 
-  /// A connection to the server's nearest endpoint, shared with whoever asks.
-  /// Errors: kUnavailable where it has no endpoint that this host can use.
+  /// A connection to the server's nearest endpoint, shared by all callers.
+  /// Errors: kUnavailable if the server has no endpoint that this host can use.
   Result<std::shared_ptr<MemoryClient>> client(const Registration& server);
 
-  /// The same, not shared.
+  /// Like client(), but the caller owns the connection alone.
   Result<std::unique_ptr<MemoryClient>> own_client(const Registration& server,
                                                    const ClientOptions& options);
 
-  /// This connection did not do: the next one may be to another endpoint.
+  /// Discards a connection that failed; the next one may go to another endpoint.
   void drop(const std::string& server, const MemoryClient* client);
 
   [[nodiscard]] const ClientOptions& options() const { return options_; }
 
  private:
   struct Connection {
-    Mutex opening;  ///< Held while it is made, so that it is made once.
+    Mutex opening;  ///< Held while the connection is opened, so that it is opened once.
     std::shared_ptr<MemoryClient> client ENGRAM_GUARDED_BY(opening);
-    std::vector<std::string> endpoints ENGRAM_GUARDED_BY(opening);  ///< Among which it was chosen.
+    /// The server's endpoints when this one was chosen.
+    std::vector<std::string> endpoints ENGRAM_GUARDED_BY(opening);
   };
 
   explicit RobotServers(const ClientOptions& options) : options_(options) {}
@@ -95,10 +98,11 @@ class RobotServers {
     std::string server;
     SteadyTime seen;
   };
-  /// By memory.
+  /// Keyed by memory.
   std::map<std::string, LastHolder, std::less<>> last_holders_ ENGRAM_GUARDED_BY(mutex_);
   std::map<std::string, std::shared_ptr<Connection>> connections_ ENGRAM_GUARDED_BY(mutex_);
-  /// Of endpoints of other hosts, by server.
+  /// Keyed by server: counts the tries of endpoints on other hosts, so that each try takes the
+  /// next.
   std::map<std::string, size_t> tries_ ENGRAM_GUARDED_BY(mutex_);
 };
 

@@ -10,9 +10,9 @@ namespace engram::server {
 
 namespace {
 
-/// A server that arrives is subscribed to this soon.
+/// The interval at which the client looks for new servers.
 constexpr auto kLookEvery = std::chrono::milliseconds(300);
-/// Until a server has to say that it tells: others wait meanwhile.
+/// How long a server may take to confirm a subscription; the other servers wait meanwhile.
 constexpr Duration kStartTimeout = std::chrono::seconds(2);
 Result<ltm::Query> entities_of(const std::vector<std::string>& names) {
   return names.empty() ? ltm::Query()
@@ -42,12 +42,12 @@ class RobotSubscription final : public Subscription {
   }
 
  private:
-  /// What one server tells.
+  /// The subscription at one server.
   struct Feed {
-    std::vector<std::string> endpoints;  ///< Where it was when it was subscribed to.
+    std::vector<std::string> endpoints;  ///< The server's endpoints when the client subscribed.
     std::unique_ptr<MemoryClient> client;
     std::unique_ptr<Subscription> subscription;
-    std::optional<SteadyTime> gone_since;  ///< From the name system.
+    std::optional<SteadyTime> gone_since;  ///< When it disappeared from the name system.
   };
 
   void run(const std::stop_token& stop) {
@@ -57,12 +57,12 @@ class RobotSubscription final : public Subscription {
         wake_.wait_for(waiting_, stop, kLookEvery, [] { return false; });
       }
       if (stop.stop_requested()) return;
-      // What a server refuses now it took before: it is told, and tried again.
+      // The server accepted this subscription before, so a refusal is reported and tried again.
       if (const Status status = look(); !status.ok()) interrupted(status);
     }
   }
 
-  /// Subscribes to servers that are new, or elsewhere than before.
+  /// Subscribes to servers that are new or have moved.
   Status look() {
     const bool is_told = servers_.renew(std::chrono::milliseconds(100)).ok();
     const auto holders = servers_.holders(entities_);
@@ -90,7 +90,7 @@ class RobotSubscription final : public Subscription {
       const Status status = statuses[i].with_context(fmt::format("server '{}'", server.server));
       const bool is_lost =
           status.code() == StatusCode::kUnavailable || status.code() == StatusCode::kCancelled;
-      // Told once, not at each look.
+      // An unreachable server is reported once, not at each look.
       if (!is_lost)
         refused = status;
       else if (unreachable_.insert(server.server).second)
@@ -151,7 +151,7 @@ class RobotSubscription final : public Subscription {
   std::map<std::string, Feed> feeds_;
   std::set<std::string> unreachable_;
 
-  Mutex waiting_;  ///< What `wake_` needs; it guards nothing.
+  Mutex waiting_;  ///< `wake_` needs a mutex; this one guards no member.
   StoppableCondition wake_;
   std::jthread thread_;
 };

@@ -7,7 +7,8 @@
 
 namespace engram::server {
 
-/// See RobotMemory::subscribe. `owner` keeps `servers` as long as the subscription lives.
+/// Opens a subscription at all servers of a robot; see RobotMemory::subscribe. `owner` keeps
+/// `servers` alive as long as the subscription lives.
 Result<std::unique_ptr<Subscription>> subscribe_to_robot(RobotServers& servers,
                                                          std::shared_ptr<void> owner,
                                                          const SubscriptionOptions& options,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: how calls that concern several servers wait for them.
+// Private to this room: how calls that concern several servers wait and retry.
 
 #include <algorithm>
 #include <thread>
@@ -14,20 +14,21 @@
 
 namespace engram::server {
 
-/// Before what could not be reached is tried again: at first, and at most.
+/// The first and the max wait before an unreachable server is tried again.
 inline constexpr auto kFirstWait = std::chrono::milliseconds(50);
 inline constexpr auto kLongestWait = std::chrono::milliseconds(300);
 
-/// The server is gone, stops, or is not the one that has the memory.
+/// Whether a status means that the server is gone or stops.
 [[nodiscard]] inline bool is_lost(const Status& status) {
   return status.code() == StatusCode::kUnavailable || status.code() == StatusCode::kCancelled;
 }
 
-/// Waits longer each time; false where `deadline` comes first.
+/// Waits before retries, twice as long each time up to kLongestWait.
 class Backoff {
  public:
   explicit Backoff(SteadyTime deadline) : deadline_(deadline) {}
 
+  /// Sleeps before the next try. Returns false without sleeping if `deadline` would come first.
   bool wait() {
     if (steady_now() + next_ >= deadline_) return false;
     const BlockingScope blocking;
@@ -41,7 +42,7 @@ class Backoff {
   Duration next_ = kFirstWait;
 };
 
-/// Calls `work(i)` for each i below `count`, at once.
+/// Calls `work(i)` for each i below `count`, each on a thread of its own, and waits for all.
 template <typename Work>
 void at_once(size_t count, const Work& work) {
   const BlockingScope blocking;
@@ -50,12 +51,12 @@ void at_once(size_t count, const Work& work) {
   if (count > 0) work(0);
 }
 
-/// What several servers still owe.
+/// Collects the replies of several servers, and lets a caller wait for them.
 ///
 /// Threading: thread-safe.
 class PendingReplies {
  public:
-  /// `unanswered` is what a part that nothing is said of comes to.
+  /// `unanswered` is the status of a part that has no reply by the deadline.
   PendingReplies(size_t parts, const Status& unanswered)
       : count_(parts), statuses_(parts, unanswered) {}
 
@@ -66,7 +67,7 @@ class PendingReplies {
     changed_.notify_all();
   }
 
-  /// What all have said, or have not said until then.
+  /// Waits until all parts have a reply or the deadline has passed, and returns their statuses.
   std::vector<Status> wait(SteadyTime deadline) {
     const MutexLock lock(mutex_);
     changed_.wait_until(mutex_, deadline, [this]() ENGRAM_REQUIRES(mutex_) { return count_ == 0; });

@@ -11,7 +11,7 @@ namespace engram::server {
 
 namespace {
 
-/// Arrays are viewed where their value starts aligned.
+/// Rounds up to 8 bytes: readers view arrays in place, so each value must start aligned.
 constexpr size_t aligned(size_t bytes) {
   return (bytes + 7) / 8 * 8;
 }

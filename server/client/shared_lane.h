@@ -16,26 +16,27 @@
 
 namespace engram::server {
 
-/// Payloads from here on go through shared memory where the server is on this host.
+/// Payloads of at least this size go through shared memory if the server is on this host.
 inline constexpr size_t kSharedPayloadBytes = size_t{32} << 10;
 
-/// Memory that a client shares with its server: a session, and blocks that are leased to it.
+/// Memory that a client shares with its server: a session, and blocks leased to it.
 ///
-/// Threading: thread-safe. Buffers may outlive it.
+/// Threading: thread-safe. Buffers may outlive this object.
 /// Source: docs/sharing.md.
 class SharedLane {
  public:
-  /// Asks the server for a session. Null where it offers none, or cannot be asked.
+  /// Asks the server for a session. Returns null if the server offers none or cannot be asked.
   static std::shared_ptr<SharedLane> open(v1::MemoryServer::Stub& stub,
                                           const ClientOptions& options);
 
-  /// For the metadata of streams.
+  /// The session's name, which streams send in their metadata.
   [[nodiscard]] const std::string& session() const { return session_; }
   [[nodiscard]] bool is_alive() const { return memory_->is_connected(); }
   [[nodiscard]] SharingClient& memory() { return *memory_; }
 
-  /// A block that was leased for this memory and is large enough, if there is one.
+  /// Takes a leased block of this memory that has at least `bytes`; nothing if there is none.
   std::optional<BlockRef> take_lease(const std::string& memory, size_t bytes);
+  /// Keeps a block for a later take_lease().
   void keep_lease(const std::string& memory, const BlockRef& block);
 
  private:
@@ -43,7 +44,7 @@ class SharedLane {
     std::string memory;
     BlockRef block;
   };
-  /// Beyond that, the server keeps what it leases until this client ends.
+  /// The max number of kept leases. A block beyond it stays unused until this client ends.
   static constexpr size_t kMaxLeases = 8;
 
   std::string session_;
@@ -52,14 +53,14 @@ class SharedLane {
   std::vector<Lease> leases_ ENGRAM_GUARDED_BY(mutex_);
 };
 
-/// Bytes that write_in_block needs for the data of a commit.
+/// The number of bytes that write_in_block needs for the data of a commit.
 [[nodiscard]] size_t bytes_in_block(const ltm::Commit& commit);
 
-/// The memory of all updates; nothing where there are several.
+/// The memory that all updates belong to; nothing if they belong to several.
 [[nodiscard]] std::optional<std::string> memory_of(const ltm::Commit& commit);
 
-/// Writes the data of a commit to `out`, and the rest of it to `request`.
-/// Errors: kInvalidArgument where a value nests too deep.
+/// Writes the data of a commit to `out`, and everything else to `request`.
+/// Errors: kInvalidArgument if a value nests too deep.
 Status write_in_block(const ltm::Commit& commit, std::span<std::byte> out,
                       v1::CommitRequest& request);
 

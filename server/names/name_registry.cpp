@@ -149,6 +149,8 @@ NameChanges NameRegistry::wait_for_changes(const NameVersion& version, SteadyTim
 
 SteadyTime NameRegistry::let_go_of_lost() {
   const SteadyTime now = clock_();
+  // Every call comes here first, so leases need no thread of their own. `soonest_` spares the scan
+  // of all servers until a lease can have ended.
   if (now <= soonest_) return now;
   soonest_ = SteadyTime::max();
   for (auto entry = entries_.begin(); entry != entries_.end();) {
@@ -217,6 +219,7 @@ void NameRegistry::tell(NameEventKind kind, const Registration& server) {
 
 Lease NameRegistry::renew(Entry& entry, SteadyTime now) const {
   const Lease lease{options_.heartbeat_interval, options_.heartbeat_interval * options_.max_missed};
+  // A heartbeat never shortens a lease.
   entry.expires = std::max(entry.expires, now + lease.expires_after);
   return lease;
 }
@@ -239,6 +242,8 @@ bool NameRegistry::is_current(const NameVersion& version) const {
 NameChanges NameRegistry::changes(const NameVersion& version) const {
   NameChanges changes{{registry_, told_}, false, {}, {}};
   if (is_current(version)) return changes;
+  // A version of another registry counts other events. More events than were kept cannot be
+  // replayed. In both cases the watcher needs the full list.
   if (version.registry != registry_ || version.events > told_ ||
       told_ - version.events > events_.size()) {
     changes.is_everything = true;

@@ -18,31 +18,31 @@
 
 namespace engram::server {
 
-/// How long a server counts as there without a word from it.
+/// How long a server counts as present without a heartbeat.
 struct Lease {
-  Duration heartbeat_interval{};  ///< A heartbeat is due this often.
-  Duration expires_after{};       ///< Without one for longer, the server is gone.
+  Duration heartbeat_interval{};  ///< A heartbeat is due at this interval.
+  Duration expires_after{};       ///< Without a heartbeat for longer, the server is gone.
 };
 
 enum class NameEventKind : uint8_t {
   kArrived,
-  kChanged,        ///< The same incarnation says something else of itself.
-  kUnregistered,   ///< Left, and said so.
-  kLostHeartbeat,  ///< Left without a word.
-  kReplaced,       ///< Left: a newer incarnation of it arrives.
+  kChanged,        ///< The same incarnation has changed its registration.
+  kUnregistered,   ///< The server has left properly.
+  kLostHeartbeat,  ///< The server has disappeared.
+  kReplaced,       ///< A newer incarnation takes its place; kArrived follows.
 };
 
 /// "arrived", "changed", "unregistered", "lost heartbeat", "replaced".
 [[nodiscard]] std::string_view to_string(NameEventKind kind);
 
-/// What happened to one server.
+/// A change of one server.
 struct NameEvent {
   NameEventKind kind = NameEventKind::kArrived;
-  Registration server;  ///< As it is from now on, or as it was.
+  Registration server;  ///< The new registration, or the last one of a server that left.
 };
 
-/// How far a watcher has come. Those of another registry, such as one that was restarted since,
-/// are told apart.
+/// How far a watcher has followed the events. `registry` distinguishes registries, such as one
+/// before a restart.
 struct NameVersion {
   uint64_t registry = 0;
   uint64_t events = 0;
@@ -50,23 +50,24 @@ struct NameVersion {
   friend bool operator==(const NameVersion&, const NameVersion&) = default;
 };
 
-/// What a watcher does not know yet.
+/// The changes that a watcher does not know yet.
 struct NameChanges {
-  NameVersion version;  ///< To ask with, the next time.
-  /// True where the watcher is too far behind, or of another registry: `servers` is all there is.
+  NameVersion version;  ///< The version to pass the next time.
+  /// True if the watcher is too far behind or of another registry: `servers` then lists all
+  /// servers.
   bool is_everything = false;
-  std::vector<Registration> servers;  ///< Where is_everything.
-  std::vector<NameEvent> events;      ///< Elsewhere, in the order in which they happened.
+  std::vector<Registration> servers;  ///< Set if is_everything.
+  std::vector<NameEvent> events;      ///< Set otherwise, in the order of their occurrence.
 };
 
-/// Which server has which memory: what the Memory Name System (MNS) knows.
+/// The state of the Memory Name System (MNS): which server has which memory.
 ///
-/// Each memory is held by one server. A server registers, and then says at intervals that it is
-/// still there; one that misses `max_missed` heartbeats is gone, and its memories are free. It
-/// keeps nothing on disk: after a restart it is empty, and tells servers so at their next heartbeat
-/// (kNotFound), upon which they register again.
+/// Each memory is held by one server. A server registers and then sends heartbeats; a server that
+/// misses `max_missed` heartbeats is gone, and its memories are free. Nothing is kept on disk:
+/// after a restart the registry is empty and answers heartbeats with kNotFound, upon which servers
+/// register again.
 ///
-/// Time: leases are counted by a steady clock, so that setting the machine's time ends none.
+/// Time: leases use a steady clock, so that setting the machine's time ends none.
 /// Threading: thread-safe.
 class NameRegistry {
  public:
@@ -75,53 +76,56 @@ class NameRegistry {
     int max_missed = 3;
     size_t max_servers = 1024;
     RegistrationLimits registration;
-    size_t max_events = 1024;  ///< That watchers may be behind.
+    size_t max_events = 1024;  ///< Events kept for watchers that are behind.
 
     [[nodiscard]] Status validate() const;
   };
 
-  /// `registry` tells this one from those before it: a random number, or the time of its start.
+  /// `registry` distinguishes this registry from earlier ones: a random number, or its start time.
   /// Errors: kInvalidArgument.
   static Result<std::unique_ptr<NameRegistry>> create(const Options& options, uint64_t registry,
                                                       SteadyClock clock = steady_now);
 
-  /// Takes a server in, or what one that is in says anew. A newer incarnation replaces an older.
-  /// Errors: kInvalidArgument, see Registration::check; kAlreadyExists where another server, which
-  /// it names, holds one of the memories; kFailedPrecondition where a newer incarnation is in;
-  /// kResourceExhausted where there are too many servers. Nothing changes then.
+  /// Registers a server, or updates a registered one. A newer incarnation replaces an older one.
+  /// Errors: kInvalidArgument, see Registration::check; kAlreadyExists naming the other server that
+  /// holds one of the memories; kFailedPrecondition if a newer incarnation is registered;
+  /// kResourceExhausted if there are too many servers. After an error nothing has changed.
   Result<Lease> add(const Registration& registration);
 
-  /// Errors: kNotFound where the server is not in (any more): it is to register again;
-  /// kFailedPrecondition where another incarnation is in.
+  /// Renews the lease of a server.
+  /// Errors: kNotFound if the server is not registered (any more) and must register again;
+  /// kFailedPrecondition if another incarnation is registered.
   Result<Lease> heartbeat(std::string_view server, uint64_t incarnation);
 
-  /// Errors: those of heartbeat.
+  /// Removes a server.
+  /// Errors: those of heartbeat().
   Status remove(std::string_view server, uint64_t incarnation);
 
-  /// Lets go of servers that missed too many heartbeats; how many. All other calls do it too: this
-  /// one is for watchers to be told in time.
+  /// Removes servers that missed too many heartbeats and returns their number. Every other call
+  /// does this too; this one exists so that watchers are notified in time.
   size_t expire();
 
-  /// The server that holds a memory.
-  /// Errors: kNotFound.
+  /// Returns the server that holds a memory.
+  /// Errors: kNotFound if no server holds it.
   Result<Registration> find(std::string_view memory);
 
-  /// Those that hold what lies at or below an ID: one at most, or all for the empty one.
+  /// Returns the servers that hold what lies at or below an ID: one at most, or all servers for the
+  /// empty ID.
   std::vector<Registration> resolve(const ltm::MemoryId& id);
 
-  /// Those that hold a memory whose name matches, by their names.
+  /// Returns the servers that hold a memory with a matching name, ordered by server name.
   std::vector<Registration> resolve(const ltm::NamePattern& memory);
 
-  /// Waits for a memory that nobody holds yet.
-  /// Errors: kUnavailable at `deadline`, kCancelled where `stop` is requested.
+  /// Waits until a server holds a memory.
+  /// Errors: kUnavailable at `deadline`; kCancelled if `stop` is requested.
   Result<Registration> wait_for(std::string_view memory, SteadyTime deadline,
                                 const std::stop_token& stop = {});
 
-  /// What happened since `version`; everything for a version that is not known.
+  /// Returns the events since `version`, or all servers for an unknown version.
   NameChanges changes_since(const NameVersion& version);
 
-  /// The same, after waiting for something to happen; without events where nothing did until
-  /// `deadline`, or where `stop` is requested.
+  /// Like changes_since(), but waits for an event. Returns no events if none occurred until
+  /// `deadline`, or if `stop` is requested.
   NameChanges wait_for_changes(const NameVersion& version, SteadyTime deadline,
                                const std::stop_token& stop = {});
 
@@ -156,9 +160,9 @@ class NameRegistry {
   StoppableCondition changed_;
   Entries entries_ ENGRAM_GUARDED_BY(mutex_);
   std::map<std::string, std::string, std::less<>> servers_of_memories_ ENGRAM_GUARDED_BY(mutex_);
-  std::deque<NameEvent> events_ ENGRAM_GUARDED_BY(mutex_);  ///< The last ones.
-  uint64_t told_ ENGRAM_GUARDED_BY(mutex_) = 0;             ///< Events that there ever were.
-  SteadyTime soonest_ ENGRAM_GUARDED_BY(mutex_){};          ///< No lease ends before.
+  std::deque<NameEvent> events_ ENGRAM_GUARDED_BY(mutex_);  ///< The last `max_events` ones.
+  uint64_t told_ ENGRAM_GUARDED_BY(mutex_) = 0;             ///< Number of all events so far.
+  SteadyTime soonest_ ENGRAM_GUARDED_BY(mutex_){};          ///< No lease ends before this time.
 };
 
 }  // namespace engram::server

@@ -12,12 +12,12 @@ namespace {
 
 using std::filesystem::path;
 
-/// Of /proc/stat, which may be long, the first line is enough.
+/// The max number of bytes read of a file. /proc/stat may be long, but its first line suffices.
 constexpr size_t kMaxRead = size_t{64} << 10;
 constexpr uint64_t kKilobyte = 1024;
 constexpr std::string_view kBlanks = " \t";
 
-/// Such files have no size before they are read.
+/// Reads a file of the kernel. Such files report no size, so they are read until their end.
 Result<std::string> read_kernel_file(const path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code ignored;
@@ -35,12 +35,12 @@ Status damaged(const path& file, std::string_view needed) {
   return data_loss("'{}': needs {}", file.string(), needed);
 }
 
-/// Reads a text word by word.
+/// Splits a text into words.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  /// Empty at the end.
+  /// Returns the next word, or an empty one at the end.
   std::string_view next() {
     text_.remove_prefix(std::min(text_.find_first_not_of(kBlanks), text_.size()));
     const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
@@ -60,7 +60,7 @@ std::optional<T> number_of(std::string_view word) {
   return number;
 }
 
-/// What stands behind `start` in the line that begins with it; nothing where there is none.
+/// Returns the rest of the first line that begins with `start`, or nothing if no line does.
 std::optional<std::string_view> line_after(std::string_view text, std::string_view start) {
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
@@ -70,7 +70,7 @@ std::optional<std::string_view> line_after(std::string_view text, std::string_vi
   return std::nullopt;
 }
 
-/// "MemTotal:  24684092 kB" in bytes.
+/// Parses a line such as "MemTotal:  24684092 kB" and returns bytes.
 std::optional<uint64_t> kilobytes_after(std::string_view text, std::string_view start) {
   const auto line = line_after(text, start);
   if (!line) return std::nullopt;
@@ -80,13 +80,13 @@ std::optional<uint64_t> kilobytes_after(std::string_view text, std::string_view 
   return *count * kKilobyte;
 }
 
-/// "max" or a number of bytes, and a line's end.
+/// Parses "max" or a number of bytes, followed by a line break.
 std::optional<uint64_t> bytes_of(std::string_view text) {
   const std::string_view word = text.substr(0, text.find('\n'));
   return word == "max" ? UINT64_MAX : number_of<uint64_t>(word);
 }
 
-/// Of one control group; nothing where it has no limit.
+/// Reads the RAM of one control group; nothing if the group has no limit.
 Result<std::optional<RamState>> read_group(const path& group) {
   const auto limit_text = read_kernel_file(group / "memory.max");
   if (!limit_text.ok()) return std::optional<RamState>();
@@ -103,7 +103,7 @@ Result<std::optional<RamState>> read_group(const path& group) {
   return std::optional(RamState{*limit, *limit - std::min(*limit, needed)});
 }
 
-/// "some avg10=1.50 avg60=...": the share of the last 10 s.
+/// Parses a line such as "some avg10=1.50 avg60=..." and returns the share of the last 10 s in %.
 std::optional<double> ten_seconds(std::string_view line) {
   constexpr std::string_view kStart = "avg10=";
   Words words(line);
@@ -125,7 +125,7 @@ DiskState read_disk(const path& disk) {
 Result<HostState> HostReader::read() {
   HostState state;
   ENGRAM_ASSIGN_OR_RETURN(const CpuTimes times, read_cpu_times());
-  // The kernel says that single counters may fall.
+  // The kernel documents that single counters may decrease, so only a growing total is used.
   if (last_ && times.total > last_->total) {
     const auto all = static_cast<double>(times.total - last_->total);
     const double idle = static_cast<double>(times.idle) - static_cast<double>(last_->idle);
@@ -143,7 +143,8 @@ Result<HostState> HostReader::read() {
 }
 
 Result<HostReader::CpuTimes> HostReader::read_cpu_times() const {
-  // user, nice, system, idle, iowait, irq, softirq, steal; guests count as user already.
+  // The counters are user, nice, system, idle, iowait, irq, softirq and steal. Guest time is
+  // already part of user.
   constexpr size_t kCounters = 8;
   constexpr size_t kIdle = 3;
   constexpr size_t kIoWait = 4;
@@ -177,7 +178,7 @@ Result<std::optional<RamState>> HostReader::read_group_ram() const {
   if (!own) return std::optional<RamState>();
   const path top = options_.root / "sys/fs/cgroup";
   path group = path(*own).lexically_normal();
-  // A process outside of what its name space shows: only the outermost group is known.
+  // The process is outside its cgroup namespace, so only the outermost group is visible.
   if (!group.empty() && *group.begin() == "..") group.clear();
   std::optional<RamState> tightest;
   while (true) {

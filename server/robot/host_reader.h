@@ -9,18 +9,18 @@
 
 namespace engram::server {
 
-/// Reads how busy this machine is, from /proc, the control groups (v2) and the file systems. Meant
-/// to be asked once per second: that takes well below a millisecond.
+/// Reads how busy this machine is, from /proc, the control groups (v2) and the file systems. It is
+/// meant to be called once per second; a reading takes well below a millisecond.
 ///
-/// What control groups limit is looked for from the process's group up to the outermost one. Pages
-/// of files that nobody used lately (inactive_file) count as available there, as they do in
-/// MemAvailable.
+/// The limits of control groups are read from the process's own group up to the outermost one. File
+/// pages that have not been used lately (inactive_file) count as available in a group, as they do
+/// in MemAvailable.
 /// Threading: one thread.
 class HostReader {
  public:
   struct Options {
-    std::filesystem::path root = "/";          ///< Below which proc/ and sys/ are.
-    std::vector<std::filesystem::path> disks;  ///< A path on each file system.
+    std::filesystem::path root = "/";          ///< The folder that holds proc/ and sys/.
+    std::vector<std::filesystem::path> disks;  ///< One path on each file system to report.
   };
 
   explicit HostReader(Options options) : options_(std::move(options)) {}
@@ -29,7 +29,7 @@ class HostReader {
   Result<HostState> read();
 
  private:
-  /// Of all cores since the machine started. Unit: ticks.
+  /// Times of all cores since the machine started. Unit: ticks.
   struct CpuTimes {
     uint64_t idle = 0;
     uint64_t total = 0;

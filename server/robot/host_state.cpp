@@ -14,6 +14,7 @@ namespace {
 
 Data bytes_data(uint64_t bytes) {
   constexpr auto kMax = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+  // IDF has no unsigned integers.
   return static_cast<int64_t>(std::min(bytes, kMax));
 }
 

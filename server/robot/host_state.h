@@ -12,65 +12,68 @@
 
 namespace engram::server {
 
-/// RAM. Unit: bytes.
+/// RAM of a machine or a control group. Unit: bytes.
 struct RamState {
   uint64_t total_bytes = 0;
-  uint64_t available_bytes = 0;  ///< Without swapping.
+  uint64_t available_bytes = 0;  ///< Available without swapping.
 
   friend bool operator==(const RamState&, const RamState&) = default;
 };
 
-/// For what share of the last 10 s somebody, or everybody, waited for a resource (Linux's PSI).
+/// The share of the last 10 s in which some tasks, or all tasks, waited for a resource (Linux's
+/// pressure stall information, PSI).
+/// Unit: %.
 /// Unit: %.
 struct Pressure {
   double some = 0;
-  std::optional<double> full;  ///< Older kernels do not know it for the CPU.
+  std::optional<double> full;  ///< Older kernels do not report it for the CPU.
 
   friend bool operator==(const Pressure&, const Pressure&) = default;
 };
 
-/// A file system. Nothing where it cannot be asked: a disk that was unplugged.
+/// A file system. The sizes are empty if it cannot be read, for example after a disk was unplugged.
 struct DiskState {
   std::string path;
   std::optional<uint64_t> total_bytes;
-  std::optional<uint64_t> free_bytes;  ///< For us.
+  std::optional<uint64_t> free_bytes;  ///< Free for this user.
 
   friend bool operator==(const DiskState&, const DiskState&) = default;
 };
 
-/// How busy a machine is right now.
+/// The load of a machine at one moment.
 struct HostState {
-  std::optional<double> cpu_share;  ///< Of all cores since the last reading, 0..1.
+  std::optional<double> cpu_share;  ///< Busy share of all cores since the last reading, 0..1.
   RamState ram;
-  /// Of the control group (v2) around this process that has the least left; nothing without limits.
+  /// The control group (v2) around this process with the least RAM left; empty if no group has a
+  /// limit.
   std::optional<RamState> group_ram;
-  std::optional<Pressure> cpu_pressure;  ///< Nothing where the kernel does not measure it.
+  std::optional<Pressure> cpu_pressure;  ///< Empty if the kernel does not measure pressure.
   std::optional<Pressure> memory_pressure;
   std::optional<Pressure> io_pressure;
   std::vector<DiskState> disks;
   uint64_t process_bytes = 0;  ///< RAM of this process.
 
-  /// Of the machine and the group, the one that has less left.
+  /// Returns the RAM of the machine or of the group, whichever has less left.
   [[nodiscard]] const RamState& tightest_ram() const;
 
   friend bool operator==(const HostState&, const HostState&) = default;
 };
 
-/// What working memory may take, and why that much.
+/// How much RAM working memory may take, and why.
 struct RamLimit {
   uint64_t bytes = 0;
   std::string reason;
 };
 
-/// The state as a value of host_state_type().
+/// Converts a state to a value of host_state_type().
 [[nodiscard]] idf::Data to_data(const HostState& state,
                                 const std::optional<RamLimit>& limit = std::nullopt);
 
 /// The type of the core segment `SystemState/Host`.
 [[nodiscard]] idf::Type host_state_type();
 
-/// The entity whose snapshots these are: `SystemState/Host/<host>/load`.
-/// Errors: kInvalidArgument where the name is empty or no UTF-8.
+/// The entity that stores these snapshots: `SystemState/Host/<host>/load`.
+/// Errors: kInvalidArgument if the name is empty or not UTF-8.
 Result<ltm::MemoryId> host_state_entity(std::string_view host);
 
 }  // namespace engram::server

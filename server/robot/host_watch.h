@@ -11,29 +11,30 @@
 
 namespace engram::server {
 
-/// Looks at the machine now and then: commits how it is to the System State memory, and lets the
-/// working memories of servers shrink and grow with the RAM that is there.
+/// Watches the machine: commits its state to the System State memory, and lets the working memories
+/// of servers shrink and grow with the available RAM.
 ///
 /// Threading: one thread.
 /// Source: docs/working_memory.md, section "How much of the machine".
 class HostWatch {
  public:
   struct Watched {
-    MemoryServer* server = nullptr;  ///< Outlives this.
-    ltm::MemoryLimits limits;        ///< As configured; with bytes.
+    MemoryServer* server = nullptr;  ///< Must outlive this object.
+    ltm::MemoryLimits limits;        ///< The configured limits; `bytes` must be set.
     uint64_t min_bytes = 0;
-    bool has_system_state = false;  ///< One of them at most.
+    bool has_system_state = false;  ///< True for one server at most.
   };
   struct Options {
     HostReader::Options reader;
     std::string host;  ///< Name of the machine.
   };
 
-  /// Declares the type of System State.
+  /// Creates a watch and declares the type of System State at the server that has it.
   /// Errors: those of LimitGovernor::create and memory::MemoryService::declare.
   static Result<HostWatch> create(const Options& options, const std::vector<Watched>& watched);
 
-  /// Reads once. What cannot be read or committed is logged when it begins, not again and again.
+  /// Reads the machine once, adjusts the limits and commits the state. A failure is logged when it
+  /// begins, not at every look.
   void look(SteadyTime now);
 
  private:

@@ -7,7 +7,7 @@ namespace engram::server {
 
 namespace {
 
-/// Smaller steps up are not worth a change.
+/// The min step up: a smaller one is not worth a change and its line in the log.
 constexpr uint64_t kSmallestStep = uint64_t{1} << 20;
 constexpr uint64_t kMebibyte = uint64_t{1} << 20;
 
@@ -65,6 +65,8 @@ std::optional<LimitGovernor::Change> LimitGovernor::update(SteadyTime now, const
                                                            uint64_t taken_bytes) {
   const RamState& ram = host.tightest_ram();
   if (ram.total_bytes == 0) return std::nullopt;
+  // Available RAM is tested before pressure because it reacts at once, while pressure is an average
+  // of 10 s and needs the longer interval.
   const double pressure = host.memory_pressure ? host.memory_pressure->some : 0;
   const auto may_shrink = [&](Duration interval) {
     return !changed_ || now - *changed_ >= interval;
@@ -93,6 +95,8 @@ std::optional<LimitGovernor::Change> LimitGovernor::update(SteadyTime now, const
 
 std::optional<LimitGovernor::Change> LimitGovernor::shrink(SteadyTime now, uint64_t taken_bytes,
                                                            const std::string& why) {
+  // The share is of what the memory takes, not of the limit: shrinking a limit that is not used up
+  // would free nothing.
   const uint64_t share = share_of(std::min(limit_.bytes, taken_bytes), options_.shrink_factor);
   const uint64_t after = std::max(options_.floor_bytes, share);
   if (after >= limit_.bytes) return std::nullopt;
@@ -104,6 +108,9 @@ std::optional<LimitGovernor::Change> LimitGovernor::grow(SteadyTime now, const R
   if (limit_.bytes >= options_.configured_bytes || now - *calm_since_ < options_.calm ||
       (changed_ && now - *changed_ < options_.grow_interval))
     return std::nullopt;
+  // RAM that the limit allows but the memory does not use yet may be claimed at any time, so it is
+  // not free for a larger limit. A quarter of the rest per step leaves room for other servers that
+  // grow at the same time.
   const uint64_t not_taken = limit_.bytes - std::min(limit_.bytes, taken_bytes);
   const uint64_t kept = share_of(ram.total_bytes, options_.grow_above) + not_taken;
   const uint64_t room = ram.available_bytes - std::min(ram.available_bytes, kept);

@@ -15,9 +15,9 @@ namespace engram::server {
 
 class NamesClient;
 
-/// One memory server: its memories, and what answers about them over gRPC.
+/// One memory server: its memories, and the gRPC services that answer for them.
 ///
-/// Owns: threads.
+/// Owns: threads of gRPC and those that decode and predict.
 /// Threading: one thread.
 class MemoryServer {
  public:
@@ -25,33 +25,34 @@ class MemoryServer {
     memory::MemoryService::Options service;
     RpcServer::Options rpc;
     memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
-    std::filesystem::path tokens;  ///< Empty: whoever can connect may do everything.
-    /// What the name system tells others; empty: where it listens.
+    std::filesystem::path tokens;  ///< Empty: every client that can connect may do everything.
+    /// The endpoints that the name system gives to clients; empty: the endpoints it listens on.
     std::vector<Endpoint> reached_at;
-    int threads = 2;  ///< That decode and predict.
-    /// What is shared with clients of this host, beside the first Unix socket; nothing: no memory
-    /// is.
+    int threads = 2;  ///< Number of threads that decode and predict.
+    /// Shared memory for clients on this host; its socket is beside the first Unix socket. Empty:
+    /// no memory is shared.
     std::optional<SharedPool::Options> sharing = SharedPool::Options{};
   };
 
-  /// `names`: where it registers; may be null, else outlives it.
+  /// Starts a server. It registers at `names`, which may be null and otherwise must outlive the
+  /// server.
   /// Errors: those of memory::MemoryService::open, AccessPolicy::read_file and RpcServer::start.
   static Result<std::unique_ptr<MemoryServer>> start(const Options& options,
                                                      ltm::ModelLoader loader,
                                                      NamesClient* names = nullptr);
-  /// As stop(); what fails is logged.
+  /// Calls stop() and logs a failure.
   ~MemoryServer();
 
   [[nodiscard]] std::vector<std::string> endpoints() const;
   [[nodiscard]] memory::MemoryService& service();
 
-  /// What a name system is told of it.
+  /// What the server reports to a name system.
   [[nodiscard]] Registration registration() const;
 
-  /// Commits what this process itself knows, and tells subscribers.
+  /// Commits data of this process itself and notifies subscribers.
   Status commit(ltm::Commit commit);
 
-  /// Takes no more, hands everything to the store, and seals it.
+  /// Stops accepting commits, hands everything to the store, and seals the store.
   /// Errors: those of memory::MemoryService::close.
   Status stop();
 

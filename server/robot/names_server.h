@@ -11,16 +11,16 @@
 
 namespace engram::server {
 
-/// The Memory Name System of a robot: which server has which memory, over gRPC.
+/// The Memory Name System of a robot: tells over gRPC which server has which memory.
 ///
-/// Owns: threads.
+/// Owns: the threads of gRPC.
 /// Threading: one thread.
 class NamesServer {
  public:
   struct Options {
     RpcServer::Options rpc;
     NameRegistry::Options registry;
-    std::filesystem::path tokens;  ///< Empty: whoever can connect may do everything.
+    std::filesystem::path tokens;  ///< Empty: every client that can connect may do everything.
   };
 
   /// Errors: those of NameRegistry::create, AccessPolicy::read_file and RpcServer::start.

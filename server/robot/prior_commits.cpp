@@ -10,7 +10,8 @@ namespace engram::server {
 namespace {
 
 bool is_known(memory::MemoryService& service, const ltm::EntityUpdate& update) {
-  // Not At: of a time after the last snapshot that is a prediction.
+  // A time range, not `At`: a query at a time after the last snapshot would be answered by a
+  // prediction.
   const auto query =
       ltm::Query::of_entity(update.entity, ltm::select::TimeRange{update.time, update.time});
   const auto answer = service.query(query);

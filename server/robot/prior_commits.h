@@ -9,11 +9,12 @@ namespace engram::server {
 
 struct PriorCounts {
   size_t entities = 0;
-  size_t known = 0;  ///< Of these, as they are: from an earlier start, in the store.
+  /// Those that the store already had from an earlier start, with the same values.
+  size_t known = 0;
 };
 
-/// Tells a server what a robot knows before it lives: types are declared, and what the server does
-/// not have yet, of the same time with the same values, is committed.
+/// Gives a server the robot's prior knowledge: declares its types, and commits every snapshot that
+/// the server does not already have at the same time with the same values.
 /// Errors: those of memory::load_prior, memory::MemoryService::declare and
 /// memory::MemoryService::commit.
 Result<PriorCounts> commit_prior(MemoryServer& server, const std::filesystem::path& directory);

@@ -44,9 +44,9 @@ struct Robot::State {
   std::unique_ptr<NamesClient> names_client;
   std::vector<std::unique_ptr<MemoryServer>> servers;
   std::optional<HostWatch> watch;
-  Mutex mutex;  ///< What `wake` needs; it guards nothing.
+  Mutex mutex;  ///< `wake` needs a mutex; this one guards no member.
   StoppableCondition wake;
-  std::jthread thread;  ///< The last member: ends first.
+  std::jthread thread;  ///< Declared last, so that it ends first.
 
   Status start_names() {
     if (!config.names) return {};
@@ -83,6 +83,8 @@ struct Robot::State {
       log::info("server '{}': {} entities of prior knowledge, {} of them new or changed", name,
                 prior->entities, prior->entities - prior->known);
     }
+    // Registered only now, after its prior knowledge: clients that the name system sends here would
+    // otherwise miss it.
     if (names_server) return names_server->registry().add(servers.back()->registration()).status();
     return {};
   }
@@ -103,7 +105,7 @@ struct Robot::State {
     return {};
   }
 
-  /// The name system of this process hears of its servers without a network.
+  /// Sends heartbeats to the name system of this process by direct calls, without a network.
   void keep_registered() {
     if (!names_server) return;
     for (const auto& server : servers) {
@@ -115,7 +117,7 @@ struct Robot::State {
     }
   }
 
-  /// One that has left already is fine too.
+  /// Removes a registration. A server that is no longer registered is not an error.
   void let_go(const Registration& said) {
     const Status status = names_server->registry().remove(said.server, said.incarnation);
     if (!status.ok() && status.code() != StatusCode::kNotFound)

@@ -9,10 +9,10 @@
 
 namespace engram::server {
 
-/// All that one process serves: a name system, memory servers with what they know from the start,
-/// and how the machine is.
+/// Everything that one process serves: a name system, memory servers with their prior knowledge,
+/// and the state of the machine.
 ///
-/// Owns: threads.
+/// Owns: threads of the servers, and one that watches the machine.
 /// Threading: one thread.
 /// Source: docs/server.md.
 class Robot {
@@ -20,39 +20,42 @@ class Robot {
   struct Options {
     ltm::ModelLoader loader;                ///< Null: latents cannot be decoded.
     std::filesystem::path host_root = "/";  ///< See HostReader.
-    std::string host;                       ///< Name of the machine; empty: as the system says.
-    Duration interval = std::chrono::seconds(1);  ///< Between looks at the machine.
+    /// Name of the machine; empty: the host name of the system.
+    std::string host;
+    Duration interval = std::chrono::seconds(1);  ///< Interval of looks at the machine.
   };
 
-  /// The name system first, then each server, which is registered when it knows its prior
-  /// knowledge. Nothing is left running where one cannot start.
+  /// Starts the name system first, then each server. With a name system in this process, a server
+  /// is registered once it has its prior knowledge. If any server cannot start, nothing is left
+  /// running.
   /// Errors: those of MemoryServer::start, NamesServer::start, commit_prior and HostWatch::create.
   static Result<std::unique_ptr<Robot>> start(const RobotConfig& config, Options options);
   static Result<std::unique_ptr<Robot>> start(const RobotConfig& config) {
     return start(config, {});
   }
-  /// As stop(); what fails is logged.
+  /// Calls stop() and logs failures.
   ~Robot();
 
-  /// What runs, for people and scripts to find it.
+  /// A running server, for people and scripts that look for it.
   struct ServerSummary {
     std::string name;
-    std::vector<std::string> memories;   ///< Empty: any.
+    std::vector<std::string> memories;   ///< Empty: any memory.
     std::vector<std::string> endpoints;  ///< With the ports that the system chose.
-    std::filesystem::path store;         ///< Empty: none.
+    std::filesystem::path store;         ///< Empty: no store.
   };
   [[nodiscard]] std::vector<ServerSummary> servers() const;
 
-  /// Where the name system of this process listens; empty: there is none.
+  /// The endpoints of the name system in this process; empty if there is none.
   [[nodiscard]] std::vector<std::string> names() const;
 
-  /// What became of one server's memories.
+  /// How one server stopped.
   struct StoppedServer {
     std::string server;
-    Status status;  ///< Why something could not be handed to the store: that is lost.
+    Status status;  ///< Why data could not be handed to the store and is lost.
     memory::MemoryService::Counters counters;
   };
-  /// Takes no more, hands everything to the stores and seals them. In the order of the servers.
+  /// Stops accepting commits, hands everything to the stores, and seals them. The result has the
+  /// order of the servers.
   std::vector<StoppedServer> stop();
 
  private:

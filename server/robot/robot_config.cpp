@@ -33,7 +33,7 @@ constexpr std::array<Choice<memory::MemoryService::Durability>, 2> kDurabilities
     {{"memory", memory::MemoryService::Durability::kMemory},
      {"journal", memory::MemoryService::Durability::kJournal}}};
 
-/// Reads one configuration: what stands elsewhere in it is known to all its parts.
+/// Reads one configuration. It is a class because some keys depend on values elsewhere in the file.
 class RobotReader {
  public:
   explicit RobotReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
@@ -58,7 +58,7 @@ class RobotReader {
     return {};
   }
 
-  /// A number of things, at least one.
+  /// Reads a count of at least one.
   static Status read_count(ConfigMap& map, std::string_view key, std::optional<size_t>& out) {
     const auto value = map.find(key);
     if (!value) return {};
@@ -169,6 +169,7 @@ class RobotReader {
                         server.min_bytes, *memory.all.bytes));
       ENGRAM_RETURN_IF_ERROR(entry.finish());
     }
+    // The default of min_bytes must not exceed a small limit that was configured.
     server.min_bytes = std::min<uint64_t>(server.min_bytes, *memory.all.bytes);
     return {};
   }
@@ -192,7 +193,7 @@ class RobotReader {
     return {};
   }
 
-  /// What needs a store.
+  /// Reads the keys that need a store.
   Status read_store(ConfigMap& map, memory::MemoryService::Options& service) const {
     std::filesystem::path path;
     ENGRAM_RETURN_IF_ERROR(read_path(map, "store", path));
@@ -253,6 +254,7 @@ class RobotReader {
       return endpoint.kind() == Endpoint::Kind::kTcp &&
              (endpoint.host() == "0.0.0.0" || endpoint.host() == "::");
     });
+    // 0.0.0.0 is every address of this machine and no address for a client elsewhere.
     if (robot_.names && is_anywhere && options.reached_at.empty())
       return map.find("listen")->error(
           "tells nobody which machine this is, needs 'reached_at' for the name system");
@@ -309,8 +311,9 @@ class RobotReader {
     return {};
   }
 
-  /// Who has it where nobody says: the server of that memory, else one of any memory, else the
-  /// first one, unless others may have it whom the name system knows.
+  /// The server that has SystemState if the file does not say: the server of that memory, else one
+  /// of any memory, else the first one. With a name system elsewhere there is no such fallback to
+  /// the first, because a server of another process may have it.
   [[nodiscard]] std::optional<size_t> usual_system_state() const {
     if (const auto known = servers_of_memories_.find(kSystemState);
         known != servers_of_memories_.end())
@@ -350,6 +353,7 @@ class RobotReader {
     }
     if (!robot_.system_state) return {};
     auto& memories = robot_.servers[*robot_.system_state].options.service.memories;
+    // A server that lists its memories refuses all others, so it would refuse its own state.
     if (!memories.empty() && std::ranges::find(memories, kSystemState) == memories.end())
       memories.emplace_back(kSystemState);
     return {};

@@ -7,8 +7,8 @@
 
 namespace engram::server {
 
-/// Who calls, by the token in its metadata ("authorization: Bearer TOKEN").
-/// Errors: kFailedPrecondition.
+/// Identifies a caller by the token in its metadata ("authorization: Bearer TOKEN").
+/// Errors: kFailedPrecondition if the token is missing or unknown.
 Result<Identity> caller(const AccessPolicy& access, const grpc::ServerContextBase& context);
 
 }  // namespace engram::server

@@ -44,7 +44,8 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
     return {};
   }
   const auto leased = lease(message);
-  // One subscriber is told at once; more would keep the writer waiting.
+  // A single subscriber is notified before the reply, which makes its data younger. With more
+  // subscribers the reply goes first, so that the writer does not wait for its readers.
   const bool is_told_first = context_.hub.size() <= 1;
   if (is_told_first) publish(*admission);
   if (durability == Durability::kMemory) reply(number, {}, leased);
@@ -82,7 +83,8 @@ Result<WireCommit> CommitStream::take(v1::CommitRequest& message) {
       const Buffer block,
       context_.sharing->commit(sharing_, memory, to_block(message.block()), message.block_bytes()));
   ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take_commit(message, block));
-  // Who may read the block may read all of it.
+  // A block may hold data of one memory only, because a client that may read the block can read all
+  // of it.
   for (const ltm::EntityUpdate& update : taken.commit.updates)
     if (update.entity.names()[0] != memory)
       return invalid_argument("commit: found '{}' in a block of memory '{}'",
@@ -93,7 +95,7 @@ Result<WireCommit> CommitStream::take(v1::CommitRequest& message) {
 std::optional<BlockRef> CommitStream::lease(const v1::CommitRequest& message) {
   if (message.lease_bytes() == 0 || !context_.sharing || sharing_ == kServerItself)
     return std::nullopt;
-  // Without room the client sends plain bytes.
+  // An empty lease is not an error: the client then sends plain bytes.
   auto leased = context_.sharing->lease(sharing_, message.lease_memory(), message.lease_bytes());
   return leased.ok() ? std::optional(*leased) : std::nullopt;
 }

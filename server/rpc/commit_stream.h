@@ -7,10 +7,10 @@
 
 namespace engram::server {
 
-/// Takes the commits of one writer, in their order, and tells subscribers.
+/// The commit stream of one writer: accepts commits in their order and notifies subscribers.
 ///
-/// Commits that only have to be in memory are acknowledged in their order; others when they are
-/// durable.
+/// Commits of durability kMemory are acknowledged in their order; others once they are durable, so
+/// their replies may come later than those of younger commits.
 class CommitStream final : public ReplyStream {
  public:
   CommitStream(RpcContext& context, Identity who, ClientId sharing)
@@ -27,7 +27,7 @@ class CommitStream final : public ReplyStream {
 
   RpcContext& context_;
   const Identity who_;
-  const ClientId sharing_;  ///< kServerItself where it shares no memory.
+  const ClientId sharing_;  ///< kServerItself if it shares no memory.
   const StreamSlot slot_{context_, who_};
 };
 

@@ -7,10 +7,10 @@
 
 namespace engram::server {
 
-/// What `engram info --server` shows.
+/// Returns the server's figures as JSON, for `engram info --server`.
 [[nodiscard]] std::string figures_json(RpcContext& context);
 
-/// The same for Prometheus.
+/// Returns the server's metrics as text for Prometheus.
 [[nodiscard]] std::string metrics_text(RpcContext& context);
 
 }  // namespace engram::server

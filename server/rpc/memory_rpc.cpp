@@ -41,7 +41,7 @@ void add_record(const ltm::EngineRecord& record, int64_t horizon_ns, bool is_cho
   one.set_is_chosen(is_chosen);
 }
 
-/// Ends a stream that is not let in.
+/// Ends a stream that was refused.
 class RefusedStream final : public ByteReactor {
  public:
   explicit RefusedStream(const grpc::Status& status) { Finish(status); }
@@ -77,7 +77,7 @@ class MemoryRpc final : public ServiceBase {
     reply->set_figures_json(figures_json(context_));
     if (request->with_shared_memory() && context_.sharing) {
       auto offered = context_.sharing->offer(*who);
-      // Without one it goes by plain bytes.
+      // A client without shared memory sends plain bytes.
       if (offered.ok()) *reply->mutable_shared_memory() = *std::move(offered);
     }
     return finish(call, {});
@@ -94,7 +94,7 @@ class MemoryRpc final : public ServiceBase {
   grpc::ServerUnaryReactor* Engines(grpc::CallbackServerContext* call,
                                     const v1::EnginesRequest* request,
                                     v1::EnginesReply* reply) override {
-    // Measuring takes up to seconds.
+    // Measuring the engines takes up to seconds, too long for one of gRPC's threads.
     grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
     context_.work.add([this, call, request, reply, reactor] {
       reactor->Finish(to_grpc(engines(*call, *request, *reply)));
@@ -146,6 +146,7 @@ class MemoryRpc final : public ServiceBase {
   Status check_room(const Identity& who) {
     if (context_.streams >= context_.max_streams)
       return resource_exhausted("found {} open streams, needs fewer", context_.max_streams);
+    // Callers without tokens cannot be distinguished, so only the limit of the server applies.
     if (context_.access.is_everyone()) return {};
     const MutexLock lock(context_.counting);
     const auto known = context_.streams_of.find(who.name());
@@ -161,7 +162,7 @@ class MemoryRpc final : public ServiceBase {
     return reactor;
   }
 
-  /// Who makes a call that is no stream, and may make one more.
+  /// Identifies the caller of a unary call and counts the call against its rate.
   Result<Identity> let_in(const grpc::CallbackServerContext& call) {
     auto who = caller(context_.access, call);
     if (!who.ok()) {

@@ -9,11 +9,11 @@
 
 namespace engram::server {
 
-/// The gRPC service of a memory server. `context` outlives it.
+/// Makes the gRPC service of a memory server. `context` must outlive it.
 /// Source: docs/wire.md.
 [[nodiscard]] std::unique_ptr<grpc::Service> make_memory_rpc(RpcContext& context);
 
-/// Tells subscribers what was committed otherwise than over a stream.
+/// Notifies subscribers of a commit that did not arrive over a stream.
 void publish(RpcContext& context, const ltm::Admission& admission);
 
 }  // namespace engram::server

@@ -17,7 +17,7 @@ namespace engram::server {
 namespace {
 
 constexpr std::string_view kOther = "other";
-/// Of the names of a histogram's lines.
+/// The suffixes that a histogram appends to its name.
 constexpr std::array<std::string_view, 3> kHistogramSuffixes{"_bucket", "_sum", "_count"};
 
 bool is_letter(char c) {
@@ -51,7 +51,7 @@ void check_info(const MetricInfo& info) {
 std::string bounded_value(std::string value, size_t max_bytes) {
   if (value.size() > max_bytes) {
     value.resize(max_bytes);
-    // Not in the middle of a character: one has up to four bytes.
+    // Cuts no UTF-8 character in half: a character has up to four bytes.
     for (int i = 0; i < 3 && !ltm::is_utf8(value); ++i) value.pop_back();
   }
   if (!ltm::is_utf8(value))
@@ -60,7 +60,7 @@ std::string bounded_value(std::string value, size_t max_bytes) {
   return value;
 }
 
-/// Backslashes, ends of lines and, in values of labels, quotes have a form of their own.
+/// Escapes backslashes, line breaks and, in label values, quotes.
 std::string escaped(std::string_view text, bool is_value) {
   std::string out;
   for (const char c : text) {
@@ -77,12 +77,13 @@ std::string escaped(std::string_view text, bool is_value) {
 }
 
 std::string number_text(double number) {
+  // Prometheus prescribes these spellings; fmt would write "nan" and "inf".
   if (std::isnan(number)) return "NaN";
   if (std::isinf(number)) return number > 0 ? "+Inf" : "-Inf";
   return fmt::format("{}", number);
 }
 
-/// Writes the lines of one family.
+/// Writes the text lines of one family.
 class FamilyText {
  public:
   FamilyText(const MetricInfo& info, std::string_view kind, std::string& out)
@@ -91,7 +92,7 @@ class FamilyText {
                         info.name, kind);
   }
 
-  /// `bound` is the value of the label `le`; empty: it is not there.
+  /// Writes one line. `bound` is the value of the label `le`; an empty one omits the label.
   void add(const std::vector<std::string>& values, std::string_view number,
            std::string_view suffix = "", std::string_view bound = "") {
     out_ += info_.name;

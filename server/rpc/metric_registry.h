@@ -12,27 +12,28 @@
 
 namespace engram::server {
 
-/// What metrics of one name have in common.
+/// What all metrics of one name have in common.
 struct MetricInfo {
-  std::string name;                 ///< "engram_commits_total"; times in seconds, sizes in bytes.
+  /// Such as "engram_commits_total"; times are in seconds, sizes in bytes.
+  std::string name;
   std::string help;                 ///< One sentence for people.
-  std::vector<std::string> labels;  ///< Names of the labels that tell them apart.
+  std::vector<std::string> labels;  ///< Names of the labels that distinguish the metrics.
 
   friend bool operator==(const MetricInfo&, const MetricInfo&) = default;
 };
 
-/// The metrics of one name: one for each combination of the labels' values.
+/// The metrics of one name: one metric for each combination of label values.
 ///
-/// Look one up once and keep the reference, which stays valid as long as the registry: counting
-/// then takes no lock.
+/// Look a metric up once and keep the reference, which stays valid as long as the registry:
+/// counting then takes no lock.
 /// Threading: thread-safe.
 template <typename Metric>
 class MetricFamily {
  public:
-  /// Label values may come from outside: what they take is bounded. From so many combinations on,
+  /// Label values may come from clients, so their number is bounded. Beyond this many combinations,
   /// new ones are counted together, with `other` as the value of every label.
   static constexpr size_t kMaxSeries = 1000;
-  /// Longer values are cut.
+  /// Longer label values are cut.
   static constexpr size_t kMaxValueBytes = 256;
 
   using Make = std::function<std::unique_ptr<Metric>()>;
@@ -40,13 +41,13 @@ class MetricFamily {
 
   MetricFamily(MetricInfo info, Make make) : info_(std::move(info)), make_(std::move(make)) {}
 
-  /// The one whose labels have these values, made on first use. Needs one per label (checked).
-  /// Bytes that are no UTF-8 become question marks.
+  /// Returns the metric with these label values and makes it on first use. Needs one value per
+  /// label (checked). Bytes that are not UTF-8 become question marks.
   Metric& with(std::vector<std::string> values);
 
   [[nodiscard]] const MetricInfo& info() const { return info_; }
 
-  /// Calls `visit(values, metric)` for each, in the order of their values.
+  /// Calls `visit(values, metric)` for each metric, ordered by label values.
   template <typename Visit>
   void for_each(const Visit& visit) const {
     const SharedLock lock(mutex_);
@@ -65,34 +66,37 @@ extern template class MetricFamily<Counter>;
 extern template class MetricFamily<Gauge>;
 extern template class MetricFamily<Histogram>;
 
-/// All that a server counts and measures, and its text for Prometheus (format 0.0.4).
+/// All metrics of a server, with their text for Prometheus (format 0.0.4).
 ///
-/// Debian has prometheus-cpp, but that brings an HTTP server of its own into the process
-/// (civetweb); what is needed of it is this one text, which whatever listens already can hand out.
-/// Asking for a name again gives the same metrics; with another kind, help, labels or bounds it is
-/// a bug of ours and aborts, as do names that Prometheus does not know. Threading: thread-safe.
+/// Debian's prometheus-cpp is not used because it brings an HTTP server of its own (civetweb) into
+/// the process; only this text is needed, and any existing endpoint can serve it.
+///
+/// A name that is requested again returns the same metrics. Requesting it with another kind, help
+/// text, labels or bounds is a programming error and aborts, as does a name that Prometheus does
+/// not allow.
+/// Threading: thread-safe.
 class MetricRegistry {
  public:
   MetricFamily<Counter>& counters(MetricInfo info);
   MetricFamily<Gauge>& gauges(MetricInfo info);
-  /// `bounds` are those of Histogram. The label `le` is its own.
+  /// `bounds` are those of Histogram. The label `le` is reserved.
   MetricFamily<Histogram>& histograms(MetricInfo info,
                                       const std::vector<double>& bounds = latency_bounds());
 
-  /// The same for a metric that has no labels.
+  /// Like counters(), gauges() and histograms(), for a metric without labels.
   Counter& counter(std::string name, std::string help);
   Gauge& gauge(std::string name, std::string help);
   Histogram& histogram(std::string name, std::string help,
                        const std::vector<double>& bounds = latency_bounds());
 
-  /// What Prometheus reads, in the order of the names.
+  /// Returns the text that Prometheus reads, ordered by name.
   [[nodiscard]] std::string to_text() const;
 
-  /// What to_text is, for HTTP.
+  /// The HTTP content type of to_text().
   static constexpr const char* kContentType = "text/plain; version=0.0.4; charset=utf-8";
 
  private:
-  /// One of them is not null.
+  /// The metrics of one name; exactly one pointer is not null.
   struct Family {
     std::unique_ptr<MetricFamily<Counter>> counters;
     std::unique_ptr<MetricFamily<Gauge>> gauges;

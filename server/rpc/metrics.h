@@ -8,9 +8,9 @@
 
 namespace engram::server {
 
-/// How often something happened, since the start.
+/// Counts how often something happened since the start.
 ///
-/// Threading: thread-safe, one atomic addition.
+/// Threading: thread-safe; counting is one atomic addition.
 class Counter {
  public:
   void add(uint64_t count = 1) { count_.fetch_add(count, std::memory_order_relaxed); }
@@ -20,7 +20,7 @@ class Counter {
   std::atomic<uint64_t> count_{0};
 };
 
-/// What something is right now.
+/// A value that can rise and fall.
 ///
 /// Threading: thread-safe, without locks.
 class Gauge {
@@ -33,32 +33,34 @@ class Gauge {
   std::atomic<double> value_{0};
 };
 
-/// How many of the numbers that were observed are at most each of some bounds, and their sum.
+/// Counts how many observed numbers are at or below each of some bounds, and sums them.
 ///
-/// What is not finite is above all bounds and not in the sum, which would not recover from it.
-/// Threading: thread-safe, without locks. Who reads while others observe may find a sum that
-/// lacks numbers which are counted, or the other way round.
+/// A number that is not finite counts as above all bounds and is left out of the sum, which could
+/// not recover from it.
+/// Threading: thread-safe, without locks. A reader may see a sum that lacks numbers already
+/// counted, or includes numbers not yet counted, while others observe.
 /// Complexity: observing is O(log(number of bounds)).
 class Histogram {
  public:
-  /// Needs bounds that are finite and increase strictly (checked).
+  /// Needs bounds that are finite and strictly increasing (checked).
   explicit Histogram(std::vector<double> bounds);
 
   void observe(double number);
 
   [[nodiscard]] const std::vector<double>& bounds() const { return bounds_; }
 
-  /// Of each bound, how many are at most that; at last, of all.
+  /// Returns for each bound how many numbers are at or below it, followed by the count of all.
   [[nodiscard]] std::vector<uint64_t> cumulative_counts() const;
   [[nodiscard]] double sum() const { return sum_.load(std::memory_order_relaxed); }
 
  private:
   const std::vector<double> bounds_;
-  std::vector<std::atomic<uint64_t>> counts_;  ///< Between bounds; at last, above all.
+  /// One per interval between bounds; the last counts what is above all bounds.
+  std::vector<std::atomic<uint64_t>> counts_;
   std::atomic<double> sum_{0};
 };
 
-/// Bounds of how long something takes that should be quick: 0.1 ms to 10 s. Unit: s.
+/// Bounds for latencies of operations that should be quick: 0.1 ms to 10 s. Unit: s.
 [[nodiscard]] std::vector<double> latency_bounds();
 
 }  // namespace engram::server

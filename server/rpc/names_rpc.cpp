@@ -17,7 +17,7 @@ namespace engram::server {
 
 namespace {
 
-/// How late a watcher may learn of a lost heartbeat, a waiting client of its deadline.
+/// The max delay until a watcher learns of a lost heartbeat, or a waiting client of its deadline.
 constexpr auto kLookEvery = std::chrono::milliseconds(100);
 constexpr size_t kMaxWaiting = 4096;
 
@@ -36,15 +36,15 @@ v1::NameChanges to_message(const NameChanges& changes) {
   return message;
 }
 
-/// Tells one client what changes.
+/// The stream that sends changes to one client.
 class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
  public:
   WatchStream(NameRegistry& names, const NameVersion& from) : names_(names), version_(from) {}
 
-  /// Deletes itself when it has ended and nobody looks at it any more.
+  /// Starts the stream, which deletes itself once it has ended and no thread uses it.
   void begin(std::shared_ptr<WatchStream> self) { self_ = std::move(self); }
 
-  /// False where it has ended.
+  /// Sends what has changed. Returns false if the stream has ended.
   bool look() {
     const MutexLock lock(mutex_);
     if (is_finished_) return false;
@@ -54,7 +54,7 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
     version_ = changes.version;
     written_ = to_message(changes);
     is_writing_ = true;
-    // Begun with the lock held: nothing may be begun after the end was.
+    // The write begins with the lock held, because nothing may begin after Finish().
     StartWrite(&written_);
     return true;
   }
@@ -89,10 +89,10 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::NameChanges> {
   bool is_finished_ ENGRAM_GUARDED_BY(mutex_) = false;
 };
 
-/// A client that waits for a memory.
+/// A client that waits until a server registers a memory.
 struct WaitingResolve {
   grpc::CallbackServerContext* call = nullptr;
-  grpc::ServerUnaryReactor* reactor = nullptr;  ///< A call gives it out once.
+  grpc::ServerUnaryReactor* reactor = nullptr;  ///< Kept, because a call hands it out only once.
   std::string memory;
   SteadyTime deadline;
   v1::ResolveReply* reply = nullptr;
@@ -191,7 +191,8 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     return reactor;
   }
 
-  /// Those of a memory; all for an empty text, servers without named memories too.
+  /// Returns the servers of a memory; an empty text returns all, including servers without named
+  /// memories.
   Result<std::vector<Registration>> resolve(const std::string& memory) {
     if (memory.empty()) return names_.resolve(ltm::MemoryId());
     ENGRAM_ASSIGN_OR_RETURN(const auto pattern, ltm::NamePattern::parse(memory));
@@ -214,7 +215,8 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     return {};
   }
 
-  /// Who may not register a server may not keep it or send it away either.
+  /// Checks that the caller may register this server: only such a caller may send its heartbeats or
+  /// remove it.
   Status check_speaks_for(const grpc::CallbackServerContext& call, const std::string& server) {
     ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));
     const auto all = names_.resolve(ltm::MemoryId());
@@ -241,7 +243,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
     std::vector<std::shared_ptr<WatchStream>> watchers;
     {
       const MutexLock lock(mutex_);
-      // Who comes from here on is refused: nobody would tell them anything.
+      // Clients that arrive from here on are refused, since no thread would notify them.
       is_ending_ = true;
       watchers.swap(watchers_);
     }
@@ -267,7 +269,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
   std::vector<WaitingResolve> resolves_ ENGRAM_GUARDED_BY(mutex_);
   std::vector<std::shared_ptr<WatchStream>> watchers_ ENGRAM_GUARDED_BY(mutex_);
   bool is_ending_ ENGRAM_GUARDED_BY(mutex_) = false;
-  std::jthread thread_;  ///< The last member: ends first.
+  std::jthread thread_;  ///< Declared last, so that it ends first.
 };
 
 }  // namespace

@@ -14,9 +14,9 @@ namespace engram::server {
 [[nodiscard]] v1::ServerRecord to_message(const Registration& registration);
 [[nodiscard]] Registration to_registration(const v1::ServerRecord& message);
 
-/// The gRPC service of the Memory Name System. Both outlive it. To register needs Role::kWrite for
-/// the memories, to ask Role::kRead.
-/// Owns: a thread that tells those who watch or wait.
+/// Makes the gRPC service of the Memory Name System. `names` and `access` must outlive it.
+/// Registering needs Role::kWrite for the memories, asking needs Role::kRead.
+/// Owns: a thread that notifies clients that watch or wait.
 /// Source: docs/wire.md.
 [[nodiscard]] std::unique_ptr<grpc::Service> make_names_rpc(NameRegistry& names,
                                                             const AccessPolicy& access);

@@ -11,7 +11,7 @@ namespace engram::server {
 
 namespace {
 
-/// Of an answer that comes in parts: one alone may be as large as its largest snapshot.
+/// The size at which an answer is split into parts. A part with one snapshot may be larger.
 constexpr size_t kPartBytes = size_t{1} << 20;
 
 }  // namespace
@@ -50,7 +50,7 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
 }
 
 void QueryStream::answer_next() {
-  // Asked without the lock: who sends takes them in the other order.
+  // Called without the lock, because senders take the two locks in the other order.
   if (!has_room()) return;
   const MutexLock lock(asking_);
   if (is_answering_ || asked_.empty()) return;

@@ -7,9 +7,9 @@
 
 namespace engram::server {
 
-/// Answers the queries of one reader. What working memory knows is answered at once, the rest by
-/// other threads, one after the other and as fast as the answers are read: they may come in another
-/// order than queries.
+/// The query stream of one reader. Queries that working memory can answer are answered at once. The
+/// others are answered by other threads, one after the other and as fast as the client reads the
+/// answers, so answers may come in another order than their queries.
 class QueryStream final : public ReplyStream {
  public:
   QueryStream(RpcContext& context, Identity who, ClientId /*sharing*/)
@@ -19,7 +19,8 @@ class QueryStream final : public ReplyStream {
   Status on_request(grpc::ByteBuffer& request) override;
   void on_sent() override { answer_next(); }
   void answer(uint64_t number, Result<ltm::Answer> answer);
-  /// Lets another thread answer what waits, where that may be.
+  /// Hands the next waiting query to another thread, if none is being answered and the client keeps
+  /// up with reading.
   void answer_next() ENGRAM_EXCLUDES(asking_);
 
   struct Asked {
@@ -33,7 +34,8 @@ class QueryStream final : public ReplyStream {
   const StreamSlot slot_{context_, who_};
 
   Mutex asking_;
-  std::deque<Asked> asked_ ENGRAM_GUARDED_BY(asking_);  ///< For other threads. Each is promised.
+  /// Queries for other threads; promise() was called for each.
+  std::deque<Asked> asked_ ENGRAM_GUARDED_BY(asking_);
   bool is_answering_ ENGRAM_GUARDED_BY(asking_) = false;
 };
 

@@ -79,7 +79,7 @@ void ReplyStream::end(const Status& status) {
   go_on();
 }
 
-/// Starts what can be started now: a write, a read, the end.
+/// Starts every operation that can start now: a write, a read, or the end.
 void ReplyStream::go_on() {
   if (is_finished_) return;
   if (is_broken_) {
@@ -99,11 +99,11 @@ void ReplyStream::go_on() {
   if (reads) is_reading_ = true;
   const bool ends = is_read_to_end_ && !is_reading_ && !is_writing_ && waiting_.empty() &&
                     (promised_ == 0 || is_broken_);
-  // A stream that was told to end does not wait for requests that may never come.
+  // A stream that ends with an error does not wait for requests that may never come.
   const bool is_cut = is_read_to_end_ && is_reading_ && !is_writing_ && waiting_.empty() &&
                       (promised_ == 0 || is_broken_) && !status_.ok();
   if (ends || is_cut) is_finished_ = true;
-  // Begun with the lock held: nothing may be begun after the end was.
+  // Operations begin with the lock held, because nothing may begin after Finish().
   if (writes) StartWrite(&written_);
   if (reads) StartRead(&request_);
   if (ends || is_cut) Finish(is_broken_ ? grpc::Status::CANCELLED : to_grpc(status_));

@@ -12,19 +12,19 @@
 
 namespace engram::server {
 
-/// The server's end of a stream of requests and replies, in bytes. Requests are read one at a time;
-/// none is read while too many replies wait: a client that does not read is slowed, and costs
-/// bounded memory.
+/// The server's end of a stream of requests and replies, as bytes. Requests are read one at a time,
+/// and none is read while too many replies wait. A client that does not read its replies is thus
+/// slowed down and costs bounded memory.
 ///
 /// Threading: thread-safe; on_request() is called by one thread at a time.
 class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                     public std::enable_shared_from_this<ReplyStream> {
  public:
-  /// Replies that may wait before the next request is read.
+  /// From this many waiting replies on, no further request is read.
   static constexpr size_t kMaxReplies = 256;
   static constexpr size_t kMaxReplyBytes = size_t{16} << 20;
 
-  /// Lives from here on until the stream has ended.
+  /// Starts the stream, which keeps itself alive until it has ended.
   void begin();
 
   void OnReadDone(bool ok) final;
@@ -33,22 +33,24 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   void OnDone() final;
 
  protected:
-  /// Answers at once, or promises replies and gives them later. Errors end the stream.
+  /// Handles a request: sends the reply, or calls promise() and sends it later. An error ends the
+  /// stream.
   virtual Status on_request(grpc::ByteBuffer& request) = 0;
-  /// The stream has ended; nothing is sent any more.
+  /// Called when the stream has ended; nothing can be sent any more.
   virtual void on_end() {}
-  /// A reply has gone: has_room() may be true now.
+  /// Called after a reply was written; has_room() may be true now.
   virtual void on_sent() {}
 
-  /// Few enough replies wait for more of them to be made.
+  /// Whether few enough replies wait that more should be made.
   [[nodiscard]] bool has_room() ENGRAM_EXCLUDES(mutex_);
 
-  /// One reply more, or fewer, will come later: the stream does not end before.
+  /// Adds or removes one reply that will come later. The stream does not end while replies are
+  /// promised.
   void promise() ENGRAM_EXCLUDES(mutex_);
   void fulfil() ENGRAM_EXCLUDES(mutex_);
 
   void send(grpc::ByteBuffer reply) ENGRAM_EXCLUDES(mutex_);
-  /// Sends what waits, then ends the stream.
+  /// Sends the waiting replies, then ends the stream.
   void end(const Status& status) ENGRAM_EXCLUDES(mutex_);
 
  private:

@@ -16,7 +16,7 @@
 
 namespace engram::server {
 
-/// What the streams of one server share.
+/// The state that all streams of one server share.
 ///
 /// Threading: thread-safe.
 struct RpcContext {
@@ -26,19 +26,21 @@ struct RpcContext {
   memory::MemoryService& service;
   const AccessPolicy access;
   memory::EventHub hub;
-  std::unique_ptr<SharedSessions> sharing;  ///< Null: nothing is shared.
+  std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
   RpcMetrics metrics;
   std::atomic<int> streams{0};
   int max_streams = 4096;
-  /// Of one token, so that others still find room.
+  /// Max streams of one token, so that other tokens still find room.
   int max_streams_of_one = 1024;
   Mutex counting;
-  std::map<std::string, int> streams_of ENGRAM_GUARDED_BY(counting);  ///< By the names of tokens.
+  /// Keyed by the token's name.
+  std::map<std::string, int> streams_of ENGRAM_GUARDED_BY(counting);
   memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
-  WorkQueue work;  ///< What takes longer than a stream's thread should. Ends first.
+  /// Runs work that takes too long for a stream's thread. Declared last, so that it ends first.
+  WorkQueue work;
 };
 
-/// Counts a stream as long as it lives.
+/// Counts a stream while it lives.
 class StreamSlot {
  public:
   StreamSlot(RpcContext& context, const Identity& who) : context_(context), name_(who.name()) {

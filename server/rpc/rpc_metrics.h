@@ -5,7 +5,7 @@
 
 namespace engram::server {
 
-/// What a server counts of what it is asked.
+/// Metrics of the requests to a server.
 ///
 /// Threading: thread-safe.
 struct RpcMetrics {

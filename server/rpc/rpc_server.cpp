@@ -20,7 +20,7 @@ namespace engram::server {
 
 namespace {
 
-/// A socket file without a listener is left behind by `kill -9`.
+/// Removes a socket file without a listener, which `kill -9` leaves behind.
 Status make_room(const std::string& path) {
   struct stat about {};
   if (::lstat(path.c_str(), &about) != 0) return {};
@@ -99,12 +99,12 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.max_streams_per_connection);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // Who connects and says nothing costs a descriptor: for so long.
+  // A peer that connects and stays silent costs a descriptor; this limits for how long.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
-  // Clients ask every 2 s whether it is still there, also while they call nothing: without this
-  // they are sent away, and ask less and less often.
+  // Clients send a keepalive ping every 2 s, even without calls. Without this setting the server
+  // would disconnect them for that, and they would ping less and less often.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 1'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   for (grpc::Service* service : services) builder.RegisterService(service);
@@ -112,7 +112,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
   for (size_t i = 0; i < options.endpoints.size(); ++i)
     if (!state->server || state->ports[i] == 0)
       return unavailable("endpoint '{}': cannot be listened on", options.endpoints[i].to_string());
-  // Who may connect is who may write to the socket: its owner and group.
+  // Write permission on the socket decides who may connect: its owner and group.
   for (const Endpoint& endpoint : options.endpoints)
     if (endpoint.kind() == Endpoint::Kind::kUnix) ::chmod(endpoint.path().c_str(), 0660);
   return std::unique_ptr<RpcServer>(new RpcServer(std::move(state)));

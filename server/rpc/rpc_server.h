@@ -12,7 +12,8 @@
 
 namespace engram::server {
 
-/// Listens for what one process serves, with health and reflection services beside it.
+/// Listens on the endpoints of one server and offers its services, with gRPC's health and
+/// reflection services.
 ///
 /// Owns: gRPC's threads.
 /// Threading: one thread.
@@ -21,24 +22,24 @@ class RpcServer {
   struct Options {
     std::vector<Endpoint> endpoints;
     ListenPolicy::Options security;
-    /// Longest message. A snapshot has to fit into one.
+    /// The max size of a message. A snapshot must fit into one.
     int max_message_bytes = 64 << 20;
-    /// Streams and calls of one connection at a time.
+    /// The max number of concurrent streams and calls of one connection.
     int max_streams_per_connection = 256;
   };
 
-  /// `services` outlive it. A socket file that nobody listens on any more is replaced.
-  /// Errors: those of ListenPolicy::check; kUnavailable where an endpoint cannot be listened on;
-  /// kFailedPrecondition where another server listens there.
+  /// Starts a server. `services` must outlive it. A socket file without a listener is replaced.
+  /// Errors: those of ListenPolicy::check; kUnavailable if it cannot listen on an endpoint;
+  /// kFailedPrecondition if another server listens there.
   static Result<std::unique_ptr<RpcServer>> start(const Options& options,
                                                   const std::vector<grpc::Service*>& services);
-  /// Stops at once.
+  /// Stops without grace.
   ~RpcServer();
 
-  /// Where it listens, with the ports that the system chose.
+  /// The endpoints it listens on, with the ports that the system chose.
   [[nodiscard]] std::vector<std::string> endpoints() const;
 
-  /// Takes no more calls, and ends those there are after `grace`.
+  /// Accepts no more calls, and ends the running ones after `grace`.
   void stop(Duration grace);
 
  private:

@@ -8,9 +8,9 @@ namespace engram::server {
 
 namespace {
 
-/// Sessions that were offered and not begun are forgotten beyond that.
+/// The max number of sessions; beyond it, sessions that were offered but not started are dropped.
 constexpr size_t kMaxSessions = 1024;
-/// Of a commit: larger ones could not be sent to clients elsewhere (ClientOptions).
+/// The max size of a commit. A larger one could not be sent to clients elsewhere (ClientOptions).
 constexpr size_t kMaxBlockBytes = size_t{256} << 20;
 
 }  // namespace
@@ -85,7 +85,7 @@ Status SharedSessions::share(const BlockRef& block, const std::string& memory, C
 }
 
 void SharedSessions::release(ClientId reader, const BlockRef& block) {
-  // One that it does not have is its own affair, and counted by the pool.
+  // Releasing a block that the client does not have harms only that client; the pool counts it.
   if (const Status status = pool_->release(reader, block); !status.ok())
     log::debug("shared memory: client {}: {}", reader, status.message());
 }

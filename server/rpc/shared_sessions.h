@@ -15,31 +15,31 @@
 
 namespace engram::server {
 
-/// Which client of this host shares memory with the server, and what each may read: a memory that
-/// it may read as a whole.
+/// Tracks which clients of this host share memory with the server, and what each may read: the
+/// blocks of every memory that it may read as a whole.
 ///
 /// Threading: thread-safe.
 /// Source: docs/sharing.md.
 class SharedSessions {
  public:
-  /// `socket`: where clients fetch the memory; in a folder that is the server's alone.
+  /// Starts sharing. Clients fetch the memory at `socket`, in a folder that only the server owns.
   /// Errors: those of SharedPool::create and SharingServer::start.
   static Result<std::unique_ptr<SharedSessions>> start(const std::filesystem::path& socket,
                                                        const SharedPool::Options& options);
   ~SharedSessions();
 
-  /// What a client needs to begin.
+  /// Returns what a client needs to start a session.
   /// Errors: those of SharingServer::issue_ticket.
   Result<v1::SharedMemory> offer(const Identity& who);
 
-  /// The client of a session; kServerItself where there is none.
+  /// Returns the client of a session, or kServerItself if there is none.
   [[nodiscard]] ClientId find(const std::string& session) const;
 
-  /// See SharedPool; a block is of one memory.
+  /// See SharedPool. A block belongs to one memory.
   Result<BlockRef> lease(ClientId writer, const std::string& memory, size_t bytes);
   Result<Buffer> commit(ClientId writer, const std::string& memory, const BlockRef& block,
                         size_t bytes);
-  /// Lets a client read a block of a memory, if it may.
+  /// Lets a client read a block of a memory if it has access.
   Status share(const BlockRef& block, const std::string& memory, ClientId reader);
   void release(ClientId reader, const BlockRef& block);
 
@@ -62,7 +62,8 @@ class SharedSessions {
   std::map<ClientId, Session> sessions_ ENGRAM_GUARDED_BY(mutex_);
   std::unordered_map<std::string, ClientId> by_secret_ ENGRAM_GUARDED_BY(mutex_);
   std::map<std::string, GroupId> groups_ ENGRAM_GUARDED_BY(mutex_);
-  std::unique_ptr<SharingServer> server_;  ///< Ends first: it calls forget().
+  /// Declared last, so that it ends first: it calls forget().
+  std::unique_ptr<SharingServer> server_;
 };
 
 }  // namespace engram::server

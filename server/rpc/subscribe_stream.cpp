@@ -10,7 +10,8 @@ namespace engram::server {
 
 namespace {
 
-/// Of what is told in one message: small events travel together where a subscriber is behind.
+/// The size up to which events share a message: small ones travel together when a subscriber is
+/// behind.
 constexpr size_t kMessageBytes = size_t{1} << 20;
 constexpr size_t kMaxQueuedEvents = size_t{1} << 20;
 constexpr size_t kMaxQueuedBytes = size_t{1} << 30;
@@ -37,7 +38,7 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   v1::Notification started;
   started.set_is_started(true);
   {
-    // From here on all is told: what comes waits behind this message.
+    // Every snapshot from here on is sent: it queues behind this message.
     const MutexLock lock(mutex_);
     if (is_finished_) return {};
     queue_.emplace(bounds);
@@ -54,7 +55,7 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
 }
 
 void SubscribeStream::OnReadDone(bool ok) {
-  // A client that sends no more still wants to be told.
+  // A client that has closed its sending side still receives events.
   if (!ok) return;
   v1::SubscribeRequest request;
   Status status = read_message(request_, request);
@@ -95,7 +96,7 @@ const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& las
   if (!with_data_ || !with_shared_memory_) return nullptr;
   const WireEvent::Shared* shared = event.shared(context_.sharing->pool());
   if (shared == nullptr) return nullptr;
-  // One lease for all events of a message that lie in the same block.
+  // All events of a message that lie in one block share one lease.
   if (shared->block.generation == last_shared) return &shared->bytes;
   const std::string& memory = event.snapshot->entity.names()[0];
   if (!context_.sharing->share(shared->block, memory, sharing_).ok()) return nullptr;
@@ -128,7 +129,7 @@ void SubscribeStream::write_next() {
   if (queue_->lost() > 0) message.field(v1::Notification::kLostFieldNumber, queue_->lost());
   written_ = message.take().to_byte_buffer();
   is_writing_ = true;
-  // Begun with the lock held: nothing may be begun after the end was.
+  // The write begins with the lock held, because nothing may begin after Finish().
   StartWrite(&written_);
 }
 

@@ -14,8 +14,8 @@
 
 namespace engram::server {
 
-/// Tells one subscriber of commits, as fast as it reads; where it is too slow the oldest go, and it
-/// is told how many.
+/// The stream that sends commits to one subscriber as fast as it reads. If the subscriber is too
+/// slow, the oldest snapshots are dropped and the subscriber is told how many.
 class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                               public memory::EventListener,
                               public std::enable_shared_from_this<SubscribeStream> {
@@ -35,22 +35,23 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
  private:
   Status start(const v1::SubscribeRequest& request) ENGRAM_EXCLUDES(mutex_);
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
-  /// What it takes in a message.
+  /// The size of an event in a message.
   [[nodiscard]] size_t told_bytes(WireEvent& event) const;
-  /// What it keeps in memory as long as it waits.
+  /// The memory that an event occupies while it waits.
   [[nodiscard]] size_t kept_bytes(const WireEvent& event) const;
-  /// The event in shared memory where it lies there, is large, and the subscriber may see it.
+  /// The event as a reference to shared memory; null unless its data are there, are large, and the
+  /// subscriber may read them.
   [[nodiscard]] const WireBytes* shared_form_of(WireEvent& event, uint64_t& last_shared) const;
   void write_next() ENGRAM_REQUIRES(mutex_);
   void finish(const Status& status) ENGRAM_EXCLUDES(mutex_);
 
   RpcContext& context_;
   const Identity who_;
-  const ClientId sharing_;  ///< kServerItself where it shares no memory.
+  const ClientId sharing_;  ///< kServerItself if it shares no memory.
   const StreamSlot slot_{context_, who_};
   std::shared_ptr<SubscribeStream> self_;
   grpc::ByteBuffer request_;
-  bool is_started_ = false;  ///< Used by one thread: requests come one at a time.
+  bool is_started_ = false;  ///< Needs no lock, because requests come one at a time.
   bool with_data_ = false;
   bool with_shared_memory_ = false;
   size_t inline_bytes_ = SIZE_MAX;

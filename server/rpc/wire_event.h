@@ -12,7 +12,8 @@
 
 namespace engram::server {
 
-/// A commit's snapshot in the forms in which subscribers want it, each made once.
+/// A committed snapshot in the wire forms that subscribers ask for; each form is made once, for
+/// all.
 ///
 /// Threading: thread-safe.
 class WireEvent final : public memory::CommitEvent {
@@ -24,12 +25,12 @@ class WireEvent final : public memory::CommitEvent {
     if (!data_) data_ = to_wire(*snapshot, true);
     return *data_;
   }
-  /// Where the data lie in a block of the pool: naming it, without data.
+  /// The form that names a block of the pool in place of the data.
   struct Shared {
     BlockRef block;
     WireBytes bytes;
   };
-  /// Null where they do not, or are small.
+  /// Returns null if the data are not in one block of the pool, or are small.
   const Shared* shared(const SharedPool& pool) {
     const MutexLock lock(mutex_);
     if (!shared_) shared_ = make_shared(pool);
@@ -42,7 +43,7 @@ class WireEvent final : public memory::CommitEvent {
   }
 
  private:
-  /// Less is told along: naming a block costs more.
+  /// Smaller data are sent inline: naming a block costs more.
   static constexpr size_t kSharedBytes = size_t{16} << 10;
 
   [[nodiscard]] std::optional<Shared> make_shared(const SharedPool& pool) const {
@@ -60,7 +61,7 @@ class WireEvent final : public memory::CommitEvent {
     return Shared{*block, to_wire_in_block(*snapshot, to_message(*block), offsets)};
   }
 
-  Mutex mutex_;  ///< Not call_once(), which enters the kernel.
+  Mutex mutex_;  ///< A mutex, because call_once() enters the kernel.
   std::optional<WireBytes> data_ ENGRAM_GUARDED_BY(mutex_);
   std::optional<WireBytes> ids_ ENGRAM_GUARDED_BY(mutex_);
   std::optional<std::optional<Shared>> shared_ ENGRAM_GUARDED_BY(mutex_);

@@ -10,13 +10,14 @@
 
 namespace engram::server {
 
-/// Threads that do what is handed to them, in its order. Who hands over bounds how much.
+/// Threads that run functions in the order in which they were added. The queue is unbounded:
+/// callers limit how much they add.
 ///
 /// Threading: thread-safe.
 class WorkQueue {
  public:
   explicit WorkQueue(int threads);
-  /// Does what waits.
+  /// Runs all waiting functions, then ends.
   ~WorkQueue();
 
   void add(std::function<void()> work);

@@ -17,10 +17,10 @@ struct PoolClient;
 /// A part of a slab: free, leased to its writer, or committed.
 struct Block {
   uint64_t length = 0;
-  uint64_t generation = 0;  ///< Zero: free.
-  uint64_t bytes = 0;       ///< That were committed; zero before.
-  uint64_t views = 0;       ///< Of the server.
-  uint64_t shares = 0;      ///< Leases of readers.
+  uint64_t generation = 0;  ///< Zero if free.
+  uint64_t bytes = 0;       ///< Number of committed bytes; zero before the commit.
+  uint64_t views = 0;       ///< Buffers of the server that view it.
+  uint64_t shares = 0;      ///< Leases that readers hold.
 
   [[nodiscard]] bool is_free() const { return generation == 0; }
   [[nodiscard]] bool is_committed() const { return bytes > 0; }
@@ -29,13 +29,13 @@ struct Block {
 
 struct BlockSpace;
 
-/// A slab and what is in it: blocks, by offset, without gaps.
+/// A slab and its blocks, keyed by offset, without gaps.
 struct DividedSlab {
   SlabId id = 0;
   Slab memory;
   std::shared_ptr<BlockSpace> space;
   std::map<uint64_t, Block> blocks;
-  size_t taken = 0;  ///< Blocks that are not free.
+  size_t taken = 0;  ///< Number of blocks that are not free.
   std::optional<Time> free_since;
 
   using Place = std::map<uint64_t, Block>::iterator;
@@ -43,10 +43,10 @@ struct DividedSlab {
   [[nodiscard]] size_t size() const { return memory.mapping()->size(); }
 };
 
-/// The slabs of one writer and one group: where the next block goes.
+/// The slabs of one writer and one group. It decides where the next block goes.
 ///
-/// Takes the smallest free range that is large enough: what was used before comes before what never
-/// was, so that memory stays warm and slabs at the end become free.
+/// It takes the smallest free range that is large enough, so that memory used before is preferred
+/// to memory never used: pages stay resident, and slabs at the end become free.
 /// Threading: one thread. Complexity: O(log of the free ranges).
 struct BlockSpace {
   struct FreeRange {
@@ -68,17 +68,18 @@ struct BlockSpace {
   };
 
   GroupId group = 0;
-  PoolClient* writer = nullptr;  ///< Null when it is gone.
+  PoolClient* writer = nullptr;  ///< Null if the writer is gone.
   std::set<FreeRange> free;
-  size_t bytes = 0;  ///< Of all slabs.
+  size_t bytes = 0;  ///< Total size of all slabs.
 
-  /// All of it becomes one free range.
+  /// Adds a slab as one free range.
   void add(DividedSlab& slab);
 
-  /// Nothing of it is offered any more. Needs a slab of which all is free (checked).
+  /// Removes a slab. Needs a slab whose blocks are all free (checked).
   void remove(DividedSlab& slab);
 
-  /// A block of exactly this length, a multiple of 64.
+  /// Takes a block of exactly this length, a multiple of 64; nothing if no free range is large
+  /// enough.
   std::optional<Taken> take(uint64_t length, uint64_t generation);
 
   /// Frees a block and joins it with its neighbours.

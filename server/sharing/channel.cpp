@@ -9,7 +9,7 @@ namespace engram::server {
 
 namespace {
 
-/// Room for one descriptor; of more the system closes the rest and says so.
+/// Room for one descriptor. If a peer sends more, the kernel closes the rest and reports it.
 union Control {
   cmsghdr header;
   char bytes[CMSG_SPACE(sizeof(int))];
@@ -59,7 +59,7 @@ Result<std::optional<Arrived>> receive_message(int socket, Descriptors descripto
   packet.msg_iov = &content;
   packet.msg_iovlen = 1;
   Control control{};
-  // Without room for them the system closes what the peer sent along.
+  // Without a buffer for them, the kernel closes descriptors that the peer sent.
   if (descriptors == Descriptors::kAccept) {
     packet.msg_control = &control;
     packet.msg_controllen = sizeof(control);

@@ -10,19 +10,18 @@
 
 namespace engram::server {
 
-/// What is said between SharingServer and SharingClient: one packet each, in the byte order of the
-/// host that both are on.
+/// A message between SharingServer and SharingClient: one packet, in the byte order of their host.
 struct Message {
-  /// Names the protocol and its version: another one is another number.
+  /// Identifies the protocol and its version; each version has its own number.
   static constexpr uint32_t kMagic = 0x31485345;
 
   enum class Kind : uint32_t {
-    kHello = 1,   ///< Client: `ticket`. First and once.
-    kWelcome,     ///< Server: `status`; closes unless it is ok.
+    kHello = 1,   ///< Client: `ticket`. The first message, sent once.
+    kWelcome,     ///< Server: `status`; it closes unless that is ok.
     kOpenSlab,    ///< Client: `slab`.
     kSlab,        ///< Server: `slab`, `status`, and if ok `bytes`, `is_writer`, a descriptor.
-    kSlabMapped,  ///< Client: `slab`, which it writes.
-    kSlabSealed,  ///< Server: `slab`, `status`: it may be written.
+    kSlabMapped,  ///< Client: has mapped `slab`, which it writes.
+    kSlabSealed,  ///< Server: `slab`, `status`; ok: the client may write.
     kSlabGone,    ///< Server: `slab` was given back.
   };
 
@@ -38,20 +37,20 @@ static_assert(sizeof(Message) == 64 && std::is_trivially_copyable_v<Message>);
 
 struct Arrived {
   Message message;
-  Descriptor descriptor;  ///< That came with it.
+  Descriptor descriptor;  ///< The descriptor that came with it.
 };
 
 enum class Descriptors : bool { kRefuse, kAccept };
 
-/// Sends a packet, and a descriptor where there is one.
-/// Errors: kUnavailable where the peer is gone, kResourceExhausted where it does not read.
+/// Sends a packet, with a descriptor unless it is negative.
+/// Errors: kUnavailable if the peer is gone; kResourceExhausted if it does not read.
 Status send_message(int socket, const Message& message, int descriptor = -1);
 
-/// The next packet; nothing where none came in the time that the socket waits.
-/// Errors: kUnavailable where the peer is gone, kDataLoss where it is no message.
+/// Receives the next packet; nothing if none arrives within the socket's timeout.
+/// Errors: kUnavailable if the peer is gone; kDataLoss if the packet is no message.
 Result<std::optional<Arrived>> receive_message(int socket, Descriptors descriptors);
 
-/// The code that a message carries; kDataLoss where it is none.
+/// Returns the status code of a message, or kDataLoss if it has an unknown one.
 [[nodiscard]] StatusCode status_code(const Message& message);
 
 }  // namespace engram::server

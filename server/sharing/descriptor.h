@@ -13,7 +13,7 @@
 
 namespace engram::server {
 
-/// A file descriptor that is closed when this goes; none where negative.
+/// A file descriptor that is closed with this object; negative if there is none.
 ///
 /// Threading: one thread.
 class Descriptor {
@@ -36,8 +36,7 @@ class Descriptor {
   int fd_ = -1;
 };
 
-/// The system's last error as kResourceExhausted where memory or descriptors are used up, else
-/// kUnavailable.
+/// Converts errno to kResourceExhausted if memory or descriptors are used up, else to kUnavailable.
 [[nodiscard]] inline Status system_status(std::string_view what) {
   const int error = errno;
   const bool is_exhausted =

@@ -40,7 +40,7 @@ Status check_directory(const std::filesystem::path& path) {
   return {};
 }
 
-/// Zero or the system's error.
+/// Returns zero or the system's error number.
 int try_connect(const Descriptor& socket, const std::filesystem::path& path) {
   const sockaddr_un address = address_of(path);
   int outcome = 0;
@@ -50,14 +50,14 @@ int try_connect(const Descriptor& socket, const std::filesystem::path& path) {
   return outcome == 0 ? 0 : errno;
 }
 
-/// Removes what a dead server left.
+/// Removes the socket of a dead server.
 Status clear(const std::filesystem::path& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0)
     return errno == ENOENT ? Status() : path_status(path, "cannot see it");
   if (!S_ISSOCK(found.st_mode))
     return failed_precondition("socket '{}': found something that is none", path.string());
-  // Another kind of program may listen, which does not know of our lock.
+  // A program that does not know our lock may listen here.
   const Descriptor probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!probe.is_open()) return path_status(path, "cannot make");
   if (try_connect(probe, path) != ECONNREFUSED)
@@ -98,20 +98,20 @@ Result<ListeningSocket> ListeningSocket::open(const std::filesystem::path& path,
   ENGRAM_RETURN_IF_ERROR(clear(path));
   Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket.is_open()) return path_status(path, "cannot make");
-  // Before it has a name: there is no moment at which more may connect.
+  // Set before the socket has a name, so that it is never open to more users than intended.
   if (::fchmod(socket.get(), mode) != 0) return path_status(path, "cannot set its mode");
   const sockaddr_un address = address_of(path);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
     return path_status(path, "cannot bind");
   ListeningSocket listening(path, std::move(lock), std::move(socket));
-  // What the mask of the process took away.
+  // bind() applied the umask of the process, so the mode is set again.
   if (::chmod(path.c_str(), mode) != 0) return path_status(path, "cannot set its mode");
   if (::listen(listening.get(), kBacklog) != 0) return path_status(path, "cannot listen");
   return listening;
 }
 
 ListeningSocket::~ListeningSocket() {
-  // Before the lock goes: the next server's socket is not ours to remove.
+  // The path is removed while the lock is held: afterwards it may be the next server's socket.
   if (socket_.is_open()) ::unlink(path_.c_str());
 }
 

@@ -11,23 +11,25 @@
 
 namespace engram::server {
 
-/// The address of a Unix socket.
-/// Errors: kInvalidArgument where the path is empty or longer than the system takes.
+/// Checks the path of a Unix socket.
+/// Errors: kInvalidArgument if the path is empty or longer than the system allows.
 Status check_socket_path(const std::filesystem::path& path);
 
-/// A socket that is connected to what listens at `path`, and waits at most so long for it.
+/// Connects to the socket at `path` and waits for `timeout_ms` at most.
 /// Errors: kInvalidArgument, kUnavailable.
 Result<Descriptor> connect_socket(const std::filesystem::path& path, int timeout_ms);
 
-/// Listens at a path of the file system, alone.
+/// Listens at a path of the file system, as the only server there.
 ///
-/// A lock beside it ("<path>.lock", empty, never removed) tells whether a server lives: it goes
-/// with its process, however that ends. What a dead one left at the path is replaced. Threading:
-/// one thread. Owns: the path, which is removed with this.
+/// A locked file beside it ("<path>.lock", empty, never removed) shows that a server lives: the
+/// lock ends with its process, however that ends. A socket that a dead server left at the path is
+/// replaced.
+/// Threading: one thread.
+/// Owns: the path, which is removed with this object.
 class ListeningSocket {
  public:
-  /// Errors: kInvalidArgument; kFailedPrecondition where a server listens there, the path is no
-  /// socket, or its directory may be changed by anybody; kUnavailable.
+  /// Errors: kInvalidArgument; kFailedPrecondition if a server listens there, the path is no
+  /// socket, or any user may change its folder; kUnavailable.
   static Result<ListeningSocket> open(const std::filesystem::path& path, mode_t mode);
 
   ListeningSocket(ListeningSocket&& other) noexcept = default;

@@ -83,6 +83,7 @@ void SharedPool::State::free_block(DividedSlab& slab, DividedSlab::Place place, 
   PoolClient* const writer = slab.space->writer;
   if (writer != nullptr) --writer->blocks;
   slab.space->give_back(slab, place);
+  // Once its writer is gone, nobody can lease from this slab again, so it goes with its last block.
   if (writer == nullptr && slab.taken == 0) drop(slab, dropped);
 }
 
@@ -110,9 +111,9 @@ Status SharedPool::State::add_slab(PoolClient& writer, BlockSpace& space, size_t
     return std::min(options.max_bytes - counts.slab_bytes,
                     options.max_writer_bytes - writer.slab_bytes);
   };
-  // What lies idle makes room before anything is refused.
+  // Idle slabs are dropped before a lease is refused.
   if (size > room()) drop_where([](const DividedSlab&) { return true; }, dropped);
-  // All that is left at once: many small slabs would take a descriptor each.
+  // Near the limit, one slab takes all that is left: many small slabs would cost a descriptor each.
   if (size > room()) size = std::max(min, room() / kPage * kPage);
   if (counts.slab_bytes + size > options.max_bytes)
     return exhaust("the pool", counts.slab_bytes + size, options.max_bytes);

@@ -16,7 +16,7 @@
 
 namespace engram::server {
 
-/// What the pool knows of one process.
+/// The pool's record of one process.
 struct PoolClient {
   ClientId id = kServerItself;
   std::set<GroupId> readable;
@@ -29,17 +29,17 @@ struct PoolClient {
     DividedSlab::Place place;
     uint64_t count = 0;
   };
-  std::unordered_map<uint64_t, Share> shares;  ///< By generation.
+  std::unordered_map<uint64_t, Share> shares;  ///< Keyed by generation.
   size_t shared_bytes = 0;
 };
 
-/// Unmapped when no lock is held: that takes as long as there are pages.
+/// Slabs to unmap after the lock is released: unmapping takes time in proportion to their pages.
 using Dropped = std::vector<std::unique_ptr<DividedSlab>>;
 
-/// The books of a SharedPool: what is whose.
+/// The bookkeeping of a SharedPool: who owns and reads which block.
 ///
-/// Threading: everything but `options` under `mutex`. What is called with `dropped` puts slabs
-/// there that are to go when it is no longer held.
+/// Threading: everything but `options` needs `mutex`. Functions with a parameter `dropped` move
+/// slabs there that must be destroyed after the mutex is released.
 struct SharedPool::State {
   explicit State(const Options& given) : options(given) {}
 
@@ -53,32 +53,33 @@ struct SharedPool::State {
   uint64_t last_generation ENGRAM_GUARDED_BY(mutex) = 0;
   PoolCounters counts ENGRAM_GUARDED_BY(mutex);
 
-  /// Null where there is none.
+  /// Returns null if there is none.
   [[nodiscard]] PoolClient* find(ClientId client) const ENGRAM_REQUIRES(mutex);
   [[nodiscard]] DividedSlab* find_slab(SlabId slab) const ENGRAM_REQUIRES(mutex);
 
-  /// The block of exactly this name, unless it is free or another's by now.
+  /// Returns the block with exactly this name, unless it is free or was leased again.
   [[nodiscard]] std::optional<BlockSpace::Taken> find_block(const BlockRef& block) const
       ENGRAM_REQUIRES(mutex);
 
-  /// The same, where `writer` has it and did not commit it.
+  /// Like find_block(), if the block is leased to `writer` and not committed.
   [[nodiscard]] std::optional<BlockSpace::Taken> find_lease(ClientId writer,
                                                             const BlockRef& block) const
       ENGRAM_REQUIRES(mutex);
 
-  /// Counts what is refused. Errors: kInvalidArgument, kResourceExhausted.
+  /// Counts a refusal and returns its error.
+  /// Errors: kInvalidArgument from refuse(), kResourceExhausted from exhaust().
   Status refuse(std::string_view what, const BlockRef& block, std::string_view needed)
       ENGRAM_REQUIRES(mutex);
   Status exhaust(std::string_view what, size_t found, size_t needed) ENGRAM_REQUIRES(mutex);
 
-  /// What its blocks of a group lie in.
+  /// Returns the space that holds a client's blocks of a group, and makes it on first use.
   std::shared_ptr<BlockSpace>& space_of(PoolClient& client, GroupId group) ENGRAM_REQUIRES(mutex);
 
   /// Errors: kResourceExhausted, kUnavailable.
   Status add_slab(PoolClient& writer, BlockSpace& space, size_t bytes, Dropped& dropped)
       ENGRAM_REQUIRES(mutex);
 
-  /// Of the slabs without blocks.
+  /// Drops the slabs without blocks that `is_dropped` selects.
   void drop_where(const std::function<bool(DividedSlab&)>& is_dropped, Dropped& dropped)
       ENGRAM_REQUIRES(mutex);
 
@@ -87,7 +88,7 @@ struct SharedPool::State {
   void free_if_unused(DividedSlab& slab, DividedSlab::Place place, Dropped& dropped)
       ENGRAM_REQUIRES(mutex);
 
-  /// Takes back whatever it had, and forgets it.
+  /// Takes back everything that a client has, and forgets the client.
   void remove(PoolClient& client, Dropped& dropped) ENGRAM_REQUIRES(mutex);
 
  private:

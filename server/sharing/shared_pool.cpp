@@ -31,7 +31,7 @@ Status SharedPool::Options::validate() const {
   return {};
 }
 
-/// Keeps a block, and the memory that it is in.
+/// Keeps a block, and its memory, as long as a Buffer views it.
 struct SharedPool::View {
   /// Needs the lock of `pool`.
   View(std::shared_ptr<State> pool, const BlockSpace::Taken& taken)
@@ -63,7 +63,7 @@ SharedPool::SharedPool(std::shared_ptr<State> state) : state_(std::move(state)) 
 }
 
 SharedPool::~SharedPool() {
-  // Of the slabs, those stay that a Buffer views.
+  // Slabs that a Buffer views survive the pool.
   Dropped dropped;
   const MutexLock lock(state_->mutex);
   while (!state_->clients.empty()) state_->remove(*state_->clients.begin()->second, dropped);
@@ -144,6 +144,8 @@ Result<Buffer> SharedPool::commit(ClientId writer, GroupId group, const BlockRef
                           fmt::format("one of group {} leased to client {}", group, writer));
   if (bytes == 0 || bytes > block.capacity)
     return state_->refuse("commit", block, fmt::format("{} bytes of it", bytes));
+  // Without the seal, another process could still map the slab for writing and change what readers
+  // see.
   if (!found->slab->memory.is_sealed())
     return failed_precondition("slab {}: client {} has not mapped it", block.slab, writer);
   found->place->second.bytes = bytes;
@@ -245,7 +247,8 @@ Result<SharedPool::OpenedSlab> SharedPool::open_slab(ClientId client, SlabId sla
       asking != nullptr && found != nullptr && asking->readable.contains(found->space->group);
   if (!is_writer && !is_reader) {
     ++state_->counts.refused;
-    // Whether there is one is nobody's business who may not read it.
+    // The error is the same whether or not the slab exists, so that a client without a grant learns
+    // nothing.
     return not_found("slab {}: there is none that client {} may open", slab, client);
   }
   if (found->memory.is_sealed() == is_writer)

@@ -21,13 +21,13 @@ namespace engram::server {
 
 namespace {
 
-/// What Buffers leave behind; they may outlive the client.
+/// The blocks of destroyed Buffers. It is shared, because Buffers may outlive the client.
 struct Released {
   Mutex mutex;
   std::vector<BlockRef> blocks ENGRAM_GUARDED_BY(mutex);
 };
 
-/// Keeps the mapping that a Buffer views, and says when the Buffer is gone.
+/// Keeps the mapping that a Buffer views, and reports when the Buffer is destroyed.
 struct Reading {
   Reading(std::shared_ptr<Mapping> mapped, BlockRef read, std::shared_ptr<Released> queue,
           SharingClient::OnRelease callback)
@@ -87,7 +87,8 @@ Status greet(int socket, const Ticket& ticket) {
   return refused(arrived->message, "the ticket");
 }
 
-/// What was sent as memory of so many bytes, unless it is shorter or may become so.
+/// Maps a received slab. Fails if its size differs from the message or could shrink, which would
+/// make reads beyond its end crash.
 Result<std::shared_ptr<Mapping>> map_slab(const Arrived& arrived) {
   const int fd = arrived.descriptor.get();
   if (fd < 0)
@@ -121,14 +122,14 @@ struct SharingClient::State {
   mutable SharedMutex mapping_mutex;
   std::unordered_map<SlabId, std::shared_ptr<Mapping>> mappings ENGRAM_GUARDED_BY(mapping_mutex);
 
-  /// A slab that was asked for, by one thread or several.
+  /// A slab that one or several threads have requested.
   struct Opening {
     std::optional<Status> outcome;
   };
   Mutex opening_mutex ENGRAM_ACQUIRED_BEFORE(mapping_mutex);
   ConditionVariable opened;
   std::unordered_map<SlabId, std::shared_ptr<Opening>> openings ENGRAM_GUARDED_BY(opening_mutex);
-  /// Mapped for writing; waits until the server knows. Of the thread alone.
+  /// Slabs mapped for writing that the server has not sealed yet. Used by `thread` only.
   std::unordered_map<SlabId, std::shared_ptr<Mapping>> unsealed;
 
   std::shared_ptr<Released> released;
@@ -146,7 +147,8 @@ struct SharingClient::State {
   }
 
   void forget(SlabId slab) {
-    std::shared_ptr<Mapping> last;  // Unmapped when nobody waits for the lock.
+    // Declared before the lock, so that unmapping happens without it.
+    std::shared_ptr<Mapping> last;
     const ExclusiveLock lock(mapping_mutex);
     const auto found = mappings.find(slab);
     if (found == mappings.end()) return;
@@ -154,11 +156,11 @@ struct SharingClient::State {
     mappings.erase(found);
   }
 
-  /// Tells all who wait for the slab.
+  /// Wakes all threads that wait for the slab.
   void finish(SlabId slab, Status outcome) ENGRAM_EXCLUDES(opening_mutex) {
     const MutexLock lock(opening_mutex);
     const auto found = openings.find(slab);
-    if (found == openings.end()) return;  // It took too long.
+    if (found == openings.end()) return;  // The waiting thread has timed out.
     found->second->outcome = std::move(outcome);
     openings.erase(found);
     opened.notify_all();
@@ -230,7 +232,7 @@ Status SharingClient::State::handle(const Arrived& arrived) {
 
 Status SharingClient::State::ask(SlabId slab) {
   const MutexLock lock(opening_mutex);
-  if (find(slab) != nullptr) return {};  // Another thread's answer came before the lock.
+  if (find(slab) != nullptr) return {};  // It was mapped for another thread meanwhile.
   auto& entry = openings[slab];
   if (entry == nullptr) {
     entry = std::make_shared<Opening>();

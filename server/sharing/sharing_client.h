@@ -16,49 +16,50 @@
 
 namespace engram::server {
 
-/// The memory of a server of this host, as one of its clients sees it.
+/// A client's view of the shared memory of a server on this host.
 ///
-/// Slabs are mapped when a block of them is first asked for, and stay mapped until the server gives
-/// them back. A thread of its own listens to the server. When that ends, so does this: everything
-/// returns kUnavailable, and Buffers that were made stay readable.
-/// Threading: thread-safe. Buffers may outlive it.
+/// A slab is mapped when one of its blocks is first used, and stays mapped until the server gives
+/// it back. A thread of this object listens to the server. Once the connection has ended, every
+/// call returns kUnavailable; existing Buffers stay readable.
+/// Threading: thread-safe. Buffers may outlive this object.
 /// Source: docs/sharing.md.
 class SharingClient {
  public:
   struct Options {
-    /// How long the server may take to answer; only connecting and new slabs ask it.
+    /// How long the server may take to answer. Only connecting and new slabs ask the server.
     Duration timeout = std::chrono::seconds(2);
-    std::vector<uid_t> other_uids;  ///< Whose servers are trusted beside this user's and root's.
+    std::vector<uid_t> other_uids;  ///< Users whose servers are trusted, beside this user and root.
 
     /// Errors: kInvalidArgument.
     [[nodiscard]] Status validate() const;
   };
 
-  /// Shows the ticket to the server at `socket`.
-  /// Errors: kUnavailable where there is no server, kFailedPrecondition where it is another
-  /// user's, kInvalidArgument; those of the server: kNotFound for a ticket that is not good,
-  /// kAlreadyExists, kResourceExhausted.
+  /// Connects to the server at `socket` and presents the ticket.
+  /// Errors: kUnavailable if there is no server; kFailedPrecondition if it is another user's;
+  /// kInvalidArgument; those of the server: kNotFound for an invalid ticket, kAlreadyExists,
+  /// kResourceExhausted.
   static Result<std::unique_ptr<SharingClient>> connect(const std::filesystem::path& socket,
                                                         const Ticket& ticket,
                                                         const Options& options);
   ~SharingClient();
 
-  /// Where the bytes of a block go that this client has leased. Valid until it is committed or
-  /// given back, and no longer than this client.
-  /// Errors: kUnavailable; kInvalidArgument where the block does not lie in its slab or the slab is
-  /// another's; those of SharedPool::open_slab.
+  /// Returns the memory of a block that this client has leased. It is valid until the block is
+  /// committed or given back, and no longer than this client lives.
+  /// Errors: kUnavailable; kInvalidArgument if the block is not within its slab or the slab is
+  /// another writer's; those of SharedPool::open_slab.
   Result<std::span<std::byte>> writable(const BlockRef& block);
 
-  /// Called when the last copy of a Buffer goes, on whichever thread that is.
+  /// Called when the last copy of a Buffer is destroyed, on that thread.
   using OnRelease = std::function<void(const BlockRef&)>;
 
-  /// The first `bytes` of a block that the server shared, mapped for reading alone. When its last
-  /// copy goes, its lease is the server's again: `on_release` or else take_released() says so.
-  /// Errors: as writable(). The lease then stays to be released.
+  /// Maps the first `bytes` of a shared block read-only. When the last copy of the Buffer is
+  /// destroyed, its lease must go back to the server: `on_release` reports it, or take_released()
+  /// if there is none.
+  /// Errors: those of writable(); the lease must then still be released.
   Result<Buffer> readable(const BlockRef& block, size_t bytes, OnRelease on_release = {});
 
-  /// The leases that went since it was last called, to be told to the server. Those of one block
-  /// that was shared several times are in it as often.
+  /// Returns the leases that ended since the last call, to be released at the server. A block that
+  /// was shared several times appears as often.
   std::vector<BlockRef> take_released();
 
   [[nodiscard]] bool is_connected() const;

@@ -14,7 +14,8 @@ namespace engram::server {
 
 namespace {
 
-constexpr uint64_t kWake = 1;  ///< The event of the listening socket's key that is not its own.
+/// The odd event of the listening socket's key, which has no process and thus leaves it free.
+constexpr uint64_t kWake = 1;
 constexpr int kAcceptedAtOnce = 16;
 
 std::optional<ucred> peer_of(const Descriptor& socket) {
@@ -84,7 +85,7 @@ int SharingServer::Loop::wait_ms() const {
   Time next = next_trim_;
   if (!pending_.empty()) next = std::min(next, pending_.front().deadline);
   const auto wait = std::chrono::ceil<std::chrono::milliseconds>(next - clock_());
-  // A clock that is set back delays nothing for ever.
+  // Bounded, so that a clock that is set back cannot delay the loop for long.
   return static_cast<int>(std::clamp<int64_t>(wait.count(), 0, 1000));
 }
 
@@ -99,7 +100,8 @@ void SharingServer::Loop::run(const std::stop_token& stop) {
       const Key key = event / 2;
       has_new = has_new || event == kListening;
       const auto found = connections_.find(key);
-      if (found == connections_.end()) continue;  // Closed by an event before, or none.
+      // An earlier event of this round closed it, or it is no connection.
+      if (found == connections_.end()) continue;
       const bool has_ended = event % 2 == 1;
       const Status status =
           has_ended ? unavailable("its process ended") : serve(key, found->second);
@@ -113,7 +115,7 @@ void SharingServer::Loop::run(const std::stop_token& stop) {
       }
       close(key);
     }
-    // Those who are here come first.
+    // Connected clients are served before new ones are accepted.
     if (has_new) accept_peers();
     drop_late();
     tell_gone();
@@ -130,7 +132,8 @@ void SharingServer::Loop::accept_peers() {
       continue;
     }
     if (errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM) return;
-    // The peer that cannot be taken would wake us for ever: it waits until the next trim.
+    // The waiting peer would wake the loop again and again, so the socket is not watched until the
+    // next trim.
     log::warning("sharing: no descriptors left for new connections");
     ::epoll_ctl(events_.get(), EPOLL_CTL_DEL, listening_.get(), nullptr);
     is_listening_ = false;
@@ -212,11 +215,11 @@ Status SharingServer::Loop::welcome(Key key, Connection& connection, const Messa
 }
 
 void SharingServer::Loop::watch_process(Key key, Connection& connection) {
-  // A child of the client may hold its socket open beyond its end. Where the process cannot be
-  // watched, its socket has to do.
+  // A child of the client may keep its socket open after the client has ended, so the process is
+  // watched too. If that is impossible, the socket must suffice.
   const auto peer = peer_of(connection.socket);
   if (!peer || peer->pid <= 0) return;
-  // The header of glibc 2.36 that declares it does so for C alone.
+  // Called as a system call, because glibc 2.36 declares pidfd_open for C only.
   connection.process = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, peer->pid, 0)));
   if (!connection.process.is_open()) return;
   if (const Status status = watch(connection.process.get(), 2 * key + 1); !status.ok())
@@ -242,7 +245,7 @@ void SharingServer::Loop::close(Key key) {
     const MutexLock lock(mutex_);
     sockets_.erase(client);
   }
-  // What is closed is not watched any more: only its owner has the descriptor.
+  // Closing also ends the watch, since no other process holds this descriptor.
   connections_.erase(found);
   if (client == kServerItself) return;
   pool_.remove_client(client);
@@ -251,7 +254,7 @@ void SharingServer::Loop::close(Key key) {
 
 void SharingServer::Loop::tell_gone() {
   const Time now = clock_();
-  // Also where the clock was set back.
+  // The second condition also trims if the clock was set back.
   if (now < next_trim_ && next_trim_ - now <= options_.trim_interval) return;
   next_trim_ = now + options_.trim_interval;
   if (!is_listening_) is_listening_ = watch(listening_.get(), kListening).ok();

@@ -15,9 +15,10 @@
 
 namespace engram::server {
 
-/// The thread of a SharingServer: one loop over all sockets, which never waits for one of them.
+/// The thread of a SharingServer: one event loop over all sockets, which never waits for a single
+/// socket.
 ///
-/// Threading: what is named public from any, the rest on its own.
+/// Threading: public functions from any thread, the rest on its own thread.
 class SharingServer::Loop {
  public:
   Loop(SharedPool& pool, Options options, Clock clock, ListeningSocket listening, Descriptor events,
@@ -40,14 +41,15 @@ class SharingServer::Loop {
   [[nodiscard]] SharingCounters counters() const;
 
  private:
-  /// Events carry twice the key of their connection, and one more where its process ended.
+  /// An epoll event carries twice the key of its connection, plus one if it reports that the
+  /// process ended.
   using Key = uint64_t;
   static constexpr Key kListening = 0;
 
   struct Connection {
     Descriptor socket;
     Descriptor process;
-    ClientId client = kServerItself;  ///< Until it is welcome: none.
+    ClientId client = kServerItself;  ///< kServerItself until the client is welcomed.
     std::set<SlabId> given;
   };
   struct Pending {
@@ -64,7 +66,7 @@ class SharingServer::Loop {
   void drop_pending(const Pending& pending);
   void drop_late();
 
-  /// Errors: why it is to be cut off.
+  /// Serves one message. An error means that the connection must be closed.
   Status serve(Key key, Connection& connection);
   Status welcome(Key key, Connection& connection, const Message& hello);
   Status give_slab(Connection& connection, SlabId slab);
@@ -82,12 +84,13 @@ class SharingServer::Loop {
 
   Key last_key_ = kListening;
   std::unordered_map<Key, Connection> connections_;
-  std::deque<Pending> pending_;  ///< In the order in which they came.
+  std::deque<Pending> pending_;  ///< In the order of arrival.
   bool is_listening_ = true;
   Time next_trim_{};
 
   mutable Mutex mutex_;
-  std::unordered_map<ClientId, int> sockets_ ENGRAM_GUARDED_BY(mutex_);  ///< Of clients.
+  /// The sockets of clients.
+  std::unordered_map<ClientId, int> sockets_ ENGRAM_GUARDED_BY(mutex_);
 
   std::atomic<uint64_t> accepted_{0}, welcomed_{0}, refused_{0}, cut_off_{0};
   std::jthread thread_;

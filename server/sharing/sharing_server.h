@@ -14,61 +14,65 @@
 
 namespace engram::server {
 
-/// What came to a SharingServer since it was started.
+/// Counters of a SharingServer since its start.
 struct SharingCounters {
-  size_t connected = 0;  ///< Clients, now.
+  size_t connected = 0;  ///< Number of clients now.
   uint64_t accepted = 0;
   uint64_t welcomed = 0;
-  uint64_t refused = 0;  ///< Before they were welcome: another user, no ticket, too slow, too many.
-  uint64_t cut_off = 0;  ///< Afterwards, for what they sent or did not read.
+  /// Peers refused before they were welcomed: another user, no ticket, too slow, too many.
+  uint64_t refused = 0;
+  uint64_t cut_off = 0;  ///< Clients closed later, for what they sent or because they did not read.
 };
 
-/// Hands the memory of a SharedPool to processes of this host, over a Unix socket, and takes it
-/// back when they end. A thread of its own does so; it also trims the pool.
+/// Gives processes of this host access to a SharedPool over a Unix socket, and takes the memory
+/// back when they end. It runs a thread, which also trims the pool.
 ///
-/// A client shows a ticket that the application issued to it by other means. A peer that says
-/// anything unexpected, or does not read what it asked for, is cut off; none is waited for.
-/// Threading: thread-safe; `on_closed` is called on the thread of its own, and holds it up.
+/// A client presents a ticket that the application issued to it by other means. A peer that sends
+/// anything unexpected, or does not read what it requested, is disconnected; the server never waits
+/// for a peer.
+/// Threading: thread-safe. `on_closed` is called on the server's thread and blocks it meanwhile.
 /// Source: docs/sharing.md.
 class SharingServer {
  public:
   struct Options {
-    /// Its directory must exist and belong to this user or root. At most 107 bytes.
+    /// Path of the socket, 107 bytes at most. Its folder must exist and belong to this user or
+    /// root.
     std::filesystem::path socket;
-    mode_t mode = 0600;             ///< Of the socket: who may connect. 0660: the group too.
-    std::vector<uid_t> other_uids;  ///< Whose processes are welcome beside this user's.
-    size_t max_connections = 64;    ///< Of clients; each takes two descriptors.
-    /// That have not shown a ticket yet; the oldest makes room.
+    /// Mode of the socket, which decides who may connect. 0660 admits the group too.
+    mode_t mode = 0600;
+    std::vector<uid_t> other_uids;  ///< Users whose processes are admitted, beside this user.
+    size_t max_connections = 64;    ///< Max clients; each takes two descriptors.
+    /// Max peers without a ticket so far; the oldest makes room for a new one.
     size_t max_pending = 16;
     Duration handshake_timeout = std::chrono::seconds(2);
     Duration ticket_lifetime = std::chrono::seconds(30);
     size_t max_tickets = 1024;
-    /// How often the pool is trimmed, and clients hear of slabs that are gone.
+    /// Interval at which the pool is trimmed and clients are told of slabs that are gone.
     Duration trim_interval = std::chrono::seconds(1);
-    /// A client is gone, and what it had is taken back.
+    /// Called after a client is gone and everything it had was taken back.
     std::function<void(ClientId)> on_closed;
 
     /// Errors: kInvalidArgument.
     [[nodiscard]] Status validate() const;
   };
 
-  /// `pool` must outlive it.
-  /// Errors: kInvalidArgument; kFailedPrecondition where another server listens there or the path
-  /// is not to be trusted; kResourceExhausted, kUnavailable.
+  /// Starts a server; `pool` must outlive it.
+  /// Errors: kInvalidArgument; kFailedPrecondition if another server listens there or the path
+  /// cannot be trusted; kResourceExhausted; kUnavailable.
   static Result<std::unique_ptr<SharingServer>> start(SharedPool& pool, Options options,
                                                       Clock clock = system_now);
 
   /// Closes all connections and removes the socket.
   ~SharingServer();
 
-  /// Lets a process connect as `client`, once and soon. It may read these groups, and what
-  /// SharedPool::grant_read adds later.
+  /// Issues a ticket with which a process may connect as `client`, once and within ticket_lifetime.
+  /// The client may read these groups, and those that SharedPool::grant_read adds later.
   /// Errors: kInvalidArgument, kResourceExhausted, kUnavailable.
   Result<Ticket> issue_ticket(ClientId client, std::vector<GroupId> readable = {});
 
   [[nodiscard]] bool is_connected(ClientId client) const;
 
-  /// Closes its connection, soon. Fine where there is none.
+  /// Closes a client's connection soon. Does nothing if there is none.
   void disconnect(ClientId client);
 
   [[nodiscard]] SharingCounters counters() const;

@@ -8,7 +8,7 @@ namespace engram::server {
 
 namespace {
 
-/// Since Linux 6.3; some systems refuse memory that could be executed.
+/// The flag MFD_NOEXEC_SEAL of Linux 6.3: some systems refuse memory that could be executed.
 constexpr unsigned kNeverExecuted = 8;
 
 constexpr int kFixedSize = F_SEAL_SHRINK | F_SEAL_GROW;
@@ -53,7 +53,7 @@ Result<Slab> Slab::create(size_t bytes, bool is_ours) {
 
 Status Slab::seal() {
   if (is_sealed_) return {};
-  // Fails where the writer put seals of its own; what counts is which there are.
+  // The call fails if the writer set seals of its own; what matters is which seals are set.
   ::fcntl(memory_.get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE | F_SEAL_SEAL);
   constexpr int kNeeded = kFixedSize | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
   const int seals = ::fcntl(memory_.get(), F_GET_SEALS);

@@ -12,7 +12,7 @@ namespace engram::server {
 
 /// A mapping of shared memory into this process.
 ///
-/// Threading: immutable. What lies in it changes as its writer likes.
+/// Threading: immutable. The writer may change its contents at any time.
 class Mapping {
  public:
   /// Errors: kResourceExhausted, kUnavailable.
@@ -37,22 +37,25 @@ class Mapping {
   bool is_writable_;
 };
 
-/// Memory without a name, of a size that nobody can change. Its writer maps it; then it is sealed,
-/// and nobody else can ever map it for writing, whoever holds a descriptor of it.
+/// Anonymous shared memory (memfd) of a fixed size. Once its writer has mapped it, it is sealed,
+/// and no other process can ever map it for writing, even with a descriptor of it.
 ///
-/// Threading: one thread; the mapping from any.
+/// Threading: one thread; the mapping may be used from any thread.
 /// Source: docs/sharing.md, "Who can do what".
 class Slab {
  public:
-  /// One that the server writes is sealed; one of a client waits for seal().
+  /// Makes a slab. A slab that the server writes (`is_ours`) is sealed at once; one of a client
+  /// waits for seal().
   /// Errors: kResourceExhausted, kUnavailable.
   static Result<Slab> create(size_t bytes, bool is_ours);
 
-  /// Errors: kFailedPrecondition where somebody made it impossible, kUnavailable.
+  /// Seals the slab against new writable mappings.
+  /// Errors: kFailedPrecondition if a process has made sealing impossible; kUnavailable.
   Status seal();
   [[nodiscard]] bool is_sealed() const { return is_sealed_; }
 
-  /// To hand to another process: for writing until it is sealed, then for reading.
+  /// Returns a descriptor for another process: for writing until the slab is sealed, then for
+  /// reading.
   /// Errors: kResourceExhausted, kUnavailable.
   [[nodiscard]] Result<Descriptor> descriptor() const;
 

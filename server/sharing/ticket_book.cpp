@@ -9,7 +9,7 @@ namespace engram::server {
 
 namespace {
 
-/// Takes the same time wherever they differ: a guess learns nothing from it.
+/// Takes the same time wherever the tickets differ, so that a guess learns nothing from it.
 bool is_same(const Ticket& a, const Ticket& b) {
   std::byte difference{0};
   for (size_t i = 0; i < a.size(); ++i) difference |= a[i] ^ b[i];

@@ -11,24 +11,25 @@
 
 namespace engram::server {
 
-/// Who a ticket is for, and what it may read.
+/// The client that a ticket is for, and what it may read.
 struct TicketHolder {
   ClientId client = kServerItself;
   std::vector<GroupId> readable;
 };
 
-/// The tickets that were issued and are still good.
+/// The issued tickets that are still valid.
 ///
-/// Threading: thread-safe. Complexity: O(tickets); redeeming takes as long whichever it is.
+/// Threading: thread-safe.
+/// Complexity: O(tickets); redeeming takes the same time for any ticket.
 class TicketBook {
  public:
   TicketBook(Duration lifetime, size_t max) : lifetime_(lifetime), max_(max) {}
 
-  /// A new one. An earlier one of the same client is good no more.
-  /// Errors: kResourceExhausted where too many are good, kUnavailable without random numbers.
+  /// Issues a new ticket. An earlier ticket of the same client becomes invalid.
+  /// Errors: kResourceExhausted if too many tickets are valid; kUnavailable without random numbers.
   Result<Ticket> issue(TicketHolder holder, Time now);
 
-  /// Whose it is; after that it is nobody's.
+  /// Returns the holder of a ticket, which is invalid afterwards; nothing if it is not valid.
   std::optional<TicketHolder> redeem(const Ticket& ticket, Time now);
 
  private:

@@ -13,14 +13,14 @@ template <typename Message>
 [[nodiscard]] grpc::ByteBuffer to_bytes(const Message& message) {
   grpc::ByteBuffer bytes;
   bool is_owned = false;
-  // Fails for messages of 2 GB alone, which are not made.
+  // Serialization fails only for messages above 2 GB, which are never built.
   if (!grpc::SerializationTraits<Message>::Serialize(message, &bytes, &is_owned).ok())
     log::warning("a {} of {} bytes is too large to be sent", message.GetTypeName(),
                  message.ByteSizeLong());
   return bytes;
 }
 
-/// Safe on hostile bytes.
+/// Parses a message; safe on hostile bytes.
 /// Errors: kInvalidArgument.
 template <typename Message>
 Status read_message(grpc::ByteBuffer& bytes, Message& message) {

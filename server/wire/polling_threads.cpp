@@ -15,21 +15,22 @@ namespace engram::server {
 
 namespace {
 
-/// How often it is looked whether the working thread keeps up.
+/// How often the working thread is checked.
 constexpr auto kTick = std::chrono::milliseconds(100);
-/// It keeps up while a call of nothing waits no longer for it.
+/// The thread keeps up if it answers an empty call within this time.
 constexpr auto kKeepsUp = std::chrono::milliseconds(5);
-/// All work for so long once it did not.
+/// How long all threads work after it did not keep up.
 constexpr auto kAllFor = std::chrono::seconds(1);
-/// From here on there are more than two of them, as parallel as the machine wants.
+/// With this many cores gRPC has more than two threads, and the machine profits from all of them.
 constexpr unsigned kManyCores = 8;
 
 thread_local bool is_polling_thread = false;
 
-/// Calls that fail at once, without any connection: all they do is to call back.
+/// Calls that fail at once, without a connection. Their only effect is a callback in a polling
+/// thread.
 class CallsOfNothing {
  public:
-  /// Calls back in one of the polling threads.
+  /// Calls `back` in a polling thread.
   void call(std::function<void()> back) {
     struct Call {
       grpc::ClientContext context;
@@ -51,8 +52,8 @@ class CallsOfNothing {
 
 }  // namespace
 
-/// Lives as long as the process: gRPC joins its threads with the last channel, and one of them
-/// could be held then.
+/// The object is never destroyed: gRPC joins its threads with the last channel, and one of them
+/// could be held back then.
 void PollingThreads::call(std::function<void()> back) {
   static CallsOfNothing* const calls = new CallsOfNothing;
   calls->call(std::move(back));
@@ -60,20 +61,20 @@ void PollingThreads::call(std::function<void()> back) {
 
 struct PollingThreads::State : std::enable_shared_from_this<State> {
   mutable Mutex mutex;
-  ConditionVariable changed;                       ///< For the keeper.
-  ConditionVariable released;                      ///< For who is held.
-  int held ENGRAM_GUARDED_BY(mutex) = 0;           ///< Threads that wait here.
-  int blocked ENGRAM_GUARDED_BY(mutex) = 0;        ///< Threads that wait elsewhere, in handlers.
-  bool is_asked ENGRAM_GUARDED_BY(mutex) = false;  ///< A thread was called to be held.
+  ConditionVariable changed;                       ///< Wakes the keeper.
+  ConditionVariable released;                      ///< Wakes held threads.
+  int held ENGRAM_GUARDED_BY(mutex) = 0;           ///< Threads held back here.
+  int blocked ENGRAM_GUARDED_BY(mutex) = 0;        ///< Threads that wait in handlers.
+  bool is_asked ENGRAM_GUARDED_BY(mutex) = false;  ///< A call to hold a thread is on its way.
   bool is_holding ENGRAM_GUARDED_BY(mutex) = false;
   bool is_ending ENGRAM_GUARDED_BY(mutex) = false;
   SteadyTime all_until ENGRAM_GUARDED_BY(mutex){};
-  /// Number of the last call that asks whether somebody works.
+  /// Number of the last call that checks whether the thread keeps up.
   uint64_t asked_at_last ENGRAM_GUARDED_BY(mutex) = 0;
   uint64_t answered ENGRAM_GUARDED_BY(mutex) = 0;
   std::thread keeper;
 
-  /// In a polling thread.
+  /// Holds the polling thread that runs it.
   void be_held() {
     const MutexLock lock(mutex);
     is_asked = false;
@@ -96,7 +97,7 @@ struct PollingThreads::State : std::enable_shared_from_this<State> {
     mutex.lock();
   }
 
-  /// Whether the one that works answers within `time`.
+  /// Whether the working thread answers within `time`.
   bool keeps_up(Duration time) ENGRAM_REQUIRES(mutex) {
     const uint64_t number = ++asked_at_last;
     mutex.unlock();
@@ -132,7 +133,8 @@ struct PollingThreads::State : std::enable_shared_from_this<State> {
 };
 
 PollingThreads& PollingThreads::of_process() {
-  // Blocking handlers may still ask for it while the process ends: only the keeper ends before.
+  // Not destroyed, because blocking handlers may use it while the process ends; only the keeper
+  // thread is stopped.
   static PollingThreads* const threads = new PollingThreads;
   struct KeeperEnd {
     ~KeeperEnd() { threads->state_->end(); }

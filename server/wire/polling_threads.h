@@ -6,28 +6,29 @@
 
 namespace engram::server {
 
-/// The threads of this process in which gRPC works on connections and calls back.
+/// Controls the threads of this process in which gRPC works on connections and runs callbacks.
 ///
-/// It has two at least, and whichever sees an event first wakes another before it handles it: where
-/// single messages come that costs more than they do. So all but one are held, as long as that one
-/// keeps up; where it does not, because much comes or a handler blocks it, all work again.
+/// gRPC has at least two such threads, and the one that sees an event first wakes another before it
+/// handles the event. On two cores that took a third of a single message's time. All threads but
+/// one are therefore held back while that one keeps up. If it falls behind, because there is much
+/// traffic or a handler blocks it, all threads work again.
 ///
 /// Threading: thread-safe.
 class PollingThreads {
  public:
-  /// Made when it is first asked for, and from then on at work, until the process ends.
+  /// Returns the instance of the process. It is made on first use and works until the process ends.
   static PollingThreads& of_process();
 
   PollingThreads(const PollingThreads&) = delete;
   PollingThreads& operator=(const PollingThreads&) = delete;
 
-  /// How many are held at this moment.
+  /// The number of threads that are held back now.
   [[nodiscard]] int held() const;
 
-  /// How many wait in handlers, and said so.
+  /// The number of threads that wait inside handlers within a BlockingScope.
   [[nodiscard]] int blocked() const;
 
-  /// Calls back in one of them.
+  /// Calls `back` in a polling thread.
   static void call(std::function<void()> back);
 
  private:
@@ -40,8 +41,8 @@ class PollingThreads {
   std::shared_ptr<State> state_;
 };
 
-/// Around a wait for what polling threads do. Where the waiting thread is one of them, in a
-/// handler, others take over.
+/// Marks a wait for something that polling threads do. If the waiting thread is itself a polling
+/// thread, in a handler, others take over.
 ///
 /// Threading: one thread.
 class BlockingScope {

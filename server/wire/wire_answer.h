@@ -8,9 +8,9 @@
 
 namespace engram::server {
 
-/// Writes an answer as v1::QueryReply messages of about `part_bytes` each, the last one marked as
-/// such, and gives each to `send`.
-/// Errors: kInvalidArgument where a value nests too deep: nothing is the last then.
+/// Writes an answer as v1::QueryReply messages of about `part_bytes` each and passes each to
+/// `send`. The last one is marked as such.
+/// Errors: kInvalidArgument if a value nests too deep; no message is marked as the last then.
 Status write_answer(uint64_t number, const ltm::Answer& answer, size_t part_bytes,
                     const std::function<void(const WireBytes&)>& send);
 

@@ -23,7 +23,8 @@ Result<ltm::InstanceMetadata> metadata_of(v1::Instance& message) {
   return metadata;
 }
 
-/// The rest of a message, and its data behind it.
+/// Appends an instance: the fields of `rest`, followed by its data. Writing the data by hand lets
+/// the message share the bytes, which protobuf would copy.
 void append_instance(WireWriter& writer, const v1::Instance& rest, const Buffer* data) {
   const std::string text = rest.SerializeAsString();
   const size_t data_size =
@@ -38,7 +39,7 @@ Result<Buffer> encoded(const idf::Data& data) {
   return Buffer::take(std::move(bytes));
 }
 
-/// Takes the bytes out of the message, or finds them in the block.
+/// Moves the bytes out of the message, or finds them in the block.
 Result<Buffer> take_bytes(v1::Instance& message, const Buffer& block) {
   if (message.has_shared()) {
     const v1::Span& span = message.shared();
@@ -58,7 +59,7 @@ Result<ltm::MemoryId> entity_of(const std::string& text) {
   return id;
 }
 
-/// Reads an update; the bytes of its instances are told too where they are asked for.
+/// Reads an update. If `encoded` is given, it receives the bytes of each instance.
 Result<ltm::Snapshot> take_update(v1::Snapshot& message, const Buffer& block,
                                   std::vector<Buffer>* encoded) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId entity, entity_of(message.entity()));
@@ -98,7 +99,8 @@ WireBytes to_wire(const ltm::HeldSnapshot& snapshot, bool with_data) {
       append_instance(writer, rest, &snapshot.encoded[i]);
       continue;
     }
-    // What is in memory was checked when it came: it nests no deeper than the form carries.
+    // Encoding cannot fail here: what is in memory was checked on arrival and nests no deeper than
+    // the binary form allows.
     const auto data = encoded(snapshot.instances[i].data);
     append_instance(writer, rest, data.ok() ? &*data : nullptr);
   }

@@ -10,40 +10,39 @@
 
 namespace engram::server {
 
-/// A snapshot of working memory as the body of a v1::Snapshot; without data only what names it.
-/// The bytes as which data came are shared.
+/// Writes a snapshot of working memory as the body of a v1::Snapshot; without data, only what names
+/// it. Data that arrived encoded are shared, not copied.
 [[nodiscard]] WireBytes to_wire(const ltm::HeldSnapshot& snapshot, bool with_data);
 
-/// The same with its data elsewhere: in a block, each instance from one of `offsets` on.
+/// Like to_wire(), with the data of each instance in a block, at its offset of `offsets`.
 [[nodiscard]] WireBytes to_wire_in_block(const ltm::HeldSnapshot& snapshot, const v1::Block& block,
                                          const std::vector<uint64_t>& offsets);
 
-/// One moment of an answer. Without `encoded` data are encoded here; else these are the bytes of
-/// the instances.
-/// Errors: kInvalidArgument where a value nests too deep.
+/// Writes one snapshot of an answer. `encoded` holds the encoded data of the instances; if it is
+/// null, the data are encoded here.
+/// Errors: kInvalidArgument if a value nests too deep.
 Result<WireBytes> to_wire(const ltm::SnapshotResult& snapshot, bool with_data,
                           const std::vector<Buffer>* encoded = nullptr);
 
-/// A commit as it came: values, and the bytes of each.
+/// A received commit: its values, and the encoded bytes of each.
 struct WireCommit {
   ltm::Commit commit;
   std::vector<std::vector<Buffer>> encoded;
 };
 
-/// Takes the bytes out of the messages; arrays view them. `block`: the shared memory that the
-/// updates lie in, if any of them does. Safe on hostile messages.
-/// Errors: kInvalidArgument naming the update; kDataLoss where data cannot be decoded.
+/// Moves the bytes out of the messages; arrays view them. `block` is the shared memory that holds
+/// the updates' data, if any do. Safe on hostile messages.
+/// Errors: kInvalidArgument naming the update; kDataLoss if data cannot be decoded.
 Result<WireCommit> take_commit(v1::CommitRequest& request, const Buffer& block);
 
-/// Reads an event or a moment of an answer in the same way. `entity`: what it is of where it does
-/// not say so itself.
+/// Reads an event or a snapshot of an answer, in the same way as take_commit().
 Result<ltm::Snapshot> take_snapshot(v1::Snapshot& message, const Buffer& block);
 Result<ltm::SnapshotResult> take_answer(v1::Snapshot& message, const Buffer& block);
 
-/// An update as a message, data encoded.
+/// Converts an update to a message with encoded data.
 Result<v1::Snapshot> to_message(const ltm::Snapshot& snapshot);
 
-/// Entity and time of an update; what an instance says of itself beside its data.
+/// Sets the entity and time of an update, or the metadata of an instance.
 void set_head(v1::Snapshot& message, const ltm::Snapshot& snapshot);
 void set_metadata(v1::Instance& message, const ltm::InstanceMetadata& metadata);
 

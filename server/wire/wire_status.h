@@ -10,7 +10,7 @@ namespace engram::server {
 [[nodiscard]] grpc::StatusCode to_grpc_code(StatusCode code);
 [[nodiscard]] grpc::Status to_grpc(const Status& status);
 
-/// Codes that only gRPC has become the nearest of ours; the message says which it was.
+/// A code that only gRPC has becomes the nearest of ours; the message names the original.
 [[nodiscard]] Status to_status(grpc::StatusCode code, const std::string& message);
 [[nodiscard]] Status to_status(const grpc::Status& status);
 

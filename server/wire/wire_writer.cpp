@@ -17,7 +17,7 @@ size_t varint_size(uint64_t number) {
 }
 
 grpc::Slice shared_piece(const Buffer& bytes) {
-  // gRPC reads it only; its interface has no constant bytes.
+  // gRPC only reads the bytes, but its interface has no const pointer.
   auto* owner = new Buffer(bytes);
   return {const_cast<std::byte*>(owner->data()), owner->size(),
           [](void* kept) { delete static_cast<Buffer*>(kept); }, owner};

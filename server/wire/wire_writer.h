@@ -13,28 +13,30 @@
 
 namespace engram::server {
 
-/// A part of a message in protobuf's wire form, in pieces that are shared with whoever sends them.
+/// Part of a message in protobuf's wire format, in pieces shared with every message that sends
+/// them.
 struct WireBytes {
   std::vector<grpc::Slice> pieces;
   size_t size = 0;
 
-  /// To be sent: shares the pieces.
+  /// Returns a buffer to send, which shares the pieces.
   [[nodiscard]] grpc::ByteBuffer to_byte_buffer() const {
     return grpc::ByteBuffer(pieces.data(), pieces.size());
   }
 };
 
-/// Writes protobuf's wire form field by field. Large bytes are shared, not copied.
+/// Writes protobuf's wire format field by field. Large bytes are shared, not copied.
 ///
 /// Threading: one thread.
 class WireWriter {
  public:
-  /// From here on bytes are shared: a piece of its own costs about as much as copying that.
+  /// Bytes of at least this size are shared: a piece of its own costs about as much as copying
+  /// them.
   static constexpr size_t kSharedBytes = 4096;
 
-  /// A message as protobuf wrote it.
+  /// Appends bytes that protobuf serialized.
   void append(std::string_view bytes) { text_ += bytes; }
-  /// Field of bytes or of a message; its content follows, or is given.
+  /// Writes the header of a length-delimited field, whose content follows; field() writes both.
   void header(int field, size_t length);
   void field(int field, const Buffer& bytes);
   void field(int field, std::string_view bytes);
@@ -44,7 +46,7 @@ class WireWriter {
   [[nodiscard]] size_t size() const { return size_ + text_.size(); }
   [[nodiscard]] WireBytes take();
 
-  /// What field() writes for so many bytes.
+  /// The size that field() writes for `length` bytes.
   [[nodiscard]] static size_t field_size(int field, size_t length);
 
  private:
@@ -53,7 +55,7 @@ class WireWriter {
 
   std::string text_;
   std::vector<grpc::Slice> pieces_;
-  size_t size_ = 0;  ///< Of the pieces.
+  size_t size_ = 0;  ///< Total size of the pieces.
 };
 
 }  // namespace engram::server
