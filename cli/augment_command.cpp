@@ -65,7 +65,7 @@ struct AugmentArguments {
 
 Result<training::AugmentOptions> options_of(const AugmentArguments& arguments) {
   training::AugmentOptions options = arguments.options;
-  // Where nobody says which snapshots, the latest one would be few.
+  // Without a selector a query returns the latest snapshot, which is too few to augment.
   const bool has_selector = arguments.query.find('@') != std::string::npos;
   ENGRAM_ASSIGN_OR_RETURN(options.query,
                           ltm::Query::parse(arguments.query + (has_selector ? "" : " @ all")));

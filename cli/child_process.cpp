@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kPollMs = 100;
 
-/// A pipe that a child writes; the end that is read does not survive into other children.
+/// A pipe that a child writes. The read end is not inherited by other children.
 class Pipe {
  public:
   Pipe() = default;
@@ -46,7 +46,7 @@ class Pipe {
     ends_[i] = -1;
   }
 
-  /// Appends what is there. Closes at the end.
+  /// Appends the available bytes, and closes the pipe at its end.
   void read_into(std::string& text) {
     std::array<char, 4096> bytes{};
     const ssize_t count = ::read(read_end(), bytes.data(), bytes.size());
@@ -58,7 +58,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// A child that was started.
+/// A running child.
 class Running {
  public:
   explicit Running(ChildProcess& child) : child_(child) {}
@@ -87,7 +87,7 @@ class Running {
       if (pipe->is_open()) waiting.push_back({pipe->read_end(), POLLIN, 0});
   }
 
-  /// Reads from what has something to say.
+  /// Reads from the pipes that poll() reported.
   void read(const std::vector<pollfd>& waiting) {
     for (const pollfd& one : waiting) {
       if (one.revents == 0) continue;
@@ -119,7 +119,7 @@ class Running {
   ChildProcess& child_;
   pid_t id_ = 0;
   Pipe output_, errors_;
-  std::string line_;  ///< Of stderr, not yet whole.
+  std::string line_;  ///< An incomplete line of stderr.
 };
 
 }  // namespace
@@ -135,6 +135,7 @@ Status run_children(std::vector<ChildProcess>& children, const std::stop_token& 
     std::vector<pollfd> waiting;
     for (const auto& one : running) one->add_to(waiting);
     if (waiting.empty()) break;
+    // Children are in process groups of their own, which Ctrl-C on the terminal does not reach.
     if (stop.stop_requested() && !std::exchange(is_told, true))
       for (const auto& one : running) one->end();
     if (::poll(waiting.data(), waiting.size(), kPollMs) <= 0) continue;

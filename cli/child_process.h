@@ -12,21 +12,22 @@
 
 namespace engram::cli {
 
-/// A child process with nothing to read, in a process group of its own, whose output is read.
+/// A child process without input, in a process group of its own, whose output is read.
 struct ChildProcess {
-  std::vector<std::string> arguments;  ///< The program first, looked for on the path.
-  /// Called with every line of its stderr, without its end.
+  /// The program, which is looked up on PATH, and its arguments.
+  std::vector<std::string> arguments;
+  /// Called with every line of its stderr, without the line break.
   std::function<void(const std::string& line)> on_error_line;
   std::string output = {};  ///< All of its stdout, once it has ended.
-  int exit_code = -1;       ///< 128 and the signal where one ended it.
+  int exit_code = -1;       ///< 128 plus the signal if a signal ended it.
 };
 
-/// Runs children at once until all have ended. A stop ends them as Ctrl-C would.
-/// Errors: kUnavailable where one cannot be started; those before it are stopped.
-/// Threading: lines are told in this thread.
+/// Runs all children concurrently until all have ended. A stop ends them like Ctrl-C.
+/// Errors: kUnavailable if one cannot be started; those started before it are stopped.
+/// Threading: lines are delivered on the calling thread.
 Status run_children(std::vector<ChildProcess>& children, const std::stop_token& stop);
 
-/// A child of run_children() that calls it ends, as by Ctrl-C, when its parent does.
+/// Called by a child of run_children(): it then ends, as by Ctrl-C, when its parent ends.
 void end_with_parent();
 
 }  // namespace engram::cli

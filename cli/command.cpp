@@ -16,7 +16,7 @@ namespace engram::cli {
 
 namespace {
 
-/// CLI11 takes an empty text for "valid".
+/// CLI11 treats an empty text as valid.
 std::string problem(const Status& status) {
   return status.ok() ? "" : status.message();
 }
@@ -38,7 +38,7 @@ ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_
     const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
     auto [arguments, old] = with_todays_words(given);
     for (const std::string& told : old) log::warning("{}", told);
-    std::ranges::reverse(arguments);  // As CLI11 wants them.
+    std::ranges::reverse(arguments);  // CLI11 takes the arguments in reverse order.
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;

@@ -10,12 +10,13 @@
 
 namespace engram::cli {
 
-/// What the program tells its caller. Source: docs/design.md, section 4.
+/// The program's exit codes.
+/// Source: docs/design.md, section 4.
 enum class ExitCode : int {
   kDone = 0,
   kFailed = 1,
   kWrongUsage = 2,
-  kDoneWithLoss = 3,  ///< Finished, but data was damaged or lost on the way.
+  kDoneWithLoss = 3,  ///< Finished, but data was damaged or lost.
 };
 
 using reports::Json;
@@ -41,34 +42,34 @@ void add_check_command(CLI::App& app, ExitCode& exit_code);
 void add_recover_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
 
-/// serve, mns, commit and watch; none where the program is built without servers.
+/// Adds serve, mns, commit and watch; nothing in a program that is built without servers.
 void add_server_commands(CLI::App& app, ExitCode& exit_code);
 
-/// Reads the arguments and runs the command that they name, which sets `exit_code`. Returns it, or
-/// kWrongUsage after telling what is wrong with the arguments. Options' words of earlier versions
-/// are taken with a warning.
+/// Parses the arguments and runs the command that they name, which sets `exit_code`. Returns that,
+/// or kWrongUsage after reporting what is wrong with the arguments. Options' words of earlier
+/// versions are accepted with a warning.
 ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code);
 
-/// Takes a value of earlier versions for the one in its place, with a warning, until version 0.3.
-/// For Option::transform.
+/// Replaces an option's value of earlier versions by the current one, with a warning, until version
+/// 0.3. For Option::transform.
 [[nodiscard]] CLI::Validator old_value(const std::string& old, const std::string& now);
 
-/// Runs a program: an exception that nobody caught is told on stderr.
+/// Runs a program and reports an uncaught exception on stderr.
 int exit_code_of(const std::function<ExitCode()>& program);
 
-/// What stands below `engram idf`, for a program that is nothing else.
+/// Adds the commands of `engram idf` to a program that has no others.
 void add_idf_commands(CLI::App& app, ExitCode& exit_code);
 
-/// Tells an error on stderr. The exit code is kFailed.
+/// Prints an error on stderr. Returns kFailed.
 ExitCode fail(const Status& status);
 
-/// kDone; where it is an error, tells it as fail() does.
+/// Returns kDone, or the result of fail() for an error.
 ExitCode done_or_failed(const Status& status);
 
-/// Tells an error of arguments on stderr. The exit code is kWrongUsage.
+/// Prints an error of the arguments on stderr. Returns kWrongUsage.
 ExitCode wrong_usage(const Status& status);
 
-/// Checks for CLI11 that an argument reads as what it should be.
+/// CLI11 validators: an argument must parse as a duration, a time or an entity.
 [[nodiscard]] CLI::Validator duration_text();
 [[nodiscard]] CLI::Validator time_text();
 [[nodiscard]] CLI::Validator entity_text();

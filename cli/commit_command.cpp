@@ -59,7 +59,7 @@ CommitDurability durability_of(const CommitArguments& arguments) {
   return kLevels.at(arguments.durability);
 }
 
-/// Adds a picture to a value: "NAME=FILE" as a member, "FILE" as all of it.
+/// Adds a picture to a value: "NAME=FILE" adds a member, "FILE" is the whole value.
 Status add_image(const std::string& text, std::optional<idf::Data>& value) {
   const size_t equals = text.find('=');
   const std::string file = equals == std::string::npos ? text : text.substr(equals + 1);
@@ -99,7 +99,7 @@ Result<idf::Data> value_of(const CommitArguments& arguments) {
   return *std::move(value);
 }
 
-/// The type of a file that was named, else its last object.
+/// Returns the named type of a file, or its last object type.
 Result<idf::Type> read_type(const CommitArguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(const idf::TypeFile file, idf::read_type_file(arguments.types));
   if (!arguments.type.empty()) return find_type(file, arguments.type);
@@ -138,6 +138,7 @@ ExitCode commit_one(const CommitArguments& arguments) {
        {.created = update.time, .sent = system_now(), .provider = "engram commit"}});
   const ltm::MemoryId id = update.id();
   Status done = (*memory)->commit({{std::move(update)}}, durability_of(arguments));
+  // close() writes what a store has not sealed yet, so its failure is a failure of the commit.
   if (done.ok()) done = (*memory)->close();
   if (!done.ok()) return fail(done);
   tell(arguments, id);

@@ -29,7 +29,7 @@ Result<Time> read_time(const Json& value) {
   return invalid_argument("time: found {}, needs a text or nanoseconds", value.dump());
 }
 
-/// The time at a key; `otherwise` where there is none.
+/// Returns the time at a key, or `otherwise` if there is none.
 Result<Time> read_time(const Json& object, const char* key, Time otherwise) {
   const Json* value = find(object, key);
   return value == nullptr ? otherwise : read_time(*value);
@@ -122,7 +122,7 @@ Result<size_t> commit_lines(std::istream& lines,
     auto update = line.size() > kMaxLineBytes
                       ? Result<ltm::EntityUpdate>(invalid_argument("is too long"))
                       : parse_commit_line(line, system_now());
-    // Two of one entity and time are no one commit.
+    // One commit cannot hold two snapshots of the same entity and time.
     if (update.ok() && ids.contains(update->id())) ENGRAM_RETURN_IF_ERROR(hand_over());
     ++number;
     if (!update.ok()) {

@@ -26,9 +26,9 @@ struct CompactArguments {
   bool is_json = false;
 };
 
-/// A size as configurations have it.
+/// Parses a size as configuration files write it.
 Result<uint64_t> parse_bytes(const std::string& text) {
-  // Quotes and line breaks would be syntax there.
+  // Other characters, such as quotes and line breaks, would be YAML syntax.
   if (text.empty() || text.find_first_not_of("0123456789.kMGTiB") != std::string::npos)
     return invalid_argument("--segment-size: found '{}', needs a size as in 128MiB", text);
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue file,

@@ -131,10 +131,11 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
   return ExitCode::kDone;
 }
 
-/// Whether entities may be worked on in several processes: asked for, or left to measurement.
+/// Whether several processes may share the entities: if asked for, or if left to measurement.
 bool wants_processes(const ConsolidateArguments& arguments) {
   if (arguments.jobs != 0) return arguments.jobs == 2;
-  // Under a fixed number of steps the same seed gives the same model, whatever else goes on.
+  // With a fixed number of steps the same seed must give the same model whatever else the machine
+  // does, so the choice must not depend on a measurement.
   const bool is_free = arguments.command->get_option("--threads")->empty();
   return is_free && !arguments.options.train.steps && !arguments.options.reuses_models;
 }

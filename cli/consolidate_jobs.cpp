@@ -15,7 +15,7 @@ namespace engram::cli {
 
 namespace {
 
-/// Entities that take time, and how much of it.
+/// The entities that will be trained, with their shares of the time.
 struct Work {
   std::vector<ltm::MemoryId> entities;
   std::vector<double> shares;
@@ -43,7 +43,7 @@ std::vector<std::string> child_arguments(const std::vector<ltm::MemoryId>& entit
   return all;
 }
 
-/// Reports of all parts as one, entities in the order of the plan.
+/// Joins the reports of all parts, with entities in the order of the plan.
 Json united_report(const training::ConsolidatePlan& plan,
                    const std::vector<ChildProcess>& children) {
   Json all{
@@ -77,7 +77,7 @@ std::vector<std::vector<ltm::MemoryId>> split_jobs(const training::ConsolidatePl
     auto& entities = groups.emplace_back();
     for (const size_t i : group) entities.push_back(work.entities[i]);
   }
-  // What will be skipped takes no time, and is reported.
+  // Skipped entities take no time but must appear in the report.
   for (const training::EntityPlan& entity : plan.entities)
     if (std::ranges::find(work.entities, entity.entity) == work.entities.end())
       groups.front().push_back(entity.entity);

@@ -35,7 +35,7 @@ struct CrossvalArguments {
   bool is_json = false;
 };
 
-/// "rate,vae", "all".
+/// Parses names such as "rate,vae" or "all".
 Result<std::vector<encoders::TrainingVariant>> variants_of(const std::vector<std::string>& names) {
   std::vector<encoders::TrainingVariant> variants;
   for (const std::string& name : names) {

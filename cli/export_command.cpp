@@ -53,7 +53,8 @@ ExitCode warn_of_damage(const ExportArguments& arguments, uint64_t places) {
   return ExitCode::kDoneWithLoss;
 }
 
-/// Those of files per entity, and those of whole recordings that can be written.
+/// The names of formats with files per entity, and of formats of whole recordings that can be
+/// written.
 std::vector<std::string> format_names() {
   std::vector<std::string> names(datasets::kExportFormats.begin(), datasets::kExportFormats.end());
   for (const auto& format : datasets::all_recording_formats())
@@ -61,7 +62,7 @@ std::vector<std::string> format_names() {
   return names;
 }
 
-/// Writes one file or folder of a format of whole recordings.
+/// Writes one file or folder in a format of whole recordings.
 Result<datasets::ExportReport> write_recording(const ExportArguments& arguments,
                                                const datasets::RecordingFormat& format,
                                                ltm::Recall& recall, const ltm::Query& query) {
@@ -77,6 +78,7 @@ Result<datasets::ExportReport> write_recording(const ExportArguments& arguments,
   }
   std::error_code error;
   if (std::filesystem::exists(arguments.directory, error))
+    // A recording is one file or folder as a whole, so it is never merged into an old one.
     return already_exists("'{}' is there already: needs a new place", arguments.directory);
   ProgressLine progress;
   auto report =
@@ -125,6 +127,7 @@ ExitCode run(const ExportArguments& arguments) {
   const Status done = datasets::export_snapshots(recall, *query, options, **sink, progress.sink(),
                                                  interrupt_token());
   progress.finish();
+  // After Ctrl-C the report still says what was written.
   if (!done.ok() && done.code() != StatusCode::kCancelled) return fail(done);
   if (arguments.is_json)
     print_json(reports::export_json((*sink)->report()));

@@ -37,12 +37,13 @@ struct ForgetArguments {
   bool is_confirmed = false;
 };
 
-/// Asks on the terminal. False where the answer is not yes, or Ctrl-C comes first.
+/// Asks on the terminal. Returns false unless the answer is yes, or if Ctrl-C comes first.
 bool is_agreed(uint64_t snapshots) {
   fmt::print(stderr, "Forget {} snapshots? They cannot be brought back. [y/N] ", snapshots);
   std::fflush(stderr);
   constexpr int kLook_ms = 100;
   pollfd input{STDIN_FILENO, POLLIN, 0};
+  // The interrupt thread takes the signal, so a blocking read would not see Ctrl-C.
   while (::poll(&input, 1, kLook_ms) == 0)
     if (interrupt_token().stop_requested()) return false;
   std::string answer;

@@ -10,7 +10,7 @@ namespace engram::cli {
 
 namespace {
 
-/// As the program itself says it: from its arguments to its output.
+/// Obtains the text by running the program's own parser, so that it cannot differ.
 std::string help_of(CLI::App& app, const std::string& words) {
   std::ostringstream out;
   std::ostringstream err;

@@ -71,7 +71,7 @@ std::vector<fs::path> paths_of(const std::vector<std::string>& names) {
   return {names.begin(), names.end()};
 }
 
-/// Writes what changed, or only tells what would; counts those files.
+/// Writes the files that differ, or with `is_check` only prints their names, and counts them.
 Status place_files(const std::vector<idf::GeneratedFile>& files, const std::string& directory,
                    bool is_check, size_t& changed) {
   if (!is_check) ENGRAM_RETURN_IF_ERROR(make_directories(directory));
@@ -80,6 +80,7 @@ Status place_files(const std::vector<idf::GeneratedFile>& files, const std::stri
     std::error_code error;
     if (fs::exists(path, error)) {
       ENGRAM_ASSIGN_OR_RETURN(const Buffer old, read_file(path));
+      // An unchanged file keeps its time stamp, so that builds do not compile its users again.
       if (as_text(old.bytes()) == file.text) continue;
     }
     ++changed;

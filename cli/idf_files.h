@@ -10,14 +10,15 @@
 
 namespace engram::cli {
 
-/// Reads a value in the form that the file's name ends in: .json or .idf (binary).
+/// Reads a value in the form that the file's extension names: .json or .idf (binary).
 /// Errors: kNotFound, kUnavailable, kDataLoss, kInvalidArgument; each names the file.
 Result<idf::Data> read_value(const std::filesystem::path& path);
 
-/// Writes a value in the form that the file's name ends in: .json or .idf (binary).
+/// Writes a value in the form that the file's extension names: .json or .idf (binary).
 Status write_value(const idf::Data& value, const std::filesystem::path& path);
 
-/// Errors: kNotFound naming the types that there are.
+/// Finds a type of a file by its name.
+/// Errors: kNotFound naming the existing types.
 Result<idf::Type> find_type(const idf::TypeFile& file, std::string_view name);
 
 }  // namespace engram::cli

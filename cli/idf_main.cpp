@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `engram idf` as a program of its own: what builds need, without the libraries that learn.
+// `engram idf` as a program of its own. Builds use it to generate code, without the libraries that
+// learn.
 #include "cli/command.h"
 
 namespace engram::cli {

@@ -43,7 +43,7 @@ Result<ltm::Recorder> open_recorder(const ImportArguments& arguments,
   return recorder;
 }
 
-/// Whether anything is missing that should be there; tells what.
+/// Reports what is missing that should be there. Returns whether anything is.
 bool tell_losses(const ImportArguments& arguments, const datasets::ReadingReport& reading,
                  const ltm::Recorder& recorder) {
   const std::string& source = arguments.from.empty() ? arguments.video : arguments.from;
@@ -57,7 +57,7 @@ bool tell_losses(const ImportArguments& arguments, const datasets::ReadingReport
   return recorder.lost_frames() > 0 || reading.damaged > 0 || !reading.truncated_at.empty();
 }
 
-/// Seals what came in, before an error too, and says what it was.
+/// Seals what was recorded, also before an error, and prints the report.
 ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
                 const Result<datasets::RecordingImportReport>& report) {
   const Status closed = recorder.close();

@@ -12,7 +12,7 @@ namespace engram::cli {
 
 namespace {
 
-/// "128x96" as width and height.
+/// Parses "128x96" as width and height.
 Status read_size(const std::string& text, datasets::VideoTable::Options& options) {
   if (text.empty()) return {};
   int used = 0;
@@ -61,7 +61,7 @@ Result<const datasets::RecordingFormat*> format_of(const ImportArguments& argume
   return datasets::find_recording_format(arguments.format);
 }
 
-/// Prints a preset and ends the program, before other arguments are asked for.
+/// Prints a preset and ends the program, before the other arguments are required.
 void print_preset(const std::string& name) {
   const auto yaml = ltm::recording_preset(name);
   if (!yaml.ok()) throw CLI::ValidationError("--print-preset", yaml.status().message());
@@ -69,7 +69,7 @@ void print_preset(const std::string& name) {
   throw CLI::Success();
 }
 
-/// What is recorded and how: a configuration, or the options for a simple one.
+/// Adds the options of what is recorded and how: a configuration, or simple options in its place.
 void add_recording_options(CLI::App& command, ImportArguments& arguments) {
   CLI::Option* rate =
       command.add_option("--rate", arguments.rate_hz, "Most snapshots per second that are kept")
@@ -98,7 +98,7 @@ void add_recording_options(CLI::App& command, ImportArguments& arguments) {
       ->trigger_on_parse();
 }
 
-/// What whole recordings are read with.
+/// Adds the options of reading whole recordings.
 void add_reading_options(CLI::App& command, ImportArguments& arguments) {
   CLI::Option* from =
       command.add_option("--from", arguments.from, "A recording: file or folder, see below");
@@ -118,7 +118,7 @@ void add_reading_options(CLI::App& command, ImportArguments& arguments) {
   command.add_flag("--dry-run", arguments.is_dry, "Only list what is in the recording");
 }
 
-/// What a video and the table beside it are read with.
+/// Adds the options of reading a video and its table.
 void add_video_options(CLI::App& command, ImportArguments& arguments) {
   CLI::Option* video =
       command.add_option("--video", arguments.video, "Video, any codec that FFmpeg decodes")
@@ -173,7 +173,7 @@ Result<ltm::Recorder::Options> recorder_options(const ImportArguments& arguments
     ENGRAM_ASSIGN_OR_RETURN(
         options, ltm::parse_recording_config(yaml, fmt::format("preset '{}'", arguments.preset)));
   } else {
-    // Whole recordings lose nothing unless somebody asks for it.
+    // Whole recordings lose no snapshot unless the user asks for it.
     const bool thins = arguments.from.empty() ? !arguments.keeps_all : arguments.has_rate;
     if (thins) options.max_rate_hz = arguments.rate_hz;
     options.pack.image_codec = arguments.image_codec;

@@ -13,7 +13,7 @@
 
 namespace engram::cli {
 
-/// The options of `engram import`, as they are written.
+/// The options of `engram import`, unparsed.
 struct ImportArguments {
   std::string store;
   std::string from;
@@ -43,19 +43,20 @@ struct ImportArguments {
   bool is_json = false;
 };
 
-/// Adds all of them. `arguments` outlives the command.
+/// Adds all of them. `arguments` must outlive the command.
 void add_import_options(CLI::App& command, ImportArguments& arguments);
 
-/// What is kept, and how. Errors: those of the configuration, all of them of arguments.
+/// Returns what to record and how, from the options.
+/// Errors: those of the configuration; all of them are errors of the arguments.
 Result<ltm::Recorder::Options> recorder_options(const ImportArguments& arguments);
 
 struct OpenedRecording {
-  std::string format;  ///< "mcap"; "video" of a video and its table.
+  std::string format;  ///< Such as "mcap"; "video" for a video with its table.
   std::unique_ptr<datasets::RecordingReader> reader;
 };
 
-/// What opens the recording that was named. Errors here are of arguments, those of what is returned
-/// are of the recording.
+/// Returns a function that opens the named recording. Errors of this call are errors of the
+/// arguments; errors of the function are errors of the recording.
 Result<std::function<Result<OpenedRecording>()>> recording_opener(const ImportArguments& arguments);
 
 }  // namespace engram::cli

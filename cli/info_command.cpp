@@ -26,8 +26,8 @@ stored   their recorded form: segments and journal; the codecs are those of the 
 latent   their form as latents; the model that decodes them counts beside
 Of a server: what it has in memory, what came and went; of a name system: the servers that it knows.)";
 
-/// Snapshots per second within recordings, gaps between them not counted: the median over the
-/// newest ones.
+/// The typical number of snapshots per second: the median over the newest ones, so that gaps
+/// between recordings do not count.
 Result<double> typical_rate_hz(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
   constexpr size_t kMaxSteps = 1000;
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader.timeline(entity));
@@ -98,7 +98,7 @@ ExitCode run(const InfoArguments& arguments) {
     print_json(json);
   else
     reports::print_types(manifest.types);
-  // The store may be one that only can be read: no warning.
+  // The store may be read-only, so a failure is no warning.
   if (const Status status = ltm::merge_grown_accesses(store); !status.ok())
     log::debug("store '{}': {}", store, status.to_string());
   if (damaged > 0)

@@ -18,7 +18,7 @@ std::stop_source& source() {
 
 pthread_t waiter;
 
-/// Libraries make threads before main, which take signals too: they hand them on.
+/// Libraries start threads before main(), which may receive signals too and pass them on.
 void hand_on(int signal) {
   pthread_kill(waiter, signal);
 }
@@ -26,8 +26,8 @@ void hand_on(int signal) {
 }  // namespace
 
 void watch_for_interrupts() {
-  // A handler may do next to nothing: a thread of its own waits for the signals instead. Threads
-  // that are made later inherit the mask.
+  // A signal handler may do almost nothing, so a thread of its own waits for the signals. Threads
+  // that start later inherit the signal mask.
   static sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);

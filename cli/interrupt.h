@@ -5,10 +5,10 @@
 
 namespace engram::cli {
 
-/// From now on Ctrl-C and SIGTERM ask for a stop; a second one ends the program at once.
+/// Makes Ctrl-C and SIGTERM request a stop; a second one ends the program at once.
 void watch_for_interrupts();
 
-/// Asks for a stop where the user did.
+/// The token of which a stop is requested when the user interrupts the program.
 [[nodiscard]] std::stop_token interrupt_token();
 
 }  // namespace engram::cli

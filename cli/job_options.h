@@ -9,23 +9,23 @@
 
 namespace engram::cli {
 
-/// The options of a job that runs for hours, as they are written.
+/// The options of a job that runs for hours, unparsed.
 struct JobArguments {
-  std::string until;  ///< Empty: the budget counts.
+  std::string until;  ///< Empty: the budget decides.
   std::string yield_file;
   std::string checkpoint_interval = "1min";
   std::string progress = "auto";
 };
 
-/// Adds --until (beside --budget and --steps, which must be there), --fresh, --checkpoint-every,
-/// --yield-file, --yield-command and --progress. All outlive the command.
+/// Adds --until (beside --budget and --steps, which must exist), --fresh, --checkpoint-every,
+/// --yield-file, --yield-command and --progress. All arguments must outlive the command.
 void add_job_options(CLI::App& command, JobArguments& arguments, training::JobControl& job);
 
-/// Takes over what add_job_options could not write into the control itself.
+/// Parses the options that add_job_options could not write into `job` itself.
 /// Errors: kInvalidArgument.
 Status finish_job_options(const JobArguments& arguments, training::JobControl& job);
 
-/// Where nothing was said: a line on a terminal, JSON elsewhere.
+/// The form of progress; by default a line on a terminal, JSON elsewhere.
 [[nodiscard]] ProgressForm progress_form(const JobArguments& arguments);
 
 }  // namespace engram::cli

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is installed as `engram`. The program itself stands beside, linked with all that learns,
-// simulates and talks over networks: loading that takes half a second of processor time. The
-// launcher says what needs none of it (--help, --version, that there is no such option), in the
-// words that the program wrote when it was built, and becomes the program for all else.
+// The program that is installed as `engram`. The real program is another file, linked with
+// everything that learns, simulates and uses networks; loading it takes half a second of processor
+// time. The launcher answers what needs none of it (--help, --version, unknown options), in the
+// words that the program wrote when it was built, and executes the program for everything else.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -33,7 +33,7 @@ constexpr const char* kProgram = "engram-program";
 constexpr int kWrongUsage = 2;
 constexpr int kCannotStart = 126;
 
-/// Where the program is: as it was installed, else as it is built.
+/// The folder of the program: that of an installation if it exists, else that of a build.
 fs::path program_directory() {
   std::error_code error;
   const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
@@ -46,14 +46,14 @@ bool is_help(std::string_view word) {
   return word == "--help" || word == "-h";
 }
 
-/// Nothing else can be the name of a command.
+/// Whether a word can be the name of a command.
 bool is_name(std::string_view word) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz-_";
   return !word.empty() && word.front() != '-' &&
          word.find_first_not_of(kLetters) == std::string_view::npos;
 }
 
-/// The file with what --help says of a command.
+/// The file with the help text of a command.
 std::optional<fs::path> help_file(const fs::path& directory, std::span<char*> command) {
   std::string name = "help";
   for (const std::string_view word : command) {
@@ -71,7 +71,7 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// What the program says of words that it does not take; empty where it has to be asked.
+/// The program's message for arguments that it refuses; empty if only the program can decide.
 std::string wrong_usage(const fs::path& directory, std::span<char*> words) {
   const std::vector<std::string> given(words.begin(), words.end());
   CLI::App app;
@@ -81,7 +81,7 @@ std::string wrong_usage(const fs::path& directory, std::span<char*> words) {
   return wrong_usage_text(app, given);
 }
 
-/// The exit code where the program is not needed.
+/// The exit code if the program is not needed.
 std::optional<int> answer(const fs::path& directory, std::span<char*> words) {
   if (words.size() == 1 && std::string_view(words[0]) == "--version") {
     std::puts("engram " ENGRAM_VERSION);
@@ -106,7 +106,7 @@ int run(int argc, char** argv) {
   const std::span<char*> all(argv, static_cast<size_t>(argc));
   if (const auto exit_code = answer(directory, all.subspan(std::min<size_t>(1, all.size()))))
     return *exit_code;
-  // The program would start over for it, and be loaded twice.
+  // Set here, because the program would have to execute itself again for it and be loaded twice.
   if (is_learning(argc, argv)) set_learning_environment();
   const std::string program = directory / kProgram;
   ::execv(program.c_str(), argv);

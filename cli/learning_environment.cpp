@@ -10,9 +10,10 @@ namespace engram::cli {
 
 namespace {
 
-/// Some ten microseconds: longer than the gaps within a layer, shorter than a scheduler's slice.
+/// About ten microseconds of spinning: longer than the gaps within a layer, shorter than a
+/// scheduler's time slice.
 constexpr const char* kSpins = "10000";
-/// Other C libraries than glibc ignore it.
+/// Settings of glibc; other C libraries ignore them.
 constexpr const char* kMemory =
     "glibc.malloc.hugetlb=1:glibc.malloc.trim_threshold=1000000000:"
     "glibc.malloc.mmap_threshold=1000000000";
@@ -41,7 +42,7 @@ bool set_learning_environment() {
 
 void prepare_to_learn(char** argv) {
   if (set_learning_environment()) ::execv("/proc/self/exe", argv);
-  // Where that is not possible it is slower, not wrong.
+  // If it fails, the program is slower but correct.
 }
 
 }  // namespace engram::cli

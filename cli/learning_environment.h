@@ -3,23 +3,23 @@
 
 namespace engram::cli {
 
-/// Whether the arguments name a command that runs networks for long.
+/// Whether the arguments name a command that runs networks for a long time.
 [[nodiscard]] bool is_learning(int argc, char** argv);
 
-/// Sets what OpenMP and the C library read before main(), as far as the environment does not say it
-/// already. Returns whether something was set: a program that runs already has to start over.
+/// Sets environment variables that OpenMP and the C library read before main(), unless they are
+/// already set. Returns whether any was set: a running program must then execute itself again.
 ///
-/// * OpenMP's threads spin only shortly where they wait. By default they spin for milliseconds and
-///   starve each other as soon as another process wants a core; sleeping at once costs as much on
+/// * OpenMP's threads spin only briefly while they wait. By default they spin for milliseconds and
+///   starve each other as soon as another process needs a core. Sleeping at once costs as much on
 ///   an idle machine.
-/// * Memory of tensors stays in the process, in large pages. By default each goes back to the
-///   system and comes anew, page by page, with every layer of every step.
+/// * The memory of tensors stays in the process, in large pages. By default it returns to the
+///   system and is mapped again, page by page, with every layer of every step.
 ///
-/// Threading: before other threads begin.
+/// Threading: to be called before other threads start.
 /// Source: docs/learning.md, section "Speed".
 bool set_learning_environment();
 
-/// Starts the program over where that set something.
+/// Executes the program again if set_learning_environment() has set anything.
 void prepare_to_learn(char** argv);
 
 }  // namespace engram::cli

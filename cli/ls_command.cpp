@@ -32,7 +32,7 @@ struct LsArguments {
   bool is_json = false;
 };
 
-/// One line of a listing: an entity, or all that lies below a name.
+/// One line of a listing: an entity, or everything below a name.
 struct Line {
   uint64_t entities = 0;
   uint64_t snapshots = 0;
@@ -54,7 +54,7 @@ class Listing {
   Listing(ltm::StoreReader& reader, const LsArguments& arguments)
       : reader_(reader), arguments_(arguments) {}
 
-  /// What lies right below an ID.
+  /// Lists the level directly below an ID.
   Status list(const ltm::MemoryId& id) {
     if (id.has_entity()) return id.time() ? list_instances(id) : list_snapshots(id, all());
     const size_t depth = id.names().size() + 1;
@@ -103,7 +103,7 @@ class Listing {
     return not_found("store '{}': there is nothing at '{}'", arguments_.store, what);
   }
 
-  /// The manifest is gone through once for all entities.
+  /// Reads the manifest once for all entities.
   const std::map<ltm::MemoryId, uint64_t>& bytes() {
     if (!bytes_.empty()) return bytes_;
     for (const ltm::SegmentInfo& segment : reader_.manifest().segments)
@@ -167,7 +167,8 @@ class Listing {
     return {};
   }
 
-  /// How many more there are is known at once where all were asked for.
+  /// Adds the number of snapshots beyond the limit. It is known without counting only if all
+  /// snapshots were asked for.
   Status tell_more(ltm::Timeline& timeline, const std::vector<ltm::SnapshotQuery>& queries,
                    size_t listed, Json& json) {
     if (queries != all()) {
@@ -186,7 +187,7 @@ class Listing {
     if (!entry || entry->time != *id.time()) return nothing(id.to_string());
     const auto& form = entry->recorded ? entry->recorded : entry->latent;
     size_t rows = form->rows;
-    if (rows == 0) {  // In a journal: its frame says how many.
+    if (rows == 0) {  // A snapshot in a journal: only its frame has the number of rows.
       ENGRAM_ASSIGN_OR_RETURN(const auto packed, reader_.read_packed(id.entity(), *entry));
       rows = packed.instances.size();
     }

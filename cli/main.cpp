@@ -66,7 +66,7 @@ ExitCode run(int argc, char** argv) {
   add_server_commands(app, exit_code);
   add_check_command(app, exit_code);
   add_recover_command(app, exit_code);
-  // While it is built, for the launcher.
+  // Called by the build, for the launcher.
   if (argc == 3 && std::string_view(argv[1]) == "--write-help-texts")
     return done_or_failed(write_help_texts(app, argv[2]));
   return run_command(app, argc, argv, exit_code);

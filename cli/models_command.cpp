@@ -54,7 +54,7 @@ Result<std::vector<reports::StoredModel>> models_of(const ltm::StoreReader& read
 using SnapshotSink =
     std::function<Status(const ltm::MemoryId& entity, const training::StoredSnapshot& snapshot)>;
 
-/// The snapshots of all entities that the models are of.
+/// Calls `sink` for the snapshots of all entities that have one of the models.
 Status for_each_snapshot(ltm::StoreReader& reader, const std::vector<reports::StoredModel>& models,
                          const SnapshotSink& sink) {
   std::set<ltm::MemoryId> entities;

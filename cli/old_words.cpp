@@ -8,12 +8,12 @@ namespace engram::cli {
 
 namespace {
 
-/// An option's word of earlier versions, which is taken until `kOldWordsUntil`.
+/// An option's word of earlier versions, accepted until `kOldWordsUntil`.
 struct OldWord {
   std::string_view command;
   std::string_view old;
   std::string_view now;
-  std::string_view unless{};  ///< Where this word is there, it is not meant.
+  std::string_view unless{};  ///< If this word is given too, `old` has its current meaning.
 };
 
 constexpr const char* kOldWordsUntil = "0.3";
@@ -21,11 +21,11 @@ constexpr const char* kOldWordsUntil = "0.3";
 constexpr std::array kOldWords{
     OldWord{"recover", "--output", "--out", "--out"},
     OldWord{"commit", "--type-name", "--type"},
-    // Everywhere else --types is the file, and --type one type of it.
+    // All other commands call the file --types, and one type of it --type.
     OldWord{"commit", "--type", "--types", "--types"},
 };
 
-/// "--out" of "--out=FILE".
+/// Returns "--out" for "--out=FILE".
 std::string_view word_of(std::string_view argument) {
   return argument.substr(0, argument.find('='));
 }

@@ -9,7 +9,7 @@ namespace engram::cli {
 
 namespace {
 
-/// The median step between the newest snapshots that a server has.
+/// The median step between the newest snapshots of the server.
 Result<Duration> step_at_server(Memory& memory, const ltm::MemoryId& entity) {
   constexpr int64_t kSnapshots = 21;
   const auto result = memory.query(ltm::Query::of_entity(entity, ltm::select::Latest{kSnapshots}));

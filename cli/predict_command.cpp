@@ -39,7 +39,7 @@ Examples:
   engram predict robot.engram Vision/RGB/head/cam --list --json
   engram predict --server 127.0.0.1:50051 Vision/RGB/head/cam --horizons +200ms,+400ms)";
 
-/// The time of an argument that was checked; nothing where it was not given.
+/// Returns the time of an argument that was validated; nothing if it was not given.
 std::optional<Time> time_of(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional(*parse_time(text));
 }
@@ -86,6 +86,7 @@ Status save(const ltm::MemoryId& entity, const training::PredictedMoment& moment
 Status predict(ltm::Recall& recall, const ltm::MemoryId& entity,
                ltm::Recall::PredictionRequest request, const PredictArguments& arguments) {
   if (arguments.is_compared && !request.from) {
+    // Starts early enough that the snapshots of all horizons are known.
     ENGRAM_ASSIGN_OR_RETURN(request.from, training::last_known_from(
                                               recall, entity, std::ranges::max(request.horizons)));
   }
@@ -106,7 +107,7 @@ Status predict(ltm::Recall& recall, const ltm::MemoryId& entity,
   return {};
 }
 
-/// As the engine counts it that is named, else as the entity's model does.
+/// Returns the step of the named engine, else that of the entity's model.
 Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
                          const std::string& engine) {
   ENGRAM_ASSIGN_OR_RETURN(const auto models, recall.engines(entity));
@@ -117,7 +118,7 @@ Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
 }
 
 ExitCode run(PredictArguments arguments) {
-  // One text alone is the entity, of a server.
+  // A single argument names the entity at a server.
   if (arguments.entity.empty()) std::swap(arguments.store, arguments.entity);
   if (arguments.entity.empty()) return wrong_usage(invalid_argument("entity is required"));
   if (const std::string wrong = entity_text()(arguments.entity); !wrong.empty())

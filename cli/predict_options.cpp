@@ -5,7 +5,7 @@ namespace engram::cli {
 
 namespace {
 
-/// What --list measures where nobody says it; of entities with long steps, steps.
+/// The default horizons of --list; for entities with long steps, numbers of steps.
 constexpr std::string_view kAhead = "200ms,400ms,1s";
 constexpr std::string_view kAheadOfSlow = "1,2,5";
 constexpr Duration kSlow = std::chrono::milliseconds(250);

@@ -10,7 +10,7 @@
 
 namespace engram::cli {
 
-/// The options of `engram predict`, as they are written.
+/// The options of `engram predict`, unparsed.
 struct PredictArguments {
   std::string store;
   std::string entity;
@@ -29,16 +29,17 @@ struct PredictArguments {
   bool is_json = false;
 };
 
-/// Adds all of them. `arguments` outlives the command.
+/// Adds all of them. `arguments` must outlive the command.
 void add_predict_options(CLI::App& command, PredictArguments& arguments);
 
-/// The horizons that were asked for, or those that --list measures of an entity of that step.
+/// Returns the requested horizons, or those that --list measures by default for an entity with this
+/// step.
 [[nodiscard]] std::string horizons_text(const PredictArguments& arguments, Duration step);
 
-/// Text or JSON, as was asked for.
+/// Prints text or JSON, as requested.
 void show(const PredictArguments& arguments, const std::string& text, const Json& json);
 
-/// Predicts, or lists what can, at a server.
+/// Predicts, or lists the engines, at a server.
 ExitCode predict_at_server(const PredictArguments& arguments, const ltm::MemoryId& entity);
 
 }  // namespace engram::cli

@@ -22,7 +22,7 @@ constexpr auto kRedraw = std::chrono::milliseconds(100);
 constexpr auto kPlainLine = std::chrono::seconds(5);
 constexpr int kBarCells = 24;
 constexpr std::string_view kEllipsis = "...";
-/// What the detail of a job begins with that waits for the robot.
+/// The beginning of the detail of a job that waits for the robot.
 constexpr std::string_view kWaiting = "waiting: ";
 
 size_t terminal_width() {
@@ -49,7 +49,7 @@ std::string line_of(const Progress& progress, bool has_bar) {
   return line;
 }
 
-/// A line that fits: first the bar goes, then the beginning of the name.
+/// Returns a line that fits the width: first the bar is dropped, then the beginning of the name.
 std::string fitting_line(Progress progress, size_t width) {
   if (std::string line = line_of(progress, true); line.size() <= width) return line;
   const size_t needed = line_of(progress, false).size();
@@ -97,6 +97,7 @@ void ProgressLine::show(const Progress& progress) {
   const auto now = WallClock::now();
   if (!is_new && !is_end && now - last_ < (is_redrawn_ ? WallClock::duration(kRedraw) : kPlainLine))
     return;
+  // The last line of the previous piece of work stays visible.
   if (is_new) finish();
   what_ = progress.what;
   is_waiting_ = is_waiting;
@@ -109,6 +110,7 @@ void ProgressLine::show(const Progress& progress) {
     fmt::print(stderr, "{}\n", line_of(progress, false));
     return;
   }
+  // One column is left free, because a full line would wrap and could not be redrawn.
   fmt::print(stderr, "\r\033[K{}", fitting_line(progress, terminal_width() - 1));
   std::fflush(stderr);
   is_open_ = true;

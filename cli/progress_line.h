@@ -8,17 +8,17 @@
 
 namespace engram::cli {
 
-/// How progress is shown.
+/// The form in which progress is shown.
 enum class ProgressForm {
-  kText,  ///< A line that redraws itself on a terminal, lines of text elsewhere.
+  kText,  ///< A line that is redrawn on a terminal, lines of text elsewhere.
   kJson,  ///< An object per line: time, what, done, total, detail, seconds_left.
   kNone,
 };
 
-/// Shows progress on stderr, every few seconds where it is no terminal; nothing where messages are
-/// turned off. As JSON, what nobody knows is null, and `time` is UTC.
+/// Shows progress on stderr; every few seconds if stderr is no terminal, and never if messages are
+/// turned off. In JSON, unknown values are null and `time` is UTC.
 ///
-/// Threading: one thread. Outlives the sink that it gives.
+/// Threading: one thread. It must outlive the sink that it returns.
 class ProgressLine {
  public:
   explicit ProgressLine(ProgressForm form = ProgressForm::kText);
@@ -26,7 +26,7 @@ class ProgressLine {
 
   [[nodiscard]] ProgressSink sink();
 
-  /// Ends the line, so that other text may follow.
+  /// Ends the line, so that other text can follow.
   void finish();
 
  private:

@@ -43,7 +43,7 @@ struct QueryArguments {
 };
 
 ExitCode run(QueryArguments arguments) {
-  // One text alone is what is asked, of a server.
+  // A single argument is a query to a server.
   if (arguments.query.empty()) std::swap(arguments.store, arguments.query);
   if (arguments.query.empty()) return wrong_usage(invalid_argument("query is required"));
   if (const Status named = check_source(arguments.store, arguments.remote); !named.ok())

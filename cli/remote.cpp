@@ -37,7 +37,7 @@ ExitCode show_names(const RemoteArguments& arguments, ServerFigures form) {
   return ExitCode::kDone;
 }
 
-/// "waiting bytes" for "memory_waiting_bytes".
+/// Returns "waiting bytes" for "memory_waiting_bytes".
 std::string label(std::string name, std::string_view start) {
   name.erase(0, start.size());
   std::ranges::replace(name, '_', ' ');

@@ -10,38 +10,38 @@
 
 namespace engram::cli {
 
-/// A server that a command talks to.
+/// The server that a command uses.
 struct RemoteArguments {
-  std::string server;  ///< Endpoint; else that of the environment, else the usual one.
+  std::string server;  ///< Endpoint; empty: that of the environment, else the default one.
   std::string names;   ///< Endpoint of a name system that knows the server.
-  std::string token;   ///< File.
-  std::string ca;      ///< File.
+  std::string token;   ///< File with the token.
+  std::string ca;      ///< PEM file of the certificate authority.
   std::string timeout = "5s";
 };
 
-/// False where the program was built without servers: it has no such commands and options then.
+/// False if the program is built without servers; it then lacks these commands and options.
 [[nodiscard]] bool has_servers();
 
 /// Adds --server, --names, --token, --ca and --timeout.
 void add_remote_options(CLI::App& command, RemoteArguments& arguments);
 
-/// Whether a command was told what to ask: a store or a server, not both.
+/// Checks that a command was given a store or a server, not both.
 /// Errors: kInvalidArgument.
 [[nodiscard]] Status check_source(const std::string& store, const RemoteArguments& arguments);
 
-/// The memory of a command: the store that it names, opened as `options` say, else the server, or
-/// all servers that the name system knows.
-/// Errors: those of Memory::open and Memory::connect; kUnavailable where no server listens at the
-/// socket that is meant.
+/// Opens the memory of a command: the named store, opened with `options`, else the server, or all
+/// servers of the name system.
+/// Errors: those of Memory::open and Memory::connect; kUnavailable if no server listens at the
+/// socket.
 Result<std::unique_ptr<Memory>> open_memory(const std::string& store, const OpenOptions& options,
                                             const RemoteArguments& arguments);
 
-/// The same of servers alone.
+/// Like open_memory(), for servers only.
 Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& arguments);
 
 enum class ServerFigures { kText, kJson, kMetrics };
 
-/// Prints what a server counts, or the servers that a name system knows.
+/// Prints the figures of a server, or the servers that a name system knows.
 ExitCode show_server(const RemoteArguments& arguments, ServerFigures form);
 
 }  // namespace engram::cli

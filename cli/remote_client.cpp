@@ -32,9 +32,9 @@ Status check_endpoint(const std::string& text, std::string_view option) {
   return status.ok() ? status : status.with_context(option);
 }
 
-/// Token, CA and timeout of the arguments and the environment (ENGRAM_TOKEN).
+/// Returns token, CA and timeout of the arguments and the environment (ENGRAM_TOKEN).
 Result<ConnectOptions> connect_options(const RemoteArguments& arguments) {
-  // What goes wrong there comes back as a status; gRPC would tell it on stderr too, for each try.
+  // Failures come back as a status; gRPC would also print each failed try on stderr.
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
   ConnectOptions options;
   options.is_name_system = !arguments.names.empty();
@@ -42,6 +42,7 @@ Result<ConnectOptions> connect_options(const RemoteArguments& arguments) {
   if (!arguments.token.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(arguments.token));
     options.token = as_text(text.bytes());
+    // Editors end a file with a line break, which is no part of the token.
     options.token.erase(options.token.find_last_not_of("\r\n") + 1);
   }
   options.ca = arguments.ca;
@@ -58,8 +59,8 @@ Result<server::ClientOptions> client_options(const RemoteArguments& arguments) {
   return client;
 }
 
-/// The endpoint that was named: --server, ENGRAM_SERVER, or the usual one.
-/// Errors: kInvalidArgument; kUnavailable where there is no such socket.
+/// Returns the endpoint of --server, else of ENGRAM_SERVER, else the default one.
+/// Errors: kInvalidArgument; kUnavailable if the socket does not exist.
 Result<std::string> named_endpoint(const RemoteArguments& arguments) {
   std::string text = arguments.server;
   if (text.empty()) text = from_environment("ENGRAM_SERVER");

@@ -10,11 +10,11 @@
 
 namespace engram::cli {
 
-/// All servers that the name system knows.
+/// Returns all servers that the name system knows.
 /// Errors: kUnavailable.
 Result<std::vector<server::Registration>> known_servers(const RemoteArguments& arguments);
 
-/// The server that was named, for what it says of itself.
+/// Connects to the named server, to ask what it reports about itself.
 Result<std::unique_ptr<server::MemoryClient>> open_client(const RemoteArguments& arguments);
 
 }  // namespace engram::cli

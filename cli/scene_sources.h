@@ -7,8 +7,8 @@
 
 namespace engram::cli {
 
-/// What rebuilds remembered moments: those of simulated kitchens.
-/// Errors: kFailedPrecondition where the program is built without.
+/// Makes the source that rebuilds remembered moments of simulated kitchens.
+/// Errors: kFailedPrecondition if the program is built without the kitchen.
 Result<std::unique_ptr<datasets::SceneSource>> make_scene_source();
 
 }  // namespace engram::cli

@@ -57,7 +57,7 @@ struct ServeArguments {
   bool is_json = false;
 };
 
-/// A text in quotes for robot.yaml.
+/// Quotes a text for robot.yaml.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
@@ -82,7 +82,7 @@ std::string security_yaml(const server::ListenPolicy::Options& security) {
   return text.empty() ? "" : "security:\n" + text;
 }
 
-/// What robot.yaml would say: checked in the same way.
+/// Returns the arguments as the text of a robot.yaml, so that both are checked by the same parser.
 std::string yaml_of(const ServeArguments& arguments) {
   std::string text = security_yaml(arguments.security);
   if (arguments.has_no_system_state) text += "system_state: false\n";
@@ -132,13 +132,13 @@ void tell_served(const Robot& robot, bool is_json) {
 }
 
 void wait_for_the_end() {
-  Mutex mutex;  // What `wake` needs; it guards nothing.
+  Mutex mutex;  // `wake` needs a mutex; this one guards nothing.
   StoppableCondition wake;
   const MutexLock lock(mutex);
   wake.wait(mutex, interrupt_token(), [] { return false; });
 }
 
-/// Says what became of it; false where something is lost.
+/// Logs how a server stopped. Returns false if data is lost.
 bool tell_ended(const Robot::StoppedServer& ended) {
   const ltm::MemoryCounters& memory = ended.counters.memory;
   log::info("server '{}' stopped: {} snapshots came{}, the store was given {}", ended.server,
@@ -207,7 +207,7 @@ void add_security_options(CLI::App& command, server::ListenPolicy::Options& secu
   add("--tokens", security.tokens, "Who may do what (YAML)");
 }
 
-/// What stands in robot.yaml, and is said here too.
+/// Returns an option that was given although robot.yaml already sets it.
 std::string said_twice(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();

@@ -8,16 +8,16 @@
 
 namespace engram::cli {
 
-/// One line for what several children do, which tell their progress as JSON.
+/// Shows the progress of several children, which report theirs as JSON, in one line.
 ///
 /// Threading: one thread.
 class SharedProgress {
  public:
-  /// The line outlives it.
+  /// `line` must outlive this object.
   SharedProgress(size_t children, ProgressLine& line)
       : last_(children), line_(line), sink_(line.sink()) {}
 
-  /// A line of a child's stderr: progress, or a message, which is passed on.
+  /// Takes a line of a child's stderr: progress, or a message, which is passed on.
   void tell(size_t child, const std::string& line, bool passes_on);
 
  private:

@@ -47,10 +47,10 @@ struct KitchenArguments {
   std::string progress = "line";
   int jobs = 1;
   bool is_fast = false;
-  bool is_plain = false;  ///< Files instead of stores.
+  bool is_plain = false;  ///< Writes files instead of stores.
 };
 
-/// "3", "1..5", or several of these with commas between them.
+/// Parses "3", "1..5", or several of these separated by commas.
 Result<std::vector<uint64_t>> read_seeds(const std::string& text) {
   constexpr unsigned long long kMax = 1'000'000;
   std::vector<uint64_t> seeds;
@@ -87,7 +87,7 @@ std::string store_of(const KitchenArguments& arguments, uint64_t seed) {
 
 using CommitSink = std::function<Status(const ltm::Commit&)>;
 
-/// Simulates into a sink until somebody asks to stop.
+/// Simulates into a sink until a stop is requested.
 Result<datasets::KitchenSummary> simulate(const datasets::KitchenOptions& options,
                                           const CommitSink& take, const ProgressSink& progress) {
   const std::stop_token stop = interrupt_token();
@@ -145,7 +145,7 @@ ProgressForm form_of(const KitchenArguments& arguments) {
                                         : ProgressForm::kText;
 }
 
-/// Progress of one of several recordings as that of all.
+/// Converts the progress of one recording into that of all.
 ProgressSink part_of(ProgressSink all, uint64_t part, uint64_t parts) {
   if (!all) return all;
   return [all = std::move(all), part, parts](Progress progress) {
@@ -155,13 +155,14 @@ ProgressSink part_of(ProgressSink all, uint64_t part, uint64_t parts) {
   };
 }
 
-/// All seeds in this process.
+/// Simulates all seeds in this process.
 ExitCode run_here(const KitchenArguments& arguments, const std::vector<uint64_t>& seeds) {
   ProgressLine progress(form_of(arguments));
   for (size_t i = 0; i < seeds.size(); ++i) {
     const uint64_t seed = seeds[i];
     datasets::KitchenOptions options = arguments.options;
     options.seed = seed;
+    // Recordings of several seeds go into one store, so their times must not overlap.
     if (arguments.start.empty()) options.start += std::chrono::hours(seed - 1);
     const ProgressSink part = part_of(progress.sink(), i, seeds.size());
     const auto summary = arguments.is_plain ? write_files(arguments, options, part)
@@ -173,7 +174,7 @@ ExitCode run_here(const KitchenArguments& arguments, const std::vector<uint64_t>
   return ExitCode::kDone;
 }
 
-/// Seeds are dealt out to processes in turn.
+/// Distributes the seeds over processes in turn.
 ExitCode run_children_for(const KitchenArguments& arguments, const std::vector<uint64_t>& seeds,
                           const std::vector<std::string>& same) {
   const size_t count = std::min(seeds.size(), static_cast<size_t>(arguments.jobs));

@@ -5,7 +5,8 @@
 
 namespace engram::cli {
 
-/// Adds `engram simulate kitchen`; says why it cannot where the program is built without.
+/// Adds `engram simulate kitchen`. In a program that is built without the kitchen, the command says
+/// so.
 void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code);
 
 }  // namespace engram::cli

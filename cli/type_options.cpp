@@ -7,7 +7,7 @@ namespace engram::cli {
 
 namespace {
 
-/// "Vision/RGB=robot::View": a segment, and a type of the files.
+/// Parses "Vision/RGB=robot::View": a segment, and a type of the files.
 Result<DeclaredType> read_type(const std::string& text, const std::vector<idf::TypeFile>& files) {
   const size_t equals = text.rfind('=');
   if (equals == std::string::npos)

@@ -9,10 +9,10 @@
 
 namespace engram::cli {
 
-/// Which segments have which types.
+/// The types of segments, unparsed.
 struct TypeArguments {
   std::vector<std::string> files;
-  std::vector<std::string> types;  ///< "SEGMENT=NAME".
+  std::vector<std::string> types;  ///< Each is "SEGMENT=NAME".
 };
 
 struct DeclaredType {
@@ -23,9 +23,11 @@ struct DeclaredType {
 /// Adds --types and --type.
 void add_type_options(CLI::App& command, TypeArguments& arguments);
 
-/// Errors: those of read_type_file; kInvalidArgument naming the option and the types there are.
+/// Reads the types.
+/// Errors: those of read_type_file; kInvalidArgument naming the option and the existing types.
 Result<std::vector<DeclaredType>> read_types(const TypeArguments& arguments);
 
+/// Declares the types at a recorder.
 /// Errors: those of Recorder::declare.
 Status declare(ltm::Recorder& recorder, const std::vector<DeclaredType>& types);
 

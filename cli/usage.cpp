@@ -9,10 +9,10 @@ namespace engram::cli {
 
 namespace {
 
-/// What a description of this begins with marks options whose values the program looks at.
+/// Marks an option whose values the program validates: its description begins with this.
 constexpr const char* kChecked = "checked";
 
-// Each line is a kind and fields, with a tab before each.
+// Each line is a kind and its fields, each after a tab.
 constexpr const char* kCommand = "command";
 constexpr const char* kOption = "option";
 constexpr const char* kNeeds = "needs";
@@ -30,7 +30,7 @@ bool is_checked(const CLI::Option& option) {
   return option.get_trigger_on_parse() || (!is_flag(option) && option.get_type_name() != "TEXT");
 }
 
-/// All of a program or command, in the order in which they were added.
+/// All options of a program or command, in the order in which they were added.
 std::vector<const CLI::Option*> options_of(const CLI::App& app) {
   std::vector<const CLI::Option*> own;
   for (const CLI::Option* option : app.get_options())
@@ -85,7 +85,7 @@ void add_option(CLI::App& app, const std::vector<std::string>& fields) {
   if (number(11) != 0) option->description(kChecked);
 }
 
-/// The commands from the program down to the one that is read.
+/// Reads one line. `path` holds the commands from the program down to the current one.
 void read_line(std::vector<CLI::App*>& path, const std::vector<std::string>& fields) {
   const std::string& kind = fields.at(0);
   if (kind == kCommand) {
@@ -105,7 +105,7 @@ void read_line(std::vector<CLI::App*>& path, const std::vector<std::string>& fie
   }
 }
 
-/// Whether a value was given that the program would look at, as that of --flag=value.
+/// Whether a value was given that the program would validate, such as that of --flag=value.
 bool has_checked(const CLI::App& app) {
   const auto is_looked_at = [](const CLI::Option* option) {
     const bool has_value =
@@ -130,7 +130,7 @@ bool read_usage(const std::string& text, CLI::App& app) {
   std::vector<CLI::App*> path{&app};
   std::istringstream lines(text);
   try {
-    // As the program itself says it, so that who asks for it is told no error.
+    // Added as the program adds it, so that --version is no error.
     app.set_version_flag("--version", "");
     for (std::string line; std::getline(lines, line);) read_line(path, fields_of(line));
   } catch (const std::exception&) {
@@ -140,7 +140,7 @@ bool read_usage(const std::string& text, CLI::App& app) {
 }
 
 std::string wrong_usage_text(CLI::App& app, std::vector<std::string> arguments) {
-  std::ranges::reverse(arguments);  // As CLI11 wants them.
+  std::ranges::reverse(arguments);  // CLI11 takes the arguments in reverse order.
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {

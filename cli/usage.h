@@ -7,18 +7,19 @@
 
 namespace engram::cli {
 
-/// All commands of a program with their options, as a text that read_usage() makes a program of
-/// that takes the same words: which there are, how many values each has, which are required and
-/// which exclude one another. What values mean is not in it.
+/// Describes all commands and options of a program as a text, from which read_usage() builds a
+/// program that accepts the same words: the options, how many values each has, which are required
+/// and which exclude one another. The meaning of values is not included.
 [[nodiscard]] std::string usage_text(const CLI::App& app);
 
-/// Makes `app`, which has nothing yet, the program of a text; false where it is no such text.
+/// Adds the commands of a text to `app`, which must be empty. Returns false if the text is not
+/// valid.
 [[nodiscard]] bool read_usage(const std::string& text, CLI::App& app);
 
-/// What the program would say of arguments that it does not take, on stderr; empty where it takes
-/// them, or where what it says depends on more than their words.
-/// `app`: of read_usage(). Errors of values are told before all that lacks or is too much, so with
-/// one that the program checks nothing is known.
+/// Returns the program's message on stderr for arguments that it refuses; empty if it accepts them,
+/// or if its message depends on more than their words. `app` comes from read_usage(). The program
+/// reports an invalid value before missing or surplus words, so nothing is known about arguments
+/// with a value that the program validates.
 [[nodiscard]] std::string wrong_usage_text(CLI::App& app, std::vector<std::string> arguments);
 
 }  // namespace engram::cli

@@ -27,7 +27,8 @@ Examples:
   engram watch --server 127.0.0.1:50051 Vision --count 10 --json
   engram watch Vision --data --json | engram commit --server 10.0.0.2:50051 --lines -)";
 
-/// What waits to be printed. Larger ones wait at the server, which bounds them.
+/// The max number of snapshots that wait to be printed. Further ones wait at the server, which
+/// bounds them.
 constexpr size_t kMaxWaiting = 4096;
 
 struct WatchArguments {
@@ -67,7 +68,7 @@ Result<std::string> line_of(const ltm::Snapshot& snapshot, const WatchArguments&
   return text;
 }
 
-/// What servers told and was not printed yet.
+/// Snapshots received from servers and not printed yet.
 class Inbox {
  public:
   SubscriptionHandlers handlers() {
@@ -78,7 +79,7 @@ class Inbox {
             }};
   }
 
-  /// Nothing where a stop is asked for.
+  /// Waits for the next snapshot; returns nothing if a stop is requested.
   std::optional<ltm::Snapshot> next(const std::stop_token& stop) {
     const MutexLock lock(mutex_);
     if (!changed_.wait(mutex_, stop,
@@ -98,6 +99,7 @@ class Inbox {
   void put(std::vector<ToldSnapshot> told) {
     const MutexLock lock(mutex_);
     for (ToldSnapshot& one : told) waiting_.push_back(std::move(one.snapshot));
+    // The oldest are dropped, as in the server's queue: a slow reader sees the newest.
     for (; waiting_.size() > kMaxWaiting; ++lost_) waiting_.pop_front();
     changed_.notify_one();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands for the simulated kitchen where the program is built without (ENGRAM_KITCHEN).
+// Replaces the simulated kitchen in a program that is built without it (ENGRAM_KITCHEN).
 #include "cli/scene_sources.h"
 #include "cli/simulate_kitchen.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands for what talks over networks where the program is built without (ENGRAM_SERVER).
+// Replaces the commands that use networks in a program that is built without servers
+// (ENGRAM_SERVER).
 #include "cli/remote.h"
 
 namespace engram::cli {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kColumns = 4;
 
-/// The first 8-bit image of a value.
+/// Returns the first 8-bit image of a value.
 Result<idf::NdArray> image_of(const idf::Data& value) {
   const idf::NdArray* image = first_image(value);
   if (image == nullptr)
@@ -30,7 +30,7 @@ Result<std::vector<idf::NdArray>> images_of(const std::vector<idf::Data>& values
   return images;
 }
 
-/// Some snapshots of an entity, from its first to its last.
+/// Returns snapshots spread over an entity's whole time.
 Result<std::vector<ltm::Snapshot>> spread_snapshots(ltm::StoreReader& store,
                                                     const ltm::MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(const auto* index, store.index(entity));
@@ -43,8 +43,8 @@ Result<std::vector<ltm::Snapshot>> spread_snapshots(ltm::StoreReader& store,
   return snapshots;
 }
 
-/// Rows by the name of the change that comes first in a recipe; the first image of each at a
-/// moment.
+/// Rows of images, keyed by the first change of a recipe. Each row has the first image of its kind
+/// per moment.
 class RowsByChange {
  public:
   Status add(const ltm::Instance& instance, size_t column) {
@@ -55,7 +55,7 @@ class RowsByChange {
     if (row == rows_.end()) row = rows_.insert(row, {name, {}});
     if (row->images.size() > column) return {};
     ENGRAM_ASSIGN_OR_RETURN(idf::NdArray image, image_of(instance.data));
-    // Nothing of its kind was made of moments before: black.
+    // Moments for which no image of this kind was made are black.
     const std::vector<int64_t>& shape = image.shape();
     while (row->images.size() < column)
       row->images.push_back(
@@ -80,7 +80,7 @@ Status write_change_examples(const std::filesystem::path& store,
     ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(example.after));
     rows.push_back({example.change, std::move(images)});
   }
-  // As many images as the others have: the first row says how many columns there are.
+  // Repeated once per column, because the first row determines the number of columns.
   const std::vector<idf::Data> before(kColumns, examples.front().before);
   ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(before));
   rows.insert(rows.begin(), {"recorded", std::move(images)});

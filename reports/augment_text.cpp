@@ -7,7 +7,7 @@ namespace engram::reports {
 
 namespace {
 
-/// Why snapshots were left out, where there is more to say.
+/// Returns the reason why snapshots were left out, or an empty text.
 std::string left_out_text(const training::AugmentedEntity& entity) {
   if (entity.without_mask > 0) return ", where nothing tells the object";
   return entity.without_scene > 0 ? ", where not all that was there is known" : "";

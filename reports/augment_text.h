@@ -8,7 +8,7 @@
 
 namespace engram::reports {
 
-/// What was made of a store's snapshots, and what was left out.
+/// Reports the snapshots that were made from a store's, and those left out.
 [[nodiscard]] Json augment_json(const training::AugmentReport& report, const std::string& store,
                                 const std::string& out, const training::AugmentOptions& options);
 void print_augmented(const training::AugmentReport& report, const std::string& out);

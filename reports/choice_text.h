@@ -8,11 +8,11 @@
 
 namespace engram::reports {
 
-/// What the store would take with the previous model and with the new one, a row each under a row
-/// of names; empty where there was no previous one.
+/// A table of the bytes that the store would need with the previous model and with the new one, a
+/// row each; empty if there was no previous model.
 [[nodiscard]] std::string choice_text(const encoders::ModelChoice& choice);
 
-/// Null where there was no previous one.
+/// Null if there was no previous model.
 [[nodiscard]] Json choice_json(const encoders::ModelChoice& choice);
 
 }  // namespace engram::reports

@@ -11,6 +11,7 @@ namespace engram::reports {
 
 namespace {
 
+// JSON has no NaN and no infinity: an entity without images has no PSNR.
 Json number_or_null(double number) {
   return std::isfinite(number) ? Json(number) : Json(nullptr);
 }
@@ -36,6 +37,8 @@ Json entity_json(const training::EntityReport& entity) {
     json["skipped"] = entity.skipped_reason;
     return json;
   }
+  // Both means are reported, because the mean PSNR over images hides a few bad images, which
+  // dominate the pooled error.
   json.update({{"model_version", entity.model_version},
                {"is_model_new", entity.is_model_new},
                {"started_from_version",

@@ -9,17 +9,17 @@
 
 namespace engram::reports {
 
-/// What was dropped of an entity.
+/// The recorded snapshots of an entity that were dropped.
 struct DroppedRaw {
   ltm::MemoryId entity;
   ltm::DropReport report;
 };
 
-/// What `engram consolidate` is going to do: an entity a line, those that are skipped below.
+/// Prints what `engram consolidate` is going to do: a line per entity, the skipped ones last.
 void print_plan(const training::ConsolidatePlan& plan);
 [[nodiscard]] Json plan_json(const training::ConsolidatePlan& plan);
 
-/// What it did.
+/// Prints what it did.
 void print_report(const training::ConsolidateReport& report);
 void print_dropped(const std::vector<DroppedRaw>& dropped);
 [[nodiscard]] Json report_json(const training::ConsolidatePlan& plan,

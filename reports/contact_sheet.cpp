@@ -16,12 +16,13 @@ namespace {
 
 constexpr int kMargin = 6;
 constexpr int kLineHeight = 15;
-/// Images are magnified by whole numbers until they are at least that wide.
+/// Images are magnified by whole numbers until they are at least this wide. Whole numbers keep
+/// every pixel the same size.
 constexpr int kMinWidth = 128;
 constexpr int kHeaderHeight = 22;
 constexpr double kFontScale = 0.42;
 
-/// A copy as OpenCV shows it: three channels, blue first.
+/// Copies an image into the form of OpenCV: three channels, blue first.
 cv::Mat to_bgr(const idf::NdArray& image) {
   const int channels = static_cast<int>(image.shape()[2]);
   const cv::Mat view(static_cast<int>(image.shape()[0]), static_cast<int>(image.shape()[1]),
@@ -38,7 +39,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Lines of text whose first one stands at `at`.
+/// Writes lines of text, the first one at `at`.
 void write_text(cv::Mat& sheet, const std::string& text, cv::Point at) {
   for (const std::string& line : lines_of(text)) {
     cv::putText(sheet, line, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, cv::Scalar(40, 40, 40), 1,
@@ -47,7 +48,7 @@ void write_text(cv::Mat& sheet, const std::string& text, cv::Point at) {
   }
 }
 
-/// Of the widest label.
+/// The width of the widest label.
 int label_width(const std::vector<PictureRow>& rows) {
   int width = 0;
   for (const PictureRow& row : rows)

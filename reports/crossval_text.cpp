@@ -31,7 +31,7 @@ std::string bytes_each(double bytes) {
   return fmt::format("{:.0f}", bytes);
 }
 
-/// "all" and every fold, by name.
+/// A table with a row per fold and a last row "all".
 template <typename Row>
 std::string table_of_folds(const CrossvalReport& report, const std::vector<std::string>& header,
                            Row row) {
@@ -62,7 +62,7 @@ std::string variant_table(const CrossvalReport& report, size_t index) {
                         });
 }
 
-/// Reconstructions with residuals below a bound; empty where none was asked for.
+/// The table of reconstructions with residuals below a bound; empty if no bound was asked for.
 std::string corrected_table(const CrossvalReport& report, size_t index) {
   if (report.bound_db <= 0) return "";
   const std::string title = fmt::format("with residuals below {:.1f} dB", report.bound_db);
@@ -82,7 +82,7 @@ std::string corrected_table(const CrossvalReport& report, size_t index) {
          "\n";
 }
 
-/// How often the errors of a variant's predictions were within the bounds that they told.
+/// The table of how often the errors of a variant's predictions were within their bounds.
 std::string bound_table(const CrossvalReport& report, size_t index) {
   std::vector<std::string> header{fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability)};
   for (const char* ahead : {"next", "over-next"})
@@ -106,7 +106,8 @@ std::string bound_table(const CrossvalReport& report, size_t index) {
   });
 }
 
-/// Predictions that were told the joints that came, as a plan; empty where there is no condition.
+/// The table of predictions that were given the joints that followed, as a plan; empty if there is
+/// no condition.
 std::string plan_table(const CrossvalReport& report, size_t index) {
   const auto& all = report.all.variants[index].planned;
   if (all[0].images == 0 && all[0].numbers == 0) return "";
@@ -157,9 +158,11 @@ std::string comparison_table(const CrossvalFold& all) {
   return table.to_string("  ");
 }
 
-/// How predictions get worse; empty where next and over-next are all that was measured.
+/// The table of how errors grow with the horizon; empty if only the next and over-next snapshots
+/// were measured.
 std::string ahead_table(const CrossvalFold& all) {
   const size_t ahead = all.baselines.front().size();
+  // The tables of the variants already have the next and over-next snapshots.
   if (ahead <= training::kMinAhead) return "";
   std::vector<std::string> header{"snapshots ahead"};
   for (size_t step = 1; step <= ahead; ++step) header.push_back(std::to_string(step));

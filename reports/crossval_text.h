@@ -7,11 +7,11 @@
 
 namespace engram::reports {
 
-/// The report as tables: folds of each variant, of what learns nothing, and all beside each other.
-/// PSNR is "mean / pooled".
+/// Formats the report as tables: the folds of each variant, those of the baselines that learn
+/// nothing, and all side by side. PSNR is "mean / pooled".
 [[nodiscard]] std::string crossval_text(const training::CrossvalReport& report);
 
-/// What a fold gave, a line for each variant.
+/// Formats the results of a fold, a line per variant.
 [[nodiscard]] std::string fold_text(const training::CrossvalFold& fold, size_t number);
 
 }  // namespace engram::reports

@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kColumns = 6;
 
-/// Snapshots that are recorded and reconstructed and have two recorded ones before them.
+/// Indices of snapshots that are both recorded and latent, with two recorded snapshots before them.
 std::vector<size_t> candidates(const std::vector<ltm::SnapshotEntry>& entries) {
   std::vector<size_t> found;
   for (size_t i = 2; i < entries.size(); ++i)
@@ -46,7 +46,7 @@ Result<idf::Data> predicted_value(ltm::Predictor& predictor, ltm::StoreReader& r
   return std::move(values.front().value);
 }
 
-/// Adds one moment as a column; nothing where its values hold no image.
+/// Adds one moment as a column; does nothing if its values have no image.
 Status add_column(Sheet& sheet, ltm::Recall& recall, ltm::Predictor& predictor,
                   const ltm::MemoryId& entity, const std::vector<ltm::SnapshotEntry>& entries,
                   size_t index) {

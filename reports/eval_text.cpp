@@ -40,7 +40,7 @@ void for_each_quality(const training::EntityEvaluation& entity, F add) {
   }
 }
 
-/// Calls `add` with a label, what bounds covered and the quality that it is about.
+/// Calls `add` with a label, the coverage of bounds and the quality that belongs to it.
 template <typename F>
 void for_each_bound_coverage(const training::EntityEvaluation& entity, F add) {
   for (size_t known = 0; known < entity.prediction.size(); ++known) {
@@ -59,6 +59,7 @@ void print_bounds(const training::EntityEvaluation& entity) {
   bool has_any = false;
   const auto add = [&](const std::string& what, const training::Coverage& coverage, double real,
                        std::string (*text)(double)) {
+    // A row without predictions is left out: a coverage of 0 % would look like a bad bound.
     if (coverage.predictions == 0) return;
     has_any = true;
     table.add({what, count_text(coverage.predictions),
@@ -74,7 +75,7 @@ void print_bounds(const training::EntityEvaluation& entity) {
   if (has_any) print(table.to_string("  "));
 }
 
-/// What latents take beside what they should, per image.
+/// The bytes that latents take per snapshot, beside their ideal code length.
 std::string code_text(const training::CodeLength& code) {
   const auto rows = static_cast<double>(code.rows);
   std::string text = fmt::format("  code of latents: {:.1f} bytes a snapshot, ideal {:.1f}",

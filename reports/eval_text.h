@@ -5,8 +5,8 @@
 
 namespace engram::reports {
 
-/// Bytes, access times, errors of reconstructions and predictions, and what bounds were worth, as
-/// tables.
+/// Prints tables of bytes, access times, errors of reconstructions and predictions, and the
+/// coverage of bounds.
 void print_evaluation(const training::EntityEvaluation& entity);
 
 }  // namespace engram::reports

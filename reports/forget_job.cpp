@@ -30,7 +30,7 @@ Result<ltm::ForgetReport> ForgetJob::carry_out(ltm::ForgetPlan plan) const {
     again = [this, quota = ltm::quota_after(options, plan)] { return plan_with(quota); };
   const ltm::ForgetSet gone = plan.to_set();
   auto report = ltm::carry_out(store, std::move(plan), again, progress, stop);
-  // Notes of what went are of no use; that they could not be cleared does no harm.
+  // Access logs of forgotten snapshots are useless, but failing to clear them does no harm.
   if (report.ok() && !report->rewritten.is_cancelled)
     if (const Status status = ltm::merge_accesses(store, gone); !status.ok())
       log::warning("access logs stay as they are: {}", status.message());

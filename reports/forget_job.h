@@ -11,18 +11,20 @@
 
 namespace engram::reports {
 
-/// What `engram forget` does to a store, each time with its newest generation.
+/// The work of `engram forget`. Each step uses the newest generation of the store.
 struct ForgetJob {
   std::string store;
-  std::vector<std::string> targets;  ///< IDs and queries; empty: the policies say what goes.
+  /// IDs and queries; empty: the policies decide what is forgotten.
+  std::vector<std::string> targets;
   ltm::ForgetOptions options;
   ProgressSink progress;
   std::stop_token stop;
 
-  /// Changes nothing. Errors: those of find_forget_targets and plan_forgetting.
+  /// Plans without changing anything.
+  /// Errors: those of find_forget_targets and plan_forgetting.
   [[nodiscard]] Result<ltm::ForgetPlan> plan() const;
 
-  /// Carries a plan out, and goes on towards a quota where there is one.
+  /// Carries out a plan, and continues towards the quota if there is one.
   /// Errors: those of ltm::carry_out.
   [[nodiscard]] Result<ltm::ForgetReport> carry_out(ltm::ForgetPlan plan) const;
 

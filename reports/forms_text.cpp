@@ -17,7 +17,7 @@ std::string count(int64_t rows) {
   return count_text(static_cast<uint64_t>(rows));
 }
 
-/// A form, and how much of it was kept.
+/// A form, with the number of rows and bytes that were kept in it.
 struct Kept {
   std::string_view name;
   int64_t rows = 0;
@@ -58,6 +58,7 @@ std::vector<std::string> forms_text(const encoders::StoredForms& forms) {
       fmt::format("{} each: {}", each(forms.kept_bytes, forms.rows), kept_text(forms))};
   if (forms.bound_db > 0)
     lines.push_back("bound " + bound_text(forms.bound_db, forms.noise_images));
+  // A form that was not tried has no bytes and is left out, not shown as free.
   std::vector<std::string> alone;
   if (forms.latent_bytes > 0 && forms.bound_db > 0)
     alone.push_back(fmt::format("latents {}, {} of {} below the bound",

@@ -9,13 +9,13 @@
 
 namespace engram::reports {
 
-/// "38.2 dB, from the noise of 32 images".
+/// Such as "38.2 dB, from the noise of 32 images".
 [[nodiscard]] std::string bound_text(double bound_db, int64_t noise_images);
 
-/// "304 latents, 16 refined": what was kept, as far as there is any.
+/// Such as "304 latents, 16 refined": the kept forms, without those that have no rows.
 [[nodiscard]] std::string kept_text(const encoders::StoredForms& forms);
 
-/// How images were kept, and what each form alone would take, in lines.
+/// Lines that say in which forms images were kept, and how many bytes each form alone would take.
 [[nodiscard]] std::vector<std::string> forms_text(const encoders::StoredForms& forms);
 
 [[nodiscard]] Json forms_json(const encoders::StoredForms& forms);

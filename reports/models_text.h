@@ -8,17 +8,17 @@
 
 namespace engram::reports {
 
-/// A model of a store and where it comes from.
+/// A model of a store, with its provenance.
 struct StoredModel {
   const ltm::ModelInfo* info = nullptr;
   encoders::Provenance from;
 };
 
-/// What it was trained on, and what each form of its images takes.
+/// Prints what a model was trained on, and the bytes of each form of its images.
 void print_model(const StoredModel& model);
 [[nodiscard]] Json model_json(const StoredModel& model);
 
-/// In which form a snapshot is kept, its bytes and errors.
+/// Reports in which form a snapshot is kept, with its bytes and errors.
 [[nodiscard]] Json stored_snapshot_json(const ltm::MemoryId& entity,
                                         const training::StoredSnapshot& snapshot);
 

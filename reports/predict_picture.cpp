@@ -15,12 +15,13 @@ namespace {
 using training::PredictedHorizon;
 using training::PredictedMoment;
 
-/// The first image of a snapshot's first instance; null where there is none.
+/// Returns the first image of a snapshot's first instance, or null.
 const idf::NdArray* image_of(const ltm::SnapshotResult& snapshot) {
   return snapshot.instances.empty() ? nullptr : first_image(snapshot.instances.front().data);
 }
 
-/// "+200ms", what was expected, and what came of it: a line each.
+/// The label of a row: the horizon such as "+200ms", the expected error and the real one, a line
+/// each.
 std::string label_of(const PredictedHorizon& horizon) {
   const ltm::InstanceResult& first = horizon.predicted.instances.front();
   std::string text = "+" + to_string(horizon.predicted.horizon);

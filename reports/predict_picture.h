@@ -7,9 +7,10 @@
 
 namespace engram::reports {
 
-/// Draws a row per horizon: the last image, what came, what was predicted, and where that errs (8
-/// times amplified). Where nothing came yet: the last image, the prediction, and where they differ.
-/// Errors: kFailedPrecondition where the values have no colour or grey image; kUnavailable.
+/// Draws a row per horizon: the last image, the actual image, the prediction, and its error
+/// (amplified 8 times). If nothing has come yet: the last image, the prediction, and their
+/// difference.
+/// Errors: kFailedPrecondition if the values have no colour or grey image; kUnavailable.
 Status write_predict_picture(const training::PredictedMoment& moment,
                              const std::filesystem::path& picture);
 

@@ -21,7 +21,7 @@ using training::PredictionQuality;
 
 constexpr int kMaxSteps = 1000;
 
-/// A whole number of steps; nothing where the text is anything else.
+/// Parses a whole number of steps; nothing for any other text.
 std::optional<int> steps_from(std::string_view text) {
   int steps = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);
@@ -35,7 +35,7 @@ Status unfitting(const std::string& text) {
       text, kMaxSteps);
 }
 
-/// The error of first instances that a prediction was told to expect, and its bound.
+/// The error that a prediction expects for its first instance.
 ltm::MeasuredError expected_of(const ltm::SnapshotResult& predicted) {
   if (predicted.instances.empty()) return {};
   return predicted.instances.front().error.value_or(ltm::MeasuredError{});
@@ -54,7 +54,7 @@ std::string error_or_dash(const std::optional<ltm::MeasuredError>& error) {
   return error ? error_text(*error) : "-";
 }
 
-/// Whether all predictions are of one engine.
+/// Whether one engine made all predictions.
 bool has_one_engine(const PredictedMoment& moment) {
   const ltm::SnapshotResult& first = moment.horizons.front().predicted;
   return std::ranges::all_of(moment.horizons, [&first](const PredictedHorizon& horizon) {
@@ -79,8 +79,8 @@ Result<Json> horizon_json(const MemoryId& entity, const PredictedHorizon& horizo
   return json;
 }
 
-/// Calls `add` with a name, the conditions that it was told ("known", "planned", "unknown" or ""),
-/// and what was measured of it, for each engine.
+/// Calls `add` for each engine with the engine, the conditions that it was given ("known",
+/// "planned", "unknown" or "") and its measurements.
 template <typename F>
 void for_each_record(std::span<const Recall::Engine> engines, F add) {
   for (const Recall::Engine& engine : engines) {
@@ -197,6 +197,8 @@ std::string sweep_text(const MemoryId& entity, const std::string& engine,
       table.add({to_string(horizons[i]) + ", RMSE", count_text(model.numbers), "", "",
                  number_text(model.rmse), number_text(copy_last.rmse),
                  coverage(bound_coverage.numbers), number_text(bound_coverage.numbers.mean_bound)});
+    // Members at rest are predicted well by any engine and would hide the error of those that move,
+    // so moments of movement have a row of their own.
     if (moving.numbers > 0 && moving.numbers < model.numbers)
       table.add({to_string(horizons[i]) + ", RMSE of what moves", count_text(moving.numbers), "",
                  "", number_text(moving.rmse), number_text(moving_copy.rmse), "", ""});

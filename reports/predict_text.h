@@ -11,21 +11,22 @@
 
 namespace engram::reports {
 
-/// Reads "1..3" and "2", in steps, or "+200ms,+400ms".
+/// Parses horizons: "1..3" and "2" count steps, "+200ms,+400ms" are durations.
 /// Errors: kInvalidArgument naming the text and what is needed.
 Result<std::vector<Duration>> parse_horizons(const std::string& text, Duration step);
 
-/// "deep v1", "copy-last".
+/// Such as "deep v1" or "copy-last".
 [[nodiscard]] std::string engine_text(const std::string& engine, const std::string& model);
 
-/// Predictions of one moment as a table: what was expected, and what came.
+/// Formats predictions of one moment as a table of expected and actual errors.
 [[nodiscard]] std::string moment_text(const ltm::MemoryId& entity,
                                       const training::PredictedMoment& moment);
-/// The same, with the predicted data. Errors: those of idf::to_json.
+/// Like moment_text(), with the predicted data.
+/// Errors: those of idf::to_json.
 Result<Json> moment_json(const ltm::MemoryId& entity, const training::PredictedMoment& moment);
 
-/// The means of many moments. `horizons` are as many as `qualities`; `engine` may be empty: the
-/// best for each.
+/// Formats the means over many moments. `horizons` and `qualities` have the same length; an empty
+/// `engine` means the best one for each moment.
 [[nodiscard]] std::string sweep_text(const ltm::MemoryId& entity, const std::string& engine,
                                      std::span<const Duration> horizons,
                                      std::span<const training::PredictionQuality> qualities);
@@ -33,13 +34,15 @@ Result<Json> moment_json(const ltm::MemoryId& entity, const training::PredictedM
                               std::span<const Duration> horizons,
                               std::span<const training::PredictionQuality> qualities);
 
-/// What engines of an entity were worth on its past, one horizon ahead; the first one answers.
+/// The measured errors of an entity's engines on its past at one horizon. The first engine is the
+/// one that answers.
 struct EnginesAhead {
   Duration ahead{};
   std::vector<ltm::EngineRecord> records;
 };
 
-/// Everything that can predict an entity: measured on its own past, and what its model tells.
+/// Formats all engines that can predict an entity: measured on its own past, and as its models
+/// recorded them in training.
 [[nodiscard]] std::string engines_text(const ltm::MemoryId& entity, Duration step,
                                        std::span<const EnginesAhead> measured,
                                        std::span<const ltm::Recall::Engine> models);

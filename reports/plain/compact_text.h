@@ -8,7 +8,7 @@
 
 namespace engram::reports {
 
-/// What joining segments changed.
+/// Reports what joining segments has changed.
 [[nodiscard]] Json compact_json(const ltm::RewriteReport& report);
 [[nodiscard]] std::string compact_text(const ltm::RewriteReport& report);
 

@@ -8,7 +8,7 @@
 
 namespace engram::reports {
 
-/// What was written, and what could not be.
+/// Reports what was written and what could not be.
 [[nodiscard]] Json export_json(const datasets::ExportReport& report);
 void print_export(const datasets::ExportReport& report, const std::string& format,
                   const std::string& directory);

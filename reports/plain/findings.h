@@ -8,16 +8,16 @@
 
 namespace engram::reports {
 
-/// [{"severity": "fault", "file", "object", "what", "advice"}].
+/// A list of objects: [{"severity": "fault", "file", "object", "what", "advice"}].
 [[nodiscard]] Json findings_json(const std::vector<ltm::Finding>& findings);
 
-/// What a check looked at and found, as `engram check --json` tells it.
+/// Reports what a check has examined and found, as `engram check --json` prints it.
 [[nodiscard]] Json check_json(const ltm::CheckReport& report, const std::string& store);
 
-/// The same for people.
+/// Prints the same for people.
 void print_check(const ltm::CheckReport& report, const std::string& store);
 
-/// A paragraph each, faults first.
+/// Prints a paragraph per finding, faults first.
 void print_findings(const std::vector<ltm::Finding>& findings);
 
 }  // namespace engram::reports

@@ -6,10 +6,11 @@
 
 namespace engram::reports {
 
-/// Prints what a plan takes: per entity how many, from when to when, why, and how much it frees.
+/// Prints what a plan forgets: per entity the number of snapshots, their time span, the reason and
+/// the bytes that it frees.
 void print_plan(const ltm::ForgetPlan& plan);
 
-/// The same with the time of every snapshot that goes.
+/// Like print_plan(), with the time of every snapshot that is forgotten.
 [[nodiscard]] Json plan_json(const ltm::ForgetPlan& plan);
 
 void print_report(const ltm::ForgetReport& report);

@@ -44,7 +44,7 @@ Json entities_json(const ltm::Recorder& recorder) {
   return entities;
 }
 
-/// "frequency 120 (rate 120), similarity 12 (similar 12)"; "0" where nothing was dropped.
+/// Such as "frequency 120 (rate 120), similarity 12 (similar 12)"; "0" if nothing was dropped.
 std::string dropped_text(const ltm::RecordingCounters& counters) {
   std::string text;
   for (const ltm::FilterCounters& filter : counters.filters) {
@@ -127,7 +127,8 @@ Json import_json(const datasets::RecordingImportReport& report, const ltm::Recor
                {"damaged", reading.damaged},
                {"duplicate_images", reading.duplicate_images},
                {"truncated_at", reading.truncated_at}});
-  // Videos have reported these since before they were imported as all other recordings.
+  // Videos reported these names before they were imported like all other recordings, and keep them
+  // for scripts that read them.
   if (report.counts.contains("frames"))
     json.update({{"rows", report.counts.contains("rows") ? report.counts.at("rows") : 0},
                  {"damaged_frames", reading.damaged},

@@ -10,11 +10,11 @@
 
 namespace engram::reports {
 
-/// Prints what is in a recording, and what becomes of it, as a table or as JSON.
+/// Prints the streams of a recording and what becomes of them, as a table or as JSON.
 void show_streams(std::string_view format, const std::vector<datasets::RecordingStream>& streams,
                   bool is_json);
 
-/// What an import did, and what became of it in the recorder.
+/// Reports what an import read and what the recorder made of it.
 [[nodiscard]] Json import_json(const datasets::RecordingImportReport& report,
                                const ltm::Recorder& recorder);
 void print_import(const datasets::RecordingImportReport& report, const ltm::Recorder& recorder);

@@ -13,7 +13,7 @@ namespace engram::reports {
 
 namespace {
 
-/// "position by constant-velocity, RMSE 0.024, 90 %: 0.051, moving"
+/// Such as "position by constant-velocity, RMSE 0.024, 90 %: 0.051, moving".
 std::string member_text(const ltm::MemberPrediction& member) {
   const auto error_of = [&](double mse) {
     return error_text(member.is_image ? ltm::MeasuredError{mse}

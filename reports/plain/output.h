@@ -6,10 +6,10 @@
 
 namespace engram::reports {
 
-/// Keeps members in the order in which they were added: people read reports.
+/// JSON whose members keep the order in which they were added, since people read reports.
 using Json = nlohmann::ordered_json;
 
-/// Writes a result to stdout, with the end of a line behind it.
+/// Writes a result to stdout, followed by a line break.
 void print(const std::string& text);
 void print_json(const Json& json);
 

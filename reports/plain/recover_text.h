@@ -8,7 +8,7 @@
 
 namespace engram::reports {
 
-/// What was saved of a store and what was lost, and why.
+/// Reports what of a store was saved, what was lost, and why.
 [[nodiscard]] Json recover_json(const ltm::RecoverReport& report, const std::string& source,
                                 const std::string& target);
 void print_recovered(const ltm::RecoverReport& report, const std::string& target);

@@ -13,7 +13,8 @@ namespace engram::reports {
 
 namespace {
 
-/// "31.84 dB"; of a prediction "31.84 dB, 90 %: 28.20 dB", what is expected and the bound.
+/// Such as "31.84 dB"; for a prediction "31.84 dB, 90 %: 28.20 dB": the expected error and its
+/// bound.
 std::string first_error_text(const ltm::SnapshotResult& snapshot) {
   if (snapshot.instances.empty() || !snapshot.instances.front().error) return "-";
   const ltm::InstanceResult& first = snapshot.instances.front();
@@ -23,16 +24,17 @@ std::string first_error_text(const ltm::SnapshotResult& snapshot) {
                      bound);
 }
 
-/// A value that is short enough to be shown whole; else empty.
+/// Returns the text of a value that is short enough to be shown whole, else an empty text.
 std::string whole_text(const idf::Data& data) {
   constexpr size_t kLongest = 60;
-  // Longer ones are not written out only to be thrown away.
+  // Checked first, so that a long value is not formatted in vain.
   if (ltm::Snapshot{{}, {}, {{data, {}}}}.raw_bytes() > 4 * kLongest) return "";
   const std::string text = idf::to_json_text(data).value_or("");
   return text.size() <= kLongest ? text : "";
 }
 
-/// The beginning of a value that consists of texts and such: "{\"text\":\"Put the sa...".
+/// Returns the beginning of a value that consists of texts and the like: "{\"text\":\"Put the
+/// sa...".
 std::string beginning_text(const idf::Data& data) {
   constexpr size_t kLongest = 57;
   std::string text = idf::to_json_text(data).value_or("");
@@ -42,7 +44,8 @@ std::string beginning_text(const idf::Data& data) {
   return text.substr(0, end) + "...";
 }
 
-/// "image uint8 [128, 128, 3]", "52 numbers", a short value itself, or how a longer one begins.
+/// Such as "image uint8 [128, 128, 3]", "52 numbers", a short value itself, or the beginning of a
+/// longer one.
 std::string content_text(const idf::Data& data) {
   if (std::string whole = whole_text(data); !whole.empty()) return whole;
   const idf::Layout layout = idf::Layout::of(data);

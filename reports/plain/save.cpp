@@ -37,7 +37,7 @@ std::vector<std::string> image_paths(const idf::Data& data) {
   return paths;
 }
 
-/// "2022-02-18T13-06-56.492182": a time that every file system takes.
+/// A time as a file name, such as "2022-02-18T13-06-56.492182": some file systems refuse colons.
 std::string file_name(Time time) {
   std::string name = to_string(time);
   std::ranges::replace(name, ' ', 'T');
@@ -65,7 +65,7 @@ Json bound_json(const ltm::MeasuredError& bound) {
   return json;
 }
 
-/// What is known of each member: nothing of errors that are not promised.
+/// The members of a prediction. A missing error means that none is promised.
 Json members_json(const std::vector<ltm::MemberPrediction>& members) {
   Json list = Json::array();
   for (const ltm::MemberPrediction& member : members) {
@@ -138,6 +138,7 @@ Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& en
     }
   }
   ENGRAM_ASSIGN_OR_RETURN(const Json json, snapshot_json(entity, recalled, &image_files));
+  // The JSON comes last: where it exists, so do the images that it names.
   written.push_back(folder / (base + ".json"));
   ENGRAM_RETURN_IF_ERROR(replace_file(written.back(), as_bytes(json.dump(2) + "\n")));
   return written;

@@ -10,19 +10,19 @@
 
 namespace engram::reports {
 
-/// {"psnr_db", "rmse"}: what there is of it.
+/// {"psnr_db", "rmse"}, without those that are unknown.
 [[nodiscard]] Json error_json(const ltm::MeasuredError& error);
-/// The same of a bound, with its probability.
+/// The same for a bound, with its probability.
 [[nodiscard]] Json bound_json(const ltm::MeasuredError& bound);
 
-/// A snapshot of an entity's answer as JSON: where it comes from, its errors, and per instance the
-/// data in IDF's JSON form. With `image_files`, images are {"$file": name} in the order of their
-/// members.
+/// A snapshot of an answer as JSON: its source, its errors, and per instance the data in IDF's JSON
+/// form. With `image_files`, images are replaced by {"$file": name}, in the order of their members.
 Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResult& recalled,
                            const std::vector<std::vector<std::string>>* image_files = nullptr);
 
 /// Writes a snapshot below `directory`: <entity>/<time>.json, and each image beside it as PNG.
-/// Returns the files. Errors: kUnavailable, kResourceExhausted.
+/// Returns the files.
+/// Errors: kUnavailable, kResourceExhausted.
 Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& entity,
                                                          const ltm::SnapshotResult& recalled,
                                                          const std::filesystem::path& directory);

@@ -10,7 +10,7 @@ namespace engram::reports {
 
 namespace {
 
-/// A figure per snapshot, or nothing where there are none.
+/// The mean per snapshot, or zero if there are none.
 double each(uint64_t total, uint64_t count) {
   return count == 0 ? 0 : static_cast<double>(total) / static_cast<double>(count);
 }
@@ -36,7 +36,7 @@ std::string bytes_each(uint64_t total, uint64_t count) {
                      bytes_text(each(total, count)));
 }
 
-/// ", as h264, numbers as columns"; nothing where neither says more than that it is stored.
+/// Such as ", as h264, numbers as columns"; empty if the store uses neither.
 std::string stored_forms_text(const ltm::StoredForms& forms) {
   std::string text;
   for (const std::string& codec : forms.media_codecs)
@@ -105,6 +105,7 @@ void print_stored_entity(const ltm::EntitySummary& summary, const ltm::StoredFor
         stored_forms_text(forms));
   if (summary.latent_snapshots == 0) return;
   print(fmt::format(
+      // Latents cannot be decoded without their model, so its bytes count too.
       "  latent     {} + {} model = {}", bytes_each(summary.latent_bytes, summary.latent_snapshots),
       bytes_text(static_cast<double>(summary.model_bytes)),
       bytes_each(summary.latent_bytes + summary.model_bytes, summary.latent_snapshots)));

@@ -6,13 +6,14 @@
 
 namespace engram::reports {
 
-/// What a store holds of an entity. `rate_hz`: snapshots per second within recordings.
+/// Reports what a store holds of an entity. `rate_hz` is the number of snapshots per second within
+/// recordings.
 [[nodiscard]] Json stored_entity_json(const ltm::EntitySummary& summary,
                                       const ltm::StoredForms& forms, double rate_hz);
 void print_stored_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& forms,
                          double rate_hz);
 
-/// {"Vision/RGB": "object ..."}: the types of segments.
+/// The types of segments: {"Vision/RGB": "object ..."}.
 [[nodiscard]] Json types_json(const ltm::SegmentTypes& types);
 void print_types(const ltm::SegmentTypes& types);
 

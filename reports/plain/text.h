@@ -11,25 +11,25 @@
 
 namespace engram::reports {
 
-/// "1,234,567".
+/// Such as "1,234,567".
 [[nodiscard]] std::string count_text(uint64_t count);
 
-/// "512 B", "1.3 kB", "35.7 MB": powers of 1000.
+/// Such as "512 B", "1.3 kB", "35.7 MB"; units are powers of 1000.
 [[nodiscard]] std::string bytes_text(double bytes);
 
-/// "8 s", "2 min 05 s", "1 h 02 min".
+/// Such as "8 s", "2 min 05 s", "1 h 02 min".
 [[nodiscard]] std::string seconds_text(double seconds);
 
-/// "31.84 dB", or "-" where there is none.
+/// Such as "31.84 dB"; "-" for NaN.
 [[nodiscard]] std::string db_text(double db);
 
-/// "31.84 dB, RMSE 0.0123": what there is of it; or "-".
+/// Such as "31.84 dB, RMSE 0.0123", without what is unknown; "-" if both are.
 [[nodiscard]] std::string error_text(const ltm::MeasuredError& error);
 
-/// "0.0123", or "-" where there is none.
+/// Such as "0.0123"; "-" for NaN.
 [[nodiscard]] std::string number_text(double number);
 
-/// Columns of text, aligned: the first to the left, the others to the right.
+/// A table of text. The first column is aligned to the left, the others to the right.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
