@@ -10,7 +10,8 @@ namespace {
 
 namespace py = pybind11;
 
-/// A member of what programs gave: pybind11 would say of another kind only that it cannot be cast.
+/// Returns a member of a dict from Python. For a wrong kind, pybind11 alone would only say that it
+/// cannot be cast.
 template <typename T>
 T member(const py::dict& given, const char* name, const std::string& where, const char* needed) {
   const py::object found = given[name];

@@ -9,13 +9,14 @@
 
 namespace engram::python {
 
-/// Dicts with "entity", "time" (ns), "instances": of "value", "created", "sent" (ns, None: as
-/// "time"), "provider", "confidence"; all of them in one commit. Arrays are copied. Needs the GIL.
+/// Converts updates from Python to one commit. Each is a dict with "entity", "time" (ns) and
+/// "instances", a list of dicts with "value", "created" and "sent" (ns; None: the same as "time"),
+/// "provider" and "confidence". Arrays are copied. Needs the GIL.
 /// Errors: engram.errors.InvalidArgumentError naming the entity, what was found and what was
-/// needed; what `to_idf` of a value raises.
+/// needed; any exception that `to_idf` of a value raises.
 [[nodiscard]] ltm::Commit commit_of(const pybind11::list& updates);
 
-/// The name of one entity, four names.
+/// Parses the name of one entity, which has four parts.
 /// Errors: kInvalidArgument.
 [[nodiscard]] Result<ltm::MemoryId> entity_of(const std::string& name);
 

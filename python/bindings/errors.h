@@ -7,10 +7,11 @@
 
 namespace engram::python {
 
-/// Raises the class of engram.errors that belongs to the code. Needs an error, and the GIL.
+/// Raises the exception of engram.errors that belongs to the status code. Needs an error status and
+/// the GIL.
 [[noreturn]] void raise(const Status& status);
 
-/// The value, or what raise() does.
+/// Returns the value, or raises the error as raise() does.
 template <typename T>
 T value_or_raise(Result<T> result) {
   if (!result.ok()) raise(result.status());

@@ -22,7 +22,7 @@ CommitDurability durability_of(const std::string& name) {
   raise(invalid_argument("durability '{}': needs 'default', 'memory' or 'journal'", name));
 }
 
-/// What `make` gives, which is called without the GIL.
+/// Returns the result of `make`, which is called without the GIL.
 template <typename F>
 std::unique_ptr<Memory> made(F make) {
   auto memory = [&] {
@@ -50,7 +50,7 @@ std::unique_ptr<FrontDoor> FrontDoor::connect(const std::string& endpoint,
 
 FrontDoor::~FrontDoor() {
   if (process_ != ::getpid()) {
-    // A forked process has none of the threads that ending would wait for.
+    // A forked process lacks the threads that closing would wait for, so the memory is leaked.
     static_cast<void>(new std::shared_ptr<Memory>(std::move(memory_)));
     return;
   }
@@ -58,7 +58,7 @@ FrontDoor::~FrontDoor() {
   memory_.reset();
 }
 
-/// Calls `work`, which gives a Result or Status, without the GIL.
+/// Calls `work`, which returns a Result or a Status, without the GIL.
 template <typename F>
 auto FrontDoor::with_memory(F work) {
   using Answer = decltype(work(*memory_));
@@ -183,7 +183,7 @@ std::unique_ptr<Watch> FrontDoor::watch(const SubscriptionOptions& options) {
   const MutexLock lock(mutex_);
   std::erase_if(watches_, [](const std::weak_ptr<Inbox>& one) { return one.expired(); });
   watches_.push_back(inbox);
-  if (memory_ == nullptr) inbox->close();  // By another thread meanwhile.
+  if (memory_ == nullptr) inbox->close();  // Another thread has closed it meanwhile.
   return std::make_unique<Watch>(inbox, std::move(subscription));
 }
 

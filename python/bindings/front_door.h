@@ -17,17 +17,17 @@
 
 namespace engram::python {
 
-/// A memory that Python commits to and asks: one that this program opened, or one of a server. It
-/// has the questions of OpenStore, answered through engram::Memory.
+/// A memory that Python commits to and queries: one that this program opened, or that of a server.
+/// It answers the same queries as OpenStore, through engram::Memory.
 ///
 /// Errors: exceptions of engram.errors, with the message of the status.
-/// Threading: any thread, and several at once; everything that waits does so without the GIL.
+/// Threading: any thread, also several at once; every wait releases the GIL.
 class FrontDoor {
  public:
-  /// Opens the store in a directory for reading and writing, and makes it where there is none.
+  /// Opens the store in a directory for reading and writing, and creates it if it does not exist.
   static std::unique_ptr<FrontDoor> open(const std::string& store, const OpenOptions& options);
 
-  /// Reaches a server; empty: that of this user. Does not wait for it.
+  /// Connects to a server without waiting for it; an empty endpoint means that of this user.
   static std::unique_ptr<FrontDoor> connect(const std::string& endpoint,
                                             const ConnectOptions& options);
 
@@ -35,41 +35,42 @@ class FrontDoor {
   FrontDoor& operator=(const FrontDoor&) = delete;
   ~FrontDoor();
 
-  /// Names, in their order: "Vision/RGB/head/cam".
+  /// Names of all entities, sorted, such as "Vision/RGB/head/cam".
   std::vector<std::string> entities();
 
-  /// "snapshots", and "first" and "last" in ns, of an entity. Complexity: O(snapshots).
+  /// The number of "snapshots" of an entity, and the times "first" and "last" in ns.
+  /// Complexity: O(snapshots).
   pybind11::dict summary(const std::string& entity);
 
-  /// Times of the first and of the last snapshot of an entity. Unit: ns.
+  /// Times of the first and the last snapshot of an entity. Unit: ns.
   std::pair<int64_t, int64_t> span(const std::string& entity);
 
-  /// Times of all snapshots behind `after` (ns, None: from the beginning), however many `count` is.
+  /// Times (ns) of all snapshots after `after` (ns; None: from the beginning). `count` is ignored.
   std::vector<int64_t> times(const std::string& entity, std::optional<int64_t> after, size_t count);
 
-  /// What a selector (docs/query.md) takes of one entity: a list of snapshots, as dicts.
+  /// The snapshots of one entity that a selector (docs/query.md) takes, as a list of dicts.
   pybind11::list select(const std::string& entity, const std::string& selector);
 
-  /// The whole text form: a list of (entity, snapshots).
+  /// Answers a query in its text form: a list of (entity, snapshots).
   pybind11::list query(const std::string& text, const std::string& engine);
 
-  /// What is expected so long (ns) after the last snapshot. Snapshots, as dicts.
+  /// Predictions at these horizons (ns) after the last snapshot, as a list of dicts.
   pybind11::list predict(const std::string& entity, const std::vector<int64_t>& horizons,
                          const std::string& engine);
 
-  /// What OpenStore::engines gives.
+  /// See OpenStore::engines.
   pybind11::list engines(const std::string& entity, int64_t ahead);
 
-  /// `type`: what engram.idf.type_to_data gives.
+  /// Declares the type of a segment. `type` is the result of engram.idf.type_to_data.
   void declare(const std::string& segment, const pybind11::object& type);
 
-  /// What commit_of() takes. `durability`: "default", "memory" or "journal".
+  /// Commits updates, see commit_of(). `durability` is "default", "memory" or "journal".
   void commit(const pybind11::list& updates, const std::string& durability);
 
-  /// Returns when everything from now on is told.
+  /// Subscribes. Returns once every snapshot from now on is delivered.
   std::unique_ptr<Watch> watch(const SubscriptionOptions& options);
 
-  /// Ends watches, too. Nothing may follow but this.
+  /// Closes the memory and ends its watches. Only close() may be called afterwards.
   void close();
 
  private:
@@ -78,13 +79,14 @@ class FrontDoor {
   template <typename F>
   auto with_memory(F work);
 
-  /// Of an entity, without data.
+  /// Times of an entity's snapshots, without reading their data.
   Result<std::vector<int64_t>> times_of(Memory& memory, const std::string& entity,
                                         const std::vector<ltm::Selector>& selectors);
 
-  const int process_;  ///< That opened it: its threads and connections do not survive a fork.
+  /// The process that opened it: threads and connections do not survive a fork.
+  const int process_;
   Mutex mutex_;
-  /// Null once it is closed; shared with calls that go on.
+  /// Null once it is closed. Shared with calls that are still running.
   std::shared_ptr<Memory> memory_ ENGRAM_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<Inbox>> watches_ ENGRAM_GUARDED_BY(mutex_);
 };

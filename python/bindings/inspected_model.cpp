@@ -16,7 +16,7 @@ using encoders::LatentArrays;
 using encoders::LatentMember;
 using encoders::OpenModel;
 
-/// Takes `values`; rows x columns.
+/// Returns an array that owns `values`, without copying them.
 template <typename T>
 py::array array_of(std::vector<T> values, std::vector<py::ssize_t> shape) {
   auto owner = std::make_unique<std::vector<T>>(std::move(values));
@@ -26,7 +26,7 @@ py::array array_of(std::vector<T> values, std::vector<py::ssize_t> shape) {
   return py::array(py::dtype::of<T>(), std::move(shape), data, keeper);
 }
 
-/// A member of a dict as a flat vector. Raises where its shape is another.
+/// Returns a member of a dict as a flat vector. Raises if its shape differs.
 template <typename T>
 std::vector<T> vector_of(const py::handle& given, const std::string& name,
                          std::vector<py::ssize_t> shape) {
@@ -50,6 +50,7 @@ LatentArrays arrays_of(const OpenModel& model, const py::dict& given) {
     arrays.remainders.push_back(*list);
   }
   for (const int64_t scene : vector_of<int64_t>(given["scenes"], "scenes", {count})) {
+    // Python holds scenes as int64, so one out of range is refused, not truncated.
     if (scene < 0 || scene > std::numeric_limits<uint32_t>::max())
       raise(invalid_argument("latents: found scene {}", scene));
     arrays.scenes.push_back(static_cast<uint32_t>(scene));
@@ -84,7 +85,7 @@ py::list curve_of(const encoders::Provenance& from) {
   return curve;
 }
 
-/// As encode() gives them.
+/// Returns latents in the form of encode().
 py::dict dict_of(const OpenModel& model, LatentArrays arrays) {
   const auto count = static_cast<py::ssize_t>(arrays.scenes.size());
   py::dict images, is_latent;

@@ -12,36 +12,39 @@
 
 namespace engram::python {
 
-/// A model file that Python looks into. Networks run without the GIL.
+/// A model file that Python inspects. Networks run without the GIL.
 ///
 /// Errors: exceptions of engram.errors.
-/// Threading: any thread; one call after the other.
+/// Threading: any thread; calls run one after the other.
 class InspectedModel {
  public:
   explicit InspectedModel(const std::string& file);
 
-  /// What is known of it: provenance, members, curve.
+  /// What is known about the model: provenance, members, training curve.
   pybind11::dict about();
-  /// Arrays of float32 by name.
+  /// The weights: arrays of float32, keyed by name.
   pybind11::dict weights();
 
-  /// {"scenes": int64 [N], "images": {path: int32 [N, L]}, "is_latent": {path: bool [N]},
+  /// Encodes values to latents.
+  /// Shape: {"scenes": int64 [N], "images": {path: int32 [N, L]}, "is_latent": {path: bool [N]},
   /// "numbers": float64 [N, K], "remainders": list}.
   pybind11::dict encode(const pybind11::list& values);
-  /// The same of latents of a store. Needs the GIL.
+  /// Converts latents of a store to the same form. Needs the GIL.
   pybind11::dict stored(const std::vector<ltm::Latent>& latents);
-  /// Values, of such a dict.
+  /// Decodes such a dict to values.
   pybind11::list decode(const pybind11::dict& latents);
-  /// float32 [N, 48].
+  /// The global codes of values.
+  /// Shape: float32 [N, 48].
   pybind11::array global_codes(const pybind11::list& values);
-  /// Of 1..steps steps after the last of `past`: dicts with "value", "error", "bound".
+  /// Predicts 1..`steps` steps after the last value of `past`: dicts with "value", "error",
+  /// "bound".
   pybind11::list predict(const pybind11::list& past, int steps);
 
  private:
   template <typename Work>
   auto without_gil(Work work);
 
-  Mutex mutex_;  ///< Held while networks of `model_` run; what it only tells needs no lock.
+  Mutex mutex_;  ///< Held while networks of `model_` run; its constant properties need no lock.
   encoders::OpenModel model_;
 };
 

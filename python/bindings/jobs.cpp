@@ -19,12 +19,12 @@ namespace {
 
 namespace py = pybind11;
 
-/// Options by name, each taken once.
+/// Options by name.
 class Options {
  public:
   explicit Options(const py::dict& given) : given_(given) {}
 
-  /// Leaves `place` as it is where nothing, or None, was given.
+  /// Sets `place` unless the option is missing or None.
   template <typename T>
   void take(const char* name, T& place) const {
     if (given_.contains(name) && !given_[name].is_none()) place = given_[name].cast<T>();
@@ -87,6 +87,7 @@ std::string forget(const std::string& store, const std::vector<std::string>& tar
   ltm::ForgetOptions options;
   if (!config.empty()) options = value_or_raise(ltm::read_forget_config(config));
   const reports::ForgetJob job{store, targets, std::move(options), told.sink(), told.stop()};
+  // The plan's JSON is made before it is carried out, which consumes the plan.
   ltm::ForgetPlan plan = told.run([&] { return job.plan(); });
   reports::Json json{{"plan", reports::plan_json(plan)}};
   if (is_dry_run) return json.dump();

@@ -10,18 +10,19 @@
 
 namespace engram::python {
 
-// Jobs on a store, without the GIL. Reports are those that `--json` of the commands prints, as
-// text. `progress`: see PythonProgress. Errors: exceptions of engram.errors.
+// Jobs on a store, which run without the GIL. Each returns the report that `--json` of its command
+// prints, as text. `progress`: see PythonProgress.
+// Errors: exceptions of engram.errors.
 
-/// What `engram check --json` prints.
+/// Checks a store; returns the report of `engram check --json`.
 std::string check(const std::string& store, bool is_deep, const pybind11::object& progress);
 
-/// What `engram forget --json` prints. `config`: a file, or nothing.
+/// Forgets snapshots; returns the report of `engram forget --json`. `config` is a file, or empty.
 std::string forget(const std::string& store, const std::vector<std::string>& targets,
                    const std::string& config, bool is_dry_run, const pybind11::object& progress);
 
-/// What `engram consolidate --json` prints. `options` by the names of the command's options, with
-/// underscores; durations and times in ns.
+/// Consolidates a store; returns the report of `engram consolidate --json`. `options` are named
+/// like the command's options, with underscores; durations and times are in ns.
 std::string consolidate(const std::string& store, const pybind11::dict& options,
                         const pybind11::object& progress);
 

@@ -12,7 +12,7 @@
 
 namespace engram::python {
 
-/// What engram.snapshot.MeasuredError is made of. Needs the GIL.
+/// The dict from which engram.snapshot.MeasuredError is built. Needs the GIL.
 inline pybind11::object to_python(const ltm::MeasuredError& error) {
   namespace py = pybind11;
   const auto number_or_none = [](double value) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the package `engram` stands on; nobody else imports it.
+// The extension module behind the package `engram`; no other code imports it.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 

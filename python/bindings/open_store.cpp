@@ -31,6 +31,7 @@ Result<std::vector<int64_t>> times_behind(ltm::Timeline& timeline, std::optional
   std::vector<int64_t> times;
   Time from = Time::min();
   if (after) {
+    // Nothing can follow the last time that exists, and adding to it would overflow.
     if (time_from_ns(*after) == Time::max()) return times;
     from = time_from_ns(*after) + Duration(1);
   }
@@ -50,7 +51,7 @@ Result<std::unique_ptr<ltm::Recall>> open_recall(const std::filesystem::path& pa
                                        ltm::make_entity_predictor);
 }
 
-/// Columns of what is stored.
+/// The columns of stored_snapshots().
 struct StoredColumns {
   std::vector<int64_t> times, models;
   std::vector<std::string> forms;
@@ -72,7 +73,7 @@ StoredColumns columns_of(const std::vector<training::StoredSnapshot>& snapshots)
   return columns;
 }
 
-/// Moments and latents of one model, of the first instances.
+/// Times and latents of one model, of the first instance of each snapshot.
 struct FoundLatents {
   std::vector<int64_t> times;
   std::vector<ltm::Latent> latents;
@@ -102,7 +103,7 @@ OpenStore::OpenStore(const std::filesystem::path& path) : path_(path), process_(
   recall_ = value_or_raise(std::move(opened));
 }
 
-/// Calls `work`, which gives a Result, without the GIL.
+/// Calls `work`, which returns a Result, without the GIL.
 template <typename F>
 auto OpenStore::with_recall(F work) {
   auto result = [&]() -> decltype(work(*recall_)) {

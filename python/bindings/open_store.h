@@ -15,59 +15,61 @@
 
 namespace engram::python {
 
-/// A store that Python reads. Everything that reads or decodes runs without the GIL.
+/// A store that Python reads. Reading and decoding run without the GIL.
 ///
 /// Errors: exceptions of engram.errors, with the message of the status.
-/// Threading: any thread; one call after the other.
+/// Threading: any thread; calls run one after the other.
 class OpenStore {
  public:
   explicit OpenStore(const std::filesystem::path& path);
 
-  /// Names, in their order: "Vision/RGB/head/cam".
+  /// Names of all entities, sorted, such as "Vision/RGB/head/cam".
   std::vector<std::string> entities();
 
-  /// What the store says of an entity: counts, bytes, times in ns, models.
+  /// The store's figures of an entity: counts, bytes, times in ns, models.
   pybind11::dict summary(const std::string& entity);
 
-  /// Times of the first and of the last snapshot of an entity. Unit: ns.
+  /// Times of the first and the last snapshot of an entity. Unit: ns.
   std::pair<int64_t, int64_t> span(const std::string& entity);
 
-  /// Times of the first snapshots behind `after` (ns, None: from the beginning), `count` at most.
+  /// Times (ns) of the first `count` snapshots after `after` (ns; None: from the beginning).
   std::vector<int64_t> times(const std::string& entity, std::optional<int64_t> after, size_t count);
 
-  /// What a selector (docs/query.md) takes of one entity: a list of snapshots, as dicts.
+  /// The snapshots of one entity that a selector (docs/query.md) takes, as a list of dicts.
   pybind11::list select(const std::string& entity, const std::string& selector,
                         bool prefers_latents);
 
-  /// The whole text form: a list of (entity, snapshots). `engine`: of predictions; empty: the best.
+  /// Answers a query in its text form: a list of (entity, snapshots). `engine` names the engine of
+  /// predictions; empty: the best one.
   pybind11::list query(const std::string& text, bool prefers_latents, const std::string& engine);
 
-  /// What is expected so long (ns) after the last snapshot up to `from` (None: the newest), by the
-  /// engine of that name; empty: by the best. Snapshots, as dicts.
+  /// Predictions at these horizons (ns) after the last snapshot up to `from` (None: the newest), by
+  /// the named engine; empty: the best one. A list of snapshots, as dicts.
   pybind11::list predict(const std::string& entity, const std::vector<int64_t>& horizons,
                          std::optional<int64_t> from, const std::string& engine,
                          bool prefers_latents);
 
-  /// {"name", "model", "predictions", "error", "bound"} of each way to predict, the best one first.
+  /// The engines of an entity at the horizon `ahead` (ns), best first: dicts with "name", "model",
+  /// "predictions", "error", "bound".
   pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from,
                          bool prefers_latents);
 
-  /// {"entity", "version", "file", "bytes"} of each model, older ones first.
+  /// The models, older ones first: dicts with "entity", "version", "file", "bytes".
   pybind11::list models();
 
-  /// Of each snapshot that is kept as latents, columns by name: "time" int64, "model" int64, "form"
-  /// list of str, "bytes", "psnr_db" and "rmse" float64, NaN where there is none.
+  /// The snapshots that are stored as latents, as columns: "time" and "model" int64, "form" a list
+  /// of str, "bytes", "psnr_db" and "rmse" float64, NaN if unknown.
   pybind11::dict stored_snapshots(const std::string& entity);
 
-  /// What InspectedModel::encode gives, of what is stored of that model from `first` to `last`
-  /// (ns), with "times". One instance a snapshot: the first.
+  /// The stored latents of a model version from `first` to `last` (ns), in the form of
+  /// InspectedModel::encode, with "times". Only the first instance of each snapshot is included.
   pybind11::dict latents(const std::string& entity, int version, int64_t first, int64_t last,
                          InspectedModel& model);
 
-  /// Sees what came since it was opened.
+  /// Makes snapshots visible that were recorded after the store was opened.
   void refresh();
 
-  /// Nothing may follow but this.
+  /// Closes the store. Only close() may be called afterwards.
   void close();
 
  private:
@@ -75,7 +77,8 @@ class OpenStore {
   auto with_recall(F work);
 
   std::filesystem::path path_;
-  int process_ = 0;  ///< That opened it: locks and threads of a store do not survive a fork.
+  /// The process that opened it: locks and threads of a store do not survive a fork.
+  int process_ = 0;
   Mutex mutex_;
   std::unique_ptr<ltm::Recall> recall_ ENGRAM_GUARDED_BY(mutex_);  ///< Null once it is closed.
 };

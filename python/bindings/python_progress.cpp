@@ -10,7 +10,8 @@ ProgressSink PythonProgress::sink() {
 }
 
 void PythonProgress::tell(const Progress& progress) {
-  // Python waits for nobody: the first and the last of each piece of work, and 20 a second.
+  // Each call takes the GIL and may hold up the program's other threads, so only the first and last
+  // report of each piece of work and 20 per second go to Python.
   constexpr auto kBetween = std::chrono::milliseconds(50);
   const auto now = std::chrono::steady_clock::now();
   const bool is_new = progress.what != what_;

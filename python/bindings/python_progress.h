@@ -14,20 +14,22 @@
 
 namespace engram::python {
 
-/// Tells a callable of Python how far a job is that runs without the GIL, and stops the job at
-/// Ctrl-C or where the callable raises.
+/// Reports the progress of a job that runs without the GIL to a Python callable. Ctrl-C, or an
+/// exception of the callable, stops the job.
 ///
-/// Threading: sink() from any thread, one at a time; the rest by who made it, with the GIL.
+/// Threading: the sink may be called from any thread, one call at a time; everything else by the
+/// creating thread, with the GIL.
 class PythonProgress {
  public:
-  /// Called with (what, done, total, detail, seconds_left); or None.
+  /// `callable` is called with (what, done, total, detail, seconds_left); it may be None.
   explicit PythonProgress(pybind11::object callable) : callable_(std::move(callable)) {}
 
-  /// Lives as long as this.
+  /// The sink is valid as long as this object.
   [[nodiscard]] ProgressSink sink();
   [[nodiscard]] std::stop_token stop() const { return stop_.get_token(); }
 
-  /// Runs `work`, which gives a Result, without the GIL. Its value, or the exception that ended it.
+  /// Runs `work`, which returns a Result, without the GIL. Returns its value, or raises the
+  /// exception that ended it.
   template <typename Work>
   auto run(Work work) {
     auto result = [&] {

@@ -12,15 +12,15 @@
 
 namespace engram::python {
 
-/// What engram.snapshot.Snapshot is made of: a list of dicts. Needs the GIL.
+/// The dicts from which engram.snapshot.Snapshot is built. Needs the GIL.
 [[nodiscard]] pybind11::list snapshots_of(const ltm::MemoryId& entity,
                                           const std::vector<ltm::SnapshotResult>& of_entity);
 
-/// What Memory.query is made of: a list of (entity, snapshots). Needs the GIL.
+/// The list of (entity, snapshots) from which the result of Memory.query is built. Needs the GIL.
 [[nodiscard]] pybind11::list answer_of(const ltm::QueryResult& result);
 
-/// What engram.snapshot.Engine is made of: {"name", "model", "predictions", "error", "bound"} of
-/// each, in their order. Needs the GIL.
+/// The dicts {"name", "model", "predictions", "error", "bound"} from which engram.snapshot.Engine
+/// is built, in the order of `records`. Needs the GIL.
 [[nodiscard]] pybind11::list engines_of(const std::vector<ltm::EngineRecord>& records);
 
 }  // namespace engram::python

@@ -48,7 +48,7 @@ StoreRecorder::StoreRecorder(const std::string& store, const std::string& config
   recorder_.emplace(value_or_raise(std::move(opened)));
 }
 
-/// Calls `work`, which gives a Status, without the GIL.
+/// Calls `work`, which returns a Status, without the GIL.
 template <typename Work>
 auto StoreRecorder::with_recorder(Work work) {
   const Status status = [&]() -> Status {

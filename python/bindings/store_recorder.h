@@ -13,22 +13,22 @@
 
 namespace engram::python {
 
-/// A store that Python records into. What is encoded and written runs without the GIL.
+/// A store that Python records into. Encoding and writing run without the GIL.
 ///
 /// Errors: exceptions of engram.errors.
-/// Threading: any thread; one call after the other.
+/// Threading: any thread; calls run one after the other.
 class StoreRecorder {
  public:
-  /// `config`: a file; `preset`: a name; both may be empty, and one at most is given.
+  /// `config` is a file, `preset` a name. Both may be empty; at most one may be given.
   StoreRecorder(const std::string& store, const std::string& config, const std::string& preset);
 
-  /// What commit_of() takes; all of them in one commit.
+  /// Records updates as one commit, see commit_of().
   void commit(const pybind11::list& updates);
 
-  /// Per entity: what came in and what became of it.
+  /// Per entity: the number of snapshots received, and what became of them.
   pybind11::dict counts();
 
-  /// Seals all. Nothing may follow but this and counts().
+  /// Seals everything. Only close() and counts() may be called afterwards.
   void close();
 
  private:

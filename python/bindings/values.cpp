@@ -10,7 +10,7 @@ namespace {
 
 namespace py = pybind11;
 
-/// A text as Python has it; bytes that are no UTF-8 as surrogate escapes.
+/// Converts a text to a Python str; bytes that are not UTF-8 become surrogate escapes.
 py::object to_text(const std::string& text) {
   return py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
@@ -45,7 +45,7 @@ class Converter {
   py::module_ numpy_ = py::module_::import("numpy");
 };
 
-/// Reads values of Python; knows where it is.
+/// Converts values from Python and tracks the path to the current one for messages.
 class Reader {
  public:
   idf::Data read(const py::handle& given) {
@@ -97,7 +97,8 @@ class Reader {
     if (!type) refuse("an array", "of " + py::str(given.attr("dtype")).cast<std::string>());
     const py::dtype dtype{std::string(idf::to_string(*type))};
     const py::array array = numpy_.attr("ascontiguousarray")(given, dtype).cast<py::array>();
-    // ascontiguousarray gives a scalar array one axis.
+    // The shape is taken from the given array, because ascontiguousarray adds an axis to a scalar
+    // array.
     const auto given_array = py::reinterpret_borrow<py::array>(given);
     idf::Shape shape(given_array.shape(), given_array.shape() + given_array.ndim());
     const auto* first = static_cast<const std::byte*>(array.data());
@@ -134,7 +135,7 @@ class Reader {
     return data;
   }
 
-  /// Aligned to any element.
+  /// Copies bytes to memory that is aligned for any element type.
   static Buffer aligned_copy(std::span<const std::byte> bytes) {
     std::vector<double> room((bytes.size() + sizeof(double) - 1) / sizeof(double));
     std::memcpy(room.data(), bytes.data(), bytes.size());

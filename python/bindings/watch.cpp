@@ -12,10 +12,10 @@ namespace {
 
 namespace py = pybind11;
 
-/// How late a signal may be seen. Waking is cheap: nothing but the interpreter's lock is taken.
+/// The max delay of a signal. Waking up is cheap, because it only takes the interpreter's lock.
 constexpr auto kBetweenSignals = std::chrono::milliseconds(50);
 
-/// What an event takes beside its values. Unit: bytes.
+/// The size of an event beside its values. Unit: bytes.
 constexpr size_t kEventBytes = 256;
 
 memory::EventQueue<ToldSnapshot>::Bounds bounds_of(size_t bound) {
@@ -109,7 +109,7 @@ Watch::~Watch() {
     close();
     return;
   }
-  // A forked process has none of the threads that ending would wait for: what is there is left.
+  // A forked process lacks the threads that ending would wait for, so the subscription is leaked.
   [[maybe_unused]] const Subscription* const left = subscription_.release();
 }
 

@@ -14,31 +14,34 @@
 
 namespace engram::python {
 
-/// What a memory told and Python has not taken yet. Where it is too much the oldest goes, and is
-/// counted. Shared by who tells and who takes: either may go first.
+/// The snapshots that a memory delivered and Python has not taken yet. If there are too many, the
+/// oldest is dropped and counted. It is shared by producer and consumer, since either may end
+/// first.
 ///
-/// Threading: thread-safe; touches nothing of Python.
+/// Threading: thread-safe; uses no Python object.
 class Inbox {
  public:
-  /// What is told of at once.
+  /// One delivered snapshot.
   struct Told {
     ToldSnapshot snapshot;
-    uint64_t lost = 0;              ///< Not told since the one before.
-    std::string interruption = {};  ///< Why what came since the one before may be missing.
+    uint64_t lost = 0;  ///< Snapshots lost since the one before.
+    /// Why snapshots since the one before may be missing; empty if none are.
+    std::string interruption = {};
   };
 
   explicit Inbox(size_t bound);
 
   [[nodiscard]] static SubscriptionHandlers handlers(const std::shared_ptr<Inbox>& inbox);
 
-  /// Waits so long at most. Nothing where nothing came, or where it is closed.
+  /// Waits for a snapshot for `max_wait` at most. Returns nothing if none came, or once it is
+  /// closed.
   std::optional<Told> take(Duration max_wait);
 
-  /// Nothing more is told, and nobody waits.
+  /// Stops deliveries and wakes every waiting thread.
   void close();
   [[nodiscard]] bool is_closed() const;
 
-  /// Since it was made: what was not told, and how often the server was lost.
+  /// Total number of lost snapshots, and of lost connections to the server.
   [[nodiscard]] uint64_t lost() const;
   [[nodiscard]] uint64_t interruptions() const;
 
@@ -48,7 +51,7 @@ class Inbox {
   mutable Mutex mutex_;
   ConditionVariable changed_;
   memory::EventQueue<ToldSnapshot> waiting_ ENGRAM_GUARDED_BY(mutex_);
-  /// By the memory; the queue counts its own.
+  /// Losses that the memory reported; the queue counts its own.
   uint64_t lost_before_ ENGRAM_GUARDED_BY(mutex_) = 0;
   uint64_t told_lost_ ENGRAM_GUARDED_BY(mutex_) = 0;
   uint64_t interruptions_ ENGRAM_GUARDED_BY(mutex_) = 0;
@@ -67,9 +70,9 @@ class Watch {
   Watch& operator=(const Watch&) = delete;
   ~Watch();
 
-  /// {"snapshot", "has_data", "lost", "interruption"}; None where nothing came within `timeout`
-  /// (ns, None: waits on), or where it is closed. Signals are looked at while it waits: Ctrl-C
-  /// raises KeyboardInterrupt.
+  /// The next event: {"snapshot", "has_data", "lost", "interruption"}, or None if nothing came
+  /// within `timeout` (ns; None: no limit) or the watch is closed. Signals are checked while it
+  /// waits: Ctrl-C raises KeyboardInterrupt.
   pybind11::object next(std::optional<int64_t> timeout);
 
   void close();
@@ -78,7 +81,7 @@ class Watch {
   [[nodiscard]] uint64_t interruptions() const { return inbox_->interruptions(); }
 
  private:
-  const int process_;  ///< That made it: its threads do not survive a fork.
+  const int process_;  ///< The process that created it: its threads do not survive a fork.
   const std::shared_ptr<Inbox> inbox_;
   Mutex mutex_;
   std::unique_ptr<Subscription> subscription_ ENGRAM_GUARDED_BY(mutex_);
