@@ -31,7 +31,7 @@ idf::Layout layout_of(const idf::Data& value, const idf::Type* type) {
   return layout.with_kinds_of(idf::Layout::of(value, *type, idf::FreeSizes::kOfValue));
 }
 
-/// Errors: kInvalidArgument where a path leads to no member of the right kind.
+/// Errors: kInvalidArgument if a path leads to no member of the right kind.
 Status check_members(const idf::Data& value, const SceneMembers& members) {
   for (const std::string& path : members.labels) {
     const idf::Data* found = value.at(path);
@@ -100,6 +100,7 @@ Result<SceneImages> scene_of(const idf::Data& value, const idf::Type* type,
 Status apply(const Change& change, SceneImages& scene) {
   ENGRAM_ASSIGN_OR_RETURN(const ImageChange* kind, find_image_change(change.name));
   ENGRAM_ASSIGN_OR_RETURN(const Parameters parameters, check_parameters(*kind, change));
+  // Without labels the change would silently do nothing, and the recipe would claim that it did.
   if (kind->needs_mask() && scene.mask_of(0, {1, 1}).empty())
     return invalid_argument("change '{}': found no labels, needs to be told where the object is",
                             change.name);
@@ -139,7 +140,8 @@ Recipe draw_recipe(std::span<const ChangeChoice> choices, int64_t label, Random&
   for (const auto& kind : all_image_changes())
     for (size_t i = 0; i < choices.size(); ++i) {
       if (choices[i].kind != kind.get()) continue;
-      // Drawn in any case: what one change does not depend on whether another is there.
+      // Both draws happen even if the change is not taken, so the parameters of one change do not
+      // depend on which others are in the recipe.
       const bool is_taken = random.between(0, 1) == 1 || i == sure;
       const Parameters drawn = kind->draw(random, choices[i].strength_percent);
       if (!is_taken) continue;
@@ -168,6 +170,7 @@ Result<idf::Data> augmented(const idf::Data& value, const idf::Type* type, const
   ENGRAM_ASSIGN_OR_RETURN(SceneImages scene, scene_of(value, type, members, labels));
   if (scene.images.empty()) return invalid_argument("found no image in the value, needs one");
   for (const Change& change : recipe.changes) ENGRAM_RETURN_IF_ERROR(apply(change, scene));
+  // Everything else stays as it was: joints and other numbers do not know how the camera stood.
   idf::Data changed = value;
   for (const SceneImage& image : scene.images) {
     idf::Data* place = changed.at(image.path);

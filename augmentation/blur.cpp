@@ -27,7 +27,8 @@ class Blur final : public ImageChange {
     const int64_t hundredths = parameters.at("sigma_hundredths");
     if (hundredths == 0) return;
     const int side = 2 * static_cast<int>((3 * hundredths + 99) / 100) + 1;
-    // Of bytes OpenCV's filter is in fixed point, its kernel in software floats: bit-exact.
+    // For bytes, OpenCV's filter works in fixed point and computes its kernel in software floats,
+    // so it is bit-exact.
     for (SceneImage& image : images.images)
       if (image.role == PixelRole::kLight)
         cv::GaussianBlur(image.pixels, image.pixels, {side, side},

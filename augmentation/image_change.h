@@ -16,22 +16,22 @@ namespace engram::augmentation {
 
 struct SceneImages;
 
-/// A whole number that a change needs, within bounds.
+/// A whole number that a change needs, and the bounds that it must lie within.
 struct Parameter {
   std::string_view name;
   int64_t min = 0;
   int64_t max = 0;
-  std::string_view what;  ///< With its unit.
+  std::string_view what;  ///< What the number means, with its unit.
 };
 
-/// Numbers of one change that are complete and within their bounds.
+/// The numbers of one change. They are complete and within their bounds.
 using Parameters = std::map<std::string_view, int64_t>;
 
-/// One way to change the images of an instance. All of them are changed alike: colour images in
-/// light and place, depth and labels in place alone.
+/// One way to change the images of an instance. All images are changed alike: colour images in both
+/// light and place, depth and labels only in place.
 ///
-/// Integers and OpenCV's bit-exact functions alone: the same bytes on every machine, whatever the
-/// number of threads.
+/// Implementations use only integers and those functions of OpenCV that are bit-exact, so they give
+/// the same bytes on every machine and with any number of threads.
 /// Threading: immutable, const-parallel.
 /// Source: docs/augmentation.md.
 class ImageChange {
@@ -39,27 +39,28 @@ class ImageChange {
   virtual ~ImageChange() = default;
 
   [[nodiscard]] virtual std::string_view name() const = 0;
-  /// One line for people.
+  /// One line of text for the user.
   [[nodiscard]] virtual std::string_view about() const = 0;
   [[nodiscard]] virtual std::span<const Parameter> parameters() const = 0;
-  /// Whether it changes an object, and so needs to be told where that is.
+  /// Returns true if the change affects an object and therefore needs labels that locate it.
   [[nodiscard]] virtual bool needs_mask() const { return false; }
 
-  /// Draws its parameters. `strength_percent` 1 to 100: how far they may go.
+  /// Draws parameters. `strength_percent`, 1 to 100, bounds how far they may go.
   [[nodiscard]] virtual Parameters draw(Random& random, int strength_percent) const = 0;
 
   virtual void apply(const Parameters& parameters, SceneImages& images) const = 0;
 };
 
-/// In the order in which recipes apply them: objects, then view, then light, then sensor.
+/// Returns all changes in the order in which recipes apply them: objects, view, light, sensor.
 [[nodiscard]] const std::vector<std::unique_ptr<const ImageChange>>& all_image_changes();
 
-/// Errors: kInvalidArgument naming the closest one and all there are.
+/// Finds a change by its name.
+/// Errors: kInvalidArgument naming the closest change and all that exist.
 Result<const ImageChange*> find_image_change(std::string_view name);
 
-/// The numbers of a change.
-/// Errors: kInvalidArgument where one is missing, is no whole number, is out of its bounds, or
-/// where there is one that the change does not know.
+/// Reads the numbers of a change.
+/// Errors: kInvalidArgument if a number is missing, is not whole, is out of its bounds, or is not
+/// known to the change.
 Result<Parameters> check_parameters(const ImageChange& kind, const Change& change);
 
 }  // namespace engram::augmentation

@@ -5,7 +5,7 @@
 
 #include "augmentation/image_change.h"
 
-// Private to this room: what the registry is made of.
+// Private to this room: the changes that the registry consists of.
 
 namespace engram::augmentation {
 
@@ -20,10 +20,10 @@ std::unique_ptr<const ImageChange> make_temperature();
 std::unique_ptr<const ImageChange> make_blur();
 std::unique_ptr<const ImageChange> make_noise();
 
-/// Largest seed: every JSON reader keeps such numbers.
+/// The largest seed. Every JSON reader keeps integers of this size exactly.
 inline constexpr int64_t kMaxSeed = (int64_t{1} << 48) - 1;
 
-/// Up to `max` at full strength, both signs.
+/// Draws a number of either sign. Its magnitude is at most `max` at full strength.
 [[nodiscard]] inline int64_t draw_around_zero(Random& random, int64_t max, int strength_percent) {
   const int64_t reach = max * strength_percent / 100;
   return random.between(-reach, reach);

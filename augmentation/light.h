@@ -16,19 +16,19 @@ namespace engram::augmentation {
   return static_cast<uint8_t>(std::clamp<int64_t>(value, 0, 255));
 }
 
-/// Rounded to the nearest, halves away from zero. `divisor` is positive.
+/// Divides and rounds to the nearest integer, halves away from zero. `divisor` must be positive.
 [[nodiscard]] constexpr int64_t divided(int64_t value, int64_t divisor) {
   return (value >= 0 ? value + divisor / 2 : value - divisor / 2) / divisor;
 }
 
-/// How light a pixel is, 0 to 255, with the weights of BT.601. Shape: `pixel` [channels].
+/// The lightness of a pixel, 0 to 255, with the weights of BT.601. Shape: `pixel` [channels].
 [[nodiscard]] inline int64_t lightness_of(const uint8_t* pixel, int channels) {
   if (channels == 1) return pixel[0];
   return (77 * pixel[0] + 150 * pixel[1] + 29 * pixel[2] + 128) >> 8;
 }
 
-/// Replaces every grey level of light by what `of` says of its channel and level. One channel
-/// counts as green.
+/// Replaces every grey level of the light images by what `of` returns for its channel and level.
+/// The only channel of a grey image counts as green.
 void map_levels(SceneImages& images, const std::function<int64_t(int channel, int level)>& of);
 
 }  // namespace engram::augmentation

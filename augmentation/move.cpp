@@ -10,7 +10,7 @@ namespace engram::augmentation {
 
 namespace {
 
-/// Fractions of pixels that light is interpolated between. Unit: 2^-8.
+/// Number of bits for the fraction of a pixel in interpolation. Unit: 2^-8.
 constexpr int kFractionBits = 8;
 constexpr int64_t kFractions = 1 << kFractionBits;
 
@@ -18,18 +18,18 @@ constexpr int64_t times(int64_t a, int64_t b) {
   return (a * b + kUnit / 2) >> 30;
 }
 
-/// Pixels that a permille of a side are.
+/// The number of pixels that a permille of a side corresponds to.
 constexpr int64_t pixels_of(int64_t permille, int side) {
   return divided(permille * side, 1000);
 }
 
-/// Where a pixel's content comes from. Unit: 2^-8 pixels.
+/// The place in the source image that a pixel is taken from. Unit: 2^-8 pixels.
 struct Place {
   int64_t x = 0;
   int64_t y = 0;
 };
 
-/// Finds the places for one image.
+/// Computes the source places for one image.
 class Origin {
  public:
   Origin(const Move& move, cv::Size size)
@@ -39,7 +39,8 @@ class Origin {
         right_(pixels_of(move.right_permille, size.width)),
         down_(pixels_of(move.down_permille, size.height)) {}
 
-  /// Turned back. In units of half pixels about the middle, no fraction is lost.
+  /// Applies the inverse rotation. Coordinates are half pixels from the middle, so that no fraction
+  /// is lost.
   [[nodiscard]] Place of(int x, int y) const {
     const int64_t u = 2 * (x - right_) - middle_x_;
     const int64_t v = 2 * (y - down_) - middle_y_;
@@ -49,18 +50,18 @@ class Origin {
   }
 
  private:
-  /// From 2^-31 pixels to 2^-8.
+  /// Converts from 2^-31 pixels to 2^-8 pixels.
   static int64_t rounded(int64_t value) {
     constexpr int kBits = 31 - kFractionBits;
     return (value + (int64_t{1} << (kBits - 1))) >> kBits;
   }
 
   const Move& move_;
-  int64_t middle_x_, middle_y_;  ///< Twice the middle.
+  int64_t middle_x_, middle_y_;  ///< Unit: half pixels.
   int64_t right_, down_;         ///< Unit: pixels.
 };
 
-/// Between the four pixels around; beyond the edge it repeats.
+/// Interpolates between the four pixels around a place; beyond the edge, the edge repeats.
 void interpolate(const cv::Mat& from, const Place& place, uint8_t* to) {
   const int64_t x = place.x >> kFractionBits;
   const int64_t y = place.y >> kFractionBits;
@@ -85,7 +86,7 @@ void interpolate(const cv::Mat& from, const Place& place, uint8_t* to) {
   }
 }
 
-/// The nearest pixel; zero beyond the edge.
+/// Takes the nearest pixel; beyond the edge, the result is zero.
 void take_nearest(const cv::Mat& from, const Place& place, uint8_t* to) {
   const int64_t x = (place.x + kFractions / 2) >> kFractionBits;
   const int64_t y = (place.y + kFractions / 2) >> kFractionBits;
@@ -128,7 +129,8 @@ void move_points(const Move& move, cv::Size size, std::vector<double>& points) {
 }  // namespace
 
 Move Move::turn(int64_t millidegrees) {
-  // Pi / 180000, in 2^-30 and millionths; up to 45 degrees six terms of the series are exact.
+  // The factor is pi / 180000 in units of 2^-30, times a million. Up to 45 degrees, six terms of
+  // the series are exact.
   const int64_t angle = divided(millidegrees * 18'740'330'145, 1'000'000);
   const int64_t square = times(angle, angle);
   Move move;

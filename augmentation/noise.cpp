@@ -13,9 +13,9 @@ constexpr std::array<Parameter, 2> kParameters{
     {{"sigma_tenths", 0, 1000, "standard deviation, tenths of a grey level"},
      {"seed", 0, kMaxSeed, "of the noise"}}};
 
-/// The sum of four bytes: nearly a Gaussian.
+/// The sum of four random bytes is nearly Gaussian; this is its mean.
 constexpr int64_t kMean = 510;
-/// Its standard deviation, in hundredths.
+/// The standard deviation of the sum. Unit: hundredths.
 constexpr int64_t kDeviation = 14780;
 
 int64_t noise_of(uint64_t four_bytes) {
@@ -28,7 +28,7 @@ void add_noise(cv::Mat& pixels, uint64_t seed, int64_t sigma_tenths) {
   uint8_t* levels = pixels.data;
   const size_t count = pixels.total() * pixels.elemSize();
   for (size_t i = 0; i < count; ++i) {
-    // Each number makes two.
+    // Each random number gives two noise values.
     const uint64_t bits = random_at(seed, i / 2) >> (i % 2 == 0 ? 0 : 32);
     levels[i] = to_grey_level(levels[i] + divided(noise_of(bits) * sigma_tenths * 10, kDeviation));
   }

@@ -21,7 +21,7 @@ constexpr std::array<Parameter, 8> kParameters{
      {"green", 0, 255, "grey levels; of grey images, too"},
      {"blue", 0, 255, "grey levels"}}};
 
-/// In pixels.
+/// Unit: pixels.
 struct Shape {
   int64_t left, top, width, height;
   bool is_round;
@@ -29,7 +29,7 @@ struct Shape {
   [[nodiscard]] bool covers(int64_t x, int64_t y) const {
     if (x < left || y < top || x >= left + width || y >= top + height) return false;
     if (!is_round) return true;
-    // Middles of pixels in the ellipse, in half pixels.
+    // A pixel is covered if its middle lies in the ellipse; coordinates are in half pixels.
     const int64_t u = (2 * (x - left) + 1 - width) * height;
     const int64_t v = (2 * (y - top) + 1 - height) * width;
     return u * u + v * v <= width * width * height * height;
@@ -66,7 +66,7 @@ class Occlude final : public ImageChange {
   }
 
  private:
-  /// Without a colour pixels become zero.
+  /// Pixels become zero if `colour` is null.
   static void cover(const Parameters& p, cv::Mat& pixels, const std::array<uint8_t, 3>* colour) {
     const auto part = [&](const char* name, int side) { return divided(p.at(name) * side, 1000); };
     const Shape shape{part("left_permille", pixels.cols), part("top_permille", pixels.rows),

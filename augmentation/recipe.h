@@ -11,21 +11,22 @@
 
 namespace engram::augmentation {
 
-/// One change of a recipe: its name, and parameters as data.
+/// One change of a recipe: its name, and its parameters as data.
 ///
-/// Those of changes of images are whole numbers (image_change.h); changes that others make, such as
-/// rendering a scene anew, may have any.
+/// Changes of images have only whole numbers (image_change.h). Other changes, such as rendering a
+/// scene again, may have parameters of any kind.
 struct Change {
   std::string name;
   idf::Dict parameters;
 
-  /// Errors: kInvalidArgument where there is no such whole number.
+  /// Errors: kInvalidArgument if there is no such parameter or it is not a whole number.
   Result<int64_t> integer(std::string_view parameter) const;
 
   friend bool operator==(const Change&, const Change&) = default;
 };
 
-/// What is done to a snapshot, one change after the other. It alone makes the same bytes again.
+/// The changes that are applied to a snapshot, one after the other. A recipe is enough to make the
+/// same bytes again.
 ///
 /// Source: docs/augmentation.md, section "Recipes".
 struct Recipe {
@@ -34,12 +35,12 @@ struct Recipe {
   /// {"version": 1, "changes": [{"change": "brightness", "levels": 12}, ...]}.
   [[nodiscard]] idf::Data to_data() const;
 
-  /// Reads what to_data wrote; safe on hostile values. Changes need not be known.
+  /// Reads what to_data wrote; safe on hostile values. Changes with unknown names are accepted.
   /// Errors: kInvalidArgument naming the change, what was found and what was needed.
   static Result<Recipe> from_data(const idf::Data& data);
 
-  /// The JSON form: what the metadata of augmented instances carry.
-  /// Errors: kInvalidArgument where a parameter has no JSON form.
+  /// The JSON form, which the metadata of augmented instances contain.
+  /// Errors: kInvalidArgument if a parameter has no JSON form.
   Result<std::string> to_text() const;
 
   /// Errors: as from_data.

@@ -25,7 +25,7 @@ class Recolour final : public ImageChange {
   [[nodiscard]] bool needs_mask() const override { return true; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    // One colour full, one without, one between: all hues.
+    // One channel is full, one is nearly empty and one is drawn, which gives all hues.
     std::array<int64_t, 3> levels{255, 32, random.between(32, 255)};
     for (size_t i = 2; i > 0; --i)
       std::swap(levels[i], levels[static_cast<size_t>(random.between(0, static_cast<int>(i)))]);

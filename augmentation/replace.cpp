@@ -22,7 +22,7 @@ constexpr std::array<Parameter, 10> kParameters{
 
 using Colour = std::array<int64_t, 3>;
 
-/// What is seen in place of the object.
+/// The texture that is painted over the object.
 struct Pattern {
   int64_t kind, size_pixels;
   Colour first, second;
@@ -76,6 +76,7 @@ class Replace final : public ImageChange {
           sum += lightness_of(pixels.ptr<uint8_t>(y) + x * pixels.channels(), pixels.channels());
           ++count;
         }
+    // The mean is a divisor, so it must not be zero.
     return std::max<int64_t>(1, count == 0 ? 0 : sum / count);
   }
 
@@ -87,7 +88,8 @@ class Replace final : public ImageChange {
       for (int x = 0; x < pixels.cols; ++x) {
         if (mask.at<uint8_t>(y, x) == 0) continue;
         uint8_t* pixel = pixels.ptr<uint8_t>(y) + x * channels;
-        // Relative to the object's mean, in percent of it.
+        // The new object keeps the light and shadow of the old one: each pixel's deviation from the
+        // object's mean lightness, relative to that mean, scales the pattern.
         const int64_t shade = (lightness_of(pixel, channels) - mean) * shading_percent;
         const Colour& colour = pattern.at(x, y);
         for (int c = 0; c < channels; ++c) {

@@ -16,7 +16,7 @@ namespace {
 using RowMajorPose = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 constexpr std::string_view kPrefix = "scene_";
-/// At full strength.
+/// Bounds at full strength.
 constexpr int64_t kMaxShift_mm = 200;
 constexpr int64_t kMaxTurn_mdeg = 12'000;
 constexpr int64_t kMaxLampShift_mm = 800;
@@ -37,8 +37,10 @@ int64_t within(Random& random, int64_t max, int strength_percent) {
   return random.between(-reach, reach);
 }
 
-/// All things of a scene, in an order that depends on `random` and on no more than which there are.
+/// Returns all things of a scene in an order that depends only on `random` and on their names.
 std::vector<std::string> shuffled_things(const Scene& scene, Random& random) {
+  // All things are shuffled, not only those in sight: as long as the same thing is the first one in
+  // sight, neighbouring snapshots change the same thing.
   std::set<std::string> names;
   for (const SceneShape& shape : scene.shapes)
     if (!shape.thing.empty()) names.insert(shape.thing);
@@ -49,7 +51,8 @@ std::vector<std::string> shuffled_things(const Scene& scene, Random& random) {
   return things;
 }
 
-/// The things to change, the one that is in sight first; fewer than two where there is none.
+/// Returns the things to change, starting with the first one that is in sight. The result is empty
+/// if none is in sight.
 std::vector<std::string> changed_first(const Scene& scene, const std::vector<std::string>& in_sight,
                                        Random& random) {
   std::vector<std::string> things = shuffled_things(scene, random);
@@ -62,7 +65,7 @@ std::vector<std::string> changed_first(const Scene& scene, const std::vector<std
 }
 
 idf::Dict draw_colour(Random& random) {
-  // One colour full, one nearly without, one between: all hues.
+  // One channel is nearly full, one is nearly empty and one is drawn, which gives all hues.
   std::array<int64_t, 3> levels{235, 25, random.between(25, 235)};
   for (size_t i = 2; i > 0; --i)
     std::swap(levels[i], levels[static_cast<size_t>(random.between(0, static_cast<int64_t>(i)))]);
@@ -93,7 +96,7 @@ Result<std::string> text_of(const Change& change, std::string_view parameter) {
   return value->get<std::string>();
 }
 
-/// A whole number within bounds.
+/// Reads a whole number and checks its bounds.
 Result<double> number_of(const Change& change, std::string_view parameter, int64_t min,
                          int64_t max) {
   ENGRAM_ASSIGN_OR_RETURN(const int64_t value, change.integer(parameter));
@@ -134,6 +137,7 @@ Status move_camera(Scene& scene, const Change& change, const PartPose& rig) {
   Eigen::Isometry3d moved(Eigen::Translation3d(shift / 1000));
   if (turn.norm() > 0) moved.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
   const Eigen::Isometry3d from = to_isometry(rig);
+  // The motion is expressed in the frame of the rig, so both eyes of a stereo pair move as one.
   scene.camera.pose = to_part(from * moved * from.inverse() * to_isometry(scene.camera.pose));
   return {};
 }
@@ -144,7 +148,7 @@ Status relight(Scene& scene, const Change& change) {
   ENGRAM_ASSIGN_OR_RETURN(const double warmth, number_of(change, "warmth_percent", -100, 100));
   ENGRAM_ASSIGN_OR_RETURN(const double x, number_of(change, "lamps_x_mm", -100'000, 100'000));
   ENGRAM_ASSIGN_OR_RETURN(const double y, number_of(change, "lamps_y_mm", -100'000, 100'000));
-  // Red gains and blue loses a quarter at most.
+  // At most, red gains a quarter and blue loses a quarter.
   const std::array<double, 3> tint{1 + 0.0025 * warmth, 1, 1 - 0.0025 * warmth};
   for (SceneLamp& lamp : scene.lamps) {
     lamp.strength *= lamps / 100;
@@ -259,7 +263,7 @@ SceneCamera scaled_down(const SceneCamera& camera, int width) {
   const double y = static_cast<double>(scaled.height) / camera.height;
   scaled.fx *= x;
   scaled.fy *= y;
-  // Of the pixel's middle, so its edge is half a pixel before.
+  // Coordinates count from the middle of the first pixel, so its border is half a pixel before.
   scaled.cx = (camera.cx + 0.5) * x - 0.5;
   scaled.cy = (camera.cy + 0.5) * y - 0.5;
   return scaled;

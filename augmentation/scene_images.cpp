@@ -9,7 +9,7 @@ namespace engram::augmentation {
 
 namespace {
 
-/// -1 where OpenCV has none that images may have.
+/// Returns OpenCV's depth of an element type, or -1 if images cannot have that type.
 int depth_of(idf::ElementType type) {
   switch (type) {
     case idf::ElementType::kUInt8:

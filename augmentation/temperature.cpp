@@ -9,7 +9,7 @@ namespace engram::augmentation {
 namespace {
 
 constexpr int64_t kMaxDrawn = 100;
-/// Gain of red, and loss of blue, at 100 percent. Unit: thousandths.
+/// The gain of red and the loss of blue at 100 percent. Unit: thousandths.
 constexpr int64_t kMaxGain = 250;
 constexpr std::array<Parameter, 1> kParameters{
     {{"percent", -100, 100, "warmer where positive: red gains and blue loses a quarter at 100"}}};
@@ -29,7 +29,7 @@ class Temperature final : public ImageChange {
   void apply(const Parameters& parameters, SceneImages& images) const override {
     const int64_t gain = parameters.at("percent") * kMaxGain;
     map_levels(images, [=](int channel, int level) {
-      const int64_t sign = 1 - channel;  // Red, green, blue: 1, 0, -1.
+      const int64_t sign = 1 - channel;  // 1 for red, 0 for green, -1 for blue.
       return divided(level * (100'000 + sign * gain), 100'000);
     });
   }

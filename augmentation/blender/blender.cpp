@@ -62,7 +62,7 @@ json to_json(const SceneLamp& lamp) {
           {"falls_off", lamp.falls_off}};
 }
 
-/// Nothing where it says something else.
+/// Returns the text of a member, or nothing if it is missing or not text.
 std::optional<std::string> said_text(const json& said, const char* name) {
   const auto value = said.find(name);
   if (value == said.end() || !value->is_string()) return std::nullopt;
@@ -95,14 +95,15 @@ struct Blender::State {
   LineProcess process;
   std::string version;
   int number = 0;
-  std::map<uint64_t, std::string> textures;  ///< Files, by what is in them.
+  std::map<uint64_t, std::string> textures;  ///< Files by the hash of their pixels.
 
   ~State() {
     std::error_code ignored;
     if (!folder.empty()) std::filesystem::remove_all(folder, ignored);
   }
 
-  /// What Blender says to us; it talks to itself, too.
+  /// Reads the next answer. Blender also prints lines of its own, so lines without our prefix are
+  /// skipped.
   Result<json> answer(Duration patience) {
     while (true) {
       ENGRAM_ASSIGN_OR_RETURN(const std::string line, process.read_line(patience));
@@ -114,6 +115,7 @@ struct Blender::State {
 
   Result<std::string> file_of(const idf::NdArray& picture) {
     const auto bytes = picture.bytes();
+    // Scenes of one recording repeat their textures, so each one is written once per process.
     uint64_t key = XXH3_64bits(bytes.data(), bytes.size());
     key =
         XXH3_64bits_withSeed(picture.shape().data(), picture.shape().size() * sizeof(int64_t), key);
@@ -183,6 +185,8 @@ Result<idf::NdArray> Blender::render(const Scene& scene) {
     ENGRAM_ASSIGN_OR_RETURN(std::string name, state.file_of(picture));
     job["textures"].push_back(std::move(name));
   }
+  // The image of the scene before has the same name; if Blender writes none, that one must not be
+  // taken for the new one.
   std::error_code ignored;
   std::filesystem::remove(file, ignored);
   ENGRAM_RETURN_IF_ERROR(state.process.write_line(job.dump()));

@@ -10,7 +10,7 @@ import sys
 import bpy
 import mathutils
 
-SIDES = 48  # Of round shapes.
+SIDES = 48  # Number of sides of round shapes.
 
 
 def say(message):
@@ -37,8 +37,8 @@ def empty_file():
     scene.render.image_settings.color_mode = "RGB"
     scene.render.image_settings.compression = 30
     scene.render.dither_intensity = 0.0
-    # Light comes straight from lamps and surroundings, so that a part changes its own pixels and
-    # its shadow alone.
+    # Without bounces, light comes straight from lamps and surroundings, so a part changes only its
+    # own pixels and its shadow.
     cycles = scene.cycles
     cycles.max_bounces = 0
     cycles.diffuse_bounces = 0
@@ -52,7 +52,7 @@ def empty_file():
     return scene
 
 
-# --- Shapes: vertices, faces and, for each corner of a face, where in the picture it is ---
+# --- Shapes: vertices, faces and, for each corner of a face, its place in the picture ---
 
 
 def round_profile(kind, half):
@@ -104,7 +104,7 @@ def cube_place(point, normal):
     """Place in a strip of six faces of a direction from the middle, on the face that the normal names."""
     axis = max(range(3), key=lambda i: abs(normal[i]))
     face = 2 * axis + (0 if normal[axis] > 0 else 1)
-    # Right and up of each face, seen from outside.
+    # The directions right and up of each face, seen from outside.
     right, up = [((0, 1, 0), (0, 0, 1)), ((0, -1, 0), (0, 0, 1)), ((-1, 0, 0), (0, 0, 1)),
                  ((1, 0, 0), (0, 0, 1)), ((0, 1, 0), (-1, 0, 0)), ((0, 1, 0), (1, 0, 0))][face]
     u = 0.5 + 0.5 * sum(a * b for a, b in zip(right, point))
@@ -141,7 +141,7 @@ def material_of(shape, textures, ambient):
     surface.inputs["Specular"].default_value = 0.5 * (1 - shape["roughness"])
     colour = [linear(c) for c in shape["colour"]] + [1.0]
     surface.inputs["Base Color"].default_value = colour
-    # Light from everywhere, which nothing shades, is light of its own that only the camera sees.
+    # Ambient light, which nothing shades, is emitted by the surface and seen only by the camera.
     own = [c * (linear(a) + shape["emission"]) for c, a in zip(colour, ambient)] + [1.0]
     surface.inputs["Emission"].default_value = own
     path = nodes.new("ShaderNodeLightPath")
@@ -207,11 +207,11 @@ def set_camera(scene, camera):
     lens.sensor_width = 36.0
     lens.lens = 36.0 * camera["fx"] / width
     lens.clip_start = 0.01
-    # Pixels of the recording are counted from their middles, Blender's from the border.
+    # Coordinates in recordings count from the middle of the first pixel, Blender's from the border.
     lens.shift_x = (0.5 * width - (camera["cx"] + 0.5)) / width
     lens.shift_y = ((camera["cy"] + 0.5) - 0.5 * height) / width * camera["fx"] / camera["fy"]
     part = bpy.data.objects.new("camera", lens)
-    # Blender looks along -z with y up.
+    # Blender's cameras look along -z with y up.
     part.matrix_world = matrix(camera["pose"]) @ mathutils.Matrix.Diagonal((1, -1, -1, 1))
     scene.collection.objects.link(part)
     scene.camera = part
@@ -256,7 +256,7 @@ def main():
         try:
             render(job)
             say({"number": job["number"]})
-        except Exception as error:  # Told to who asked; the next scene may be better.
+        except Exception as error:  # The caller gets the error; the next scene may work.
             say({"number": job["number"], "error": str(error)})
 
 

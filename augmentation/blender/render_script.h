@@ -5,7 +5,7 @@
 
 namespace engram::augmentation {
 
-/// render_scenes.py, which Blender runs.
+/// Returns the text of render_scenes.py, which Blender runs.
 [[nodiscard]] std::string_view render_script();
 
 }  // namespace engram::augmentation

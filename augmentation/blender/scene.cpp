@@ -39,7 +39,7 @@ Status check(const SceneShape& shape, size_t textures) {
   return {};
 }
 
-/// Middle seen from above, and underside, of a thing. Frame: world.
+/// The middle of a thing seen from above, and the height of its underside. Frame: world.
 struct Place {
   double x = 0;
   double y = 0;
@@ -116,6 +116,7 @@ Status replace(Scene& scene, const std::string& thing, const Scene& from,
     if (part.texture >= 0 && !is_same) part.texture += textures;
     parts.push_back(part);
   }
+  // `from` may be the scene itself, so its parts and textures are copied before it is changed.
   const std::vector<idf::NdArray> added = is_same ? std::vector<idf::NdArray>() : from.textures;
   std::erase_if(scene.shapes, [&](const SceneShape& shape) { return shape.thing == thing; });
   scene.shapes.insert(scene.shapes.end(), parts.begin(), parts.end());

@@ -10,11 +10,12 @@
 
 namespace engram::augmentation {
 
-/// Takes coordinates of a part to world: rows of a 4 x 4 matrix. Unit of its last column: m.
+/// Transforms coordinates of a part to world coordinates: the rows of a 4 x 4 matrix. Unit of its
+/// last column: m.
 using PartPose = std::array<double, 16>;
 
-/// A pinhole without distortion: u = fx x / z + cx, where the middle of the pixel at the top left
-/// is (0, 0). Frame: x right, y down, z forward. Unit: pixels.
+/// A pinhole camera without distortion: u = fx x / z + cx, where (0, 0) is the middle of the top
+/// left pixel. Frame: x right, y down, z forward. Unit: pixels.
 struct SceneCamera {
   int width = 320;
   int height = 240;
@@ -27,54 +28,57 @@ struct SceneCamera {
 
 enum class ShapeKind {
   kBox,
-  kCylinder,  ///< Along z.
-  kCapsule,   ///< Along z; `half` includes its caps.
+  kCylinder,  ///< Its axis is z.
+  kCapsule,   ///< Its axis is z; `half` includes the caps.
   kEllipsoid,
 };
 
 /// How a picture lies on a shape.
 enum class TextureWay {
-  kPlane,  ///< Along x and y of the shape, repeated so often over its extent.
-  kCube,   ///< Six faces, one below the other: +x, -x, +y, -y, +z, -z, seen from the middle.
+  kPlane,  ///< In the x-y plane of the shape, repeated `repeat` times over its extent.
+  kCube,   ///< Six faces stacked vertically: +x, -x, +y, -y, +z, -z, seen from the middle.
 };
 
-/// One solid of one colour or picture.
+/// A solid with one colour or one picture.
 struct SceneShape {
-  std::string thing;  ///< The object that it is a part of; empty: the room.
+  std::string thing;  ///< The object that it belongs to; empty for the room.
   ShapeKind kind = ShapeKind::kBox;
-  std::array<double, 3> half{};  ///< Of its extents along x, y, z. Unit: m.
+  std::array<double, 3> half{};  ///< Half of its extents along x, y and z. Unit: m.
   PartPose pose{};
-  std::array<double, 3> colour{0.8, 0.8, 0.8};  ///< sRGB, 0 to 1; what a picture is multiplied by.
-  int texture = -1;                             ///< Index into Scene::textures.
+  /// sRGB, 0 to 1. A picture is multiplied by it.
+  std::array<double, 3> colour{0.8, 0.8, 0.8};
+  int texture = -1;  ///< Index into Scene::textures; negative for none.
   TextureWay way = TextureWay::kPlane;
   std::array<double, 2> repeat{1, 1};
-  double roughness = 0.6;  ///< 0: a mirror, 1: dull.
-  double emission = 0;     ///< Light of its own, times its colour.
-  bool is_seen = true;     ///< By the camera; it casts shadows all the same.
+  double roughness = 0.6;  ///< From 0, a mirror, to 1, dull.
+  double emission = 0;     ///< Light that the shape emits, as a factor of its colour.
+  bool is_seen = true;     ///< If false, the camera does not see it, but it still casts shadows.
 };
 
 enum class LampKind {
-  kPoint,  ///< `strength` in W, to all sides.
-  kSun,    ///< `strength` in W / m^2, along -z of its pose.
+  kPoint,  ///< Shines to all sides. Unit of `strength`: W.
+  kSun,    ///< Shines along -z of its pose. Unit of `strength`: W / m^2.
 };
 
 struct SceneLamp {
   LampKind kind = LampKind::kPoint;
   PartPose pose{};
   double strength = 100;
-  double size = 0.3;  ///< Radius in m, or angle in rad of a sun: larger ones have softer shadows.
+  /// Radius of a point in m, or angle of a sun in rad. Larger lamps have softer shadows.
+  double size = 0.3;
   std::array<double, 3> colour{1, 1, 1};
   bool casts_shadow = true;
-  /// False: a point lights everything as it lights what is 1 m away, as simulators' lights do.
+  /// If false, a point lights everything as it lights what is 1 m away, as simulators do.
   bool falls_off = true;
 };
 
-/// What is to be seen at one moment, by one camera.
+/// What one camera can see at one moment.
 struct Scene {
   SceneCamera camera;
   std::vector<SceneShape> shapes;
   std::vector<SceneLamp> lamps;
-  /// sRGB of a white surface in the light from everywhere, which nothing shades.
+  /// The light that comes from everywhere and that nothing shades: the sRGB colour of a white
+  /// surface in it.
   std::array<double, 3> ambient{0.3, 0.3, 0.3};
   /// Shape: uint8 [height, width, 3], RGB.
   std::vector<idf::NdArray> textures;
@@ -83,13 +87,13 @@ struct Scene {
   [[nodiscard]] Status validate() const;
 };
 
-/// Makes all parts of a thing so coloured; pictures on it are multiplied by it.
-/// Errors: kNotFound where the scene has no such thing.
+/// Gives all parts of a thing this colour. Pictures on it are multiplied by the colour.
+/// Errors: kNotFound if the scene has no such thing.
 Status recolour(Scene& scene, const std::string& thing, const std::array<double, 3>& colour);
 
-/// Puts the parts of `other`, a thing of the same scene or of another one, in the place of `thing`:
-/// undersides meet, and so do their middles seen from above.
-/// Errors: kNotFound where there is none of that name.
+/// Replaces `thing` by the parts of `other`, a thing of the same or another scene. The new parts
+/// are placed so that the undersides, and the middles seen from above, coincide.
+/// Errors: kNotFound if there is no thing of either name.
 Status replace(Scene& scene, const std::string& thing, const Scene& from, const std::string& other);
 
 }  // namespace engram::augmentation
