@@ -24,7 +24,7 @@ constexpr double kMaxNoise = 32;
 constexpr int64_t kNsPerSecond = 1'000'000'000;
 constexpr uint64_t kFramesPerProgress = 16;
 
-/// Rounded to the nearest nanosecond.
+/// Returns the time of a frame, rounded to the nearest nanosecond.
 Duration frame_time(uint64_t index, int rate_hz) {
   return Duration((static_cast<int64_t>(index) * kNsPerSecond + rate_hz / 2) / rate_hz);
 }
@@ -121,6 +121,7 @@ Status write_scene(const SceneOptions& options, const std::filesystem::path& vid
           {.what = "render " + video.filename().string(), .done = i + 1, .total = scene.frames()});
   }
   ENGRAM_RETURN_IF_ERROR(writer.close());
+  // The table is written last, so an interrupted call leaves no table without its video.
   return replace_file(std::filesystem::absolute(table), as_bytes(rows));
 }
 

@@ -13,12 +13,12 @@
 namespace engram::datasets {
 
 struct SceneOptions {
-  /// Size of the images. Even numbers of 32 to 1024. Unit: pixels.
+  /// Size of the images: even numbers, 32 to 1024. Unit: pixels.
   int width = 160;
   int height = 120;
-  double seconds = 60;  ///< At most an hour.
+  double seconds = 60;  ///< At most 3600.
   int rate_hz = 15;     ///< 1 to 240.
-  /// Chooses the background, which object goes where, and the pace.
+  /// The seed of the background, of the order in which objects are moved, and of the pace.
   uint64_t seed = 1;
   /// Standard deviation of the sensor's noise. Unit: grey levels, 0 to 32.
   double noise_sigma = 1.5;
@@ -28,24 +28,24 @@ struct SceneOptions {
   [[nodiscard]] Status validate() const;
 };
 
-/// What the encoders of the arm say.
+/// The readings of the arm's encoders.
 struct ArmState {
-  double shoulder_rad = 0;  ///< From the horizontal, upwards.
-  double elbow_rad = 0;     ///< From the line of the upper arm; negative bends down.
-  double gripper = 0;       ///< 0 closed, 1 open.
+  double shoulder_rad = 0;  ///< Angle above the horizontal.
+  double elbow_rad = 0;     ///< Angle from the line of the upper arm; negative bends down.
+  double gripper = 0;       ///< From 0, closed, to 1, open.
   double shoulder_velocity_rad_s = 0;
   double elbow_velocity_rad_s = 0;
 };
 
 struct SceneFrame {
-  Duration time{};  ///< From the start, rounded to the nearest nanosecond.
+  Duration time{};  ///< Time since the start, rounded to the nearest nanosecond.
   /// Shape: uint8 [height, width, 3], RGB.
   idf::NdArray image;
   ArmState arm;
 };
 
-/// A drawn scene for demos and tests: before a still, textured room, an arm with two joints picks
-/// a bottle, a box or a ball from a table and places it elsewhere, with pauses, again and again.
+/// A drawn scene for demos and tests. In front of a still, textured room, an arm with two joints
+/// picks a bottle, a box or a ball from a table and places it elsewhere, with pauses, repeatedly.
 ///
 /// Equal options give equal frames.
 /// Threading: const-parallel.
@@ -60,8 +60,8 @@ class Scene {
 
   [[nodiscard]] uint64_t frames() const;
 
-  /// Any frame, in any order. Needs index < frames() (checked).
-  /// Errors: kResourceExhausted where memory is used up.
+  /// Renders frame `index`, which must be less than frames() (checked). Frames may be rendered in
+  /// any order. Errors: kResourceExhausted if there is not enough memory.
   Result<SceneFrame> render(uint64_t index) const;
 
  private:

@@ -10,15 +10,15 @@
 
 namespace engram::datasets {
 
-/// Makes `directory` ready to be written into.
-/// Errors: kAlreadyExists where it is a file, or not empty and `may_have_files` is false;
+/// Prepares `directory` for writing.
+/// Errors: kAlreadyExists if it is a file, or is not empty and `may_have_files` is false;
 /// kUnavailable.
 Status prepare_export(const std::filesystem::path& directory, bool may_have_files);
 
-/// Hands everything that a query asks for to a sink, snapshot by snapshot: memory is bounded by the
-/// largest one. Latents are decoded by `recall`. Where `stop` is asked for, what was handed over
-/// until then is finished: all files are whole.
-/// Errors: kNotFound where no entity matches; kInvalidArgument where the query asks for IDs alone;
+/// Passes everything that a query selects to a sink, snapshot by snapshot, so memory is bounded by
+/// the largest snapshot. Latents are decoded by `recall`. After a stop request, the snapshots that
+/// were passed so far are finished: all files are complete.
+/// Errors: kNotFound if no entity matches; kInvalidArgument if the query asks only for IDs;
 /// kCancelled after a stop; those of Recall::query and of the sink.
 Status export_snapshots(ltm::Recall& recall, const ltm::Query& query,
                         const ltm::Recall::Options& options, SnapshotSink& sink,

@@ -10,7 +10,8 @@ namespace engram::datasets {
 
 namespace {
 
-/// <entity>/<time in microseconds>/<instance>/<member>.png, and data.json beside it with all else.
+/// Writes <entity>/<time in microseconds>/<instance>/<member>.png, and beside it data.json with
+/// everything else.
 class ArmarxSink : public SnapshotSink {
  public:
   explicit ArmarxSink(std::filesystem::path directory) : directory_(std::move(directory)) {}

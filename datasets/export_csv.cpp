@@ -12,12 +12,12 @@ namespace engram::datasets {
 
 namespace {
 
-/// Arrays of more elements are no table.
+/// The maximum number of elements of an array that is written to columns.
 constexpr int64_t kMaxElements = 64;
-/// Tables that one entity may need, each with its columns: they are open at the same time.
+/// The maximum number of tables of one entity. Each has its own columns, and all are open at once.
 constexpr size_t kMaxTables = 64;
 
-/// A text as RFC 4180 has it.
+/// Quotes a text as RFC 4180 requires.
 std::string quoted(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string result = "\"";
@@ -38,6 +38,7 @@ void add_array(const idf::TensorMember& member, const idf::NdArray& array, Row& 
     for (size_t i = 0; i < values.size(); ++i) {
       row.names += "," + quoted(is_scalar ? member.path.empty() ? "value" : member.path
                                           : fmt::format("{}[{}]", member.path, i));
+      // fmt would print a byte as a character.
       if constexpr (sizeof(T) == 1)
         row.values += fmt::format(",{}", static_cast<int>(values[i]));
       else
@@ -52,7 +53,8 @@ int64_t count_of(const idf::Shape& shape) {
   return count;
 }
 
-/// <entity>.csv: a line per instance, a column per number; other columns, another table (#2, #3).
+/// Writes <entity>.csv with a line per instance and a column per number. Instances with other
+/// columns go to another table (#2, #3).
 class CsvSink : public SnapshotSink {
  public:
   explicit CsvSink(std::filesystem::path directory) : directory_(std::move(directory)) {}
@@ -104,7 +106,7 @@ class CsvSink : public SnapshotSink {
     return row;
   }
 
-  /// The table with these columns; null where there are too many.
+  /// Returns the table with these columns; null if there are too many tables.
   Result<ExportFile*> table_of(const std::string& names) {
     if (const auto known = tables_.find(names); known != tables_.end()) return &known->second;
     if (tables_.size() >= kMaxTables) return static_cast<ExportFile*>(nullptr);
@@ -124,7 +126,7 @@ class CsvSink : public SnapshotSink {
 
   std::filesystem::path directory_;
   ltm::MemoryId entity_;
-  std::map<std::string, ExportFile> tables_;  ///< By the names of their columns.
+  std::map<std::string, ExportFile> tables_;  ///< Keyed by the names of their columns.
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ std::filesystem::path part_of(const std::filesystem::path& path) {
 
 Result<File> create_part(const std::filesystem::path& path) {
   ENGRAM_RETURN_IF_ERROR(make_directories(path.parent_path()));
-  // What an export that was killed left there.
+  // An export that was killed may have left a file.
   ENGRAM_RETURN_IF_ERROR(remove_file(part_of(path)));
   return File::open(part_of(path), File::Mode::kCreate);
 }
@@ -30,7 +30,7 @@ Result<ExportFile> ExportFile::create(const std::filesystem::path& path) {
 }
 
 ExportFile::~ExportFile() {
-  // Moved from, or closed.
+  // The object was moved from, or the file is closed.
   if (!file_ || path_.empty()) return;
   if (const Status status = remove_file(part_of(path_)); !status.ok())
     log::warning("an unfinished export stays: {}", status.message());

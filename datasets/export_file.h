@@ -10,21 +10,21 @@
 
 namespace engram::datasets {
 
-/// A file that grows and appears under its name once it is whole.
+/// A file that grows, and appears under its name when it is complete.
 ///
 /// Threading: one thread.
 class ExportFile {
  public:
-  /// Makes `path` with ".part" behind it, and the directories above it.
+  /// Creates `path` with the suffix ".part", and the directories above it.
   static Result<ExportFile> create(const std::filesystem::path& path);
 
   ExportFile(ExportFile&& other) noexcept = default;
-  /// Removes what was not closed.
+  /// Removes the file if it was not closed.
   ~ExportFile();
 
   Status write(std::string_view text);
 
-  /// Forces the file to disk, moves it to its name, replacing what is there, and counts it.
+  /// Forces the file to disk, renames it, replacing any existing file, and counts it.
   Status close(ExportReport& report);
 
  private:
@@ -39,7 +39,7 @@ class ExportFile {
   uint64_t bytes_ = 0;
 };
 
-/// Writes one small file of many: whole or not at all, but not forced to disk.
+/// Writes one small file of many. It is complete or missing, but is not forced to disk.
 Status write_export_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
                          ExportReport& report);
 

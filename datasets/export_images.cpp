@@ -7,7 +7,7 @@ namespace engram::datasets {
 
 namespace {
 
-/// All members but the images.
+/// Counts all members except the images.
 void count_other_members(const idf::Data& data, ExportReport& report) {
   const idf::Layout layout = idf::Layout::of(data);
   const auto parts = layout.split(data);

@@ -20,7 +20,7 @@ Json error_json(const ltm::MeasuredError& error) {
   return json;
 }
 
-/// Values from a store nest at most idf::kMaxDepth deep.
+/// Recursion is safe, because values from a store are nested at most idf::kMaxDepth deep.
 bool is_all_utf8(const idf::Data& data) {
   if (const auto* text = data.get_if<std::string>()) return ltm::is_utf8(*text);
   if (const auto* list = data.get_if<idf::List>()) return std::ranges::all_of(*list, is_all_utf8);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: it shows the JSON library's type.
+// Private to this room, because it exposes the type of the JSON library.
 
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -12,19 +12,20 @@ namespace engram::datasets {
 
 using Json = nlohmann::ordered_json;
 
-/// An image of a value that lies in a file of its own.
+/// An image of a value that is stored in a file of its own.
 struct ImageFile {
-  std::string path;  ///< Of the member.
+  std::string path;  ///< The path of the member.
   std::string file;
 };
 
-/// {"id", "time_ns", "time", "source", "model"?, "predictor"?, "horizon_ns"?}: what is known about
-/// a snapshot beside its instances.
+/// Describes a snapshot without its instances: {"id", "time_ns", "time", "source", "model"?,
+/// "predictor"?, "horizon_ns"?}.
 [[nodiscard]] Json snapshot_head(const ltm::MemoryId& entity, const ltm::SnapshotResult& snapshot);
 
-/// {"index", "created_ns", "sent_ns", "arrived_ns", "provider", "confidence", "error"?, "data"};
-/// the data in IDF's JSON form, images that are in files as {"$file": name}. What JSON cannot hold
-/// (texts that are no UTF-8) is counted, and the data are null.
+/// Describes an instance: {"index", "created_ns", "sent_ns", "arrived_ns", "provider",
+/// "confidence", "error"?, "data"}. The data are in IDF's JSON form; images in files are
+/// {"$file": name}. What JSON cannot hold (text that is not UTF-8) is counted, and the data are
+/// null.
 [[nodiscard]] Json instance_json(const ltm::InstanceResult& instance,
                                  const std::vector<ImageFile>& files, ExportReport& report);
 

@@ -9,7 +9,7 @@ namespace engram::datasets {
 
 namespace {
 
-/// snapshots.jsonl: one snapshot per line, with everything that is known about it.
+/// Writes snapshots.jsonl: one snapshot per line, with everything that is known about it.
 class JsonLinesSink : public SnapshotSink {
  public:
   explicit JsonLinesSink(std::filesystem::path directory) : directory_(std::move(directory)) {}
@@ -30,7 +30,7 @@ class JsonLinesSink : public SnapshotSink {
     return file_->write(json.dump() + "\n");
   }
 
-  /// An empty answer is an empty file.
+  /// If no snapshot was added, the file is empty.
   Status finish() override {
     ENGRAM_RETURN_IF_ERROR(open());
     return file_->close(report_);

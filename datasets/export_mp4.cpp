@@ -14,19 +14,19 @@ namespace engram::datasets {
 
 namespace {
 
-/// A longer gap begins another video: nobody waits for it in a player.
+/// A longer gap starts another video, because nobody waits that long in a player.
 constexpr Duration kMaxGap = std::chrono::hours(1);
-/// Rates as fractions are exact to a thousandth.
+/// Rates are written as fractions that are exact to a thousandth.
 constexpr int kRateDenominator = 1000;
-/// What a video with real times says of its rate.
+/// The nominal rate of a video whose images have their own times.
 constexpr int kUsualRate = 30;
-/// Each has an encoder with its own pictures in memory.
+/// Each open video has an encoder, which keeps several pictures in memory.
 constexpr size_t kMaxOpenVideos = 32;
 /// Unit: pixels.
 constexpr int64_t kMaxSide = 1 << 14;
 
-/// The image as a video takes it: three channels, even sides unless colour is kept whole. The last
-/// line and column are repeated where one is missing.
+/// Converts an image for a video: three channels, and even sides unless colour is kept at full
+/// resolution. The last line or column is repeated to make a side even.
 idf::NdArray as_picture(const idf::NdArray& image, bool keeps_chroma) {
   const auto height = static_cast<size_t>(image.shape()[0]);
   const auto width = static_cast<size_t>(image.shape()[1]);
@@ -55,8 +55,8 @@ struct Video {
   Time last{};
 };
 
-/// <entity>/<member>.mp4; further instances as <member>#1.mp4. Another size, or a gap, begins the
-/// next part: <member>.part2.mp4.
+/// Writes <entity>/<member>.mp4; further instances go to <member>#1.mp4. Another image size, or a
+/// gap, starts the next part: <member>.part2.mp4.
 class Mp4Sink : public SnapshotSink {
  public:
   Mp4Sink(std::filesystem::path directory, const ExportOptions& options)
@@ -149,8 +149,8 @@ class Mp4Sink : public SnapshotSink {
   std::filesystem::path directory_;
   ExportOptions options_;
   std::filesystem::path folder_;
-  std::map<std::string, Video> videos_;  ///< Of the entity at hand, by name.
-  std::map<std::string, int> parts_;     ///< That were begun, by name.
+  std::map<std::string, Video> videos_;  ///< Open videos of the current entity, by name.
+  std::map<std::string, int> parts_;     ///< Number of parts that were started, by name.
 };
 
 }  // namespace

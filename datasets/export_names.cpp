@@ -10,14 +10,14 @@ namespace engram::datasets {
 
 namespace {
 
-/// File systems take 255 bytes; endings and numbers follow.
+/// File systems allow 255 bytes; the rest is left for extensions and numbers.
 constexpr size_t kMaxNameBytes = 200;
 
 std::string shortened(std::string name) {
   if (name.size() <= kMaxNameBytes) return name;
   const uint64_t sum = ltm::checksum(as_bytes(name));
   size_t end = kMaxNameBytes - 18;
-  // Not in the middle of a character.
+  // Do not cut a UTF-8 character in two.
   while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
   return fmt::format("{}%~{:016x}", name.substr(0, end), sum);
 }

@@ -9,7 +9,7 @@ namespace engram::datasets {
 
 namespace {
 
-/// <entity>/<member>/<time>.png; further instances as <time>#1.png.
+/// Writes <entity>/<member>/<time>.png; further instances go to <time>#1.png.
 class PngSink : public SnapshotSink {
  public:
   explicit PngSink(std::filesystem::path directory) : directory_(std::move(directory)) {}

@@ -14,7 +14,7 @@ constexpr int kMaxCrf = 51;
 }  // namespace
 
 Status ExportOptions::validate() const {
-  // Written so that it refuses what is not a number.
+  // The condition is negated so that NaN is rejected.
   if (rate_hz != 0 && !(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     return invalid_argument("export: rate {} Hz, needs {} to {}", rate_hz, kMinRate_hz,
                             kMaxRate_hz);

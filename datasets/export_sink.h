@@ -14,23 +14,23 @@
 
 namespace engram::datasets {
 
-/// Writes snapshots in one format below one directory. Every file appears under its name only once
-/// it is whole.
+/// Writes snapshots in one format below one directory. A file appears under its name only when it
+/// is complete.
 ///
-/// Snapshots come entity by entity, in the order of time.
-/// Errors: kUnavailable, kResourceExhausted naming the file, everywhere.
+/// Snapshots arrive entity by entity, in the order of time.
+/// Errors: every function returns kUnavailable or kResourceExhausted, naming the file.
 /// Threading: one thread.
 class SnapshotSink {
  public:
   virtual ~SnapshotSink() = default;
 
-  /// The snapshots that follow are of `entity`; each entity comes once.
+  /// Starts `entity`, to which the next snapshots belong. Each entity is started once.
   virtual Status begin(const ltm::MemoryId& entity) = 0;
 
   virtual Status add(const ltm::SnapshotResult& snapshot) = 0;
 
-  /// Ends what is open; nothing may follow. Without it, files that grow snapshot by snapshot are
-  /// removed.
+  /// Completes all open files; no other call may follow. Without it, files that grow snapshot by
+  /// snapshot are removed.
   virtual Status finish() = 0;
 
   [[nodiscard]] const ExportReport& report() const { return report_; }
@@ -39,9 +39,9 @@ class SnapshotSink {
   ExportReport report_;
 };
 
-/// Choices that only some formats know.
+/// Options that only some formats use.
 struct ExportOptions {
-  /// mp4: images per second. 0: the times of the snapshots.
+  /// mp4: images per second. 0 keeps the times of the snapshots.
   double rate_hz = 0;
   /// mp4: colour at full resolution (4:4:4), which browsers do not play.
   bool keeps_chroma = false;
@@ -54,9 +54,9 @@ struct ExportOptions {
 inline constexpr std::array<std::string_view, 5> kExportFormats{"jsonl", "csv", "png", "mp4",
                                                                 "armarx"};
 
-/// A sink that writes below `directory`, which exists. The files of each format are described in
-/// docs/export.md.
-/// Errors: kInvalidArgument where there is no such format or `options` do not validate.
+/// Makes a sink that writes below `directory`, which must exist. docs/export.md describes the files
+/// of each format.
+/// Errors: kInvalidArgument if there is no such format or `options` do not validate.
 Result<std::unique_ptr<SnapshotSink>> make_snapshot_sink(std::string_view format,
                                                          const std::filesystem::path& directory,
                                                          const ExportOptions& options);

@@ -32,7 +32,7 @@ const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats
     all.push_back(make_tum_format());
     all.push_back(make_seven_scenes_format());
     all.push_back(make_euroc_format());
-    // Last: it takes any images with a table.
+    // This one must be last, because it accepts any folder of images with a table.
     all.push_back(make_images_format());
     return all;
   }();

@@ -8,14 +8,15 @@
 
 namespace engram::datasets {
 
-/// All formats of whole recordings, in the order in which they are asked whether a file is theirs.
+/// Returns all formats of whole recordings, in the order in which they are tried on a file.
 [[nodiscard]] const std::vector<std::unique_ptr<const RecordingFormat>>& all_recording_formats();
 
-/// Errors: kInvalidArgument naming all there are.
+/// Errors: kInvalidArgument naming all formats.
 Result<const RecordingFormat*> find_recording_format(std::string_view name);
 
-/// The format of a file or folder.
-/// Errors: kNotFound where there is nothing; kInvalidArgument where no format knows it, naming all.
+/// Returns the format of a file or folder.
+/// Errors: kNotFound if there is no such file; kInvalidArgument naming all formats if none
+/// recognises it.
 Result<const RecordingFormat*> recognised_format(const std::filesystem::path& path);
 
 }  // namespace engram::datasets

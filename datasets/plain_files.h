@@ -10,19 +10,19 @@
 
 namespace engram::datasets {
 
-/// Writes commits as plain files while they come, as the export format "armarx" lays them out
-/// (docs/export.md): PNG for images, JSON for all else. Every file is whole or not there.
+/// Writes commits as plain files as they arrive, in the layout of the export format "armarx"
+/// (docs/export.md): PNG for images, JSON for everything else. Every file is complete or missing.
 ///
 /// Threading: one thread.
 class PlainFiles {
  public:
-  /// `directory` exists.
+  /// `directory` must exist.
   explicit PlainFiles(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
   /// Errors: kUnavailable, kResourceExhausted naming the file.
   Status commit(const ltm::Commit& commit);
 
-  /// Nothing may follow. Errors: as commit.
+  /// Completes all files; no other call may follow. Errors: as commit.
   Status finish();
 
  private:

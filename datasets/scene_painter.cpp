@@ -24,7 +24,7 @@ Colour mixed(const Colour& a, const Colour& b, double share) {
   return a * (1 - share) + b * share;
 }
 
-/// Draws in stage units on a picture of any shape; the stage lies in its middle.
+/// Draws in stage units on a picture of any shape; the stage is centred in it.
 class Brush {
  public:
   explicit Brush(cv::Mat& picture)
@@ -53,7 +53,7 @@ class Brush {
   void circle(Point centre, double radius, const Colour& colour) {
     ellipse(centre, radius, radius, colour);
   }
-  /// A bar with round ends of different widths.
+  /// Draws a bar with round ends of different widths.
   void limb(Point from, Point to, double from_width, double to_width, const Colour& colour) {
     const double length = std::hypot(to.x - from.x, to.y - from.y);
     const Point side{(from.y - to.y) / length / 2, (to.x - from.x) / length / 2};
@@ -65,7 +65,7 @@ class Brush {
     circle(from, from_width / 2, colour);
     circle(to, to_width / 2, colour);
   }
-  /// Darkens an ellipse to `light` of what is there.
+  /// Multiplies the brightness inside an ellipse by `light`.
   void shadow(Point centre, double rx, double ry, double light) {
     const cv::Rect everything(0, 0, picture_.cols, picture_.rows);
     const cv::Rect area =
@@ -79,7 +79,7 @@ class Brush {
     region.convertTo(darker, -1, light);
     darker.copyTo(region, mask);
   }
-  /// The pixels of a box, clipped.
+  /// Returns the pixels of a box, clipped to the picture.
   [[nodiscard]] cv::Mat region(Point from, Point to) {
     return picture_(pixels(from, to) & cv::Rect(0, 0, picture_.cols, picture_.rows));
   }
@@ -96,13 +96,13 @@ class Brush {
             cv::Point(cvRound(left_ + to.x * unit_), cvRound(top_ + to.y * unit_))};
   }
 
-  cv::Mat picture_;  // Shares the pixels of what was given.
+  cv::Mat picture_;  // Shares its pixels with the argument of the constructor.
   double unit_;
   double left_;
   double top_;
 };
 
-/// Adds random spots of `columns` x `rows` over the region to all channels alike.
+/// Adds `columns` x `rows` random spots to all channels of the region alike.
 void add_texture(cv::Mat region, cv::RNG& random, int columns, int rows, double sigma) {
   cv::Mat coarse(rows, columns, CV_32F), fine, channels, sum;
   random.fill(coarse, cv::RNG::NORMAL, 0.0, sigma);
@@ -279,7 +279,7 @@ void paint_gripper(Brush& brush, const Moment& moment) {
 
 cv::Mat make_background(const SceneOptions& options) {
   cv::Mat picture(options.height * kOversampling, options.width * kOversampling, CV_8UC3);
-  // The constant keeps the room apart from the plan, which starts from the same seed.
+  // The constant makes the room independent of the plan, which starts from the same seed.
   Random random(options.seed ^ 0x5eed0f7e87a11e5eULL);
   cv::RNG noise(options.seed * 2 + 1);
   Brush brush(picture);
@@ -315,7 +315,7 @@ void Painter::paint(const Moment& moment, uint64_t frame, cv::Mat& image) const 
 
   cv::Mat small, noise(image.size(), CV_16SC3);
   cv::resize(picture, small, image.size(), 0, 0, cv::INTER_AREA);
-  // cv::RNG's first numbers follow its seed closely; a large odd factor sets frames apart.
+  // The first numbers of cv::RNG are close for close seeds; large odd factors separate the frames.
   cv::RNG random((options_.seed + 1) * 0x9e3779b97f4a7c15ULL + frame * 0xd1342543de82ef95ULL);
   random.fill(noise, cv::RNG::NORMAL, 0.0, options_.noise_sigma);
   cv::add(small, noise, image, cv::noArray(), CV_8U);

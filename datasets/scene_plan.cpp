@@ -17,7 +17,7 @@ struct Joints {
   double elbow;
 };
 
-/// The angles that bring the wrist there, elbow up.
+/// Returns the joint angles that bring the wrist to a point, with the elbow up.
 Joints joints_of(Point wrist) {
   const double x = wrist.x - kShoulder.x;
   const double up = kShoulder.y - wrist.y;
@@ -33,7 +33,7 @@ Point along(Point from, double length, double angle) {
   return {from.x + length * std::cos(angle), from.y - length * std::sin(angle)};
 }
 
-/// Where the wrist is when thing `kind` stands at `x` between the fingers.
+/// Returns the position of the wrist when thing `kind` stands at `x` between the fingers.
 Point grasp(size_t kind, double x) {
   return {x, kTableY - kGripHeight[kind] - kFinger};
 }
@@ -86,7 +86,7 @@ void Plan::wait(double duration) {
   keys_.back().seconds += duration;
 }
 
-/// Brings one thing to the free slot.
+/// Plans the transport of one thing to the free slot.
 void Plan::carry(Random& random) {
   const size_t kind = random.below(kKinds);
   const double from = kSlotX[slots_[kind]];
@@ -95,6 +95,7 @@ void Plan::carry(Random& random) {
   const double to = kSlotX[target];
   const double pace = random.between(0.85, 1.25);
 
+  // The wrist goes over the things, at the height of kLiftY, and down only at the slots.
   move(0.9 * pace, {from, kLiftY});
   move(0.6 * pace, grasp(kind, from));
   grip(0.4, 0.15);
@@ -109,6 +110,7 @@ void Plan::carry(Random& random) {
   move(0.6 * pace, {to, kLiftY});
 }
 
+/// A held thing hangs below the wrist, so the image always agrees with the encoders.
 Moment Plan::at(double seconds) const {
   const auto next =
       std::upper_bound(keys_.begin() + 1, keys_.end() - 1, seconds,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what moves when in the drawn scene (datasets/drawn_scene.h).
+// Private to this room: the movements in the drawn scene (datasets/drawn_scene.h).
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace engram::datasets::scene {
 
-/// Unit: the height of the stage, which is 4/3 as wide. Frame: x right, y down from its top left.
+/// Unit: the height of the stage, whose width is 4/3. Frame: origin at its top left, x right, y
+/// down.
 struct Point {
   double x = 0;
   double y = 0;
@@ -21,25 +22,25 @@ struct Point {
 enum Kind { kBottle, kBox, kBall, kKinds };
 
 inline constexpr double kStageWidth = 4.0 / 3.0;
-inline constexpr double kTableY = 0.80;  ///< Where things stand.
+inline constexpr double kTableY = 0.80;  ///< Height at which things stand.
 inline constexpr Point kShoulder{0.22, 0.56};
 inline constexpr double kUpperArm = 0.50;
 inline constexpr double kForearm = 0.50;
-inline constexpr double kFinger = 0.09;  ///< From the wrist down to what is gripped.
+inline constexpr double kFinger = 0.09;  ///< Length from the wrist down to the gripped point.
 
-/// How far above its foot a thing is gripped.
+/// Height above its foot at which a thing is gripped.
 inline constexpr std::array<double, kKinds> kGripHeight{0.165, 0.085, 0.075};
 
-/// Everything that moves, at one time.
+/// The state of everything that moves, at one time.
 struct Moment {
   ArmState arm;
   Point elbow;
   Point wrist;
-  std::array<Point, kKinds> feet;  ///< Where the things are, at the middle of their undersides.
-  int held = -1;                   ///< A Kind, or -1.
+  std::array<Point, kKinds> feet;  ///< The middle of each thing's underside.
+  int held = -1;                   ///< The Kind that the gripper holds, or -1.
 };
 
-/// Uniform random numbers that are the same with every standard library.
+/// Uniform random numbers that do not depend on the standard library.
 class Random {
  public:
   explicit Random(uint64_t seed) : engine_(seed) {}
@@ -53,7 +54,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Minimum-jerk movements from one key pose to the next, for at least so many seconds.
+/// Minimum-jerk movements from one key pose to the next. The plan covers at least `seconds`.
 ///
 /// Threading: immutable.
 class Plan {
@@ -63,7 +64,7 @@ class Plan {
   [[nodiscard]] Moment at(double seconds) const;
 
  private:
-  /// A pose of the arm, and what is true from then on until the next.
+  /// A pose of the arm, and the state that holds from it until the next key.
   struct Key {
     double seconds = 0;
     double shoulder = 0;
@@ -79,7 +80,7 @@ class Plan {
   void carry(Random& random);
 
   std::vector<Key> keys_;
-  std::array<size_t, kKinds> slots_{};  ///< Where each thing stands while planning.
+  std::array<size_t, kKinds> slots_{};  ///< The slot of each thing while planning.
 };
 
 }  // namespace engram::datasets::scene

@@ -20,7 +20,8 @@ Result<Time> absolute(Time start, Duration offset) {
   return time_from_ns(ns);
 }
 
-/// Whichever of two times is nearer to `time`, the earlier of two as near; one may be missing.
+/// Returns the one of two times that is nearer to `time`, the earlier one if both are equally near.
+/// One of them may be missing.
 std::optional<Time> nearer(std::optional<Time> before, std::optional<Time> after, Time time) {
   if (!before || !after) return before ? before : after;
   return *after - time < time - *before ? after : before;
@@ -82,7 +83,7 @@ Result<std::unique_ptr<RecordingReader>> VideoTable::open(const Options& options
   }
   std::unique_ptr<VideoTable> reader(
       new VideoTable(options, start, std::move(video), std::move(rows)));
-  // When the first image was is known once it is decoded.
+  // The time of the first image is known only after it is decoded.
   ENGRAM_RETURN_IF_ERROR(reader->read_frame());
   if (!reader->frame_)
     return invalid_argument("video '{}': has no frame that can be decoded, needs one or more",
@@ -130,7 +131,7 @@ Status VideoTable::read_frame() {
 
 std::optional<Time> VideoTable::nearest_row(Time time) const {
   if (!rows_) return std::nullopt;
-  // All rows before row_ were handed over: they lie before `time`.
+  // All rows before row_ were returned, so they lie before `time`.
   const auto next = rows_->times.begin() + static_cast<std::ptrdiff_t>(row_);
   const auto before = row_ == 0 ? std::nullopt : std::optional(*(next - 1));
   const auto after = next == rows_->times.end() ? std::nullopt : std::optional(*next);
@@ -146,7 +147,7 @@ ltm::EntityUpdate VideoTable::update(const ltm::MemoryId& entity, Time time,
             {.created = time, .sent = now, .arrived = now, .provider = options_.provider}}}};
 }
 
-/// Converting colours and scaling is most of the work: an image that nobody takes is never made.
+/// Converting colours and scaling is most of the work, so an image that nobody takes is never made.
 RecordingReader::Moment VideoTable::frame_moment() {
   const Time time = *frame_time_;
   idf::Dict value{{std::string(kImage), blank_}};

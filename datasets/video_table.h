@@ -17,55 +17,57 @@
 namespace engram::datasets {
 
 /// Reads a video as the snapshots of one entity, and the table of the same recording as those of
-/// another, in the order of time; a frame comes before a row of the same time.
+/// another, in the order of time. A frame comes before a row of the same time.
 ///
-/// Every image links to the row nearest in time and every row to the nearest image, the earlier
-/// of two as near. A link names a snapshot that was offered to the recorder: its filters may have
-/// dropped it. The metadata's `created` is the time of the snapshot. Images are made only when they
-/// are asked for: Moment::unmade. Neither is an episode, so that nothing is stored beside the
+/// Every image links to the row nearest in time, and every row to the nearest image; of two equally
+/// near ones to the earlier. A link names a snapshot that was offered to the recorder, whose
+/// filters may have dropped it. The metadata's `created` is the time of the snapshot. Images are
+/// made only on demand: Moment::unmade. There are no episodes, so nothing is stored beside the
 /// values. Memory: the table, and the decoder's frames. Threading: as RecordingReader; images are
 /// made in another thread than the one that reads.
 class VideoTable final : public RecordingReader {
  public:
   struct Options {
     std::filesystem::path video;
-    /// Numbers over time of the same recording; empty: the video alone.
+    /// Numbers over time of the same recording. If empty, only the video is read.
     std::filesystem::path table;
 
-    /// Gets a snapshot per frame: {"image": uint8 [H, W, 3], "state": link}.
+    /// The entity with a snapshot per frame: {"image": uint8 [H, W, 3], "state": link}.
     ltm::MemoryId entity;
-    /// Gets a snapshot per row: Table::row_value and {"camera": link}. Needed with a table.
+    /// The entity with a snapshot per row: Table::row_value and {"camera": link}. Required with a
+    /// table.
     ltm::MemoryId state_entity;
 
-    /// When the video began; nothing: as the video says, else 1970-01-01.
+    /// When the video began. If empty, the video says it, else it is 1970-01-01.
     std::optional<Time> start;
-    /// Added to the times of the table to get those of the video.
+    /// Added to the times of the table to convert them to times of the video.
     Duration table_offset{};
     Table::Options table_options;
 
-    /// Size and cut of the images; see VideoReader::Options. Unit: pixels.
+    /// Size and cropping of the images; see VideoReader::Options. Unit: pixels.
     int width = 0;
     int height = 0;
     bool crops_square = false;
     int threads = 3;
 
-    /// Named in the metadata of every instance.
+    /// The provider in the metadata of every instance.
     std::string provider = "import";
-    /// Says when an instance was sent and arrived. It is called from the thread that reads.
+    /// Gives the times at which an instance was sent and arrived. Called from the thread that
+    /// reads.
     Clock clock = system_now;
 
     [[nodiscard]] Status validate() const;
   };
 
-  /// Errors: those of VideoReader and Table; kInvalidArgument where the options do not validate,
-  /// the video has no frame or the table has a column "camera".
+  /// Errors: those of VideoReader and Table; kInvalidArgument if the options do not validate, the
+  /// video has no frame or the table has a column "camera".
   static Result<std::unique_ptr<RecordingReader>> open(const Options& options);
 
   [[nodiscard]] const std::vector<RecordingStream>& streams() const override { return streams_; }
   [[nodiscard]] uint64_t total() const override;
   [[nodiscard]] std::optional<Time> start() const override { return start_; }
 
-  /// Errors: those of VideoReader::decode, after the frames before it.
+  /// Errors: those of VideoReader::decode, after the frames before the error.
   Result<std::optional<Moment>> next() override;
 
  private:
@@ -91,15 +93,15 @@ class VideoTable final : public RecordingReader {
   const Options options_;
   const Time start_;
   VideoReader video_;
-  const idf::NdArray blank_;  ///< As large as the images of the video, in their place.
+  const idf::NdArray blank_;  ///< The placeholder for images, of the same size.
   const std::optional<Rows> rows_;
   std::vector<RecordingStream> streams_;
-  std::optional<DecodedFrame> frame_;       ///< The next one.
-  std::optional<Time> frame_time_;          ///< Its time.
-  std::optional<DecodedFrame> last_frame_;  ///< The one handed over last.
+  std::optional<DecodedFrame> frame_;       ///< The next frame.
+  std::optional<Time> frame_time_;          ///< The time of `frame_`.
+  std::optional<DecodedFrame> last_frame_;  ///< The last frame that was returned.
   std::optional<Time> last_frame_time_;
   size_t row_ = 0;
-  Status broken_;  ///< What ended the video, told after the frame before it.
+  Status broken_;  ///< The error that ended the video; returned after the frame before it.
 };
 
 }  // namespace engram::datasets

@@ -13,14 +13,14 @@ namespace {
 
 constexpr uintmax_t kMaxYamlBytes = 1 << 20;
 
-/// A kind of sensor: how its folders begin, and what the columns behind the time are.
+/// A kind of sensor: how the names of its folders begin, and its columns after the time.
 struct Sensor {
   std::string_view start;
   std::string_view memory;
   std::string_view segment;
-  std::vector<TableMember> members;  ///< Empty: a camera.
+  std::vector<TableMember> members;  ///< Empty for a camera.
 
-  /// With the time.
+  /// The number of columns, including the time.
   [[nodiscard]] size_t columns() const {
     size_t count = 1;
     for (const TableMember& member : members) count += member.columns.size();
@@ -56,7 +56,7 @@ std::filesystem::path sensor_folder(const std::filesystem::path& folder) {
   return std::filesystem::is_directory(folder / "mav0", error) ? folder / "mav0" : folder;
 }
 
-/// What sensor.yaml says of a sensor; empty where it is not there, or large.
+/// Reads sensor.yaml of a sensor; empty if it is missing or too large.
 std::string sensor_text(const std::filesystem::path& folder, const std::string& sensor) {
   const auto path = file_in_folder(folder, sensor + "/sensor.yaml");
   std::error_code error;
@@ -112,6 +112,7 @@ Result<std::unique_ptr<RecordingReader>> open_euroc_folder(const std::filesystem
   for (const std::string& name : names) {
     const auto sensor = std::ranges::find_if(
         sensors(), [&](const Sensor& one) { return name.starts_with(one.start); });
+    // The names of folders are all that tells the kind of a sensor, so unknown ones are reported.
     if (sensor == sensors().end()) {
       ++met.not_carried["folder '" + name + "': no known sensor"];
       continue;

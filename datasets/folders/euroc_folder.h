@@ -7,10 +7,10 @@
 
 namespace engram::datasets {
 
-/// Whether a folder, or the folder mav0 in it, has cam0/data.csv or imu0/data.csv.
+/// Returns true if a folder, or the folder mav0 in it, has cam0/data.csv or imu0/data.csv.
 [[nodiscard]] bool is_euroc_folder(const std::filesystem::path& folder);
 
-/// Errors: kInvalidArgument where no sensor's table is there, or one has other columns.
+/// Errors: kInvalidArgument if there is no table of a sensor, or one has other columns.
 Result<std::unique_ptr<RecordingReader>> open_euroc_folder(const std::filesystem::path& folder,
                                                            const ReadingOptions& options);
 

@@ -15,7 +15,7 @@ namespace engram::datasets {
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_seven_scenes_format();
 
-/// "images": a folder of images and one table that says when they were; read only.
+/// "images": a folder of images and one table with their times; read only.
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_images_format();
 

@@ -14,14 +14,14 @@ namespace engram::datasets {
 namespace {
 
 constexpr const char* kSayRate = "or say --format images --value-rate 30";
-// Whole numbers from here on are nanoseconds: 64 bits do not hold them as anything else.
+// Whole numbers from here on must be nanoseconds: in a coarser unit they would exceed 64 bits.
 constexpr double kOnlyNanoseconds = 9.3e15;
 
 bool has_table_name(const std::filesystem::path& path) {
   return path.extension() == ".csv" || path.extension() == ".txt";
 }
 
-/// "9.png" before "10.png".
+/// Orders names by the numbers in them: "9.png" before "10.png".
 bool comes_before(const std::string& a, const std::string& b) {
   const auto key = [](const std::string& name) {
     const size_t digit = std::min(name.find_first_of("0123456789"), name.size());
@@ -48,10 +48,10 @@ bool has_images(const std::filesystem::path& folder) {
                        entries, [](const auto& entry) { return has_image_name(entry.path()); });
 }
 
-/// What is in a folder.
+/// The contents of a folder.
 struct Found {
   std::vector<std::string> tables;
-  std::vector<std::string> folders;  ///< Of images; "": the folder itself.
+  std::vector<std::string> folders;  ///< Folders of images; "" is the folder itself.
 };
 
 Found found_in(const std::filesystem::path& folder) {
@@ -73,15 +73,15 @@ std::string listed(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("'{}'", fmt::join(some, "', '"));
 }
 
-/// Puts together what is known of a folder.
+/// Builds the reader of a folder from what is known of it.
 class Builder {
  public:
   Builder(std::filesystem::path folder, TableLines lines, const ReadingOptions& options)
       : folder_(std::move(folder)), options_(options), table_{.lines = std::move(lines)} {}
 
-  /// `images`: the folder of them, in `folder`.
+  /// `images`: the folder of the images, relative to `folder`.
   Result<std::unique_ptr<RecordingReader>> build(const std::string& images) {
-    // Of the first line, without reading on in the table that is read.
+    // A second reader looks at the first line, so that the table itself is not advanced.
     ENGRAM_ASSIGN_OR_RETURN(TableLines sample, TableLines::open(table_.lines.path()));
     ENGRAM_ASSIGN_OR_RETURN(const bool has_line, sample.next());
     if (!has_line)
@@ -102,7 +102,7 @@ class Builder {
   void find_files(const TableLines& sample) {
     for (size_t i = 0; i < sample.names().size() && !table_.file_column; ++i)
       if (has_image_name(sample.cell(i))) table_.file_column = i;
-    // Names may begin at the folder of the table.
+    // Names may be relative to the folder of the table.
     if (table_.file_column && file_in_folder(folder_, sample.cell(*table_.file_column)).ok())
       table_.images = folder_;
   }
@@ -111,7 +111,7 @@ class Builder {
     const auto& names = sample.names();
     for (size_t i = 0; i < names.size() && !table_.time_column; ++i)
       if (time_name(names[i]).is_time) table_.time_column = i;
-    // A table of times alone.
+    // The table may consist of nothing but times and names.
     const size_t others = table_.file_column ? 2 : 1;
     if (!table_.time_column && !sample.has_names() && names.size() == others)
       table_.time_column = table_.file_column == size_t{0} ? 1 : 0;
@@ -145,7 +145,7 @@ class Builder {
     return {};
   }
 
-  /// Without names in the table there is a line for each image.
+  /// If the table has no names, it must have one line for each image.
   Status match_names() {
     for (const std::string& name : image_names(table_.images)) table_.files.emplace_back(name);
     ENGRAM_ASSIGN_OR_RETURN(TableLines all, TableLines::open(table_.lines.path()));
@@ -169,7 +169,7 @@ class Builder {
     return RecordingStream{std::move(entity), name, 0, {}};
   }
 
-  /// Whether the images are of depth says the first one that can be read.
+  /// The first image that can be read tells whether the images are depth.
   Status add_images(const TableLines& sample, const std::string& name) {
     const auto first = table_.file_column ? std::filesystem::path(sample.cell(*table_.file_column))
                                           : table_.files.front();
@@ -202,7 +202,7 @@ class Builder {
   const ReadingOptions& options_;
   TimedTable table_;
   ReadingReport met_;
-  std::optional<size_t> skipped_;  ///< The column of times that nobody asks.
+  std::optional<size_t> skipped_;  ///< The column of times, if a rate replaces it.
 };
 
 }  // namespace

@@ -7,16 +7,16 @@
 
 namespace engram::datasets {
 
-/// Whether a folder has images, or one folder of them, and one table.
+/// Returns true if a folder has images, or one subfolder with images, and one table.
 [[nodiscard]] bool is_images_folder(const std::filesystem::path& folder);
 
-/// Errors: kInvalidArgument where it is not certain what belongs together or when it was, saying
-/// what was found and what to say.
+/// Errors: kInvalidArgument if it is not certain which files belong together or what their times
+/// are, saying what was found and which option is needed.
 Result<std::unique_ptr<RecordingReader>> open_images_folder(const std::filesystem::path& folder,
                                                             const ReadingOptions& options);
 
-/// The unit that the name of a column of times says: "timestamp [ns]", "time_ms", "t(s)".
-/// Nothing where it says none, or is none of times.
+/// What the name of a column says about times: "timestamp [ns]", "time_ms", "t(s)". `unit` is empty
+/// if the name has no unit or is not the name of a time.
 struct TimeName {
   bool is_time = false;
   std::optional<TimeUnit> unit;

@@ -8,8 +8,8 @@
 
 namespace engram::datasets {
 
-/// `time` and so much more.
-/// Errors: kInvalidArgument behind the year 2262.
+/// Returns `time` + `more`.
+/// Errors: kInvalidArgument if the result is after the year 2262.
 inline Result<Time> later(Time time, Duration more) {
   int64_t ns = 0;
   if (!__builtin_add_overflow(to_ns(time), more.count(), &ns)) return time_from_ns(ns);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 7-Scenes: colour, depth and pose of each frame as files of their own.
+// 7-Scenes: colour, depth and pose of each frame are separate files.
 #include "datasets/folders/folder_formats.h"
 #include "datasets/folders/seven_scenes_reader.h"
 

@@ -21,7 +21,7 @@ constexpr int64_t kUnknownDepth = 65535;
 constexpr std::string_view kPrefix = "frame-";
 constexpr size_t kDigits = 6;
 
-/// The number of "frame-000012.color.png".
+/// Returns 12 for "frame-000012.color.png".
 std::optional<uint32_t> frame_number(const std::string& name) {
   if (!name.starts_with(kPrefix) || name.size() < kPrefix.size() + kDigits) return std::nullopt;
   const char* begin = name.data() + kPrefix.size();
@@ -31,7 +31,7 @@ std::optional<uint32_t> frame_number(const std::string& name) {
   return number;
 }
 
-/// In order, each once.
+/// Lists the frames in order, each of them once.
 std::vector<uint32_t> list_frames(const std::filesystem::path& folder) {
   std::vector<uint32_t> frames;
   std::error_code error;
@@ -54,7 +54,8 @@ std::vector<std::filesystem::path> list_sequences(const std::filesystem::path& f
   return sequences;
 }
 
-/// w x y z of a rotation, by the largest of the four, which keeps most digits.
+/// Converts a rotation matrix to w x y z. The largest of the four is computed first, because that
+/// loses the fewest digits.
 std::vector<double> quaternion_of(const std::vector<double>& m) {
   const double x2 = 1 + m[0] - m[5] - m[10];
   const double y2 = 1 - m[0] + m[5] - m[10];
@@ -73,7 +74,8 @@ std::vector<double> quaternion_of(const std::vector<double>& m) {
   return {q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
 }
 
-/// A matrix of 4 x 4 that takes camera coordinates to world; nothing where the file has no other.
+/// Reads a 4 x 4 matrix that transforms camera coordinates to world coordinates; returns nothing if
+/// the file has no such matrix.
 std::optional<idf::Data> read_pose(const std::filesystem::path& folder, const std::string& name) {
   const auto path = file_in_folder(folder, name);
   if (!path.ok()) return std::nullopt;

@@ -9,7 +9,7 @@
 
 namespace engram::datasets {
 
-/// Whether a folder has frames, or folders seq-XX.
+/// Returns true if a folder has frames, or folders seq-XX.
 [[nodiscard]] bool is_seven_scenes(const std::filesystem::path& folder);
 
 /// Reads the sequences of a scene one after the other.
@@ -17,7 +17,7 @@ namespace engram::datasets {
 /// Memory: one frame, and the numbers of the frames of one sequence.
 class SevenScenesReader final : public RecordingReader {
  public:
-  /// Errors: kInvalidArgument where the folder has no frame, kNotFound where an asked sequence is
+  /// Errors: kInvalidArgument if the folder has no frame; kNotFound if a requested sequence is
   /// missing.
   static Result<std::unique_ptr<RecordingReader>> open(const std::filesystem::path& folder,
                                                        const ReadingOptions& options);
@@ -38,9 +38,9 @@ class SevenScenesReader final : public RecordingReader {
   std::vector<std::filesystem::path> sequences_;
   Duration gap_;
   double rate_hz_;
-  Time start_;  ///< Of the sequence.
+  Time start_;  ///< The start of the current sequence.
   size_t sequence_ = 0;
-  std::vector<uint32_t> frames_;  ///< Of the sequence; empty: not yet listed.
+  std::vector<uint32_t> frames_;  ///< Frames of the current sequence; empty if not yet listed.
   size_t frame_ = 0;
 };
 

@@ -33,14 +33,14 @@ std::optional<double> number_of(std::string_view text) {
   return value;
 }
 
-/// Whether the cells of the first line name the columns.
+/// Returns true if the cells of the first line are names of columns.
 bool are_names(const std::vector<std::string>& cells) {
   return std::ranges::any_of(cells, [](const std::string& cell) {
     return !cell.empty() && !is_number(cell) && !has_image_name(cell);
   });
 }
 
-/// Whether the first line that says something has a comma.
+/// Returns true if the first line that is not empty has a comma.
 bool has_commas(std::ifstream& file) {
   std::array<char, kMaxLineBytes> line{};
   while (file.getline(line.data(), line.size()))
@@ -88,6 +88,7 @@ Result<TableLines> TableLines::open(const std::filesystem::path& path) {
     return invalid_argument("'{}': has {} columns, needs at most {}", path.string(),
                             lines.cells_.size(), kMaxColumns);
   lines.has_names_ = are_names(lines.cells_);
+  // A first line without names is already a row, so next() must return it once.
   lines.has_first_ = !lines.has_names_;
   for (size_t i = 0; i < lines.cells_.size(); ++i)
     lines.names_.push_back(lines.has_names_ ? lines.cells_[i] : fmt::format("column {}", i + 1));
@@ -113,7 +114,7 @@ Result<bool> TableLines::next_cells() {
     ENGRAM_ASSIGN_OR_RETURN(const bool has_line, csv_->next(cells_));
     if (!has_line) return false;
     for (std::string& cell : cells_) cell = trimmed(cell);
-    // A comment, but for the names in front.
+    // Lines with '#' are comments, except for the names in the first line.
     if (names_.empty() || !cells_.front().starts_with('#')) return true;
   }
 }
@@ -126,7 +127,7 @@ Result<bool> TableLines::next_words() {
     cells_.clear();
     for (std::string word; text >> word;) cells_.push_back(std::move(word));
     if (cells_.empty() || (!names_.empty() && cells_.front().starts_with('#'))) continue;
-    // "# timestamp filename"
+    // The line is "# timestamp filename".
     if (cells_.front() == "#") cells_.erase(cells_.begin());
     if (!cells_.empty()) return true;
   }

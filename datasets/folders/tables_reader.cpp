@@ -45,6 +45,7 @@ Status TablesReader::advance(Source& source) {
   ENGRAM_ASSIGN_OR_RETURN(Time time, time_of(source));
   ++source.line;
   if (last && time == *last) {
+    // The times of one entity must increase, but coarse clocks repeat them.
     time += Duration(1);
     ++report_.not_carried["repeated times, moved by 1 ns"];
   }
@@ -66,7 +67,7 @@ Result<Time> TablesReader::time_of(const Source& source) const {
   return Time(Duration(std::llround(ns)));
 }
 
-/// When a moment is, if the first one is at the start that is asked for.
+/// Shifts a time so that the first moment is at the requested start.
 Result<Time> TablesReader::shifted(Time time) const {
   if (!start_) return time;
   int64_t since = 0;
@@ -107,6 +108,7 @@ Result<std::optional<idf::Data>> TablesReader::value_of(const Source& source,
                                                         const TablePart& part) const {
   const TimedTable& table = source.table;
   if (part.kind != TablePart::Kind::kNumbers)
+    // Nothing for an image that is missing or broken: it is counted, and the import goes on.
     return folder_image(table.images,
                         table.file_column
                             ? std::filesystem::path(table.lines.cell(*table.file_column))

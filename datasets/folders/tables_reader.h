@@ -8,41 +8,41 @@
 
 namespace engram::datasets {
 
-/// What one column, or some of them, become in a value.
+/// A member of a value that is made from one or more columns.
 struct TableMember {
   std::string name;
   std::vector<size_t> columns;
-  bool is_array = false;  ///< An ndarray [columns], else a number.
+  bool is_array = false;  ///< True for an ndarray [columns], false for a number.
 };
 
-/// What a line of a table gives one entity.
+/// The entity that gets one part of each line of a table.
 struct TablePart {
   enum class Kind : uint8_t { kImage, kDepth, kNumbers };
   RecordingStream stream;
   Kind kind = Kind::kNumbers;
-  std::vector<TableMember> members;  ///< Of numbers.
+  std::vector<TableMember> members;  ///< Only for kNumbers.
 };
 
-/// A table, when its lines are and what they give.
+/// A table, the times of its lines and the entities that it feeds.
 struct TimedTable {
   TableLines lines;
   std::vector<TablePart> parts;
-  std::optional<size_t> time_column;  ///< Without: `rate_hz` lines a second.
+  std::optional<size_t> time_column;  ///< If empty, there are `rate_hz` lines per second.
   TimeUnit unit = TimeUnit::kNanoseconds;
   double rate_hz = 0;
-  std::filesystem::path images;              ///< Folder of images.
-  std::optional<size_t> file_column;         ///< That names them; without:
-  std::vector<std::filesystem::path> files;  ///< Their names, one for each line.
+  std::filesystem::path images;              ///< The folder of the images.
+  std::optional<size_t> file_column;         ///< Has the names of images; if empty, see `files`.
+  std::vector<std::filesystem::path> files;  ///< The names of images, one for each line.
 };
 
-/// Reads tables beside each other, in the order of time, and the images that they name.
+/// Reads several tables in the order of time, and the images that they name.
 ///
 /// Errors: kInvalidArgument naming table and line. Memory: a line and an image of each table, and
-/// the names of images where a table does not name them.
+/// the names of images if a table does not name them.
 class TablesReader final : public RecordingReader {
  public:
-  /// `met`: what of the folder is left out.
-  /// Errors: kInvalidArgument where a first line is broken.
+  /// `met`: what was found in the folder and is left out.
+  /// Errors: kInvalidArgument if a first line is broken.
   static Result<std::unique_ptr<RecordingReader>> create(std::string_view format,
                                                          std::vector<TimedTable> tables,
                                                          ReadingReport met,
@@ -55,8 +55,8 @@ class TablesReader final : public RecordingReader {
  private:
   struct Source {
     TimedTable table;
-    std::optional<Time> time;  ///< Of the next line; nothing behind the last.
-    uint64_t line = 0;         ///< Lines that were read.
+    std::optional<Time> time;  ///< The time of the next line; empty after the last one.
+    uint64_t line = 0;         ///< Number of lines that were read.
   };
 
   TablesReader(std::string_view format, std::optional<Time> start)
@@ -69,8 +69,8 @@ class TablesReader final : public RecordingReader {
   Result<std::optional<idf::Data>> value_of(const Source& source, const TablePart& part) const;
 
   std::string format_;
-  std::optional<Time> start_;  ///< That is asked for.
-  std::optional<Time> first_;  ///< Of the first moment, as the tables say.
+  std::optional<Time> start_;  ///< The requested start.
+  std::optional<Time> first_;  ///< The time of the first moment in the tables.
   std::vector<Source> sources_;
   std::vector<RecordingStream> streams_;
 };

@@ -10,14 +10,14 @@ namespace {
 
 constexpr double kDepthPerMetre = 5000;
 
-/// A table of the format, which may be missing.
+/// A table of the format; the folder need not have it.
 struct TumTable {
   std::string name;
   std::string memory;
   std::string segment;
   TablePart::Kind kind = TablePart::Kind::kNumbers;
-  std::vector<std::string> columns;  ///< Behind the time.
-  std::vector<TableMember> members;  ///< Of numbers.
+  std::vector<std::string> columns;  ///< Columns after the time.
+  std::vector<TableMember> members;  ///< For tables of numbers.
 };
 
 const std::vector<TumTable>& tables() {

@@ -7,7 +7,7 @@
 
 namespace engram::datasets {
 
-/// Errors: kInvalidArgument where the folder has none of the tables, or as TablesReader says.
+/// Errors: kInvalidArgument if the folder has none of the tables; those of TablesReader.
 Result<std::unique_ptr<RecordingReader>> open_tum_folder(const std::filesystem::path& folder,
                                                          const ReadingOptions& options);
 

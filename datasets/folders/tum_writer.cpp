@@ -14,7 +14,7 @@ namespace {
 
 constexpr int64_t kNsPerSecond = 1'000'000'000;
 
-/// A member that is an array of this type; null where there is none.
+/// Returns a member that is an array of this type; null if there is none.
 const idf::NdArray* array_of(const idf::Data& value, std::string_view name, idf::ElementType type) {
   const idf::Data* member = value.is<idf::Dict>() ? value.at(name) : nullptr;
   const auto* array = member == nullptr ? nullptr : member->get_if<idf::NdArray>();
@@ -25,7 +25,7 @@ bool is_vector(const idf::NdArray* array, int64_t size) {
   return array != nullptr && array->shape() == idf::Shape{size};
 }
 
-/// The table that a value fits; empty where there is none.
+/// Returns the table that a value fits; empty if there is none.
 std::string table_of(const ltm::MemoryId& entity, const idf::Data& value) {
   using enum idf::ElementType;
   if (const auto* image = array_of(value, "image", kUInt8);
@@ -42,17 +42,17 @@ std::string table_of(const ltm::MemoryId& entity, const idf::Data& value) {
   return "";
 }
 
-/// How many members a value of a table has; more are not held.
+/// The number of members that a table can hold; further members are not held.
 size_t members_of(const std::string& table) {
   return table == "groundtruth" ? 2 : 1;
 }
 
-/// Seconds since the epoch, exact: nine digits.
+/// Writes seconds since the epoch exactly, with nine digits.
 std::string seconds_of(Time time) {
   return fmt::format("{}.{:09}", to_ns(time) / kNsPerSecond, to_ns(time) % kNsPerSecond);
 }
 
-/// A folder under a hidden name until it is whole; else removed.
+/// A folder with a hidden name until it is complete. If it is never completed, it is removed.
 class HiddenFolder {
  public:
   explicit HiddenFolder(const std::filesystem::path& path)
@@ -87,7 +87,7 @@ class TumWriter {
  public:
   explicit TumWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// A value that does not fit its table is counted.
+  /// Adds a value, or counts it if it does not fit its table.
   Status add(const std::string& table, const ltm::MemoryId& entity, Time time,
              const idf::Data& value) {
     if (table_of(entity, value) != table) return count("values of another kind than the newest");

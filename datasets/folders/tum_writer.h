@@ -7,11 +7,11 @@
 
 namespace engram::datasets {
 
-/// What a folder gets: of each table the first entity whose newest value fits. "rgb" {"image"} of 8
-/// bits, "depth" {"depth"} of 16 bits, "groundtruth" {"position", "orientation"}, "accelerometer"
-/// {"values"} of three and that name.
+/// The assignment of entities to the tables of a folder: each table gets the first entity whose
+/// newest value fits. "rgb" needs {"image"} with 8 bits, "depth" {"depth"} with 16 bits,
+/// "groundtruth" {"position", "orientation"}, "accelerometer" {"values"} of three and that name.
 struct TumPlan {
-  std::map<ltm::MemoryId, std::string> tables;  ///< Of entities.
+  std::map<ltm::MemoryId, std::string> tables;  ///< Tables by their entity.
   std::map<std::string, uint64_t, std::less<>> not_held;
 };
 

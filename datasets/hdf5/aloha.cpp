@@ -64,7 +64,7 @@ class Aloha final : public Dialect {
     return {"Data", "aloha", below};
   }
 
-  /// Lengths of compressed images, which end where their zeros begin.
+  /// This array has the lengths of compressed images, which also end where their zeros begin.
   [[nodiscard]] bool is_description(const std::string& name) const override {
     return name == "compress_len";
   }
@@ -87,6 +87,7 @@ class Aloha final : public Dialect {
   }
 
   void complete(idf::Dict& attributes, uint64_t /*rows*/) const override {
+    // Programs of ALOHA read this attribute of every episode.
     if (attributes.find("sim") == nullptr) attributes.set("sim", false);
   }
 

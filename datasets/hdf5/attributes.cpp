@@ -10,7 +10,7 @@ namespace engram::datasets {
 
 namespace {
 
-/// An attribute as an array of one row.
+/// Describes an attribute as an array of one row.
 h5::ArrayInfo as_row(const h5::Attribute& attribute) {
   h5::ArrayInfo info{attribute.element, {1}};
   info.shape.insert(info.shape.end(), attribute.shape.begin(), attribute.shape.end());
@@ -35,7 +35,7 @@ std::optional<idf::Data> to_value(const h5::Attribute& attribute) {
   return idf::List(attribute.texts.begin(), attribute.texts.end());
 }
 
-/// A list of texts, or of bools.
+/// Makes an attribute from a list of texts or of bools.
 std::optional<h5::Attribute> list_attribute(const idf::List& list) {
   h5::Attribute attribute{{h5::Kind::kText}, {list.size()}, {}, {}};
   const bool are_bools = !list.empty() && list.front().is<bool>();

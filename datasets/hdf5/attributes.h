@@ -8,10 +8,11 @@
 
 namespace engram::datasets {
 
-/// All attributes of an object. Those that cannot be read are counted in `report`.
+/// Reads all attributes of an object. Those that cannot be read are counted in `report`.
 idf::Dict read_attributes(const h5::File& file, const std::string& object, ReadingReport& report);
 
-/// Writes what read_attributes gave, texts of variable length. Values of other kinds are left out.
+/// Writes what read_attributes returned, with texts of variable length. Values of other kinds are
+/// left out.
 Status write_attributes(h5::File& file, const std::string& object, const idf::Dict& attributes);
 
 }  // namespace engram::datasets

@@ -12,9 +12,9 @@ namespace engram::datasets {
 namespace {
 
 constexpr uint64_t kChunkBytes = 256 << 10;
-constexpr int kDeflateLevel = 4;  ///< h5py's own.
+constexpr int kDeflateLevel = 4;  ///< The default of h5py.
 
-/// Members of a value that are numbers, arrays or texts; the rest is counted.
+/// Adds the members of a value that are numbers, arrays or texts; all others are counted.
 void add_members(const idf::Data& value, const std::string& path,
                  std::vector<std::pair<std::string, RowForm>>& members, uint64_t& others) {
   if (const auto* dict = value.get_if<idf::Dict>()) {
@@ -39,7 +39,7 @@ uint64_t product(const std::vector<uint64_t>& shape) {
   return total;
 }
 
-/// As h5py and robomimic write it: images compressed, numbers not.
+/// Lays out an array like h5py and robomimic do: images are compressed, numbers are not.
 h5::ArrayInfo usual_array(const RowForm& form) {
   h5::ArrayInfo array{form.element, {1}};
   array.shape.insert(array.shape.end(), form.shape.begin(), form.shape.end());
@@ -49,7 +49,7 @@ h5::ArrayInfo usual_array(const RowForm& form) {
   return array;
 }
 
-/// As it was in the file that it came from, where that still fits.
+/// Lays out an array as in the file that it came from, if that still fits.
 h5::ArrayInfo former_array(const RowForm& form, const idf::Dict& attributes) {
   h5::ArrayInfo array = usual_array(form);
   const auto dtype = described<std::string>(attributes, "dtype", "");
@@ -57,7 +57,7 @@ h5::ArrayInfo former_array(const RowForm& form, const idf::Dict& attributes) {
       dtype == "bytes" ||
       (dtype == "uint8" && form.shape.size() == 3 && attributes.find("row_shape") != nullptr &&
        described<idf::List>(attributes, "row_shape", {}).size() == 1);
-  if (was_bytes) return array;  // Was compressed as a JPEG file.
+  if (was_bytes) return array;  // The images were JPEG files and are decoded now.
   std::vector<uint64_t> row;
   for (const idf::Data& size : described<idf::List>(attributes, "row_shape", {}))
     if (const auto* number = size.get_if<int64_t>(); number != nullptr && *number >= 0)

@@ -7,7 +7,7 @@ namespace engram::datasets {
 
 namespace {
 
-/// How many values each entity has before `end`.
+/// Counts the values of each entity before `end`.
 Result<std::vector<uint64_t>> count_values(EpisodeCursors& cursors, size_t entities, Time end) {
   std::vector<uint64_t> counts(entities, 0);
   for (size_t i = 0; i < entities; ++i)
@@ -15,7 +15,8 @@ Result<std::vector<uint64_t>> count_values(EpisodeCursors& cursors, size_t entit
   return counts;
 }
 
-/// Whether each entity has a value at the first steps of `leader`, one per step, and no other.
+/// Returns, for each entity, whether it has one value at each of the first steps of `leader` and no
+/// other value.
 Result<std::vector<bool>> are_in_step(EpisodeCursors& cursors, size_t entities, size_t leader,
                                       Time end) {
   std::vector<bool> fits(entities, true);
@@ -28,6 +29,7 @@ Result<std::vector<bool>> are_in_step(EpisodeCursors& cursors, size_t entities, 
         ENGRAM_RETURN_IF_ERROR(cursors.advance(i));
       }
       const bool is_there = found && found->entry.time == step->entry.time;
+      // An array has no gaps, so an entity may end early but must not start again.
       if (is_there && has_ended[i]) fits[i] = false;
       has_ended[i] = !is_there;
       if (is_there && i != leader) ENGRAM_RETURN_IF_ERROR(cursors.advance(i));
@@ -71,6 +73,8 @@ Result<std::vector<EpisodeRows>> plan_episodes(ltm::Recall& recall, const ltm::Q
                                                const std::vector<ExportedEntity>& entities,
                                                const Dialect& dialect, NotHeld& not_held) {
   ENGRAM_ASSIGN_OR_RETURN(const auto episodes, stored_episodes(recall, dialect));
+  // Two passes with their own cursors: the entity with the largest number of values in an episode
+  // must be known before the others are compared with it.
   ENGRAM_ASSIGN_OR_RETURN(auto counted, EpisodeCursors::create(recall, query, entities));
   ENGRAM_ASSIGN_OR_RETURN(auto compared, EpisodeCursors::create(recall, query, entities));
   const size_t count = entities.size();

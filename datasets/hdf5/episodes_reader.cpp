@@ -16,7 +16,7 @@ constexpr size_t kMaxArrays = 10'000;
 constexpr double kSlowestHz = 1e-3;
 constexpr double kFastestHz = 1e6;
 
-/// What an export needs to write the array as it was.
+/// Describes an array so that an export can write it in the same way.
 idf::Dict describe(const h5::ArrayInfo& info) {
   idf::List row;
   for (size_t i = 1; i < info.shape.size(); ++i)
@@ -84,6 +84,7 @@ Status EpisodesReader::add_episode(const h5::File& file, const EpisodeGroup& gro
 Status EpisodesReader::list_arrays(const h5::File& file, Episode& episode, const std::string& below,
                                    int depth) {
   const std::string path = episode.group.group + (below.empty() ? "" : "/" + below);
+  // Links may form a cycle, so the depth is bounded.
   if (depth > kMaxDepth)
     return invalid_argument("'{}': '{}' lies deeper than {} groups", file.path().string(), path,
                             kMaxDepth);
@@ -142,7 +143,7 @@ Status EpisodesReader::begin_episode() {
     const std::string path = episode.group.group + "/" + name;
     ENGRAM_ASSIGN_OR_RETURN(auto info, file_->array_info(path));
     const Array& array = arrays_.find(name)->second;
-    // Where episodes differ in what an array is, each says what its own rows are.
+    // If episodes differ in the type of an array, each uses the role of its own rows.
     const RowRole role = dialect_.place(name, info).role;
     rows_ = std::max(rows_, info.rows());
     blocks_.emplace_back(array.stream, RowBlocks(path, std::move(info), role));
@@ -172,7 +173,7 @@ Result<RecordingEpisode> EpisodesReader::describe_episode() {
 
 Result<Time> EpisodesReader::time_of(uint64_t row) const {
   const Episode& episode = episodes_[episode_];
-  // Beyond a day in nanoseconds, a double has less than 53 bits for them: whole seconds apart.
+  // A double has too few bits for nanoseconds beyond a day, so whole seconds are split off.
   const double seconds = static_cast<double>(row) / episode.rate_hz;
   const double whole = std::floor(seconds);
   constexpr double kMaxSeconds = 9.2e9;

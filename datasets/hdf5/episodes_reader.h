@@ -11,13 +11,13 @@
 
 namespace engram::datasets {
 
-/// Reads episodes one after the other, all arrays of one row by row.
+/// Reads episodes one after the other, and the arrays of an episode row by row.
 ///
 /// Memory: a block of each array of an episode, and the names of all arrays.
 class EpisodesReader final : public RecordingReader {
  public:
-  /// `files` in the order of their episodes, all of one dialect.
-  /// Errors: kInvalidArgument where a file has no episode, an asked one is missing, or times do not
+  /// `files` must be in the order of their episodes and of the same dialect.
+  /// Errors: kInvalidArgument if a file has no episode, a requested one is missing, or times do not
   /// fit; those of h5::File.
   static Result<std::unique_ptr<RecordingReader>> open(
       const Dialect& dialect, const std::vector<std::filesystem::path>& files,
@@ -36,8 +36,8 @@ class EpisodesReader final : public RecordingReader {
     std::filesystem::path file;
     EpisodeGroup group;
     double rate_hz = 0;
-    std::vector<std::string> arrays;  ///< Their names.
-    std::vector<std::string> groups;  ///< Those inside of it.
+    std::vector<std::string> arrays;  ///< Names of the arrays.
+    std::vector<std::string> groups;  ///< Names of the groups inside of the episode.
   };
 
   EpisodesReader(const Dialect& dialect, ReadingOptions options)
@@ -62,12 +62,12 @@ class EpisodesReader final : public RecordingReader {
   std::vector<Episode> episodes_;
   uint64_t total_ = 0;
 
-  size_t episode_ = 0;  ///< The one that is read, or will be.
+  size_t episode_ = 0;  ///< The current episode, or the next one if !is_begun_.
   bool is_begun_ = false;
   std::optional<h5::File> file_;
-  std::vector<std::pair<size_t, RowBlocks>> blocks_;  ///< With their streams.
+  std::vector<std::pair<size_t, RowBlocks>> blocks_;  ///< Arrays with the index of their stream.
   uint64_t row_ = 0;
-  uint64_t rows_ = 0;  ///< Of the longest array of the episode.
+  uint64_t rows_ = 0;  ///< Rows of the longest array of the episode.
   Time start_{};
 };
 

@@ -12,7 +12,8 @@ namespace engram::datasets {
 
 namespace {
 
-/// A file or folder under a name of its own until it is whole; else removed.
+/// A file or folder with a temporary name until it is complete. If it is never completed, it is
+/// removed.
 class PartPath {
  public:
   explicit PartPath(const std::filesystem::path& path) : final_(path), part_(path) {
@@ -63,7 +64,7 @@ class EpisodesWriter {
       for (const uint64_t rows : episode.rows) total_ += rows;
   }
 
-  /// All episodes in one file.
+  /// Writes all episodes to one file.
   Status write_file(const std::filesystem::path& path) {
     ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path, h5::Audience::kEverybody));
     uint64_t rows = 0;
@@ -76,7 +77,7 @@ class EpisodesWriter {
     return close(file);
   }
 
-  /// Each episode in a file of its own.
+  /// Writes each episode to a file of its own.
   Status write_folder(const std::filesystem::path& folder) {
     ENGRAM_RETURN_IF_ERROR(make_directories(folder));
     for (const EpisodeRows& episode : plan_.episodes)
@@ -87,7 +88,8 @@ class EpisodesWriter {
   [[nodiscard]] const ExportReport& report() const { return report_; }
 
  private:
-  /// Names come from files of others: nothing of them may lead out of the folder.
+  /// Names of episodes come from files that are not trusted, so they must not lead out of the
+  /// folder.
   static std::string file_name(const EpisodeRows& episode) {
     const std::string name = dotted(episode.episode.name);
     return name.empty() || name.starts_with('.') ? "episode" + name : name;
@@ -127,7 +129,7 @@ class EpisodesWriter {
     return write_attributes(file, group.empty() ? "/" : group, attributes);
   }
 
-  /// Attributes of what is inside of an episode; a group where there is nothing yet.
+  /// Writes attributes of an object in an episode, and makes a group if there is no such object.
   static Status write_object(h5::File& file, const std::string& path, const idf::Dict& attributes) {
     ENGRAM_ASSIGN_OR_RETURN(const bool is_there, file.exists(path));
     if (!is_there) ENGRAM_RETURN_IF_ERROR(file.make_group(path));
@@ -160,7 +162,7 @@ class EpisodesWriter {
     return make_jpeg_sink(file, path, column, options_.jpeg_quality, image_sizes_.emplace_back());
   }
 
-  /// Sizes of compressed images, a row per camera, as ALOHA keeps them.
+  /// Writes the sizes of compressed images, a row per camera, as ALOHA stores them.
   Status write_image_sizes(h5::File& file, uint64_t rows) {
     if (image_sizes_.empty()) return {};
     const h5::ArrayInfo array{{h5::Kind::kNumber, h5::Type::kFloat32}, {image_sizes_.size(), rows}};
@@ -201,7 +203,7 @@ class EpisodesWriter {
   const ProgressSink& progress_;
   std::stop_token stop_;
   ExportReport report_;
-  std::list<std::vector<float>> image_sizes_;  ///< Of the episode; sinks keep places in it.
+  std::list<std::vector<float>> image_sizes_;  ///< A list, because sinks refer to its elements.
   uint64_t total_ = 0;
 };
 

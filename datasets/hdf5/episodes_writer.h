@@ -7,7 +7,7 @@
 
 namespace engram::datasets {
 
-/// What an export will write, found out without decoding more than one value of each entity.
+/// The plan of an export. To make it, at most one value of each entity is decoded.
 struct EpisodesPlan {
   std::vector<ExportedEntity> entities;
   std::vector<EpisodeRows> episodes;
@@ -18,7 +18,8 @@ struct EpisodesPlan {
 Result<EpisodesPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
                                  const WritingOptions& options, const Dialect& dialect);
 
-/// RecordingFormat::write for every dialect. Memory: a chunk of each array of one entity.
+/// Implements RecordingFormat::write for every dialect. Memory: a chunk of each array of one
+/// entity.
 Result<ExportReport> write_episodes(ltm::Recall& recall, const ltm::Query& query,
                                     const std::filesystem::path& path,
                                     const WritingOptions& options, const Dialect& dialect,

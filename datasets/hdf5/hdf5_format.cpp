@@ -14,7 +14,8 @@ bool has_hdf5_name(const std::filesystem::path& path) {
   return path.extension() == ".hdf5" || path.extension() == ".h5";
 }
 
-/// The file itself, or the HDF5 files of a folder: "episode_2.hdf5" before "episode_10.hdf5".
+/// Returns the file itself, or the HDF5 files of a folder, with "episode_2.hdf5" before
+/// "episode_10.hdf5".
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {path};

@@ -7,11 +7,11 @@
 
 namespace engram::datasets {
 
-/// "robomimic": demonstrations of robomimic and LIBERO, a group each of one file.
+/// "robomimic": demonstrations of robomimic and LIBERO; one file with a group for each.
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_robomimic_format();
 
-/// "aloha": episodes of ALOHA, a file each, alone or in a folder.
+/// "aloha": episodes of ALOHA; a file for each, alone or in a folder.
 /// Source: docs/formats.md.
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_aloha_format();
 

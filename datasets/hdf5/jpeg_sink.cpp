@@ -10,7 +10,7 @@ namespace engram::datasets {
 
 namespace {
 
-/// ALOHA keeps sizes as float32.
+/// ALOHA stores sizes as float32, which holds whole numbers up to this exactly.
 constexpr size_t kMaxFileBytes = 1 << 24;
 
 class JpegSink final : public RowSink {

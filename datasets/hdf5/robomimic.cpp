@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// robomimic and LIBERO: one file, a group per demonstration.
+// robomimic and LIBERO: one file with a group per demonstration.
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ namespace {
 constexpr double kAssumedHz = 20;
 constexpr uint64_t kMaxMaskNames = 1 << 20;
 
-/// "demo_2" before "demo_10".
+/// Orders "demo_2" before "demo_10".
 std::tuple<size_t, std::string> by_number(const std::string& name) {
   const size_t digits = name.find_last_not_of("0123456789") + 1;
   return {name.size() - std::min(digits, name.size()), name};
@@ -70,6 +70,7 @@ class Robomimic final : public Dialect {
       const auto json = nlohmann::json::parse(text->texts[0], nullptr, false);
       const auto kwargs = json.is_object() ? json.find("env_kwargs") : json.end();
       if (json.is_object() && kwargs != json.end() && kwargs->is_object()) {
+        // Only the arguments of the simulator tell the rate; the rows have no times.
         const auto found = kwargs->find("control_freq");
         if (found != kwargs->end() && found->is_number()) return {found->get<double>()};
       }
@@ -132,6 +133,7 @@ class Robomimic final : public Dialect {
     ENGRAM_RETURN_IF_ERROR(write_attributes(file, "/", part("file")));
     idf::Dict data = part("data");
     set_number(data, "total", rows);
+    // robomimic reads the environment from this attribute, so it must exist.
     if (data.find("env_args") == nullptr) data.set("env_args", "{}");
     ENGRAM_RETURN_IF_ERROR(write_attributes(file, "/data", data));
     return write_masks(file, part("mask"));

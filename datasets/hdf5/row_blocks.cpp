@@ -20,7 +20,7 @@ uint64_t rows_of_block(const h5::ArrayInfo& info) {
   const uint64_t row_bytes = std::max<uint64_t>(info.row_bytes(), 1);
   const uint64_t rows = std::max<uint64_t>(kBlockBytes / row_bytes, 1);
   const uint64_t chunk = info.chunk_rows;
-  // Chunks that are too large are read again for each block: slow, but within memory.
+  // Chunks that are too large are read again for each block, which is slow but bounds memory.
   if (chunk == 0 || chunk > kMaxChunkBytes / row_bytes) return rows;
   return std::max<uint64_t>(rows / chunk, 1) * chunk;
 }
@@ -34,7 +34,7 @@ RowBlocks::RowBlocks(std::string path, h5::ArrayInfo info, RowRole role)
       block_rows_(rows_of_block(info_)) {}
 
 void RowBlocks::load(const h5::File& file, uint64_t row) {
-  // Where a block is damaged, chunks of it may not be.
+  // If a block is damaged, some of its chunks may be intact, so they are read one by one.
   const uint64_t min = std::max<uint64_t>(info_.chunk_rows, 1);
   is_damaged_ = !read(file, row, block_rows_);
   if (is_damaged_ && min < block_rows_) is_damaged_ = !read(file, row, min);

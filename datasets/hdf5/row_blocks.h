@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: rows of one array, some at a time.
+// Private to this room: the rows of one array, read in blocks.
 
 #include <optional>
 #include <string>
@@ -13,8 +13,8 @@
 
 namespace engram::datasets {
 
-/// Reads the rows of an array in their order, a block of whole chunks at a time. Blocks are of
-/// about 1 MiB, or of one chunk where that is larger.
+/// Reads the rows of an array in their order, a block of whole chunks at a time. A block has about
+/// 1 MiB, or is one chunk if that is larger.
 ///
 /// Threading: one thread.
 class RowBlocks {
@@ -23,7 +23,8 @@ class RowBlocks {
 
   [[nodiscard]] const h5::ArrayInfo& info() const { return info_; }
 
-  /// Row `row`; rows come in order. Nothing where it is damaged, which is counted in `report`.
+  /// Returns row `row`; rows must be read in order. Returns nothing if the row is damaged, which is
+  /// counted in `report`.
   std::optional<idf::Data> value(const h5::File& file, uint64_t row, ReadingReport& report);
 
  private:
@@ -35,7 +36,7 @@ class RowBlocks {
   RowRole role_;
   uint64_t block_rows_ = 1;
   uint64_t first_ = 0;
-  uint64_t end_ = 0;  ///< Rows [first_, end_) are loaded, or damaged.
+  uint64_t end_ = 0;  ///< Rows [first_, end_) are loaded or damaged.
   bool is_damaged_ = false;
   std::vector<std::byte> bytes_;
   std::vector<std::string> texts_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: who takes the values of one column and makes an array of them.
+// Private to this room: turns the values of one column into an array.
 
 #include <memory>
 
@@ -9,31 +9,32 @@
 
 namespace engram::datasets {
 
-/// Takes values row by row.
+/// Receives values row by row.
 ///
 /// Errors: kUnavailable naming the file. Threading: one thread.
 class RowSink {
  public:
   virtual ~RowSink() = default;
 
-  /// Adds the member of `value` that the column is of.
-  /// Errors: kInvalidArgument where it has another shape than the column.
+  /// Adds the member of `value` that belongs to the column.
+  /// Errors: kInvalidArgument if its shape differs from that of the column.
   virtual Status add(const idf::Data& value) = 0;
 
-  /// Writes what waits and closes the array.
+  /// Writes the remaining rows and closes the array.
   virtual Status finish() = 0;
 };
 
-/// Writes the array `path` of `rows` rows by chunks. `file` and `column` must outlive it.
+/// Makes a sink that writes the array `path` of `rows` rows in chunks. `file` and `column` must
+/// outlive it.
 Result<std::unique_ptr<RowSink>> make_column_sink(h5::File& file, const std::string& path,
                                                   const Column& column, uint64_t rows);
 
-/// Whether a column is of images that make_jpeg_sink takes.
+/// Returns true if make_jpeg_sink can write the column.
 [[nodiscard]] bool is_image(const Column& column);
 
-/// Writes images as JPEG files of this quality, each padded with zeros to the longest. They wait in
-/// a file beside that one. The sizes of the files are appended to `sizes`, which must outlive it,
-/// too.
+/// Makes a sink that writes images as JPEG files of this quality, each padded with zeros to the
+/// longest one. They are collected in a file beside `file`. The sizes of the JPEG files are
+/// appended to `sizes`. All references must outlive the sink.
 Result<std::unique_ptr<RowSink>> make_jpeg_sink(h5::File& file, const std::string& path,
                                                 const Column& column, int quality,
                                                 std::vector<float>& sizes);

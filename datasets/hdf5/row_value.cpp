@@ -28,7 +28,7 @@ h5::Type h5_type(ElementType type) {
 }
 
 idf::Data array_of(h5::Type type, idf::Shape shape, std::span<const std::byte> bytes) {
-  // As elements of eight bytes, so that it is aligned for any type.
+  // The bytes are copied to elements of eight bytes, which are aligned for every type.
   std::vector<uint64_t> aligned((bytes.size() + 7) / 8);
   if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
   auto array = idf::NdArray::create(element_type(type), std::move(shape),
@@ -55,6 +55,7 @@ idf::Data scalar(const h5::Element& element, std::span<const std::byte> bytes) {
       return number<float>(bytes);
     case h5::Type::kFloat64:
       return number<double>(bytes);
+    // IDF has no scalars of the other types; an ndarray without axes keeps the type for an export.
     default:
       return array_of(element.type, {}, bytes);
   }

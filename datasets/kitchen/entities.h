@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what recordings call things.
+// Private to this room: the names of the entities in recordings.
 
 #include <string>
 

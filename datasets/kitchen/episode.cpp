@@ -15,15 +15,15 @@ namespace engram::datasets::kitchen {
 
 namespace {
 
-constexpr double kTask_s = 17;        ///< What one takes, about; none begins later than that.
-constexpr double kLookAhead_s = 0.5;  ///< How long the neck takes to follow.
-constexpr double kSpeed_m_s = 0.45;   ///< Means, on the way.
+constexpr double kTask_s = 17;        ///< Usual duration; no task begins with less time left.
+constexpr double kLookAhead_s = 0.5;  ///< How long the neck takes to follow its target.
+constexpr double kSpeed_m_s = 0.45;   ///< Mean speed while driving.
 constexpr double kTurn_rad_s = 0.55;
 constexpr double kBeside_m = 0.19;  ///< From the middle of the robot to what a hand takes.
 constexpr double kLift_m = 0.14;
-constexpr double kLifted_m = 0.08;  ///< What counts as lifted.
+constexpr double kLifted_m = 0.08;  ///< A thing that rose by this much counts as lifted.
 constexpr double kShort_m = 0.07;
-constexpr double kPlaced_m = 0.04;  ///< What counts as placed.
+constexpr double kPlaced_m = 0.04;  ///< A thing this close to its target counts as placed.
 
 constexpr int kStepsPerSample = static_cast<int>(1.0 / (Reporter::kRate_hz * World::kStep_s) + 0.5);
 
@@ -45,7 +45,7 @@ double Episode::now_s() const {
 }
 
 Status Episode::wait(double seconds) {
-  // Actions begin and end where there is an image.
+  // Waits are whole images, so that actions begin and end at the time of an image.
   const auto images = static_cast<uint64_t>(
       std::max(1.0, std::ceil(seconds * Reporter::kRate_hz / Reporter::kImageEvery - 1e-9)));
   for (uint64_t i = 0; i < images * Reporter::kImageEvery && !is_over(); ++i) {
@@ -111,7 +111,7 @@ Status Episode::run() {
   pose[joint_index("neck_pitch")] = pitch;
   trajectory_ = Trajectory(pose);
   world_.place_robot(pose);
-  // Things settle on what they stand on.
+  // Things start 1 mm above their surface and need time to settle.
   for (int i = 0; i < 200; ++i) world_.step(trajectory_.at(0));
   world_.refresh();
   reporter_.report_prior(world_.layout());
@@ -125,7 +125,7 @@ Status Episode::run() {
     ENGRAM_RETURN_IF_ERROR(perform(*task));
     is_first = false;
   }
-  // The rest of the time it looks from surface to surface.
+  // For the rest of the time the robot looks from surface to surface.
   for (bool at_table = true; !is_over(); at_table = !at_table) {
     gaze_ = {.point = place_of(at_table ? Surface::kTable : Surface::kCounter).top_m};
     ENGRAM_RETURN_IF_ERROR(wait(1.6));
@@ -209,7 +209,7 @@ Result<bool> Episode::pick(const Task& task, std::optional<GraspFault> fault) {
   ENGRAM_RETURN_IF_ERROR(wait(0.55));
   if (is_over()) return false;
 
-  // It holds what is where its grasp closes.
+  // The hand holds the thing only if it closed at the grasp, so a wrong approach fails by itself.
   const Eigen::Vector3d wanted =
       (world_.thing_pose(task.thing) * grasp.pose_thing_hand).translation();
   const double away_m = (world_.hand_pose(side).translation() - wanted).norm();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what the robot does in a recording.
+// Private to this room: the behaviour of the robot in a recording.
 
 #include <optional>
 #include <string>
@@ -15,9 +15,9 @@ namespace engram::datasets::kitchen {
 
 /// Carries out one task after another until the recording is over.
 ///
-/// Its steps read as one runs after the other: each lets time pass, in which the world moves and
-/// is recorded. Once the time is over nothing moves and nothing is reported any more.
-/// Threading: one thread. World and reporter outlive it.
+/// The steps are written as if they ran one after the other: each of them lets time pass, in which
+/// the world moves and is recorded. When the time is over, nothing moves and nothing is reported.
+/// Threading: one thread. World and reporter must outlive it.
 class Episode {
  public:
   Episode(const KitchenOptions& options, World& world, Reporter& reporter, ProgressSink progress);
@@ -29,23 +29,23 @@ class Episode {
  private:
   using Outcome = ::kitchen::Outcome;
 
-  /// An action that has begun.
+  /// An action that has begun and has not ended.
   struct Running {
     ::kitchen::Action action;
     size_t thing = 0;
   };
 
-  /// What the cameras follow.
+  /// The target that the cameras follow.
   struct Gaze {
     std::optional<size_t> thing;
     Eigen::Vector3d point{0, 0, 0};
   };
 
-  /// Lets the world move for so long, rounded up to whole images.
+  /// Lets the world move for this time, rounded up to whole images.
   Status wait(double seconds);
   [[nodiscard]] bool is_over() const { return sample_ >= samples_; }
   [[nodiscard]] double now_s() const;
-  /// Turns the neck after what the cameras follow.
+  /// Turns the neck towards the target of the cameras.
   void follow();
 
   Status perform(const Task& task);
@@ -53,13 +53,14 @@ class Episode {
   Status navigate(const Task& task, Surface to);
   Result<bool> pick(const Task& task, std::optional<GraspFault> fault);
   Result<bool> place(const Task& task);
-  /// Somebody stops a reach that has begun, and lets it go on.
+  /// A person stops a reach that has begun, and later tells the robot to continue.
   Status stop_reach(Running& running);
   Status open_and_draw_back(Side side);
   Status rest_arm(Side side, double seconds);
 
   void move_joints(const std::vector<int>& joints, const std::vector<double>& to, double seconds);
-  /// Starts a hand and the torso on their way. Gives how far from there the hand will end.
+  /// Starts to move a hand and the torso. Returns the distance from the target at which the hand
+  /// will end.
   double move_hand(Side side, const Pose& pose_world_hand, double seconds);
 
   Running begin(const Task& task, const std::string& skill, std::optional<Surface> surface);

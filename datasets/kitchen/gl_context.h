@@ -9,12 +9,12 @@
 
 namespace engram::datasets::kitchen {
 
-/// An OpenGL context without a window, current in the thread that made it.
+/// An OpenGL context without a window. It is current in the thread that made it.
 ///
 /// Threading: one thread.
 class GlContext {
  public:
-  /// Errors: kUnavailable where EGL has no platform without a display, or no OpenGL.
+  /// Errors: kUnavailable if EGL has no platform without a display, or no OpenGL.
   static Result<std::unique_ptr<GlContext>> create();
 
   GlContext(const GlContext&) = delete;

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kSteps = 150;
 constexpr double kDamping = 0.02;
-constexpr double kTurnWeight = 0.25;  ///< Metres that a radian counts.
+constexpr double kTurnWeight = 0.25;  ///< The distance in m that an error of one radian counts as.
 constexpr double kPull = 0.02;
 constexpr double kMaxChange = 0.15;
 constexpr double kClose_m = 0.0005;
-constexpr double kPalm_m = 0.018;     ///< From the middle of the hand to what it touches.
+constexpr double kPalm_m = 0.018;     ///< From the middle of the hand to the surface of the palm.
 constexpr double kDown_rad = 0.12;    ///< How much a hand points down.
 constexpr double kInward_rad = 0.25;  ///< How much a hand turns inward for round things.
 
@@ -104,7 +104,7 @@ std::pair<double, double> Kinematics::look_at(const RobotVector& robot,
 
 Grasp grasp_of(const ThingClass& type, const Pose& pose_world_thing, Side side,
                double heading_rad) {
-  const double toward = -sign_of(side);  // The palm looks along the hand's y axis times this.
+  const double toward = -sign_of(side);  // The palm faces this direction of the hand's y axis.
   const Eigen::Vector3d axis = pose_world_thing.linear().col(0);
   const double turn = std::atan2(axis.y(), axis.x());
   double approach = heading_rad + toward * kInward_rad;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: where joints have to be for a hand or the head to be somewhere.
+// Private to this room: inverse kinematics of the hands and the head.
 
 #include "datasets/kitchen/world.h"
 
 namespace engram::datasets::kitchen {
 
-/// Kinematics of the robot alone, apart from what the world does.
+/// Kinematics of the robot alone, independent of the state of the world.
 ///
-/// Threading: one thread. The world outlives it.
+/// Threading: one thread. The world must outlive it.
 class Kinematics {
  public:
   explicit Kinematics(const World& world);
@@ -19,13 +19,14 @@ class Kinematics {
     double error_m = 0;  ///< From the target to where the hand would be.
   };
 
-  /// Moves the torso and an arm from `from` until the hand is at a pose; where it cannot be quite
-  /// so, its place counts more than how it is turned.
+  /// Moves the torso and an arm from `from` until the hand has the given pose. If it cannot, the
+  /// position counts more than the orientation.
   /// Source: Buss, "Introduction to inverse kinematics", 2004: damped least squares, with a pull
-  /// to the resting pose where joints are free.
+  /// towards the resting pose where joints are free.
   [[nodiscard]] Answer solve(const RobotVector& from, Side side, const Pose& pose_world_hand);
 
-  /// Angles of the neck, yaw and pitch, that point the cameras at a point. Frame: world.
+  /// Returns the angles of the neck, yaw and pitch, that point the cameras at a point. Frame:
+  /// world.
   [[nodiscard]] std::pair<double, double> look_at(const RobotVector& robot,
                                                   const Eigen::Vector3d& point);
 
@@ -37,15 +38,15 @@ class Kinematics {
   std::vector<mjtNum> jacobian_;
 };
 
-/// How a hand holds a thing. Frame: poses of the hand in the thing's, whose x axis the hand is
-/// parallel to.
+/// How a hand holds a thing. Frame: the pose of the hand is in the frame of the thing, whose x axis
+/// is parallel to the hand.
 struct Grasp {
   Pose pose_thing_hand = Pose::Identity();
-  double width_m = 0;  ///< Between thumb and fingers.
+  double width_m = 0;  ///< Distance between thumb and fingers.
 };
 
-/// The grasp of a hand that comes along a heading, at the thing as it stands. Boxes are grasped
-/// across, whatever is round as it comes.
+/// Returns the grasp of a hand that arrives along a heading, for the thing in its current pose.
+/// Boxes are grasped across; round things from any direction.
 [[nodiscard]] Grasp grasp_of(const ThingClass& type, const Pose& pose_world_thing, Side side,
                              double heading_rad);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kFewestThings = 7;
 constexpr size_t kMaxThings = 9;
-constexpr int kMaxOnASurface = kSlots - 1;  // One slot at least is free to place things in.
+constexpr int kMaxOnASurface = kSlots - 1;  // At least one slot stays free to place things.
 constexpr double kForward_m = 0.03;
 constexpr double kTurn_rad = 0.30;
 
@@ -26,7 +26,7 @@ Layout make_layout(uint64_t seed) {
   random.shuffle(order);
   const size_t count = kFewestThings + random.below(kMaxThings - kFewestThings + 1);
 
-  // Slots of both surfaces in random order; those that would fill a surface are passed over.
+  // Slots of both surfaces in random order; a slot that would fill its surface is skipped.
   std::vector<int> places(2 * kSlots);
   std::iota(places.begin(), places.end(), 0);
   random.shuffle(places);

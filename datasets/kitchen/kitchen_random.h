@@ -10,12 +10,12 @@
 
 namespace engram::datasets::kitchen {
 
-/// Random numbers that are the same with every standard library.
+/// Random numbers that do not depend on the standard library.
 class Random {
  public:
   explicit Random(uint64_t seed) : engine_(seed * 0x9E3779B97F4A7C15u + 1) {}
 
-  /// Uniform.
+  /// Uniform in [low, high).
   double between(double low, double high) {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }

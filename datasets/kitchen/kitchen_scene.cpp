@@ -19,11 +19,10 @@ using augmentation::SceneShape;
 using augmentation::ShapeKind;
 using augmentation::TextureWay;
 
-/// MuJoCo draws geoms of the first groups; the others are what touches.
+/// MuJoCo draws geoms of the first groups; the other groups are for collisions.
 constexpr int kDrawnGroups = 3;
 
-/// Of Blender's lamps, by what MuJoCo calls diffuse light of 1: what came nearest to recorded
-/// images.
+/// Strengths of Blender's lamps for a diffuse light of 1 in MuJoCo, fitted to recorded images.
 constexpr double kLamp_W = 16;
 constexpr double kWindow_W_m2 = 3.6;
 
@@ -49,7 +48,7 @@ Eigen::Isometry3d pose_of_geom(const mjData& data, int geom) {
   return pose;
 }
 
-/// Kind and half sizes; nothing for what is no solid.
+/// Sets the kind and half sizes; returns false if the geom is not a solid.
 bool set_form(const mjModel& model, int geom, SceneShape& shape) {
   const mjtNum* size = model.geom_size + 3 * geom;
   switch (model.geom_type[geom]) {
@@ -100,7 +99,7 @@ void add_lamps(const kitchen::Lighting& light, Scene& scene) {
   const std::array<double, 3> warm{1, 1 - 0.04 * light.warmth, 1 - 0.14 * light.warmth};
   scene.lamps.push_back({LampKind::kPoint, at(light.lamp_x_m, light.lamp_y_m, 2.5),
                          kLamp_W * light.lamp, 0.12, warm, true, false});
-  // From the window, past the walls: it shades nothing, as when it was recorded.
+  // Light from the window passes through the walls and casts no shadows, as in the recording.
   const Eigen::Isometry3d window(Eigen::Quaterniond::FromTwoVectors(
       -Eigen::Vector3d::UnitZ(), Eigen::Vector3d(0.15, -0.7, -0.7)));
   scene.lamps.push_back(
@@ -121,7 +120,7 @@ Result<Value> value_of(const char* name, const idf::Data& data) {
 struct KitchenScenes::State {
   std::optional<kitchen::World> world;
 
-  /// The kitchen of a recording, at first with everything where it began.
+  /// Loads the kitchen of a recording, with everything at its initial place.
   Status load(const idf::Data& data) {
     ENGRAM_ASSIGN_OR_RETURN(const auto recording,
                             value_of<::kitchen::Recording>("recording", data));
@@ -192,7 +191,7 @@ struct KitchenScenes::State {
       SceneShape shape;
       if (model.geom_group[geom] >= kDrawnGroups || !set_form(model, geom, shape)) continue;
       shape.thing = thing_of(geom);
-      // A camera that stands elsewhere must not be in the head that carries it.
+      // The camera may be moved, so the head that carried it must not block its view.
       shape.is_seen = model.geom_bodyid[geom] != model.cam_bodyid[0];
       shape.pose = to_part(pose_of_geom(world->data(), geom));
       set_look(model, geom, shape);

@@ -11,19 +11,19 @@
 
 namespace engram::datasets {
 
-/// What a kitchen recording remembers of one moment: values as they were recorded.
+/// What a kitchen recording remembers of one moment: the values as they were recorded.
 struct KitchenMoment {
   idf::Data recording;    ///< kitchen::Recording.
   idf::Data calibration;  ///< kitchen::CameraCalibration of the camera.
   idf::Data view;         ///< kitchen::View of the same camera.
   idf::Data joints;       ///< kitchen::JointState.
   idf::Data platform;     ///< kitchen::PlatformState.
-  /// Entity of each object and its kitchen::ObjectInstance.
+  /// The entity of each object, with its kitchen::ObjectInstance.
   std::vector<std::pair<ltm::MemoryId, idf::Data>> objects;
 };
 
-/// Rebuilds remembered moments of kitchen recordings as scenes to be rendered anew. A thing of a
-/// scene is called as the entity of the object is: "mug_1".
+/// Reconstructs remembered moments of kitchen recordings as scenes that can be rendered. A thing of
+/// a scene has the name of the object's entity: "mug_1".
 ///
 /// Threading: one thread.
 /// Source: docs/kitchen.md.
@@ -32,8 +32,8 @@ class KitchenScenes {
   KitchenScenes();
   ~KitchenScenes();
 
-  /// Errors: kInvalidArgument naming the value that is not of its type, or an object that the
-  /// recording's kitchen does not have; kUnavailable where MuJoCo refuses the kitchen.
+  /// Errors: kInvalidArgument naming the value that does not have its type, or an object that the
+  /// recording's kitchen does not have; kUnavailable if MuJoCo rejects the kitchen.
   Result<augmentation::Scene> scene(const KitchenMoment& moment);
 
  private:

@@ -11,11 +11,11 @@ namespace {
 
 using ::kitchen::ObjectInstance;
 
-/// What may change of a thing that rests.
+/// The maximum movement of a thing that rests.
 constexpr double kRests_m = 5e-4;
 constexpr double kRests_rad = 5e-3;
 
-/// Recorded values of one entity around a moment.
+/// The recorded values of one entity around a moment.
 class Around {
  public:
   static Result<Around> find(ltm::StoreReader& store, const ltm::MemoryId& entity, Time time) {
@@ -38,12 +38,12 @@ bool rests(const ObjectInstance& before, const ObjectInstance& after) {
          a.orientation.normalized().angularDistance(b.orientation.normalized()) < kRests_rad;
 }
 
-/// Collects what a moment needs; `is_whole` where all of it was there.
+/// Collects the values of a moment; `is_whole` tells whether all of them were found.
 class MomentReader {
  public:
   MomentReader(ltm::StoreReader& store, Time time) : store_(store), time_(time) {}
 
-  /// Whether it was taken.
+  /// Returns true if the value was found.
   Result<bool> take(const ltm::MemoryId& id, idf::Data& value) {
     if (!id.time()) return false;
     ENGRAM_ASSIGN_OR_RETURN(auto found, recorded_at(store_, id.entity(), *id.time()));
@@ -51,7 +51,7 @@ class MomentReader {
     return found.has_value();
   }
 
-  /// The recording that the moment belongs to, and when it began.
+  /// Finds the recording that the moment belongs to, and when it began.
   Result<bool> take_recording(idf::Data& value, Time& began) {
     const ltm::MemoryId id = kitchen::entities::recording();
     const auto timeline = store_.timeline(id);
@@ -63,8 +63,8 @@ class MomentReader {
     return take(id.at(began), value);
   }
 
-  /// Where an object of the recording was. Nothing where the recording has not such an object; and
-  /// `is_whole` becomes false where it is not known.
+  /// Returns the value of an object of the recording at the moment. Returns nothing if the
+  /// recording has no such object; sets `is_whole` to false if its place is not known.
   Result<std::optional<idf::Data>> object(const ltm::MemoryId& entity, Time began, bool& is_whole) {
     ENGRAM_ASSIGN_OR_RETURN(const Around around, Around::find(store_, entity, time_));
     if (!around.before || around.before->time < began) return std::optional<idf::Data>();

@@ -6,14 +6,14 @@
 
 namespace engram::datasets {
 
-/// Rebuilds what cameras saw from stores of kitchen recordings: views and everything that they link
-/// to, and all objects. A moment is whole where each object was recorded at that very time, or
-/// rested: no hand held it, and it was at the same place before and after.
+/// Reconstructs what cameras saw from stores of kitchen recordings: from views, everything that
+/// they link to, and all objects. A moment is complete if each object was recorded at exactly that
+/// time, or rested: no hand held it, and it was at the same place before and after.
 class KitchenSceneSource final : public SceneSource {
  public:
   [[nodiscard]] std::string name() const override { return "a simulated kitchen"; }
 
-  /// Errors: those of the store; kInvalidArgument for values that are not of their types.
+  /// Errors: those of the store; kInvalidArgument for values that do not have their types.
   Result<std::optional<RememberedScene>> scene(ltm::StoreReader& store,
                                                const ltm::Snapshot& snapshot,
                                                size_t index) override;

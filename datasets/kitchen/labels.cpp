@@ -17,7 +17,7 @@ cv::Scalar scalar(const std::array<int, 3>& colour) {
           static_cast<double>(colour[2])};
 }
 
-/// Text across the middle of `at`, so wide that it fills `share` of the face.
+/// Writes text, centred at the height `at_y`, so wide that it fills `share` of the face.
 void write(cv::Mat& face, std::string_view text, double at_y, double share,
            const cv::Scalar& colour) {
   if (text.empty()) return;
@@ -33,7 +33,7 @@ void write(cv::Mat& face, std::string_view text, double at_y, double share,
               kFont, scale, colour, stroke, cv::LINE_AA);
 }
 
-/// Lines that look like small print.
+/// Draws lines that look like small print.
 void write_small_print(cv::Mat& face, double from, double to, const cv::Scalar& colour,
                        Random& random) {
   const int step = std::max(3, face.rows / 22);
@@ -60,8 +60,8 @@ void paint_band(cv::Mat& face, const ThingClass& type) {
   write(face, type.label, 0.48, 0.74, scalar(type.colour) * 0.75);
 }
 
-/// Bends a face of a cube so that it looks straight around a cylinder, which OpenGL projects the
-/// cube onto from its axis.
+/// Distorts a face of a cube so that it looks straight on a cylinder, onto which OpenGL projects
+/// the cube from the axis.
 void wrap(cv::Mat& face) {
   const double half = 0.5 * (face.cols - 1);
   cv::Mat from_x(face.size(), CV_32FC1);
@@ -113,7 +113,7 @@ cv::Mat paint_thing(const ThingClass& type, int side, uint64_t seed) {
                  cv::LINE_AA);
     }
     if (type.shape != Shape::kBox && !is_end) wrap(face);
-    // OpenGL looks at the faces of a cube with another way up.
+    // OpenGL orients some faces of a cube differently.
     if (i == 0) turn(face, cv::ROTATE_90_COUNTERCLOCKWISE);
     if (i == 1) turn(face, cv::ROTATE_90_CLOCKWISE);
     if (i == 2) turn(face, cv::ROTATE_180);

@@ -20,7 +20,7 @@ void ModelText::add_material(const std::string& name, cv::Mat pixels, bool is_cu
 std::string document_of(const ModelText& text, const DrawingSize& size, const Layout& layout) {
   const Lighting& light = layout.light;
   const double ambient = 0.33 + 0.20 * light.daylight;
-  // Both images of the stereo pair are drawn side by side.
+  // The image is twice as wide, because both images of the stereo pair are drawn side by side.
   return fmt::format(
       R"(<mujoco model="kitchen">
 <compiler angle="radian" autolimits="true" inertiafromgeom="true"/>

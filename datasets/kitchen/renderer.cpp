@@ -19,7 +19,7 @@ void set_vector(float* to, const Eigen::Vector3d& from) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(from[i]);
 }
 
-/// `pose`: x right, y down, z forward.
+/// Frame of `pose`: x right, y down, z forward.
 mjvGLCamera camera_at(const Pose& pose) {
   mjvGLCamera camera{};
   set_vector(camera.pos, pose.translation());
@@ -32,7 +32,7 @@ mjvGLCamera camera_at(const Pose& pose) {
   return camera;
 }
 
-/// Columns from..from + width of an image whose rows begin at its bottom.
+/// Returns the columns from..from + width of an image whose rows are stored from bottom to top.
 idf::NdArray cut(const std::vector<uint8_t>& pixels, int full_width, int height, int from,
                  int width) {
   std::vector<uint8_t> result(static_cast<size_t>(width) * static_cast<size_t>(height) * 3);
@@ -87,6 +87,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const World& world, const Dra
   if (max.width < 2 * size.width || max.height < size.height)
     return unavailable("kitchen: OpenGL draws {} x {} pixels at most, needs {} x {}", max.width,
                        max.height, 2 * size.width, size.height);
+  // Group 3 has the collision shapes, which must not be seen.
   parts->option.geomgroup[3] = 0;
   parts->scene.flags[mjRND_SHADOW] = size.shadow_map > 0;
   parts->scene.flags[mjRND_REFLECTION] = 0;
@@ -128,6 +129,7 @@ StereoPicture Renderer::draw(const World& world, bool with_depth) {
   for (int y = size.height - 1; y >= 0; --y)
     for (int x = 0; x < size.width; ++x) {
       const auto at = static_cast<size_t>(y) * static_cast<size_t>(full) + static_cast<size_t>(x);
+      // OpenGL's depth is not linear; this inverts the projection with both clipping planes.
       const double metres =
           kNear_m / (1.0 - parts_->depth[at] * (1.0 - static_cast<double>(kNear_m) / kFar_m));
       picture.depth_mm.push_back(
@@ -141,7 +143,7 @@ std::pair<idf::NdArray, idf::NdArray> Renderer::draw_mask(const World& world, si
   mjvScene& scene = parts_->scene;
   const int body = mj_name2id(&world.model(), mjOBJ_BODY,
                               std::string(world.layout().things.at(thing).type->name).c_str());
-  // Only the geoms of the thing, white whatever the light.
+  // Keep only the geoms of the thing, in white that does not depend on the light.
   int kept = 0;
   for (int i = 0; i < scene.ngeom; ++i) {
     const mjvGeom& geom = scene.geoms[i];
@@ -177,7 +179,7 @@ idf::NdArray Renderer::draw_from(const World& world, const Eigen::Vector3d& eye,
   pose.linear() << right, forward.cross(right), forward;
   pose.translation() = eye;
   parts_->scene.stereo = mjSTEREO_NONE;
-  // Without stereo both are averaged.
+  // Without stereo, MuJoCo averages the two cameras, so both get the same pose.
   parts_->scene.camera[0] = parts_->scene.camera[1] = camera_at(pose);
   const int full = 2 * parts_->size.width;
   render(full);

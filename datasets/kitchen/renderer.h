@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what the robot's cameras see.
+// Private to this room: the images of the robot's cameras.
 
 #include <cstdint>
 #include <memory>
@@ -13,8 +13,8 @@
 
 namespace engram::datasets::kitchen {
 
-/// A pinhole without distortion: u = focal x / z + centre_x. The middle of the pixel at the top
-/// left is (0, 0). Unit: pixels.
+/// A pinhole camera without distortion: u = focal x / z + centre_x, where (0, 0) is the middle of
+/// the top left pixel. Unit: pixels.
 struct Pinhole {
   double focal = 0;
   double centre_x = 0;
@@ -22,39 +22,40 @@ struct Pinhole {
 
   static Pinhole of(const DrawingSize& size);
 
-  /// Frame: camera, z forward. Needs z > 0.
+  /// Projects a point in front of the camera (z > 0). Frame: camera, z forward.
   [[nodiscard]] Eigen::Vector2d project(const Eigen::Vector3d& point_m) const {
     return {focal * point_m.x() / point_m.z() + centre_x,
             focal * point_m.y() / point_m.z() + centre_y};
   }
 };
 
-/// What both cameras see at one time.
+/// The images of both cameras at one time.
 struct StereoPicture {
   /// Shape: uint8 [height, width, 3], RGB.
   idf::NdArray left;
   idf::NdArray right;
-  /// Of the left camera. Shape: [height][width], row-major. Unit: mm, rounded; 65535 beyond.
+  /// Depth of the left camera. Shape: [height][width], row-major. Unit: mm, rounded; 65535 if the
+  /// depth is larger.
   std::vector<uint16_t> depth_mm;
 };
 
 /// Draws a world with MuJoCo's renderer, without a display.
 ///
 /// Equal worlds give equal pixels on one machine.
-/// Threading: one thread, the one that made it.
+/// Threading: only the thread that made it.
 class Renderer {
  public:
-  /// Errors: kUnavailable where there is no OpenGL, or none that draws into memory.
+  /// Errors: kUnavailable if there is no OpenGL, or none that draws into memory.
   static Result<std::unique_ptr<Renderer>> create(const World& world, const DrawingSize& size);
   ~Renderer();
 
   StereoPicture draw(const World& world, bool with_depth);
 
-  /// Both images of a thing alone: 255 where it is, 0 elsewhere.
+  /// Returns both images of a thing alone: 255 where it is, 0 elsewhere.
   /// Shape: uint8 [height, width, 1].
   std::pair<idf::NdArray, idf::NdArray> draw_mask(const World& world, size_t thing);
 
-  /// The room from anywhere. Frame: world. Shape: uint8 [height, 2 width, 3], RGB.
+  /// Draws the room from any point. Frame: world. Shape: uint8 [height, 2 width, 3], RGB.
   idf::NdArray draw_from(const World& world, const Eigen::Vector3d& eye,
                          const Eigen::Vector3d& target);
 

@@ -12,6 +12,7 @@ namespace {
 
 typed::Pose<double> recorded(const Pose& pose) {
   Eigen::Quaterniond turn(pose.linear());
+  // q and -q are the same rotation; fixing the sign makes equal poses equal values.
   if (turn.w() < 0) turn.coeffs() *= -1;
   return {pose.translation(), turn.normalized()};
 }
@@ -126,6 +127,7 @@ ltm::MemoryId Reporter::report_plan(uint64_t sample, const ::kitchen::Plan& plan
 
 ltm::MemoryId Reporter::report_action(uint64_t sample, const ::kitchen::Action& action) {
   add(entities::action(action.skill), sample, {action.to_idf()}, "skills");
+  // Every begin and end of an action has object poses, although it need not fall on their 5 Hz.
   objects_are_due_ = true;
   return entities::action(action.skill).at(time_of(sample)).instance(0);
 }
@@ -197,6 +199,7 @@ Status Reporter::record(uint64_t sample) {
   if (sample % kImageEvery == 0) add_images(sample);
   if (sample % kObjectsEvery == 0 || objects_are_due_) add_objects(sample);
   objects_are_due_ = false;
+  // Snapshots link to others of the same time, so all of them go into one commit.
   const ltm::Commit commit = std::exchange(pending_, {});
   return sink_(commit);
 }

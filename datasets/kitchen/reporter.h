@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what is recorded of a world.
+// Private to this room: the data that is recorded of a world.
 
 #include <optional>
 #include <string>
@@ -13,33 +13,33 @@
 
 namespace engram::datasets::kitchen {
 
-/// Turns what a world is like into snapshots and hands over those of one time together.
+/// Turns the state of a world into snapshots, and passes on those of one time together.
 ///
-/// Threading: one thread. World, renderer and sink outlive it.
+/// Threading: one thread. World, renderer and sink must outlive it.
 class Reporter {
  public:
   Reporter(const KitchenOptions& options, const DrawingSize& size, const World& world,
            Renderer& renderer, CommitSink sink);
 
-  /// Joints and platform at 1 / kPeriod.
+  /// Rate of samples. Each has joints and platform.
   static constexpr int kRate_hz = 100;
-  static constexpr int kImageEvery = 5;     ///< 20 Hz.
-  static constexpr int kObjectsEvery = 20;  ///< 5 Hz.
+  static constexpr int kImageEvery = 5;     ///< Samples per image: 20 Hz.
+  static constexpr int kObjectsEvery = 20;  ///< Samples per object pose: 5 Hz.
 
-  /// Of a sample: 0 is the start.
+  /// Returns the time of a sample; sample 0 is the start.
   [[nodiscard]] Time time_of(uint64_t sample) const;
 
-  /// What is known before anything moves. At time_of(0).
+  /// Reports what is known before anything moves, at time_of(0).
   void report_prior(const Layout& layout);
 
-  /// Words, plans and actions at the time of the sample that is recorded next; they give back
-  /// their IDs, for links. Actions have object poses of their time beside them.
+  /// These report speech, plans and actions at the time of the sample that is recorded next, and
+  /// return their IDs, for links. With actions, object poses of the same time are recorded.
   ltm::MemoryId report_speech(uint64_t sample, const std::string& speaker, const std::string& text);
   ltm::MemoryId report_plan(uint64_t sample, const ::kitchen::Plan& plan);
   ltm::MemoryId report_action(uint64_t sample, const ::kitchen::Action& action);
 
-  /// Joints, platform, and where they are due images and objects; commits them with what was
-  /// reported since the last call. The world is refreshed.
+  /// Records joints and platform and, if they are due, images and objects, and commits them with
+  /// everything that was reported since the last call. The world must be refreshed.
   Status record(uint64_t sample);
 
   [[nodiscard]] uint64_t raw_bytes() const { return raw_bytes_; }

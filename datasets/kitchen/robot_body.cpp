@@ -61,7 +61,7 @@ std::vector<double> open_hand() {
 }
 
 std::vector<double> hand_around(double width_m) {
-  // The thumb leans until its tip is as far from the palm as the thing is wide.
+  // The thumb leans until the distance of its tip from the palm is the width of the thing.
   const double reach = std::clamp((width_m + 0.016) / kThumbBase_m, 0.0, 1.0);
   const double lean = std::acos(reach);
   return {lean, 1.50, 0.10, 0.12, 0.10, 0.28, 0.10, 0.28, 0.10, 0.28, 0.10, 0.28};

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kShell = R"(material="shell")";
 constexpr const char* kJointLook = R"(material="joint")";
 
-/// Two phalanges that bend towards the palm's side.
+/// Two phalanges that bend towards the palm.
 std::string finger(const std::string& side, const char* name, double z, double toward) {
   return fmt::format(
       R"(<body pos="0.098 0 {0}">
@@ -27,7 +27,7 @@ std::string finger(const std::string& side, const char* name, double z, double t
       z, side, name, toward, kShell, kJointLook);
 }
 
-/// Turns about the hand's x axis to stand across from the fingers, then bends along it.
+/// Rotates about the hand's x axis until it opposes the fingers, then bends.
 std::string thumb(const std::string& side, double toward) {
   return fmt::format(
       R"(<body pos="0.030 {0} 0.040">
@@ -62,7 +62,7 @@ std::string hand(const std::string& side, double toward) {
   return text + thumb(side, toward) + "</body>\n";
 }
 
-/// Hanging down; positive angles lift it forward, outward, and bend the elbow.
+/// An arm that hangs down. Positive angles lift it forward or outward, and bend the elbow.
 std::string arm(const std::string& side, double left) {
   return fmt::format(
       R"(<body pos="0 {0} 0.42">

@@ -10,7 +10,7 @@ namespace engram::datasets::kitchen {
 
 namespace {
 
-// Pictures lie in the x-y plane of a geom, so that whatever stands upright is turned.
+// Pictures lie in the x-y plane of a geom, so upright geoms with pictures are rotated.
 constexpr const char* kFacesRobot = R"(xyaxes="1 0 0 0 0 1")";
 constexpr const char* kFacesRight = R"(xyaxes="0 1 0 0 0 1")";
 constexpr const char* kFacesLeft = R"(xyaxes="0 -1 0 0 0 1")";
@@ -19,7 +19,7 @@ constexpr const char* kFacesBack = R"(xyaxes="-1 0 0 0 0 1")";
 constexpr double kWall_y = 1.91;
 constexpr double kCounterFront_y = 1.28;
 
-/// A box of half sizes; `look` is a material or colour, with whatever else it has.
+/// Adds a box with half sizes; `look` is a material or colour, and further attributes.
 void add_box(ModelText& text, double x, double y, double z, double half_x, double half_y,
              double half_z, std::string_view look, std::string_view turn = "") {
   text.bodies += fmt::format(
@@ -98,7 +98,7 @@ void add_window(ModelText& text) {
           kFrame);
 }
 
-/// Doors with handles, 0.6 m wide each.
+/// Adds doors with handles, each 0.6 m wide.
 void add_lower_cupboards(ModelText& text) {
   constexpr double kHalf = 0.295;
   constexpr const char* kHandle = R"(material="dark_steel")";
@@ -134,11 +134,11 @@ void add_counter(ModelText& text) {
           0.02, R"(material="stone")");
   add_box(text, 0, counter.top_m.y(), counter.top_m.z() - 0.05, 0.5 * counter.width_m, half_depth,
           0.05, R"(class="solid")");
-  // Stove, and the hood above it.
+  // The stove, and the hood above it.
   add_box(text, 0.98, 1.57, 0.903, 0.23, 0.25, 0.004, R"(material="stove")");
   add_box(text, 0.98, 1.70, 1.66, 0.30, 0.21, 0.05, R"(material="steel")");
   add_box(text, 0.98, 1.79, 2.1, 0.13, 0.12, 0.42, R"(material="steel")");
-  // Sink with its tap.
+  // The sink with its tap.
   add_box(text, -1.25, 1.55, 0.901, 0.27, 0.21, 0.004, R"(material="steel")");
   add_box(text, -1.25, 1.55, 0.9035, 0.23, 0.17, 0.003, R"(material="dark_steel")");
   add_capsule(text, {-1.25, 1.80, 0.9, -1.25, 1.80, 1.16}, 0.014, R"(material="steel")");
@@ -154,7 +154,7 @@ void add_upper_cupboards(ModelText& text) {
     add_capsule(text, {x + half - 0.06, 1.53, 1.50, x + half - 0.06, 1.53, 1.60}, 0.007,
                 R"(material="dark_steel")");
   }
-  // Fridge.
+  // The fridge.
   add_box(text, 1.95, 1.57, 0.95, 0.31, 0.32, 0.93, R"(material="frame" rgba="0.78 0.79 0.81 1")");
   add_box(text, 1.95, 1.24, 1.30, 0.30, 0.57, 0.012, R"(material="steel")", kFacesRobot);
   add_box(text, 1.95, 1.24, 0.37, 0.30, 0.34, 0.012, R"(material="steel")", kFacesRobot);
@@ -175,7 +175,7 @@ void add_table(ModelText& text) {
     for (const double end : {-1.0, 1.0})
       add_box(text, x + side * (half_depth - 0.06), y + end * (half_width - 0.06), 0.37, 0.03, 0.03,
               0.37, R"(material="leg_wood")");
-  // A cloth with a bowl of fruit, out of the robot's way.
+  // A cloth with a bowl of fruit, outside the robot's reach.
   add_box(text, x - 0.14, y, z + 0.0008, 0.17, 0.5, 0.0008, R"(material="cloth")");
   text.bodies += fmt::format(
       R"(<geom type="ellipsoid" pos="{0} {1} {2}" size="0.13 0.13 0.035" rgba="0.9 0.88 0.82 1"/>

@@ -10,7 +10,7 @@ namespace engram::datasets::kitchen {
 namespace {
 
 constexpr size_t kNever = ~size_t{0};
-constexpr uint64_t kStream = 1'000'003;  // Apart from the random numbers of the layout.
+constexpr uint64_t kStream = 1'000'003;  // Separates these random numbers from the layout's.
 
 std::string words_for(const Task& task, const Layout& layout, Random& random) {
   const std::string_view name = layout.things[task.thing].type->spoken_name;

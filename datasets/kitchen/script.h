@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what the robot is asked for, and what goes wrong.
+// Private to this room: the requests to the robot, and the faults.
 
 #include <optional>
 #include <string>
@@ -12,37 +12,37 @@
 
 namespace engram::datasets::kitchen {
 
-/// What makes a grasp fail.
+/// The reason why a grasp fails.
 enum class GraspFault {
   kShort,  ///< The hand stops short of the thing and closes around nothing.
-  kSlip,   ///< It opens a little while it lifts.
+  kSlip,   ///< The hand opens a little while it lifts.
 };
 
-/// One thing to be carried from where it stands to the other surface.
+/// A request to carry one thing from its place to the other surface.
 struct Task {
   size_t thing = 0;
   Surface from = Surface::kCounter;
   Surface to = Surface::kTable;
-  int slot = 0;  ///< Of `to`.
+  int slot = 0;  ///< A slot of `to`.
   Side hand = Side::kRight;
-  std::string words;                ///< Of who asks for it.
-  std::optional<GraspFault> fault;  ///< Of the first grasp.
-  bool is_stopped = false;          ///< Somebody says stop during the first reach.
+  std::string words;                ///< What the person says.
+  std::optional<GraspFault> fault;  ///< The fault of the first grasp.
+  bool is_stopped = false;          ///< A person says stop during the first reach.
 };
 
-/// Makes up one task after another; the same for the same layout and outcomes.
+/// Makes one task after another. Equal layouts and outcomes give equal tasks.
 ///
 /// Threading: one thread.
 class Script {
  public:
   explicit Script(const Layout& layout);
 
-  /// Nothing where no thing is left that can be carried.
+  /// Returns nothing if no thing is left that can be carried.
   [[nodiscard]] std::optional<Task> next();
 
-  /// The thing stands where the task wanted it.
+  /// Reports that the thing is at the target of the task.
   void done(const Task& task);
-  /// It cannot be grasped any more: it fell over.
+  /// Reports that the thing fell over and cannot be grasped any more.
   void lose(size_t thing);
 
  private:
@@ -59,7 +59,7 @@ class Script {
   std::vector<Standing> standing_;
   std::optional<size_t> last_;
   size_t count_ = 0;
-  size_t fault_at_ = 0;  ///< Number of the task whose grasp fails.
+  size_t fault_at_ = 0;  ///< The number of the task whose grasp fails.
   size_t stop_at_ = 0;
 };
 

@@ -8,13 +8,13 @@ namespace engram::datasets::kitchen {
 
 namespace {
 
-constexpr double kDistance_m = 0.62;  ///< From the platform's middle to what it reaches for.
+constexpr double kDistance_m = 0.62;  ///< From the middle of the platform to the target.
 constexpr double kBack_m = 0.12;
 constexpr double kAside_m = 0.025;
 constexpr double kCarryAhead_m = 0.40;
 constexpr double kCarryAside_m = 0.20;
 constexpr double kMinCarry_z_m = 1.02;
-constexpr double kUpright = 0.95;  ///< Of the z axis.
+constexpr double kUpright = 0.95;  ///< Minimum z component of the thing's z axis.
 
 }  // namespace
 
@@ -26,7 +26,7 @@ Eigen::Vector3d standing_at(const Eigen::Vector3d& point, Surface surface, doubl
 }
 
 Pose before(const Pose& at, Side side) {
-  // The palm looks along y times -sign.
+  // The palm faces -sign along the hand's y axis.
   return at * Eigen::Translation3d(-kBack_m, sign_of(side) * kAside_m, 0);
 }
 

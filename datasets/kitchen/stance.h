@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: where the robot and its hands are to be for what it does.
+// Private to this room: positions of the robot and its hands for each step of a task.
 
 #include "datasets/kitchen/world.h"
 
 namespace engram::datasets::kitchen {
 
-/// How far a hand may be from its grasp to hold something.
+/// The maximum distance of a hand from its grasp at which it holds something.
 inline constexpr double kHoldsWithin_m = 0.03;
 
-/// Platform (x, y, heading) before a surface, so that a point of it lies so far to its left.
+/// Returns the platform's (x, y, heading) in front of a surface, with a point of the surface
+/// `left_m` to its left.
 [[nodiscard]] Eigen::Vector3d standing_at(const Eigen::Vector3d& point, Surface surface,
                                           double left_m);
 
-/// Where a hand waits before it goes to `at`: back along the hand, and away with its palm.
+/// Returns where a hand waits before it goes to `at`: back along the hand, and away from the palm.
 [[nodiscard]] Pose before(const Pose& at, Side side);
 
-/// Where a hand holds something while the platform drives. `robot`: where it is.
+/// Returns where a hand holds something while the platform drives. `robot`: the robot's position.
 [[nodiscard]] Pose carrying_pose(const RobotVector& robot, Side side, const Pose& pose_world_hand);
 
-/// A thing that stands upright on a point, turned so that the hand that holds it comes along a
-/// heading.
+/// Returns the pose of a thing that stands upright on a point, rotated so that the hand that holds
+/// it arrives along a heading.
 [[nodiscard]] Pose standing_thing(const Eigen::Vector3d& foot, const ThingClass& type,
                                   const Pose& pose_thing_hand, double heading_rad);
 

@@ -16,7 +16,8 @@ cv::Scalar rgb(double r, double g, double b) {
   return {r, g, b};
 }
 
-/// Smooth noise of mean 0 in about -1..1, CV_32FC1, with grains of `grain_x` by `grain_y` pixels.
+/// Returns smooth noise with mean 0 and about -1..1, CV_32FC1, with grains of `grain_x` by
+/// `grain_y` pixels.
 cv::Mat noise(int side, double grain_x, double grain_y, Random& random) {
   const int columns = std::max(2, static_cast<int>(std::ceil(side / grain_x)));
   const int rows = std::max(2, static_cast<int>(std::ceil(side / grain_y)));
@@ -55,7 +56,7 @@ cv::Mat paint_wood(int side, int boards, double tone, uint64_t seed) {
     const double shade = random.between(-14, 14);
     image.rowRange(top, bottom).setTo(lighter(base, shade));
   }
-  // Rings that run along the boards, bent a little.
+  // The rings run along the boards and are slightly bent.
   const cv::Mat bend = noise(side, side / 2.0, side / 12.0, random);
   cv::Mat rings(side, side, CV_32FC1);
   for (int y = 0; y < side; ++y) {

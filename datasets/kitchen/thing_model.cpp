@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kFacePixels = 128;
 
-/// What is seen of it. Frame: the thing's, whose origin is its middle.
+/// The visible geoms of a thing. Frame: the thing's, whose origin is its middle.
 std::string geoms_of(const ThingClass& type) {
   const double radius = 0.5 * type.size_m.x();
   const double half = 0.5 * type.size_m.z();
@@ -55,7 +55,7 @@ void add_things(const Layout& layout, ModelText& text) {
         R"(<material name="{}_plain" rgba="{:.3f} {:.3f} {:.3f} 1" specular="0.4" shininess="0.6"/>
 )",
         type.name, type.colour[0] / 255.0, type.colour[1] / 255.0, type.colour[2] / 255.0);
-    // What touches is a box: edges of cylinders on large boxes make contacts that explode.
+    // The collision shape is a box: edges of cylinders on large boxes make contacts that explode.
     const SurfacePlace& place = place_of(thing.surface);
     const Eigen::Vector3d foot =
         slot_point(thing.surface, thing.slot) + thing.forward_m * ahead(place);

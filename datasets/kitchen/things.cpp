@@ -7,6 +7,7 @@
 namespace engram::datasets::kitchen {
 
 std::span<const ThingClass> all_thing_classes() {
+  // Layouts choose by index, so another order would give every seed other objects.
   static const std::array<ThingClass, 10> kClasses{{
       {"cereal_box",
        "cereal",

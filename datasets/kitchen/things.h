@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: what stands in the kitchen.
+// Private to this room: the objects in the kitchen.
 
 #include <Eigen/Core>
 #include <array>
@@ -12,32 +12,33 @@ namespace engram::datasets::kitchen {
 
 enum class Shape { kBox, kBottle, kCan, kMug };
 
-/// A kind of object. Its origin is its middle, z points up; a box is grasped across its y axis.
+/// A kind of object. Its origin is its middle and z points up. A box is grasped across its y axis.
 struct ThingClass {
   std::string_view name;
   std::string_view spoken_name;
   Shape shape;
   Eigen::Vector3d size_m;
   double mass_kg;
-  double grasp_height_m;      ///< Above its underside.
-  std::array<int, 3> colour;  ///< RGB, of its label or side.
-  std::array<int, 3> accent;  ///< RGB, of what is written on it.
+  double grasp_height_m;      ///< Height of the grasp above the underside.
+  std::array<int, 3> colour;  ///< RGB colour of its label or side.
+  std::array<int, 3> accent;  ///< RGB colour of the text on it.
   std::string_view label;
 };
 
-/// All there are; a recording has some of them, at most one of each.
+/// Returns all kinds. A recording has some of them, and at most one object of each.
 [[nodiscard]] std::span<const ThingClass> all_thing_classes();
 
-/// What things stand on. The x axis of its frame points away from who stands before it.
+/// A surface that things stand on. The x axis of its frame points away from a person in front of
+/// it.
 struct SurfacePlace {
   std::string_view name;
   std::string_view spoken_name;
-  Eigen::Vector3d top_m;  ///< Middle of its top. Frame: world.
-  double heading_rad;     ///< Of who stands before it.
+  Eigen::Vector3d top_m;  ///< The middle of its top. Frame: world.
+  double heading_rad;     ///< The heading of a person in front of it.
   double depth_m;
   double width_m;
-  double row_m;        ///< From its near edge to the row of things.
-  double row_shift_m;  ///< Along its y axis, to the left of who stands before it.
+  double row_m;        ///< Distance from the near edge to the row of things.
+  double row_shift_m;  ///< Shift along the y axis, to the left of a person in front of it.
 };
 
 enum class Surface { kCounter, kTable };
@@ -47,14 +48,14 @@ enum class Surface { kCounter, kTable };
   return surface == Surface::kCounter ? Surface::kTable : Surface::kCounter;
 }
 
-/// Places in the row of a surface, from the left.
+/// Number of slots in the row of a surface, counted from the left.
 inline constexpr int kSlots = 6;
 inline constexpr double kSlotDistance_m = 0.21;
 
-/// Where a thing in a slot stands: a point of the top. Frame: world.
+/// Returns the point of the top at which a thing in a slot stands. Frame: world.
 [[nodiscard]] Eigen::Vector3d slot_point(Surface surface, int slot);
 
-/// Frame: world.
+/// Return unit vectors. Frame: world.
 [[nodiscard]] Eigen::Vector3d ahead(const SurfacePlace& place);
 [[nodiscard]] Eigen::Vector3d leftward(const SurfacePlace& place);
 

@@ -9,7 +9,7 @@ namespace engram::datasets::kitchen {
 
 namespace {
 
-// How stiffly joints follow. Unit: 1/s^2 and 1/s; critically damped.
+// The stiffness and damping with which joints follow; critically damped. Unit: 1/s^2 and 1/s.
 constexpr double kStiffness = 1600;
 constexpr double kDamping = 80;
 
@@ -34,7 +34,7 @@ Pose pose_of(const mjData& data, int body) {
 
 namespace {
 
-/// MuJoCo's files in memory; large, so it lives on the heap.
+/// MuJoCo's virtual files. The struct is large, so it must live on the heap.
 struct Files {
   Files() : vfs(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs.get()); }
   ~Files() { mj_deleteVFS(vfs.get()); }
@@ -53,7 +53,7 @@ Result<Model> compile(const std::string& document) {
   return model;
 }
 
-/// MuJoCo compiled plain pictures of the same sizes.
+/// Replaces the plain pictures that MuJoCo compiled by textures of the same sizes.
 void fill_textures(const std::vector<Texture>& textures, mjModel& model) {
   for (const Texture& texture : textures) {
     const int id = mj_name2id(&model, mjOBJ_TEXTURE, texture.name.c_str());
@@ -89,7 +89,7 @@ Result<World> World::create(const Layout& layout, const DrawingSize& size) {
     const int joint = mj_name2id(model, mjOBJ_JOINT, name.c_str());
     ENGRAM_CHECK(joint >= 0, "the model has no joint '{}'", name);
     world.dofs_.at(static_cast<size_t>(i)) = model->jnt_dofadr[joint];
-    // The robot comes first in the model: each of its joints has one coordinate.
+    // The robot comes first in the model and its joints have one coordinate each, so indices agree.
     ENGRAM_CHECK(model->jnt_dofadr[joint] == model->jnt_qposadr[joint], "joint '{}'", name);
   }
   for (const Thing& thing : layout.things)
@@ -169,7 +169,7 @@ Pose World::hand_pose(Side side) const {
 Pose World::camera_pose(Side side) const {
   const int camera = mj_name2id(model_.get(), mjOBJ_CAMERA, std::string(to_string(side)).c_str());
   ENGRAM_CHECK(camera >= 0, "the model has no camera '{}'", to_string(side));
-  // MuJoCo's cameras have y up and look backwards.
+  // MuJoCo's cameras have y up and look along -z.
   Pose result = pose(data_->cam_xpos + 3 * camera, data_->cam_xmat + 9 * camera);
   result.linear() = result.linear() * Eigen::Vector3d(1, -1, -1).asDiagonal();
   return result;
@@ -188,7 +188,7 @@ void World::hold(Side side, size_t thing) {
   const Eigen::Quaterniond turn(pose_hand_thing.linear());
   const int id = weld(side, thing);
   mjtNum* numbers = model_->eq_data + mjNEQDATA * id;
-  std::fill(numbers, numbers + 3, 0);  // The thing's own middle.
+  std::fill(numbers, numbers + 3, 0);  // The anchor is the middle of the thing.
   for (int i = 0; i < 3; ++i) numbers[3 + i] = pose_hand_thing.translation()[i];
   numbers[6] = turn.w();
   numbers[7] = turn.x();
@@ -209,7 +209,7 @@ bool World::is_in_sight(size_t thing) const {
   const Pose eye = camera_pose(Side::kLeft);
   const Eigen::Vector3d to = thing_pose(thing).translation() - eye.translation();
   const double distance = to.norm();
-  // Nothing of the robot collides; only what does is asked (group 3).
+  // The ray tests only geoms that can collide (group 3), so the robot itself does not block it.
   constexpr std::array<mjtByte, mjNGROUP> kSolid{0, 0, 0, 1, 0, 0};
   int geom = -1;
   const double hit = mj_ray(model_.get(), data_.get(), eye.translation().data(), to.data(),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the kitchen that moves.
+// Private to this room: the physics of the kitchen.
 
 #include <mujoco/mujoco.h>
 
@@ -28,36 +28,36 @@ struct DataDeleter {
 using Model = std::unique_ptr<mjModel, ModelDeleter>;
 using State = std::unique_ptr<mjData, DataDeleter>;
 
-/// What the robot's joints are to do. Unit: rad and m, per second, per second squared.
+/// The wanted motion of the robot's joints. Unit: rad and m, per second, per second squared.
 struct Motion {
   RobotVector position = RobotVector::Zero();
   RobotVector velocity = RobotVector::Zero();
   RobotVector acceleration = RobotVector::Zero();
 };
 
-/// Poses of parts take their coordinates to world.
+/// The pose of a part transforms its coordinates to world coordinates.
 using Pose = Eigen::Isometry3d;
 
 [[nodiscard]] Pose pose_of(const mjData& data, int body);
 
-/// Physics of the room, the robot and the things of one layout.
+/// The physics of the room, the robot and the things of one layout.
 ///
-/// The robot follows a motion by computed torques; nothing of it collides. Things fall, rest on
-/// furniture and each other, and are held by a rigid link to a hand.
+/// The robot follows a motion by computed torques, and no part of it collides. Things fall, rest on
+/// furniture and on each other, and are held by a rigid link to a hand.
 /// Threading: one thread.
 class World {
  public:
-  /// Errors: kUnavailable with MuJoCo's words where it refuses the model.
+  /// Errors: kUnavailable with MuJoCo's message if it rejects the model.
   static Result<World> create(const Layout& layout, const DrawingSize& size);
 
-  /// Puts the robot there at once, at rest.
+  /// Places the robot in a pose immediately, at rest.
   void place_robot(const RobotVector& pose);
 
-  /// Goes on by one time step, kStep_s.
+  /// Advances by one time step, kStep_s.
   void step(const Motion& wanted);
   static constexpr double kStep_s = 0.002;
 
-  /// Poses of parts are those of now from then on; step() leaves them behind.
+  /// Updates the poses of parts to the current state; step() does not update them.
   void refresh();
 
   [[nodiscard]] RobotVector positions() const;
@@ -66,22 +66,23 @@ class World {
   [[nodiscard]] Pose body_pose(const std::string& name) const;
   [[nodiscard]] Pose thing_pose(size_t thing) const;
   [[nodiscard]] Pose hand_pose(Side side) const;
-  /// x right, y down, z forward.
+  /// Frame: x right, y down, z forward.
   [[nodiscard]] Pose camera_pose(Side side) const;
 
-  /// Fixes a thing to a hand as they are now.
+  /// Fixes a thing to a hand in their current relative pose.
   void hold(Side side, size_t thing);
   void release(Side side);
   [[nodiscard]] std::optional<size_t> held(Side side) const { return held_[index(side)]; }
 
-  /// Whether nothing but the robot's arms stands between the left camera and the middle of a thing.
+  /// Returns true if nothing but the robot's arms is between the left camera and the middle of a
+  /// thing.
   [[nodiscard]] bool is_in_sight(size_t thing) const;
 
-  /// Place of a joint of a RobotVector in MuJoCo's vectors, and how far it goes (the platform: as
-  /// far as it likes).
+  /// The index in MuJoCo's vectors of a joint of a RobotVector, and the joint's range, which is
+  /// unlimited for the platform.
   [[nodiscard]] int dof(int joint) const { return dofs_.at(static_cast<size_t>(joint)); }
   [[nodiscard]] std::pair<double, double> range(int joint) const;
-  /// Writes the robot's coordinates into a state of the same model.
+  /// Writes the robot's coordinates to a state of the same model.
   void set_robot(const RobotVector& pose, mjData& state) const;
 
   [[nodiscard]] const mjModel& model() const { return *model_; }
@@ -97,9 +98,9 @@ class World {
   Layout layout_;
   Model model_;
   State data_;
-  std::array<int, kRobotJoints> dofs_{};       ///< Of RobotVector, in qvel; also in qpos.
-  std::vector<int> bodies_;                    ///< Of the things.
-  std::array<std::optional<size_t>, 2> held_;  ///< By side.
+  std::array<int, kRobotJoints> dofs_{};       ///< Indices of RobotVector in qvel and qpos.
+  std::vector<int> bodies_;                    ///< The bodies of the things.
+  std::array<std::optional<size_t>, 2> held_;  ///< The thing in each hand, by side.
   std::vector<mjtNum> torques_;
   std::vector<mjtNum> accelerations_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the video of a camera, frame by frame.
+// Private to this room: the video of a camera, read frame by frame.
 
 #include <optional>
 
@@ -9,9 +9,9 @@
 
 namespace engram::datasets::lerobot {
 
-/// Reads a video that one episode or several are in, one behind the other.
+/// Reads a video that contains one or more episodes, one after the other.
 ///
-/// A video that breaks ends there; broken() says so. Memory: two frames and the decoder's.
+/// A video that breaks ends there, and broken() says so. Memory: two frames and the decoder's.
 /// Threading: one thread.
 class EpisodeVideo {
  public:
@@ -20,36 +20,37 @@ class EpisodeVideo {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Drops frames before `time`; false where frames from there on are gone already.
+  /// Drops frames before `time`. Returns false if later frames were already dropped or taken.
   bool skip_to(Duration time);
 
-  /// The next frame, nothing behind the last.
+  /// Returns the next frame; nothing after the last one.
   std::optional<idf::NdArray> next();
 
-  /// The frame that is less than `tolerance` from `time`. Those before it are dropped and counted.
+  /// Returns the frame that is less than `tolerance` from `time`. Frames before it are dropped and
+  /// counted.
   std::optional<idf::NdArray> at(Duration time, Duration tolerance);
 
   /// Drops frames before `time` and counts them.
   void pass_to(Duration time);
 
-  /// Frames that were dropped and counted.
+  /// The number of frames that were dropped and counted.
   [[nodiscard]] uint64_t passed() const { return passed_; }
   [[nodiscard]] uint64_t damaged() const { return reader_.damaged_frames(); }
 
-  /// Where and how the video breaks; empty where it does not.
+  /// Says where and how the video breaks; empty if it does not.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
  private:
   EpisodeVideo(std::filesystem::path path, VideoReader reader)
       : path_(std::move(path)), reader_(std::move(reader)) {}
 
-  /// Fetches the next frame, if it is not there yet; false behind the last.
+  /// Decodes the next frame if it is not there yet; returns false after the last one.
   bool fetch();
 
   std::filesystem::path path_;
   VideoReader reader_;
-  std::optional<DecodedFrame> frame_;   ///< The next one.
-  Duration reached_ = Duration::min();  ///< Time of the last one that was taken or dropped.
+  std::optional<DecodedFrame> frame_;   ///< The next frame.
+  Duration reached_ = Duration::min();  ///< The time of the last frame that was taken or dropped.
   uint64_t passed_ = 0;
   std::string broken_;
   bool is_over_ = false;

@@ -23,7 +23,7 @@ constexpr size_t kMaxShown = 40;
 constexpr double kLowestHz = 1e-3;
 constexpr double kHighestHz = 1e6;
 
-/// What stands in a member, for a message.
+/// Shows the value of a member in a message.
 std::string shown(const json& object, const char* name) {
   const auto found = object.find(name);
   if (found == object.end()) return "nothing";
@@ -70,13 +70,13 @@ Result<Feature> feature_of(const std::filesystem::path& path, const std::string&
     collect_texts(*names, feature.names);
   std::vector<std::string> sorted = feature.names;
   std::ranges::sort(sorted);
-  // Names of axes, or names that would be one member: not those of the numbers.
+  // Names of axes, or names that would collide, are not names of the numbers.
   if (sorted.size() != feature.count || std::ranges::adjacent_find(sorted) != sorted.end())
     feature.names.clear();
   return feature;
 }
 
-/// "a{x:03d}" with x 7 becomes "a007".
+/// Turns "a{x:03d}" into "a007" for name x and value 7.
 std::string filled(std::string text, const std::string& name, const std::string& value) {
   for (size_t at = text.find('{' + name); at != std::string::npos; at = text.find('{' + name, at)) {
     const size_t end = text.find('}', at);
@@ -106,6 +106,7 @@ Status check_template(const std::filesystem::path& path, const json& info, const
   const std::filesystem::path text = text_member(info, name);
   const bool has_video = info.contains(name) && !info.at(name).is_null();
   if (std::string_view(name) == "video_path" && !has_video) return {};
+  // The path comes from the data set, which is not trusted, so it must not lead out of it.
   if (!text.empty() && text.is_relative() && std::ranges::find(text, "..") == text.end()) return {};
   return invalid_argument("'{}': found {} as '{}', needs a path inside of the data set",
                           path.string(), shown(info, name), name);

@@ -30,7 +30,7 @@ int64_t whole_member(const json& object, const char* name) {
   return found != object.end() && found->is_number_integer() ? found->get<int64_t>() : -1;
 }
 
-/// Reads the next line that says something; false behind the last.
+/// Reads the next line that is not empty; returns false after the last one.
 Result<bool> next_object(const std::filesystem::path& path, std::istream& lines, uint64_t& number,
                          json& value) {
   std::string line;
@@ -53,7 +53,7 @@ Result<bool> next_object(const std::filesystem::path& path, std::istream& lines,
   return false;
 }
 
-/// The tasks of a cell: a list in JSON, else one.
+/// Returns the tasks of a cell, which is a JSON list or a single task.
 std::vector<std::string> tasks_of(const std::string& cell) {
   std::vector<std::string> tasks;
   if (const json list = json::parse(cell, nullptr, false); list.is_array())
@@ -63,7 +63,7 @@ std::vector<std::string> tasks_of(const std::string& cell) {
   return tasks;
 }
 
-/// Columns that say what of a video is an episode.
+/// The columns that describe the part of a video that belongs to an episode.
 struct VideoColumns {
   size_t chunk = 0;
   size_t file = 0;
@@ -91,7 +91,7 @@ Result<VideoPart> video_part(const RowTable& rows, const VideoColumns& columns) 
   return part;
 }
 
-/// Where an episode's rows are counted from the first one of the data set.
+/// Checks the length against the row numbers, which count from the first row of the data set.
 Status check_length(const RowTable& rows, const Episode& episode) {
   const auto from = rows.find({"dataset_from_index"});
   const auto to = rows.find({"dataset_to_index"});
@@ -102,7 +102,7 @@ Status check_length(const RowTable& rows, const Episode& episode) {
   return rows.broken(*to, fmt::format("needs {} and a length of {}", first, episode.length));
 }
 
-/// "chunk-000/file-000.parquet" and others, in order, whether they are Parquet or CSV.
+/// Returns "chunk-000/file-000.parquet" and the others in order, whether they are Parquet or CSV.
 Result<std::set<std::filesystem::path>> episode_tables(const std::filesystem::path& root) {
   std::set<std::filesystem::path> tables;
   const std::filesystem::path folder = root / "meta" / "episodes";
@@ -160,7 +160,7 @@ Result<std::map<int64_t, std::string>> task_lines(const std::filesystem::path& p
 Result<std::map<int64_t, std::string>> task_rows(RowTable& rows) {
   std::map<int64_t, std::string> tasks;
   ENGRAM_ASSIGN_OR_RETURN(const size_t index, rows.need("task_index"));
-  // The text is the index of a pandas frame, which Parquet keeps as a column of its own.
+  // The text is the index of a pandas frame, which Parquet stores as a separate column.
   const auto unnamed = rows.find({"__index_level_0__"});
   ENGRAM_ASSIGN_OR_RETURN(const size_t task,
                           unnamed ? Result<size_t>(*unnamed) : rows.need("task"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: which episodes there are, and where.
+// Private to this room: the list of episodes and their files.
 
 #include <istream>
 #include <map>
@@ -12,25 +12,25 @@
 
 namespace engram::datasets::lerobot {
 
-/// A line of meta/episodes.jsonl each. Safe on hostile text.
+/// Parses meta/episodes.jsonl, which has one line per episode. Safe on hostile text.
 /// Errors: kInvalidArgument naming `path`, line, what was found and what was needed.
 Result<std::vector<Episode>> parse_episode_lines(const std::filesystem::path& path,
                                                  std::istream& lines);
 
-/// A row of meta/episodes/chunk-000/file-000 each. Safe on hostile tables.
+/// Parses meta/episodes/chunk-000/file-000, which has one row per episode. Safe on hostile tables.
 /// Errors: kInvalidArgument naming table, row, column, what was found and what was needed.
 Result<std::vector<Episode>> parse_episode_rows(const Description& description, RowTable& rows);
 
-/// From meta/episodes.jsonl or, from v3 on, the tables below meta/episodes; in the order of their
-/// numbers. Errors: kNotFound; those of the above and of RowTable::open.
+/// Reads meta/episodes.jsonl or, from v3 on, the tables below meta/episodes. The result is ordered
+/// by number. Errors: kNotFound; those of the functions above and of RowTable::open.
 Result<std::vector<Episode>> read_episodes(const Description& description);
 
-/// What tasks are called, by their numbers: from meta/tasks.jsonl or meta/tasks.parquet; empty
-/// where there is neither.
+/// Returns the names of tasks by their numbers, from meta/tasks.jsonl or meta/tasks.parquet; empty
+/// if there is neither.
 Result<std::map<int64_t, std::string>> read_tasks(const Description& description);
 
-/// Adds the texts in a value: it alone, or in lists and dicts of them; what is nested deeper than
-/// such names ever are is left out.
+/// Appends the texts in a value: the value itself, or texts in lists and dicts. Values that are
+/// nested deeper than such names ever are get ignored.
 void collect_texts(const nlohmann::json& value, std::vector<std::string>& texts);
 
 }  // namespace engram::datasets::lerobot

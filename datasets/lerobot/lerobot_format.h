@@ -7,9 +7,9 @@
 
 namespace engram::datasets {
 
-/// Data sets of LeRobot, v2.0, v2.1 and v3.0, read: a folder with meta/info.json, tables, and
-/// videos of each camera. Tables are Parquet, read through pyarrow, or CSV beside them. Source:
-/// docs/formats.md, section "lerobot".
+/// Data sets of LeRobot, v2.0, v2.1 and v3.0; read only. A data set is a folder with
+/// meta/info.json, tables, and videos of each camera. Tables are Parquet, read through pyarrow, or
+/// CSV beside them. Source: docs/formats.md, section "lerobot".
 std::unique_ptr<const RecordingFormat> make_lerobot_format();
 
 }  // namespace engram::datasets

@@ -19,10 +19,10 @@ namespace {
 constexpr const char* kImage = "image";
 constexpr const char* kState = "state";
 constexpr const char* kCamera = "camera";
-// Times of a row are at most this far behind the start of its episode.
+// The maximum time of a row since the start of its episode.
 constexpr Duration kLongestEpisode = std::chrono::seconds(200'000'000);
 
-/// What tables have beside features of the robot.
+/// Returns true for columns that are not features of the robot.
 bool is_bookkeeping(const std::string& key) {
   static const std::vector<std::string> keys{"timestamp", "frame_index", "episode_index", "index",
                                              "task_index"};
@@ -33,7 +33,7 @@ std::string without(const std::string& key, std::string_view prefix) {
   return key.starts_with(prefix) ? key.substr(prefix.size()) : key;
 }
 
-/// Where values of a feature go.
+/// The segment and provider that the values of a feature go to.
 struct Place {
   std::string memory;
   std::string segment;
@@ -50,14 +50,14 @@ Place place_of(const Feature& feature) {
   return {"Tasks", "Feedback", without(key, "next.")};
 }
 
-/// A feature, its entity, and what of the episode at hand holds it.
+/// A feature, its entity, and the data of the current episode that contain it.
 struct Source {
   Feature feature;
   ltm::MemoryId entity;
-  size_t number = 0;  ///< Of videos: among them.
+  size_t number = 0;  ///< The index among the features that are videos.
   std::optional<EpisodeVideo> video;
-  VideoPart part;               ///< Of that video.
-  std::vector<size_t> columns;  ///< One for each number, or that of the image's name.
+  VideoPart part;               ///< The part of the video that is the current episode.
+  std::vector<size_t> columns;  ///< One column for each number, or the column of image names.
   std::optional<idf::NdArray> last_image;
 };
 
@@ -75,7 +75,7 @@ class Reader final : public RecordingReader {
     }
     ENGRAM_ASSIGN_OR_RETURN(tasks_, read_tasks(description_));
     if (tasks_.size() < 2) return {};
-    // With one task, episodes say all.
+    // If there is only one task, the descriptions of episodes are enough.
     ENGRAM_ASSIGN_OR_RETURN(task_entity_,
                             entities_.take("Tasks", "Feedback", options_.provider, "task"));
     streams_.push_back({task_entity_, "task_index", 0, {{"dtype", "int64"}}});
@@ -246,7 +246,7 @@ class Reader final : public RecordingReader {
     is_inside_ = false;
     for (Source& source : sources_) {
       if (!source.video) continue;
-      // Where videos are shared, the frame at the end is the first one of the next episode.
+      // If episodes share a video, the frame at the end is the first one of the next episode.
       source.video->pass_to(description_.is_v3 ? source.part.to - frame_length() / 2
                                                : Duration::max());
       if (!description_.is_v3 || episode_ == episodes_.size()) close_video(source);
@@ -267,7 +267,7 @@ class Reader final : public RecordingReader {
              {"codebase_version", description_.version}}};
   }
 
-  /// Says which of several tasks the robot is at, where that changes.
+  /// Records the current task, of several, when it changes.
   Status add_task(Time time, ltm::Commit& commit) {
     if (tasks_.size() < 2 || !task_column_) return {};
     ENGRAM_ASSIGN_OR_RETURN(const int64_t index, rows_.table().whole(*task_column_));
@@ -325,7 +325,7 @@ class Reader final : public RecordingReader {
     return value;
   }
 
-  /// The first camera, or the first numbers that were observed, else the first ones; null where
+  /// Returns the first camera, or the first observed numbers, or else the first numbers; null if
   /// there are none.
   [[nodiscard]] const Source* first(bool is_picture) const {
     const Source* found = nullptr;
@@ -338,17 +338,17 @@ class Reader final : public RecordingReader {
     return found;
   }
 
-  Description description_;  ///< Without episodes.
+  Description description_;  ///< Without episodes; see `episodes_`.
   const ReadingOptions options_;
-  std::vector<Episode> episodes_;  ///< Those that are read.
+  std::vector<Episode> episodes_;  ///< The episodes to read.
   std::vector<Source> sources_;
   std::vector<RecordingStream> streams_;
   FreeEntities entities_;
   std::map<int64_t, std::string> tasks_;
   ltm::MemoryId task_entity_;
-  uint64_t total_ = 0;  ///< Steps of all episodes.
+  uint64_t total_ = 0;  ///< Number of steps in all episodes.
 
-  size_t episode_ = 0;  ///< The next one.
+  size_t episode_ = 0;  ///< The index of the next episode.
   bool is_inside_ = false;
   int64_t step_ = 0;
   int64_t length_ = 0;
@@ -358,7 +358,7 @@ class Reader final : public RecordingReader {
 
   StepRows rows_;
   std::optional<size_t> task_column_;
-  Duration stamp_{};  ///< Of the row, in its episode.
+  Duration stamp_{};  ///< The time of the row in its episode.
 };
 
 }  // namespace

@@ -10,8 +10,8 @@
 
 namespace engram::datasets::lerobot {
 
-/// Reads the episodes whose files are there, one after the other.
-/// Errors: kNotFound where there is none, or no episode of a name that is asked for.
+/// Reads the episodes whose files exist, one after the other.
+/// Errors: kNotFound if there are none, or if there is no episode of a requested name.
 Result<std::unique_ptr<RecordingReader>> make_reader(Description description,
                                                      const ReadingOptions& options);
 

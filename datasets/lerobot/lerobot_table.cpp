@@ -46,6 +46,7 @@ Status convert(const std::filesystem::path& parquet, const std::filesystem::path
     auto line = process.read_line(kPatience);
     if (!line.ok())
       return line.status().with_context(fmt::format("'{}' through pyarrow", parquet.string()));
+    // Python prints warnings of its own, so other lines are ignored.
     if (*line == "engram: done") return {};
     if (*line == "engram: no pyarrow")
       return failed_precondition(
@@ -145,6 +146,7 @@ Result<bool> RowTable::next() {
 Result<std::optional<double>> RowTable::number(size_t column) const {
   std::string_view text = trimmed(cells_[column]);
   if (text.empty()) return std::optional<double>();
+  // Flags such as next.done are numbers in Parquet, and words in CSV files that pandas wrote.
   if (text == "True" || text == "true") return std::optional(1.0);
   if (text == "False" || text == "false") return std::optional(0.0);
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -157,7 +159,7 @@ Result<std::optional<int64_t>> RowTable::integer(size_t column) const {
   if (text.empty()) return std::optional<int64_t>();
   if (text == "True" || text == "true") return std::optional<int64_t>(1);
   if (text == "False" || text == "false") return std::optional<int64_t>(0);
-  // As tables in which some cells are empty are written.
+  // Whole numbers have this ending in tables in which some cells of the column are empty.
   if (text.ends_with(".0")) text.remove_suffix(2);
   if (const auto value = parsed<int64_t>(text)) return value;
   return broken(column, "needs a whole number");

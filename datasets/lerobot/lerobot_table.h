@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: tables, row by row.
+// Private to this room: tables, read row by row.
 
 #include <filesystem>
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace engram::datasets::lerobot {
 
-/// A folder that goes with its contents.
+/// A folder that is removed together with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -23,7 +23,7 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
-  /// Empty where none could be made.
+  /// Empty if no folder could be made.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
@@ -36,44 +36,44 @@ class TemporaryFolder {
 /// Memory: one row. Threading: one thread.
 class RowTable {
  public:
-  /// The table in the folder `root` that is called `parquet`: from the CSV beside it, of the same
-  /// name, where there is one (or in `root`/tables where `looks_in_tables`), else through pyarrow,
-  /// which needs room for it as CSV in the temporary folder.
-  /// Errors: kNotFound where there is neither; kFailedPrecondition where Python has no pyarrow,
-  /// saying what to do.
+  /// Opens the table `parquet` in the folder `root`. If there is a CSV of the same name beside it
+  /// (or in `root`/tables if `looks_in_tables` is true), that is read. Else the table is read
+  /// through pyarrow, which needs room for it as CSV in the temporary folder.
+  /// Errors: kNotFound if there is neither; kFailedPrecondition if Python has no pyarrow, saying
+  /// what to do.
   static Result<RowTable> open(const std::filesystem::path& root,
                                const std::filesystem::path& parquet, bool looks_in_tables);
 
-  /// A CSV whose images are named as in `root`.
+  /// Opens a CSV that names images relative to `root`.
   static Result<RowTable> open_csv(const std::filesystem::path& root,
                                    const std::filesystem::path& csv);
 
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 
-  /// The column of one of these names.
+  /// Returns the column that has one of these names.
   [[nodiscard]] std::optional<size_t> find(const std::vector<std::string>& names) const;
-  /// Errors: kInvalidArgument where there is none.
+  /// Errors: kInvalidArgument if there is no such column.
   Result<size_t> need(const std::string& name) const;
 
-  /// Goes to the next row; false behind the last.
+  /// Advances to the next row; returns false after the last one.
   Result<bool> next();
 
-  /// Of the row: from 1 on.
+  /// The number of the row, starting from 1.
   [[nodiscard]] uint64_t row() const { return row_; }
   [[nodiscard]] const std::string& text(size_t column) const { return cells_[column]; }
 
-  /// Nothing where the cell is empty. Errors: where it is no number.
+  /// Returns nothing if the cell is empty. Errors: if it is not a number.
   Result<std::optional<double>> number(size_t column) const;
-  /// Nothing where the cell is empty. Errors: where it is no whole number of 64 bits.
+  /// Returns nothing if the cell is empty. Errors: if it is not a whole number of 64 bits.
   Result<std::optional<int64_t>> integer(size_t column) const;
-  /// Errors: where it is no whole number of 0 or more.
+  /// Errors: if the cell is not a whole number of 0 or more.
   Result<int64_t> whole(size_t column) const;
-  /// Seconds, read exactly. Errors: where it is not 0 to 1e8.
+  /// Reads seconds exactly. Errors: if they are not in 0 to 1e8.
   Result<Duration> seconds(size_t column) const;
-  /// The file that a cell names.
+  /// Returns the file that a cell names.
   Result<std::filesystem::path> file(size_t column) const;
 
-  /// "'data/file-000.csv': row 3, column 'timestamp': <what>".
+  /// Makes the error "'data/file-000.csv': row 3, column 'timestamp': <what>".
   [[nodiscard]] Status broken(size_t column, std::string_view what) const;
 
  private:
@@ -83,18 +83,18 @@ class RowTable {
   static Result<RowTable> create(std::filesystem::path root, std::string title,
                                  const std::filesystem::path& csv);
 
-  std::filesystem::path root_;  ///< Of images.
+  std::filesystem::path root_;  ///< The folder that names of images are relative to.
   std::string title_;
   CsvReader csv_;
   std::unique_ptr<TemporaryFolder> folder_;
   std::vector<std::string> names_;
-  std::unordered_map<std::string, size_t> columns_;  ///< By their names; the first of each.
+  std::unordered_map<std::string, size_t> columns_;  ///< The first column of each name.
   std::vector<std::string> cells_;
   uint64_t row_ = 0;
 };
 
-/// Where a table is as CSV: beside the Parquet file or, where `looks_in_tables`, in `root`/tables.
-/// Empty where it is not.
+/// Returns where a table is as CSV: beside the Parquet file or, if `looks_in_tables` is true, in
+/// `root`/tables. Empty if there is no CSV.
 [[nodiscard]] std::filesystem::path csv_of(const std::filesystem::path& root,
                                            const std::filesystem::path& parquet,
                                            bool looks_in_tables);

@@ -5,7 +5,7 @@
 
 namespace engram::datasets::lerobot {
 
-/// parquet_to_csv.py.
+/// Returns the text of parquet_to_csv.py.
 [[nodiscard]] std::string_view parquet_script();
 
 }  // namespace engram::datasets::lerobot

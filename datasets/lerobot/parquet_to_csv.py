@@ -90,7 +90,7 @@ def main(source, target):
         print("engram: no pyarrow", flush=True)
         return
     table = pyarrow.parquet.ParquetFile(source)
-    # Statistics of episodes: larger than all else, and derived from it.
+    # Statistics of episodes are left out: they are larger than all else, and derived from it.
     names = [name for name in table.schema_arrow.names if not name.startswith("stats/")]
     columns = None
     with open(target, "w", encoding="utf-8", newline="") as file:

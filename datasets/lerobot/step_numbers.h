@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: numbers of a step as values.
+// Private to this room: the numbers of a step as values.
 
 #include "datasets/lerobot/lerobot_data.h"
 #include "datasets/lerobot/lerobot_table.h"
@@ -9,17 +9,18 @@
 
 namespace engram::datasets::lerobot {
 
-/// The columns of a feature, one for each number. Tables call number i of "observation.state": it
-/// and the name or number of the element, or only "state" and these. Empty where one is missing.
+/// Returns the columns of a feature, one for each number. In tables, number i of
+/// "observation.state" has this name, or only "state", followed by the name or number of the
+/// element. Empty if a column is missing.
 std::vector<size_t> columns_of(const RowTable& table, const Feature& feature);
 
-/// A number for each name; else {"values"}, an array of the feature's type and shape; of texts
-/// {"text"}. Nothing where a cell is empty.
+/// Returns a number for each name; if there are no names {"values"}, an array of the feature's type
+/// and shape; for texts {"text"}. Returns nothing if a cell is empty.
 /// Errors: kInvalidArgument naming table, row and column.
 Result<std::optional<idf::Dict>> numbers_of(const RowTable& table, const Feature& feature,
                                             const std::vector<size_t>& columns);
 
-/// "front" of "observation.images.front".
+/// Returns "front" for "observation.images.front".
 [[nodiscard]] std::string last_part(const std::string& key);
 
 }  // namespace engram::datasets::lerobot

@@ -9,7 +9,7 @@ Status StepRows::fetch() {
   return {};
 }
 
-/// Goes to the first row of an episode, over those of others; false where there is none.
+/// Skips rows of other episodes up to the first one of this; returns false if there is none.
 Result<bool> StepRows::find(const Episode& episode) {
   while (true) {
     ENGRAM_RETURN_IF_ERROR(fetch());

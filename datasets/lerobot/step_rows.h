@@ -1,35 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the rows of one episode after the other.
+// Private to this room: the rows of the episodes, one after the other.
 
 #include "datasets/lerobot/lerobot_data.h"
 #include "datasets/lerobot/lerobot_table.h"
 
 namespace engram::datasets::lerobot {
 
-/// Goes through the rows of episodes, whether each has a table or many share one.
+/// Iterates over the rows of episodes, whether each has its own table or many share one.
 ///
-/// Errors: those of RowTable; kDataLoss where an episode has more or fewer rows than the list of
+/// Errors: those of RowTable; kDataLoss if an episode has more or fewer rows than the list of
 /// episodes says. Memory: one row. Threading: one thread.
 class StepRows {
  public:
-  /// `description` outlives this.
+  /// `description` must outlive this.
   explicit StepRows(const Description& description) : description_(description) {}
 
-  /// Goes to the first row of `episode`; whether its columns are those of another table than
-  /// before.
+  /// Goes to the first row of `episode`. Returns true if the table, and therefore the columns,
+  /// changed.
   Result<bool> begin(const Episode& episode);
 
-  /// Goes to the next row of the episode that was begun last.
+  /// Goes to the next row of the current episode.
   Status next();
 
-  /// Fails where the table of that episode has further rows; where many share one, it may.
+  /// Fails if the table of the current episode has further rows, unless many episodes share it.
   Status end();
 
   [[nodiscard]] const RowTable& table() const { return *table_; }
 
-  /// Behind the start of the episode.
+  /// The time of the row since the start of the episode.
   Result<Duration> time() const { return table_->seconds(time_column_); }
   [[nodiscard]] Status wrong_time(std::string_view what) const {
     return table_->broken(time_column_, what);
@@ -45,9 +45,9 @@ class StepRows {
   std::filesystem::path path_;
   size_t time_column_ = 0;
   size_t episode_column_ = 0;
-  bool is_waiting_ = false;  ///< The table's row was fetched, not taken yet.
+  bool is_waiting_ = false;  ///< A row was fetched from the table and not taken yet.
 
-  std::string episode_;  ///< The one that was begun last.
+  std::string episode_;  ///< The current episode.
   int64_t index_ = 0;
   int64_t length_ = 0;
   int64_t taken_ = 0;

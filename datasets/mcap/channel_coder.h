@@ -12,16 +12,16 @@
 
 namespace engram::datasets::mcap {
 
-/// Key of a channel's metadata that names the entity that was written as it, where no import had
-/// made that.
+/// Key of a channel's metadata that names the entity that was written as this channel, if that
+/// entity was not imported.
 inline constexpr const char* kEntityKey = "engram:entity";
 
-/// Attribute of the stream whose values are a file's attachments.
+/// Attribute of the stream that contains the attachments of a file.
 inline constexpr const char* kAttachments = "attachments";
 
-/// The messages of one channel as values, both ways: ROS 1 and ROS 2 by their definitions, JSON;
-/// everything else, and what has a definition that cannot be read, as {"encoding", "schema",
-/// "bytes"}.
+/// Converts the messages of one channel to values and back. ROS 1 and ROS 2 messages are converted
+/// by their definitions, and JSON as such. All others, and messages whose definition cannot be
+/// read, become {"encoding", "schema", "bytes"}.
 ///
 /// Threading: immutable, const-parallel.
 class ChannelCoder {
@@ -32,14 +32,14 @@ class ChannelCoder {
   /// Safe on hostile bytes. Errors: kDataLoss.
   [[nodiscard]] Result<idf::Data> decode(std::span<const std::byte> bytes) const;
 
-  /// Errors: kInvalidArgument where a value is not what the channel's messages are.
+  /// Errors: kInvalidArgument if a value is not a message of this channel.
   [[nodiscard]] Result<std::vector<std::byte>> encode(const idf::Data& value,
                                                       int jpeg_quality) const;
 
-  /// Null where messages are not those of ROS.
+  /// Null if the messages are not ROS messages.
   [[nodiscard]] const ros::MessageType* ros_type() const { return ros_ ? &*ros_ : nullptr; }
 
-  /// Why messages with a definition are kept as bytes; empty: they are not.
+  /// Says why messages with a definition are kept as bytes; empty if they are not.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
@@ -47,7 +47,7 @@ class ChannelCoder {
 
   Form form_ = Form::kBytes;
   std::optional<ros::MessageType> ros_;
-  bool is_own_ = false;  ///< Written for an entity that no import made.
+  bool is_own_ = false;  ///< The channel was written for an entity that was not imported.
   std::string encoding_;
   std::string schema_name_;
   std::string problem_;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint64_t kLooseRegionBytes = 1 << 20;
 constexpr uint64_t kMaxMetadataBytes = 16 << 20;
-/// A chunk's fields before its records; names of compressions are short.
+/// Enough bytes for a chunk's fields before its records, since names of compressions are short.
 constexpr uint64_t kChunkStartBytes = 256;
 
 class FileMapper {
@@ -53,7 +53,7 @@ class FileMapper {
   }
 
   void note(uint64_t offset, std::string_view what) {
-    // Files may be wrong in a million places.
+    // A damaged file may have a million faults; the report stays readable.
     constexpr size_t kMaxNotes = 20;
     if (notes_++ < kMaxNotes)
       ++report_.not_carried[fmt::format("{}: {}", place(offset), what)];
@@ -61,7 +61,7 @@ class FileMapper {
       ++report_.not_carried["further damaged records"];
   }
 
-  /// Takes one record; false after the last.
+  /// Takes one record; returns false after the last one.
   Result<bool> step() {
     if (file_.size() - at_ < kRecordStartBytes) return end_early("a record");
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, file_.read(at_, kRecordStartBytes));
@@ -240,7 +240,7 @@ class FileMapper {
     return {};
   }
 
-  /// Whether descriptions may be where only chunks have them.
+  /// Returns true if schemas or channels may be defined only in chunks.
   [[nodiscard]] bool needs_chunks() const {
     const bool lacks_index = std::ranges::any_of(
         map_.regions, [](const Region& region) { return region.messages == 0; });
@@ -254,7 +254,7 @@ class FileMapper {
       auto loaded = load_region(file_, map_.regions[i]);
       if (!loaded.ok()) {
         if (loaded.status().code() == StatusCode::kUnavailable) return loaded.status();
-        continue;  // Told when it is read.
+        continue;  // The problem is reported when the region is read.
       }
       for (SchemaRecord& schema : loaded->schemas) add(std::move(schema));
       for (ChannelRecord& channel : loaded->channels) add(std::move(channel));

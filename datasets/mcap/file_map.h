@@ -14,16 +14,17 @@
 
 namespace engram::datasets::mcap {
 
-/// Where the content of an attachment lies.
+/// The place of an attachment's content in the file.
 struct AttachmentPlace {
   uint64_t offset = 0;
   uint64_t length = 0;
   uint64_t log_time = 0;  ///< Unit: ns.
 };
 
-/// Everything that a file says of itself: where its messages lie, and what they are.
+/// Describes a file: its channels and schemas, and where its messages are.
 ///
-/// Memory: about 40 bytes per chunk, or MiB of messages outside of chunks, and the descriptions.
+/// Memory: about 40 bytes per chunk, or per MiB of messages outside of chunks, and the
+/// descriptions.
 struct FileMap {
   HeaderRecord header;
   std::map<uint16_t, SchemaRecord> schemas;
@@ -32,10 +33,10 @@ struct FileMap {
   std::vector<Region> regions;               ///< In the order of the file.
   std::vector<AttachmentPlace> attachments;  ///< In the order of time.
   std::optional<StatisticsRecord> statistics;
-  std::map<uint16_t, size_t> first_region;  ///< That has a message of a channel.
+  std::map<uint16_t, size_t> first_region;  ///< The first region with a message, by channel.
 };
 
-/// With what describes them there.
+/// The messages of a region, with the schemas and channels that are defined in it.
 struct LoadedRegion : RegionMessages {
   std::vector<SchemaRecord> schemas;
   std::vector<ChannelRecord> channels;
@@ -45,17 +46,17 @@ struct LoadedRegion : RegionMessages {
 /// Errors: kDataLoss naming file, offset, what was found and what was needed.
 Result<LoadedRegion> load_region(FileWindow& file, const Region& region);
 
-/// The message at the start of `bytes`, where load_region found it.
+/// Returns the message at the start of `bytes`, where load_region found it.
 [[nodiscard]] MessageRecord message_at(std::span<const std::byte> bytes);
-/// The one at `entry`.
+/// Returns the message at `entry`.
 [[nodiscard]] inline MessageRecord message_at(const LoadedRegion& loaded,
                                               const RegionMessages::Entry& entry) {
   return message_at(loaded.bytes.bytes().subspan(entry.offset));
 }
 
-/// Walks over all records; what is missing or damaged is told in `report`. Chunks are opened only
-/// where the summary does not say what is in them.
-/// Errors: kInvalidArgument where it is no MCAP file; kDataLoss where it has no header.
+/// Scans all records; what is missing or damaged is counted in `report`. Chunks are opened only if
+/// the summary does not describe their contents.
+/// Errors: kInvalidArgument if it is not an MCAP file; kDataLoss if it has no header.
 Result<FileMap> map_file(FileWindow& file, ReadingReport& report);
 
 }  // namespace engram::datasets::mcap

@@ -84,7 +84,7 @@ Result<Json> json_of(const idf::Data& value) {
 }  // namespace
 
 Result<idf::Data> value_of_json(std::string_view text) {
-  // Before anything is built: what nests deeply is also taken apart deeply.
+  // The depth is checked before anything is built, because destroying deep values recurses too.
   int depth = 0;
   bool is_text = false;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -107,6 +107,7 @@ Result<idf::Data> value_of_json(std::string_view text) {
 
 Result<std::string> json_of_value(const idf::Data& value) {
   ENGRAM_ASSIGN_OR_RETURN(const Json json, json_of(value));
+  // Dumping throws for text that is not UTF-8.
   try {
     return json.dump();
   } catch (const Json::exception& error) {

@@ -11,7 +11,7 @@ namespace engram::datasets::mcap {
 
 namespace {
 
-/// How many bytes one of a block that only repeats may stand for.
+/// The maximum number of bytes that one byte of a repetitive block can expand to.
 constexpr uint64_t kMaxZstdExpansion = 1 << 16;
 
 }  // namespace
@@ -36,7 +36,7 @@ Result<Buffer> decompress(std::string_view compression, std::span<const std::byt
   const uint64_t max = bytes.size() * (is_lz4 ? kMaxLz4Expansion : kMaxZstdExpansion);
   if (size > max || size > kMaxRecordBytes)
     return data_loss("{} bytes of {} hold no {} bytes", bytes.size(), compression, size);
-  // Not set to zero first: what is claimed costs nothing until it is filled.
+  // The memory is not set to zero, so a false size costs nothing until it is filled.
   const std::shared_ptr<std::byte[]> plain(new std::byte[size]);
   const std::span<std::byte> out(plain.get(), size);
   ENGRAM_RETURN_IF_ERROR(is_lz4 ? decompress_lz4(bytes, out) : ltm::decompress_zstd(bytes, out));

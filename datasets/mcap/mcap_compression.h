@@ -13,13 +13,13 @@
 
 namespace engram::datasets::mcap {
 
-/// Compresses the records of a chunk: "zstd", "lz4" (frames) or "" (not at all).
-/// Errors: kInvalidArgument naming what there is.
+/// Compresses the records of a chunk: "zstd", "lz4" (frames) or "" (not compressed).
+/// Errors: kInvalidArgument naming the compressions that exist.
 Result<std::string> compress(std::string_view compression, std::span<const std::byte> bytes);
 
-/// Nothing is allocated for sizes that so few bytes cannot hold.
-/// Errors: kDataLoss where it holds more or fewer than `size` bytes; kInvalidArgument for another
-/// compression.
+/// Decompresses the records of a chunk. Nothing is allocated if `bytes` cannot expand to `size`.
+/// Errors: kDataLoss if the result has more or fewer than `size` bytes; kInvalidArgument for
+/// another compression.
 Result<Buffer> decompress(std::string_view compression, std::span<const std::byte> bytes,
                           uint64_t size);
 

@@ -7,7 +7,7 @@
 
 namespace engram::datasets::mcap {
 
-/// RecordingFormat::write for MCAP.
+/// Implements RecordingFormat::write for MCAP.
 Result<ExportReport> export_mcap(const ExportRequest& request, const std::filesystem::path& path);
 
 }  // namespace engram::datasets::mcap

@@ -7,7 +7,7 @@
 
 namespace engram::datasets {
 
-/// MCAP: messages of ROS 2, ROS 1 and others, in chunks of zstd, lz4 or none.
+/// MCAP: messages of ROS 2, ROS 1 and others, in chunks compressed with zstd, lz4 or not at all.
 /// Source: docs/formats.md, "MCAP".
 [[nodiscard]] std::unique_ptr<const RecordingFormat> make_mcap_format();
 

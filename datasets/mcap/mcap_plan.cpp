@@ -53,7 +53,7 @@ class Planner {
 
   using Records = std::pair<ChannelRecord, SchemaRecord>;
 
-  /// Nothing for a silent stream of another format that no channel can be made of.
+  /// Returns nothing for an empty stream of another format that cannot become a channel.
   std::optional<Records> records_of(const ExportedStream& stream) {
     if (stream.stored) return as_imported(*stream.stored);
     if (stream.kindred) {
@@ -64,7 +64,8 @@ class Planner {
     return as_suits(stream.entity, stream.newest->instances.front().data);
   }
 
-  /// As programs that turn bags into MCAP files say it; nothing where its messages cannot be read.
+  /// Makes the records like programs that convert bags to MCAP files; returns nothing if the
+  /// messages cannot be read.
   static std::optional<Records> of_connection(const RecordingStream& stream) {
     const idf::Data about = stream.attributes;
     auto metadata = texts_of(about.at("connection"));
@@ -87,6 +88,7 @@ class Planner {
         .first->second.coder;
   }
 
+  /// Equal schemas are written once, because many channels have the same type.
   uint16_t add(SchemaRecord& schema) {
     for (const SchemaRecord& known : plan_.schemas) {
       schema.id = known.id;
@@ -102,6 +104,7 @@ class Planner {
     tell_metadata(snapshot, plan_.not_held);
     if (coder.ros_type() != nullptr && coder.ros_type()->is_lossy(options_.jpeg_quality))
       ++plan_.not_held["exact pixels: JPEG was asked for"];
+    // A trial encoding of the newest value tells in advance what the export would leave out.
     if (!coder.encode(first.data, 0).ok())
       ++plan_.not_held["values that are no messages of their channel's type"];
   }

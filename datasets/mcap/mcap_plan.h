@@ -13,26 +13,26 @@
 
 namespace engram::datasets::mcap {
 
-/// As what one entity is written.
+/// The channel that one entity is written as.
 struct PlannedChannel {
   ChannelRecord channel;
   ChannelCoder coder;
 };
 
-/// What a file will consist of.
+/// The contents of a file that is to be written.
 struct ExportPlan {
   std::string profile;
   std::vector<MetadataRecord> metadata;
   std::vector<SchemaRecord> schemas;
   std::map<ltm::MemoryId, PlannedChannel> channels;
-  /// Entities whose values were attachments, and become those again.
+  /// Entities that were imported from attachments, and become attachments again.
   std::set<ltm::MemoryId> attachments;
-  std::map<std::string, uint64_t, std::less<>> not_held;  ///< As RecordingFormat says it.
+  std::map<std::string, uint64_t, std::less<>> not_held;  ///< As RecordingFormat::not_held.
 };
 
-/// Entities that an import made get their channels back; of others pictures become
+/// Plans an export. Imported entities get their channels back. Of all others, pictures become
 /// sensor_msgs/Image or CompressedImage, joints JointState, everything else JSON.
-/// Errors: those of exported_entities; kResourceExhausted beyond 65535 entities.
+/// Errors: those of exported_entities; kResourceExhausted for more than 65535 entities.
 Result<ExportPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
                                const WritingOptions& options);
 

@@ -57,6 +57,8 @@ Status McapReader::add_channels() {
     const auto schema = map_.schemas.find(channel.schema_id);
     const SchemaRecord* found = schema == map_.schemas.end() ? nullptr : &schema->second;
     ChannelCoder coder = ChannelCoder::create(channel, found);
+    // Only pixels tell colour from depth, and the entity must be known before the first message, so
+    // one value of every image channel is decoded in advance.
     std::optional<idf::Data> first;
     if (coder.ros_type() != nullptr && coder.ros_type()->is_image()) {
       auto value = first_value(id, coder);
@@ -121,6 +123,7 @@ Time McapReader::shifted(uint64_t ns) {
 }
 
 void McapReader::watch_sequence(Channel& channel, uint32_t sequence) {
+  // Writers that do not count write 0 for all messages, which is no gap.
   if (channel.sequence && sequence != *channel.sequence + 1 &&
       (sequence != 0 || *channel.sequence != 0))
     ++report_.not_carried["sequence numbers that do not count on"];

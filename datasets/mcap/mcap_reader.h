@@ -15,8 +15,8 @@ namespace engram::datasets::mcap {
 
 /// Reads one MCAP file.
 ///
-/// A moment is at the log time; `created` is the stamp of a message's header, else its publish
-/// time. What has no summary, or ends early, is read as far as it goes.
+/// The time of a moment is the log time; `created` is the stamp of a message's header, else its
+/// publish time. A file that has no summary, or ends early, is read as far as it goes.
 /// Memory: that of OrderedMessages and one moment.
 class McapReader final : public RecordingReader {
  public:
@@ -59,11 +59,11 @@ class McapReader final : public RecordingReader {
   std::map<uint16_t, Channel> channels_;
   FreeEntities entities_;
   std::unique_ptr<OrderedMessages> messages_;
-  std::optional<size_t> loaded_index_;  ///< Of the region that first_value looked into last.
+  std::optional<size_t> loaded_index_;  ///< The region that first_value read last.
   LoadedRegion loaded_;
   uint64_t total_ = 0;
   TimeShift shift_;
-  std::optional<MessageRecord> message_;  ///< Read, not taken yet.
+  std::optional<MessageRecord> message_;  ///< The message that was read and not taken yet.
   ltm::MemoryId attachments_;
   size_t next_attachment_ = 0;
   std::optional<uint64_t> last_attachment_time_;

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
 
-/// Reads fields; the first one that does not fit is remembered, those after it are empty.
+/// Reads fields. The first field that does not fit is remembered, and all later ones are empty.
 class Fields {
  public:
   Fields(std::string_view record, std::span<const std::byte> content)
@@ -34,7 +34,7 @@ class Fields {
 
   std::span<const std::byte> rest() { return take(content_.size() - at_); }
 
-  /// Calls `read` with the fields of a map until they are used up.
+  /// Calls `read` for the entries of a map until its bytes are used up.
   template <typename F>
   void map(F read) {
     Fields entries(record_, take(number<uint32_t>()));
@@ -89,7 +89,7 @@ void put(std::string& out, const std::string& text) {
   out += text;
 }
 
-/// Appends a record whose content `write` appends.
+/// Appends a record with the content that `write` appends.
 template <typename F>
 void put_record(std::string& out, Opcode opcode, F write) {
   out += static_cast<char>(opcode);
@@ -100,7 +100,7 @@ void put_record(std::string& out, Opcode opcode, F write) {
   std::memcpy(out.data() + length_at, &length, sizeof(length));
 }
 
-/// Appends a map; its length is in bytes.
+/// Appends a map, with its length in bytes.
 template <typename K, typename V>
 void put(std::string& out, const std::map<K, V>& map) {
   const size_t length_at = out.size();

@@ -16,9 +16,9 @@
 namespace engram::datasets::mcap {
 
 inline constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
-/// Opcode and length in front of every record.
+/// Size of the opcode and length in front of every record.
 inline constexpr uint64_t kRecordStartBytes = 9;
-/// More in one record or chunk is refused. Unit: bytes.
+/// The maximum size of a record or chunk that is accepted. Unit: bytes.
 inline constexpr uint64_t kMaxRecordBytes = uint64_t{512} << 20;
 
 enum class Opcode : uint8_t {
@@ -39,7 +39,7 @@ enum class Opcode : uint8_t {
   kDataEnd = 0x0f,
 };
 
-// The records as the specification has them; times are nanoseconds.
+// The records as in the specification. Unit of times: ns.
 
 struct HeaderRecord {
   std::string profile;
@@ -64,7 +64,7 @@ struct SchemaRecord {
 
 struct ChannelRecord {
   uint16_t id = 0;
-  uint16_t schema_id = 0;  ///< 0: none.
+  uint16_t schema_id = 0;  ///< 0 for none.
   std::string topic;
   std::string message_encoding;
   std::map<std::string, std::string> metadata;
@@ -88,7 +88,7 @@ struct ChunkRecord {
   uint32_t uncompressed_crc = 0;
   std::string compression;
   uint64_t records_size = 0;
-  uint64_t records_at = 0;  ///< Offset in the record's content; not written.
+  uint64_t records_at = 0;  ///< Offset in the content of the record; not written.
 };
 
 struct ChunkIndexRecord {
@@ -124,14 +124,14 @@ struct MetadataRecord {
 
 struct AttachmentRecord {
   uint64_t log_time = 0;
-  uint64_t create_time = 0;  ///< 0: not known.
+  uint64_t create_time = 0;  ///< 0 if not known.
   std::string name;
   std::string media_type;
   std::span<const std::byte> data;
 };
 
-// Each reads the content of a record; bytes behind the known fields are passed over. Messages and
-// attachments share `content`. Errors: kDataLoss saying what was read, found and needed.
+// Each function reads the content of a record; bytes after the known fields are ignored. Messages
+// and attachments share `content`. Errors: kDataLoss saying what was read, found and needed.
 Result<HeaderRecord> read_header(std::span<const std::byte> content);
 Result<FooterRecord> read_footer(std::span<const std::byte> content);
 Result<SchemaRecord> read_schema(std::span<const std::byte> content);
@@ -141,18 +141,18 @@ Result<MessageRecord> read_message(std::span<const std::byte> content);
 Result<ChunkRecord> read_chunk(std::span<const std::byte> content);
 Result<StatisticsRecord> read_statistics(std::span<const std::byte> content);
 Result<MetadataRecord> read_metadata(std::span<const std::byte> content);
-/// Its checksum is checked.
+/// The checksum of the attachment is verified.
 Result<AttachmentRecord> read_attachment(std::span<const std::byte> content);
 Result<uint32_t> read_data_end(std::span<const std::byte> content);
 
-/// Opcode and length, of at least nine bytes (checked).
+/// The start of a record: opcode and length. It needs at least nine bytes (checked).
 struct RecordStart {
   Opcode opcode;
   uint64_t length;
 };
 [[nodiscard]] RecordStart read_start(std::span<const std::byte> bytes);
 
-// Each appends a whole record.
+// Each function appends a whole record.
 void append(std::string& out, const HeaderRecord& record);
 void append(std::string& out, const FooterRecord& record);
 void append(std::string& out, const SchemaRecord& record);
@@ -163,18 +163,18 @@ void append(std::string& out, const ChunkIndexRecord& record);
 void append(std::string& out, const StatisticsRecord& record);
 void append(std::string& out, const MetadataRecord& record);
 void append(std::string& out, const AttachmentRecord& record);
-/// Of the attachment that lies at `offset` as `length` bytes.
+/// Appends the index of an attachment that was written at `offset` with `length` bytes.
 void append_attachment_index(std::string& out, const AttachmentRecord& record, uint64_t offset,
                              uint64_t length);
 void append_data_end(std::string& out, uint32_t data_crc);
 void append_metadata_index(std::string& out, uint64_t offset, uint64_t length,
                            std::string_view name);
 void append_summary_offset(std::string& out, Opcode group, uint64_t start, uint64_t length);
-/// Pairs of log time and offset in the uncompressed chunk.
+/// `entries` are pairs of log time and offset in the uncompressed chunk.
 void append_message_index(std::string& out, uint16_t channel_id,
                           const std::vector<std::pair<uint64_t, uint64_t>>& entries);
 
-/// CRC-32 as in zlib; `crc` is that of the bytes before.
+/// CRC-32 as in zlib. `crc` is the checksum of the bytes before.
 [[nodiscard]] uint32_t crc32_of(std::span<const std::byte> bytes, uint32_t crc = 0);
 
 }  // namespace engram::datasets::mcap

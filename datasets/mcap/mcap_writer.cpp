@@ -56,6 +56,8 @@ Status McapWriter::write(const MessageRecord& message) {
 }
 
 Status McapWriter::write(const MetadataRecord& metadata) {
+  // Metadata and attachments are not allowed in chunks; closing the chunk keeps the order of
+  // writes.
   ENGRAM_RETURN_IF_ERROR(flush_chunk());
   std::string record;
   append(record, metadata);
@@ -123,6 +125,7 @@ Status McapWriter::put_summary() {
   const uint64_t offsets_start = file_.size();
   ENGRAM_RETURN_IF_ERROR(put(offsets));
   std::string footer;
+  // The summary's checksum covers the footer up to the checksum itself.
   append(footer, FooterRecord{summary_start, offsets_start, 0});
   constexpr size_t kCrcBytes = sizeof(uint32_t);
   footer.resize(footer.size() - kCrcBytes);
@@ -133,7 +136,7 @@ Status McapWriter::put_summary() {
 
 Result<uint64_t> McapWriter::close() {
   ENGRAM_RETURN_IF_ERROR(flush_chunk());
-  // Channels without messages: they are described all the same.
+  // Channels without messages are described too, so that empty streams keep their names.
   for (const auto& [id, channel] : channels_) describe(id);
   ENGRAM_RETURN_IF_ERROR(flush_chunk());
   statistics_.schema_count = static_cast<uint16_t>(schemas_.size());

@@ -16,34 +16,35 @@ namespace engram::datasets::mcap {
 
 /// Writes an MCAP file: messages in chunks, with all indexes, statistics and checksums.
 ///
-/// The file appears under its name once it is closed; without that nothing is left of it.
-/// Memory: one chunk, and 80 bytes and more per chunk of its index. Threading: one thread.
+/// The file appears under its name when it is closed; if it is never closed, nothing of it remains.
+/// Memory: one chunk, and at least 80 bytes per chunk for its index. Threading: one thread.
 class McapWriter {
  public:
   struct Options {
-    /// Of a chunk before it is compressed. Larger ones compress better and cost readers memory.
+    /// Size of a chunk before compression. Larger chunks compress better and cost readers memory.
     uint64_t chunk_bytes = 1 << 20;
-    std::string compression = "zstd";  ///< Or "lz4" or "".
-    /// Of the data section; chunks and summary always have theirs. Readers have to read all for it.
+    std::string compression = "zstd";  ///< "zstd", "lz4" or "" (none).
+    /// Whether the data section has a checksum; chunks and summary always have one. Readers must
+    /// read the whole file to verify it.
     bool has_data_checksum = true;
     std::string profile;
     std::string library;
   };
 
-  /// Errors: kAlreadyExists where `path` is there; kUnavailable.
+  /// Errors: kAlreadyExists if `path` exists; kUnavailable.
   static Result<McapWriter> create(const std::filesystem::path& path, const Options& options);
 
-  /// `schema.id` is 1 or more; a schema comes before its channels and a channel before its
-  /// messages. Each is written with the first message that needs it.
+  /// A schema must be added before its channels, and a channel before its messages. `schema.id` is
+  /// at least 1. They are written with the first message that needs them.
   void add(SchemaRecord schema);
   void add(ChannelRecord channel);
 
-  /// Errors: kResourceExhausted, kUnavailable; here and below.
+  /// Errors, also of the functions below: kResourceExhausted, kUnavailable.
   Status write(const MessageRecord& message);
   Status write(const MetadataRecord& metadata);
   Status write(const AttachmentRecord& attachment);
 
-  /// Finishes the file and moves it to its name. Nothing may follow. Gives its size in bytes.
+  /// Completes the file and renames it. No other call may follow. Returns the file's size in bytes.
   Result<uint64_t> close();
 
  private:

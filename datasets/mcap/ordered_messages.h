@@ -10,7 +10,7 @@
 
 namespace engram::datasets::mcap {
 
-/// All messages of a file in the order of their log times, as OrderedRegions gives them.
+/// Returns all messages of a file in the order of their log times; see OrderedRegions.
 ///
 /// The file must outlive it.
 class OrderedMessages {
@@ -24,7 +24,7 @@ class OrderedMessages {
             },
             std::move(regions), memory_bytes) {}
 
-  /// Valid until the next call. Errors: those of OrderedRegions::next.
+  /// The result is valid until the next call. Errors: those of OrderedRegions::next.
   Result<std::optional<MessageRecord>> next(ReadingReport& report) {
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, regions_.next(report));
     return bytes ? std::optional(message_at(*bytes)) : std::nullopt;

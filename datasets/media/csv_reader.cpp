@@ -57,7 +57,7 @@ void CsvReader::skip_mark() {
     at_ = kByteOrderMark.size();
 }
 
-/// True where `byte`, just taken, ends a line; takes the LF that follows a CR.
+/// Returns true if `byte`, just read, ends a line; also reads the LF that follows a CR.
 bool CsvReader::takes_line_end(int byte) {
   if (byte == '\n') return true;
   if (byte != '\r' || peek() != '\n') return false;
@@ -65,7 +65,7 @@ bool CsvReader::takes_line_end(int byte) {
   return true;
 }
 
-/// False at the end of the file.
+/// Returns false at the end of the file.
 bool CsvReader::skip_empty_lines() {
   while (peek() == '\n' || peek() == '\r') get();
   return peek() >= 0;
@@ -75,7 +75,7 @@ Status CsvReader::broken(uint64_t line, std::string_view what) const {
   return invalid_argument("table '{}': line {}: {}", path_.string(), line, what);
 }
 
-/// Reads up to and with the closing quote; the opening one is taken.
+/// Reads up to and including the closing quote; the opening one was read.
 Status CsvReader::read_quoted(std::string& cell) {
   const uint64_t first_line = line_;
   while (true) {
@@ -91,7 +91,7 @@ Status CsvReader::read_quoted(std::string& cell) {
   }
 }
 
-/// Reads one cell, up to its comma or line end, which stays.
+/// Reads one cell, up to but not including its comma or line end.
 Status CsvReader::read_cell(std::string& cell) {
   if (peek() == '"') {
     get();
@@ -114,7 +114,7 @@ Result<bool> CsvReader::next(std::vector<std::string>& cells) {
   if (file_.bad()) return unavailable("table '{}': line {}: cannot read", path_.string(), line_);
   if (!has_more) return false;
   record_line_ = line_;
-  // Strings keep their memory from record to record.
+  // Strings are reused, so that they keep their memory from record to record.
   for (size_t count = 0;; ++count) {
     if (count == cells.size()) cells.emplace_back();
     cells[count].clear();

@@ -13,21 +13,21 @@ namespace engram::datasets {
 
 /// Reads the records of a comma-separated file one by one.
 ///
-/// Cells may be quoted and then hold commas, line breaks and doubled quotes. Lines end in LF or
-/// CRLF; empty lines and a UTF-8 byte order mark are passed over.
+/// Cells may be quoted; quoted cells may contain commas, line breaks and doubled quotes. Lines end
+/// in LF or CRLF. Empty lines and a UTF-8 byte order mark are skipped.
 /// Threading: one thread. Memory: one record.
 /// Source: RFC 4180.
 class CsvReader {
  public:
-  /// Errors: kNotFound, kInvalidArgument where it is no file, kUnavailable.
+  /// Errors: kNotFound; kInvalidArgument if it is not a file; kUnavailable.
   static Result<CsvReader> open(const std::filesystem::path& path);
 
-  /// Replaces `cells` by the next record; false after the last.
-  /// Errors: kInvalidArgument naming file and line where quotes do not match or a cell exceeds
-  /// 1 MiB; kUnavailable where the disk fails.
+  /// Replaces `cells` by the next record; returns false after the last one.
+  /// Errors: kInvalidArgument naming file and line if quotes do not match or a cell exceeds 1 MiB;
+  /// kUnavailable if the disk fails.
   Result<bool> next(std::vector<std::string>& cells);
 
-  /// Line on which the last record began, from 1.
+  /// The line on which the last record began, starting from 1.
   [[nodiscard]] uint64_t line() const { return record_line_; }
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -35,7 +35,7 @@ class CsvReader {
  private:
   CsvReader(std::filesystem::path path, std::ifstream file);
 
-  /// The next byte, or -1 at the end.
+  /// Returns the next byte, or -1 at the end.
   int get();
   int peek();
   void fill();

@@ -17,7 +17,7 @@ AVPixelFormat format_of(const AVFrame& frame) {
   return static_cast<AVPixelFormat>(frame.format);
 }
 
-/// Rows of a plane; those of chroma may be fewer.
+/// The number of rows of a plane; chroma planes may have fewer.
 int rows_of(const AVFrame& frame, int plane) {
   const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(format_of(frame));
   const bool is_chroma = plane == 1 || plane == 2;

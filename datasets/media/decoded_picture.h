@@ -7,22 +7,22 @@
 
 namespace engram::datasets {
 
-/// What a decoder gave, in its own pixel format.
+/// The output of a decoder, in its own pixel format.
 ///
 /// Threading: immutable, const-parallel.
 class DecodedPicture {
  public:
-  /// Takes the pixels over; `frame` is empty then.
+  /// Takes over the pixels; `frame` is empty afterwards.
   explicit DecodedPicture(AVFrame& frame) : frame_(av_frame_alloc()) {
     if (frame_) av_frame_move_ref(frame_.get(), &frame);
   }
 
-  /// False where there was no memory.
+  /// Returns false if there was no memory for the frame.
   [[nodiscard]] bool is_valid() const { return frame_ != nullptr; }
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
   [[nodiscard]] size_t bytes() const;
 
-  /// Whether format, size and every pixel are the same.
+  /// Returns true if format, size and every pixel are equal.
   friend bool operator==(const DecodedPicture& a, const DecodedPicture& b);
 
  private:

@@ -12,10 +12,10 @@ namespace engram::datasets {
 
 namespace {
 
-// swscale may write whole vectors: lines are padded to these.
+// swscale may write whole vectors, so lines are padded to a multiple of this.
 constexpr int kLineAlignment = 64;
 
-/// What of a picture is cut out.
+/// The part of a picture that is kept.
 cv::Rect crop_of(int width, int height, bool crops_square) {
   if (!crops_square) return {0, 0, width, height};
   const int side = std::min(width, height);
@@ -34,7 +34,7 @@ cv::Size output_size(const VideoInfo& info, const VideoReader::Options& options)
   return {options.width, options.height};
 }
 
-/// Makes the frame what `crop` is of it, where that begins with a sample of every plane.
+/// Restricts the frame to `crop`, if that starts at a sample of every plane. Returns false if not.
 bool cut(AVFrame& frame, const cv::Rect& crop) {
   const cv::Point end = crop.br();
   int log2_width = 0, log2_height = 0;
@@ -55,7 +55,7 @@ FrameImages::FrameImages(const VideoInfo& info, const VideoReader::Options& opti
     : size_(output_size(info, options)), crops_square_(options.crops_square) {}
 
 Result<idf::NdArray> FrameImages::make(const DecodedPicture& picture) {
-  const libav::Frame frame(av_frame_clone(&picture.frame()));  // Cut below: shares the pixels.
+  const libav::Frame frame(av_frame_clone(&picture.frame()));  // Shares the pixels; cropped below.
   if (!frame) return resource_exhausted("no memory for a frame");
   try {
     return convert(*frame);
@@ -82,7 +82,8 @@ Result<idf::NdArray> FrameImages::convert(AVFrame& frame) {
   return fit(rgb_(scales ? cv::Rect({0, 0}, size_) : crop));
 }
 
-/// Averaging before colours are converted is the same but for rounding, and several times faster.
+/// Averaging before the conversion of colours gives the same result up to rounding, and is several
+/// times faster.
 bool FrameImages::can_scale_planes(const libav::PixelFormat& format, const cv::Rect& crop) const {
   return crop.size() == cv::Size(format.width, format.height) && crop.size() != size_ &&
          libav::shrinks_all_planes(format, libav::rgb_format(size_.width, size_.height));

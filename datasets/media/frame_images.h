@@ -11,15 +11,15 @@
 
 namespace engram::datasets {
 
-/// Turns decoded frames into RGB images of one size: converts their colours, crops and scales.
+/// Converts decoded frames to RGB images of one size: converts colours, crops and scales.
 ///
 /// Threading: one thread.
 class FrameImages {
  public:
   FrameImages(const VideoInfo& info, const VideoReader::Options& options);
 
-  /// Shape: uint8 [H, W, 3], the same size whatever that of the frame is, which is cropped.
-  /// Errors: kInvalidArgument where its colours cannot be converted, or it cannot be scaled.
+  /// Shape: uint8 [H, W, 3]. The size is always the same; a frame of another shape is cropped.
+  /// Errors: kInvalidArgument if the colours cannot be converted or the frame cannot be scaled.
   Result<idf::NdArray> make(const DecodedPicture& picture);
 
   [[nodiscard]] idf::Shape shape() const { return {size_.height, size_.width, 3}; }
@@ -32,9 +32,9 @@ class FrameImages {
 
   cv::Size size_;
   bool crops_square_;
-  libav::PixelFormat format_;  ///< Of the last frame.
-  libav::Scaler converter_;    ///< From that format.
-  cv::Mat rgb_;                ///< The last frame, scaled or not, before it is cropped.
+  libav::PixelFormat format_;  ///< The format of the last frame.
+  libav::Scaler converter_;    ///< Converts from `format_`.
+  cv::Mat rgb_;                ///< The last frame, possibly scaled, before it is cropped.
 };
 
 }  // namespace engram::datasets

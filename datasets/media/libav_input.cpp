@@ -15,7 +15,7 @@ namespace {
 constexpr int kSmallHeight = 720;
 constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
 
-/// The old "J" formats only say that the range is full; swscale wants the plain ones.
+/// The old "J" formats only say that the range is full; swscale needs the plain ones.
 AVPixelFormat plain(AVPixelFormat format) {
   switch (format) {
     case AV_PIX_FMT_YUVJ420P:
@@ -58,14 +58,15 @@ bool has_known_matrix(const PixelFormat& picture) {
   }
 }
 
-// The numbers of swscale's matrices are those of AVColorSpace.
+// swscale numbers its matrices like AVColorSpace.
 const int* coefficients(const PixelFormat& picture) {
   return sws_getCoefficients(is_rgb(picture.format) ? SWS_CS_DEFAULT
                                                     : static_cast<int>(picture.matrix));
 }
 
-/// Where the chroma samples lie, in 1/256 of a luma sample from the first one; MPEG-2, H.264 and
-/// AV1 put them on the left column unless they say otherwise, JPEG and MPEG-1 into the middle.
+/// Sets the position of the chroma samples, in 1/256 of a luma sample from the first one. MPEG-2,
+/// H.264 and AV1 put them on the left column unless they say otherwise; JPEG and MPEG-1 put them
+/// into the middle.
 void set_chroma(SwsContext* scaler, const char* horizontal, const char* vertical,
                 AVChromaLocation location) {
   const bool is_left = location != AVCHROMA_LOC_CENTER && location != AVCHROMA_LOC_TOP;
@@ -136,7 +137,7 @@ Result<Scaler> make_converter(const PixelFormat& from, const PixelFormat& to) {
     return invalid_argument("cannot convert pixel format '{}' {} x {} to '{}': {}",
                             name_of(from.format), from.width, from.height, name_of(to.format),
                             describe(error));
-  // Fails for conversions without a matrix (RGB to RGB), which need none.
+  // This fails for conversions without a matrix (RGB to RGB), which need none.
   sws_setColorspaceDetails(scaler.get(), coefficients(from), from.is_full_range ? 1 : 0,
                            coefficients(to), to.is_full_range ? 1 : 0, 0, 1 << 16, 1 << 16);
   return scaler;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: the C types of FFmpeg's libraries with owners and colours spelled out.
+// Private to this room: owners for the C types of FFmpeg's libraries, and explicit colour formats.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -33,7 +33,7 @@ using Frame = ltm::libav::Owned<AVFrame>;
 using Packet = ltm::libav::Owned<AVPacket>;
 using Scaler = std::unique_ptr<SwsContext, ScalerFreer>;
 
-/// How the pixels of a picture are laid out and what their numbers mean.
+/// The layout of the pixels of a picture, and the meaning of their numbers.
 struct PixelFormat {
   int width = 0;
   int height = 0;
@@ -48,17 +48,17 @@ struct PixelFormat {
 /// RGB, 8 bits each, packed.
 [[nodiscard]] PixelFormat rgb_format(int width, int height);
 
-/// What a decoded frame states. Where it states no matrix, players agree on BT.709 from 720 lines
-/// on and on BT.601 below; where it states no range, on the limited one.
+/// The format that a decoded frame states. If it states no matrix, it is BT.709 from 720 lines
+/// upwards and BT.601 below, as in common players; if it states no range, it is the limited one.
 [[nodiscard]] PixelFormat format_of(const AVFrame& frame);
 
-/// Whether every plane of `from`, chroma too, has at least the size of `to`.
+/// Returns true if every plane of `from`, including chroma, is at least as large as in `to`.
 [[nodiscard]] bool shrinks_all_planes(const PixelFormat& from, const PixelFormat& to);
 
-/// Converts between two formats of one size, or, where all planes shrink, averages areas on the
-/// way. Both matrices and ranges are set explicitly and all chroma is interpolated with accurate
+/// Makes a converter between two formats of one size or, if all planes shrink, one that averages
+/// areas. Matrices and ranges are set explicitly, and chroma is interpolated with accurate
 /// rounding: the defaults cost up to 5 dB.
-/// Errors: kInvalidArgument where a format or matrix is not supported.
+/// Errors: kInvalidArgument if a format or matrix is not supported.
 Result<Scaler> make_converter(const PixelFormat& from, const PixelFormat& to);
 
 }  // namespace engram::datasets::libav

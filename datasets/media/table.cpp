@@ -30,7 +30,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Quoted text for a message, cut where it is long.
+/// Quotes a text for a message, and cuts it if it is long.
 std::string shown(std::string_view text) {
   constexpr size_t kMaxShown = 40;
   return text.size() <= kMaxShown ? fmt::format("'{}'", text)
@@ -50,20 +50,20 @@ std::optional<T> parse_whole(std::string_view text) {
   return value;
 }
 
-/// Integers of more than 53 bits may lie between two doubles.
+/// An integer of more than 53 bits may lie between two doubles.
 bool is_exact_double(int64_t value) {
   constexpr int64_t kLimit = int64_t{1} << 53;
   return value >= -kLimit && value <= kLimit;
 }
 
-/// A decimal number taken apart: sign, digits without leading zeros, and a power of ten.
+/// The parts of a decimal number: sign, digits without leading zeros, and a power of ten.
 struct Decimal {
   bool is_negative = false;
   std::string digits;
   int64_t exponent = 0;
 };
 
-/// Takes digits from the front of `text` into `digits`; says how many.
+/// Moves digits from the front of `text` to `digits` and returns their number.
 int64_t take_digits(std::string_view& text, std::string& digits) {
   const size_t count = std::min(text.find_first_not_of("0123456789"), text.size());
   digits += text.substr(0, count);
@@ -94,7 +94,7 @@ std::optional<Decimal> parse_decimal(std::string_view text) {
   return number;
 }
 
-/// Rounded half away from zero; nothing where 64 bits do not hold it.
+/// Rounds half away from zero; returns nothing if the result exceeds 64 bits.
 std::optional<int64_t> to_integer(Decimal number) {
   std::string& digits = number.digits;
   if (digits.empty()) return 0;
@@ -143,7 +143,7 @@ std::string_view name_of(TimeUnit unit) {
   return "ns";
 }
 
-/// Splits a column's name at its dots.
+/// Splits the name of a column at its dots.
 std::vector<std::string> parts_of(std::string_view name) {
   std::vector<std::string> parts;
   for (size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
@@ -228,7 +228,7 @@ Status Table::Builder::find_time(const std::vector<std::string>& names) {
   return {};
 }
 
-/// Puts a column into the tree of dicts.
+/// Inserts a column into the tree of dicts.
 Status Table::Builder::place(size_t column) {
   const std::string& name = table_.columns_[column].name;
   const std::vector<std::string> parts = parts_of(name);
@@ -268,6 +268,7 @@ Status Table::Builder::read_header() {
     if (!names_.insert(cells[i]).second)
       return broken_cell(cells[i], "found twice, needs different names");
   }
+  // Without this check, the first row of a file that has no header would silently become names.
   if (std::ranges::all_of(cells, [](const std::string& cell) {
         return parse_whole<double>(without_plus(cell)).has_value();
       }))
@@ -303,6 +304,7 @@ Status Table::Builder::add_time(std::string_view cell) {
 
 Status Table::Builder::add_number(TableColumn& column, std::string_view cell) const {
   const std::string_view text = without_plus(trimmed(cell));
+  // Rounding an ID or a counter would change data without notice, so such a number is refused.
   if (const auto whole = parse_whole<int64_t>(text); whole && !is_exact_double(*whole))
     return broken_cell(
         column.name,

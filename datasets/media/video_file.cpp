@@ -53,11 +53,11 @@ VideoInfo info_of(const AVFormatContext& input, const AVStream& stream) {
 Announced announced_of(const AVFormatContext& input, AVStream& stream) {
   Announced announced;
   if (stream.nb_frames > 0) announced.packets = static_cast<uint64_t>(stream.nb_frames);
-  // An edited MP4 keeps samples that nobody shall see; only those to be read are in the index.
+  // An edited MP4 keeps samples that must not be shown; only those to be read are in the index.
   const int entries = avformat_index_get_entries_count(&stream);
   if (std::string_view(input.iformat->name).starts_with("mov") && entries > 0)
     announced.packets = std::min(announced.packets, static_cast<uint64_t>(entries));
-  // With other streams beside it, the file's length may be theirs.
+  // If there are other streams, the length of the file may be theirs.
   if (input.nb_streams == 1 && input.duration > 0 &&
       input.duration_estimation_method == AVFMT_DURATION_FROM_STREAM)
     announced.length = duration_of(input.duration, AVRational{1, AV_TIME_BASE});
@@ -71,7 +71,7 @@ Result<libav::Input> open_input(const std::filesystem::path& path) {
     return not_found("video '{}': there is no such file", path.string());
   if (kind != std::filesystem::file_type::regular)
     return invalid_argument("video '{}': needs a file", path.string());
-  // "file:" keeps names like "a:b" from being taken for network addresses.
+  // "file:" prevents names like "a:b" from being taken for network addresses.
   const std::string url = "file:" + path.string();
   AVFormatContext* opened = nullptr;
   if (const int code = avformat_open_input(&opened, url.c_str(), nullptr, nullptr); code < 0) {
@@ -87,7 +87,7 @@ Result<libav::Input> open_input(const std::filesystem::path& path) {
   return input;
 }
 
-/// The stream that plays, not the cover of a song, nor a text that FFmpeg would render.
+/// Finds the stream that plays, and not the cover of a song or a text that FFmpeg would render.
 Result<AVStream*> find_video(AVFormatContext& input, const std::filesystem::path& path) {
   const int index = av_find_best_stream(&input, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
   AVStream* stream = index < 0 ? nullptr : input.streams[index];
@@ -115,7 +115,7 @@ Result<libav::Codec> open_decoder(const AVStream& stream, int threads,
     return resource_exhausted("video '{}': no memory for a decoder", path.string());
   decoder->thread_count = threads;
   decoder->pkt_timebase = stream.time_base;
-  // Without it some decoders leave damaged frames out and tell nobody.
+  // Without this flag, some decoders silently leave out damaged frames.
   decoder->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
   if (const int code = avcodec_open2(decoder.get(), codec, nullptr); code < 0)
     return invalid_argument("video '{}': cannot decode codec '{}': {}", path.string(), name,

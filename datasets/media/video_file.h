@@ -11,19 +11,19 @@
 
 namespace engram::datasets {
 
-/// Unit: pixels.
+/// Maximum width and height. Unit: pixels.
 inline constexpr int kMaxVideoSide = 1 << 14;
 
-/// How much the file says there is to read; zeros where it does not.
+/// The amount of data that the file announces; zero if it does not.
 struct Announced {
   uint64_t packets = 0;
   Duration length{};
 };
 
-/// A file that was opened, its video stream, and a decoder that can begin with its first packet.
+/// An open file, its video stream, and a decoder that can start with the first packet.
 struct VideoFile {
   libav::Input input;
-  AVStream* stream = nullptr;  ///< Of `input`; all other streams are skipped.
+  AVStream* stream = nullptr;  ///< Belongs to `input`; all other streams are skipped.
   libav::Codec decoder;
   VideoInfo info;
   Announced announced;
@@ -32,7 +32,7 @@ struct VideoFile {
 /// Errors: those of VideoReader::open.
 Result<VideoFile> open_video_file(const std::filesystem::path& path, int threads);
 
-/// Rounded to the nearest nanosecond.
+/// Converts ticks to a duration, rounded to the nearest nanosecond.
 [[nodiscard]] Duration duration_of(int64_t ticks, AVRational time_base);
 
 }  // namespace engram::datasets

@@ -16,9 +16,9 @@ namespace {
 
 constexpr int64_t kNsPerSecond = 1'000'000'000;
 constexpr int kMaxThreads = 64;
-// A decoder that fails this often between two packets or frames will never recover.
+// A decoder that fails this often without a success in between will not recover.
 constexpr int kMaxErrorsInRow = 64;
-// Lengths in headers are rounded, and the last frame may be shown for a while.
+// Lengths in headers are rounded, and the last frame may be shown for some time.
 constexpr Duration kLengthTolerance = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -40,14 +40,14 @@ struct VideoReader::State {
   FrameImages images;
   libav::Packet packet{av_packet_alloc()};
   libav::Frame frame{av_frame_alloc()};
-  std::optional<int64_t> origin;  // In the stream's time base.
+  std::optional<int64_t> origin;  // Unit: the time base of the stream.
   std::optional<Duration> last;
-  Duration reached{};  // End of the last packet.
+  Duration reached{};  // The end of the last packet.
   uint64_t packets = 0;
   uint64_t damaged = 0;
   int errors_in_row = 0;
   bool is_draining = false;
-  std::string broken_by;  // What next() reports when the decoder is empty.
+  std::string broken_by;  // The error that next() returns once the decoder is empty.
 };
 
 Status VideoReader::State::broken() const {
@@ -64,7 +64,7 @@ void VideoReader::State::note_reached() {
       std::max(reached, duration_of(stamp + packet->duration - start, file.stream->time_base));
 }
 
-/// The file ended; that is only fine where all came that its header announces.
+/// Notes that the file ended, which is an error if less came than its header announces.
 void VideoReader::State::note_end() {
   if (packets < file.announced.packets)
     broken_by =
@@ -74,8 +74,8 @@ void VideoReader::State::note_end() {
                             to_seconds(reached), to_seconds(file.announced.length));
 }
 
-/// Reads the next packet of the video and hands it to the decoder; at the end, or where the file
-/// breaks, asks the decoder for what it still holds.
+/// Reads the next packet of the video and passes it to the decoder. At the end, or if the file
+/// breaks, flushes the decoder.
 Status VideoReader::State::feed() {
   int code = 0;
   while ((code = av_read_frame(file.input.get(), packet.get())) >= 0 &&
@@ -101,7 +101,7 @@ Status VideoReader::State::feed() {
   return {};
 }
 
-/// Fetches the next decoded frame; false at the end.
+/// Fetches the next decoded frame; returns false at the end.
 Result<bool> VideoReader::State::receive() {
   while (true) {
     const int code = avcodec_receive_frame(file.decoder.get(), frame.get());
@@ -122,14 +122,14 @@ Result<bool> VideoReader::State::receive() {
   }
 }
 
-/// Nothing where the frame has no time after that of the last one.
+/// Returns nothing if the frame's time is not after that of the last frame.
 std::optional<Duration> VideoReader::State::time_of(const AVFrame& decoded) {
   std::optional<Duration> time;
   if (const int64_t stamp = decoded.best_effort_timestamp; stamp != AV_NOPTS_VALUE) {
     if (!origin)
       origin = file.stream->start_time != AV_NOPTS_VALUE ? file.stream->start_time : stamp;
     time = duration_of(stamp - *origin, file.stream->time_base);
-  } else if (file.info.rate_hz > 0) {  // Raw streams carry no times.
+  } else if (file.info.rate_hz > 0) {  // Raw streams have no times.
     const Duration step(std::llround(static_cast<double>(kNsPerSecond) / file.info.rate_hz));
     time = last ? *last + step : Duration(0);
   }

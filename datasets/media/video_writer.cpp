@@ -31,7 +31,7 @@ constexpr int kMaxRateTerm = 1'000'000;
 /// Times in MPEG are multiples of 1/90000 s.
 constexpr int64_t kTicksPerSecond = 90'000;
 
-/// Rounded to the nearest tick.
+/// Rounds to the nearest tick.
 int64_t ticks_of(Duration duration) {
   constexpr int64_t kSecond_ns = 1'000'000'000;
   const int64_t ns = duration.count();
@@ -60,7 +60,8 @@ Result<libav::Codec> open_encoder(const VideoWriter::Options& options) {
   encoder->time_base = {options.rate_denominator, options.rate_numerator};
   if (options.has_times) {
     encoder->time_base = {1, static_cast<int>(kTicksPerSecond)};
-    // With them, images far apart lie further from their place than demuxers believe.
+    // With B-frames, images that are far apart in time lie further from their place than demuxers
+    // expect.
     encoder->max_b_frames = 0;
   }
   encoder->framerate = {options.rate_numerator, options.rate_denominator};
@@ -73,8 +74,8 @@ Result<libav::Codec> open_encoder(const VideoWriter::Options& options) {
   encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
   av_opt_set(encoder->priv_data, "preset", options.preset.c_str(), 0);
   av_opt_set_int(encoder->priv_data, "crf", options.crf, 0);
-  // With macroblock trees, x264 (build 164, AVX-512) gives other bytes for the same images,
-  // depending on what was in the memory before.
+  // With macroblock trees, x264 (build 164, AVX-512) gives different bytes for the same images,
+  // depending on earlier contents of memory.
   av_opt_set_int(encoder->priv_data, "mbtree", 0, 0);
   if (const int code = avcodec_open2(encoder.get(), codec, nullptr); code < 0)
     return invalid_argument("libx264 refuses {} x {}, preset '{}', crf {}: {}", options.width,
@@ -151,7 +152,7 @@ struct VideoWriter::State {
   Status write(const idf::NdArray& image, int64_t tick);
   Status finish();
 
-  /// How long an image is seen, by the rate. Unit: of the encoder's time base.
+  /// How long an image is shown according to the rate. Unit: the encoder's time base.
   [[nodiscard]] int64_t image_ticks() const {
     if (!options.has_times) return 1;
     return std::max<int64_t>(1,
@@ -164,8 +165,8 @@ struct VideoWriter::State {
   libav::Codec encoder;
   Output output;
   libav::Scaler converter;
-  libav::Frame padded;  // RGB.
-  libav::Frame frame;   // As coded.
+  libav::Frame padded;  // In RGB.
+  libav::Frame frame;   // In the encoder's format.
   libav::Packet packet{av_packet_alloc()};
   int64_t images = 0;
   int64_t last_tick = -1;
@@ -198,7 +199,7 @@ Status VideoWriter::State::convert(const idf::NdArray& image) {
                             idf::to_string(image.type()), idf::to_string(image.shape()),
                             idf::to_string(needed));
   if (av_frame_make_writable(frame.get()) < 0) return resource_exhausted("no memory for a frame");
-  // swscale reads whole vectors, beyond the end of an image without padding.
+  // swscale reads whole vectors, beyond the end of an image that has no padding.
   const size_t line = static_cast<size_t>(options.width) * 3;
   for (int y = 0; y < options.height; ++y)
     std::memcpy(padded->data[0] + static_cast<ptrdiff_t>(y) * padded->linesize[0],
@@ -211,7 +212,7 @@ Status VideoWriter::State::convert(const idf::NdArray& image) {
   return {};
 }
 
-/// Encodes a picture, or what the encoder still holds where there is none.
+/// Encodes a picture; if it is null, drains the encoder.
 Status VideoWriter::State::encode(const AVFrame* picture) {
   if (const int code = avcodec_send_frame(encoder.get(), picture); code < 0)
     return failure(code, "cannot encode");
@@ -219,7 +220,7 @@ Status VideoWriter::State::encode(const AVFrame* picture) {
     int code = avcodec_receive_packet(encoder.get(), packet.get());
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return {};
     if (code < 0) return failure(code, "cannot encode");
-    // The muxer derives the length of the last image from this.
+    // The muxer derives the duration of the last image from this.
     packet->duration = image_ticks();
     av_packet_rescale_ts(packet.get(), encoder->time_base, output->streams[0]->time_base);
     code = av_interleaved_write_frame(output.get(), packet.get());
@@ -259,7 +260,7 @@ Status VideoWriter::Options::validate() const {
                             rate_denominator, kMaxRateTerm);
   if (crf < 0 || crf > kMaxCrf)
     return invalid_argument("video writer: crf {}, needs 0 to {}", crf, kMaxCrf);
-  // libx264 would print its own complaint.
+  // The preset is checked here, because libx264 would print its own message.
   if (std::ranges::find(kPresets, preset) == kPresets.end())
     return invalid_argument("video writer: preset '{}', needs 'ultrafast' to 'veryslow'", preset);
   if (threads < 1 || threads > kMaxThreads)

@@ -12,33 +12,34 @@
 
 namespace engram::datasets {
 
-/// Writes images as H.264 in an MP4 file that players and browsers start before it is whole.
+/// Writes images as H.264 in an MP4 file that players and browsers can start to play before it is
+/// completely downloaded.
 ///
 /// Colours are BT.709, limited range, and the file says so. Equal images and options give equal
-/// bytes. The file appears under its name only once it is closed.
-/// Time: image i lies exactly i * rate_denominator / rate_numerator seconds after the first, or,
-/// with `has_times`, where the caller puts it, to 1/90000 s. Threading: one thread; the encoder
+/// bytes. The file appears under its name only when it is closed.
+/// Time: image i is exactly i * rate_denominator / rate_numerator seconds after the first or, with
+/// `has_times`, at the time that the caller gives, to 1/90000 s. Threading: one thread; the encoder
 /// starts its own.
 class VideoWriter {
  public:
   struct Options {
-    /// Size of every image. Even, unless `keeps_chroma`. Unit: pixels.
+    /// Size of every image. Must be even unless `keeps_chroma` is set. Unit: pixels.
     int width = 0;
     int height = 0;
-    /// Images per second, as a fraction: 30000 / 1001 is one.
+    /// Images per second as a fraction, such as 30000 / 1001.
     int rate_numerator = 30;
     int rate_denominator = 1;
-    /// Constant quality of libx264: 0 is nearly lossless, 18 looks so, 51 is worst.
+    /// Constant quality of libx264: 0 is nearly lossless, 18 looks lossless, 51 is the worst.
     int crf = 18;
     /// Slower presets of libx264 give smaller files: "ultrafast" ... "medium" ... "veryslow".
     std::string preset = "medium";
-    /// Store colour at full resolution (4:4:4). Exact colours, but browsers do not play it.
+    /// Store colour at full resolution (4:4:4). Colours are exact, but browsers do not play it.
     bool keeps_chroma = false;
-    /// Images come with their times; the rate is what the file says of itself.
+    /// Every image has its own time, and the rate is only the nominal rate in the file.
     bool has_times = false;
-    /// Part of what makes equal bytes: another number may give other bytes.
+    /// Threads of the encoder. Equal bytes need an equal number.
     int threads = 2;
-    /// Written into the file as the time of recording.
+    /// The time of recording that is written into the file.
     std::optional<Time> created;
 
     [[nodiscard]] Status validate() const;
@@ -50,18 +51,18 @@ class VideoWriter {
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) noexcept;
 
-  /// Without close() nothing is left of the file.
+  /// Removes the file if it was not closed.
   ~VideoWriter();
 
   /// Shape: image uint8 [height, width, 3], RGB.
-  /// Errors: kInvalidArgument where it has another shape; kUnavailable, kResourceExhausted.
+  /// Errors: kInvalidArgument if it has another shape; kUnavailable, kResourceExhausted.
   Status write(const idf::NdArray& image);
 
-  /// With `has_times` only (checked): an image that is seen from `since_first` on, 0 for the first.
-  /// Times that do not increase count as 1/90000 s after the one before.
+  /// Only with `has_times` (checked): writes an image that is shown from `since_first` on, which is
+  /// 0 for the first one. A time that does not increase becomes 1/90000 s after the previous one.
   Status write(const idf::NdArray& image, Duration since_first);
 
-  /// Finishes the file and moves it to its name, replacing what is there. Nothing may follow.
+  /// Completes the file and renames it, replacing any existing file. No other call may follow.
   /// Errors: kUnavailable, kResourceExhausted.
   Status close();
 

@@ -7,13 +7,13 @@
 
 namespace engram::datasets {
 
-/// What was written, and what could not be.
+/// Counts what an export wrote and what it could not write.
 struct ExportReport {
-  uint64_t snapshots = 0;  ///< That were handed over.
+  uint64_t snapshots = 0;  ///< Snapshots that were given to the export.
   uint64_t instances = 0;
   uint64_t files = 0;
   uint64_t bytes = 0;
-  /// What the format cannot carry, in words ("lists and texts"), and how often that was met.
+  /// What the format cannot carry, in words ("lists and texts"), and how often it occurred.
   std::map<std::string, uint64_t, std::less<>> not_carried;
 
   friend bool operator==(const ExportReport&, const ExportReport&) = default;

@@ -19,7 +19,7 @@ class MadeFormat final : public RecordingFormat {
     std::string start(parts_.start.size(), '\0');
     file.read(start.data(), static_cast<std::streamsize>(start.size()));
     start.resize(static_cast<size_t>(file.gcount()));
-    // What is wrong with a file that is cut off is told on opening.
+    // A file that is cut off is recognised here; opening it reports what is wrong.
     if (!start.empty()) return parts_.start.starts_with(start);
     std::error_code error;
     return path.extension() == parts_.extension && std::filesystem::is_regular_file(path, error);

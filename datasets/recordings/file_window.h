@@ -10,7 +10,7 @@
 
 namespace engram::datasets {
 
-/// Parts of a file that are read one after the other, mostly forwards.
+/// Reads parts of a file one after the other, mostly forwards.
 ///
 /// Threading: one thread.
 class FileWindow {
@@ -21,7 +21,7 @@ class FileWindow {
   [[nodiscard]] uint64_t size() const { return size_; }
   [[nodiscard]] const std::filesystem::path& path() const { return file_.path(); }
 
-  /// Valid until the next call. Needs a range inside of the file (checked).
+  /// The result is valid until the next call. The range must lie inside the file (checked).
   Result<std::span<const std::byte>> read(uint64_t offset, uint64_t count);
 
  private:
@@ -29,7 +29,7 @@ class FileWindow {
 
   File file_;
   uint64_t size_;
-  uint64_t begin_ = 0;  ///< Where the bytes lie in the file.
+  uint64_t begin_ = 0;  ///< Offset of `bytes_` in the file.
   std::vector<std::byte> bytes_;
 };
 

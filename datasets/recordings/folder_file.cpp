@@ -11,7 +11,7 @@ bool is_inside(const std::filesystem::path& folder, const std::filesystem::path&
   return std::ranges::mismatch(folder, path).in1 == folder.end();
 }
 
-/// Where the hub's cache keeps the files that the links of a snapshot lead to; else empty.
+/// Returns the folder in the hub's cache that the links of a snapshot point to; else empty.
 std::filesystem::path blobs_of(const std::filesystem::path& folder) {
   const auto snapshots = folder.parent_path();
   return snapshots.filename() == "snapshots" ? snapshots.parent_path() / "blobs"

@@ -7,11 +7,10 @@
 
 namespace engram::datasets {
 
-/// A file in the folder of a recording, by the name that the recording itself gives it: nobody
-/// knows who wrote that name. Links may lead to elsewhere in the folder and, of a folder
-/// `snapshots/<revision>` in the cache of the Hugging Face hub, to its `blobs`.
-/// Errors: kNotFound; kInvalidArgument where the name leads out of the folder, or to what is no
-/// file.
+/// Finds a file in the folder of a recording by the name that the recording itself gives it. The
+/// name is not trusted. Links may point to elsewhere in the folder and, if the folder is
+/// `snapshots/<revision>` in the cache of the Hugging Face hub, to the `blobs` of that cache.
+/// Errors: kNotFound; kInvalidArgument if the name leads out of the folder or does not name a file.
 Result<std::filesystem::path> file_in_folder(const std::filesystem::path& folder,
                                              const std::filesystem::path& name);
 

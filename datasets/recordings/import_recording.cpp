@@ -63,7 +63,8 @@ class Import {
     return {};
   }
 
-  /// Makes a value that was not made yet, unless the recorder drops it for its time alone.
+  /// Makes a lazy value, unless the recorder drops it because of its time. Converting and scaling
+  /// images is most of the work of reading a video, so an image that is dropped is never made.
   Result<bool> is_dropped_unmade(RecordingReader::Moment& moment) {
     if (!moment.unmade) return false;
     ltm::EntityUpdate& update = moment.commit.updates.front();
@@ -80,7 +81,7 @@ class Import {
       ++report_.counts[named->second];
   }
 
-  /// Keeps the description of an episode and, before the first one, those of the streams.
+  /// Commits the description of an episode and, before the first one, those of the streams.
   Status begin(const RecordingEpisode& episode, const ltm::Commit& first) {
     ++report_.episodes;
     const Time time =
@@ -98,19 +99,20 @@ class Import {
     return recorder_.commit(std::move(commit));
   }
 
-  /// Before anything is committed, where the reader knows when streams begin.
+  /// Checks the streams whose begin the reader knows, before anything is committed.
   Status check_streams() {
     for (const RecordingStream& stream : reader_.streams())
       if (stream.first) ENGRAM_RETURN_IF_ERROR(check_is_new(stream.entity, *stream.first));
     return {};
   }
 
-  /// Fails where the store has something of an entity that is not of this import, from here on.
+  /// Fails if the store has a snapshot at or after `time` of an entity that this import has not yet
+  /// written to.
   Status check_is_new(const ltm::MemoryId& entity, Time time) {
     if (!checked_.insert(entity).second) return {};
     const std::optional<Time> last = recorder_.last_time(entity);
     if (!last || *last < time) return {};
-    // What comes at `time` moves with the start.
+    // The suggested start moves `time` behind the last snapshot, by the same shift.
     const Time start = reader_.start().value_or(time);
     const auto fits = std::chrono::ceil<std::chrono::seconds>(start + (*last - time) + Duration(1));
     return failed_precondition(
@@ -124,7 +126,7 @@ class Import {
     const uint64_t total = is_last && !report_.is_cancelled ? report_.values : reader_.total();
     progress_({.what = fmt::format("import {}", format_),
                .done = report_.values,
-               // Some readers only know about how many there are.
+               // Some readers know the total only approximately.
                .total = total == 0 ? 0 : std::max(total, report_.values),
                .detail = report_.counts.empty() ? last_text() : report_.counted_text()});
   }

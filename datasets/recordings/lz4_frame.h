@@ -9,23 +9,23 @@
 
 namespace engram::datasets {
 
-/// How many bytes one byte of LZ4 stands for at most.
+/// The maximum number of bytes that one byte of LZ4 can expand to.
 inline constexpr uint64_t kMaxLz4Expansion = 256;
 
-/// What readers of a format need of a frame. roslz4 of ROS 1 needs both.
+/// What readers of a format require of a frame. roslz4 of ROS 1 requires both.
 struct Lz4FrameOptions {
-  /// Each block of 64 KiB is compressed without those before it, which takes more room.
+  /// Each block of 64 KiB is compressed without reference to earlier blocks, which takes more room.
   bool has_independent_blocks = false;
-  /// Of all bytes; four behind them.
+  /// A checksum of all bytes, four bytes long, follows them.
   bool has_checksum = false;
 };
 
-/// One LZ4 frame. Errors: kInvalidArgument.
+/// Compresses bytes into one LZ4 frame. Errors: kInvalidArgument.
 Result<std::string> compress_lz4(std::span<const std::byte> bytes,
                                  const Lz4FrameOptions& options = {});
 
-/// Frames that hold exactly `out`. Errors: kDataLoss where they hold more or fewer bytes;
-/// kResourceExhausted.
+/// Decompresses frames that hold exactly `out.size()` bytes. Errors: kDataLoss if they hold more or
+/// fewer; kResourceExhausted.
 Status decompress_lz4(std::span<const std::byte> bytes, std::span<std::byte> out);
 
 }  // namespace engram::datasets

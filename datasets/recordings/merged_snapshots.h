@@ -9,23 +9,24 @@
 
 namespace engram::datasets {
 
-/// The entities of a store that a query asks for.
-/// Errors: kNotFound where none does; kInvalidArgument where the query asks for IDs alone.
+/// Returns the entities of a store that a query selects.
+/// Errors: kNotFound if there is none; kInvalidArgument if the query asks only for IDs.
 Result<std::vector<ltm::MemoryId>> exported_entities(ltm::Recall& recall, const ltm::Query& query);
 
-/// One snapshot, decoded.
+/// Recalls one snapshot and decodes it.
 Result<std::optional<ltm::SnapshotResult>> recalled_snapshot(ltm::Recall& recall,
                                                              const ltm::MemoryId& entity,
                                                              const SnapshotCursor::Step& step,
                                                              const ltm::Recall::Options& options);
 
-/// What a query asks for of several entities, in the order of time and, at one time, of names;
-/// decoded one by one: memory is bounded by the largest. Predictions are left out.
+/// The snapshots that a query selects, of all entities, in the order of time and, at equal times,
+/// of names. They are decoded one by one, so memory is bounded by the largest snapshot. Predictions
+/// are left out.
 ///
 /// Threading: one thread. `recall` must outlive it.
 class MergedSnapshots {
  public:
-  /// Errors: those of exported_entities; here and below, those of Recall.
+  /// Errors: those of exported_entities and of Recall. next() fails with those of Recall.
   static Result<MergedSnapshots> create(ltm::Recall& recall, const ltm::Query& query,
                                         const ltm::Recall::Options& options);
 

@@ -11,15 +11,16 @@
 
 namespace engram::datasets {
 
-/// Moves times such that the first one is at a start.
+/// Shifts times so that the first one falls on a given start.
 ///
 /// Threading: one thread.
 class TimeShift {
  public:
-  /// Nothing: times stay.
+  /// Times are not changed if `start` is empty.
   explicit TimeShift(std::optional<Time> start) : start_(start) {}
 
-  /// Times that would leave what there is stay. Unit: ns since 1970.
+  /// A time is not changed if the shift would move it out of the range of Time. Unit: ns since
+  /// 1970.
   Time shifted(int64_t ns);
 
  private:
@@ -27,34 +28,36 @@ class TimeShift {
   std::optional<int64_t> shift_ns_;
 };
 
-/// Values in the order of a file as values that may be committed: times never decrease, and those
-/// of one entity increase.
+/// Turns values in the order of a file into values that may be committed: their times never
+/// decrease, and the times of one entity increase.
 ///
 /// Threading: one thread.
 class MomentOrder {
  public:
-  /// Moves `update` behind those before it, and tells. `repeats`: the file has its time twice.
+  /// Moves `update` behind the values before it if needed, and reports that. `repeats`: the file
+  /// contains this time twice.
   void put(bool repeats, ltm::EntityUpdate& update, ReadingReport& report);
 
  private:
   Time last_ = Time::min();
-  std::set<ltm::MemoryId> at_last_;  ///< Entities that have a value at `last_`.
+  std::set<ltm::MemoryId> at_last_;  ///< Entities with a value at `last_`.
 };
 
-/// Values that come one by one as moments: those of one time together.
+/// Groups values that arrive one by one into moments: values with equal times form one moment.
 ///
 /// Threading: one thread.
 class MomentsOfValues {
  public:
-  /// Gives the next value, in the order of MomentOrder; nothing behind the last.
+  /// Returns the next value, in the order of MomentOrder; nothing after the last one.
   using Pull = std::function<Result<std::optional<ltm::EntityUpdate>>()>;
 
   explicit MomentsOfValues(Pull pull) : pull_(std::move(pull)) {}
 
-  /// Time of the next moment; nothing behind the last. Errors: of Pull, here and below.
+  /// The time of the next moment; nothing after the last one. This and take() fail with the errors
+  /// of Pull.
   Result<std::optional<Time>> next_time();
 
-  /// Puts the values of that moment into `commit`. Needs one (checked).
+  /// Puts the values of the next moment into `commit`. There must be one (checked).
   Status take(ltm::Commit& commit);
 
  private:
@@ -62,18 +65,18 @@ class MomentsOfValues {
   std::optional<ltm::EntityUpdate> waiting_;
 };
 
-/// Entities of one recording; none is given twice.
+/// Assigns the entities of one recording. No entity is assigned twice.
 class FreeEntities {
  public:
-  /// Whether it was free.
+  /// Returns true if the entity was free.
   bool take(const ltm::MemoryId& entity) { return entities_.insert(entity).second; }
 
-  /// "name", or "name_2" and so on. Errors: those of MemoryId::from_names.
+  /// Assigns "name", or "name_2" and so on. Errors: those of MemoryId::from_names.
   Result<ltm::MemoryId> take(const std::string& memory, const std::string& segment,
                              const std::string& provider, const std::string& name);
 
-  /// The entity that `own`, text of a file, names (own_entity), where it does and that is free;
-  /// else one of the other names.
+  /// Assigns the entity that `own`, text from a file, names (own_entity), if it names one and that
+  /// is free; else an entity from the other names.
   Result<ltm::MemoryId> take_own(std::string_view own, const std::string& memory,
                                  const std::string& segment, const std::string& provider,
                                  const std::string& name);
@@ -82,11 +85,12 @@ class FreeEntities {
   std::set<ltm::MemoryId> entities_;
 };
 
-/// "camera.image" of the topic "/camera/image"; `other` where it has no name, or is no UTF-8.
+/// Returns "camera.image" for the topic "/camera/image"; `other` if the topic has no name or is not
+/// UTF-8.
 [[nodiscard]] std::string name_of_topic(std::string_view topic, std::string_view other);
 
-/// The entity that `text`, which we wrote into a file, names; empty where it names none, or one of
-/// descriptions.
+/// Returns the entity that `text`, which our export wrote into a file, names. The result is empty
+/// if it names none, or names one of the descriptions.
 [[nodiscard]] ltm::MemoryId own_entity(std::string_view text);
 
 }  // namespace engram::datasets

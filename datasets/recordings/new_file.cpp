@@ -21,14 +21,14 @@ Result<NewFile> NewFile::create(const std::filesystem::path& path) {
   if (std::filesystem::exists(path, error))
     return already_exists("'{}' is there, needs a name that is free", path.string());
   ENGRAM_RETURN_IF_ERROR(make_directories(std::filesystem::absolute(path).parent_path()));
-  // What an export that was killed left there.
+  // An export that was killed may have left a file.
   ENGRAM_RETURN_IF_ERROR(remove_file(part_of(path)));
   ENGRAM_ASSIGN_OR_RETURN(File file, File::open(part_of(path), File::Mode::kCreate));
   return NewFile(path, std::move(file));
 }
 
 NewFile::~NewFile() {
-  // Moved from, or published.
+  // The object was moved from, or the file is published.
   if (!file_ || path_.empty()) return;
   if (const Status status = remove_file(part_of(path_)); !status.ok())
     log::warning("an unfinished export stays: {}", status.message());

@@ -9,29 +9,31 @@
 
 namespace engram::datasets {
 
-/// A file that appears under its name once it is whole; without that nothing is left of it.
+/// A file that appears under its name when it is complete. If it is never completed, nothing of it
+/// remains.
 ///
 /// Threading: one thread.
 class NewFile {
  public:
-  /// Makes `path` with ".part" behind it, and the directories above it.
-  /// Errors: kAlreadyExists where `path` is there; kUnavailable.
+  /// Creates `path` with the suffix ".part", and the directories above it.
+  /// Errors: kAlreadyExists if `path` exists; kUnavailable.
   static Result<NewFile> create(const std::filesystem::path& path);
 
   NewFile(NewFile&&) noexcept = default;
-  /// Removes what was not published.
+  /// Removes the file if it was not published.
   ~NewFile();
 
-  /// Errors: kResourceExhausted where the disk is full, else kUnavailable; here and below.
+  /// Errors, also of the functions below: kResourceExhausted if the disk is full, else
+  /// kUnavailable.
   Status append(std::string_view bytes);
 
-  /// Writes over bytes that are there (checked).
+  /// Replaces bytes that were appended (checked).
   Status overwrite(uint64_t offset, std::string_view bytes);
 
   /// Unit: bytes.
   [[nodiscard]] uint64_t size() const { return size_; }
 
-  /// Forces the file to disk and moves it to its name. Nothing may follow.
+  /// Forces the file to disk and renames it. No other call may follow.
   Status publish();
 
  private:

@@ -19,6 +19,7 @@ Status OrderedRegions::open_next(ReadingReport& report) {
   if (!loaded.ok()) {
     if (loaded.status().code() == StatusCode::kUnavailable) return loaded.status();
     report.damaged += std::max<uint64_t>(region.messages, 1);
+    // A badly damaged file has thousands of broken chunks; the report stays readable.
     constexpr size_t kMaxNotes = 40;
     const bool has_room = report.not_carried.size() < kMaxNotes;
     ++report.not_carried[has_room ? loaded.status().message() : "further damaged chunks"];
@@ -71,6 +72,8 @@ Result<std::optional<std::span<const std::byte>>> OrderedRegions::next(ReadingRe
     opened_[*finished_].reset();
     finished_.reset();
   }
+  // A region is opened only when the merge reaches its first time, so no more regions are in memory
+  // than overlap.
   while (opened_.size() < regions_.size() &&
          (heads_.empty() || regions_[opened_.size()].start_time <= heads_.top().time))
     ENGRAM_RETURN_IF_ERROR(open_next(report));

@@ -7,14 +7,14 @@
 
 namespace engram::datasets {
 
-/// The pixels of a PNG file (grey of 8 or 16 bits, RGB of 8) or a JPEG file (grey, RGB). At most
-/// 256 MiB of them.
+/// Reads the pixels of a PNG file (grey of 8 or 16 bits, RGB of 8) or a JPEG file (grey, RGB). The
+/// image may have at most 256 MiB of pixels.
 /// Shape: uint8 [H, W, 3] or [H, W, 1], uint16 [H, W, 1].
-/// Errors: kNotFound, kUnavailable; kInvalidArgument naming the file where it is of another kind;
-/// kDataLoss where it is broken.
+/// Errors: kNotFound, kUnavailable; kInvalidArgument naming the file if it is of another kind;
+/// kDataLoss if it is broken.
 Result<idf::NdArray> read_image_file(const std::filesystem::path& path);
 
-/// Whether a name ends as those of such files do: ".png", ".jpg", ".jpeg", in any case.
+/// Returns true if a name ends in ".png", ".jpg" or ".jpeg", in upper or lower case.
 [[nodiscard]] bool has_image_name(const std::filesystem::path& path);
 
 }  // namespace engram::datasets

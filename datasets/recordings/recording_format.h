@@ -19,30 +19,30 @@
 
 namespace engram::datasets {
 
-/// Choices for all formats; each uses those that it needs.
+/// Options for readers of all formats; each format uses those that it needs.
 struct ReadingOptions {
-  /// When the first episode begins; nothing: as the file says, else 1970-01-01.
+  /// When the first episode begins. If empty, the file says it, else it is 1970-01-01.
   std::optional<Time> start;
-  /// Between the end of an episode and the start of the next one, where files do not say when.
+  /// The time between the end of an episode and the start of the next one, if files do not say it.
   Duration episode_gap = std::chrono::seconds(10);
-  /// Names of episodes to read; empty: all.
+  /// Names of the episodes to read; all if empty.
   std::vector<std::string> episodes;
-  /// Third name of the entities that are made.
+  /// The third name of the entities that are made.
   std::string provider = "robot";
-  /// Values a second, where the format does not say; 0: it must.
+  /// Values per second, for formats that do not say it. If it is 0, the format must say it.
   double rate_hz = 0;
 };
 
-/// Choices for all formats; each uses those that it needs.
+/// Options for writers of all formats; each format uses those that it needs.
 struct WritingOptions {
-  /// Which form is taken where both are there.
+  /// Which form of a value is read if there are several.
   ltm::Recall::Options recall;
-  /// Images are compressed as JPEG of this quality, 1 to 100, where the format can; 0: without
+  /// The JPEG quality of images, 1 to 100, for formats that can hold JPEG. 0 stores images without
   /// loss.
   int jpeg_quality = 0;
 };
 
-/// One format of other people: how its files are known, read and written.
+/// A recording format of another project: how its files are recognised, read and written.
 ///
 /// Threading: immutable, const-parallel.
 /// Source: docs/formats.md.
@@ -52,27 +52,28 @@ class RecordingFormat {
 
   /// "mcap".
   [[nodiscard]] virtual std::string_view name() const = 0;
-  /// One line for people.
+  /// One line of text for the user.
   [[nodiscard]] virtual std::string_view about() const = 0;
 
-  /// Whether a file or folder is one, by its name and how it begins. Never fails.
+  /// Returns true if a file or folder looks like this format, by its name and first bytes. Never
+  /// fails.
   [[nodiscard]] virtual bool recognises(const std::filesystem::path& path) const = 0;
 
-  /// Errors: kNotFound where there is nothing; those of RecordingReader.
+  /// Errors: kNotFound if the path does not exist; those of RecordingReader.
   [[nodiscard]] virtual Result<std::unique_ptr<RecordingReader>> open(
       const std::filesystem::path& path, const ReadingOptions& options) const = 0;
 
   [[nodiscard]] virtual bool can_write() const { return false; }
 
-  /// What of a query's entities the format cannot hold, in words, and of how many entities; decides
-  /// by the newest value of each. Told before anything is written. Errors: those of Recall;
-  /// kFailedPrecondition where it cannot write.
+  /// Returns what the format cannot hold of a query's entities, in words, and for how many of them.
+  /// It looks only at the newest value of each entity. Callers report it before they write.
+  /// Errors: those of Recall; kFailedPrecondition if the format cannot be written.
   [[nodiscard]] virtual Result<std::map<std::string, uint64_t, std::less<>>> not_held(
       ltm::Recall& recall, const ltm::Query& query, const WritingOptions& options) const;
 
-  /// Writes what a query asks for as `path`, which must not be there; it appears once it is whole.
-  /// Errors: kAlreadyExists; kNotFound where no entity matches; kCancelled after a stop;
-  /// kUnavailable naming the file; those of Recall; kFailedPrecondition where it cannot write.
+  /// Writes what a query selects to `path`, which must not exist; it appears when it is complete.
+  /// Errors: kAlreadyExists; kNotFound if no entity matches; kCancelled after a stop; kUnavailable
+  /// naming the file; those of Recall; kFailedPrecondition if the format cannot be written.
   [[nodiscard]] virtual Result<ExportReport> write(ltm::Recall& recall, const ltm::Query& query,
                                                    const std::filesystem::path& path,
                                                    const WritingOptions& options,

@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kMemory = "Recording";
 
-/// A member of a description.
+/// Reads a member of a description.
 template <typename Value>
 Result<Value> member(const idf::Data& data, const char* what, const char* name) {
   const idf::Data* found = data.at(name);
@@ -16,7 +16,7 @@ Result<Value> member(const idf::Data& data, const char* what, const char* name) 
   return found->get<Value>();
 }
 
-/// Without dots, and another one for each name.
+/// Replaces dots, which separate names; different names give different results.
 std::string undotted(const std::string& name) {
   std::string text;
   for (const char c : name) {
@@ -75,7 +75,7 @@ ltm::MemoryId stream_entity(std::string_view format, const ltm::MemoryId& entity
   const auto& names = entity.names();
   std::string name;
   for (size_t i = 0; i + 1 < names.size(); ++i) name += undotted(names[i]) + ".";
-  name += names.back();  // The last one may have dots: nothing follows.
+  name += names.back();  // The last name may have dots, because nothing follows it.
   return ltm::MemoryId::from_names({kMemory, "Streams", std::string(format), name}).value();
 }
 

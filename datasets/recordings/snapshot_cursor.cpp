@@ -57,7 +57,7 @@ std::vector<int32_t> SnapshotCursor::instances_at(Time time) const {
 Result<std::optional<SnapshotCursor::Step>> SnapshotCursor::next() {
   if (const auto start = next_start()) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline_->at_or_after(*start));
-    // The ends of spans are times of snapshots: there is one.
+    // The ends of spans are times of snapshots, so there is one.
     ENGRAM_CHECK(entry.has_value(), "a selection ends behind the last snapshot");
     last_ = entry->time;
     return std::optional(Step{*entry, false, instances_at(entry->time)});

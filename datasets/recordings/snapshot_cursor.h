@@ -10,22 +10,22 @@
 
 namespace engram::datasets {
 
-/// Walks over the snapshots of one entity that a query asks for, in the order of time and without
-/// listing them: there may be millions. Decodes nothing.
+/// Iterates over the snapshots of one entity that a query selects, in the order of time. It decodes
+/// nothing and does not list the snapshots, because there may be millions.
 ///
 /// Threading: one thread. The timeline must outlive it.
 class SnapshotCursor {
  public:
-  /// Errors: those of Timeline; here and below.
+  /// Errors, also of next(): those of Timeline.
   static Result<SnapshotCursor> create(ltm::Timeline& timeline,
                                        const std::vector<ltm::SnapshotQuery>& queries);
 
-  /// The next snapshot; nothing behind the last. Moments after the entity's last snapshot that are
-  /// asked for come at the end, without an entry's forms.
+  /// One snapshot. Selected moments after the entity's last snapshot come at the end; their entry
+  /// has no forms.
   struct Step {
     ltm::SnapshotEntry entry;
     bool is_future = false;
-    /// Indices of the instances that are asked for; empty: all.
+    /// Indices of the selected instances; all if empty.
     std::vector<int32_t> instances;
   };
   Result<std::optional<Step>> next();
@@ -43,7 +43,7 @@ class SnapshotCursor {
 
   ltm::Timeline* timeline_;
   std::vector<Span> spans_;
-  std::vector<Span> future_;  ///< Each of one moment; in the order of time.
+  std::vector<Span> future_;  ///< One moment each, in the order of time.
   std::optional<Time> last_;
 };
 

@@ -8,10 +8,10 @@
 
 namespace engram::datasets {
 
-/// Text of a file as a value: bytes where it is no UTF-8.
+/// Converts text from a file to a value; the value has bytes if the text is not UTF-8.
 [[nodiscard]] idf::Data text_value(std::string_view text);
 
-/// The same the other way; empty for other values, and for null.
+/// Converts such a value back to text. Other values, and null, give empty text.
 [[nodiscard]] std::string text_of(const idf::Data* value);
 
 }  // namespace engram::datasets

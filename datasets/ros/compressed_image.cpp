@@ -42,7 +42,7 @@ Result<idf::Data> compressed_of_picture(const idf::Data& value, int jpeg_quality
   ENGRAM_ASSIGN_OR_RETURN(
       auto bytes, idf::NdArray::create(ElementType::kUInt8, {size}, Buffer::take(std::move(file))));
   const idf::Data* header = value.at("header");
-  // As image_transport says it.
+  // This is the format text that image_transport uses.
   const std::string format =
       depth != nullptr ? "16UC1; png compressed " : (is_jpeg ? "jpeg" : "png");
   return idf::Data(idf::Dict{{"header", header != nullptr ? *header : idf::Data()},

@@ -13,7 +13,7 @@ namespace {
 
 using idf::ElementType;
 
-/// What the pixels of an encoding are.
+/// The meaning of the pixels of an encoding.
 struct Encoding {
   std::string_view name;
   ElementType type;
@@ -38,7 +38,7 @@ const Encoding* encoding_named(std::string_view name) {
   return found == kEncodings.end() ? nullptr : found;
 }
 
-/// A whole number of a message.
+/// Returns a whole number from a message.
 size_t whole(const idf::Data& message, std::string_view name) {
   const idf::Data* found = message.at(name);
   if (found == nullptr) return 0;
@@ -47,13 +47,13 @@ size_t whole(const idf::Data& message, std::string_view name) {
   return 0;
 }
 
-/// What the fields of an image message say, where they agree.
+/// The layout that the fields of an image message describe, if they agree.
 struct Layout {
   const Encoding* encoding;
   size_t height;
   size_t width;
-  size_t step;  ///< Unit: bytes from row to row.
-  bool swaps;   ///< Byte order is not the machine's.
+  size_t step;  ///< Distance between rows. Unit: bytes.
+  bool swaps;   ///< The byte order differs from the machine's.
   const idf::NdArray* data;
 
   [[nodiscard]] size_t row_bytes() const {
@@ -94,7 +94,7 @@ idf::NdArray array_of(ElementType type, size_t height, size_t width, size_t chan
   return *std::move(array);
 }
 
-/// Rows without what pads them, in the machine's byte order.
+/// Returns the rows without padding, in the machine's byte order.
 Buffer packed_rows(const Layout& layout) {
   if (layout.step == layout.row_bytes() && !layout.swaps &&
       layout.encoding->type == ElementType::kUInt8)
@@ -110,7 +110,7 @@ Buffer packed_rows(const Layout& layout) {
   return Buffer::take(std::move(packed));
 }
 
-/// Three of `channels` bytes per pixel, from BGR to RGB or back.
+/// Takes three of `channels` bytes per pixel, and swaps BGR and RGB if `swaps` is true.
 Buffer three_of(std::span<const std::byte> pixels, size_t channels, bool swaps) {
   std::vector<std::byte> three(pixels.size() / channels * 3);
   const size_t first = swaps ? 2 : 0;
@@ -137,7 +137,7 @@ const idf::NdArray* array_member(const idf::Data& value, std::string_view name) 
   return found == nullptr ? nullptr : found->get_if<idf::NdArray>();
 }
 
-/// The encoding that a picture states, or what its array suggests.
+/// Returns the encoding that a picture states, or that its array suggests.
 const Encoding* encoding_of(const idf::Data& value, const idf::NdArray& pixels, bool is_depth) {
   const idf::Data* stated = value.at("encoding");
   if (stated != nullptr)
@@ -150,7 +150,7 @@ const Encoding* encoding_of(const idf::Data& value, const idf::NdArray& pixels, 
   return found == kEncodings.end() ? nullptr : found;
 }
 
-/// Pixels as the message has them: alpha joined, in the encoding's order.
+/// Returns the pixels as in the message: with alpha, in the order of the encoding.
 Result<Buffer> joined(const Encoding& encoding, const idf::NdArray& pixels,
                       const idf::NdArray* alpha) {
   if (encoding.channels != 4 && alpha != nullptr)

@@ -11,7 +11,8 @@ namespace {
 
 constexpr size_t kEncapsulationBytes = 4;
 constexpr size_t kMaxPadding = 8;
-/// Messages without fields cost no bytes: so many of them may there be.
+/// The maximum number of messages without fields, which cost no bytes and so are not bounded by
+/// them.
 constexpr uint64_t kFreeValues = 1 << 12;
 
 template <typename T>
@@ -31,7 +32,7 @@ class Decoder {
     if (is_cdr_) ENGRAM_RETURN_IF_ERROR(begin_cdr());
     idf::Dict value;
     ENGRAM_RETURN_IF_ERROR(take_message(definition_.root(), value));
-    // Some writers of CDR fill up to their alignment.
+    // Some writers of CDR pad messages to their alignment.
     if (left() > (is_cdr_ ? kMaxPadding : 0))
       return data_loss("offset {}: {} bytes follow the last field", at_, left());
     return idf::Data(std::move(value));
@@ -59,7 +60,7 @@ class Decoder {
     return data_loss("offset {}: '{}' needs {} bytes, {} are left", at_, what, bytes, left());
   }
 
-  /// Bounds what comes of no bytes.
+  /// Bounds the number of values that need no bytes.
   Status count_free(size_t before) {
     if (at_ != before || free_values_left_-- > 0) return {};
     return data_loss("offset {}: more than {} values without bytes", at_, kFreeValues);

@@ -40,7 +40,7 @@ constexpr std::array<NamedKind, 17> kKinds{{
     {"wstring", FieldKind::kMessage},
 }};
 
-/// Needed by nearly all, and left out by some writers.
+/// Types that nearly all definitions need and that some writers leave out.
 constexpr std::array<std::array<std::string_view, 2>, 2> kBuiltin{{
     {"builtin_interfaces/Time", "int32 sec\nuint32 nanosec"},
     {"builtin_interfaces/Duration", "int32 sec\nuint32 nanosec"},
@@ -52,7 +52,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-/// Takes the first line off `text`.
+/// Removes the first line of `text` and returns it.
 std::string_view take_line(std::string_view& text) {
   const size_t end = text.find('\n');
   const std::string_view line = trimmed(text.substr(0, end));
@@ -68,13 +68,13 @@ std::string_view package_of(std::string_view type) {
   return type.substr(0, type.find('/'));
 }
 
-/// A field whose message is still a name.
+/// A field whose message type is still a name.
 struct NamedField {
   Field field;
   std::string type;
 };
 
-/// "[]", "[9]" or "[<=9]" behind a type.
+/// Reads "[]", "[9]" or "[<=9]" after a type.
 bool read_multiplicity(std::string_view brackets, Field& field) {
   std::string_view count = brackets.substr(1, brackets.size() - 2);
   field.multiplicity = Multiplicity::kSequence;
@@ -89,7 +89,7 @@ bool read_multiplicity(std::string_view brackets, Field& field) {
   return error == std::errc() && end == count.data() + count.size();
 }
 
-/// Reads "float64[9] k"; nothing for a constant.
+/// Reads "float64[9] k"; returns nothing for a constant.
 Result<std::optional<NamedField>> read_field(std::string_view line) {
   const size_t type_end = line.find_first_of(kSpace);
   if (type_end == std::string_view::npos)
@@ -146,7 +146,8 @@ std::string plain_type_name(std::string_view type) {
   return std::string(type.substr(0, middle)) + std::string(type.substr(middle + 4));
 }
 
-/// Reads all sections first, then follows the names from the root.
+/// Reads all sections first, because a section may use later ones; then follows the names from the
+/// root.
 class DefinitionParser {
  public:
   Result<MessageDefinition> parse(std::string_view type, std::string_view text) {
@@ -185,7 +186,7 @@ class DefinitionParser {
     return {};
   }
 
-  /// The section that `type` means inside of a message.
+  /// Finds the section that `type` refers to inside of a message.
   Result<std::string> resolve(const std::string& type, const std::string& inside) const {
     if (sections_.contains(type)) return type;
     if (type.find('/') == std::string::npos) {
@@ -201,7 +202,7 @@ class DefinitionParser {
     if (depth >= kMaxDepth)
       return invalid_argument("{}: messages nest {} deep, or in themselves", name, depth);
     if (const auto known = indices_.find(name); known != indices_.end()) {
-      // What is not whole yet contains itself.
+      // A message that is not complete yet contains itself.
       if (!whole_.contains(name)) return invalid_argument("{}: contains itself", name);
       return known->second;
     }

@@ -10,13 +10,13 @@
 
 namespace engram::datasets::ros {
 
-/// How messages become bytes.
+/// How messages are serialised.
 enum class Serialization : uint8_t {
   kRos1,  ///< Packed, little-endian.
-  kCdr,   ///< ROS 2: XCDR1 behind four bytes that name the byte order; numbers are aligned.
+  kCdr,   ///< ROS 2: XCDR1 after four bytes that give the byte order; numbers are aligned.
 };
 
-/// What one field holds, or one element of it.
+/// The type of a field, or of one element of it.
 enum class FieldKind : uint8_t {
   kBool,
   kInt8,
@@ -30,12 +30,12 @@ enum class FieldKind : uint8_t {
   kFloat32,
   kFloat64,
   kString,
-  kTime,      ///< Of ROS 1: seconds and nanoseconds, uint32.
-  kDuration,  ///< Of ROS 1: seconds and nanoseconds, int32.
+  kTime,      ///< ROS 1: seconds and nanoseconds, uint32.
+  kDuration,  ///< ROS 1: seconds and nanoseconds, int32.
   kMessage,
 };
 
-/// Unit: bytes. Zero for what is no plain number.
+/// Unit: bytes. Zero for kinds that are not plain numbers.
 [[nodiscard]] size_t size_bytes(FieldKind kind);
 
 enum class Multiplicity : uint8_t { kOne, kFixed, kSequence };
@@ -43,9 +43,9 @@ enum class Multiplicity : uint8_t { kOne, kFixed, kSequence };
 struct Field {
   std::string name;
   FieldKind kind = FieldKind::kBool;
-  size_t message = 0;  ///< Index of the message that it is; for kMessage only.
+  size_t message = 0;  ///< Index of the message type; only for kMessage.
   Multiplicity multiplicity = Multiplicity::kOne;
-  uint32_t count = 0;  ///< Elements of a fixed array.
+  uint32_t count = 0;  ///< Number of elements of a fixed array.
 };
 
 struct Message {
@@ -53,18 +53,18 @@ struct Message {
   std::vector<Field> fields;
 };
 
-/// What the messages of one type consist of: its fields, and those of all messages in it.
+/// The structure of the messages of one type: its fields, and those of all nested messages.
 ///
-/// Constants, defaults, bounds and comments are passed over. Messages nest at most 32 deep.
+/// Constants, defaults, bounds and comments are ignored. Messages may be nested 32 deep.
 /// Threading: immutable.
 /// Source: docs/formats.md, "ROS messages".
 class MessageDefinition {
  public:
-  /// Reads the text that bags and MCAP files carry: the definition of `type`, then those that it
+  /// Parses the text that bags and MCAP files contain: the definition of `type`, then those that it
   /// needs, each after a line of '=' and one of "MSG: package/Type". `type` is "sensor_msgs/Image"
   /// or "sensor_msgs/msg/Image".
   /// Errors: kInvalidArgument naming type, line, what was found and what was needed; also for
-  /// wstring, whose bytes are not the same in all of ROS 2.
+  /// wstring, whose bytes differ between implementations of ROS 2.
   static Result<MessageDefinition> parse(std::string_view type, std::string_view text);
 
   [[nodiscard]] const Message& root() const { return messages_.front(); }
@@ -78,7 +78,7 @@ class MessageDefinition {
   std::vector<Message> messages_;
 };
 
-/// "sensor_msgs/Image" of "sensor_msgs/msg/Image".
+/// Returns "sensor_msgs/Image" for "sensor_msgs/msg/Image".
 [[nodiscard]] std::string plain_type_name(std::string_view type);
 
 }  // namespace engram::datasets::ros

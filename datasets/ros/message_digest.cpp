@@ -29,7 +29,7 @@ struct NamedType {
   std::string_view name;
 };
 struct Section {
-  std::string constants;  ///< Already as they are summed.
+  std::string constants;  ///< In the form in which they are summed.
   std::vector<NamedType> fields;
 };
 using Sections = std::map<std::string, Section, std::less<>>;
@@ -46,7 +46,7 @@ Status read_line(std::string_view line, Section& section) {
     section.fields.push_back({type, trimmed(code.substr(type_end))});
     return {};
   }
-  // What follows a text is part of it, '#' too.
+  // Everything after '=' belongs to a text constant, including '#'.
   const std::string_view whole = type == "string" ? trimmed(line) : code;
   section.constants +=
       fmt::format("{} {}={}\n", type, trimmed(code.substr(type_end, equals - type_end)),
@@ -80,7 +80,7 @@ Result<std::string> md5_of(std::string_view text) {
   return digits;
 }
 
-/// Sums one message after those in it.
+/// Computes the sum of a message after those of its nested messages.
 class Digest {
  public:
   explicit Digest(const Sections& sections) : sections_(sections) {}
@@ -91,6 +91,7 @@ class Digest {
     const Section& section = sections_.find(type)->second;
     std::string text = section.constants;
     for (const auto& [field_type, name] : section.fields) {
+      // Arrays of messages are summed without their brackets, as genmsg does it.
       const std::string_view bare = field_type.substr(0, field_type.find('['));
       if (std::ranges::find(kPlainTypes, bare) != kPlainTypes.end()) {
         text += fmt::format("{} {}\n", field_type, name);
@@ -100,6 +101,7 @@ class Digest {
       ENGRAM_ASSIGN_OR_RETURN(const std::string sum, of(inner, depth + 1));
       text += fmt::format("{} {}\n", sum, name);
     }
+    // genmsg sums the text without the last line break; another byte would be another type.
     if (text.ends_with('\n')) text.pop_back();
     ENGRAM_ASSIGN_OR_RETURN(const std::string sum, md5_of(text));
     return sums_[type] = sum;

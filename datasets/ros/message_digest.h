@@ -8,13 +8,13 @@
 
 namespace engram::datasets::ros {
 
-/// The MD5 sum by which programs of ROS 1 know that they mean the same messages: of constants, then
-/// fields, with the sums of messages in the place of their names.
+/// Returns the MD5 sum by which programs of ROS 1 verify that they use the same message type. It
+/// covers constants, then fields, with nested messages replaced by their sums.
 ///
-/// `type` is "sensor_msgs/Image", `text` as MessageDefinition::parse takes it. Gives 32 hexadecimal
-/// digits.
-/// Errors: kInvalidArgument naming what is defined nowhere, or nests deeper than 32;
-/// kFailedPrecondition where OpenSSL has no MD5.
+/// `type` is "sensor_msgs/Image", and `text` is as for MessageDefinition::parse. The result has 32
+/// hexadecimal digits.
+/// Errors: kInvalidArgument naming a type that is not defined, or is nested deeper than 32;
+/// kFailedPrecondition if OpenSSL has no MD5.
 /// Source: genmsg 0.6.0, gentools; docs/formats.md, "rosbag".
 Result<std::string> message_md5(std::string_view type, std::string_view text);
 

@@ -12,12 +12,13 @@ namespace {
 
 constexpr size_t kEncapsulationBytes = 4;
 
-/// A scalar, or an ndarray of one element without axes, as another number.
+/// Converts a scalar, or an ndarray of one element without axes, to another type of number.
 template <typename T>
 std::optional<T> number_as(const idf::Data& value) {
   const auto convert = [](auto from) -> std::optional<T> {
     if constexpr (std::is_arithmetic_v<decltype(from)> && !std::is_same_v<decltype(from), bool>) {
       const auto converted = idf::convert_number<T>(from);
+      // Only exact conversions are allowed, so that a message never holds another number.
       if (converted && converted->is_exact) return converted->value;
     }
     return std::nullopt;
@@ -121,6 +122,7 @@ class Encoder {
       return invalid_argument("is an ndarray of {}, needs {}", to_string(array->type()),
                               to_string(type));
     ENGRAM_RETURN_IF_ERROR(put_length(field, static_cast<size_t>(array->count())));
+    // An empty sequence is not followed by padding, as when it is decoded.
     if (array->count() > 0) align(size_bytes(field.kind));
     put_bytes(array->bytes());
     return {};
@@ -182,6 +184,7 @@ class Encoder {
       text = raw->bytes();
     else
       return wrong(value, "a string");
+    // In CDR the length counts the terminating zero; in ROS 1 there is none.
     ENGRAM_RETURN_IF_ERROR(put_count(text.size() + (is_cdr_ ? 1 : 0)));
     put_bytes(text);
     if (is_cdr_) put(uint8_t{0});

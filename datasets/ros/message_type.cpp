@@ -12,11 +12,11 @@ namespace engram::datasets::ros {
 namespace {
 
 struct TypeSegment {
-  std::string_view type;  ///< A package alone where it ends in '/'.
+  std::string_view type;  ///< A whole package if it ends in '/'.
   std::string_view memory;
   std::string_view segment;
 };
-// The first that fits counts.
+// The first entry that matches is used.
 constexpr std::array<TypeSegment, 26> kSegments{{
     {"sensor_msgs/JointState", "RobotState", "Proprioception"},
     {"sensor_msgs/MultiDOFJointState", "RobotState", "Proprioception"},
@@ -46,7 +46,7 @@ constexpr std::array<TypeSegment, 26> kSegments{{
     {"geometry_msgs/PointStamped", "RobotState", "Localization"},
 }};
 
-/// What a value of a field is that says nothing; None below `depth` messages.
+/// Returns an empty value for a field; None for messages nested deeper than `depth`.
 idf::Data empty_value(const MessageDefinition& definition, const Field& field, int depth = 2) {
   if (field.kind == FieldKind::kString) return "";
   if (field.kind == FieldKind::kTime || field.kind == FieldKind::kDuration)
@@ -73,7 +73,7 @@ std::optional<Time> stamp_at(const idf::Data& value, std::string_view path) {
   const auto seconds = whole_at(*stamp, "sec");
   auto nanoseconds = whole_at(*stamp, "nanosec");
   if (!nanoseconds) nanoseconds = whole_at(*stamp, "nsec");
-  // 32 bits each: the product fits.
+  // The product cannot overflow, because both have at most 32 bits.
   if (!seconds || !nanoseconds || std::abs(*seconds) > int64_t{1} << 32 || *nanoseconds < 0 ||
       *nanoseconds > int64_t{1} << 32 || (*seconds == 0 && *nanoseconds == 0))
     return std::nullopt;
@@ -100,7 +100,8 @@ constexpr std::array<NeededField, 3> kCompressedFields{{
     {"data", FieldKind::kUInt8, Multiplicity::kSequence},
 }};
 
-/// Whether a message is what its name says: only then nothing is lost where it becomes a picture.
+/// Returns true if a message has the fields that its name promises. Only then nothing is lost when
+/// it becomes a picture.
 bool has_fields(const Message& message, std::span<const NeededField> needed) {
   return std::ranges::equal(message.fields, needed, [](const Field& a, const NeededField& b) {
     return a.name == b.name && a.kind == b.kind && a.multiplicity == b.multiplicity;

@@ -13,7 +13,7 @@
 
 namespace engram::datasets::ros {
 
-/// Memory and core segment that messages belong to.
+/// The memory and core segment of messages of a type.
 struct SegmentNames {
   std::string memory;
   std::string segment;
@@ -21,16 +21,16 @@ struct SegmentNames {
   friend bool operator==(const SegmentNames&, const SegmentNames&) = default;
 };
 
-/// Messages of one type as values, both ways.
+/// Converts messages of one type to values and back.
 ///
 /// A message is a dict of its fields; sensor_msgs/Image and CompressedImage are {"image": uint8
-/// [H, W, 3]}, RGB, or [H, W, 1], or {"depth": uint16 or float32 [H, W, 1]}, with the rest beside
-/// it. What the form of an image cannot hold stays a dict of fields.
+/// [H, W, 3]}, RGB, or [H, W, 1], or {"depth": uint16 or float32 [H, W, 1]}, with the other fields
+/// beside it. A message that the form of an image cannot hold stays a dict of fields.
 /// Threading: immutable, const-parallel.
 /// Source: docs/formats.md, "ROS messages".
 class MessageType {
  public:
-  /// `type` and `definition` as MessageDefinition::parse takes them. Errors: those of it.
+  /// `type` and `definition` are as for MessageDefinition::parse. Errors: those of parse.
   static Result<MessageType> create(std::string_view type, std::string_view definition,
                                     Serialization serialization);
 
@@ -40,23 +40,23 @@ class MessageType {
   /// Safe on hostile bytes. Errors: kDataLoss naming type, offset, what was found and needed.
   [[nodiscard]] Result<idf::Data> decode(std::span<const std::byte> bytes) const;
 
-  /// `jpeg_quality` is for compressed images: 1 to 100, or 0 for PNG. A header that is missing, or
-  /// None, is written empty.
-  /// Errors: kInvalidArgument naming type and path where a value is not of this type.
+  /// `jpeg_quality` is for compressed images: 1 to 100, or 0 for PNG. A header that is missing or
+  /// None is written as an empty one.
+  /// Errors: kInvalidArgument naming type and path if a value is not of this type.
   [[nodiscard]] Result<std::vector<std::byte>> encode(const idf::Data& value,
                                                       int jpeg_quality = 0) const;
 
-  /// Where values of this type belong. `value`, if there is one, tells colour from depth. Nothing
-  /// for types that have no place of their own.
+  /// Returns the segment that values of this type belong to; nothing for types that have no segment
+  /// of their own. `value`, if not null, is used to distinguish colour from depth.
   [[nodiscard]] std::optional<SegmentNames> segment(const idf::Data* value) const;
 
-  /// What a header is that says nothing; None where the type has none.
+  /// Returns an empty header; None if the type has no header.
   [[nodiscard]] idf::Data empty_header() const;
 
-  /// Whether encode() changes pixels at this quality.
+  /// Returns true if encode() changes pixels at this quality.
   [[nodiscard]] bool is_lossy(int jpeg_quality) const { return is_compressed_ && jpeg_quality > 0; }
 
-  /// Whether values are pictures, if they can be.
+  /// Returns true if values are pictures whenever the form of an image can hold them.
   [[nodiscard]] bool is_image() const { return is_image_ || is_compressed_; }
 
  private:
@@ -68,8 +68,8 @@ class MessageType {
   bool is_compressed_;
 };
 
-/// The stamp of a value's header, or of the first of its transforms; nothing where it has none, or
-/// zero.
+/// Returns the stamp of a value's header, or of the first of its transforms; nothing if there is
+/// none or it is zero.
 [[nodiscard]] std::optional<Time> header_stamp(const idf::Data& value);
 
 }  // namespace engram::datasets::ros

@@ -8,8 +8,8 @@
 
 namespace engram::datasets::ros {
 
-/// Definitions of what is written for entities that no import made: sensor_msgs/Image,
-/// CompressedImage and JointState, std_msgs/String. Nothing for other types.
+/// Returns the definitions of the types that are written for entities that no import made:
+/// sensor_msgs/Image, CompressedImage and JointState, std_msgs/String. Nothing for other types.
 [[nodiscard]] std::optional<std::string_view> standard_definition(
     std::string_view type, Serialization serialization = Serialization::kCdr);
 

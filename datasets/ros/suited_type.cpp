@@ -7,7 +7,7 @@ namespace engram::datasets::ros {
 
 namespace {
 
-/// A picture that an Image message holds as it is.
+/// Returns true for a picture that an Image message can hold unchanged.
 bool is_bare_picture(const idf::Data& value) {
   const auto* dict = value.get_if<idf::Dict>();
   if (dict == nullptr || dict->size() != 1) return false;
@@ -44,7 +44,7 @@ bool is_bare_joints(const idf::Data& value) {
          is_numbers(3, "effort");
 }
 
-/// A header that says nothing but a time, where it holds that; none where the type has no header.
+/// Returns a header with nothing but a time, if it can hold that; none if the type has no header.
 idf::Data header_at(const MessageType& type, Time time) {
   constexpr int64_t kNsPerSecond = 1'000'000'000;
   idf::Data header = type.empty_header();

@@ -10,20 +10,21 @@
 
 namespace engram::datasets::ros {
 
-// As what values are written that no import of messages made.
+// Message types for values that were not imported from messages.
 
-/// "sensor_msgs/Image" (or CompressedImage, for an image that shall be compressed) for nothing but
-/// an image or a depth, "sensor_msgs/JointState" for nothing but name, position, velocity, effort.
-/// Empty for all others, which these messages do not hold as they are.
+/// Returns "sensor_msgs/Image" (or CompressedImage if `is_compressed` is true) for values with
+/// nothing but an image or a depth, and "sensor_msgs/JointState" for values with nothing but name,
+/// position, velocity, effort. Empty for all others, which these messages cannot hold unchanged.
 [[nodiscard]] std::string_view suited_type(const idf::Data& value, bool is_compressed);
 
-/// The message of such a value. `stamp` goes into its header, where it has one and that holds it.
-/// Errors: kInvalidArgument where the value has a header or an encoding itself, which reading would
-/// take from it; those of MessageType::encode.
+/// Encodes the message of such a value. `stamp` goes into the header if there is one and it can
+/// hold it.
+/// Errors: kInvalidArgument if the value itself has a header or an encoding, which reading would
+/// remove; those of MessageType::encode.
 Result<std::vector<std::byte>> encode_bare(const MessageType& type, const idf::Data& value,
                                            int jpeg_quality, std::optional<Time> stamp = {});
 
-/// The value again, without what such a message has beside it.
+/// Returns the value without the members that such a message adds.
 [[nodiscard]] idf::Data without_header(const idf::Data& value);
 
 }  // namespace engram::datasets::ros

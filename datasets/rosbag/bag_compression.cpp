@@ -36,7 +36,7 @@ Result<Buffer> decompress_bz2(std::span<const std::byte> bytes, uint64_t size) {
   for (int code = BZ_OK; code != BZ_STREAM_END;) {
     const size_t filled = out.size();
     if (filled == size && stream->avail_in == 0) break;
-    // One byte more than is claimed: what holds too many shall be seen.
+    // One byte more than the stated size is requested, to detect data that are too long.
     constexpr size_t kStepBytes = 1 << 16;
     out.resize(std::min<uint64_t>(size + 1, filled + std::max(filled, kStepBytes)));
     if (out.size() == filled) return data_loss("bz2: has more than the {} bytes it says", size);
@@ -57,7 +57,7 @@ Result<Buffer> decompress_bz2(std::span<const std::byte> bytes, uint64_t size) {
 Result<Buffer> decompress_lz4_buffer(std::span<const std::byte> bytes, uint64_t size) {
   if (size > bytes.size() * kMaxLz4Expansion)
     return data_loss("{} bytes of lz4 hold no {} bytes", bytes.size(), size);
-  // Not set to zero first: what is claimed costs nothing until it is filled.
+  // The memory is not set to zero, so a false size costs nothing until it is filled.
   const std::shared_ptr<std::byte[]> plain(new std::byte[size]);
   const std::span<std::byte> out(plain.get(), size);
   ENGRAM_RETURN_IF_ERROR(decompress_lz4(bytes, out));
@@ -65,8 +65,8 @@ Result<Buffer> decompress_lz4_buffer(std::span<const std::byte> bytes, uint64_t 
 }
 
 Result<std::string> compress_bz2(std::span<const std::byte> bytes) {
-  constexpr int kBlockSize = 9;  // Times 100 kB.
-  // As much as its manual says it takes at most.
+  constexpr int kBlockSize = 9;  // Unit: 100 kB.
+  // This is the maximum size that the manual of bzip2 states.
   std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
   auto size = static_cast<unsigned int>(out.size());
   const int code =

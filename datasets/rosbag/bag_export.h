@@ -7,7 +7,7 @@
 
 namespace engram::datasets::rosbag {
 
-/// RecordingFormat::write for bags.
+/// Implements RecordingFormat::write for bags.
 Result<ExportReport> export_bag(const ExportRequest& request, const std::filesystem::path& path);
 
 }  // namespace engram::datasets::rosbag

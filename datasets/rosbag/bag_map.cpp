@@ -18,7 +18,7 @@ std::string place(const FileWindow& file, uint64_t offset) {
   return fmt::format("'{}', offset {}", file.path().string(), offset);
 }
 
-/// Where the parts of a record of the file lie.
+/// The places of the parts of a record in the file.
 struct RecordPlace {
   uint64_t offset;
   uint64_t header_bytes;
@@ -72,7 +72,7 @@ class BagMapper {
   }
 
   void note(uint64_t offset, std::string_view what) {
-    // Files may be wrong in a million places.
+    // A damaged file may have a million faults; the report stays readable.
     constexpr size_t kMaxNotes = 20;
     if (notes_++ < kMaxNotes)
       ++report_.not_carried[fmt::format("{}: {}", place(file_, offset), what)];
@@ -80,7 +80,7 @@ class BagMapper {
       ++report_.not_carried["further damaged records"];
   }
 
-  /// Lengths of the record at at_; nothing where the file ends before it does.
+  /// Reads the lengths of the record at at_; returns nothing if the file ends before the record.
   Result<std::optional<RecordPlace>> next_record() {
     RecordPlace record{at_, 0, 0};
     const uint64_t left = file_.size() - at_;
@@ -100,7 +100,7 @@ class BagMapper {
     return std::optional(record);
   }
 
-  /// Views the window of the file.
+  /// The result refers to the window of the file.
   Result<Record> read(const RecordPlace& record) {
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes,
                             file_.read(record.offset, record.end() - record.offset));
@@ -130,7 +130,7 @@ class BagMapper {
     return {};
   }
 
-  /// What is wrong inside of a record is told, and the record passed over.
+  /// A problem inside of a record is reported, and the record is skipped.
   Status take(const RecordPlace& found) {
     Status status = take_known(found);
     if (status.code() != StatusCode::kDataLoss) return status;
@@ -175,7 +175,7 @@ class BagMapper {
                                connection.id, connection.topic));
   }
 
-  /// Messages outside of chunks: what was written of the last chunk when a recorder was killed.
+  /// Takes a message outside of chunks. A recorder that was killed leaves those of its last chunk.
   Status take_message(const RecordPlace& found, const Header& header) {
     ENGRAM_ASSIGN_OR_RETURN(const Message message, read_message({header, {}, 0}));
     if (found.data_bytes > kMaxRecordBytes) return data_loss("message is too large");
@@ -194,13 +194,13 @@ class BagMapper {
 
   Status take_chunk(const RecordPlace& found, const Header& header) {
     ENGRAM_ASSIGN_OR_RETURN(const auto size, header.number<uint32_t>("size"));
-    if (found.data_bytes == 0 && size == 0) return {};  // Begun, never finished.
+    if (found.data_bytes == 0 && size == 0) return {};  // The chunk was begun and never finished.
     ++chunks_;
     map_.regions.push_back({found.offset, found.end() - found.offset, kNoTime, 0, true});
     return {};
   }
 
-  /// Of the chunk before it.
+  /// Takes the index of the chunk before it.
   Status take_index(const RecordPlace& found, const Header& header) {
     constexpr uint64_t kEntryBytes = 12;
     constexpr uint64_t kMaxAtOnce = 4096;
@@ -258,7 +258,7 @@ class BagMapper {
     for (size_t i = 0; i < map_.regions.size(); ++i) {
       Region& region = map_.regions[i];
       if (!region.is_chunk) continue;
-      std::string problem;  // Told when it is read.
+      std::string problem;  // It is reported when the region is read.
       auto loaded = load_region(file_, region, problem);
       if (!loaded.ok()) {
         if (loaded.status().code() == StatusCode::kUnavailable) return loaded.status();
@@ -289,7 +289,7 @@ class BagMapper {
   bool needs_chunks_ = false;
 };
 
-/// The plain records of a chunk, or those that lie outside of chunks.
+/// Returns the records of a chunk, decompressed, or those outside of chunks.
 Result<Buffer> region_bytes(std::span<const std::byte> bytes, const Region& region) {
   if (!region.is_chunk) return Buffer::copy(bytes);
   ENGRAM_ASSIGN_OR_RETURN(const Record chunk, read_record(bytes));

@@ -12,34 +12,34 @@
 
 namespace engram::datasets::rosbag {
 
-/// Everything that a bag says of itself: where its messages lie, and what they are.
+/// Describes a bag: its connections, and where its messages are.
 ///
-/// Memory: 40 bytes per chunk, or MiB of messages outside of chunks, and the connections.
+/// Memory: 40 bytes per chunk, or per MiB of messages outside of chunks, and the connections.
 struct BagMap {
   std::map<uint32_t, Connection> connections;
-  std::map<uint32_t, uint64_t> messages;    ///< Of a connection; fewer where indexes are missing.
+  std::map<uint32_t, uint64_t> messages;    ///< By connection; too few if indexes are missing.
   std::vector<Region> regions;              ///< In the order of the file.
-  std::map<uint32_t, size_t> first_region;  ///< That has a message of a connection.
+  std::map<uint32_t, size_t> first_region;  ///< The first region with a message, by connection.
 };
 
-/// A region in memory, with what describes its messages there.
+/// The messages of a region, with the connections that are defined in it.
 struct LoadedRegion : RegionMessages {
   std::vector<Connection> connections;
 };
 
-/// Reads and checks one region. What behind a damaged record cannot be found is left out, and told
-/// in `problem`; empty: nothing is.
+/// Reads and checks one region. Messages after a damaged record that cannot be found are left out,
+/// and `problem` says so; it is empty if nothing is left out.
 /// Errors: kDataLoss naming file, offset, what was found and what was needed; kUnavailable.
 Result<LoadedRegion> load_region(FileWindow& file, const Region& region, std::string& problem);
 
-/// The message at the start of `bytes`, where load_region found it.
+/// Returns the message at the start of `bytes`, where load_region found it.
 [[nodiscard]] Message message_at(std::span<const std::byte> bytes);
 
-/// Walks over all records; what is missing or damaged is told in `report`. Chunks are opened only
-/// where their indexes do not say what is in them. Messages behind the last chunk, where a recorder
-/// was killed, are found.
-/// Errors: kInvalidArgument where it is no bag of version 2.0, or an encrypted one; kDataLoss where
-/// it has no bag header; kUnavailable.
+/// Scans all records; what is missing or damaged is counted in `report`. Chunks are opened only if
+/// their indexes do not describe their contents. Messages after the last chunk, which remain if a
+/// recorder was killed, are found.
+/// Errors: kInvalidArgument if it is not a bag of version 2.0, or is encrypted; kDataLoss if it has
+/// no bag header; kUnavailable.
 Result<BagMap> map_bag(FileWindow& file, ReadingReport& report);
 
 }  // namespace engram::datasets::rosbag

@@ -10,7 +10,7 @@ namespace engram::datasets::rosbag {
 
 namespace {
 
-/// Names of ROS consist of letters, digits, '_' and '/'.
+/// Makes a topic; names of ROS may only have letters, digits, '_' and '/'.
 std::string ros_topic(const ltm::MemoryId& entity) {
   constexpr std::string_view kSigns =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
@@ -20,7 +20,7 @@ std::string ros_topic(const ltm::MemoryId& entity) {
   return topic;
 }
 
-/// The connection as it came in.
+/// Returns the connection as it was imported.
 Connection as_imported(uint32_t id, const RecordingStream& stream) {
   const idf::Data about = stream.attributes;
   Connection connection{id,
@@ -35,8 +35,8 @@ Connection as_imported(uint32_t id, const RecordingStream& stream) {
   return connection;
 }
 
-/// A channel of ROS 1 messages as the connection that it was, or could have been; nothing where its
-/// messages are others, or cannot be read.
+/// Converts a channel of ROS 1 messages to the connection that it was, or could have been. Returns
+/// nothing if the messages are others, or cannot be read.
 std::optional<Connection> of_channel(uint32_t id, const RecordingStream& stream) {
   const idf::Data about = stream.attributes;
   Connection connection{
@@ -77,7 +77,7 @@ class Planner {
   }
 
  private:
-  /// Nothing for a silent stream of another format that no connection can be made of.
+  /// Returns nothing for an empty stream of another format that cannot become a connection.
   std::optional<Connection> connection_of(uint32_t id, const ExportedStream& stream) {
     if (stream.stored) return as_imported(id, *stream.stored);
     if (stream.kindred) {

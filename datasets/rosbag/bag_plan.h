@@ -10,20 +10,20 @@
 
 namespace engram::datasets::rosbag {
 
-/// As what one entity is written.
+/// The connection that one entity is written as.
 struct PlannedConnection {
   Connection connection;
   ConnectionCoder coder;
 };
 
-/// What a bag will consist of.
+/// The contents of a bag that is to be written.
 struct ExportPlan {
   std::map<ltm::MemoryId, PlannedConnection> connections;
-  NotHeld not_held;  ///< As RecordingFormat says it.
+  NotHeld not_held;  ///< As RecordingFormat::not_held.
 };
 
-/// Entities that an import of a bag made get their connections back; all others get one of
-/// own_connection(), with a topic that ROS accepts and no other has.
+/// Plans an export. Entities that were imported from a bag get their connections back. All others
+/// get one of own_connection(), with a unique topic that ROS accepts.
 /// Errors: those of visit_exported.
 Result<ExportPlan> plan_export(ltm::Recall& recall, const ltm::Query& query,
                                const WritingOptions& options);

@@ -88,7 +88,7 @@ void BagReader::describe(const Connection& connection, const Topic& topic) {
 }
 
 void BagReader::note(const std::string& what) {
-  // Files may be wrong in a million places.
+  // A damaged file may have a million faults; the report stays readable.
   constexpr size_t kMaxNotes = 40;
   ++report_.not_carried[report_.not_carried.size() < kMaxNotes ? what : "further damaged chunks"];
 }
@@ -102,7 +102,7 @@ Result<RegionMessages> BagReader::load(const Region& region) {
     problem =
         fmt::format("'{}', offset {}: chunk of {} messages, its index says {}",
                     file_.path().string(), region.offset, loaded.entries.size(), region.messages);
-  // Regions may be read twice, where memory does not hold them.
+  // A region is reported once, although it may be read again if memory is short.
   if (!problem.empty() && told_.insert(region.offset).second) {
     report_.damaged += std::max<uint64_t>(missing, 1);
     note(problem);
@@ -116,7 +116,7 @@ Result<idf::Data> BagReader::first_value(uint32_t connection, const ConnectionCo
     return not_found("connection {} has no message", connection);
   if (loaded_index_ != found->second) {
     loaded_index_.reset();
-    std::string problem;  // Told when it is read for good.
+    std::string problem;  // It is reported when the region is read in order.
     ENGRAM_ASSIGN_OR_RETURN(loaded_, load_region(file_, map_.regions[found->second], problem));
     loaded_index_ = found->second;
   }
@@ -136,7 +136,7 @@ std::optional<ltm::EntityUpdate> BagReader::update_of(Topic& topic, const Messag
     note(fmt::format("messages of '{}': {}", topic.entity.to_string(), decoded.status().message()));
     return std::nullopt;
   }
-  // 32 bits of seconds, and of nanoseconds: it fits.
+  // This fits, because seconds and nanoseconds have 32 bits each.
   ltm::EntityUpdate update{topic.entity, shift_.shifted(static_cast<int64_t>(message.time)), {}};
   ltm::InstanceMetadata metadata{
       .created = update.time, .sent = update.time, .arrived = update.time, .provider = "import"};

@@ -16,8 +16,9 @@ namespace engram::datasets::rosbag {
 
 /// Reads one bag.
 ///
-/// A moment is at the time at which messages were recorded; `created` is the stamp of a message's
-/// header, where it has one. What has no index, or ends early, is read as far as it goes.
+/// The time of a moment is the time at which messages were recorded; `created` is the stamp of a
+/// message's header, if it has one. A bag that has no index, or ends early, is read as far as it
+/// goes.
 /// Memory: that of OrderedRegions and one moment.
 class BagReader final : public RecordingReader {
  public:
@@ -55,9 +56,9 @@ class BagReader final : public RecordingReader {
   std::map<uint32_t, Topic> topics_;
   FreeEntities entities_;
   std::unique_ptr<OrderedRegions> messages_;
-  std::optional<size_t> loaded_index_;  ///< Of the region that first_value looked into last.
+  std::optional<size_t> loaded_index_;  ///< The region that first_value read last.
   RegionMessages loaded_;
-  std::set<uint64_t> told_;  ///< Offsets of damaged regions.
+  std::set<uint64_t> told_;  ///< Offsets of damaged regions that were reported.
   uint64_t total_ = 0;
   MomentOrder order_;
   MomentsOfValues moments_{[this] { return pull(); }};

@@ -37,7 +37,7 @@ std::string time_text(uint64_t ns) {
          number_text(static_cast<uint32_t>(ns % kNanosecondsPerSecond));
 }
 
-/// All of a record but its data.
+/// Appends everything of a record except its data.
 void put_header(std::string& out, Opcode opcode, const Fields& fields, size_t data_bytes) {
   std::string header;
   put_field(header, "op", number_text(opcode));
@@ -104,6 +104,7 @@ Result<Record> read_record(std::span<const std::byte> bytes) {
     return data_loss("{} bytes are left, needs {} of a header's length", bytes.size(),
                      kLengthBytes);
   const uint64_t header_bytes = read_u32(bytes);
+  // The lengths are compared in 64 bits, so hostile ones cannot overflow.
   if (header_bytes + 2 * kLengthBytes > bytes.size())
     return data_loss("header of {} bytes and a length: {} are left", header_bytes,
                      bytes.size() - kLengthBytes);
@@ -146,7 +147,7 @@ Result<Message> read_message(const Record& record) {
 }
 
 void append(std::string& out, const BagHeader& header) {
-  // Of its header and data together.
+  // Size of the header and the data together.
   constexpr size_t kPaddedBytes = 4096;
   const Fields fields{{"index_pos", number_text(header.index_pos)},
                       {"conn_count", number_text(header.connections)},

@@ -19,13 +19,13 @@
 namespace engram::datasets::rosbag {
 
 inline constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
-/// Of each length in front of a header, its fields and the data behind it.
+/// Size of each length: in front of a header, of its fields and of the data.
 inline constexpr uint64_t kLengthBytes = 4;
-/// More in one chunk or message is refused. Unit: bytes.
+/// The maximum size of a chunk or message that is accepted. Unit: bytes.
 inline constexpr uint64_t kMaxRecordBytes = uint64_t{512} << 20;
-/// Times of bags are before this. Unit: ns since 1970.
+/// Times in bags must be before this. Unit: ns since 1970.
 inline constexpr uint64_t kEndOfTime = (uint64_t{1} << 32) * 1'000'000'000;
-/// More in one record's header is refused. Unit: bytes.
+/// The maximum size of a record's header that is accepted. Unit: bytes.
 inline constexpr uint64_t kMaxHeaderBytes = uint64_t{1} << 20;
 
 enum class Opcode : uint8_t {
@@ -39,8 +39,8 @@ enum class Opcode : uint8_t {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
-/// "name=value" fields, as headers of records and the data of connections are. Views the bytes that
-/// it was made of; of equal names the first counts.
+/// The "name=value" fields in headers of records and in the data of connections. It refers to the
+/// bytes that it was parsed from. If several names are equal, the first one is used.
 class Header {
  public:
   /// Errors: kDataLoss naming the offset in `bytes`, what was found and what was needed.
@@ -48,7 +48,8 @@ class Header {
 
   [[nodiscard]] std::optional<std::string_view> find(std::string_view name) const;
 
-  /// Errors: kDataLoss naming the field where it is missing or has another size; here and below.
+  /// Errors, also of the functions below: kDataLoss naming the field if it is missing or has
+  /// another size.
   template <typename T>
   Result<T> number(std::string_view name) const {
     const auto value = find(name);
@@ -72,27 +73,27 @@ class Header {
   std::vector<std::pair<std::string_view, std::string_view>> fields_;
 };
 
-/// Header and data of one record. Views what it was read of.
+/// The header and data of one record. It refers to the bytes that it was read from.
 struct Record {
   Header header;
   std::span<const std::byte> data;
-  uint64_t size = 0;  ///< Of all of it. Unit: bytes.
+  uint64_t size = 0;  ///< Size of the whole record. Unit: bytes.
 };
 
-/// The record at the start of `bytes`.
+/// Reads the record at the start of `bytes`.
 /// Errors: kDataLoss saying what was found and what was needed.
 Result<Record> read_record(std::span<const std::byte> bytes);
 
-/// Little-endian; of at least four bytes (checked).
+/// Reads a little-endian number. `bytes` must have at least four bytes (checked).
 [[nodiscard]] uint32_t read_u32(std::span<const std::byte> bytes);
 
 struct Connection {
   uint32_t id = 0;
   std::string topic;
   std::string type;        ///< "sensor_msgs/Image".
-  std::string md5sum;      ///< Of the definition.
-  std::string definition;  ///< Text.
-  Fields others;           ///< Of the connection's header: topic, callerid, latching, ...
+  std::string md5sum;      ///< The MD5 sum of the definition.
+  std::string definition;  ///< The text of the definition.
+  Fields others;           ///< Further fields of the header: topic, callerid, latching, ...
 
   [[nodiscard]] const std::string* find(std::string_view name) const;
   friend bool operator==(const Connection&, const Connection&) = default;
@@ -112,35 +113,35 @@ Result<Message> read_message(const Record& record);
 
 /// The first record of a bag.
 struct BagHeader {
-  uint64_t index_pos = 0;  ///< Offset of the connections behind the last chunk; 0: not closed.
+  uint64_t index_pos = 0;  ///< Offset of the connections after the last chunk; 0 if not closed.
   uint32_t connections = 0;
   uint32_t chunks = 0;
 };
 
-/// Where a message lies in its chunk.
+/// The place of a message in its chunk.
 struct IndexEntry {
   uint64_t time = 0;    ///< Unit: ns since 1970.
-  uint32_t offset = 0;  ///< Of its record among the plain ones of the chunk.
+  uint32_t offset = 0;  ///< Offset of its record in the uncompressed chunk.
 };
 
 struct ChunkInfo {
-  uint64_t offset = 0;  ///< Of the chunk's record in the file.
+  uint64_t offset = 0;  ///< Offset of the chunk's record in the file.
   uint64_t start_time = 0;
   uint64_t end_time = 0;
-  std::map<uint32_t, uint32_t> messages;  ///< Of each connection that has some in it.
+  std::map<uint32_t, uint32_t> messages;  ///< Number of messages of each connection in the chunk.
 };
 
-// Each appends a whole record. Times are before 2106, where their seconds end, and data have fewer
-// than 2^32 bytes (both checked).
-/// Padded: it has the same size whatever it says.
+// Each function appends a whole record. Times must be before 2106, where 32 bits of seconds end,
+// and data must have fewer than 2^32 bytes (both checked).
+/// The record is padded, so that its size does not depend on its contents.
 void append(std::string& out, const BagHeader& header);
 void append(std::string& out, const Connection& connection);
 void append(std::string& out, const Message& message);
 void append(std::string& out, const ChunkInfo& info);
-/// `packed` are records of `plain_bytes` bytes, compressed.
+/// `packed` is the compressed form of records of `plain_bytes` bytes.
 void append_chunk(std::string& out, std::string_view compression, uint64_t plain_bytes,
                   std::string_view packed);
-/// Of one connection's messages in the chunk before it.
+/// Appends the index of one connection's messages in the chunk before it.
 void append_index(std::string& out, uint32_t connection, const std::vector<IndexEntry>& entries);
 
 }  // namespace engram::datasets::rosbag

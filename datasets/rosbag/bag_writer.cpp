@@ -28,7 +28,7 @@ Status BagWriter::write(const Message& message) {
   if (message.data.size() > kMaxMessageBytes)
     return invalid_argument("message of {} bytes, a bag of ours has at most {}",
                             message.data.size(), kMaxMessageBytes);
-  // What is large gets a chunk of its own, so that none exceeds what can be read.
+  // A large message gets a chunk of its own, so that no chunk exceeds what can be read.
   if (chunk_.size() + message.data.size() > kMaxMessageBytes) ENGRAM_RETURN_IF_ERROR(flush_chunk());
   if (described_.insert(message.connection).second)
     append(chunk_, connections_.at(message.connection));

@@ -16,36 +16,36 @@ namespace engram::datasets::rosbag {
 
 /// Writes a bag: messages in chunks, with all indexes.
 ///
-/// The file appears under its name once it is closed; without that nothing is left of it.
-/// Memory: one chunk and 16 bytes per message in it; of each chunk before its info, 108 bytes and 8
-/// for each connection that it has messages of. Threading: one thread.
+/// The file appears under its name when it is closed; if it is never closed, nothing of it remains.
+/// Memory: one chunk and 16 bytes per message in it; for each earlier chunk 108 bytes and 8 bytes
+/// per connection with messages in it. Threading: one thread.
 /// Source: docs/formats.md, "rosbag".
 class BagWriter {
  public:
-  /// Of one message: a chunk of it alone can be read again. Unit: bytes.
+  /// Maximum size of a message, so that a chunk with nothing but it can be read. Unit: bytes.
   static constexpr uint64_t kMaxMessageBytes = kMaxRecordBytes / 2;
 
   struct Options {
-    /// Of a chunk before it is compressed; that of rosbag. Larger ones compress better and cost
-    /// readers memory.
+    /// Size of a chunk before compression; the default is that of rosbag. Larger chunks compress
+    /// better and cost readers memory.
     uint64_t chunk_bytes = 768 << 10;
-    /// "none", "bz2" (small, slow) or "lz4", which has checksums besides.
+    /// "none", "bz2" (small but slow) or "lz4", which also has checksums.
     std::string compression = "lz4";
   };
 
-  /// Errors: kAlreadyExists where `path` is there; kInvalidArgument for another compression;
+  /// Errors: kAlreadyExists if `path` exists; kInvalidArgument for another compression;
   /// kUnavailable.
   static Result<BagWriter> create(const std::filesystem::path& path, const Options& options);
 
-  /// Comes before its messages; its id is free (checked).
+  /// A connection must be added before its messages, and its id must be unused (checked).
   void add(Connection connection);
 
-  /// Times are before kEndOfTime (checked).
-  /// Errors: kInvalidArgument where the message is too large; kResourceExhausted and kUnavailable,
-  /// here and below.
+  /// Times must be before kEndOfTime (checked).
+  /// Errors: kInvalidArgument if the message is too large; this and close() also return
+  /// kResourceExhausted and kUnavailable.
   Status write(const Message& message);
 
-  /// Finishes the file and moves it to its name. Nothing may follow. Gives its size in bytes.
+  /// Completes the file and renames it. No other call may follow. Returns the file's size in bytes.
   Result<uint64_t> close();
 
  private:
@@ -56,10 +56,10 @@ class BagWriter {
   NewFile file_;
   Options options_;
   std::map<uint32_t, Connection> connections_;
-  std::set<uint32_t> described_;  ///< Connections that are in a chunk.
+  std::set<uint32_t> described_;  ///< Connections that were written to a chunk.
   std::string chunk_;
-  std::map<uint32_t, std::vector<IndexEntry>> index_;  ///< Of the open chunk.
-  std::string infos_;                                  ///< Of the chunks before, as records.
+  std::map<uint32_t, std::vector<IndexEntry>> index_;  ///< The index of the open chunk.
+  std::string infos_;                                  ///< Records that describe earlier chunks.
   uint32_t chunks_ = 0;
 };
 

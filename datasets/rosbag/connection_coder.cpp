@@ -17,14 +17,14 @@ constexpr std::string_view kStringForm = "string";
 constexpr std::string_view kJsonForm = "json";
 constexpr const char* kTextType = "std_msgs/String";
 
-/// Null where the value is not just a text under this name.
+/// Returns null if the value is not just a text under this name.
 const std::string* lone_text(const idf::Data& value, std::string_view name) {
   const auto* dict = value.get_if<idf::Dict>();
   const idf::Data* text = dict != nullptr && dict->size() == 1 ? dict->find(name) : nullptr;
   return text == nullptr ? nullptr : text->get_if<std::string>();
 }
 
-/// Empty for the message itself.
+/// Returns empty text if the value is the message itself.
 std::string_view text_form(const idf::Data& value) {
   if (lone_text(value, "data") != nullptr) return "";
   if (lone_text(value, "text") != nullptr) return kTextForm;
@@ -45,6 +45,7 @@ Connection own_connection(uint32_t id, std::string topic, const ltm::MemoryId& e
   connection.definition =
       ros::standard_definition(connection.type, ros::Serialization::kRos1).value_or("");
   connection.md5sum = md5_or_any(connection.type, connection.definition);
+  // ROS tools ignore fields that they do not know, so the entity's name travels in the header.
   connection.others = {{"topic", std::move(topic)},
                        {std::string(kEntityField), entity.to_string()}};
   const std::string_view form = suited.empty() ? text_form(value) : "";
@@ -63,6 +64,7 @@ ConnectionCoder ConnectionCoder::create(const Connection& connection) {
   }
   coder.ros_ = *std::move(type);
   coder.form_ = Form::kMessage;
+  // Only bags that an export wrote have this field; in all others, a text is just a message.
   if (connection.find(kEntityField) == nullptr) return coder;
   coder.form_ = Form::kBare;
   const std::string* form = connection.find(kFormField);

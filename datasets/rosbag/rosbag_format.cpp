@@ -21,7 +21,7 @@ Result<NotHeld> not_held(ltm::Recall& recall, const ltm::Query& query,
 std::unique_ptr<const RecordingFormat> make_rosbag_format() {
   return make_file_format({.name = "rosbag",
                            .about = "bags of ROS 1: messages of any type, as rosbag records them",
-                           .start = "#ROSBAG V",  // Of any version: another one is told on opening.
+                           .start = "#ROSBAG V",  // Opening reports a version that is not 2.0.
                            .extension = ".bag",
                            .open = rosbag::BagReader::open,
                            .not_held = not_held,

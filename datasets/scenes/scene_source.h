@@ -12,14 +12,14 @@
 
 namespace engram::datasets {
 
-/// What one camera saw at a moment, as far as it is remembered.
+/// What one camera saw at a moment, reconstructed from memory.
 struct RememberedScene {
   augmentation::Scene scene;
   std::vector<std::string> things_in_sight;
 };
 
-/// Rebuilds remembered moments. Each kind of recording has its own: it knows how what was seen
-/// looks from other sides.
+/// Reconstructs remembered moments as scenes. Each kind of recording needs its own source, which
+/// knows how its things look from other sides.
 ///
 /// Threading: one thread.
 /// Source: docs/augmentation.md, section "Moments rendered anew".
@@ -27,25 +27,25 @@ class SceneSource {
  public:
   virtual ~SceneSource() = default;
 
-  /// For people: "a simulated kitchen".
+  /// A name for the user: "a simulated kitchen".
   [[nodiscard]] virtual std::string name() const = 0;
 
-  /// What instance `index` of a recorded snapshot shows; nothing where it is no such recording, or
-  /// where the store does not have everything that was there at that moment.
+  /// Returns what instance `index` of a recorded snapshot shows. Returns nothing if the recording
+  /// is not of this kind, or if the store does not have everything that was visible at that moment.
   /// Errors: those of the store.
   virtual Result<std::optional<RememberedScene>> scene(ltm::StoreReader& store,
                                                        const ltm::Snapshot& snapshot,
                                                        size_t index) = 0;
 
-  /// The value that would have been recorded of another image by `camera`, which has as many pixels
-  /// as the one that was there. Errors: kInvalidArgument where `recorded` is no such value.
+  /// Returns the value that would have been recorded if `camera` had seen `image`, which has as
+  /// many pixels as the recorded one. Errors: kInvalidArgument if `recorded` is not such a value.
   [[nodiscard]] virtual Result<idf::Data> seen(const idf::Data& recorded,
                                                const augmentation::SceneCamera& camera,
                                                const idf::NdArray& image) const = 0;
 };
 
-/// What an entity was at a moment: its first instance, recorded at that very time; nothing where
-/// there is none. Errors: those of the store.
+/// Returns the value of an entity at a moment: the first instance that was recorded at exactly that
+/// time; nothing if there is none. Errors: those of the store.
 Result<std::optional<idf::Data>> recorded_at(ltm::StoreReader& store, const ltm::MemoryId& entity,
                                              Time time);
 
