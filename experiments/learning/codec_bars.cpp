@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the video codecs need for what quality on the clips that learned codecs are measured on.
+// Measures the size and quality of video codecs on the clips that learned codecs are measured on.
 #include <CLI/CLI.hpp>
 
 #include <map>
@@ -38,7 +38,7 @@ struct Curve {
     return codec + (effort < 0 ? "" : fmt::format(" effort {}", effort)) +
            (group == 0 ? ", one group" : fmt::format(", groups of {}", group));
   }
-  /// AV1 counts quality to 63, the others to 51.
+  /// The quality of AV1 counts to 63, that of the others to 51.
   [[nodiscard]] std::string with_crf(int crf) const {
     const int value = codec == "av1" ? crf * 63 / 51 : crf;
     return fmt::format("{}:crf={}{}", codec, value,
@@ -66,6 +66,7 @@ void add_row(const std::string& text, const Curve& curve, const CodecFigures& it
 }
 
 void print_bd_rates(const std::vector<std::pair<Curve, std::vector<training::RatePoint>>>& curves) {
+  // H.265 in one group is the reference, and rates are compared at equal quality.
   const auto reference = std::ranges::find_if(
       curves, [](const auto& curve) { return curve.first.codec == "h265" && !curve.first.group; });
   if (reference == curves.end()) return;

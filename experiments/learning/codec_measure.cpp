@@ -25,7 +25,7 @@ Status append_video(const fs::path& file, const ClipOptions& options, Clip& clip
   for (size_t i = 0; clip.images.size() < options.max_frames; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(auto frame, reader.next());
     if (!frame) break;
-    // Times are rounded: half a millisecond early is in time.
+    // Times are rounded, so a frame that is half a millisecond early counts as in time.
     const bool is_due = options.stride > 0 ? i % options.stride == 0
                                            : frame->time + std::chrono::microseconds(500) >= next;
     if (!is_due) continue;

@@ -10,35 +10,36 @@
 
 namespace engram::experiments {
 
-/// Pictures of one camera. Shape: each uint8 [128, 128, 3].
+/// Pictures of one camera. Shape of each: uint8 [128, 128, 3].
 struct Clip {
   std::string name;
   std::vector<idf::NdArray> images;
 };
 
-/// How a clip is made of a video.
+/// How a clip is made from videos.
 struct ClipOptions {
   std::string name;
-  /// Part of the path of its videos below the folder of recordings; all that have it, in a row.
+  /// Part of the path of its videos below the folder of recordings. All videos whose path contains
+  /// it are joined.
   std::string file;
   bool crops_square = true;
-  size_t stride = 0;  ///< Every so many frames; 0: five a second by their times.
+  size_t stride = 0;  ///< Takes every stride-th frame; 0 takes five per second by their times.
   size_t max_frames = 100'000;
 };
 
-/// Errors: kNotFound where there is no such file; those of reading a video.
+/// Errors: kNotFound if there is no such file; those of reading a video.
 Result<Clip> read_clip(const std::filesystem::path& folder, const ClipOptions& options);
 
-/// What a codec made of a clip.
+/// The measurements of one codec on one clip.
 struct CodecFigures {
   double bytes_per_frame = 0;
   training::PsnrStatistics psnr, moving;
-  double ssim = 0;                      ///< Mean.
-  double encode_ms = 0, decode_ms = 0;  ///< Per frame, wall time.
+  double ssim = 0;                      ///< The mean over all frames.
+  double encode_ms = 0, decode_ms = 0;  ///< Wall time per frame.
 };
 
-/// Codes a clip in groups of `group` frames (0: all of it in one) and decodes it again.
-/// `codec` as make_group_codec takes it.
+/// Encodes a clip in groups of `group` frames (0: the whole clip in one) and decodes it.
+/// `codec` is as for make_group_codec.
 Result<CodecFigures> measure_codec(const Clip& clip, const std::string& codec, size_t group);
 
 }  // namespace engram::experiments

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the latents of image_latents.py really take: bytes that decode to them again.
+// Measures the real size of the latents of image_latents.py: bytes that decode to them again.
 #include <CLI/CLI.hpp>
 
 #include "encoders/coding/latent_sequence.h"
@@ -12,7 +12,7 @@ namespace {
 using encoders::LatentModel;
 using encoders::LatentSequenceCodec;
 
-/// Codes all recordings in blocks with a model that went through its bytes, and decodes them again.
+/// Encodes all recordings in blocks with a model that was saved and loaded, and decodes them again.
 Status add_row(const LatentTrial& trial, size_t rows, const std::string& name, TextTable& table) {
   const auto blocks = blocks_of(trial, rows);
   const auto model_bytes = LatentModel::train(trial.grids, blocks).to_bytes();

@@ -15,7 +15,7 @@ namespace {
 constexpr int32_t kMaxRows = 1 << 20, kLargestSide = 1024;
 constexpr size_t kGrids = 2;
 
-/// The integers of a file. Beyond its end they are -1.
+/// Reads the integers of a file. After its end it returns -1.
 class IntegerFile {
  public:
   explicit IntegerFile(const fs::path& file) : stream_(file, std::ios::binary) {}
@@ -38,7 +38,8 @@ class IntegerFile {
   std::ifstream stream_;
 };
 
-/// First rows of the recordings and the end of the last one. Empty where they do not rise.
+/// Returns the first rows of the recordings and the end of the last one. Empty if they do not
+/// increase.
 std::vector<int32_t> read_starts(IntegerFile& in) {
   const int32_t rows = in.next(), recordings = in.next();
   if (rows < 1 || rows > kMaxRows || recordings < 1 || recordings > rows) return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well members of values are predicted: a store's snapshots come one by one, every engine and
-// the choice among them say what comes, moments when the member moves apart from those at rest.
+// Measures how well members of values are predicted. The snapshots of a store come one by one, and
+// every engine and the choice among them predict the next ones. Moments at which the member moves
+// are counted separately from those at rest.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,7 @@ struct Arguments {
   std::string json;
 };
 
-/// Errors of one engine at one horizon, in the member's unit.
+/// The errors of one engine at one horizon, in the unit of the member.
 struct Errors {
   double sum = 0, squares = 0;
   size_t count = 0, told = 0, within = 0;
@@ -47,12 +48,12 @@ struct Errors {
   }
 };
 
-/// At rest and moving until then, in hindsight; at rest and moving when the question was asked, as
-/// answers tell: bounds are promised for these.
+/// The first two states are known only in hindsight. The last two are those at the time of the
+/// question, as answers state them; bounds are promised for these.
 constexpr const char* kStates[] = {"at rest until then", "moving until then", "at rest when asked",
                                    "moving when asked"};
 
-/// By engine, horizon and state.
+/// Errors by engine, horizon and state.
 using AllErrors = std::map<std::string, std::map<double, std::array<Errors, 4>>>;
 
 std::vector<double> elements_of(const idf::Data& value, const std::string& path) {
@@ -73,7 +74,7 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum);
 }
 
-/// The members that are looked at: the one that is named, or all numbers below "state/*" and "*".
+/// Returns the members to measure: the named one, or all numbers below "state/*" and "*".
 std::vector<std::string> members_of(const idf::Data& value, const std::string& named) {
   std::vector<std::string> paths;
   const bool is_all = named.ends_with('*');
@@ -110,7 +111,7 @@ Status add_entity(ltm::Recall& recall, const ltm::MemoryId& entity, const Argume
     for (const auto& engine : ltm::make_series_engines()) engines.emplace_back(engine->name());
     for (const std::string& engine : engines) {
       const auto predicted = predictor.predict(horizons, engine);
-      if (!predicted.ok()) continue;  // Nothing that could be continued.
+      if (!predicted.ok()) continue;  // There is nothing to continue.
       for (size_t h = 0; h < horizons.size(); ++h) {
         const auto then = std::ranges::lower_bound(all, (*predicted)[h].time - Duration(1000), {},
                                                    &ltm::SnapshotResult::time);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What joint positions cost within an error bound: our coder with blocks of several lengths, on
-// what it learned from and on recordings that it never saw, beside general compressors.
+// Measures the size of joint positions within an error bound: our coder with blocks of several
+// lengths, on recordings it learned from and on recordings it never saw, and general compressors.
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ Recordings as_floats(Recordings recordings) {
   return recordings;
 }
 
-/// Codes one recording in blocks with a model that went through its bytes, and decodes it again.
+/// Encodes one recording in blocks with a model that was saved and loaded, and decodes it again.
 Status code(const std::vector<std::byte>& model_bytes, const NumberRecording& recording,
             size_t block_rows, double bound, Figures& figures) {
   ENGRAM_ASSIGN_OR_RETURN(auto model, encoders::NumberModel::from_bytes(model_bytes));
@@ -106,7 +106,7 @@ Result<Figures> unseen(const Recordings& recordings, size_t block_rows, double b
   return figures;
 }
 
-/// Whole recordings by a model that knows its fields alone.
+/// Measures whole recordings with a model that knows only its fields.
 Result<Figures> with_nothing_learned(const Recordings& recordings, double bound) {
   ENGRAM_ASSIGN_OR_RETURN(const auto model,
                           encoders::NumberModel::create(fields_of(recordings, bound)));
@@ -151,14 +151,14 @@ void add_row(const std::string& name, size_t block_rows, const Figures& figures,
                           {"largest_error", figures.largest_error}});
 }
 
-/// What whole recordings took, bytes per value.
+/// The sizes of whole recordings. Unit: bytes per value.
 struct Judged {
   double own = 0;
-  std::vector<double> left_out;  ///< Each recording by what it did not learn from; none of one.
+  std::vector<double> left_out;  ///< Each recording with a model of the others; empty for one.
   double left_out_all = 0;
 };
 
-/// The bar is for what a model never saw.
+/// The bar is for recordings that the model never saw.
 void print_verdict(const Judged& judged) {
   fmt::print("bar, whole recordings: at most {:.2f} bytes per value\n", kBar);
   fmt::print("  what it learned from: {:.4f} {}\n", judged.own, verdict(judged.own <= kBar));

@@ -9,7 +9,7 @@
 
 namespace engram::experiments {
 
-/// Numbers of one recording. Shape: rows [K, columns.size()].
+/// The numbers of one recording. Shape: rows [K, columns.size()].
 struct NumberRecording {
   std::string name;
   std::vector<std::string> columns;
@@ -18,9 +18,10 @@ struct NumberRecording {
   [[nodiscard]] size_t count() const { return columns.empty() ? 0 : rows.size() / columns.size(); }
 };
 
-/// Every `stride`-th row of all CSV files below a folder, in the order of their names; those
-/// columns that begin with one of `prefixes`, in the order of the prefixes. Errors: kNotFound where
-/// there is none; kInvalidArgument where two have other columns; those of reading a table.
+/// Reads every `stride`-th row of all CSV files below a folder, in the order of their names. Only
+/// columns that begin with one of `prefixes` are read, in the order of the prefixes. Errors:
+/// kNotFound if there are none; kInvalidArgument if the columns of two files differ; those of
+/// reading a table.
 Result<std::vector<NumberRecording>> read_numbers(const std::filesystem::path& folder,
                                                   const std::vector<std::string>& prefixes,
                                                   size_t stride);

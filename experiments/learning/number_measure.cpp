@@ -15,20 +15,21 @@ namespace engram::experiments {
 namespace {
 
 constexpr int kZstdLevel = 19;
-/// Differences of two of them fit 32 bits.
+/// The maximum step, so that the difference of two steps fits 32 bits.
 constexpr double kMaxSteps = 1 << 30;
 
-/// Whole numbers as a compressor is given them.
+/// Whole numbers in the form that a compressor gets.
 struct Stored {
   idf::ElementType type;
   std::vector<std::byte> bytes;
 };
 
+/// Also true for equal NaN, unlike operator==.
 bool has_same_bits(double a, double b) {
   return std::bit_cast<uint64_t>(a) == std::bit_cast<uint64_t>(b);
 }
 
-/// Column by column. Unit: twice the bound.
+/// Returns the steps column by column. Unit: twice the bound.
 Result<std::vector<int32_t>> steps_of(const NumberRecording& recording, double bound) {
   std::vector<int32_t> steps;
   const size_t width = recording.columns.size();

@@ -9,22 +9,22 @@
 
 namespace engram::experiments {
 
-/// How far decoded numbers lie from those of a recording at most; equal bits are no error, so that
-/// what is not a number may stay one. `name` is the recording's, for the message.
+/// Returns the maximum error of decoded numbers. Equal bits are no error, so NaN may stay NaN.
+/// `name` is the name of the recording, for the message.
 /// Shape: rows and decoded alike (checked).
-/// Errors: kDataLoss naming the first number that lies further off than `bound`.
+/// Errors: kDataLoss naming the first number whose error exceeds `bound`.
 Result<double> largest_error(const std::string& name, std::span<const double> rows,
                              std::span<const double> decoded, double bound);
 
-/// What general compressors make of recordings. Unit: bytes of all of them.
+/// The sizes that general compressors reach. Unit: bytes of all recordings.
 struct RivalBytes {
   double floats = 0;       ///< 32-bit floats row by row, zstd 19.
-  double differences = 0;  ///< Column by column, differences of steps of twice the bound, zstd 19.
-  double steps = 0;        ///< Column by column, those steps, compress_column.
+  double differences = 0;  ///< Differences of steps of twice the bound, by column, zstd 19.
+  double steps = 0;        ///< These steps by column, compress_column.
 };
 
-/// Steps take two bytes each where all of a recording fit, else four.
-/// Errors: kInvalidArgument naming recording, column and number where a step does not fit four.
+/// Steps take two bytes each if all of a recording fit, else four.
+/// Errors: kInvalidArgument naming recording, column and number if a step does not fit four bytes.
 Result<RivalBytes> rival_bytes(std::span<const NumberRecording> recordings, double bound);
 
 }  // namespace engram::experiments

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well joint positions are predicted from their past: each recording left out in turn, the
-// others known before it, its rows coming one by one.
+// Measures how well joint positions are predicted from their past. Each recording is left out in
+// turn: the others are known before it, and its rows come one by one.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace engram::experiments {
 namespace {
 
 constexpr double kRowsPerSecond = 30;
-/// Most that the choice may be worse than the best engine, and least below the last value.
+/// The maximum excess of the choice over the best engine, and its minimum gain over the last value.
 constexpr double kMaxAbove = 0.02;
 struct Horizon {
   double seconds = 0;
@@ -39,7 +39,7 @@ std::span<const double> row_of(const NumberRecording& recording, size_t row) {
   return std::span(recording.rows).subspan(row * width, width);
 }
 
-/// Numbers that are predicted come before those that only are known.
+/// Columns that are predicted come before those that are only known.
 size_t measured_count(const NumberRecording& recording, const Arguments& arguments) {
   return static_cast<size_t>(std::ranges::count_if(recording.columns, [&](const auto& column) {
     return std::ranges::any_of(arguments.prefixes,
@@ -47,7 +47,7 @@ size_t measured_count(const NumberRecording& recording, const Arguments& argumen
   }));
 }
 
-/// Squared errors by engine of the first `measured` numbers; "auto" is what was chosen.
+/// Squared errors by engine of the first `measured` numbers; "auto" is the choice.
 struct Errors {
   size_t measured = 0;
   std::map<std::string, double> sums;
@@ -75,7 +75,7 @@ Status add_errors(ltm::SeriesPredictor& predictor, const NumberRecording& record
   return {};
 }
 
-/// Recordings lie a minute apart; the left-out one comes last.
+/// Recordings are placed a minute apart, and the left-out one comes last.
 Status add_fold(const std::vector<NumberRecording>& recordings, size_t left_out,
                 std::vector<Errors>& errors) {
   ltm::NumberSeries series(recordings[left_out].columns.size());
@@ -93,7 +93,7 @@ Status add_fold(const std::vector<NumberRecording>& recordings, size_t left_out,
   ltm::SeriesPredictor predictor(series);
   for (size_t row = 0; row < recordings[left_out].count(); ++row) {
     ENGRAM_RETURN_IF_ERROR(add(recordings[left_out], row));
-    if (row < 4) continue;  // A line needs five.
+    if (row < 4) continue;  // Engines that fit a line need five rows.
     for (size_t h = 0; h < errors.size(); ++h)
       ENGRAM_RETURN_IF_ERROR(
           add_errors(predictor, recordings[left_out], row, kHorizons[h].seconds, errors[h]));

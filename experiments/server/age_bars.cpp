@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much older data grow on their way through the memory than on other ways, each in processes
-// of its own.
+// Measures how much older data become on their way through the memory than on other ways. Each role
+// runs in a process of its own.
 #include <fcntl.h>
 #include <malloc.h>
 #include <spawn.h>
@@ -40,7 +40,7 @@ struct Arguments {
   std::vector<std::string> objects{"simple", "moderate", "complex"};
   std::string json;
   bool is_tuned = false;
-  // Of a child:
+  // Options of a child:
   std::string role;
   std::string endpoint;
   int way = 0;
@@ -54,7 +54,7 @@ struct Arguments {
   std::exit(1);
 }
 
-/// A process of a role, which says "ready", reads commands and writes answers.
+/// The process of a role. It prints "ready", reads commands and writes answers.
 class Child {
  public:
   Child(const Arguments& arguments, const std::string& role, const std::string& endpoint,
@@ -171,7 +171,7 @@ std::map<AgeWay, Found> measure(const Arguments& arguments, const std::string& f
                                 AgeObject object, int batch) {
   std::map<AgeWay, Found> found;
   for (int round = 0; round < arguments.rounds; ++round) {
-    // New ones each round: on which cores threads end up lasts as long as they do.
+    // Each round has new processes, because threads tend to stay on the cores where they started.
     std::map<AgeWay, Chain> chains;
     for (const AgeWay way : kWays) {
       chains[way] = start_chain(arguments, folder, way, object, batch);
@@ -183,7 +183,7 @@ std::map<AgeWay, Found> measure(const Arguments& arguments, const std::string& f
   return found;
 }
 
-/// What a commit costs its producer, by the number of subscribers; rounds in turn.
+/// Measures the cost of a commit for its producer, by the number of subscribers. Rounds alternate.
 json measure_subscribers(const Arguments& arguments, const std::string& folder) {
   const std::string endpoint = "unix:" + folder + "/subscribers";
   const auto start = [&](const char* role) {
@@ -374,7 +374,7 @@ int run(int argc, char** argv) {
 }  // namespace engram::experiments
 
 int main(int argc, char** argv) {
-  // Else glibc maps and unmaps memory for each large message, on every way.
+  // Without this, glibc maps and unmaps memory for each large message, on every way.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 512 << 20);
   return engram::experiments::run(argc, argv);

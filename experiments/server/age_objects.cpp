@@ -8,7 +8,7 @@ namespace engram::experiments {
 
 namespace {
 
-/// What the paper says that the complex object takes is mostly its image.
+/// The size that the paper states for the complex object is mostly its image.
 const idf::NdArray& image() {
   static const idf::NdArray made =
       idf::NdArray::take({128, 128, 3}, std::vector<uint8_t>(size_t{128} * 128 * 3, 127));

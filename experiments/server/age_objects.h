@@ -10,11 +10,11 @@ enum class AgeObject { kSimple, kModerate, kComplex };
 
 [[nodiscard]] const char* to_string(AgeObject object);
 
-/// A commit of so many of them, each of an entity of its own. They carry `made_ns`: when that was
-/// by the machine's steady clock.
+/// Makes a commit of `batch` objects, each of an entity of its own. They contain `made_ns`, the
+/// time on the machine's steady clock at which they were made.
 [[nodiscard]] ltm::Commit make_commit(AgeObject object, int batch, Time time, int64_t made_ns);
 
-/// What make_commit was told; the smallest of a commit.
+/// Returns the `made_ns` of make_commit; the smallest one of a commit.
 [[nodiscard]] int64_t made_ns(const ltm::Commit& commit);
 [[nodiscard]] int64_t made_ns(const idf::Data& data);
 

@@ -21,6 +21,7 @@ namespace engram::experiments {
 namespace {
 
 using Bytes = grpc::ByteBuffer;
+// The services take raw bytes, so that a relay does not parse messages.
 using RawService = v1::MemoryServer::WithRawCallbackMethod_Commit<
     v1::MemoryServer::WithRawCallbackMethod_Subscribe<v1::MemoryServer::Service>>;
 
@@ -46,7 +47,7 @@ class Intake final : public grpc::ServerBidiReactor<Bytes, Bytes> {
   Bytes bytes_;
 };
 
-/// Passes on what comes, as it came.
+/// Forwards bytes unchanged.
 class Outlet final : public grpc::ServerBidiReactor<Bytes, Bytes> {
  public:
   Outlet() { StartRead(&bytes_); }
@@ -147,7 +148,7 @@ class RelayConsumer final : public AgeRole {
   }
 };
 
-/// Of a commit's snapshots: when the last of a batch is there.
+/// Reports the age of a commit when the last snapshot of its batch has arrived.
 class MemoryConsumer final : public AgeRole {
  public:
   MemoryConsumer(int batch, std::function<void(int64_t)> on_age)
@@ -177,7 +178,7 @@ class MemoryConsumer final : public AgeRole {
     }
   }
 
-  /// Asks for a whole batch in one query.
+  /// Requests a whole batch in one query.
   void ask() {
     std::vector<ltm::MemoryId> ids;
     ids.swap(asked_);
@@ -197,7 +198,7 @@ class MemoryConsumer final : public AgeRole {
   const size_t batch_;
   const std::function<void(int64_t)> on_age_;
   size_t come_ = 0;
-  std::vector<ltm::MemoryId> asked_;  ///< Handlers come one at a time.
+  std::vector<ltm::MemoryId> asked_;  ///< Not locked, because handlers run one at a time.
   std::unique_ptr<server::MemoryClient> client_;
   std::unique_ptr<Subscription> subscription_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each step of working memory takes for the paper's three objects: a commit and a query of a
-// server in a process of its own, what that server does in them, and conversions.
+// Measures each step of working memory for the paper's three objects: a commit and a query of a
+// server in a process of its own, the work of that server in them, and conversions.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -30,7 +30,7 @@ struct Arguments {
   int entries = 1000;
   std::vector<int> batches{1, 20, 50, 100};
   std::string json;
-  // Of a child:
+  // Options of a child:
   std::string role;
   std::string endpoint;
 };
@@ -50,7 +50,7 @@ void or_die(const Status& status) {
   if (!status.ok()) die(status);
 }
 
-/// A memory server in a process of its own, until this is destroyed.
+/// A memory server in a process of its own, which ends when this is destroyed.
 class ServerProcess {
  public:
   explicit ServerProcess(const Arguments& arguments) {
@@ -65,7 +65,7 @@ class ServerProcess {
   ServerProcess& operator=(const ServerProcess&) = delete;
 
  private:
-  FILE* pipe_ = nullptr;  ///< The child ends with it.
+  FILE* pipe_ = nullptr;  ///< The child ends when it is closed.
 };
 
 using Times = std::vector<int64_t>;
@@ -81,14 +81,14 @@ void sample(const Arguments& arguments, Times& times, const std::function<void()
   }
 }
 
-/// Unit: ns.
+/// Returns quartiles. Unit: ns.
 json quartiles(Times times) {
   std::ranges::sort(times);
   const auto at = [&](size_t percent) { return times[(times.size() - 1) * percent / 100]; };
   return {{"median", at(50)}, {"low", at(25)}, {"high", at(75)}, {"samples", times.size()}};
 }
 
-/// A commit of so many objects of this type, each of an entity of its own.
+/// Makes a commit of `batch` objects of this type, each of an entity of its own.
 template <typename Object>
 ltm::Commit commit_of(int batch, int64_t number) {
   static const idf::Data data = example<Object>().to_idf();
@@ -127,7 +127,7 @@ void sample_conversion(const Arguments& arguments, int batch, Times& times) {
       });
 }
 
-/// Steps of one object and batch; the memories hold so many snapshots before.
+/// Measures the steps of one object and batch. The memories hold `entries` snapshots before.
 template <typename Object>
 json measure(const Arguments& arguments, int batch) {
   const auto query = value_or_die(ltm::Query::parse("Bench/Object/producer/.* @ latest"));
@@ -135,7 +135,7 @@ json measure(const Arguments& arguments, int batch) {
   ltm::Commit commit;
   const auto make = [&] { commit = commit_of<Object>(batch, ++now); };
   std::map<std::string, Times> times;
-  // A new server each round: on which cores threads end up lasts as long as they do.
+  // Each round has a new server, because threads tend to stay on the cores where they started.
   for (int round = 0; round < arguments.rounds; ++round) {
     const ServerProcess process(arguments);
     const auto client = value_or_die(server::MemoryClient::connect(arguments.endpoint));

@@ -33,7 +33,7 @@ rosbag::CompressionType type_of(BagCompression compression) {
   return rosbag::compression::Uncompressed;
 }
 
-/// Runs `act`; what the library throws becomes a status.
+/// Runs `act` and converts the exceptions of the library to a status.
 template <typename Act>
 Status guarded(const Act& act) {
   try {
@@ -146,6 +146,7 @@ Result<std::shared_ptr<const std::vector<uint8_t>>> BagFile::image(const std::st
   });
   if (!status.ok()) return status;
   if (!found) return not_found("bag: topic '{}' has no image at {} ns", topic, time_ns);
+  // The pointer shares the message, so the pixels are not copied within the timing.
   return std::shared_ptr<const std::vector<uint8_t>>(&found->data, [found](const void*) {});
 }
 

@@ -12,10 +12,11 @@ namespace engram::experiments {
 
 enum class BagCompression { kNone, kLz4, kBz2 };
 
-/// A ROS 1 bag, in types that need neither ROS nor C++20: ROS's messages compile up to C++17 only.
+/// A ROS 1 bag. The header uses neither ROS nor C++20, because ROS's messages compile only up to
+/// C++17.
 ///
-/// Messages are made by the put functions and written together by write.
-/// Errors: kUnavailable with what rosbag said, everywhere.
+/// The put functions make messages, and write() writes them together.
+/// Errors: every function returns kUnavailable with rosbag's message.
 /// Threading: one thread.
 class BagFile {
  public:
@@ -26,20 +27,20 @@ class BagFile {
   Status open(const std::string& path);
   Status close();
 
-  /// Forgets what was put; times are nanoseconds since the Unix epoch.
+  /// Discards all messages and sets the time of the next ones. Unit: ns since the Unix epoch.
   void begin(int64_t time_ns);
-  /// sensor_msgs/JointState. Unit: rad, rad/s.
+  /// Makes a sensor_msgs/JointState. Unit: rad, rad/s.
   void put_joints(const double* positions, const double* velocities, size_t count);
-  /// sensor_msgs/Image, rgb8.
+  /// Makes a sensor_msgs/Image, rgb8.
   void put_image(const std::string& topic, const uint8_t* pixels, uint32_t width, uint32_t height);
-  /// geometry_msgs/PoseStamped, turned about the vertical axis. Unit: m, rad.
+  /// Makes a geometry_msgs/PoseStamped with a rotation about the vertical axis. Unit: m, rad.
   void put_pose(const std::string& topic, double x, double y, double angle);
-  /// std_msgs/String.
+  /// Makes a std_msgs/String.
   void put_text(const std::string& text);
   Status write();
 
-  /// The pixels of the image of exactly this time.
-  /// Errors: kNotFound too.
+  /// Returns the pixels of the image at exactly this time.
+  /// Errors: also kNotFound.
   Result<std::shared_ptr<const std::vector<uint8_t>>> image(const std::string& topic,
                                                             int64_t time_ns);
 

@@ -12,7 +12,7 @@ namespace engram::experiments {
 
 namespace {
 
-/// What the child says: {"found": ...} or {"error": message}.
+/// Writes the result of the child: {"found": ...} or {"error": message}.
 [[noreturn]] void run_child(int to_parent, const std::function<Result<nlohmann::json>()>& work) {
   const Result<nlohmann::json> found = work();
   const nlohmann::json said = found.ok() ? nlohmann::json{{"found", *found}}

@@ -9,22 +9,22 @@
 
 namespace engram::experiments {
 
-/// An image to look for.
+/// An image to read.
 struct ImageRead {
   size_t camera = 0;
   size_t tick = 0;
 };
 
-/// Random ones, equal for equal seeds. Needs a stream of at least one tick (checked).
+/// Draws random reads, equal for equal seeds. The stream must have at least one tick (checked).
 [[nodiscard]] std::vector<ImageRead> draw_reads(const Stream& stream, size_t count,
                                                 uint64_t seed = 1);
 
-/// The pixels that a camera showed at exactly this time.
+/// Reads the pixels of a camera at exactly this time.
 /// Errors: those of the query; kNotFound naming camera and time.
 Result<Buffer> read_image(ltm::Recall& recall, size_t camera, Time time);
 
-/// Whether these are the pixels that a camera showed at a tick.
-/// Errors: kDataLoss naming camera and time where they are not.
+/// Compares pixels with those that a camera showed at a tick.
+/// Errors: kDataLoss naming camera and time if they differ.
 Status expect_image(const Buffer& found, const Stream& stream, const ImageRead& read);
 
 }  // namespace engram::experiments

@@ -11,11 +11,11 @@
 
 namespace engram::experiments {
 
-/// A way to store a robot's stream and to find an image of it again.
+/// A way to store a robot's stream and to read an image of it.
 ///
-/// Written once: prepare and append per tick, close; then read: open, image. Only append, close and
-/// image are timed.
-/// Errors: kUnavailable with what the library said, everywhere.
+/// It is written once, with prepare and append per tick and a final close, and then read with open
+/// and image. Only append, close and image are timed.
+/// Errors: every function returns kUnavailable with the message of the library.
 /// Threading: one thread; a peer may have threads of its own.
 class Peer {
  public:
@@ -23,18 +23,18 @@ class Peer {
 
   [[nodiscard]] virtual std::string name() const = 0;
 
-  /// Begins anew in an empty folder.
+  /// Starts a new store in an empty folder.
   virtual Status create(const std::filesystem::path& folder) = 0;
 
-  /// Brings a tick into the form in which the peer takes it.
+  /// Converts a tick to the form that the peer stores.
   virtual Status prepare(const Tick& tick) = 0;
-  /// Stores what was prepared.
+  /// Stores the tick that was prepared.
   virtual Status append() = 0;
-  /// After this the files are whole.
+  /// Completes the files.
   virtual Status close() = 0;
 
   virtual Status open(const std::filesystem::path& folder) = 0;
-  /// The decoded pixels that a camera showed at exactly this time.
+  /// Returns the decoded pixels that a camera showed at exactly this time.
   virtual Result<Buffer> image(size_t camera, Time time) = 0;
 };
 
@@ -42,7 +42,7 @@ std::unique_ptr<Peer> make_engram_peer();
 
 std::unique_ptr<Peer> make_bag_peer(BagCompression compression);
 
-/// WAL, a transaction per 100 ms, a blob per message: plain, or each a Zstandard frame.
+/// Uses WAL, a transaction per 100 ms and a blob per message, which is plain or a Zstandard frame.
 std::unique_ptr<Peer> make_sqlite_peer(bool is_compressed);
 
 }  // namespace engram::experiments

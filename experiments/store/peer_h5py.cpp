@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Hands the stream to another program: the decoded frames in one file, everything else as JSON.
+/// Passes the stream to another program: the decoded frames in one file, everything else as JSON.
 class HandOver {
  public:
   explicit HandOver(fs::path folder) : folder_(std::move(folder)) {}

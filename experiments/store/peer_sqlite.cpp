@@ -142,6 +142,7 @@ class SqlitePeer final : public Peer {
     }
     sqlite3_reset(statement_.get());
     ENGRAM_RETURN_IF_ERROR(bind_key(message.topic, message.time));
+    // The bytes outlive the step below, so SQLite need not copy them.
     const int bound =
         sqlite3_bind_blob64(statement_.get(), 3, bytes.data(), bytes.size(), SQLITE_STATIC);
     if (bound != SQLITE_OK || sqlite3_step(statement_.get()) != SQLITE_DONE)
@@ -172,12 +173,12 @@ class SqlitePeer final : public Peer {
 
   bool is_compressed_;
   std::unique_ptr<sqlite3, CloseDatabase> database_;
-  Statement statement_;  ///< Behind the database, which it needs to be freed.
+  Statement statement_;  ///< After the database, so that it is destroyed first.
   std::unique_ptr<ZSTD_CCtx, FreeContext> compressor_{ZSTD_createCCtx()};
   std::unique_ptr<ZSTD_DCtx, FreeContext> decompressor_{ZSTD_createDCtx()};
   std::vector<std::byte> room_;
   std::vector<Message> messages_;
-  int ticks_ = 0;  ///< In the open transaction.
+  int ticks_ = 0;  ///< Ticks in the open transaction.
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does the recorder keep up with a robot? Speed, bytes and memory as fast as it goes, the latency
-// of commits at the robot's pace, and how far all that is from copying and writing bytes.
+// Does the recorder keep up with a robot? Measures speed, bytes and memory at full speed, the
+// latency of commits at the robot's pace, and compares them with copying and writing the bytes.
 #include <algorithm>
 
 #include "store/recorder_limits.h"
@@ -26,7 +26,7 @@ struct Arguments {
   int repeats = 3;
 };
 
-/// One row of the report: the repeats of one way to record.
+/// One row of the report: the repetitions of one way to record.
 struct Measured {
   RecorderRun run;
   double stream_seconds = 0;
@@ -38,7 +38,7 @@ struct Measured {
     return quantile(values, share);
   }
 
-  /// What two processors that do nothing else could reach, if all its work were shared evenly.
+  /// The speed that two otherwise idle processors could reach if all work were shared evenly.
   [[nodiscard]] double free_speed() const {
     std::vector<double> values;
     for (const RecorderFigures& it : repeats) values.push_back(2 * stream_seconds / it.cpu_seconds);

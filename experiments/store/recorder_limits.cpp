@@ -12,7 +12,7 @@ namespace engram::experiments {
 
 namespace {
 
-/// The copies go to places in turn, so that none of them is in the cache.
+/// The copies go to alternating places, so that none of them is in the cache.
 double copy_stream(const Stream& stream) {
   std::vector<std::byte> room(size_t{64} << 20, std::byte{1});
   size_t at = 0;

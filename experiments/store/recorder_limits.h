@@ -7,13 +7,13 @@
 
 namespace engram::experiments {
 
-/// What no recorder of this machine beats.
+/// Bounds that no recorder on this machine can beat.
 struct Limits {
   double copy_seconds = 0;   ///< To copy the stream's pixels and numbers once in memory.
-  double write_seconds = 0;  ///< To write so many bytes to one file and force it to the disk.
+  double write_seconds = 0;  ///< To write `stored_bytes` to one file and force it to the disk.
 };
 
-/// Errors: kUnavailable, kResourceExhausted where the disk fails.
+/// Errors: kUnavailable, kResourceExhausted if the disk fails.
 Result<Limits> measure_limits(const Stream& stream, uint64_t stored_bytes,
                               const std::filesystem::path& folder);
 

@@ -11,7 +11,7 @@ namespace engram::experiments {
 
 namespace {
 
-/// Waits for a tick's time; says how late it is.
+/// Waits for the time of a tick and returns its delay.
 double wait_for(const Stopwatch& clock, size_t tick, double pace) {
   if (pace <= 0) return 0;
   const double due = static_cast<double>(tick) / (pace * Stream::kTicksPerSecond);

@@ -12,12 +12,12 @@
 
 namespace engram::experiments {
 
-/// A table in the way of Markdown, its columns as wide as their cells.
+/// A Markdown table whose columns are padded to the width of their cells.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> head) : rows_{std::move(head)} {}
 
-  /// Needs as many cells as the head has (checked).
+  /// There must be as many cells as the head has (checked).
   void add(std::vector<std::string> cells);
 
   [[nodiscard]] std::string to_string() const;
@@ -26,16 +26,16 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// {"median_ms", "p99_ms", "max_ms"}.
+/// Returns {"median_ms", "p99_ms", "max_ms"}.
 [[nodiscard]] nlohmann::json to_json(const Latency& latency);
 
-/// Writes an indented file; nothing where the path is empty.
+/// Writes an indented file; does nothing if the path is empty.
 Status write_json(const std::filesystem::path& path, const nlohmann::json& value);
 
-/// "ok" or "missed": whether a bar was met, in a table.
+/// Returns "ok" or "missed", which tells in a table whether a bar was met.
 [[nodiscard]] std::string verdict(bool is_met);
 
-/// What a program returns: 0, or 1 after it said what went wrong.
+/// Returns the exit code of a program: 0, or 1 after printing the error.
 [[nodiscard]] int exit_code(std::string_view program, const Status& status);
 
 }  // namespace engram::experiments

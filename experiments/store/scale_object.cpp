@@ -11,7 +11,7 @@ namespace {
 // 2022-02-18 13:06:56 UTC.
 constexpr int64_t kStartNs = 1645189616000000000;
 
-/// A tracker's noise: the same number for the same arguments. Unit: mm.
+/// The noise of a tracker; equal arguments give equal numbers. Unit: mm.
 double noise(uint64_t step, int entity, int axis) {
   uint64_t bits = step * 0x9e3779b97f4a7c15 + static_cast<uint64_t>(entity * 3 + axis);
   bits ^= bits >> 29;

@@ -7,8 +7,8 @@
 
 namespace engram::experiments {
 
-/// The small things that a tracker sees: each step a snapshot of every entity, 33 bytes of plain
-/// numbers each, and every one computable from its entity and step.
+/// Simulates the small objects that a tracker sees: at each step a snapshot of every entity, with
+/// 33 bytes of plain numbers. Every snapshot can be computed from its entity and step.
 struct ScaleWorld {
   static constexpr int kMaxEntities = 64;
 
@@ -16,16 +16,16 @@ struct ScaleWorld {
   uint64_t steps = 0;
 
   static constexpr int64_t kStepNs = 10000000;  ///< 100 Hz.
-  /// One of so many commits comes late, by this many steps.
+  /// One of kOneLateOf commits comes late, by kLateBy steps.
   static constexpr uint64_t kOneLateOf = 1000;
   static constexpr uint64_t kLateBy = 50;
-  /// Of one snapshot: three doubles, one int64, one bool.
+  /// Plain bytes of one snapshot: three doubles, one int64, one bool.
   static constexpr uint64_t kPlainBytes = 33;
 
   [[nodiscard]] static Time time_of(uint64_t step);
   [[nodiscard]] ltm::MemoryId entity(int number) const;
   [[nodiscard]] static idf::Data value(int entity, uint64_t step);
-  /// Of all entities at one step.
+  /// Returns the commit of all entities at one step.
   [[nodiscard]] ltm::Commit commit(uint64_t step) const;
 };
 

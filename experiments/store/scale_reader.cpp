@@ -15,7 +15,7 @@ namespace engram::experiments {
 
 namespace {
 
-/// What is asked of one entity, and the steps whose snapshots answer it.
+/// A query of one entity, and the steps whose snapshots answer it.
 struct Question {
   int entity = 0;
   ltm::Query query;
@@ -37,7 +37,7 @@ class Questions {
  public:
   explicit Questions(const ScaleWorld& world) : world_(world) {}
 
-  /// Valid as long as this.
+  /// The result is valid as long as this.
   [[nodiscard]] std::vector<Kind> kinds() const& {
     return {
         {"nearest", [this](auto& random) { return nearest(random); }},
@@ -59,7 +59,7 @@ class Questions {
   int any_entity(std::mt19937_64& random) const {
     return static_cast<int>(below(random, static_cast<uint64_t>(world_.entities)));
   }
-  /// A time up to four tenths of a step beside a snapshot's.
+  /// Asks for a time that is up to four tenths of a step away from a snapshot.
   Question nearest(std::mt19937_64& random) const {
     const uint64_t step = below(random, world_.steps);
     const auto beside = Duration(static_cast<int64_t>(below(random, 8000001)) - 4000000);
@@ -77,7 +77,7 @@ class Questions {
   Question last(std::mt19937_64& random, const ltm::Selector& selector, uint64_t count) const {
     return ask(any_entity(random), selector, world_.steps - count, count);
   }
-  /// Half of them about a moment that is not there.
+  /// Half of the questions are about a moment without a snapshot.
   Question existence(std::mt19937_64& random) const {
     const uint64_t step = below(random, world_.steps);
     const bool is_there = below(random, 2) == 0;
@@ -119,7 +119,7 @@ Result<Latency> ask_all(ltm::Recall& recall, const Kind& kind, int queries) {
   return summarize(latencies);
 }
 
-/// Each kind cold, in a store opened anew, then the same again.
+/// Measures each kind cold, in a store that was just opened, and then the same questions again.
 Status measure_kind(const Kind& kind, const std::filesystem::path& store, int queries,
                     nlohmann::json& found) {
   ENGRAM_RETURN_IF_ERROR(drop_cached(store));

@@ -8,12 +8,13 @@
 
 namespace engram::experiments {
 
-/// Opens the store cold and asks it what a robot asks, each question so many times at random, in
-/// two rounds: "cold", where the system had nothing of the store in its cache, and "warm", the same
-/// questions again. Every answer is compared with the world, outside of the timing.
+/// Opens the store cold and asks it the questions of a robot. Each question is asked `queries`
+/// times at random moments, in two rounds: "cold", with nothing of the store in the system's cache,
+/// and "warm", the same questions again. Every answer is compared with the world, outside of the
+/// timing.
 ///
-/// Gives "open_seconds" and "memory_bytes", and per question both rounds' latencies.
-/// Errors: those of StoreReader and Recall; kDataLoss naming the question that was answered wrong.
+/// Returns "open_seconds" and "memory_bytes", and the latencies of both rounds per question.
+/// Errors: those of StoreReader and Recall; kDataLoss naming the question with a wrong answer.
 Result<nlohmann::json> read_scale(const ScaleWorld& world, const std::filesystem::path& store,
                                   int queries);
 

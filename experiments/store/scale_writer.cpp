@@ -15,7 +15,7 @@ bool is_late(uint64_t step) {
   return step % ScaleWorld::kOneLateOf == ScaleWorld::kOneLateOf / 2;
 }
 
-/// Calls `visit` with every step once, in order but for the late ones.
+/// Calls `visit` once for every step, in order except for late steps.
 template <typename Visit>
 Status visit_steps(uint64_t steps, const Visit& visit) {
   for (uint64_t now = 0; now < steps + ScaleWorld::kLateBy; ++now) {

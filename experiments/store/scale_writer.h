@@ -8,8 +8,8 @@
 
 namespace engram::experiments {
 
-/// Records the whole world through the recorder, as fast as it goes, into `store`, made anew.
-/// Gives seconds until closed, snapshots per second, bytes on disk, and peak memory.
+/// Records the whole world through the recorder, as fast as possible, into `store`, which is made
+/// new. Returns seconds until closed, snapshots per second, bytes on disk, and peak memory.
 /// Errors: those of Recorder.
 Result<nlohmann::json> write_scale(const ScaleWorld& world, const std::filesystem::path& store);
 

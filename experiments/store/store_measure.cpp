@@ -35,7 +35,7 @@ Status for_each_file(const fs::path& folder, const std::function<Status(const fs
   return {};
 }
 
-/// Calls `act` with the file's descriptor; it returns an error number.
+/// Calls `act` with the file's descriptor; `act` returns an error number.
 Status with_descriptor(const fs::path& file, const std::function<int(int)>& act) {
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return unavailable("file '{}': cannot be opened", file.string());
@@ -107,6 +107,7 @@ Status sync_tree(const fs::path& folder) {
 }
 
 Status drop_cached(const fs::path& folder) {
+  // The system drops only pages that are on the disk already.
   ENGRAM_RETURN_IF_ERROR(sync_tree(folder));
   return for_each_file(folder, [](const fs::path& file) {
     return with_descriptor(file,
@@ -135,6 +136,7 @@ Result<Memory> memory() {
 
 Status reset_peak_memory() {
   std::ofstream file("/proc/self/clear_refs");
+  // Writing 5 resets VmHWM to the current resident size (man 5 proc).
   file << "5" << std::flush;
   return file ? Status() : unavailable("/proc/self/clear_refs: cannot be written");
 }

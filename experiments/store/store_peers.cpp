@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What would a user pick instead? One stream into Engram, ROS 1 bags, HDF5 and SQLite, in one run:
-// bytes, speed of writing, and how long it takes to find one image again.
+// What else could a user pick? Stores one stream in Engram, ROS 1 bags, HDF5 and SQLite, and
+// measures bytes, the speed of writing, and the time to find one image.
 #include <algorithm>
 #include <functional>
 
@@ -43,7 +43,7 @@ std::vector<Choice> all_choices() {
           {"sqlite-zstd", runner(make_sqlite_peer, true)}};
 }
 
-/// "1.35 (0.92x)": a figure and its ratio to that of the first peer.
+/// Returns "1.35 (0.92x)": a figure and its ratio to that of the first peer.
 std::string ratio(const char* form, double value, double first) {
   return fmt::format(fmt::runtime(form), value) + fmt::format(" ({:.2f}x)", value / first);
 }
@@ -66,7 +66,7 @@ void print_table(const std::vector<PeerFigures>& peers, double raw_bytes) {
   fmt::print("\n{}", table.to_string());
 }
 
-/// Says where the first peer is not ahead.
+/// Prints where the first peer is not the best.
 void print_losses(const std::vector<PeerFigures>& peers) {
   const PeerFigures& first = peers.front();
   for (const PeerFigures& it : peers) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do readers get in each other's way? Random images of one store by one thread and by several,
-// each with a reader of its own, beside the same threads that only decode images in memory.
+// Do readers block each other? Reads random images of one store by one thread and by several, each
+// with a reader of its own, and compares with the same threads that only decode images in memory.
 #include "ltm/codec/codec.h"
 #include "store/image_reads.h"
 #include "store/recorder_run.h"
@@ -20,7 +20,7 @@ struct Arguments {
   int repeats = 200;
 };
 
-/// Makes what a thread does, by its number.
+/// Makes the work of a thread from its number.
 using MakeWork = std::function<Result<Work>(size_t)>;
 
 /// The passes of one thread or of several, per image.
@@ -37,19 +37,19 @@ struct Figures {
   }
 };
 
-/// One thread and several, alternating.
+/// Passes of one thread and of several, which alternate.
 struct Scaling {
   std::string name;
-  Works works;  ///< One per thread.
+  Works works;  ///< One work per thread.
   Figures one;
   Figures several;
 
-  /// By the clock: what else the machine does counts as well.
+  /// The ratio of wall times, which also depends on the load of the machine.
   [[nodiscard]] double ratio(double share) const {
     return quantile(several.per_second, share) / quantile(one.per_second, share);
   }
 
-  /// What processors that do nothing else would reach, as long as nobody waits.
+  /// The ratio that otherwise idle processors would reach as long as nobody waits.
   [[nodiscard]] double free_ratio() const {
     return static_cast<double>(works.size()) * quantile(one.cpu_seconds, 0.5) /
            quantile(several.cpu_seconds, 0.5);
@@ -74,7 +74,7 @@ Status measure(Scaling& scaling, size_t reads) {
   return {};
 }
 
-/// Each thread its own reader and its own images. One pass before the clock runs compares them.
+/// Each thread has its own reader and its own images. One pass before the timing compares them.
 MakeWork readers_of(const std::filesystem::path& store, const Stream& stream, size_t reads) {
   return [=, &stream](size_t thread) -> Result<Work> {
     ENGRAM_ASSIGN_OR_RETURN(auto reader, ltm::StoreReader::open(store));
@@ -94,7 +94,7 @@ MakeWork readers_of(const std::filesystem::path& store, const Stream& stream, si
   };
 }
 
-/// The same images, encoded in memory.
+/// Decodes the same images, encoded in memory.
 MakeWork decoders_of(const Stream& stream, size_t reads) {
   return [=, &stream](size_t thread) -> Result<Work> {
     const ltm::Codec* codec = ltm::find_codec("rowpred");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does a store stay quick when it is large? Writes ten million small snapshots, then asks for some
-// of them in a process that has seen nothing before.
+// Does a large store stay quick? Writes ten million small snapshots, then queries some of them in a
+// new process.
 #include <CLI/CLI.hpp>
 
 #include "store/fresh_process.h"

@@ -68,6 +68,7 @@ size_t Stream::tick_at(Time time) const {
 
 size_t Stream::frame_index(size_t camera, size_t tick) const {
   const size_t count = source_.frames.size();
+  // The cameras are half the list apart, so that they show different images.
   return (tick / kTicksPerImage + camera * (count / 2)) % count;
 }
 

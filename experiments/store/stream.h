@@ -17,10 +17,10 @@ namespace engram::experiments {
 /// Two cameras, in the order of a tick's images.
 inline constexpr std::array<const char*, 2> kCameras{"left", "right"};
 
-/// What a robot says in one hundredth of a second.
+/// The data of a robot in one hundredth of a second.
 struct Tick {
   struct Pose {
-    std::string name;  ///< "platform" is the robot, others are things.
+    std::string name;  ///< "platform" is the robot; all others are things.
     std::array<float, 16> matrix{};
   };
 
@@ -30,18 +30,18 @@ struct Tick {
   /// Empty or one per camera. Shape: uint8 [480, 640, 3], RGB.
   std::vector<idf::NdArray> images;
   std::vector<Pose> poses;
-  std::string text;  ///< Empty: nothing was said.
+  std::string text;  ///< Empty if nothing was said.
 
-  /// Bytes of pixels, numbers and texts alone, without names: what "raw" means for every peer.
+  /// Bytes of pixels, numbers and texts, without names. This is "raw" for every peer.
   [[nodiscard]] uint64_t raw_bytes() const;
 };
 
 /// The stream of the reference paper's robot: two 640 x 480 RGB images at 20 Hz, 43 joint positions
-/// and velocities at 100 Hz, the robot's pose at 20 Hz and three of things at 10 Hz, a text at 1
-/// Hz.
+/// and velocities at 100 Hz, the robot's pose at 20 Hz, three poses of things at 10 Hz, and a text
+/// at 1 Hz.
 ///
-/// Frames lie in memory, decoded; the cameras show different ones of the same list, and the list
-/// starts anew where it ends.
+/// Decoded frames are kept in memory. The cameras show different frames of the same list, which is
+/// repeated when it ends.
 /// Threading: immutable.
 class Stream {
  public:
@@ -54,16 +54,16 @@ class Stream {
   [[nodiscard]] double seconds() const { return static_cast<double>(ticks_) / kTicksPerSecond; }
   [[nodiscard]] Tick tick(size_t index) const;
 
-  /// The tick of a time of this stream.
+  /// Returns the tick of a time of this stream.
   [[nodiscard]] size_t tick_at(Time time) const;
 
-  /// Of all ticks.
+  /// Returns the raw bytes of all ticks.
   [[nodiscard]] uint64_t raw_bytes() const;
 
-  /// "904 frames of 5 recordings": for reports.
+  /// A description for reports: "904 frames of 5 recordings".
   [[nodiscard]] const std::string& description() const { return source_.description; }
 
-  /// The decoded frames, and which of them a camera shows at a tick with images.
+  /// The decoded frames, and the index of the one that a camera shows at a tick with images.
   [[nodiscard]] const std::vector<idf::NdArray>& frames() const { return source_.frames; }
   [[nodiscard]] size_t frame_index(size_t camera, size_t tick) const;
 
@@ -75,10 +75,10 @@ class Stream {
   size_t ticks_;
 };
 
-/// "Vision/RGB/head/left".
+/// Returns "Vision/RGB/head/left".
 [[nodiscard]] ltm::MemoryId camera_id(size_t camera);
 
-/// What Engram is given of a tick: a snapshot per sensor, in one commit.
+/// Returns the commit that Engram records for a tick: a snapshot per sensor.
 [[nodiscard]] ltm::Commit commit_of(const Tick& tick);
 
 }  // namespace engram::experiments

@@ -6,18 +6,18 @@
 
 namespace engram::experiments {
 
-/// What every program that measures with a stream is told.
+/// Options of every program that measures with a stream.
 struct StreamOptions {
   double seconds = 40;       ///< Length of the stream.
-  size_t frames = 904;       ///< Most that are decoded in memory, 0.9 MB each.
-  std::string dir = "bars";  ///< Where files are made anew.
-  std::string json = {};     ///< For all figures; empty: none.
+  size_t frames = 904;       ///< Maximum number of frames in memory, 0.9 MB each.
+  std::string dir = "bars";  ///< Folder for files, which are made new.
+  std::string json = {};     ///< File for all figures; none if empty.
 
-  /// --seconds, --frames, --dir, --json; these must outlive the parsing.
+  /// Adds --seconds, --frames, --dir and --json. This must outlive the parsing.
   void add_to(CLI::App& app);
 };
 
-/// "--paced-seconds" and the like. Unit: s.
+/// Adds an option such as "--paced-seconds". Unit: s.
 void add_seconds(CLI::App& app, const std::string& name, double& seconds, const std::string& what);
 
 }  // namespace engram::experiments

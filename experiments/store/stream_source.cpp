@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Smooth motion, where no table tells of a real one.
+/// Makes a smooth motion, for recordings without a table of joints.
 JointRow made_joints(size_t row) {
   JointRow joints{};
   for (size_t i = 0; i < kJoints; ++i)
@@ -27,7 +27,7 @@ JointRow made_joints(size_t row) {
 
 struct FoundFiles {
   std::vector<fs::path> videos;
-  std::map<std::string, fs::path> tables;  ///< By stem.
+  std::map<std::string, fs::path> tables;  ///< Keyed by the stem of the file name.
 };
 
 Result<FoundFiles> find_files(const fs::path& folder) {
@@ -38,6 +38,7 @@ Result<FoundFiles> find_files(const fs::path& folder) {
   const auto is_alone = [&](const fs::path& video) {
     return !found.tables.contains(video.stem().string());
   };
+  // Real and made-up joints must not be mixed, since they compress differently.
   if (!std::ranges::all_of(found.videos, is_alone)) std::erase_if(found.videos, is_alone);
   if (found.videos.empty())
     return not_found("recordings '{}': found no *.mp4, needs one or more", folder.string());

@@ -14,25 +14,26 @@ namespace engram::experiments {
 inline constexpr size_t kJoints = 43;
 using JointRow = std::array<double, kJoints>;
 
-/// What a stream is made of, decoded into memory once.
+/// The data that a stream is made from, decoded into memory once.
 struct StreamSource {
-  /// At least two. Shape: uint8 [480, 640, 3], RGB.
+  /// At least two frames. Shape: uint8 [480, 640, 3], RGB.
   std::vector<idf::NdArray> frames;
   std::vector<JointRow> joints;  ///< One row per frame. Unit: rad.
   std::string description;
 };
 
-/// Every second frame of the videos (*.mp4) below `recordings`, in the order of their names: robot
-/// recordings often repeat every other frame. Videos of another size are scaled. Joints are the
-/// first 43 columns of the table NAME.csv with a row per frame. Where some videos have a table,
-/// only those are taken; where none has, joints are made. Errors: kNotFound where there is no
+/// Reads every second frame of the videos (*.mp4) below `recordings`, in the order of their names,
+/// because robot recordings often repeat every other frame. Videos of another size are scaled.
+/// Joints are the first 43 columns of the table NAME.csv with a row per frame. If some videos have
+/// a table, only those are used; if none has, joints are made up. Errors: kNotFound if there is no
 /// video; those of VideoReader and Table.
 Result<StreamSource> read_recordings(const std::filesystem::path& recordings, size_t max_frames);
 
-/// A rendered scene, with made joints.
+/// Renders a scene and makes up joints.
 Result<StreamSource> render_scene(size_t frames);
 
-/// The recordings below the folder that ENGRAM_RECORDINGS names; without it, the scene.
+/// Reads the recordings below the folder that ENGRAM_RECORDINGS names; if it is not set, renders a
+/// scene.
 Result<StreamSource> load_stream_source(size_t max_frames);
 
 }  // namespace engram::experiments

@@ -33,7 +33,7 @@ Spent spent_by_thread() {
           static_cast<double>(used.ru_nvcsw)};
 }
 
-/// Threads look at the clock themselves: who started them may be late to it.
+/// Each thread reads the clock itself, because the thread that started it may be late.
 Part run_part(const Work& work) {
   Part part;
   const Spent before = spent_by_thread();

@@ -8,11 +8,12 @@
 
 namespace engram::experiments {
 
-/// What one thread does, again and again.
+/// The work that one thread repeats.
 using Work = std::function<Status()>;
 using Works = std::vector<Work>;
 
-/// What threads spent. One that others lock out waits; one that is only interrupted does not.
+/// The costs of threads. A thread that others lock out waits; one that is only interrupted does
+/// not.
 struct Spent {
   double cpu_seconds = 0;
   double waits = 0;
@@ -20,12 +21,12 @@ struct Spent {
 
 /// One run of several threads.
 struct Pass {
-  double seconds = 0;  ///< From when the first one begins its work until the last one ends it.
-  Spent spent;         ///< Of all.
+  double seconds = 0;  ///< From the begin of the first thread's work to the end of the last one's.
+  Spent spent;         ///< The costs of all threads.
 };
 
-/// Does the first `threads` of the works, each in a thread of its own, begun together. The making
-/// of the threads does not count. Needs one at least and as many works (checked).
+/// Runs the first `threads` works, each in its own thread, started together. The time to make the
+/// threads does not count. `threads` must be 1 to works.size() (checked).
 /// Errors: those of the works, the first one's first.
 Result<Pass> run_threads(const Works& works, size_t threads);
 

@@ -8,12 +8,12 @@
 
 namespace engram::experiments {
 
-/// Reads every snapshot of a store and compares it, bit by bit, with what the stream said.
-/// Errors: those of StoreReader; kDataLoss naming the first snapshot that differs, or where the
-/// store does not hold exactly `snapshots`.
+/// Reads every snapshot of a store and compares it bit by bit with the stream.
+/// Errors: those of StoreReader; kDataLoss naming the first snapshot that differs, or if the store
+/// does not hold exactly `snapshots`.
 Status verify_store(const std::filesystem::path& store, const Stream& stream, uint64_t snapshots);
 
-/// Of all commits of the stream.
+/// Counts the snapshots in all commits of the stream.
 [[nodiscard]] uint64_t count_snapshots(const Stream& stream);
 
 }  // namespace engram::experiments
