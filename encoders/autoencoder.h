@@ -131,6 +131,9 @@ TORCH_MODULE(ImageAutoencoder);
 
 /// The autoencoder of one entity: one ImageAutoencoder per image member.
 ///
+///     image i [B, C, H, W] --> images[i] encodes --> latents i --> images[i] decodes --> image i
+///     numbers [B, N], normalised ------------------------------------+
+///
 /// Source: docs/learning_methods.md, section "The image autoencoder".
 struct AutoencoderImpl : torch::nn::Module {
   explicit AutoencoderImpl(const NetworkShape& shape);

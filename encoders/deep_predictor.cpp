@@ -57,6 +57,7 @@ class DeepPredictor : public ltm::Predictor {
   }
 
  private:
+  // Horizons that were not measured use the shares of the last measured one.
   static size_t index_of(int steps) {
     return static_cast<size_t>(std::clamp(steps, 1, kMeasuredHorizons) - 1);
   }

@@ -35,7 +35,8 @@ struct ExpectedLatents {
 struct LatentPriorImpl : torch::nn::Module {
   LatentPriorImpl(int channels, int known, int features);
 
-  /// `known` [B, K', h, w] or undefined; `added` [B, features] or undefined.
+  /// Shape: `last` and `before` [B, z, h, w]; `known` [B, K', h, w] or undefined; `added` [B, G] or
+  /// undefined.
   ExpectedLatents forward(const torch::Tensor& last, const torch::Tensor& before,
                           const torch::Tensor& known, const torch::Tensor& added);
 
@@ -96,6 +97,7 @@ struct DynamicsStep {
 ///     conditions, changes, plan [B, (2 + kSteps) K + 2] --> condition_input -- condition_hidden
 ///           --> [B, 64], for the motion of images alone
 ///
+/// kSteps is ImageMotionImpl::kSteps; the last two inputs say whether condition and plan are known.
 /// Source: docs/learning_methods.md, section "Prediction".
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);

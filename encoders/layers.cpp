@@ -25,11 +25,15 @@ Tensor unshuffled(const Tensor& x, int factor) {
   return torch::pixel_unshuffle(x, factor).contiguous(at::MemoryFormat::ChannelsLast);
 }
 
+// One convolution with stride 2 is faster than unshuffling and a 1x1 convolution: LibTorch computes
+// 1x1 convolutions image by image if there is one thread.
 Tensor halved(torch::nn::Conv2d& conv, const Tensor& x) {
   const Tensor& weight = conv->weight;
   return torch::conv2d(x, weight.reshape({weight.size(0), -1, 2, 2}), conv->bias, 2);
 }
 
+// For the same reason this is one matrix product. The copy after it moves runs of channels, while
+// LibTorch's pixel shuffle goes pixel by pixel.
 Tensor doubled(torch::nn::Conv2d& conv, const Tensor& x) {
   const int64_t features = conv->weight.size(0) / 4;
   const Tensor weight = conv->weight.reshape({features, 4, -1}).transpose(0, 1).flatten(0, 1);

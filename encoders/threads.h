@@ -4,7 +4,7 @@
 namespace engram::encoders {
 
 /// Sets the number of threads of the networks in the whole process. Values below 1 count as 1.
-/// Matrix products of the BLAS use one thread, because its threads would multiply with those of the
+/// Matrix products of the BLAS use one thread, because its threads would add to those of the
 /// networks.
 void set_threads(int threads);
 

@@ -92,6 +92,8 @@ std::vector<std::byte> encode_backgrounds(std::span<const uint8_t> pixels,
   ENGRAM_CHECK(shape.count() > 0 && pixels.size() % shape.count() == 0, "{} pixels in scenes of {}",
                pixels.size(), shape.count());
   std::vector<std::byte> smallest;
+  // Which prediction is better depends on the images, so both are tried. The first bit says which
+  // one was taken.
   for (const bool follows_channels : {false, true}) {
     BinaryEncoder encoder;
     encoder.code(follows_channels, kEven);

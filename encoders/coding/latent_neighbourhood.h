@@ -35,7 +35,7 @@ constexpr ValueTable values_up_to(int max) {
 inline constexpr ValueTable kWideOf = values_up_to(3);
 inline constexpr ValueTable kNarrowOf = values_up_to(2);
 
-/// 0, 1, 2, 3-4, 5-8, more.
+/// Classes of sums: 0, 1, 2, 3 to 4, 5 to 8, and more.
 inline constexpr SumTable kStepOf = [] {
   SumTable table{};
   for (size_t i = 0; i < table.size(); ++i)
@@ -43,7 +43,7 @@ inline constexpr SumTable kStepOf = [] {
   return table;
 }();
 
-/// 0, 1-2, 3-6, more.
+/// Classes of sums: 0, 1 to 2, 3 to 6, and more.
 inline constexpr SumTable kFewOf = [] {
   SumTable table{};
   for (size_t i = 0; i < table.size(); ++i)

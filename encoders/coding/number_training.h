@@ -11,10 +11,12 @@ namespace engram::encoders {
 struct NumberTraining {
   /// Rows of the blocks that will be coded, which gives where blocks start; 0 for whole recordings.
   size_t block_rows = 0;
-  /// Max number of terms that predict one number. Each costs four bytes of the model.
+  /// Max number of terms that predict one number. Each costs four bytes of the model, and 16 of
+  /// them without a min gain overfitted in measurements.
   size_t max_terms = 8;
   /// Min number of bits that a term must save in the training data. Larger values keep the model
-  /// smaller and reduce overfitting.
+  /// smaller and reduce overfitting. Of 24, 12, 6 and 2 bits, 6 was the best on left-out
+  /// recordings.
   double min_gain_bits = 6;
   /// Max number of rows of all recordings that are used. Time grows with them and with the square
   /// of the number of numbers.

@@ -11,15 +11,15 @@
 
 namespace engram::training {
 
-/// How images are changed.
+/// Options of changing images.
 struct AugmentOptions : AugmentedStoreOptions {
-  /// What recipes are drawn from. Empty: augmentation::usual_changes.
+  /// The changes from which recipes are drawn; empty for augmentation::usual_changes.
   std::vector<augmentation::ChangeChoice> changes;
   /// Members of the values that are labels or points.
   augmentation::SceneMembers members;
-  /// An entity whose first image tells, at the same moment, which object is seen; empty: none.
+  /// An entity whose first image at the same moment has the labels of objects; empty for none.
   std::optional<ltm::MemoryId> mask_entity;
-  /// The object to recolour or replace, as labels have it; 0: everything that has one.
+  /// Label of the object to recolour or replace; 0 for all labelled objects.
   int64_t label = 0;
 
   [[nodiscard]] Status validate() const;

@@ -8,7 +8,7 @@ namespace engram::training {
 
 namespace {
 
-/// Changes images as they are.
+/// Changes recorded images by recipes.
 class ImageChanger final : public SnapshotChanger {
  public:
   ImageChanger(ltm::StoreReader& reader, const AugmentOptions& options)
@@ -35,7 +35,7 @@ class ImageChanger final : public SnapshotChanger {
   }
 
  private:
-  /// Adds one copy of all instances that are asked for.
+  /// Adds one copy of all requested instances.
   Status append(const Origin& found, const datasets::SnapshotCursor::Step& step, int copy,
                 ltm::EntityUpdate& update) {
     const ltm::Snapshot& origin = found.snapshot;
@@ -53,7 +53,7 @@ class ImageChanger final : public SnapshotChanger {
   OriginReader origins_;
   const AugmentOptions& options_;
   ltm::MemoryId entity_;
-  const idf::Type* type_ = nullptr;  ///< Of the entity at hand; may be null.
+  const idf::Type* type_ = nullptr;  ///< Type of the current entity; may be null.
 };
 
 }  // namespace

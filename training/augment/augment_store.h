@@ -11,15 +11,16 @@
 
 namespace engram::training {
 
-/// The recipe of copy `copy` of what was seen at `time`. Depends on nothing else.
+/// The recipe of copy `copy` of the snapshots at `time`. It depends on nothing else.
 /// Source: docs/augmentation.md, section "Recipes".
 [[nodiscard]] augmentation::Recipe recipe_at(const AugmentOptions& options, Time time, int copy);
 
-/// Makes a new store of changed snapshots. Each keeps its entity, time and metadata, and names the
-/// instance that it was made of and the recipe; instance i of copy k is number k n + i of n.
-/// Nothing is filtered. Where it was stopped, what is there is whole.
-/// Errors: kAlreadyExists where `to` is there; kNotFound where no entity matches; kInvalidArgument;
-/// those of the stores.
+/// Makes a new store of changed snapshots. Each keeps its entity, time and metadata, and names its
+/// recipe and the instance that it was made of. For n instances, instance i of copy k has the
+/// number k n + i. Nothing is filtered. If it is stopped, the new store is valid and has the
+/// snapshots made so far.
+/// Errors: kAlreadyExists if `to` exists; kNotFound if no entity matches; kInvalidArgument; the
+/// errors of the stores.
 Result<AugmentReport> augment_store(const std::filesystem::path& from,
                                     const std::filesystem::path& to, const AugmentOptions& options,
                                     const ProgressSink& progress, const std::stop_token& stop);

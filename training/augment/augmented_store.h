@@ -12,19 +12,20 @@
 
 namespace engram::training {
 
-/// What all ways to make augmented stores have in common.
+/// Options of all ways to make augmented stores.
 struct AugmentedStoreOptions {
-  /// What snapshots are made of; more time is more snapshots.
+  /// Selects the snapshots to change; a longer time selects more of them.
   ltm::Query query;
-  /// How far changes may go, where they do not say so themselves. 1 to 100.
+  /// Strength of changes that do not give their own: 1 to 100.
   int strength_percent = 50;
-  /// Drawn anew so many times: further instances of the same moment. 1 to kMaxCopies.
+  /// Number of changed copies, each with its own recipe, as further instances of the same moment: 1
+  /// to kMaxCopies.
   int copies = 1;
   uint64_t seed = 1;
-  /// Snapshots of so long a time share a recipe, over all entities, but for its noise: what moves
-  /// keeps moving. Zero: each has its own.
+  /// Time during which snapshots of all entities share a recipe, except for its noise, so that
+  /// motion stays continuous. Zero for one recipe per snapshot.
   Duration hold = std::chrono::seconds(4);
-  /// How images are stored, see ltm/codec/codec_text.h.
+  /// Codec of images, see ltm/codec/codec_text.h.
   std::string image_codec = "png";
 
   static constexpr int kMaxCopies = 64;
@@ -32,21 +33,22 @@ struct AugmentedStoreOptions {
   [[nodiscard]] Status validate() const;
 };
 
-/// What became of one entity.
+/// The result for one entity.
 struct AugmentedEntity {
   ltm::MemoryId entity;
-  std::string skipped_reason;  ///< Empty where there is something to change.
-  uint64_t snapshots = 0;      ///< That were changed.
-  uint64_t instances = 0;      ///< That were made of them.
-  uint64_t left_out = 0;       ///< Not recorded any more, changed already, or without images.
-  uint64_t without_mask = 0;   ///< Left out: the entity of the mask has nothing at that moment.
-  uint64_t without_scene = 0;  ///< Left out: not all that was there is remembered.
+  std::string skipped_reason;  ///< Empty if there was something to change.
+  uint64_t snapshots = 0;      ///< Changed snapshots.
+  uint64_t instances = 0;      ///< Instances that were made of them.
+  /// Left out: no longer recorded, augmented already, or without images.
+  uint64_t left_out = 0;
+  uint64_t without_mask = 0;   ///< Left out: the entity of the mask has no snapshot at that moment.
+  uint64_t without_scene = 0;  ///< Left out: the scene is not fully remembered.
   uint64_t stored_bytes = 0;
 };
 
 struct AugmentReport {
   std::vector<AugmentedEntity> entities;
-  uint64_t damaged_places = 0;  ///< In journals of the store that was read.
+  uint64_t damaged_places = 0;  ///< Damaged places in journals of the source store.
   bool is_cancelled = false;
 };
 

@@ -7,10 +7,10 @@ namespace engram::training {
 
 namespace {
 
-/// Older ones are not looked at.
+/// Max number of snapshots that are tried, from the newest on.
 constexpr int kMaxTried = 100;
 
-/// The newest one of an entity; nothing where there is none.
+/// The newest origin of an entity, if there is one.
 Result<std::optional<Origin>> newest_of(ltm::StoreReader& store, OriginReader& origins,
                                         const ltm::MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, store.timeline(entity));

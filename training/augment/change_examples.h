@@ -9,15 +9,15 @@
 
 namespace engram::training {
 
-/// One value, and what a change by itself makes of it.
+/// One value, and examples of one change applied to it.
 struct ChangeExample {
   std::string change;
   idf::Data before;
-  std::vector<idf::Data> after;  ///< Drawn one after the other.
+  std::vector<idf::Data> after;  ///< Examples, each with its own random draw.
 };
 
-/// Shows every change that `options` choose on the newest snapshot that can be changed.
-/// Errors: kNotFound where there is none; those of augment_store.
+/// Applies every change that `options` select to the newest snapshot that can be changed.
+/// Errors: kNotFound if there is none; the errors of augment_store.
 Result<std::vector<ChangeExample>> change_examples(const std::filesystem::path& store,
                                                    const AugmentOptions& options, size_t each);
 

@@ -31,7 +31,7 @@ Result<std::optional<Origin>> OriginReader::read(const ltm::MemoryId& entity,
   return origin.labels ? std::optional(std::move(origin)) : std::nullopt;
 }
 
-/// Nothing where the entity of the mask has nothing at this very moment.
+/// The labels at exactly `time`; nothing if the entity of the mask has no snapshot then.
 Result<std::optional<idf::NdArray>> OriginReader::labels_at(Time time) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(*options_.mask_entity));
   ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_before(time));

@@ -10,15 +10,16 @@
 
 namespace engram::training {
 
-/// What augmented snapshots are made of: a recorded snapshot, and where its objects are.
+/// The source of an augmented snapshot: a recorded snapshot, and the labels of its objects.
 struct Origin {
   ltm::Snapshot snapshot;
-  std::optional<idf::NdArray> labels;  ///< Of the entity of the mask, where there is one.
+  std::optional<idf::NdArray> labels;  ///< Labels of the entity of the mask, if there is one.
 };
 
-/// Reads them from a store.
+/// Reads origins from a store.
 ///
-/// Threading: one thread. Both references outlive it.
+/// Both references must outlive this object.
+/// Threading: one thread.
 class OriginReader {
  public:
   enum class Missing { kImages, kMask };
@@ -26,12 +27,13 @@ class OriginReader {
   OriginReader(ltm::StoreReader& reader, const AugmentOptions& options)
       : reader_(reader), options_(options) {}
 
-  /// The type of an entity's values; null where there is none.
+  /// The type of an entity's values, or null.
   [[nodiscard]] const idf::Type* type_of(const ltm::MemoryId& entity) const;
 
-  /// Nothing, and what is missing, where none can be made of a snapshot: it is not recorded any
-  /// more, is augmented itself, or has no images; or the mask has nothing at its moment.
-  /// Errors: those of the store; kInvalidArgument where the mask is no image of labels.
+  /// Reads the origin for a snapshot. The result is empty, and `missing` says why, if the snapshot
+  /// is no longer recorded, is augmented itself or has no images, or if the mask has no snapshot at
+  /// that moment.
+  /// Errors: the errors of the store; kInvalidArgument if the mask is not an image of labels.
   Result<std::optional<Origin>> read(const ltm::MemoryId& entity, const ltm::SnapshotEntry& entry,
                                      Missing& missing);
 
@@ -42,11 +44,12 @@ class OriginReader {
   const AugmentOptions& options_;
 };
 
-/// What recipes are drawn from.
+/// The changes from which recipes are drawn.
 [[nodiscard]] std::vector<augmentation::ChangeChoice> choices_of(const AugmentOptions& options);
 
-/// The entities that are changed.
-/// Errors: kNotFound where there is none, or no entity of the mask; those of validate().
+/// The entities to change.
+/// Errors: kNotFound if there is none, or if the entity of the mask does not exist; the errors of
+/// validate().
 Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader,
                                                const AugmentOptions& options);
 

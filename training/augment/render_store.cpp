@@ -51,6 +51,7 @@ class SceneRenderer final : public SnapshotChanger {
     const std::vector<int32_t> asked = asked_instances(step, origin.instances.size());
     std::vector<RememberedScene> remembered;
     for (const int32_t i : asked) {
+      // Augmented snapshots are not changed again, because an origin must be a recorded snapshot.
       if (origin.is_augmented()) break;
       ENGRAM_ASSIGN_OR_RETURN(auto scene, scenes_.scene(reader_, origin, static_cast<size_t>(i)));
       if (!scene) break;
@@ -76,7 +77,7 @@ class SceneRenderer final : public SnapshotChanger {
            time - time_from_ns(period * options_.every.count()) < options_.hold;
   }
 
-  /// Adds one image for each of the instances, all changed alike.
+  /// Adds one image for each of the instances, all with the same change.
   Status append(const ltm::Snapshot& origin, const std::vector<int32_t>& asked,
                 const std::vector<RememberedScene>& remembered, SceneChangeKind kind, int copy,
                 ltm::EntityUpdate& update) {
@@ -87,6 +88,8 @@ class SceneRenderer final : public SnapshotChanger {
       Scene scene = remembered[i].scene;
       ENGRAM_RETURN_IF_ERROR(augmentation::change_scene(scene, change->changes.front(), rig));
       const SceneCamera camera = scene.camera;
+      // Rendering is slow (1.7 s for 320 x 240 pixels on two cores), so large images are rendered
+      // smaller and enlarged.
       scene.camera = augmentation::scaled_down(camera, options_.width);
       Recipe recipe = *change;
       recipe.changes.push_back(how_rendered(scene.camera.width));
@@ -115,7 +118,7 @@ class SceneRenderer final : public SnapshotChanger {
   datasets::SceneSource& scenes_;
   Blender& blender_;
   ltm::MemoryId entity_;
-  std::optional<int64_t> last_period_;  ///< In which something was rendered.
+  std::optional<int64_t> last_period_;  ///< The last period in which something was rendered.
 };
 
 }  // namespace

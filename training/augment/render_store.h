@@ -15,31 +15,32 @@
 
 namespace engram::training {
 
-/// How remembered moments are rendered anew.
+/// Options of rendering remembered moments.
 struct RenderOptions : AugmentedStoreOptions {
-  /// Each makes one image of each that was recorded, in this order. Not empty.
+  /// Kinds of changes. Each makes one image of every recorded one, in this order. There must be at
+  /// least one.
   std::vector<augmentation::SceneChangeKind> kinds = augmentation::all_scene_changes();
-  /// Of each period of so long a time, counted from 1970, what begins it is rendered: all moments
-  /// of `hold`, as training learns from those that follow each other, or else the first one. Zero:
+  /// Period of rendering, counted from 1970. Of each period all moments in the first `hold` are
+  /// rendered, because training needs consecutive ones, or else the first moment. Zero to render
   /// everything.
   Duration every = std::chrono::seconds(20);
-  /// Wider images are rendered so wide, and enlarged to what was recorded. 16 to 4096.
+  /// Max width of rendered images, which are then enlarged to the recorded size: 16 to 4096.
   int width = 320;
   augmentation::Blender::Options blender;
 
   [[nodiscard]] Status validate() const;
 };
 
-/// The recipe for copy `copy` of what was seen at `time`; nothing where there is no thing in sight
-/// that could be changed. Depends on nothing else.
+/// The recipe of copy `copy` of the snapshots at `time`; nothing if no object in sight can be
+/// changed. It depends on nothing else.
 [[nodiscard]] std::optional<augmentation::Recipe> scene_recipe_at(
     const RenderOptions& options, augmentation::SceneChangeKind kind,
     const datasets::RememberedScene& scene, Time time, int copy);
 
-/// Makes a new store of moments that Blender renders anew, all by one process. Entities, times,
-/// metadata and instances are as augment_store makes them, one kind after the other. Equal options
-/// make equal images on one machine.
-/// Errors: those of Blender::start, before anything is written; those of augment_store.
+/// Makes a new store of moments that Blender renders, in one process. Entities, times, metadata and
+/// instances are as in augment_store, one kind after the other. Equal options give equal images on
+/// one machine.
+/// Errors: the errors of Blender::start, before anything is written; the errors of augment_store.
 Result<AugmentReport> render_store(const std::filesystem::path& from,
                                    const std::filesystem::path& to, const RenderOptions& options,
                                    datasets::SceneSource& scenes, const ProgressSink& progress,

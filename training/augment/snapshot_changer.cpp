@@ -69,7 +69,8 @@ class Augmentation {
   const std::stop_token& stop_;
 };
 
-/// Towards minus infinity.
+/// Integer division that rounds towards minus infinity, so that spans of time before 1970 are not
+/// shifted.
 int64_t floored(int64_t value, int64_t divisor) {
   return value / divisor - (value % divisor < 0 ? 1 : 0);
 }
@@ -81,6 +82,7 @@ Result<AugmentReport> make_augmented_store(ltm::StoreReader& from, const std::fi
                                            const AugmentedStoreOptions& options,
                                            SnapshotChanger& changer, const ProgressSink& progress,
                                            const std::stop_token& stop) {
+  // An existing store is refused, so that augmented snapshots never mix with recorded ones.
   if (!ltm::is_store_absent(to))
     return already_exists("'{}' is there already: needs a new place", to.string());
   ltm::Recorder::Options recording;

@@ -16,45 +16,48 @@
 
 namespace engram::training {
 
-/// Makes augmented snapshots of recorded ones, one after the other.
+/// Makes augmented snapshots from recorded ones.
 class SnapshotChanger {
  public:
   virtual ~SnapshotChanger() = default;
 
-  /// Why nothing is made of an entity; empty: it is tried. Called before its first snapshot.
+  /// Returns why an entity is skipped, or an empty text. It is called before the entity's first
+  /// snapshot.
   virtual std::string begin(const ltm::MemoryId& entity) = 0;
 
-  /// Adds to `update` what is made of a snapshot, of the instances that are asked for; adds nothing
-  /// where there is nothing to make, and counts why.
+  /// Adds the changed instances of a snapshot, of those that the step asks for, to `update`. If
+  /// there are none, it counts the reason in `report`.
   virtual Status change(const datasets::SnapshotCursor::Step& step, ltm::EntityUpdate& update,
                         AugmentedEntity& report) = 0;
 };
 
-/// Walks over the entities of one store and writes the other. Where it was stopped, what is there
-/// is whole. Errors: kAlreadyExists where `to` is there; those of the changer and of the stores.
+/// Walks over the entities of one store and writes the other. If it is stopped, the new store is
+/// valid and has the snapshots made so far.
+/// Errors: kAlreadyExists if `to` exists; the errors of the changer and of the stores.
 Result<AugmentReport> make_augmented_store(ltm::StoreReader& from, const std::filesystem::path& to,
                                            const std::vector<ltm::MemoryId>& entities,
                                            const AugmentedStoreOptions& options,
                                            SnapshotChanger& changer, const ProgressSink& progress,
                                            const std::stop_token& stop);
 
-/// What an instance of an augmented snapshot says of itself.
-/// Errors: kInvalidArgument where the recipe has no JSON form.
+/// The metadata of an instance of an augmented snapshot.
+/// Errors: kInvalidArgument if the recipe has no JSON form.
 Result<ltm::InstanceMetadata> augmented_metadata(const ltm::Snapshot& origin, int32_t instance,
                                                  const augmentation::Recipe& recipe);
 
-/// Which instances of `count` a step asks for.
+/// The indices of the instances, out of `count`, that a step asks for.
 [[nodiscard]] std::vector<int32_t> asked_instances(const datasets::SnapshotCursor::Step& step,
                                                    size_t count);
 
-/// A seed for each purpose: the sequences have nothing in common.
+/// The purpose of a seed. Sequences of different purposes are independent.
 enum class SeedPurpose : uint64_t { kRecipe = 1, kNoise = 2, kScene = 3 };
 [[nodiscard]] uint64_t seed_of(uint64_t seed, SeedPurpose purpose, int copy, int64_t moment);
 
-/// The number of the part of time that shares recipes.
+/// The index of the span of time of length `hold` that contains `time`.
 [[nodiscard]] int64_t part_of(Time time, Duration hold);
 
-/// The entities that a query asks for. Errors: kNotFound where there is none.
+/// The entities that a query matches.
+/// Errors: kNotFound if there is none.
 Result<std::vector<ltm::MemoryId>> entities_of(ltm::StoreReader& reader, const ltm::Query& query);
 
 }  // namespace engram::training

@@ -40,6 +40,7 @@ class FitLoop {
   /// Errors: the errors of JobPace::pause, before which the state is kept.
   Result<double> next(const FitState& state);
 
+  /// Adds a step to the curve of training and passes it to the sink.
   void tell(const FitStep& now) const;
 
  private:

@@ -146,11 +146,11 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   ENGRAM_ASSIGN_OR_RETURN(const WarmStart start, find_start(source, options));
   torch::manual_seed(options.seed);
 
-  // Data.
+  // The data is read first: it decides the sizes of the networks.
   ENGRAM_ASSIGN_OR_RETURN(const Dataset data,
                           load_dataset(source, options, start.model.get(), pace.stop()));
 
-  // Model.
+  // The model starts from random weights, or from those of the previous model.
   const auto made = std::make_shared<encoders::DeepModel>(
       data.plan, sizes_of(options, source.times.size(), data));
   encoders::DeepModel& model = *made;
@@ -193,7 +193,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   encoders::round_weights(*model.dynamics);
   measure_prediction(model, data);
 
-  // Report.
+  // The report and the provenance in the model file tell the same facts.
   const FitStep& coded = checkpoints.coded;
   TrainReport report;
   report.snapshots = source.times.size();

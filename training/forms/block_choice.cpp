@@ -23,7 +23,7 @@ int64_t as_int(uint64_t bytes) {
   return static_cast<int64_t>(bytes);
 }
 
-/// Of the backgrounds that a block carries.
+/// Size of the backgrounds that a block carries.
 uint64_t background_bytes(const LatentRows& rows) {
   uint64_t bytes = 0;
   for (const encoders::CodedBackground& background : rows.own) bytes += background.bytes.size();
@@ -92,6 +92,7 @@ int BlockChoice::refine_steps(const std::vector<std::vector<double>>& errors) co
   double worst = 0;
   for (const auto& row : errors)
     for (const double mse : row) worst = std::max(worst, std::isfinite(mse) ? mse : 0);
+  // A few steps close only a small gap, so blocks with a larger one are not refined.
   const double missed_by = bound_db_ - psnr_db(worst);
   return worst > max_mse_ && missed_by <= options_.refine_within_db ? options_.few_refine_steps : 0;
 }
@@ -99,6 +100,7 @@ int BlockChoice::refine_steps(const std::vector<std::vector<double>>& errors) co
 std::optional<BlockChoice::Candidate> BlockChoice::corrected(
     std::span<const idf::SplitValue> values, size_t image, const ImageRows& rows,
     const Images& images) const {
+  // Residuals are for 8-bit images. Depth is kept lossless.
   if (model_.plan.images()[image].is_depth) return std::nullopt;
   encoders::ResidualEncoder residual(model_.codec.chain.frames[image].pixels());
   for (size_t row = 0; row < values.size(); ++row) {
@@ -234,7 +236,7 @@ Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
     ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
                             choices_of(rows_of(values, i), chains[i], stop));
   }
-  // The background is paid once, by the first chain that keeps latents.
+  // The block pays for the background once, so it counts for the first chain that keeps latents.
   const uint64_t background = background_bytes(chains.front());
   uint64_t mixed = background, video = 0;
   bool needs_latents = false, keeps_latents = false;
@@ -251,6 +253,7 @@ Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
     counts_.latent_bytes += as_int(background);
     counts_.residual_bytes += as_int(background);
   }
+  // Latents may win in single chains and still not save enough to pay for the background.
   const bool is_all_video = !keeps_latents || (!needs_latents && video < mixed);
   uint64_t unpaid = is_all_video ? 0 : background;
   for (size_t at = 0; at < chains.size(); ++at) {

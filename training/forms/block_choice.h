@@ -14,27 +14,27 @@
 
 namespace engram::training {
 
-/// What the error of images that a network decodes must be better than the bound by: elsewhere
-/// some pixels may come out a grey level apart. Unit: dB.
+/// Margin above the bound for images that a network decodes, because on another machine some pixels
+/// may differ by a grey level. Unit: dB.
 inline constexpr double kDecodingMarginDb = 0.02;
 
-/// Codes runs of snapshots as blocks, each image member in the form that takes fewest bytes and
-/// keeps the bound: latents as the encoder makes them or refined, with residuals where they miss
-/// it; video; or without loss.
+/// Codes runs of snapshots as blocks, each image member in the smallest form that keeps the bound:
+/// latents from the encoder or refined ones, with residuals if they miss it; video; or lossless.
 ///
 /// Threading: one thread.
-/// Source: docs/learning.md, section "What is stored".
+/// Source: docs/learning_methods.md, section "What is stored".
 class BlockChoice {
  public:
-  /// The model outlives it. Needs a bound (checked) where others than latents may be kept.
+  /// The model must outlive this object. A bound is needed (checked) unless only latents are kept.
   BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options);
 
-  /// Called between parts of the work with how many rows of the block are done; an error ends
-  /// encoding with it.
+  /// Called between parts of the work with the number of finished rows of the block. An error ends
+  /// encoding and is returned.
   using Pause = std::function<Status(size_t rows)>;
 
-  /// One latent per value: consecutive values of one recording, at most a block.
-  /// Errors: kCancelled on `stop`; kInvalidArgument, also where no form keeps the bound.
+  /// Codes consecutive values of one recording, at most one block, and returns one latent per
+  /// value.
+  /// Errors: kCancelled on `stop`; kInvalidArgument, also if no form keeps the bound.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values,
                                           const std::stop_token& stop = {},
                                           const Pause& pause = {});
@@ -42,17 +42,18 @@ class BlockChoice {
   [[nodiscard]] encoders::StoredForms counts() const;
 
  private:
-  /// A way to keep an image member of a chain.
+  /// One form of an image member of a chain, with its size.
   struct Candidate {
     encoders::ImageRows rows;
     uint64_t bytes = 0;
   };
-  /// The least ways of its kinds to keep an image member of a chain within the bound; one at least.
+  /// The smallest candidates of each kind that keep an image member of a chain within the bound.
+  /// There is at least one.
   struct Choice {
-    std::optional<Candidate> latents;  ///< With residuals where they need them.
-    std::optional<Candidate> video;    ///< With loss or without.
+    std::optional<Candidate> latents;  ///< With residuals if needed.
+    std::optional<Candidate> video;    ///< Lossy or lossless.
 
-    /// Of equals latents: they are reached sooner.
+    /// Latents win a tie, because they are faster to read.
     [[nodiscard]] bool keeps_latents() const {
       return latents && (!video || latents->bytes <= video->bytes);
     }
@@ -63,35 +64,36 @@ class BlockChoice {
   /// Images [row][member].
   using Images = std::vector<std::vector<idf::NdArray>>;
 
-  /// Rows as a query sees them: numbers as they are decoded.
+  /// Returns rows as a query sees them, with decoded numbers.
   Result<encoders::LatentRows> seen(encoders::LatentRows rows, size_t count) const;
   Result<Images> decoded(const encoders::LatentRows& rows, size_t count);
-  /// Mean squared errors [row][member]; infinite for depth, which nothing but what has no loss
-  /// keeps within a bound of 8-bit images.
+  /// Mean squared errors [row][member]; infinite for depth, which only lossless forms keep, since
+  /// the bound is for 8-bit images.
   Result<std::vector<std::vector<double>>> errors_of(std::span<const idf::SplitValue> values,
                                                      const Images& images) const;
   [[nodiscard]] const idf::NdArray& recorded(const idf::SplitValue& value, size_t image) const;
 
   [[nodiscard]] bool has_networks() const;
-  /// Those of a chain.
+  /// The values of a chain.
   [[nodiscard]] std::span<const idf::SplitValue> rows_of(std::span<const idf::SplitValue> values,
                                                          size_t chain) const;
 
-  /// Of a chain that pays for so many bytes of background.
+  /// Keeps a chain as latents. `background` is the size of the background that the chain pays for.
   Status keep_latents(std::span<const idf::SplitValue> values, encoders::LatentRows& rows,
                       uint64_t background, const std::stop_token& stop);
-  /// Of a whole block.
+  /// Keeps all chains of a block in their smallest forms.
   Status keep_smallest(std::span<const idf::SplitValue> values,
                        std::vector<encoders::LatentRows>& chains, const std::stop_token& stop,
                        const Pause& pause);
   Result<Choices> choices_of(std::span<const idf::SplitValue> values,
                              const encoders::LatentRows& rows, const std::stop_token& stop);
-  /// What the encoder made, and where it was tried, what became of it by refining: per member.
+  /// Returns per member the latents from the encoder and, if refinement was tried, the refined
+  /// ones.
   Result<std::vector<std::vector<Candidate>>> latent_candidates(
       std::span<const idf::SplitValue> values, const encoders::LatentRows& rows,
       const std::stop_token& stop);
-  /// The latents of a member, decoded to `images`, with the residuals that they need; nothing where
-  /// these do not help.
+  /// Returns the latents of a member, which decode to `images`, with the residuals that they need;
+  /// nothing if no residual keeps the bound.
   [[nodiscard]] std::optional<Candidate> corrected(std::span<const idf::SplitValue> values,
                                                    size_t image, const encoders::ImageRows& rows,
                                                    const Images& images) const;
@@ -104,11 +106,12 @@ class BlockChoice {
 
   encoders::DeepModel& model_;
   RepresentationOptions options_;
-  double bound_db_;                    ///< Of decoded latents: with the margin of decoding.
-  double max_mse_;                     ///< The same. Unit: grey levels squared.
+  /// Bound of decoded latents, including the margin of decoding.
+  double bound_db_;
+  double max_mse_;                     ///< The same as an error. Unit: grey levels squared.
   std::vector<VideoSearch> searches_;  ///< Per image member.
   encoders::StoredForms counts_;
-  bool can_correct_all_ = true;  ///< So far latents with residuals kept every row.
+  bool can_correct_all_ = true;  ///< Whether latents with residuals kept every row so far.
 };
 
 }  // namespace engram::training

@@ -20,21 +20,22 @@ using torch::Tensor;
 
 namespace {
 
-/// Quantiser steps that a latent moves at most by in a step of the optimiser, at first.
+/// Learning rate at the start. It bounds the move of a latent in one step of the optimiser, in
+/// steps of the quantiser.
 constexpr double kPeakRate = 0.1;
-/// How fast the price of a row rises where it is below the bound, and falls where it is above, per
-/// decibel and step.
+/// Speed at which the price of a row rises below the bound and falls above it, per decibel and
+/// step.
 constexpr double kSteering = 0.03;
-/// Decibels above the bound where prices come to rest.
+/// Target above the bound at which prices stay constant. Unit: dB.
 constexpr double kAbove = 0.05;
-/// Where a model does not say what it was trained with. Unit: kilobytes per squared grey level.
+/// Price for a model whose file has none. Unit: kilobytes per squared grey level.
 constexpr double kUsualPrice = 0.03;
 
 Tensor rounded_through(const Tensor& z) {
   return z + (z.round() - z).detach();
 }
 
-/// Each row's predecessor; the first row has none.
+/// The predecessor of each row. The first row has none.
 Tensor before_each(const Tensor& z) {
   return torch::cat({z.slice(0, 0, 1).detach(), z.slice(0, 0, z.size(0) - 1)});
 }
@@ -47,13 +48,13 @@ Latents before_each(const Latents& z) {
   return before;
 }
 
-/// What a first row takes, roughly: each channel a Laplace distribution around zero.
+/// Approximate bits of a first row, with a Laplace distribution around zero for each channel.
 Tensor bits_alone(const Tensor& row) {
   const Tensor scale = row.detach().abs().mean({0, 2, 3}, true).clamp_min(0.05);
   return encoders::laplace_bits(row.abs(), scale).sum();
 }
 
-/// The block that is worked on.
+/// Refines the latents of one block.
 class Refinement {
  public:
   Refinement(DeepModel& model, std::span<const idf::SplitValue> values, LatentRows rows,
@@ -137,7 +138,7 @@ class Refinement {
     return paid + (first + after_first) / (kBitsOfKilobyte * size_);
   }
 
-  /// Mean squared error per row and image. [B, images]
+  /// Mean squared error per row and image. Shape: [B, images].
   Tensor errors(const Latents& z) {
     const Parts decoded = model_.autoencoder->decode(z, views_);
     std::vector<Tensor> errors;
@@ -146,20 +147,20 @@ class Refinement {
     return torch::stack(errors, 1);
   }
 
-  /// What the model was trained with. Unit: kilobytes per squared grey level.
+  /// Price at the end of the model's training. Unit: kilobytes per squared grey level.
   [[nodiscard]] double price() const {
     const double known = model_.provenance.error_price;
     return known > 0 ? known : kUsualPrice;
   }
 
-  /// `error`: of the worst image of each row.
+  /// Adapts the prices. `error` is that of the worst image of each row.
   void steer(const Tensor& error) {
     const Tensor psnr = 10.0 * torch::log10(255.0 * 255.0 / error.clamp_min(1e-3));
     const Tensor below = (options_.bound_db + kAbove - psnr).clamp(-3.0, 3.0);
     prices_ = prices_ * torch::exp(kSteering * below);
   }
 
-  /// What rows cost as they will be stored.
+  /// The cost of rows as they will be stored.
   struct Cost {
     size_t below_bound = 0;
     double value = 0;
@@ -175,7 +176,7 @@ class Refinement {
       cost.value +=
           static_cast<double>(model_.codec.chain.images[i].encode(rows.images[i].latents).size()) /
           (1000.0 * size_);
-    // With a bound, error beyond it is worth nothing.
+    // With a bound, a lower error than the bound has no value.
     const double paid = options_.bound_db > 0 ? 0 : price();
     for (size_t row = 0; row < values_.size(); ++row) {
       ENGRAM_ASSIGN_OR_RETURN(const auto images, model_.decode_images(rows, row));
@@ -186,7 +187,7 @@ class Refinement {
         ENGRAM_ASSIGN_OR_RETURN(const double mse,
                                 grey_mse(values_[row].tensors[member.member], images[i]));
         error += mse / static_cast<double>(images.size());
-        // Depth is kept within a bound by what has no loss alone.
+        // Only lossless forms keep depth, so latents of depth do not count here.
         is_below = is_below || (!member.is_depth && psnr_db(mse) < options_.bound_db);
       }
       cost.below_bound += is_below ? 1 : 0;

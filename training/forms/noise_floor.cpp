@@ -10,16 +10,16 @@ namespace engram::training {
 
 namespace {
 
-/// Median of the magnitudes of a normal distribution with deviation 1.
+/// Median magnitude of a normal distribution with deviation 1.
 constexpr double kNormalMedian = 0.6744897501960817;
-/// What is darker or brighter may have been cut off.
+/// Darker or brighter pixels are left out, because their noise may be clipped.
 constexpr int kDarkest = 2, kBrightest = 253;
 
 bool is_open(int value) {
   return value >= kDarkest && value <= kBrightest;
 }
 
-/// Magnitudes of whole numbers, counted.
+/// A histogram of magnitudes of whole numbers.
 class Magnitudes {
  public:
   void add(int value) {
@@ -29,7 +29,7 @@ class Magnitudes {
 
   [[nodiscard]] uint64_t total() const { return total_; }
 
-  /// The median, where each count is spread over half a number either way.
+  /// The median, with each number spread over 0.5 in both directions.
   [[nodiscard]] double median() const {
     const double half = static_cast<double>(total_) / 2;
     double below = 0;
@@ -51,7 +51,7 @@ class Magnitudes {
   uint64_t total_ = 0;
 };
 
-/// Deviation by the diagonal coefficients of the finest wavelets (Haar).
+/// Deviation from the diagonal coefficients of the finest wavelets (Haar).
 /// Source: Donoho and Johnstone, "Ideal spatial adaptation by wavelet shrinkage", 1994.
 double deviation_in_space(const idf::NdArray& image) {
   const auto pixels = image.values<uint8_t>();

@@ -10,34 +10,37 @@
 
 namespace engram::training {
 
-/// The noise of a camera, from some pairs of consecutive images: robust in both of two ways, and
-/// the smaller of these. Diagonal differences of neighbours know no smooth shading, but texture;
-/// differences in time know no texture, but motion. What a codec has smoothed has little of both.
+/// Estimates the noise of a camera from pairs of consecutive images, as the smaller of two robust
+/// estimates. Diagonal differences of neighbours are not affected by smooth shading, but by
+/// texture; differences in time are not affected by texture, but by motion. Images that a codec has
+/// smoothed give a low estimate in both.
 ///
 /// Threading: one thread.
-/// Source: docs/learning.md, section "The bound".
+/// Source: docs/learning_methods.md, section "The bound".
 class NoiseFloor {
  public:
-  /// Two consecutive images. Others than 8-bit ones are left out.
-  /// Shape: both [H, W, C], alike. Errors: kInvalidArgument where they are not alike.
+  /// Adds a pair of consecutive images. Images that are not 8-bit are ignored.
+  /// Shape: both [H, W, C], with the same size.
+  /// Errors: kInvalidArgument if types or shapes differ.
   Status add(const idf::NdArray& image, const idf::NdArray& next);
 
-  /// Pairs that were added.
+  /// Number of added pairs.
   [[nodiscard]] int64_t images() const { return static_cast<int64_t>(deviations_.size()); }
 
-  /// Standard deviation, the median over all pairs; nothing without any. Unit: grey levels.
+  /// Standard deviation of the noise: the median over all pairs, or nothing without pairs. Unit:
+  /// grey levels.
   [[nodiscard]] std::optional<double> deviation() const;
 
  private:
   std::vector<double> deviations_;
 };
 
-/// Where a bound that follows from noise ends. Unit: dB.
+/// Min and max bound that follows from noise. Unit: dB.
 inline constexpr double kMinNoiseBoundDb = 30;
 inline constexpr double kMaxNoiseBoundDb = 40;
 
-/// The PSNR of noise, within these ends: images that are kept better keep noise.
-/// `deviation`: in grey levels, not negative.
+/// Returns the PSNR of noise, clamped to these limits. A higher bound would spend bytes on noise.
+/// `deviation` must not be negative. Unit: grey levels.
 [[nodiscard]] double bound_of_noise(double deviation);
 
 }  // namespace engram::training

@@ -53,14 +53,14 @@ Result<std::optional<FoundVideo>> VideoSearch::find_lossless(
   return std::optional(std::move(video));
 }
 
-/// Doubles its steps until the bound lies between two qualities, then halves what is between.
+/// Doubles the step until the bound lies between two qualities, then bisects.
 Result<std::optional<FoundVideo>> VideoSearch::find_lossy(std::span<const idf::NdArray> images) {
   const auto coder = ltm::make_group_codec(codec_);
   if (!coder.ok() || !(*coder)->accepts(images.front().type(), images.front().shape()))
     return std::optional<FoundVideo>();
   std::optional<FoundVideo> best;
-  int good = -1;           // The largest that is known to keep the bound.
-  int bad = max_crf_ + 1;  // The smallest that is known not to.
+  int good = -1;           // The largest crf that is known to keep the bound.
+  int bad = max_crf_ + 1;  // The smallest crf that is known to miss it.
   int step = 1;
   for (int crf = std::clamp(crf_, 0, max_crf_); bad - good > 1;) {
     ENGRAM_ASSIGN_OR_RETURN(

@@ -11,32 +11,33 @@
 
 namespace engram::training {
 
-/// The smallest video of some images whose every image is within a bound.
+/// The smallest video of some images in which every image keeps a bound.
 struct FoundVideo {
   std::vector<std::byte> bytes;
-  std::string codec;        ///< Its name.
-  double quality = 0;       ///< Its crf; 0 without loss.
-  std::vector<double> mse;  ///< Of each image. Unit: grey levels squared.
+  std::string codec;        ///< Name of the codec.
+  double quality = 0;       ///< Its crf; 0 if lossless.
+  std::vector<double> mse;  ///< Per image. Unit: grey levels squared.
 };
 
-/// Searches the quality that a group codec needs to keep a bound, from one run of images to the
-/// next: it starts where it ended before.
+/// Searches for the quality that a group codec needs to keep a bound. Each search starts at the
+/// result of the last one, because consecutive runs of images need similar qualities.
 ///
 /// Threading: one thread.
 class VideoSearch {
  public:
-  /// `codec`: "av1", "h265" or "h264". `effort` as of the codec.
+  /// `codec` is "av1", "h265" or "h264". `effort` is the option of the codec.
   VideoSearch(std::string codec, int effort, double bound_db);
 
-  /// The smaller of both below; nothing where no installed codec takes such images.
-  /// Errors: those of the codecs.
+  /// Returns the smaller result of find_lossy() and find_lossless(), or nothing if no installed
+  /// codec accepts such images.
+  /// Errors: the errors of the codecs.
   Result<std::optional<FoundVideo>> find(std::span<const idf::NdArray> images);
 
-  /// The worst quality that keeps the bound; nothing where none does, or the codec does not take
-  /// such images.
+  /// Encodes with the worst quality that keeps the bound. The result is empty if no quality keeps
+  /// it or the codec does not accept such images.
   Result<std::optional<FoundVideo>> find_lossy(std::span<const idf::NdArray> images);
 
-  /// FFV1.
+  /// Encodes with FFV1. The result is empty if it is not installed or does not accept such images.
   Result<std::optional<FoundVideo>> find_lossless(std::span<const idf::NdArray> images) const;
 
  private:
@@ -47,7 +48,7 @@ class VideoSearch {
   int effort_;
   double bound_db_;
   int max_crf_;
-  int crf_;  ///< Where the last search ended.
+  int crf_;  ///< Result of the last search.
 };
 
 }  // namespace engram::training

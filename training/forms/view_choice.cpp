@@ -15,9 +15,9 @@ using torch::Tensor;
 
 namespace {
 
-/// Where a model does not say what it was trained with. Unit: kilobytes per squared grey level.
+/// Price for a model whose file has none. Unit: kilobytes per squared grey level.
 constexpr double kUsualPrice = 0.03;
-/// Rows whose error stands for all of them.
+/// Max number of rows whose error is computed. Their mean stands for all rows.
 constexpr size_t kMaxCompared = 12;
 
 /// The medians of all image members.
@@ -35,7 +35,7 @@ Result<std::vector<idf::NdArray>> medians_of(const DeepModel& model,
   return medians;
 }
 
-/// Coded; none where a member cannot be coded.
+/// Codes the backgrounds; empty if one of them cannot be coded.
 Result<std::vector<CodedBackground>> coded(const DeepModel& model,
                                            std::span<const idf::NdArray> medians, size_t quality) {
   std::vector<CodedBackground> backgrounds;
@@ -48,7 +48,7 @@ Result<std::vector<CodedBackground>> coded(const DeepModel& model,
   return backgrounds;
 }
 
-/// Kilobytes that rows take, and that their error is worth.
+/// Cost of rows in kilobytes: their size plus the price of their error.
 Result<double> cost_of(DeepModel& model, std::span<const idf::SplitValue> values,
                        const LatentRows& rows) {
   double bytes = 0;
@@ -81,7 +81,7 @@ Result<LatentRows> rows_on_best_view(DeepModel& model, std::span<const idf::Spli
   if (model.autoencoder->images.empty()) return best;
   ENGRAM_ASSIGN_OR_RETURN(const auto medians, medians_of(model, values));
   ENGRAM_ASSIGN_OR_RETURN(double best_cost, cost_of(model, values, best));
-  // From the coarsest on, until a better one costs more than it gains.
+  // Qualities are tried from the coarsest one until a better one costs more than it gains.
   double last_cost = std::numeric_limits<double>::infinity();
   for (size_t quality = encoders::kBackgroundQualities; quality-- > 0;) {
     if (pause) ENGRAM_RETURN_IF_ERROR(pause());

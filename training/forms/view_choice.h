@@ -10,12 +10,13 @@
 
 namespace engram::training {
 
-/// Consecutive values of one recording as rows, on the background of a scene that the model knows
-/// or on one of their own, the median of their images: whichever costs less in bytes and, at the
-/// model's last price, in error. A recording that the model was not trained on, seen from
-/// elsewhere, has little to do with any scene. `pause` is called before each view that is tried.
-/// Errors: kInvalidArgument where a value has another layout; those of the video codec and of
-/// `pause`. Source: docs/learning.md, section "The image autoencoder".
+/// Encodes consecutive values of one recording as rows, either on the background of a known scene
+/// or on a background of their own, the median of their images. It chooses the lower cost in bytes
+/// and, at the model's last price, in error. A new recording from another viewpoint matches none of
+/// the known scenes. `pause` is called before each tried view.
+/// Errors: kInvalidArgument if a value has another layout; the errors of the video codec and of
+/// `pause`.
+/// Source: docs/learning_methods.md, section "The image autoencoder".
 Result<encoders::LatentRows> rows_on_best_view(encoders::DeepModel& model,
                                                std::span<const idf::SplitValue> values,
                                                const std::function<Status()>& pause = {});

@@ -36,7 +36,7 @@ Result<double> median_ms(ltm::StoreReader& reader, const ltm::ModelInfo& model,
 Result<AccessTimes> measure_access(ltm::StoreReader& reader, const ltm::ModelInfo& model,
                                    const std::vector<ltm::SnapshotEntry>& index,
                                    ltm::Encoder& encoder) {
-  constexpr double kGoldenRatio = 0.618034;  // Its multiples lie far apart.
+  constexpr double kGoldenRatio = 0.618034;  // Fractions of its multiples are far apart.
   Entries coded;
   for (const ltm::SnapshotEntry& entry : index)
     if (entry.latent) coded.push_back(&entry);

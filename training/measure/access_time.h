@@ -11,8 +11,8 @@
 
 namespace engram::training {
 
-/// Measures how long latents of a model take to be read and decoded.
-/// Errors: those of the store and of the model.
+/// Measures the time to read and decode latents of a model.
+/// Errors: the errors of the store and of the model.
 Result<AccessTimes> measure_access(ltm::StoreReader& reader, const ltm::ModelInfo& model,
                                    const std::vector<ltm::SnapshotEntry>& index,
                                    ltm::Encoder& encoder);

@@ -9,19 +9,19 @@
 
 namespace engram::training {
 
-/// Ways to predict that learn nothing: what a model must beat.
+/// Predictions without learning, which a model must beat.
 enum class Baseline {
-  kCopyLast,  ///< The last value again.
-  kLinear,    ///< A straight line through the last two, per pixel and number.
-  kFlow,      ///< Images move on by optical flow, numbers as a straight line.
+  kCopyLast,  ///< The last value.
+  kLinear,    ///< A straight line through the last two values, per pixel and number.
+  kFlow,      ///< Images extrapolated by optical flow, numbers as a straight line.
 };
 inline constexpr size_t kBaselines = 3;
 
 /// "copy-last", "linear", "flow".
 [[nodiscard]] std::string_view to_string(Baseline baseline);
 
-/// The values 1..`steps` steps after `last`.
-/// Errors: kInvalidArgument where a value is not of the plan's layout; kUnavailable where OpenCV
+/// Predicts the values at 1..`steps` steps after `last`.
+/// Errors: kInvalidArgument if a value does not have the plan's layout; kUnavailable if OpenCV
 /// fails.
 Result<std::vector<idf::Data>> predict_by(Baseline baseline, const encoders::TensorPlan& plan,
                                           const idf::Data& before, const idf::Data& last,

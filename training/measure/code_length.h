@@ -10,9 +10,9 @@
 
 namespace engram::training {
 
-/// Measures what the latents of images of a model take beside what probabilities say, over the
-/// first few hundred snapshots in the store.
-/// Errors: those of the store and of the model.
+/// Compares the size of the image latents of a model with their ideal code length, over the first
+/// few hundred snapshots in the store.
+/// Errors: the errors of the store and of the model.
 Result<CodeLength> measure_code_length(ltm::StoreReader& reader, const ltm::ModelInfo& model,
                                        const std::vector<ltm::SnapshotEntry>& index);
 

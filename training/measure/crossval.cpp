@@ -68,8 +68,8 @@ class Crossval {
     return folds;
   }
 
-  /// Divides what was recorded into what is measured and what is between, and returns the
-  /// recordings of what is measured.
+  /// Divides the recorded snapshots into measured ones and those in between, and returns the
+  /// recordings of the measured ones.
   std::vector<Sequence> take(std::vector<ltm::SnapshotEntry> entries) {
     std::vector<Time> times;
     for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
@@ -117,6 +117,7 @@ class Crossval {
     ENGRAM_ASSIGN_OR_RETURN(const auto file,
                             ltm::TemporaryFile::create(reader_.path(), ".model.h5"));
     ENGRAM_RETURN_IF_ERROR(train(recordings, fold, variant, file.path()));
+    // The model is read back from its file, so that the stored one is measured.
     ENGRAM_ASSIGN_OR_RETURN(const auto model, encoders::read_model(file.path()));
     std::vector<std::vector<float>> codes;
     ENGRAM_RETURN_IF_ERROR(reconstruct_all(*model, recordings, fold, options_.representation(false),
@@ -127,6 +128,7 @@ class Crossval {
     const Sequence& left_out = recordings[fold];
     const auto predictor = encoders::make_predictor(model);
     const auto predict = [&](ltm::Past past, int steps) {
+      // The plan is removed, because it holds the real future of the condition.
       past.plan = {};
       return predictor->predict(past, steps);
     };
@@ -150,6 +152,8 @@ class Crossval {
                encoders::TrainingVariant variant, const std::filesystem::path& file) {
     std::vector<ltm::SnapshotEntry> trained;
     for (size_t i = 0; i < recordings.size(); ++i) {
+      // Snapshots between the measured ones of the left-out recording are left out too: they are
+      // nearly the same images.
       if (i == fold) continue;
       const auto measured = std::span(entries_).subspan(recordings[i].first, recordings[i].size());
       trained.insert(trained.end(), measured.begin(), measured.end());
@@ -187,7 +191,8 @@ class Crossval {
     return values;
   }
 
-  /// Codes and decodes all recordings; adds the snapshots' global codes, if they are wanted.
+  /// Encodes and decodes all recordings. Adds the global codes of the snapshots if `codes` is not
+  /// null.
   Status reconstruct_all(encoders::DeepModel& model, const std::vector<Sequence>& recordings,
                          size_t fold, const RepresentationOptions& representation,
                          ReconstructionSums& sums, std::vector<std::vector<float>>* codes) {
@@ -203,7 +208,7 @@ class Crossval {
     return {};
   }
 
-  /// Codes a recording in blocks and decodes it; adds the blocks' bytes.
+  /// Encodes a recording in blocks and decodes it. Adds the size of the blocks to `bytes`.
   Status reconstruct(encoders::DeepModel& model, BlockChoice& choice, const Sequence& recording,
                      QualitySums& sums, double& bytes, std::vector<std::vector<float>>* codes) {
     ENGRAM_ASSIGN_OR_RETURN(const auto values, values_of(recording));
@@ -241,8 +246,8 @@ class Crossval {
     return predictions;
   }
 
-  /// Predicts as many snapshots of a recording as there are sums from each two in a row.
-  /// What came of the condition is given as the plan.
+  /// Predicts from each two consecutive snapshots of a recording, with as many horizons as there
+  /// are sums. The real future of the condition is given as the plan.
   Status measure_predictions(const Sequence& recording,
                              const std::optional<ltm::MemoryId>& condition, const Predict& predict,
                              std::vector<PredictionSums>& sums) {
@@ -277,9 +282,9 @@ class Crossval {
   const ProgressSink& progress_;
   const std::stop_token& stop_;
   const FoldSink& on_fold_;
-  std::vector<ltm::SnapshotEntry> entries_;  ///< That are measured.
-  /// Per recording, those between them that are only trained on, one slower recording after
-  /// another.
+  std::vector<ltm::SnapshotEntry> entries_;  ///< Measured snapshots.
+  /// Per recording, the snapshots in between, which are only trained on, as slower recordings one
+  /// after another.
   std::vector<std::vector<ltm::SnapshotEntry>> between_;
   encoders::TensorPlan plan_;
 };

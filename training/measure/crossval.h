@@ -12,14 +12,14 @@
 
 namespace engram::training {
 
-/// Called with what a fold gave as soon as it is known, and the number of its recording.
+/// Called with the result of each fold as soon as it is known, and the number of its recording.
 using FoldSink = std::function<void(const CrossvalFold& fold, size_t number)>;
 
-/// Trains models on all recordings of an entity but one, for each of them, and measures them on the
-/// one that was left out. Nothing is published.
-/// Errors: kInvalidArgument where there are fewer than two recordings, or not one that is asked
-/// for; kNotFound; kCancelled; those of the store and of training. Threading: one at a time per
-/// process (train_model).
+/// For each recording of an entity, trains models on all other recordings and measures them on the
+/// left-out one. Nothing is published.
+/// Errors: kInvalidArgument if there are fewer than two recordings, or a requested one does not
+/// exist; kNotFound; kCancelled; the errors of the store and of training.
+/// Threading: one at a time per process (train_model).
 Result<CrossvalReport> crossval(const std::filesystem::path& store, const CrossvalOptions& options,
                                 const ProgressSink& progress = {}, const std::stop_token& stop = {},
                                 const FoldSink& on_fold = {});

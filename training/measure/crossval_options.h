@@ -15,36 +15,37 @@
 namespace engram::training {
 
 struct CrossvalOptions {
-  /// How each model is trained, but for its variant; its budget is that of one fold and variant.
+  /// Options of training each model, except its variant. The budget is for one fold and variant.
   TrainOptions train;
-  /// Trained one after the other in every fold.
+  /// Variants that are trained in every fold.
   std::vector<encoders::TrainingVariant> variants{encoders::TrainingVariant::kRateAware};
   /// A query without selectors that matches one entity.
   std::string entity;
-  /// A store of augmented snapshots: those that were made of what a fold trains on are trained on
-  /// too, at train.augmented_share; empty: none.
+  /// A store of augmented snapshots. Those made of a fold's training data are trained on too, at
+  /// train.augmented_share. Empty for none.
   std::filesystem::path augmented;
-  /// Steps of refining the latents that are measured (latent_refinement.h).
+  /// Steps of refinement of the measured latents (latent_refinement.h).
   int refine_steps = 0;
-  /// Latents are measured alone and, beside that, with residuals where an image's PSNR is less
-  /// than this (Representation::kCorrected); 0: alone only. Unit: dB.
+  /// Latents are measured alone and also with residuals for images with a PSNR below this bound
+  /// (Representation::kCorrected); 0 for latents alone. Unit: dB.
   double bound_db = 0;
-  /// Snapshots that are measured lie so far apart; those between them, as recordings of the same
-  /// rate, are trained on as well. Zero: every one is measured.
+  /// Time between measured snapshots. The snapshots in between are trained on too, as recordings of
+  /// the same rate. Zero to measure every one.
   Duration every{};
-  /// Snapshots ahead that predictions are measured for: next, over-next, ... 2 to 100.
+  /// Max horizon of measured predictions, in snapshots: 2 to 100. All horizons from 1 on are
+  /// measured.
   size_t ahead = 2;
-  /// Recordings that are left out, one after another, by their number from 1 on; none: all.
+  /// Numbers of the recordings that are left out in turn, from 1 on; empty for all.
   std::vector<size_t> folds;
 
   [[nodiscard]] Status validate() const;
-  /// How images are kept that are measured: as latents alone, or corrected.
+  /// Options of the representation of measured images: latents alone, or corrected.
   [[nodiscard]] RepresentationOptions representation(bool is_corrected) const;
 };
 
-/// Predictions are measured at least for next and over-next.
+/// Min value of CrossvalOptions::ahead: the next two snapshots.
 inline constexpr size_t kMinAhead = 2;
-/// A rollout is not meant to go on further.
+/// Max value of CrossvalOptions::ahead. Rollouts are not meant to be longer.
 inline constexpr size_t kMaxAhead = 100;
 
 }  // namespace engram::training

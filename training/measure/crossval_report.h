@@ -14,51 +14,52 @@
 
 namespace engram::training {
 
-/// How well global codes find what looks alike, asked for snapshots of the left-out recording among
-/// all others.
+/// The quality of search by global codes: for snapshots of the left-out recording, the most similar
+/// one among all others is searched for.
 struct SimilarityQuality {
-  uint64_t snapshots = 0;  ///< That were asked for; 0 where there is nothing to measure.
-  uint64_t others = 0;     ///< That were looked through for each.
-  /// What the nearest by code is by pixels: 1 is the nearest of all. By chance: half of `others`.
+  uint64_t snapshots = 0;  ///< Queried snapshots; 0 if there is nothing to measure.
+  uint64_t others = 0;     ///< Candidates for each of them.
+  /// Mean rank by pixels of the nearest snapshot by code; 1 is the nearest of all. Chance gives
+  /// half of `others`.
   double mean_rank = 0;
-  double neighbour_share = 0;        ///< The nearest by code is the one before or after.
-  double pixel_neighbour_share = 0;  ///< The nearest by pixels is.
+  /// Share of queries for which the nearest by code is the snapshot before or after.
+  double neighbour_share = 0;
+  double pixel_neighbour_share = 0;  ///< The same for the nearest by pixels.
 };
 
-/// How recordings are given back by what is stored of them.
+/// Quality and size of reconstructed recordings.
 struct Reconstruction {
-  Quality trained;           ///< Of the recordings that the model was trained on.
-  Quality left_out;          ///< Of the one that was left out.
-  double trained_bytes = 0;  ///< Of a snapshot, in blocks.
+  Quality trained;           ///< Recordings that the model was trained on.
+  Quality left_out;          ///< The left-out recording.
+  double trained_bytes = 0;  ///< Bytes per snapshot, in blocks.
   double left_out_bytes = 0;
 
-  /// How much better images are that were trained on. Unit: dB, of means.
+  /// Difference in mean PSNR between trained and left-out recordings. Unit: dB.
   [[nodiscard]] double gap_db() const { return trained.mean_psnr_db - left_out.mean_psnr_db; }
 };
 
-/// What the models of one training variant are worth.
+/// The quality of the models of one training variant.
 struct VariantQuality {
   encoders::TrainingVariant variant{};
-  Reconstruction latents;    ///< Alone.
-  Reconstruction corrected;  ///< With residuals where they miss the bound that was asked for.
+  Reconstruction latents;    ///< Latents alone.
+  Reconstruction corrected;  ///< With residuals for images that miss the requested bound.
   uint64_t model_bytes = 0;
-  std::vector<Quality> prediction;            ///< Of the left-out recording, by snapshots ahead.
+  std::vector<Quality> prediction;            ///< Of the left-out recording, per horizon.
   std::vector<BoundCoverage> bound_coverage;  ///< Of these predictions.
-  /// The same, told what came of the condition as if it had been planned; nothing is measured
-  /// without a condition.
+  /// The same with the real future of the condition as the plan. Empty without a condition.
   std::vector<Quality> planned;
   SimilarityQuality similarity;
 };
 
-/// One recording that was left out.
+/// The result of one left-out recording.
 struct CrossvalFold {
-  Time first{};            ///< Of the recording; not set in the mean.
-  uint64_t snapshots = 0;  ///< Of it.
-  /// Predictions of it, by Baseline and snapshots ahead.
+  Time first{};            ///< Start of the recording; not set in the mean.
+  uint64_t snapshots = 0;  ///< Snapshots of the recording.
+  /// Predictions of it, by Baseline and horizon.
   std::array<std::vector<Quality>, kBaselines> baselines;
   std::vector<VariantQuality> variants;  ///< As in the options.
 
-  /// How much better a variant predicts images than a copy of the last. Unit: dB, of means.
+  /// Gain of a variant over a copy of the last image, in mean PSNR. Unit: dB.
   [[nodiscard]] double gain_db(size_t variant, size_t ahead) const;
 };
 
@@ -69,7 +70,7 @@ struct CrossvalReport {
   CrossvalFold all;  ///< Over the snapshots of all folds; bytes are means of the folds.
 };
 
-/// NaN becomes null.
+/// Converts a report to JSON. NaN becomes null.
 [[nodiscard]] nlohmann::ordered_json to_json(const CrossvalReport& report);
 
 }  // namespace engram::training

@@ -12,8 +12,8 @@
 
 namespace engram::training {
 
-/// What is added up of reconstructions. Bytes are means of the folds: those of one fold are added,
-/// divided by the number of folds.
+/// Sums over reconstructions. Bytes are means of the folds, so those of one fold are divided by the
+/// number of folds and added.
 struct ReconstructionSums {
   QualitySums trained, left_out;
   double trained_bytes = 0, left_out_bytes = 0;
@@ -22,12 +22,12 @@ struct ReconstructionSums {
   [[nodiscard]] Reconstruction quality() const;
 };
 
-/// What is added up of one variant, over one fold or over all.
+/// Sums of one variant, over one fold or over all.
 struct VariantSums {
   ReconstructionSums latents, corrected;
-  std::vector<PredictionSums> prediction;  ///< By snapshots ahead.
-  std::vector<PredictionSums> planned;     ///< Told the conditions that came.
-  double model_bytes = 0;                  ///< As those of reconstructions.
+  std::vector<PredictionSums> prediction;  ///< Per horizon.
+  std::vector<PredictionSums> planned;     ///< With the real future of the conditions as plan.
+  double model_bytes = 0;                  ///< Mean of the folds, as for reconstructions.
   SimilaritySums similarity;
 
   explicit VariantSums(size_t ahead) : prediction(ahead), planned(ahead) {}
@@ -35,7 +35,7 @@ struct VariantSums {
   [[nodiscard]] VariantQuality quality(encoders::TrainingVariant variant) const;
 };
 
-/// What is added up of one fold, or of all.
+/// Sums of one fold, or of all.
 struct FoldSums {
   uint64_t snapshots = 0;
   std::array<std::vector<PredictionSums>, kBaselines> baselines;

@@ -112,11 +112,12 @@ class EntityMeasurement {
       recorded.push_back(&entry);
       times.push_back(entry.time);
     }
-    std::vector<size_t> rows;  // of the last snapshot before a prediction
+    std::vector<size_t> rows;  // Rows of the last snapshot before a prediction.
     for (const Sequence& sequence : cut_sequences(times))
       for (size_t row = sequence.first + 1; row + 1 < sequence.end; ++row) rows.push_back(row);
     const size_t stride =
         std::max<size_t>(1, rows.size() / std::max<size_t>(options_.max_predictions, 1));
+    // The same gap as in cut_sequences: predictions never cross it.
     const Duration longest = median_step(times) / 2 * 3;
     for (size_t i = 0; i < rows.size(); i += stride) {
       ENGRAM_RETURN_IF_ERROR(step("predict", i, rows.size()));
@@ -148,7 +149,7 @@ class EntityMeasurement {
                             conditions_at(reader_, model_.predictor->condition(), times));
     const auto steps = static_cast<int>(truth.size());
     const auto futures = model_.predictor->predict({history, conditions}, steps);
-    // Snapshots of another layout are not this model's to predict.
+    // Snapshots of another layout cannot be predicted by this model and are skipped.
     if (!futures.ok() && futures.status().code() == StatusCode::kInvalidArgument) return {};
     if (!futures.ok()) return futures.status();
     ENGRAM_ASSIGN_OR_RETURN(const auto copies, model_.copy_last->predict({history, {}}, steps));

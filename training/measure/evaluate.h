@@ -15,7 +15,7 @@ namespace engram::training {
 ///
 /// Reconstructions are decoded from the stored latents. Predictions start from the last two
 /// recorded snapshots, one and two ahead, and never cross a gap between recordings.
-/// Errors: kInvalidArgument; kCancelled; those of the store and of loading models.
+/// Errors: kInvalidArgument; kCancelled; the errors of the store and of loading models.
 Result<EvalReport> evaluate(const std::filesystem::path& store, const EvaluateOptions& options,
                             const ProgressSink& progress = {}, const std::stop_token& stop = {});
 

@@ -8,9 +8,9 @@
 namespace engram::training {
 
 struct EvaluateOptions {
-  /// Queries without selectors; empty: every entity with a model.
+  /// Queries without selectors; empty for every entity with a model.
   std::vector<std::string> entities;
-  /// Most predictions to measure per entity and horizon, evenly spaced. Each costs some 10 ms.
+  /// Max number of evenly spaced predictions per entity and horizon. Each costs about 10 ms.
   size_t max_predictions = 2000;
 };
 

@@ -12,72 +12,74 @@
 
 namespace engram::training {
 
-/// A prediction some snapshots ahead beside a copy of the last one, on the same snapshots.
+/// The quality of predictions of one horizon, and that of copies of the last snapshot on the same
+/// snapshots.
 struct PredictionQuality {
   int horizon = 0;  ///< Snapshots ahead.
   Quality model;
   Quality copy_last;
   BoundCoverage model_bound_coverage = {};
   BoundCoverage copy_bound_coverage = {};
-  /// Of those moments alone when something moved as the prediction was made, where predictions tell
-  /// (MemberPrediction::is_moving): things at rest hide what an engine is worth. Else empty.
+  /// The same over those moments alone in which something moved when the prediction was made.
+  /// Things at rest hide the differences between engines. Empty if predictions do not say it
+  /// (MemberPrediction::is_moving).
   Quality moving = {};
   Quality moving_copy = {};
 };
 
-/// What a model knew of the snapshots that it is measured on.
+/// Whether a model was trained on the snapshots that it is measured on.
 enum class Known {
   kTrained,           ///< Autoencoder and dynamics were trained on them.
-  kHeldOut,           ///< The autoencoder was, the dynamics were not.
-  kLeftOutRecording,  ///< Neither was.
+  kHeldOut,           ///< The autoencoder was trained on them, the dynamics were not.
+  kLeftOutRecording,  ///< Neither was trained on them.
 };
 inline constexpr size_t kKnownKinds = 3;
 
 /// "trained on", "held out", "left-out recordings".
 [[nodiscard]] std::string_view to_string(Known known);
 
-/// Time to read and decode one snapshot from its latents, median over some hundred. NaN where there
-/// are none. Unit: ms.
+/// Time to read and decode one snapshot from its latents: the median over some hundred. NaN without
+/// latents. Unit: ms.
 struct AccessTimes {
-  double in_order_ms = 0;   ///< Each after the one before it.
-  double scattered_ms = 0;  ///< Never two of one block one after the other.
+  double in_order_ms = 0;   ///< Snapshots read in order.
+  double scattered_ms = 0;  ///< Snapshots read such that consecutive ones are of different blocks.
 };
 
-/// What the latents of images take in blocks beside what probabilities say that they should. Sums
-/// over blocks that hold nothing but latents.
+/// Size of image latents in blocks and their ideal code length. Sums over blocks that hold only
+/// latents.
 struct CodeLength {
   uint64_t rows = 0;
-  uint64_t later_rows = 0;  ///< Those with a row before them in their block.
-  double coded_bytes = 0;   ///< Of real code, checksums included.
-  double ideal_bytes = 0;   ///< -log2 of the probabilities that the coder gave.
-  double later_bytes = 0;   ///< The same of later rows.
-  /// Of one later row, as the prior told when the autoencoder was trained by it (Provenance); 0:
-  /// unknown.
+  uint64_t later_rows = 0;  ///< Rows with a row before them in their block.
+  double coded_bytes = 0;   ///< Size of the real code, including checksums.
+  double ideal_bytes = 0;   ///< Ideal length: -log2 of the coder's probabilities.
+  double later_bytes = 0;   ///< Ideal length of later rows.
+  /// Size of one later row as estimated by the prior when the autoencoder was trained (Provenance);
+  /// 0 if unknown.
   double prior_row_bytes = 0;
 };
 
-/// How well the newest model of one entity remembers and predicts.
+/// The quality of reconstruction and prediction of the newest model of one entity.
 struct EntityEvaluation {
   ltm::MemoryId entity;
   int model_version = 0;
-  uint64_t snapshots = 0;           ///< With latents of the newest model.
-  uint64_t not_evaluated = 0;       ///< Of these, without recorded form: nothing to compare with.
-  Quality reconstruction;           ///< Of the snapshots that the autoencoder was trained on.
-  Quality left_out_reconstruction;  ///< Of left-out recordings.
+  uint64_t snapshots = 0;           ///< Snapshots with latents of the newest model.
+  uint64_t not_evaluated = 0;       ///< Those of them without a recorded form to compare with.
+  Quality reconstruction;           ///< Snapshots that the autoencoder was trained on.
+  Quality left_out_reconstruction;  ///< Snapshots of left-out recordings.
   std::array<std::vector<PredictionQuality>, kKnownKinds> prediction;  ///< By Known.
   AccessTimes access;
   CodeLength code;
   uint64_t raw_bytes = 0;     ///< Plain bytes of the entity.
-  uint64_t stored_bytes = 0;  ///< Online form.
+  uint64_t stored_bytes = 0;  ///< Size of the recorded form.
   uint64_t latent_bytes = 0;
   uint64_t model_bytes = 0;
 };
 
 struct EvalReport {
-  std::vector<EntityEvaluation> entities;  ///< In the order of their names; those with models.
+  std::vector<EntityEvaluation> entities;  ///< Entities with models, sorted by name.
 };
 
-/// NaN becomes null.
+/// Conversions to JSON. NaN becomes null.
 [[nodiscard]] nlohmann::ordered_json to_json(const EvalReport& report);
 [[nodiscard]] nlohmann::ordered_json to_json(const PredictionQuality& prediction);
 

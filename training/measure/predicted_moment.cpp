@@ -17,7 +17,7 @@ using ltm::Recall;
 using ltm::SnapshotResult;
 
 constexpr std::string_view kCopyLast = "copy-last";
-/// That the usual interval is the median of.
+/// Number of last snapshots whose median interval is the step.
 constexpr size_t kStepTimes = 1000;
 
 Result<std::vector<Time>> times_of(Recall& recall, const MemoryId& entity) {
@@ -27,7 +27,7 @@ Result<std::vector<Time>> times_of(Recall& recall, const MemoryId& entity) {
   return times;
 }
 
-/// Of the last snapshots: a store may hold millions.
+/// Times of the last snapshots. Not all are read, because a store may hold millions.
 Result<std::vector<Time>> newest_times_of(Recall& recall, const MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
   std::vector<Time> times;
@@ -41,7 +41,7 @@ Result<std::vector<Time>> newest_times_of(Recall& recall, const MemoryId& entity
   return times;
 }
 
-/// The snapshot that a selector finds; nothing where there is none.
+/// The snapshot that a selector finds, if there is one.
 Result<std::optional<SnapshotResult>> only_snapshot(Recall& recall, const MemoryId& entity,
                                                     const ltm::Selector& selector) {
   ENGRAM_ASSIGN_OR_RETURN(auto answer, recall.query(ltm::Query::of_entity(entity, selector)));
@@ -49,10 +49,11 @@ Result<std::optional<SnapshotResult>> only_snapshot(Recall& recall, const Memory
   return snapshots.empty() ? std::nullopt : std::optional(snapshots.front());
 }
 
-/// What came closest to a moment, after the one that was predicted from.
+/// The snapshot closest to `when`, later than the one from which the prediction was made.
 Result<std::optional<SnapshotResult>> actual_of(Recall& recall, const MemoryId& entity, Time when,
                                                 Time from, Duration step) {
-  // One nanosecond less than half a step: what lies between two moments belongs to neither.
+  // One nanosecond less than half a step, so that a snapshot in the middle of two moments belongs
+  // to neither.
   const Duration tolerance = std::max(Duration(0), (step - Duration(1)) / 2);
   ENGRAM_ASSIGN_OR_RETURN(auto found,
                           only_snapshot(recall, entity, ltm::select::Nearest{when, tolerance}));
@@ -60,7 +61,7 @@ Result<std::optional<SnapshotResult>> actual_of(Recall& recall, const MemoryId& 
   return found;
 }
 
-/// Compares first instances; nothing where they have different layouts.
+/// Compares the first instances; nothing if they have different layouts.
 std::optional<ltm::MeasuredError> error_of(const SnapshotResult& actual,
                                            const SnapshotResult& other) {
   if (actual.instances.empty() || other.instances.empty()) return std::nullopt;

@@ -11,51 +11,52 @@
 
 namespace engram::training {
 
-/// One prediction, and what really came where the store knows it. Errors are those of the first
+/// One prediction, and the real snapshot if the store has it. Errors are those of the first
 /// instance.
 struct PredictedHorizon {
   ltm::SnapshotResult predicted;
-  /// The snapshot closest to that time, less than half a step away.
+  /// The snapshot closest to the predicted time, less than half a step away.
   std::optional<ltm::SnapshotResult> actual;
-  std::optional<ltm::MeasuredError> error;       ///< Of the prediction, where that is known.
-  std::optional<ltm::MeasuredError> copy_error;  ///< Of a copy of the last snapshot.
-  ltm::ErrorEstimate copy_told;                  ///< What such a copy would have told.
+  std::optional<ltm::MeasuredError> error;       ///< Error of the prediction, if known.
+  std::optional<ltm::MeasuredError> copy_error;  ///< Error of a copy of the last snapshot.
+  ltm::ErrorEstimate copy_told;                  ///< Estimate that such a copy would have had.
 
-  /// Whether the error is within the bound that the prediction told, in each kind that has one.
-  /// Nothing where either is not known.
+  /// Whether the error is within the predicted bound, in each kind that has one. Empty if error or
+  /// bound is not known.
   [[nodiscard]] std::optional<bool> is_within() const;
 };
 
-/// What was predicted from one moment.
+/// The predictions from one moment.
 struct PredictedMoment {
-  ltm::SnapshotResult last;  ///< What it started from.
+  ltm::SnapshotResult last;  ///< The snapshot from which predictions start.
   std::vector<PredictedHorizon> horizons;
 };
 
-/// Time between two snapshots as an engine counts it; where any will do, the median of the
-/// entity's last ones. Zero where there is only one snapshot.
-/// Errors: those of the store.
+/// Time between two snapshots as an engine counts it. For an engine without a fixed step it is the
+/// median step of the entity's last snapshots, or zero if there is only one.
+/// Errors: the errors of the store.
 Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
                          const ltm::Recall::Engine& engine);
 
-/// The last snapshot after which there is another one so far ahead.
-/// Errors: kNotFound where there is none; those of the store.
+/// Time of the last snapshot that is followed by another one at least `ahead` later.
+/// Errors: kNotFound if there is none; the errors of the store.
 Result<Time> last_known_from(ltm::Recall& recall, const ltm::MemoryId& entity, Duration ahead);
 
-/// Predicts as if nothing after `request.from` were known, and compares.
-/// Errors: those of Recall.
+/// Predicts as if nothing after `request.from` were known, and compares with the real snapshots.
+/// Errors: the errors of Recall.
 Result<PredictedMoment> predict_moment(ltm::Recall& recall, const ltm::MemoryId& entity,
                                        const ltm::Recall::PredictionRequest& request);
 
 /// The moments of a sweep.
 struct SweepOptions {
-  std::optional<Time> first, last;  ///< Both included; nothing: from the first, to the last one.
-  size_t every = 1;                 ///< Snapshots.
+  std::optional<Time> first, last;  ///< Both included; by default the first and the last snapshot.
+  size_t every = 1;                 ///< Distance between two moments, in snapshots.
 };
 
-/// Predicts from many moments. Only those count that have a snapshot before them, and only
-/// horizons whose time is known. Quality per horizon, in their order; `horizon` is its number.
-/// Errors: kInvalidArgument where `every` is 0; kCancelled; those of Recall.
+/// Predicts from many moments. A moment counts only if it has a snapshot before it, and a horizon
+/// only if the store has a snapshot at its time. The result is the quality per horizon, in their
+/// order; PredictionQuality::horizon is its number from 1 on.
+/// Errors: kInvalidArgument if `every` is 0; kCancelled; the errors of Recall.
 Result<std::vector<PredictionQuality>> sweep(ltm::Recall& recall, const ltm::MemoryId& entity,
                                              ltm::Recall::PredictionRequest request,
                                              const SweepOptions& options,

@@ -12,7 +12,7 @@ namespace engram::training {
 /// NaN and infinity become null.
 [[nodiscard]] nlohmann::ordered_json number_json(double value);
 [[nodiscard]] nlohmann::ordered_json quality_json(const Quality& quality);
-/// Of both kinds, those that predictions were told for.
+/// Only the kinds for which something was predicted.
 [[nodiscard]] nlohmann::ordered_json bound_coverage_json(const BoundCoverage& bound_coverage);
 
 }  // namespace engram::training

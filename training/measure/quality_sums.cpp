@@ -18,7 +18,7 @@ void QualitySums::add(const QualitySums& more) {
   ssim_count += more.ssim_count;
 }
 
-// Without any SSIM it is 0 / 0: not a number.
+// Without any SSIM its mean is 0 / 0, which is NaN.
 Quality QualitySums::quality() const {
   constexpr double kLowShare = 0.05;
   return {psnr.count(),     psnr.capped(),     psnr.mean_db(),
@@ -50,7 +50,7 @@ void CoverageSums::add(const CoverageSums& more) {
   expected_sum_ += more.expected_sum_;
 }
 
-// Without any predictions both are 0 / 0: not a number.
+// Without predictions both means are 0 / 0, which is NaN.
 Coverage CoverageSums::coverage() const {
   return {bounded_, within_, bound_sum_ / static_cast<double>(bounded_),
           unit_(expected_sum_ / static_cast<double>(expected_))};

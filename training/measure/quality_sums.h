@@ -14,7 +14,7 @@ namespace engram::training {
 
 inline constexpr double kNoSsim = std::numeric_limits<double>::quiet_NaN();
 
-/// Collects errors of both kinds.
+/// Collects errors of images and of numbers.
 ///
 /// Threading: one thread.
 struct QualitySums {
@@ -23,22 +23,22 @@ struct QualitySums {
   double ssim_sum = 0;
   uint64_t ssim_count = 0;
 
-  /// `ssim`: not a number is left out.
+  /// An `ssim` of NaN is left out.
   void add(const ltm::MeasuredError& error, double ssim = kNoSsim);
   void add(const QualitySums& more);
   [[nodiscard]] Quality quality() const;
 };
 
-/// Adds up whether errors of one kind were what was told beforehand.
+/// Counts how the real errors of one kind compare with the predicted ones.
 ///
 /// Threading: one thread.
 class CoverageSums {
  public:
-  /// What makes of a mean squared error the unit that Coverage counts in.
+  /// Converts a mean squared error to the unit of Coverage.
   using Unit = double (*)(double mse);
   explicit CoverageSums(Unit unit) : unit_(unit) {}
 
-  /// Mean squared errors; what is not a number is left out.
+  /// Adds mean squared errors. NaN is left out.
   void add(double expected, double bound, double error);
   void add(const CoverageSums& more);
   [[nodiscard]] Coverage coverage() const;
@@ -46,11 +46,11 @@ class CoverageSums {
  private:
   Unit unit_;
   uint64_t bounded_ = 0, within_ = 0, expected_ = 0;
-  double bound_sum_ = 0;     ///< In the unit.
-  double expected_sum_ = 0;  ///< Of mean squared errors.
+  double bound_sum_ = 0;     ///< In the unit of Coverage.
+  double expected_sum_ = 0;  ///< Sum of mean squared errors.
 };
 
-/// Collects the errors of predictions, and whether they were what was told.
+/// Collects the errors of predictions and compares them with the predicted errors.
 ///
 /// Threading: one thread.
 struct PredictionSums {

@@ -22,7 +22,7 @@ double distance(std::span<const float> a, std::span<const float> b) {
   return sum;
 }
 
-/// One snapshot and how far all others are from it; itself is infinitely far.
+/// One queried snapshot and the distances of all others. Its distance to itself is infinite.
 struct Asking {
   size_t index = 0;
   idf::Data value;

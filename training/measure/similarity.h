@@ -14,7 +14,7 @@
 
 namespace engram::training {
 
-/// Adds up what was found for snapshots.
+/// Sums over queried snapshots.
 struct SimilaritySums {
   uint64_t snapshots = 0;
   uint64_t others = 0;
@@ -25,12 +25,13 @@ struct SimilaritySums {
   [[nodiscard]] SimilarityQuality quality() const;
 };
 
-/// Asks for what is nearest to snapshots of one recording, by global code and by pixels, among all
-/// others.
+/// Finds the nearest snapshot to snapshots of one recording, by global code and by pixels, among
+/// all others.
 ///
-/// `codes[i]` is that of the value that read(i) returns; `asking` some of these, of one recording.
-/// At most 64 of them, evenly spaced, are asked for; a value costs some 50 us for each.
-/// Errors: those of `read`; kCancelled.
+/// `codes[i]` is the code of the value that read(i) returns. `asking` is the recording whose
+/// snapshots are queried; at most 64 evenly spaced ones are. Each value costs about 50 us per
+/// query.
+/// Errors: the errors of `read`; kCancelled.
 Result<SimilaritySums> measure_similarity(std::span<const std::vector<float>> codes,
                                           const Sequence& asking,
                                           const std::function<Result<idf::Data>(size_t)>& read,

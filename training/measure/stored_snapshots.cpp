@@ -24,7 +24,7 @@ KeptForm form_of(const encoders::ImageCode& code, bool has_residual) {
   return code.is_refined ? KeptForm::kRefined : KeptForm::kLatents;
 }
 
-/// Of all images of a chain, residuals included.
+/// Size of all images of a chain, including residuals.
 double bytes_of(const std::vector<encoders::ImageCode>& chain) {
   uint64_t bytes = 0;
   for (const encoders::ImageCode& code : chain) {
@@ -34,7 +34,7 @@ double bytes_of(const std::vector<encoders::ImageCode>& chain) {
   return static_cast<double>(bytes);
 }
 
-/// Reads what latents say of themselves.
+/// Reads the heads of blocks of latents.
 class Descriptions {
  public:
   Descriptions(ltm::StoreReader& reader, const ltm::MemoryId& entity)
@@ -49,7 +49,7 @@ class Descriptions {
     const size_t row = index % block.chain_rows;
     const size_t first = index - row;
     const auto rows = static_cast<double>(std::min<size_t>(block.chain_rows, count - first));
-    // What no chain has by itself counts evenly for all rows.
+    // The bytes that are not images of a chain count evenly for all rows.
     double rest = static_cast<double>(latent.code.size());
     for (const auto& chain : block.chains) rest -= bytes_of(chain);
     snapshot.bytes += rest / count;
@@ -72,7 +72,7 @@ class Descriptions {
   }
 
  private:
-  /// Paths of the image members that blocks of a model hold.
+  /// Paths of the image members in blocks of a model.
   Result<const std::vector<std::string>*> members_of(int version) {
     if (const auto known = members_.find(version); known != members_.end()) return &known->second;
     const auto& models = reader_.manifest().models;

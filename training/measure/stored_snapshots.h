@@ -13,11 +13,11 @@
 
 namespace engram::training {
 
-/// The path that an image took to its stored form.
+/// The form in which an image is stored.
 enum class KeptForm {
-  kLatents,   ///< As the encoder made them.
-  kRefined,   ///< Latents that were searched for.
-  kResidual,  ///< Latents, refined or not, and what they lack.
+  kLatents,   ///< Latents from the encoder.
+  kRefined,   ///< Refined latents.
+  kResidual,  ///< Latents, refined or not, with a residual.
   kVideo,
   kLossless,
 };
@@ -26,28 +26,28 @@ enum class KeptForm {
 
 /// One image member of a snapshot's instance.
 struct StoredImage {
-  std::string member;  ///< Its path.
+  std::string member;  ///< Path of the member.
   KeptForm form = KeptForm::kLatents;
-  /// An even share of what its block holds of this member, and all of its own residual.
+  /// An even share of the bytes of this member in its block, and all of its own residual.
   double bytes = 0;
   uint64_t residual_bytes = 0;
 };
 
-/// One snapshot as the offline phase keeps it.
+/// The stored form of one snapshot.
 struct StoredSnapshot {
   Time time{};
   int model_version = 0;
   std::vector<StoredImage> images;  ///< Of all instances.
-  /// Images, an even share of what else is in the blocks (numbers, heads, checksums), and the
-  /// remainders; without the segment around them.
+  /// Images, an even share of the other bytes of the blocks (numbers, heads, checksums), and the
+  /// remainders, without the segment around them.
   double bytes = 0;
-  double psnr_db = 0;  ///< Of all its images together, as it was measured; NaN without images.
-  double rmse = 0;     ///< Of all its numbers together, likewise; NaN without numbers.
+  double psnr_db = 0;  ///< Measured over all its images; NaN without images.
+  double rmse = 0;     ///< Measured over all its numbers; NaN without numbers.
 };
 
-/// Tells of every snapshot of an entity that has latents how it is kept, in the order of time.
-/// Decodes nothing; blocks say it themselves.
-/// Errors: kNotFound; kDataLoss; those of the store and of `sink`.
+/// Calls `sink` for every snapshot of an entity that has latents, in the order of time. It reads
+/// the heads of blocks and decodes nothing.
+/// Errors: kNotFound; kDataLoss; the errors of the store and of `sink`.
 Status list_stored_snapshots(ltm::StoreReader& reader, const ltm::MemoryId& entity,
                              const std::function<Status(const StoredSnapshot&)>& sink);
 

@@ -14,11 +14,11 @@ namespace engram::training {
 
 namespace {
 
-/// What the mean PSNR of latents has to exceed the bound by. Unit: dB.
+/// Margin of the mean PSNR of latents above the bound. Unit: dB.
 constexpr double kMargin = 1.0;
 
-/// Bytes of a snapshot's images as video at the bound; 0 where no codec takes them. Some runs stand
-/// for all: coding everything as video would take longer than what is decided by it.
+/// Bytes of the images of a snapshot as video at the bound; 0 if no codec accepts them. Only some
+/// runs are coded, because coding everything would take longer than this decision is worth.
 Result<double> sampled_video_bytes(const EntityWork& work, const PlannedEntity& planned) {
   constexpr size_t kRuns = 4;
   const auto longest = static_cast<size_t>(work.options.train.chain_rows);
@@ -43,7 +43,7 @@ Result<double> sampled_video_bytes(const EntityWork& work, const PlannedEntity& 
   return bytes / static_cast<double>(count);
 }
 
-/// Whether networks may pay; sets their width where nobody did, or notes why they do not.
+/// Whether networks may pay. Sets their width unless it is given, or notes why they do not pay.
 Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned,
                             ChosenForm& form) {
   if (work.options.reuses_models) return true;
@@ -55,7 +55,7 @@ Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned
   const uint64_t networks = network_bytes(planned.layout, smallest);
   if (networks == 0) return true;
   ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes(work, planned));
-  if (video == 0) return true;  // No codec takes its images.
+  if (video == 0) return true;  // No codec accepts its images.
   const double saved = video * static_cast<double>(planned.entries.size()) * representation.nights;
   if (form.train.width == 0) {
     form.train.width = width_that_pays(planned.layout, form.train, saved);
@@ -83,7 +83,7 @@ Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& plan
   ChosenForm form{work.options.train, planned.representation, {}};
   ENGRAM_ASSIGN_OR_RETURN(form.train.has_networks, wants_networks(work, planned, form));
   if (!form.train.has_networks) form.representation.kind = Representation::kVideo;
-  // The mean has to lie above the bound for every image to reach it.
+  // Training aims at a mean, and every image must reach the bound, so the mean must be above it.
   if (form.representation.kind == Representation::kAuto ||
       form.representation.kind == Representation::kCorrected)
     form.train.psnr_db = std::min(form.representation.bound_db + kMargin, kLargestPsnrDb);

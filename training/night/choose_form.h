@@ -13,21 +13,22 @@
 
 namespace engram::training {
 
-/// How the images of an entity will be kept, and what is trained for that.
+/// The form in which the images of an entity will be kept, and the training for it.
 struct ChosenForm {
-  TrainOptions train;  ///< With networks for images, and how wide, or without.
+  TrainOptions train;  ///< Includes whether there are networks for images, and their width.
   RepresentationOptions representation;
-  std::vector<std::string> notes;  ///< Why, in sentences.
+  std::vector<std::string> notes;  ///< Reasons, in sentences.
 
-  /// The same without networks: video at the bound.
+  /// The same without networks, with video at the bound.
   [[nodiscard]] ChosenForm as_video_alone() const;
 };
 
-/// Chooses between networks and video alone, before anything is trained: whether networks for
-/// images could save five times their bytes, if their latents took none at all, beside some evenly
-/// spaced runs of images as video. Chooses their width where nobody did.
-/// Errors: those of the store and of the codecs.
-/// Source: docs/learning.md, section "What is stored: latents or video".
+/// Chooses between networks and video alone before training. Networks are chosen if they could save
+/// five times their own bytes compared with video, assuming that latents take no bytes. Some evenly
+/// spaced runs of images are coded as video to estimate this. Their width is chosen unless it is
+/// given.
+/// Errors: the errors of the store and of the codecs.
+/// Source: docs/learning_methods.md, section "What is stored".
 Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& planned);
 
 }  // namespace engram::training

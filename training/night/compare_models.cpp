@@ -19,7 +19,7 @@ namespace {
 
 using Model = std::shared_ptr<encoders::DeepModel>;
 
-/// Bytes of a snapshot's latents: its part of its blocks, and what is no tensor.
+/// Bytes of a snapshot's latents: its share of its blocks, and its remainder.
 double bytes_of(const ltm::LatentSnapshot& snapshot) {
   double bytes = 0;
   for (const ltm::LatentInstance& instance : snapshot.instances) {
@@ -31,7 +31,7 @@ double bytes_of(const ltm::LatentSnapshot& snapshot) {
   return bytes;
 }
 
-/// Sums over snapshots, apart for those that had latents before.
+/// Sums over snapshots, separate for those that had latents before.
 struct PayloadSum {
   double known = 0;
   double news = 0;
@@ -53,8 +53,8 @@ std::string not_compared(const ltm::ModelInfo& newest, std::string_view why) {
   return fmt::format("v{} was not compared with: {}", newest.version, why);
 }
 
-/// The newest model, where it can code these snapshots as is asked for; null, with a note, where
-/// not.
+/// Returns the newest model if it can encode these snapshots with the requested options; else null,
+/// with a note.
 Model usable_model(const EntityWork& work, const PlannedEntity& planned, const ChosenForm& form,
                    const ltm::ModelInfo& newest, std::vector<std::string>& notes) {
   auto model = encoders::read_model(work.reader.path() / newest.file);
@@ -69,14 +69,15 @@ Model usable_model(const EntityWork& work, const PlannedEntity& planned, const C
   return *std::move(model);
 }
 
-/// Bytes of the newest model's latents of a snapshot; nothing where it has none within the bound.
+/// Bytes of the newest model's latents of a snapshot; nothing if it has none within the bound.
 Result<std::optional<double>> known_bytes(const EntityWork& work, const PlannedEntity& planned,
                                           const encoders::DeepModel& newest,
                                           const ltm::SnapshotEntry& entry) {
   using Bytes = std::optional<double>;
   if (version_of_latents(work, entry) != planned.plan.newest_version) return Bytes();
   const double bound_db = planned.representation.bound_db;
-  // What was measured is the mean over several images.
+  // The measured error is the mean over all images, which does not show that each one keeps the
+  // bound.
   if (newest.plan.images().size() > 1 && newest.provenance.forms.bound_db < bound_db)
     return Bytes();
   ENGRAM_ASSIGN_OR_RETURN(const auto latents, work.reader.read_latent(work.entity, entry));
@@ -87,8 +88,8 @@ Result<std::optional<double>> known_bytes(const EntityWork& work, const PlannedE
   return Bytes(bytes_of(latents));
 }
 
-/// Whether latents of the newest model stay where those of all planned snapshots are replaced: then
-/// its file stays, whatever is chosen.
+/// Whether latents of the newest model remain after those of all planned snapshots are replaced.
+/// Then its file stays in any case.
 Result<bool> is_needed_anyway(const EntityWork& work, const PlannedEntity& planned,
                               const ltm::ModelInfo& newest) {
   const auto is_of_newest = [&](const ltm::SnapshotEntry& entry) {
@@ -141,7 +142,8 @@ Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntit
     else
       rest.push_back(entry);
   }
-  // As it was planned: the new model may have become one of video alone; the bound is the same.
+  // The planned representation is used, because the new model may now be one of video alone. The
+  // bound is the same.
   auto encoded = encode_entity(work, previous, newest->version, rest, planned.representation);
   if (encoded.status().code() == StatusCode::kInvalidArgument) {
     compared.notes.push_back(not_compared(*newest, encoded.status().message()));

@@ -15,25 +15,25 @@
 
 namespace engram::training {
 
-/// A new model beside the one before it.
+/// The comparison of a new model with the one before it.
 struct ComparedModels {
-  encoders::ModelChoice choice;    ///< Without a previous version: there was none to compare with.
-  std::vector<std::string> notes;  ///< What was found, or why nothing was compared, in sentences.
-  /// What the previous model made of the snapshots that had no latents of it within the bound;
-  /// nothing where it was not compared.
+  encoders::ModelChoice choice;    ///< Has no previous version if there was none to compare with.
+  std::vector<std::string> notes;  ///< The result, or why nothing was compared, in sentences.
+  /// The encoding by the previous model of the snapshots that had no latents of it within the
+  /// bound; nothing if it was not compared.
   std::optional<EncodedEntity> previous;
-  /// The time was over before the previous model had coded what it has to.
+  /// Set if the time was over before the previous model had encoded all of them.
   std::optional<Skipped> skipped;
 };
 
-/// Whether networks and the cheapest of latents and video take more bytes, in the nights that a
-/// model serves, than video alone: then why, in a sentence.
+/// Returns the reason, as a sentence, if networks with the cheapest mix of latents and video take
+/// more bytes than video alone over `nights` nights.
 [[nodiscard]] std::optional<std::string> why_video_is_cheaper(const EncodedEntity& made,
                                                               uint64_t model_bytes, int nights);
 
-/// Finds whether going on with the newest model of the store is worth more than the new one, which
-/// made `made` and takes `model_bytes`. Codes with the former what has no latents of it yet.
-/// Errors: those of the store, and of encoding but for want of time.
+/// Compares continuing with the newest model of the store to the new model, which encoded `made`
+/// and takes `model_bytes`. The newest model encodes the snapshots that have no latents of it yet.
+/// Errors: the errors of the store and of encoding, except for a lack of time.
 Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntity& planned,
                                       const ChosenForm& form, const EncodedEntity& made,
                                       uint64_t model_bytes);

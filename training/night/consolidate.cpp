@@ -21,21 +21,21 @@ namespace engram::training {
 
 namespace {
 
-/// One entity on its way through the steps.
+/// The state of one entity between the steps.
 struct EntityJob {
   EntityWork work;
   PlannedEntity planned;
-  std::optional<ChosenForm> form;  ///< Where it had to be known to measure encoding.
-  ExpectedEncoding encoding;       ///< Zero where it was not measured.
+  std::optional<ChosenForm> form;  ///< Set if it was needed to measure encoding.
+  ExpectedEncoding encoding;       ///< Zero if it was not measured.
 };
 
-/// The work on a store, entity by entity.
+/// The work on a store, with one job per entity.
 struct Jobs {
   std::unique_ptr<ltm::StoreReader> reader;
   std::vector<EntityJob> entities;
   ConsolidatePlan plan;  ///< One for each.
 
-  /// All but the result outlive it.
+  /// All arguments must outlive the result.
   static Result<Jobs> make(const std::filesystem::path& store, const ConsolidateOptions& options,
                            JobPace& pace) {
     ENGRAM_RETURN_IF_ERROR(options.validate());
@@ -60,8 +60,8 @@ struct Jobs {
   }
 };
 
-/// Chooses forms and measures what encoding will take, where everything ends at a moment: the time
-/// to train is what that leaves.
+/// Chooses forms and measures the time of encoding if the job ends at a moment. The rest of the
+/// time is for training.
 Status measure_encoding(const ConsolidateOptions& options, std::vector<EntityJob>& jobs) {
   if (!options.job.until) return {};
   for (EntityJob& job : jobs) {
@@ -75,11 +75,11 @@ Status measure_encoding(const ConsolidateOptions& options, std::vector<EntityJob
 /// Divides the time of a job among its entities by their weights.
 class TimeShares {
  public:
-  /// Both outlive it.
+  /// Both must outlive this object.
   TimeShares(const ConsolidateOptions& options, const std::vector<EntityJob>& jobs)
       : options_(options), jobs_(jobs) {}
 
-  /// Time for the next entity; nothing where none is left for it.
+  /// Time for the next entity; nothing if none is left.
   Result<std::optional<Allotment>> next(size_t i) const {
     using Time = std::optional<Allotment>;
     const double weight = jobs_[i].planned.weight();
@@ -91,7 +91,7 @@ class TimeShares {
     return Time(Allotment{budget, {}, {}});
   }
 
-  /// For encoding all entities from the i-th on. Unit: s.
+  /// Time for encoding all entities from the i-th on. Unit: s.
   [[nodiscard]] double reserved_from(size_t i) const {
     double sum = 0;
     for (; i < jobs_.size(); ++i) sum += jobs_[i].encoding.reserved;
@@ -108,6 +108,8 @@ class TimeShares {
   Result<std::optional<Allotment>> until(Time end, size_t i) const {
     const EntityJob& job = jobs_[i];
     const Time now = system_now();
+    // The division is repeated for every entity, so time that one saves or loses is shared by the
+    // rest.
     const double left = to_seconds(end - now) - reserved_from(i);
     ENGRAM_ASSIGN_OR_RETURN(const Duration budget,
                             duration_from_seconds(left * job.planned.weight() / weights_from(i)));

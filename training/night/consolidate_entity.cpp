@@ -22,22 +22,22 @@ namespace engram::training {
 
 namespace {
 
-/// A second model, without networks for images, gets this part of the time again.
+/// A second model, without networks for images, gets the time divided by this.
 constexpr int kSecondShare = 10;
 
-/// A model that was fitted, what it made of all snapshots, and its file.
+/// A fitted model, all snapshots encoded with it, and its file.
 struct MadeModel {
   FittedModel fitted;
   EncodedEntity encoded;
   ModelFile file;
-  double encoding_seconds = 0;  ///< That of models which were made before it, too.
+  double encoding_seconds = 0;  ///< Includes the models made before it.
 };
 
-/// What a step came to, where it may find that the entity stays as it is.
+/// The result of a step that may find that the entity stays unchanged.
 template <typename T>
 using OrSkipped = std::variant<T, Skipped>;
 
-/// A value, or the reason to skip the entity. Errors: those that end the whole job.
+/// Returns a value or the reason to skip the entity. Errors: those that end the whole job.
 template <typename T>
 Result<OrSkipped<T>> or_skipped(Result<T> result, const JobPace& pace) {
   if (result.ok()) return OrSkipped<T>(*std::move(result));
@@ -67,7 +67,8 @@ void tell(const EncodedEntity& encoded, EntityReport& report) {
   report.forms = quality.forms;
 }
 
-/// Fits a model, codes all snapshots with it, and writes it with how they were kept.
+/// Fits a model, encodes all snapshots with it, and writes it with the forms in which they were
+/// kept.
 Result<OrSkipped<MadeModel>> make(const EntityWork& work, const PlannedEntity& planned,
                                   const TrainingSource& source, const ChosenForm& form,
                                   const Allotment& time) {
@@ -89,7 +90,7 @@ Result<OrSkipped<MadeModel>> make(const EntityWork& work, const PlannedEntity& p
   return Made(MadeModel{std::move(model), std::move(snapshots), std::move(file), seconds});
 }
 
-/// Time to code everything as video alone; nothing where it is over.
+/// Time to encode everything as video alone; nothing if the time is over.
 std::optional<Allotment> second_allotment(const Allotment& first, double encoding_seconds) {
   Allotment second{first.budget / kSecondShare, std::nullopt, first.encoded_end};
   if (!first.end) return second;
@@ -102,8 +103,8 @@ std::optional<Allotment> second_allotment(const Allotment& first, double encodin
   return second;
 }
 
-/// The model that was made, or one of video alone where that takes fewer bytes; why, in a note.
-/// Where the time ends before, what was made first is good as well, only larger.
+/// Returns the new model, or one of video alone if that takes fewer bytes, with the reason in a
+/// note. If the time ends before, the first model is still valid, only larger.
 Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const PlannedEntity& planned,
                                             const TrainingSource& source, const ChosenForm& form,
                                             const Allotment& time, MadeModel made,
@@ -124,7 +125,7 @@ Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const Planne
   return again;
 }
 
-/// Codes what has no latents yet, or all, with the newest model.
+/// Encodes the snapshots without latents, or all, with the newest model.
 Result<OrSkipped<EntityReport>> with_newest_model(const EntityWork& work,
                                                   const PlannedEntity& planned) {
   using Done = OrSkipped<EntityReport>;
@@ -150,7 +151,8 @@ Result<OrSkipped<EntityReport>> with_newest_model(const EntityWork& work,
   return Done(std::move(report));
 }
 
-/// Publishes what is worth more, the new model with its latents or more latents of the one before.
+/// Publishes the cheaper choice: the new model with its latents, or more latents of the previous
+/// model.
 Result<EntityReport> publish(const EntityWork& work, MadeModel made, ComparedModels compared,
                              EntityReport report) {
   std::ranges::move(compared.notes, std::back_inserter(report.notes));
@@ -174,7 +176,7 @@ Result<EntityReport> publish(const EntityWork& work, MadeModel made, ComparedMod
   return report;
 }
 
-/// Fits a new model; publishes what is worth more, it or going on with the one before.
+/// Fits a new model, compares it with the previous one and publishes the cheaper choice.
 Result<OrSkipped<EntityReport>> with_new_model(const EntityWork& work, const PlannedEntity& planned,
                                                const ChosenForm& form, const Allotment& time) {
   using Done = OrSkipped<EntityReport>;

@@ -17,16 +17,17 @@ namespace engram::training {
 ///     PlannedEntity --choose_form--> ChosenForm --fit_entity--> FittedModel
 ///       --encode_entity--> EncodedEntity --compare_models--> ComparedModels --publish--> store
 ///
-/// The form comes before fitting: it decides whether networks for images are fitted at all. What is
-/// known afterwards may choose video alone after all, then it is fitted and encoded once more.
-/// `form`: where it was chosen already, to measure how long encoding takes.
-/// Errors: those of the steps that concern more than this entity; else it is skipped.
+/// The form is chosen before fitting, because it decides whether networks for images are fitted at
+/// all. If video alone turns out to be smaller after encoding, fitting and encoding are repeated
+/// without networks. `form` is given if it was chosen already to measure the time of encoding.
+/// Errors: errors of the steps that concern more than this entity; for other errors the entity is
+/// skipped.
 Result<EntityReport> consolidate_entity(const EntityWork& work, const PlannedEntity& planned,
                                         const std::optional<ChosenForm>& form,
                                         const Allotment& time);
 
-/// What is reported of an entity that stays as it is. Its checkpoints go, but where it is late:
-/// then the next job goes on from them.
+/// Returns the report of an entity that stays unchanged. Its checkpoints are removed unless the
+/// time was over: then the next job continues from them.
 [[nodiscard]] EntityReport skip_entity(const EntityWork& work, const PlannedEntity& planned,
                                        const Skipped& skipped);
 

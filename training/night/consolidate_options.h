@@ -13,25 +13,28 @@
 
 namespace engram::training {
 
-/// What the offline phase works on.
+/// Options of the offline phase.
 struct ConsolidateOptions {
-  /// Its budget is that of all entities together, split by the square root of their plain bytes.
+  /// Options of training. The budget is for all entities together and is divided by the square root
+  /// of their plain bytes.
   TrainOptions train;
-  /// In what form images are kept. In the automatic one train.psnr_db follows its bound.
+  /// The form of images. In the automatic one train.psnr_db follows from the bound.
   RepresentationOptions representation;
-  /// Queries without selectors ("Vision/.*"); an entity that any of them matches is taken. Empty:
-  /// every entity.
+  /// Queries without selectors ("Vision/.*"); an entity is taken if any of them matches. If there
+  /// are none, every entity is taken.
   std::vector<std::string> entities;
-  /// A store of augmented snapshots that are trained on too, at train.augmented_share; empty: none.
+  /// A store of augmented snapshots that are trained on too, at train.augmented_share; empty for
+  /// none.
   std::filesystem::path augmented;
-  /// Entities with fewer recorded snapshots are skipped: a model would cost more than it saves.
+  /// Entities with fewer recorded snapshots are skipped, because a model would cost more than it
+  /// saves.
   size_t min_snapshots = 16;
-  /// Also trains where every recorded snapshot has latents already.
+  /// Whether to train even if every recorded snapshot has latents already.
   bool force = false;
-  /// Encodes with the newest model of each entity instead of training one: what has no latents yet,
-  /// or all with `force`.
+  /// Whether to encode with the newest model of each entity instead of training one: the snapshots
+  /// without latents, or all with `force`.
   bool reuses_models = false;
-  /// Training does not start from the newest model of each entity.
+  /// Whether training starts anew instead of from the newest model of each entity.
   bool starts_anew = false;
   JobControl job;
 

@@ -12,35 +12,35 @@
 
 namespace engram::training {
 
-/// What became of one entity.
+/// The result of the offline phase for one entity.
 struct EntityReport {
   ltm::MemoryId entity;
-  std::string skipped_reason;  ///< Empty where latents were published, or could stay as they are.
-  int model_version = 0;       ///< Whose latents were published.
-  bool is_model_new = false;   ///< Else it is the one that was there, and `training` is discarded.
-  uint64_t snapshots = 0;      ///< Recorded ones that got latents of that model.
-  uint64_t left_behind = 0;    ///< Recorded ones of another layout: they stay as they are.
-  uint64_t raw_bytes = 0;      ///< Of the encoded snapshots, plain.
-  uint64_t stored_bytes = 0;   ///< Of the recorded form of the entity.
+  std::string skipped_reason;  ///< Empty if latents were published or could stay.
+  int model_version = 0;       ///< Version of the model of the published latents.
+  bool is_model_new = false;   ///< If not, the previous model was kept and the new one discarded.
+  uint64_t snapshots = 0;      ///< Recorded snapshots that got latents of that model.
+  uint64_t left_behind = 0;    ///< Recorded snapshots of another layout, which stay unchanged.
+  uint64_t raw_bytes = 0;      ///< Plain size of the encoded snapshots.
+  uint64_t stored_bytes = 0;   ///< Size of the recorded form of the entity.
   uint64_t latent_bytes = 0;   ///< Codes and remainders, without the segment around them.
   uint64_t model_bytes = 0;
   double mean_psnr_db = 0;  ///< NaN without images, like the next three.
   double pooled_psnr_db = 0;
   double minimum_psnr_db = 0;
-  /// That 5 %, half and 95 % of the images are below.
+  /// Quantiles of the PSNR of images: 5 %, 50 % and 95 %.
   std::array<double, 3> psnr_quantiles_db{};
   double rmse = 0;                 ///< NaN without numbers.
-  encoders::StoredForms forms;     ///< How the images were kept.
+  encoders::StoredForms forms;     ///< The forms in which images were kept.
   encoders::ModelChoice choice;    ///< Between the new model and the one before it.
-  std::vector<std::string> notes;  ///< Why, in sentences.
+  std::vector<std::string> notes;  ///< Reasons, in sentences.
   double seconds = 0;
-  double encoding_seconds = 0;           ///< Of `seconds`: encoding, decoding and comparing.
-  double expected_encoding_seconds = 0;  ///< As measured on a sample; 0 where it was not.
+  double encoding_seconds = 0;           ///< Part of `seconds`: encoding, decoding and comparing.
+  double expected_encoding_seconds = 0;  ///< Estimate from a sample; 0 if it was not measured.
   TrainReport training;
 };
 
 struct ConsolidateReport {
-  std::vector<EntityReport> entities;  ///< In the order of their names.
+  std::vector<EntityReport> entities;  ///< Sorted by name.
 };
 
 }  // namespace engram::training

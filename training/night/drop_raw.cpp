@@ -12,7 +12,8 @@ namespace engram::training {
 
 namespace {
 
-/// Another processor may round a network's output differently, by a grey level at most.
+/// Whether the error is the published one. Another processor may round the output of a network
+/// differently, by at most one grey level.
 bool is_as_published(double found_mse, double published_mse) {
   return std::isnan(found_mse) || found_mse <= published_mse * 1.02 + 1e-9 ||
          std::sqrt(found_mse) <= std::sqrt(published_mse) + 1;

@@ -19,18 +19,18 @@ struct DeepModel;
 
 namespace engram::training {
 
-/// Snapshots of an entity, coded with one model, and what a query will see of them beside what was
-/// recorded.
+/// Snapshots of an entity encoded with one model, and the quality of the decoded values compared
+/// with the recorded ones.
 struct EncodedEntity {
   int model_version = 0;
   std::vector<ltm::LatentSnapshot> latents;  ///< One per snapshot.
   KeptQuality quality;
-  double seconds = 0;  ///< Encoding, decoding and comparing.
+  double seconds = 0;  ///< Time of encoding, decoding and comparing.
 };
 
-/// Codes some snapshots of an entity with a model, each block in the cheapest form that
-/// `representation` allows, decodes them as a query would and compares.
-/// Errors: those of EntityEncoding::run.
+/// Encodes some snapshots of an entity with a model, each block in the cheapest form that
+/// `representation` allows, then decodes them as in a query and compares.
+/// Errors: the errors of EntityEncoding::run.
 Result<EncodedEntity> encode_entity(const EntityWork& work,
                                     const std::shared_ptr<encoders::DeepModel>& model, int version,
                                     std::span<const ltm::SnapshotEntry> entries,

@@ -17,7 +17,7 @@ Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace&
   for (const Sequence& sequence : cut_sequences(times))
     for (size_t first = sequence.first; first < sequence.end; first += max_rows_) {
       const size_t count = std::min(max_rows_, sequence.end - first);
-      // Rows of several instances are more than snapshots.
+      // With several instances there are more rows than snapshots.
       const auto pause = [&](size_t rows) {
         tell(first + std::min(rows, count));
         return pace.pause();
@@ -53,7 +53,7 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
   return {};
 }
 
-/// Snapshots of several instances fill more than one block.
+/// Snapshots with several instances fill more than one block.
 Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values,
                                                                const std::stop_token& stop,
                                                                const BlockChoice::Pause& pause) {

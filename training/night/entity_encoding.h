@@ -15,13 +15,13 @@
 
 namespace engram::training {
 
-/// Codes recorded snapshots of an entity as blocks of latents, and compares what a query will see
-/// of each with what was recorded.
+/// Encodes recorded snapshots of an entity as blocks of latents, and compares the decoded values,
+/// as a query will see them, with the recorded ones.
 ///
 /// Threading: one thread.
 class EntityEncoding {
  public:
-  /// All outlive it. `version` is that of the model.
+  /// All arguments must outlive this object. `version` is that of the model.
   EntityEncoding(ltm::StoreReader& reader, const ltm::MemoryId& entity, int version,
                  encoders::DeepModel& model, ltm::Encoder& decoder,
                  const RepresentationOptions& options)
@@ -32,8 +32,9 @@ class EntityEncoding {
         choice_(model, options),
         decoder_(decoder) {}
 
-  /// Blocks never cross a gap between recordings. Waits between chains while the robot is busy.
-  /// Errors: those of JobPace::pause, of the store and of the model.
+  /// Encodes and compares `entries`. Blocks never cross a gap between recordings. It waits between
+  /// chains while the robot is busy.
+  /// Errors: the errors of JobPace::pause, of the store and of the model.
   Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
 
   [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }

@@ -12,11 +12,11 @@
 
 namespace engram::training {
 
-/// Images by image member: of each, one per snapshot.
+/// Images by image member, one per snapshot.
 using MemberImages = std::vector<std::vector<idf::NdArray>>;
 
 /// Adds the images of a snapshot's first instance, one per image member of the layout.
-/// Errors: kInvalidArgument where it has another layout; those of the store.
+/// Errors: kInvalidArgument if it has another layout; the errors of the store.
 Status append_images(const EntityWork& work, const idf::Layout& layout,
                      const ltm::SnapshotEntry& entry, MemberImages& images);
 

@@ -15,9 +15,9 @@
 
 namespace engram::training {
 
-/// What every step of the work on one entity is given beside what the steps before it made.
+/// The input that every step of the work on one entity gets besides the results of earlier steps.
 ///
-/// Owns: only the name; the job owns the rest, which outlives all steps.
+/// It owns only the name. The job owns the rest, which outlives all steps.
 struct EntityWork {
   ltm::StoreReader& reader;  ///< One generation of the store.
   ltm::MemoryId entity;
@@ -25,22 +25,24 @@ struct EntityWork {
   JobPace& pace;
 };
 
-/// The time that an entity gets.
+/// The time for one entity.
 struct Allotment {
-  Duration budget{};                ///< For training.
-  std::optional<Time> end;          ///< Training ends then instead.
-  std::optional<Time> encoded_end;  ///< With it: when encoding should have ended.
+  Duration budget{};        ///< Time for training.
+  std::optional<Time> end;  ///< If set, training ends at this moment instead.
+  /// Set with `end`: the moment at which encoding should be done.
+  std::optional<Time> encoded_end;
 };
 
-/// Why an entity stays as it is, while the job goes on with the next one.
+/// The reason why an entity stays unchanged while the job continues with the next one.
 struct Skipped {
   std::string reason;
-  bool is_late = false;  ///< For want of time: the next job goes on where this one was.
+  /// Whether the time was over. Then the next job continues from the checkpoint.
+  bool is_late = false;
 };
 
-/// Whether what went wrong while a model was fitted, or snapshots were encoded, concerns the entity
-/// alone: the time is over, or the entity cannot be a tensor or has images that no codec takes.
-/// Nothing where it ends the whole job. Needs an error (checked).
+/// Returns the reason to skip an entity if `error`, from fitting or encoding, concerns this entity
+/// alone: the time is over, or its values cannot be tensors, or no codec accepts its images. The
+/// result is empty if the error ends the whole job. `error` must be an error (checked).
 [[nodiscard]] std::optional<Skipped> skipped_by(const Status& error, const JobPace& pace);
 
 }  // namespace engram::training

@@ -13,9 +13,9 @@ namespace engram::training {
 
 namespace {
 
-/// Snapshots that encoding is measured on.
+/// Number of snapshots on which encoding is measured.
 constexpr size_t kSample = 32;
-/// Predictions are measured beside encoding, on so many snapshots at most.
+/// Max number of snapshots on which predictions are measured in addition to encoding.
 constexpr size_t kMaxMeasured = 256;
 
 }  // namespace
@@ -41,10 +41,11 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
                 no_progress, work.pace.stop());
   if (fitted.status().code() == StatusCode::kInvalidArgument) return ExpectedEncoding();
   ENGRAM_RETURN_IF_ERROR(fitted.status());
-  // A pace of its own: what is measured is work, without waiting for the robot.
+  // The sample has a pace of its own, so that waiting for the robot does not count as work.
   JobPace pace(nullptr, no_progress, work.pace.stop());
   const EntityWork quiet{work.reader, work.entity, work.options, pace};
-  // So early a model misses every bound by far: later some blocks may be refined.
+  // After two steps a model misses every bound by far, so no block would be refined. Later some may
+  // be.
   RepresentationOptions slowest = form.representation;
   if (slowest.kind == Representation::kAuto)
     slowest.refine_steps = std::max(slowest.refine_steps, slowest.few_refine_steps);
@@ -53,7 +54,8 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
   ENGRAM_RETURN_IF_ERROR(encoded.status());
   const double per_snapshot = encoded->seconds / static_cast<double>(sample.size());
   const auto count = static_cast<double>(entries.size());
-  // All may have to be coded again, as video alone, and what is new by the model before.
+  // Everything may have to be encoded again as video alone, and new snapshots with the previous
+  // model.
   const bool may_repeat =
       form.representation.kind == Representation::kAuto && form.train.has_networks;
   const bool has_previous =

@@ -9,18 +9,19 @@
 
 namespace engram::training {
 
-/// How long encoding will take, as measured on a sample. Unit: s; 0 where it cannot be measured,
-/// since the entity will be skipped.
+/// The expected time of encoding, measured on a sample. It is 0 if the entity will be skipped and
+/// cannot be measured.
+/// Unit: s.
 struct ExpectedEncoding {
-  double seconds = 0;   ///< All snapshots once: what a report tells.
-  double reserved = 0;  ///< Everything after training, with a margin.
+  double seconds = 0;   ///< Time for all snapshots once, for the report.
+  double reserved = 0;  ///< Time for all work after training, with a margin.
 };
 
-/// What to leave free for encoding that was measured to take so long. Unit: s.
+/// Time to reserve for encoding that takes `seconds` by measurement. Unit: s.
 [[nodiscard]] double with_encoding_margin(double seconds);
 
-/// Trains a model for two steps on the first snapshots, and codes these with it.
-/// Errors: those of training and encoding, but for what skips an entity.
+/// Trains a model for two steps on the first snapshots and encodes these with it.
+/// Errors: the errors of training and encoding, except those for which an entity is skipped.
 Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedEntity& planned,
                                           const ChosenForm& form);
 

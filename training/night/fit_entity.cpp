@@ -38,7 +38,7 @@ Result<FittedModel> fit_entity(const EntityWork& work, const PlannedEntity& plan
                              .checkpoint_interval = work.options.job.checkpoint_interval,
                              .pace = &work.pace};
   TrainingSource values = source;
-  // The newest one: links of the first may lead to what was forgotten.
+  // The newest snapshot is used, because links of the first one may lead to forgotten snapshots.
   ENGRAM_RETURN_IF_ERROR(add_condition(work.reader, work.entity, planned.entries.back(), values));
   return fit_model(values, train, work.pace.progress(), work.pace.stop(), control);
 }
@@ -46,7 +46,7 @@ Result<FittedModel> fit_entity(const EntityWork& work, const PlannedEntity& plan
 std::filesystem::path checkpoint_of(const EntityWork& work, const TrainingSource& source,
                                     const TrainOptions& train) {
   if (work.options.job.checkpoint_interval == Duration::zero()) return {};
-  // What the other variants keep beside the model is not in a checkpoint.
+  // Checkpoints do not contain the state that other variants keep outside the model.
   if (train.variant != encoders::TrainingVariant::kRateAware) return {};
   return ltm::checkpoint_file(work.reader.path(), work.entity, checkpoint_key(source, train));
 }

@@ -15,24 +15,24 @@
 
 namespace engram::training {
 
-/// What models of the entity are trained on: its recorded snapshots, what was made of them where
-/// that was asked for, and the model that training goes on from. Work and plan outlive it.
-/// Errors: those of find_augmented.
+/// Returns the training data of an entity: its recorded snapshots, their augmented values if
+/// requested, and the model that training starts from. Work and plan must outlive the result.
+/// Errors: the errors of find_augmented.
 Result<TrainingSource> find_training_source(const EntityWork& work, const PlannedEntity& planned);
 
-/// Fits a model in the time that is given, from its checkpoint where an earlier job kept one.
-/// Errors: those of fit_model and add_condition.
+/// Fits a model in the given time, starting from a checkpoint if an earlier job kept one.
+/// Errors: the errors of fit_model and add_condition.
 Result<FittedModel> fit_entity(const EntityWork& work, const PlannedEntity& planned,
                                const TrainingSource& source, const ChosenForm& form,
                                const Allotment& time);
 
-/// Where the training of such a model is kept; empty: nowhere.
+/// File of the checkpoint of such a training; empty if none is kept.
 [[nodiscard]] std::filesystem::path checkpoint_of(const EntityWork& work,
                                                   const TrainingSource& source,
                                                   const TrainOptions& train);
 
-/// Removes the entity's checkpoints but for `kept`: nothing goes on from them. What fails is told
-/// as a warning.
+/// Removes the entity's checkpoints except `kept`, because no training continues from them. A
+/// failure is logged as a warning.
 void remove_stale_checkpoints(const EntityWork& work,
                               std::span<const std::filesystem::path> kept = {});
 

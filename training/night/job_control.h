@@ -8,16 +8,16 @@
 
 namespace engram::training {
 
-/// How a long job runs beside other work, and what is left of it when it is killed.
+/// Options for running a long job beside other work, and for what is kept if it is killed.
 struct JobControl {
-  /// Everything is over at about this moment, encoding included; the budget does not count then.
+  /// The job, including encoding, ends at about this moment, and the budget is ignored.
   std::optional<Time> until;
-  /// How often training is kept, so that a later job goes on from there. Costs about 12 bytes per
-  /// weight of disk. Zero: never.
+  /// Time between two checkpoints of training, from which a later job continues. A checkpoint takes
+  /// about 12 bytes of disk per weight. Zero turns them off.
   Duration checkpoint_interval = std::chrono::minutes(1);
-  /// Removes what earlier jobs kept instead of going on from it.
+  /// Whether to remove the checkpoints of earlier jobs instead of continuing from them.
   bool is_fresh = false;
-  /// When the robot is busy, training and encoding wait.
+  /// How to find out whether the robot is busy. Training and encoding wait while it is.
   RobotBusy::Options yield = {};
 
   [[nodiscard]] Status validate() const {

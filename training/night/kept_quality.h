@@ -10,7 +10,7 @@
 
 namespace engram::training {
 
-/// What came back of snapshots that were coded, and in how many bytes. Fields as of EntityReport.
+/// Quality and size of encoded snapshots. The members are as in EntityReport.
 struct KeptQuality {
   uint64_t snapshots = 0;
   uint64_t raw_bytes = 0;

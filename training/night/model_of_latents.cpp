@@ -4,7 +4,7 @@
 namespace engram::training {
 
 int version_of_latents(const EntityWork& work, const ltm::SnapshotEntry& entry) {
-  if (!entry.latent) return 0;  // It is in no journal.
+  if (!entry.latent) return 0;  // Journals hold no latents.
   const auto* entity = work.reader.manifest().segments[entry.latent->source].find(work.entity);
   return entity == nullptr ? 0 : entity->latent.model_version;
 }

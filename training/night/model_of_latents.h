@@ -8,7 +8,7 @@
 
 namespace engram::training {
 
-/// Version of the model that made the latents of a snapshot; 0 where it has none.
+/// Version of the model that made the latents of a snapshot; 0 if it has none.
 [[nodiscard]] int version_of_latents(const EntityWork& work, const ltm::SnapshotEntry& entry);
 
 }  // namespace engram::training

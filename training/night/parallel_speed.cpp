@@ -16,7 +16,8 @@ using torch::Tensor;
 
 namespace {
 
-/// Convolutions as the autoencoder has them at 1/4 and 1/16 of the resolution.
+/// A small network with convolutions like those of the autoencoder at 1/4 and 1/16 of the
+/// resolution.
 class SmallTraining {
  public:
   void step() {
@@ -36,10 +37,10 @@ class SmallTraining {
   Tensor quarter_input_ = input(48, 32), sixteenth_input_ = input(128, 8);
 };
 
-/// Steps per second of a training in this thread, for so long.
+/// Steps per second of a training in this thread, measured for `time`.
 double speed_of(SmallTraining& training, std::chrono::duration<double> time) {
   using Clock = std::chrono::steady_clock;
-  training.step();  // What the first one prepares does not count.
+  training.step();  // The first step includes preparation and does not count.
   const auto start = Clock::now();
   int steps = 0;
   for (; Clock::now() - start < time; ++steps) training.step();
@@ -89,7 +90,7 @@ bool two_are_quicker(std::span<const double> shares, const ParallelSpeed& speed)
   if (groups[1].empty()) return false;
   double heavier = 0;
   for (const size_t i : groups[0]) heavier += shares[i];
-  // Each of two has half of what both do, for one over its group's share of the time.
+  // Each of two processes has half of their joint speed, and the heavier group decides the time.
   return speed.two_of_one / (2 * heavier) > speed.one_of_two;
 }
 

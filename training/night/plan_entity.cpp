@@ -13,7 +13,7 @@ namespace engram::training {
 
 namespace {
 
-/// Pairs of consecutive images that noise is measured on.
+/// Number of pairs of consecutive images on which noise is measured.
 constexpr size_t kNoisePairs = 32;
 
 bool has_images(const idf::Layout& layout) {
@@ -21,8 +21,8 @@ bool has_images(const idf::Layout& layout) {
       layout.members(), [](const auto& member) { return member.kind == idf::MemberKind::kImage; });
 }
 
-/// The bound that follows from the noise of the entity's own images. Pairs of neighbours are spread
-/// over all that was recorded: light and place change what noise there is.
+/// Sets the bound from the noise of the entity's own images. The pairs are spread over all
+/// recordings, because noise depends on light and place.
 Status choose_bound_by_noise(const EntityWork& work, PlannedEntity& planned) {
   NoiseFloor floor;
   const auto& entries = planned.entries;
@@ -43,7 +43,7 @@ Status choose_bound_by_noise(const EntityWork& work, PlannedEntity& planned) {
 Status choose_bound(const EntityWork& work, PlannedEntity& planned) {
   RepresentationOptions& representation = planned.representation;
   if (!has_images(planned.layout)) {
-    // Of numbers there is one form.
+    // Numbers have only one form.
     representation.kind = Representation::kLatents;
     return {};
   }

@@ -14,26 +14,26 @@
 
 namespace engram::training {
 
-/// The first step's result: what is to be done with an entity, and with which of its snapshots.
+/// The result of the first step: the plan for an entity and its snapshots.
 struct PlannedEntity {
-  EntityPlan plan;  ///< As it is told; its reason to be skipped ends the work.
-  std::vector<ltm::SnapshotEntry> entries;  ///< Recorded, of one layout.
+  EntityPlan plan;  ///< The plan as it is reported. A reason to skip the entity ends the work.
+  std::vector<ltm::SnapshotEntry> entries;  ///< Recorded snapshots of one layout.
   idf::Layout layout;
   uint64_t left_behind = 0;  ///< Recorded snapshots of another layout.
-  double plain_bytes = 0;    ///< Of all that the entity has.
-  /// As asked for, with the bound that images have to keep.
+  double plain_bytes = 0;    ///< Plain size of all snapshots of the entity.
+  /// As requested, with the bound of images.
   RepresentationOptions representation;
 
   [[nodiscard]] bool is_skipped() const { return !plan.skipped_reason.empty(); }
 
-  /// How much of the training time this entity should get, beside others. Larger values need more
-  /// of it, but not in proportion. Zero where it is skipped.
+  /// Weight of this entity in the division of the time of training. Larger entities need more time,
+  /// but not in proportion. Zero if it is skipped.
   [[nodiscard]] double weight() const;
 };
 
-/// Finds the recorded snapshots of an entity and the bound of its images (from their noise where
-/// none was given), or the reason to skip it. Reads what was recorded, trains nothing.
-/// Errors: kCancelled; those of the store.
+/// Finds the recorded snapshots of an entity and the bound of its images (from their noise if none
+/// was given), or the reason to skip it. It reads the recorded snapshots and trains nothing.
+/// Errors: kCancelled; the errors of the store.
 Result<PlannedEntity> plan_entity(const EntityWork& work);
 
 }  // namespace engram::training

@@ -21,13 +21,14 @@ Result<ModelFile> write_model_file(const EntityWork& work, const PlannedEntity& 
   return ModelFile{std::move(file), bytes};
 }
 
-// Snapshots that were recorded or forgotten since this generation was read are no part of it.
+// Snapshots that were recorded or forgotten since this generation was read are not affected.
 Status publish_new_model(const EntityWork& work, int version, const ModelFile& model,
                          const encoders::ModelChoice& choice,
                          const std::vector<ltm::LatentSnapshot>& latents) {
   if (choice.previous_version > 0)
     ENGRAM_RETURN_IF_ERROR(encoders::note_choice(choice, model.file.path()));
-  // Latents without a model that decodes them would be lost: it is read as it will be, once.
+  // Latents without a model that decodes them would be lost, so the file is read back once before
+  // it is published.
   ENGRAM_RETURN_IF_ERROR(encoders::read_model(model.file.path()).status());
   return ltm::publish_model(work.reader.path(), work.entity, version, model.file.path(), latents,
                             work.reader.manifest().first_journal);

@@ -30,7 +30,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// Its stdout is nobody's.
+/// Starts a command whose stdout goes to /dev/null.
 Result<pid_t> start(const std::vector<std::string>& words) {
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere < 0) return unavailable("/dev/null: {}", std::strerror(errno));
@@ -41,7 +41,7 @@ Result<pid_t> start(const std::vector<std::string>& words) {
 
 }  // namespace
 
-/// Runs a command again and again beside other work, and remembers its last answer.
+/// Runs a command repeatedly beside other work and keeps its last answer.
 class RobotBusy::Command {
  public:
   Command(std::string text, Duration interval)
@@ -77,7 +77,7 @@ class RobotBusy::Command {
     return {};
   }
 
-  /// Takes the answer where there is one.
+  /// Takes the answer if the command has ended.
   void look() {
     if (child_ == 0) return;
     int status = 0;
@@ -103,6 +103,7 @@ class RobotBusy::Command {
   }
 
   void end_child() {
+    // The whole process group is killed, because the command may have started children.
     ::kill(-child_, SIGKILL);
     ::waitpid(child_, nullptr, 0);
     child_ = 0;
@@ -111,7 +112,7 @@ class RobotBusy::Command {
   std::string text_;
   std::vector<std::string> words_;
   Duration interval_;
-  pid_t child_ = 0;  ///< Zero: none runs.
+  pid_t child_ = 0;  ///< Zero if none runs.
   SteadyTime late_{};
   SteadyTime next_{};
   bool is_busy_ = false;

@@ -13,32 +13,33 @@
 
 namespace engram::training {
 
-/// Says whether the robot needs its processors itself: a file or a command tells.
+/// Tells by a file or a command whether the robot needs its processors itself.
 ///
 /// Threading: one thread.
 class RobotBusy : public Busy {
  public:
   struct Options {
-    /// The robot is busy while this exists. Empty: not asked.
+    /// The robot is busy while this file exists. Empty for no file.
     std::filesystem::path file;
-    /// The robot is busy while this ends with exit code 0. Empty: not asked. Words are divided by
-    /// blanks and no shell reads them: no quotes, variables or pipes. Its stdout is not read.
+    /// The robot is busy while this command ends with exit code 0. Empty for no command. Words are
+    /// separated by blanks, without a shell: quotes, variables and pipes do not work. Its stdout is
+    /// not read.
     std::string command;
     Duration file_interval = std::chrono::milliseconds(200);
-    /// From the end of one command to the next; what is known meanwhile stays true. A command that
-    /// runs longer than this is killed and counts as "not busy".
+    /// Time from the end of one command to the next. Meanwhile the last answer is valid. A command
+    /// that runs longer than this is killed and counts as "not busy".
     Duration command_interval = std::chrono::seconds(10);
   };
 
-  /// Asks the command for the first time, and waits for its answer.
-  /// Errors: kInvalidArgument where the command cannot be run.
+  /// Runs the command for the first time and waits for its answer.
+  /// Errors: kInvalidArgument if the command cannot be run.
   static Result<std::unique_ptr<RobotBusy>> create(const Options& options);
   ~RobotBusy() override;
   RobotBusy(const RobotBusy&) = delete;
   RobotBusy& operator=(const RobotBusy&) = delete;
 
-  /// Why the robot is busy ("/run/robot/busy exists"); nothing where it is not. Never waits, and
-  /// asks no more often than the intervals say.
+  /// Returns why the robot is busy ("/run/robot/busy exists"), or nothing if it is not. It never
+  /// waits, and asks no more often than the intervals allow.
   [[nodiscard]] std::optional<std::string> reason() override;
 
  private:

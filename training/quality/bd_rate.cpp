@@ -37,7 +37,7 @@ class PiecewiseCubic {
   [[nodiscard]] double width(size_t i) const { return x_[i + 1] - x_[i]; }
   [[nodiscard]] double secant(size_t i) const { return (y_[i + 1] - y_[i]) / width(i); }
 
-  /// Weighted harmonic mean of the slopes beside it; flat where those differ in sign.
+  /// Weighted harmonic mean of the slopes on both sides; zero if they differ in sign.
   [[nodiscard]] double inner_slope(size_t i) const {
     const double left = secant(i - 1), right = secant(i);
     if (left * right <= 0) return 0;
@@ -45,7 +45,7 @@ class PiecewiseCubic {
     return (a + b) / (a / left + b / right);
   }
 
-  /// That of a parabola through three points, kept monotone.
+  /// Slope of a parabola through three points, limited to keep the curve monotone.
   static double end_slope(double near_width, double far_width, double near, double far) {
     const double slope =
         ((2 * near_width + far_width) * near - near_width * far) / (near_width + far_width);
@@ -79,6 +79,7 @@ Result<std::vector<RatePoint>> sorted(std::span<const RatePoint> curve) {
   return points;
 }
 
+// Differences of logarithms are ratios, so every quality counts equally, whatever bytes it needs.
 PiecewiseCubic log_bytes(const std::vector<RatePoint>& points) {
   std::vector<double> quality, logs;
   for (const RatePoint& point : points) {

@@ -7,9 +7,9 @@
 
 namespace engram::training {
 
-/// What a codec needs for what quality.
+/// A point of a rate-distortion curve.
 struct RatePoint {
-  double bytes = 0;  ///< Per frame, or of any unit that both curves share.
+  double bytes = 0;  ///< Per frame, or per any unit that both curves share.
   double psnr_db = 0;
 };
 
@@ -18,11 +18,11 @@ struct RatePoint {
   return 8 * bytes / (height * width);
 }
 
-/// How many more bytes `curve` needs than `reference` on average at equal quality, where both were
-/// measured: -0.2 is a fifth fewer. Logarithms of bytes over quality are interpolated by monotone
-/// piecewise cubics and integrated.
-/// Errors: kInvalidArgument where a curve has fewer than two points, equal qualities, bytes that
-/// are not positive, or the curves share no range of quality.
+/// The Bjontegaard delta rate: the mean relative difference in bytes of `curve` to `reference` at
+/// equal quality, over the range of quality that both share. -0.2 is a fifth fewer bytes.
+/// Logarithms of bytes over quality are interpolated by monotone piecewise cubics and integrated.
+/// Errors: kInvalidArgument if a curve has fewer than two points, equal qualities or bytes that are
+/// not positive, or if the curves share no range of quality.
 /// Source: Bjontegaard, VCEG-M33, 2001; piecewise cubic as in Fritsch and Butland, 1984.
 Result<double> bd_rate(std::span<const RatePoint> reference, std::span<const RatePoint> curve);
 

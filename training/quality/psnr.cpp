@@ -52,6 +52,7 @@ Result<double> moving_mse(const idf::NdArray& before, const idf::NdArray& record
   const auto old = before.values<uint8_t>(), a = recorded.values<uint8_t>(),
              b = other.values<uint8_t>();
   const auto channels = static_cast<size_t>(recorded.shape()[2]);
+  // A pixel moves if any of its channels does, so that all of its channels count or none.
   uint64_t sum = 0, count = 0;
   for (size_t at = 0; channels > 0 && at < a.size(); at += channels) {
     bool is_moving = false;
@@ -75,7 +76,7 @@ void PsnrStatistics::add(double mse) {
 }
 
 void PsnrStatistics::add(const PsnrStatistics& more) {
-  // Indices: it may be the same object.
+  // Indices stay valid if `more` is this object, while iterators would not.
   for (size_t i = 0, count = more.values_db_.size(); i < count; ++i)
     values_db_.push_back(more.values_db_[i]);
   mse_sum_ += more.mse_sum_;

@@ -8,29 +8,30 @@
 
 namespace engram::training {
 
-/// Where the PSNR of a single image ends: two equal images have no finite one.
+/// Max PSNR of a single image. Two equal images would have an infinite one.
 inline constexpr double kLargestPsnrDb = 60.0;
 
-/// Peak signal-to-noise ratio of 8-bit images. Unit: dB, at most kLargestPsnrDb.
-/// `mse` in grey levels squared; not a number stays so.
+/// Peak signal-to-noise ratio of 8-bit images. Unit: dB, at most kLargestPsnrDb. `mse` is in grey
+/// levels squared; for NaN the result is NaN.
 [[nodiscard]] double psnr_db(double mse);
 
 /// Mean squared error of two images. Unit: grey levels squared.
-/// Shape: uint8 [H, W, C], both alike. Errors: kInvalidArgument where they are not.
+/// Shape: uint8 [H, W, C], equal for both.
+/// Errors: kInvalidArgument if type or shape is another one.
 Result<double> image_mse(const idf::NdArray& recorded, const idf::NdArray& other);
 
-/// The same over those pixels that changed against the recorded image before: in any channel by
-/// more than `threshold` grey levels. Not a number where none did.
-/// Errors: kInvalidArgument where the three are not alike.
+/// The same over those pixels that differ from the previous recorded image in any channel by more
+/// than `threshold` grey levels. NaN if there are none.
+/// Errors: kInvalidArgument if the three images differ in type or shape.
 Result<double> moving_mse(const idf::NdArray& before, const idf::NdArray& recorded,
                           const idf::NdArray& other, int threshold = 8);
 
-/// PSNR of many images in both conventions; they differ where quality varies.
+/// PSNR of many images in both conventions, which differ if quality varies.
 ///
 /// Threading: one thread.
 class PsnrStatistics {
  public:
-  /// Not a number is left out.
+  /// Adds an error. NaN is left out.
   void add(double mse);
   void add(const PsnrStatistics& more);
 
@@ -38,11 +39,11 @@ class PsnrStatistics {
   /// Images whose PSNR was capped at kLargestPsnrDb.
   [[nodiscard]] uint64_t capped() const { return capped_; }
 
-  // NaN where there are no images.
+  // All are NaN without images.
   [[nodiscard]] double mean_db() const;    ///< Mean over the images' PSNR.
   [[nodiscard]] double pooled_db() const;  ///< PSNR of the mean squared error.
   [[nodiscard]] double minimum_db() const;
-  /// The value that a share of the images is below, 0 to 1; interpolated.
+  /// The quantile of the PSNR at `share` (0 to 1), interpolated.
   [[nodiscard]] double quantile_db(double share) const;
 
  private:

@@ -20,6 +20,8 @@ struct ErrorSum {
   double count = 0;
 
   void add(double a, double b, double scale) {
+    // Equal infinities have a difference of NaN, and NaN is not equal to itself, so both are
+    // checked before.
     const bool is_equal = a == b || (std::isnan(a) && std::isnan(b));
     const double difference = is_equal ? 0.0 : (a - b) * scale;
     sum += std::isfinite(difference) ? difference * difference
@@ -41,6 +43,7 @@ void add_bytes(std::span<const uint8_t> a, std::span<const uint8_t> b, ErrorSum&
 }
 
 void add_depth(std::span<const uint16_t> a, std::span<const uint16_t> b, ErrorSum& error) {
+  // Depth has no fixed range, so the largest recorded value counts as 255 grey levels.
   const uint16_t largest = a.empty() ? uint16_t{1} : *std::max_element(a.begin(), a.end());
   const double scale = kPeak / std::max<uint16_t>(largest, 1);
   for (size_t i = 0; i < a.size(); ++i) error.add(a[i], b[i], scale);
@@ -68,7 +71,7 @@ bool is_unit_quaternion(const idf::NdArray& array) {
   });
 }
 
-/// The closer of a rotation's two signs.
+/// Adds the smaller error of the two signs of a quaternion, which stand for the same rotation.
 void add_rotation(const idf::NdArray& a, const idf::NdArray& b, ErrorSum& error) {
   ErrorSum same, opposite;
   idf::visit_element_type(a.type(), [&]<typename T>(T) {

@@ -10,26 +10,26 @@
 
 namespace engram::training {
 
-/// How far `other` is from `recorded`, over the tensor members of their layout.
+/// Errors of `other` relative to `recorded`, over the tensor members of their layout.
 ///
-/// Images of 16 bits count in grey levels, 255 for the largest value of the recorded one. Numbers
-/// that are not finite must be equal; else the error is infinite.
-/// Errors: kInvalidArgument where the two have different layouts.
+/// Errors of 16-bit images are in grey levels, where 255 is the largest value of the recorded
+/// image. If numbers that are not finite differ, the error is infinite.
+/// Errors: kInvalidArgument if the layouts differ.
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other);
 
-/// The same of a prediction, which is not blamed for what nobody predicts: bools are left out, and
-/// a unit quaternion (four floats) is the rotation that it says, whatever its sign. Errors:
-/// kInvalidArgument where the two have different layouts.
+/// The same for a prediction: bools are left out, because they are not predicted, and two unit
+/// quaternions (four floats) are compared as rotations, whatever their signs.
+/// Errors: kInvalidArgument if the layouts differ.
 Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded,
                                               const idf::Data& predicted);
 
-/// Mean structural similarity (quality/ssim.h) of the images of 8 bits among their tensor members;
-/// NaN where none is at least 11 pixels wide and high.
-/// Errors: kInvalidArgument where the two have different layouts.
+/// Mean structural similarity (quality/ssim.h) of the 8-bit images among their tensor members; NaN
+/// if none is at least 11 pixels wide and high.
+/// Errors: kInvalidArgument if the layouts differ.
 Result<double> mean_ssim(const idf::Data& recorded, const idf::Data& other);
 
-/// Mean squared error of two images alike, of 8 or 16 bits, in grey levels as compare() counts
-/// them. Errors: kInvalidArgument where they are not alike.
+/// Mean squared error of two 8-bit or 16-bit images, in grey levels squared as in compare().
+/// Errors: kInvalidArgument if types or shapes differ.
 Result<double> grey_mse(const idf::NdArray& recorded, const idf::NdArray& other);
 
 /// Root mean squared error of many values of equal size.
@@ -37,12 +37,12 @@ Result<double> grey_mse(const idf::NdArray& recorded, const idf::NdArray& other)
 /// Threading: one thread.
 class RmseStatistics {
  public:
-  /// Not a number is left out.
+  /// Adds an error. NaN is left out.
   void add(double mse);
   void add(const RmseStatistics& more);
 
   [[nodiscard]] uint64_t count() const { return count_; }
-  [[nodiscard]] double rmse() const;  ///< NaN where there are no values.
+  [[nodiscard]] double rmse() const;  ///< NaN without values.
 
  private:
   double mse_sum_ = 0;

@@ -14,7 +14,7 @@ constexpr double kSigma = 1.5;
 constexpr double kC1 = (0.01 * 255) * (0.01 * 255);
 constexpr double kC2 = (0.03 * 255) * (0.03 * 255);
 
-/// One channel of numbers, row by row.
+/// One channel of an image, row by row.
 struct Plane {
   size_t height = 0, width = 0;
   std::vector<double> values;
@@ -31,8 +31,8 @@ std::array<double, kWindow> gaussian() {
   return weights;
 }
 
-/// Weighted means along rows, then along columns; places where the window does not fit are left
-/// out.
+/// Weighted means along rows, then along columns: a Gaussian window is separable. Positions at
+/// which the window does not fit are left out.
 Plane blur(const Plane& plane) {
   static const std::array<double, kWindow> weights = gaussian();
   Plane rows{plane.height, plane.width - kWindow + 1, {}};
