@@ -83,7 +83,7 @@ class Words(unittest.TestCase):
         self.assertEqual(words, {"recorded", "latent"})
         named = set(re.findall(r"`([^`]*)`", row_of("server.md", "prefer"))) - {"prefer"}
         self.assertEqual(named, words)
-        python = (DOCS.parent / "python" / "engram" / "memory.py").read_text()
+        python = (DOCS.parent / "python" / "engram" / "doors.py").read_text()
         self.assertEqual(set(re.findall(r'"(\w+)": (?:False|True)', python)), words)
 
     def test_a_server_is_told_the_same_by_options_and_by_its_file(self) -> None:

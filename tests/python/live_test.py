@@ -143,9 +143,9 @@ class Committing:
 
     def test_a_start_and_files_are_of_stores_alone(self):
         self.commit(1)
-        with self.assertRaisesRegex(errors.FailedPreconditionError, "start"):
+        with self.assertRaisesRegex(errors.FailedPreconditionError, "newest moment"):
             self.memory[CUP].predict(0.2, at=START)
-        with self.assertRaisesRegex(errors.FailedPreconditionError, "start"):
+        with self.assertRaisesRegex(errors.FailedPreconditionError, "newest moment"):
             self.memory[CUP].engines(0.2, at=START)
 
     def test_a_closed_memory_answers_nothing(self):

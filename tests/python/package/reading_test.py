@@ -79,7 +79,7 @@ def test_every_question_takes_every_form_of_a_time(recorded: Recorded) -> None:
         assert camera.times(moment, moment + np.timedelta64(STEP, "ns")).size == 2
         assert camera.predict(np.timedelta64(STEP, "ns"), at=moment)[0].time == time_at(8)
         with pytest.warns(DeprecationWarning, match="'at' now"):
-            assert camera.predict(STEP * 1e-9, at=moment)[0].time == time_at(8)
+            assert camera.predict(STEP * 1e-9, start=moment)[0].time == time_at(8)
 
 
 def test_a_summary_counts_bytes(learned: Recorded) -> None:
