@@ -55,10 +55,14 @@ TEST_F(OpenedModel, NamesWhatItsArraysAre) {
 }
 
 TEST_F(OpenedModel, DecodesWhatTheStoreWouldAnswer) {
-  const auto decoded = model_->decode(*model_->encode(values_));
-  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   const auto loaded = *load_model(file_->path());
   const auto stored = *loaded.encoder->encode(values_);
+  // Images are decoded with the numbers beside them, and a store keeps these within a bound: with
+  // those before it a pixel may round to the next grey level.
+  LatentArrays arrays = *model_->encode(values_);
+  arrays.numbers = model_->stored(stored)->numbers;
+  const auto decoded = model_->decode(arrays);
+  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
   const auto answered = *loaded.encoder->decode(stored);
   for (size_t i = 0; i < values_.size(); ++i) {
     EXPECT_EQ(*(*decoded)[i].at("image"), *answered[i].at("image")) << i;
