@@ -9,18 +9,18 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMaxDrawn = 200;
-constexpr std::array<Parameter, 1> kParameters{
+constexpr int64_t kMaxBlurDrawn = 200;
+constexpr std::array<Parameter, 1> kBlurParameters{
     {{"sigma_hundredths", 0, 1000, "standard deviation, hundredths of a pixel"}}};
 
 class Blur final : public ImageChange {
  public:
   [[nodiscard]] std::string_view name() const override { return "blur"; }
   [[nodiscard]] std::string_view about() const override { return "out of focus"; }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override { return kBlurParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"sigma_hundredths", random.between(0, kMaxDrawn * strength_percent / 100)}};
+    return {{"sigma_hundredths", random.between(0, kMaxBlurDrawn * strength_percent / 100)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

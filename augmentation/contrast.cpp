@@ -8,19 +8,21 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMaxDrawn = 50;
+constexpr int64_t kMaxContrastDrawn = 50;
 constexpr int64_t kMiddle = 128;
-constexpr std::array<Parameter, 1> kParameters{
+constexpr std::array<Parameter, 1> kContrastParameters{
     {{"percent", 0, 400, "distance of levels from the middle grey, 100: as it was"}}};
 
 class Contrast final : public ImageChange {
  public:
   [[nodiscard]] std::string_view name() const override { return "contrast"; }
   [[nodiscard]] std::string_view about() const override { return "more or less contrast"; }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override {
+    return kContrastParameters;
+  }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"percent", 100 + draw_around_zero(random, kMaxDrawn, strength_percent)}};
+    return {{"percent", 100 + draw_around_zero(random, kMaxContrastDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

@@ -8,8 +8,8 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMaxDrawn = 120;
-constexpr std::array<Parameter, 2> kParameters{
+constexpr int64_t kMaxNoiseDrawn = 120;
+constexpr std::array<Parameter, 2> kNoiseParameters{
     {{"sigma_tenths", 0, 1000, "standard deviation, tenths of a grey level"},
      {"seed", 0, kMaxSeed, "of the noise"}}};
 
@@ -38,10 +38,10 @@ class Noise final : public ImageChange {
  public:
   [[nodiscard]] std::string_view name() const override { return "noise"; }
   [[nodiscard]] std::string_view about() const override { return "a sensor's noise"; }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override { return kNoiseParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"sigma_tenths", random.between(0, kMaxDrawn * strength_percent / 100)},
+    return {{"sigma_tenths", random.between(0, kMaxNoiseDrawn * strength_percent / 100)},
             {"seed", random.between(0, kMaxSeed)}};
   }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int64_t kMaxSide = 400;
 constexpr int64_t kMinSide = 50;
-constexpr std::array<Parameter, 8> kParameters{
+constexpr std::array<Parameter, 8> kOccludeParameters{
     {{"left_permille", 0, 1000, "of the width"},
      {"top_permille", 0, 1000, "of the height"},
      {"width_permille", 0, 1000, "of the width"},
@@ -42,7 +42,9 @@ class Occlude final : public ImageChange {
   [[nodiscard]] std::string_view about() const override {
     return "something plain in front, without depth and label";
   }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override {
+    return kOccludeParameters;
+  }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
     const int64_t max = std::max(kMinSide, kMaxSide * strength_percent / 100);

@@ -8,7 +8,7 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr std::array<Parameter, 10> kParameters{
+constexpr std::array<Parameter, 10> kReplaceParameters{
     {{"label", 0, 65535, "of the object; 0: every object"},
      {"pattern", 0, 3, "0 plain, 1 stripes upright, 2 stripes lying, 3 checks"},
      {"size_permille", 10, 1000, "of a stripe or check, of the image's height"},
@@ -40,7 +40,9 @@ class Replace final : public ImageChange {
   [[nodiscard]] std::string_view about() const override {
     return "another object of the same outline, plain, striped or checked";
   }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override {
+    return kReplaceParameters;
+  }
   [[nodiscard]] bool needs_mask() const override { return true; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {

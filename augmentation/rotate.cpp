@@ -8,18 +8,18 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMaxDrawn = 10'000;
-constexpr std::array<Parameter, 1> kParameters{
+constexpr int64_t kMaxRotateDrawn = 10'000;
+constexpr std::array<Parameter, 1> kRotateParameters{
     {{"millidegrees", -45'000, 45'000, "clockwise as seen, about the middle"}}};
 
 class Rotate final : public ImageChange {
  public:
   [[nodiscard]] std::string_view name() const override { return "rotate"; }
   [[nodiscard]] std::string_view about() const override { return "the camera was turned"; }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override { return kRotateParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"millidegrees", draw_around_zero(random, kMaxDrawn, strength_percent)}};
+    return {{"millidegrees", draw_around_zero(random, kMaxRotateDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

@@ -8,8 +8,8 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMaxDrawn = 100;
-constexpr std::array<Parameter, 2> kParameters{
+constexpr int64_t kMaxShiftDrawn = 100;
+constexpr std::array<Parameter, 2> kShiftParameters{
     {{"right_permille", -1000, 1000, "of the width, rounded to whole pixels"},
      {"down_permille", -1000, 1000, "of the height, rounded to whole pixels"}}};
 
@@ -19,11 +19,11 @@ class Shift final : public ImageChange {
   [[nodiscard]] std::string_view about() const override {
     return "the camera looked elsewhere: by whole pixels";
   }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override { return kShiftParameters; }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"right_permille", draw_around_zero(random, kMaxDrawn, strength_percent)},
-            {"down_permille", draw_around_zero(random, kMaxDrawn, strength_percent)}};
+    return {{"right_permille", draw_around_zero(random, kMaxShiftDrawn, strength_percent)},
+            {"down_permille", draw_around_zero(random, kMaxShiftDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

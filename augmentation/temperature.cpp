@@ -8,10 +8,10 @@ namespace engram::augmentation {
 
 namespace {
 
-constexpr int64_t kMaxDrawn = 100;
+constexpr int64_t kMaxTemperatureDrawn = 100;
 /// The gain of red and the loss of blue at 100 percent. Unit: thousandths.
 constexpr int64_t kMaxGain = 250;
-constexpr std::array<Parameter, 1> kParameters{
+constexpr std::array<Parameter, 1> kTemperatureParameters{
     {{"percent", -100, 100, "warmer where positive: red gains and blue loses a quarter at 100"}}};
 
 class Temperature final : public ImageChange {
@@ -20,10 +20,12 @@ class Temperature final : public ImageChange {
   [[nodiscard]] std::string_view about() const override {
     return "warmer or colder light; nothing on grey images";
   }
-  [[nodiscard]] std::span<const Parameter> parameters() const override { return kParameters; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override {
+    return kTemperatureParameters;
+  }
 
   [[nodiscard]] Parameters draw(Random& random, int strength_percent) const override {
-    return {{"percent", draw_around_zero(random, kMaxDrawn, strength_percent)}};
+    return {{"percent", draw_around_zero(random, kMaxTemperatureDrawn, strength_percent)}};
   }
 
   void apply(const Parameters& parameters, SceneImages& images) const override {

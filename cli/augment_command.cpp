@@ -13,7 +13,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kAugmentFooter =
     R"(Makes a new store of changed snapshots, for training beside the real ones:
   engram consolidate STORE --augmented NEW
 Each has the entity and the time of the one that it was made of, a link to it and its recipe, and is
@@ -163,7 +163,7 @@ void add_augment_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<AugmentArguments>();
   training::AugmentOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand("augment", "Make changed snapshots to train on");
-  command->footer(kFooter);
+  command->footer(kAugmentFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command
       ->add_option("query", arguments->query,

@@ -11,7 +11,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCheckFooter =
     R"(Reads the whole store and changes nothing; a writer may go on meanwhile. Exit code: 0 where all is
 well, 3 where data is damaged or lost, 1 where there is no store that this program reads. Notes are
 worth knowing and cost nothing: left-overs of killed processes, links to entities elsewhere.
@@ -48,7 +48,7 @@ ExitCode run(const CheckArguments& arguments) {
 void add_check_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = app.add_subcommand("check", "Verify every checksum of a store");
-  command->footer(kFooter);
+  command->footer(kCheckFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_flag("--deep", arguments->is_deep, "Decode every image, too");
   command->add_flag("--json", arguments->is_json, "As JSON");

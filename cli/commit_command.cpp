@@ -17,7 +17,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCommitFooter =
     R"(Tells a server a snapshot, or with --db a store that nobody else writes to, and prints its ID when
 it is there. Values are IDF's JSON form (ltm/idf/json.h): plain JSON, with tags as in
 {"$float32": 0.5} where needed. With --lines many: one object per line, {"entity": ID, "time": TIME,
@@ -178,7 +178,7 @@ void add_commit_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<CommitArguments>();
   CLI::App* command =
       app.add_subcommand("commit", "Tell a server or a store the state of an entity");
-  command->footer(kFooter);
+  command->footer(kCommitFooter);
   auto* lines = command->add_option("--lines", arguments->lines,
                                     "Many snapshots, a line of JSON each; '-': stdin");
   const auto add = [command, lines](const char* name, auto& value, const char* help) {

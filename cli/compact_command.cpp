@@ -12,7 +12,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCompactFooter =
     R"(Joins small segment files that follow each other and leaves out what updates replaced. Runs beside
 a live writer and beside readers; killed at any moment, nothing is lost.
 
@@ -63,7 +63,7 @@ ExitCode run(const CompactArguments& arguments) {
 void add_compact_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<CompactArguments>();
   CLI::App* command = app.add_subcommand("compact", "Join small segment files");
-  command->footer(kFooter);
+  command->footer(kCompactFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--segment-size", arguments->segment_size, "Up to which segments grow")
       ->capture_default_str();

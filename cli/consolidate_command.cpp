@@ -20,7 +20,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kConsolidateFooter = R"(Examples:
   engram consolidate robot.engram
   engram consolidate robot.engram --budget 30m --entity 'Vision/.*'
   engram consolidate robot.engram --psnr 40
@@ -173,7 +173,7 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   training::ConsolidateOptions& options = arguments->options;
   CLI::App* command =
       app.add_subcommand("consolidate", "Train an autoencoder per entity and store latents");
-  command->footer(kFooter);
+  command->footer(kConsolidateFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
   add_training_options(*command, arguments->learning, options.train, options.augmented,

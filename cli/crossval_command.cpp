@@ -12,7 +12,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kCrossvalFooter = R"(Examples:
   engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
   engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --budget 2m
   engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --fold 2 --json
@@ -82,7 +82,7 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   training::TrainOptions& train = arguments->options.train;
   CLI::App* command =
       app.add_subcommand("crossval", "Leave each recording out of training, and measure it");
-  command->footer(kFooter);
+  command->footer(kCrossvalFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
   add_training_options(*command, arguments->learning, train, arguments->options.augmented,

@@ -11,7 +11,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kEvalFooter = R"(Examples:
   engram eval robot.engram
   engram eval robot.engram --json
   engram eval robot.engram --picture eval.png
@@ -57,7 +57,7 @@ ExitCode run(const EvalArguments& arguments) {
 void add_eval_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<EvalArguments>();
   CLI::App* command = app.add_subcommand("eval", "Measure reconstruction and prediction");
-  command->footer(kFooter);
+  command->footer(kEvalFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entities,
                       "Names or patterns of entities; else all with a model");

@@ -12,7 +12,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Formats:
+constexpr const char* kExportFooter = R"(Formats:
   jsonl   snapshots.jsonl: one snapshot per line, with all its data, metadata and source
   csv     <entity>.csv: a line per instance, a column per number; where the numbers change, a
           further table <entity>#2.csv
@@ -142,7 +142,7 @@ ExitCode run(const ExportArguments& arguments) {
 void add_export_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Write snapshots in formats of other programs");
-  command->footer(kFooter);
+  command->footer(kExportFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("query", arguments->query, "NAMES @ SELECTOR, see 'engram query --help'")
       ->capture_default_str();

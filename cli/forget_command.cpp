@@ -17,7 +17,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kForgetFooter =
     R"(What is to go is named by IDs of any level or by queries with a selector, or follows from the
 policies in the section 'forget' of a configuration (docs/forgetting.md). With both, the
 configuration only says which entities and links are protected.
@@ -119,7 +119,7 @@ ExitCode run(const ForgetArguments& arguments) {
 void add_forget_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ForgetArguments>();
   CLI::App* command = app.add_subcommand("forget", "Take snapshots out of a store for good");
-  command->footer(kFooter);
+  command->footer(kForgetFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("what", arguments->targets, "IDs, or queries NAMES @ SELECTOR");
   command->add_option("--config", arguments->config, "YAML file with a section 'forget'");

@@ -46,14 +46,14 @@ Examples:
   engram idf show kitchen.xml kitchen::Cup --json
   engram idf show cup.idf)";
 
-struct CheckArguments {
+struct TypeCheckArguments {
   std::string value;
   std::string types;
   std::string type;
   std::vector<std::string> include_paths;
 };
 
-constexpr const char* kCheckFooter = R"(Exit code 1 where the value is not of the type.
+constexpr const char* kTypeCheckFooter = R"(Exit code 1 where the value is not of the type.
 
 Example:
   engram idf check cup.json --types kitchen.xml --type kitchen::Cup)";
@@ -150,7 +150,7 @@ Status show(const ShowArguments& arguments) {
   return {};
 }
 
-Result<std::vector<idf::Mismatch>> check(const CheckArguments& arguments) {
+Result<std::vector<idf::Mismatch>> check(const TypeCheckArguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(const idf::TypeFile file,
                           idf::read_type_file(arguments.types, paths_of(arguments.include_paths)));
   ENGRAM_ASSIGN_OR_RETURN(const idf::Type type, find_type(file, arguments.type));
@@ -158,7 +158,7 @@ Result<std::vector<idf::Mismatch>> check(const CheckArguments& arguments) {
   return idf::check(value, type);
 }
 
-ExitCode run_check(const CheckArguments& arguments) {
+ExitCode run_check(const TypeCheckArguments& arguments) {
   const auto mismatches = check(arguments);
   if (!mismatches.ok()) return fail(mismatches.status());
   for (const idf::Mismatch& mismatch : *mismatches) print(mismatch.to_string());
@@ -201,9 +201,9 @@ void add_show(CLI::App& app, ExitCode& exit_code) {
 }
 
 void add_check(CLI::App& app, ExitCode& exit_code) {
-  const auto arguments = std::make_shared<CheckArguments>();
+  const auto arguments = std::make_shared<TypeCheckArguments>();
   CLI::App* command = app.add_subcommand("check", "Tell where a value is not of a type");
-  command->footer(kCheckFooter);
+  command->footer(kTypeCheckFooter);
   command->add_option("value", arguments->value, "Value (.json, .idf)")->required();
   command->add_option("--types", arguments->types, "Types (.xml)")->required()->type_name("FILE");
   command->add_option("--type", arguments->type, "Name of the type")->required()->type_name("NAME");

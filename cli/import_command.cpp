@@ -11,7 +11,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kImportFooter = R"(Examples:
   engram import --from recording.mcap --dry-run
   engram import --from recording.mcap robot.engram
   engram import --from demos.hdf5 --episodes demo_0,demo_1 --start '2022-02-18 13:00' robot.engram
@@ -103,7 +103,7 @@ ExitCode run(const ImportArguments& arguments) {
 void add_import_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ImportArguments>();
   CLI::App* command = app.add_subcommand("import", "Record what other programs recorded");
-  command->footer(kFooter);
+  command->footer(kImportFooter);
   add_import_options(*command, *arguments);
   command->callback([arguments, command, &exit_code] {
     arguments->has_rate = command->count("--rate") > 0;

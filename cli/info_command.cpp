@@ -14,7 +14,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kInfoFooter = R"(Examples:
   engram info robot.engram
   engram info robot.engram --json | jq '.entities[].stored_bytes'
   engram info --server 127.0.0.1:50051
@@ -113,7 +113,7 @@ void add_info_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command =
       app.add_subcommand("info", "Show what a store holds, or what a server counts");
-  command->footer(kFooter);
+  command->footer(kInfoFooter);
   command->add_option("store", arguments->store, "Store; none where a server is asked");
   add_remote_options(*command, arguments->remote);
   command->add_flag("--json", arguments->is_json, "As JSON");

@@ -11,7 +11,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(What is listed:
+constexpr const char* kLsFooter = R"(What is listed:
   no ID                  the memories
   Memory                 its core segments, and so on down to the entities
   Memory/Core/Prov/Ent   the times of the entity's snapshots
@@ -234,7 +234,7 @@ ExitCode run(const LsArguments& arguments) {
 void add_ls_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<LsArguments>();
   CLI::App* command = app.add_subcommand("ls", "List what lies in a store, level by level");
-  command->footer(kFooter);
+  command->footer(kLsFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("what", arguments->what, "ID or query");
   command->add_option("--limit", arguments->limit, "Most snapshots of one entity that are listed")

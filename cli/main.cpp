@@ -11,7 +11,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kMainFooter = R"(Examples:
   engram simulate scene --video scene.mp4 --table scene.csv
   engram import --video scene.mp4 --table scene.csv --entity Vision/RGB/head/cam \
       --state-entity RobotState/Proprioception/robot/joints --rate 5 robot.engram
@@ -40,7 +40,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with da
 ExitCode run(int argc, char** argv) {
   CLI::App app{"Engram: a deep episodic memory for robots"};
   app.name("engram");
-  app.footer(kFooter);
+  app.footer(kMainFooter);
   app.require_subcommand(1);
   app.set_version_flag("--version", "engram " ENGRAM_VERSION);
   bool is_quiet = false;

@@ -16,7 +16,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kModelsFooter = R"(Examples:
   engram models robot.engram
   engram models robot.engram --entity 'Vision/.*' --json
   engram models robot.engram --entity Vision/RGB/head/cam --snapshots
@@ -126,7 +126,7 @@ ExitCode run(const ModelsArguments& arguments) {
 void add_models_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ModelsArguments>();
   CLI::App* command = app.add_subcommand("models", "List models, and what each form would take");
-  command->footer(kFooter);
+  command->footer(kModelsFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->entity, "Name or pattern of entities; else all");
   command->add_flag("--snapshots", arguments->lists_snapshots,

@@ -16,7 +16,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kPredictFooter =
     R"(Predicts what comes after a moment from the snapshots up to it alone: no later ones, and no later
 numbers of an entity that it links to. For each horizon the engine answers that was best on the
 entity's own past: its model, where it has one, straight lines, an autoregression or the last value
@@ -165,7 +165,7 @@ void add_predict_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<PredictArguments>();
   CLI::App* command =
       app.add_subcommand("predict", "Predict from any moment, and compare with what came");
-  command->footer(kFooter);
+  command->footer(kPredictFooter);
   add_predict_options(*command, *arguments);
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -7,7 +7,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kQueryFooter =
     R"(A query is NAMES @ SELECTOR. NAMES are Memory/Core/Provider/Entity, each a name or a regular
 expression; missing ones match all. Without a selector: latest.
   latest  latest:3       the last one, the last three
@@ -70,7 +70,7 @@ ExitCode run(QueryArguments arguments) {
 void add_query_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<QueryArguments>();
   CLI::App* command = app.add_subcommand("query", "Ask about any moment, past or future");
-  command->footer(kFooter);
+  command->footer(kQueryFooter);
   command->add_option("store", arguments->store, "Store; none where a server is asked");
   command->add_option("query", arguments->query, "NAMES @ SELECTOR");
   add_remote_options(*command, arguments->remote);

@@ -11,7 +11,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kRecoverFooter =
     R"(Copies everything that can be read into a new store, even where MANIFEST.json is broken or gone. The
 source is never written to; no process may write to it meanwhile. The copy lies in COPY.unfinished
 until it is whole. Exit code: 0 where nothing was lost, 3 where something was, 1 where it failed.
@@ -47,7 +47,7 @@ void add_recover_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<RecoverArguments>();
   CLI::App* command =
       app.add_subcommand("recover", "Save what can be read of a damaged store into a new one");
-  command->footer(kFooter);
+  command->footer(kRecoverFooter);
   command->add_option("store", arguments->source, "Store that is damaged")->required();
   command->add_option("-o,--out", arguments->target, "New store; must not exist")->required();
   command->add_flag("--json", arguments->is_json, "As JSON");

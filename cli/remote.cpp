@@ -12,10 +12,6 @@ using server::Registration;
 
 namespace {
 
-std::string memories_text(const std::vector<std::string>& memories) {
-  return memories.empty() ? "all memories" : fmt::format("{}", fmt::join(memories, ", "));
-}
-
 ExitCode show_names(const RemoteArguments& arguments, ServerFigures form) {
   if (form == ServerFigures::kMetrics)
     return wrong_usage(invalid_argument("--metrics is of a server: needs --server"));
@@ -72,6 +68,10 @@ void print_figures(const Json& figures) {
 }
 
 }  // namespace
+
+std::string memories_text(const std::vector<std::string>& memories) {
+  return memories.empty() ? "all memories" : fmt::format("{}", fmt::join(memories, ", "));
+}
 
 ExitCode show_server(const RemoteArguments& arguments, ServerFigures form) {
   if (!arguments.names.empty()) return show_names(arguments, form);

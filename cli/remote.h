@@ -39,6 +39,9 @@ Result<std::unique_ptr<Memory>> open_memory(const std::string& store, const Open
 /// Like open_memory(), for servers only.
 Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& arguments);
 
+/// Returns the names of the memories that a server holds, or that it holds all.
+[[nodiscard]] std::string memories_text(const std::vector<std::string>& memories);
+
 enum class ServerFigures { kText, kJson, kMetrics };
 
 /// Prints the figures of a server, or the servers that a name system knows.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "cli/interrupt.h"
+#include "cli/remote.h"
 #include "cli/server_commands.h"
 #include "encoders/load_model.h"
 #include "ltm/core/log.h"
@@ -101,10 +102,6 @@ std::string yaml_of(const ServeArguments& arguments) {
   if (!arguments.listen.empty()) text += "    listen: " + quoted(arguments.listen) + "\n";
   if (!arguments.memories.empty()) text += "    memories: " + quoted(arguments.memories) + "\n";
   return text;
-}
-
-std::string memories_text(const std::vector<std::string>& memories) {
-  return memories.empty() ? "all memories" : fmt::format("{}", fmt::join(memories, ", "));
 }
 
 Json served_json(const Robot& robot) {

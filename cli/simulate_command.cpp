@@ -12,7 +12,7 @@ constexpr const char* kFooterOfAll = R"(Examples:
   engram simulate scene --video scene.mp4 --table scene.csv
   engram simulate kitchen kitchen.engram --seed 3)";
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kSimulateFooter = R"(Example:
   engram simulate scene --seconds 60 --seed 1 --video scene.mp4 --table scene.csv)";
 
 struct SceneArguments {
@@ -41,7 +41,7 @@ void add_simulate_command(CLI::App& app, ExitCode& exit_code) {
   simulate->footer(kFooterOfAll);
   CLI::App* scene =
       simulate->add_subcommand("scene", "Draw an arm that picks and places, before a still room");
-  scene->footer(kFooter);
+  scene->footer(kSimulateFooter);
   scene->add_option("--video", arguments->video, "Video to write, MP4")->required();
   scene->add_option("--table", arguments->table, "Table of joints to write, CSV")->required();
   datasets::SceneOptions& options = arguments->options;

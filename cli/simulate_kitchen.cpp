@@ -23,7 +23,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kSimulateKitchenFooter = R"(Examples:
   engram simulate kitchen kitchen.engram --seed 3
   engram simulate kitchen kitchen.engram --fast --seconds 20
   engram simulate kitchen --folder episodes --seed 1..5 --jobs 2
@@ -246,7 +246,7 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
   const auto arguments = std::make_shared<KitchenArguments>();
   CLI::App* kitchen =
       simulate.add_subcommand("kitchen", "Record a humanoid that picks and places in a kitchen");
-  kitchen->footer(kFooter);
+  kitchen->footer(kSimulateKitchenFooter);
   datasets::KitchenOptions& options = arguments->options;
   kitchen->add_option("store", arguments->store, "Store to record into, made if missing");
   kitchen->add_option("--folder", arguments->folder, "Folder for a store of each seed");

@@ -15,7 +15,7 @@ namespace engram::cli {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kWatchFooter =
     R"(Prints a line for each snapshot that is committed from now on, until Ctrl-C: its ID, and with --data
 what it holds. NAMES are those of queries, Memory/Core/Provider/Entity, each a name or a regular
 expression; missing ones match all. Where this is too slow for what comes, it says how many
@@ -150,7 +150,7 @@ ExitCode run(const WatchArguments& arguments) {
 void add_watch_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<WatchArguments>();
   CLI::App* command = app.add_subcommand("watch", "Print what is committed to a server");
-  command->footer(kFooter);
+  command->footer(kWatchFooter);
   command->add_option("names", arguments->names, "Entities, as in queries; else all");
   command->add_flag("--data", arguments->with_data, "What they hold, too");
   command->add_option("--count", arguments->count, "End after so many snapshots");

@@ -10,7 +10,7 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr std::string_view kWhat = "block of latents";
+constexpr std::string_view kBlock = "block of latents";
 
 /// The head of a background that the block carries.
 struct BackgroundHead {
@@ -29,15 +29,15 @@ struct BlockParts {
 Result<ImageForm> read_form(ByteReader& reader) {
   const int64_t form = reader.get_varint();
   if (form < 0 || form > static_cast<int64_t>(ImageForm::kFfv1))
-    return data_loss("{}: found form {} of a background, needs 1 to {}", kWhat, form,
+    return data_loss("{}: found form {} of a background, needs 1 to {}", kBlock, form,
                      static_cast<int>(ImageForm::kFfv1));
   return static_cast<ImageForm>(form);
 }
 
 Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, size_t images) {
   if (count < 1 || count > kMaxBlockRows)
-    return data_loss("{}: found {} rows, needs 1 to {}", kWhat, count, kMaxBlockRows);
-  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, kWhat, count));
+    return data_loss("{}: found {} rows, needs 1 to {}", kBlock, count, kMaxBlockRows);
+  ENGRAM_ASSIGN_OR_RETURN(auto bytes, without_checksum(block, kBlock, count));
   ByteReader reader(bytes);
   BlockParts parts;
   std::vector<int64_t> sizes;
@@ -50,18 +50,18 @@ Result<BlockParts> read_parts(std::span<const std::byte> block, size_t count, si
     }
   const int64_t rows = reader.get_varint();
   if (reader.failed() || rows < 1 || rows > static_cast<int64_t>(kMaxBlockRows))
-    return data_loss("{}: found chains of {} rows, needs 1 to {}", kWhat, rows, kMaxBlockRows);
+    return data_loss("{}: found chains of {} rows, needs 1 to {}", kBlock, rows, kMaxBlockRows);
   parts.chain_rows = static_cast<size_t>(rows);
   parts.chains.resize((count + parts.chain_rows - 1) / parts.chain_rows);
   for (size_t i = 0; i < parts.chains.size(); ++i) sizes.push_back(reader.get_varint());
-  if (reader.failed()) return data_loss("{}: ends within its head", kWhat);
+  if (reader.failed()) return data_loss("{}: ends within its head", kBlock);
   bytes = reader.rest();
   size_t at = 0;
   for (BackgroundHead& background : parts.own) {
-    ENGRAM_ASSIGN_OR_RETURN(background.bytes, take_part(bytes, sizes[at++], kWhat));
+    ENGRAM_ASSIGN_OR_RETURN(background.bytes, take_part(bytes, sizes[at++], kBlock));
   }
   for (auto& chain : parts.chains) {
-    ENGRAM_ASSIGN_OR_RETURN(chain, take_part(bytes, sizes[at++], kWhat));
+    ENGRAM_ASSIGN_OR_RETURN(chain, take_part(bytes, sizes[at++], kBlock));
   }
   return parts;
 }
@@ -141,7 +141,7 @@ std::vector<std::byte> LatentBlockCodec::encode(std::span<const LatentRows> chai
 Result<OpenBlock> LatentBlockCodec::open(std::span<const std::byte> block, size_t count) const {
   ENGRAM_ASSIGN_OR_RETURN(BlockParts parts, read_parts(block, count, chain.frames.size()));
   if (parts.scene < 0 || parts.scene >= static_cast<int64_t>(scenes))
-    return data_loss("{}: found scene {}, needs 0 to {}", kWhat, parts.scene, scenes - 1);
+    return data_loss("{}: found scene {}, needs 0 to {}", kBlock, parts.scene, scenes - 1);
   OpenBlock open{
       count, parts.chain_rows, static_cast<uint32_t>(parts.scene), {}, std::move(parts.chains)};
   for (size_t i = 0; i < parts.own.size(); ++i) {

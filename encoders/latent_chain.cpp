@@ -9,7 +9,7 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr std::string_view kWhat = "chain of latents";
+constexpr std::string_view kChain = "chain of latents";
 constexpr int64_t kRefined = 8;
 constexpr int64_t kHasResidual = 16;
 
@@ -29,7 +29,7 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxCodec;
   // The flags of refinement and residuals are valid for latents alone.
   if (!is_known || (codec != 0 && form != codec))
-    return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kWhat, form, kMaxCodec,
+    return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kChain, form, kMaxCodec,
                      kRefined, kHasResidual, kRefined + kHasResidual);
   head.form = static_cast<ImageForm>(codec);
   head.is_refined = (form & kRefined) != 0;
@@ -43,7 +43,7 @@ Result<std::vector<ImageHead>> read_heads(ByteReader& reader, size_t images) {
   for (size_t i = 0; i < images; ++i) {
     ENGRAM_ASSIGN_OR_RETURN(heads.emplace_back(), read_image_head(reader));
   }
-  if (reader.failed()) return data_loss("{}: ends within its head", kWhat);
+  if (reader.failed()) return data_loss("{}: ends within its head", kChain);
   return heads;
 }
 
@@ -85,7 +85,7 @@ Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> b
     return {};
   }
   if (image >= images.size())
-    return data_loss("{}: found latents of image {}, its model has none", kWhat, image);
+    return data_loss("{}: found latents of image {}, its model has none", kChain, image);
   ENGRAM_ASSIGN_OR_RETURN(rows.latents, images[image].decode(bytes, count, wanted));
   return {};
 }
@@ -93,7 +93,7 @@ Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> b
 Status LatentChainCodec::decode_residual(size_t image, std::span<const std::byte> bytes,
                                          size_t count, size_t wanted, ImageRows& rows) const {
   if (frames[image].type != idf::ElementType::kUInt8)
-    return data_loss("{}: found residuals of image {}, which has {} elements", kWhat, image,
+    return data_loss("{}: found residuals of image {}, which has {} elements", kChain, image,
                      idf::to_string(frames[image].type));
   ENGRAM_ASSIGN_OR_RETURN(rows.residuals,
                           decode_residuals(bytes, frames[image].pixels(), count, wanted));
@@ -107,13 +107,13 @@ Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, 
   std::span<const std::byte> bytes = reader.rest();
   std::vector<ImageCode> codes;
   for (const ImageHead& head : heads) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, head.bytes, kWhat));
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, head.bytes, kChain));
     ImageCode& code = codes.emplace_back();
     code.form = head.form;
     code.is_refined = head.is_refined;
     code.bytes = part.size();
     if (!head.residual_bytes) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes, kWhat));
+    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes, kChain));
     ENGRAM_ASSIGN_OR_RETURN(code.residual_bytes, residual_bytes(residual, count));
   }
   return codes;
@@ -126,13 +126,14 @@ Result<LatentRows> LatentChainCodec::decode(std::span<const std::byte> chain, si
   std::span<const std::byte> bytes = reader.rest();
   LatentRows rows;
   for (size_t i = 0; i < frames.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, heads[i].bytes, kWhat));
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, take_part(bytes, heads[i].bytes, kChain));
     ImageRows& decoded = rows.images.emplace_back();
     decoded.form = heads[i].form;
     decoded.is_refined = heads[i].is_refined;
     ENGRAM_RETURN_IF_ERROR(decode_image(i, part, count, wanted, decoded));
     if (!heads[i].residual_bytes) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *heads[i].residual_bytes, kWhat));
+    ENGRAM_ASSIGN_OR_RETURN(const auto residual,
+                            take_part(bytes, *heads[i].residual_bytes, kChain));
     ENGRAM_RETURN_IF_ERROR(decode_residual(i, residual, count, wanted, decoded));
   }
   if (!numbers) return rows;

@@ -11,6 +11,10 @@
 
 namespace engram::encoders {
 
+/// The price of squared error for a model whose file has none. Unit: kilobytes per squared grey
+/// level.
+inline constexpr double kUsualPrice = 0.03;
+
 /// A span of time that includes both ends.
 struct TimeSpan {
   Time first{};

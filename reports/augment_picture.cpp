@@ -12,7 +12,7 @@ namespace engram::reports {
 
 namespace {
 
-constexpr size_t kColumns = 4;
+constexpr size_t kAugmentColumns = 4;
 
 /// Returns the first 8-bit image of a value.
 Result<idf::NdArray> image_of(const idf::Data& value) {
@@ -35,7 +35,7 @@ Result<std::vector<ltm::Snapshot>> spread_snapshots(ltm::StoreReader& store,
                                                     const ltm::MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(const auto* index, store.index(entity));
   std::vector<ltm::Snapshot> snapshots;
-  const size_t count = std::min(kColumns, index->size());
+  const size_t count = std::min(kAugmentColumns, index->size());
   for (size_t i = 0; i < count; ++i) {
     const ltm::SnapshotEntry& entry = (*index)[i * index->size() / count];
     ENGRAM_ASSIGN_OR_RETURN(snapshots.emplace_back(), store.read_recorded(entity, entry));
@@ -74,14 +74,15 @@ class RowsByChange {
 
 Status write_change_examples(const std::filesystem::path& store,
                              const training::AugmentOptions& options, const std::string& png) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto examples, training::change_examples(store, options, kColumns));
+  ENGRAM_ASSIGN_OR_RETURN(const auto examples,
+                          training::change_examples(store, options, kAugmentColumns));
   std::vector<PictureRow> rows;
   for (const training::ChangeExample& example : examples) {
     ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(example.after));
     rows.push_back({example.change, std::move(images)});
   }
   // Repeated once per column, because the first row determines the number of columns.
-  const std::vector<idf::Data> before(kColumns, examples.front().before);
+  const std::vector<idf::Data> before(kAugmentColumns, examples.front().before);
   ENGRAM_ASSIGN_OR_RETURN(auto images, images_of(before));
   rows.insert(rows.begin(), {"recorded", std::move(images)});
   return write_contact_sheet(png, rows, {});

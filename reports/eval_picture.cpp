@@ -13,7 +13,7 @@ namespace engram::reports {
 
 namespace {
 
-constexpr size_t kColumns = 6;
+constexpr size_t kEvalColumns = 6;
 
 /// Indices of snapshots that are both recorded and latent, with two recorded snapshots before them.
 std::vector<size_t> candidates(const std::vector<ltm::SnapshotEntry>& entries) {
@@ -82,10 +82,10 @@ Status write_eval_picture(const std::filesystem::path& store,
     ENGRAM_ASSIGN_OR_RETURN(const auto loaded, encoders::load_model(store / model.file));
     const std::vector<size_t> moments = candidates(*entries);
     Sheet sheet;
-    for (size_t column = 0; column < std::min(kColumns, moments.size()); ++column)
+    for (size_t column = 0; column < std::min(kEvalColumns, moments.size()); ++column)
       ENGRAM_RETURN_IF_ERROR(
           add_column(sheet, recall, *loaded.predictor, model.entity, *entries,
-                     moments[(2 * column + 1) * moments.size() / (2 * kColumns)]));
+                     moments[(2 * column + 1) * moments.size() / (2 * kEvalColumns)]));
     if (sheet.labels.empty()) continue;
     return write_contact_sheet(
         picture, {sheet.recorded, sheet.reconstructed, sheet.predicted, sheet.error}, sheet.labels);

@@ -8,7 +8,7 @@ namespace engram::datasets {
 
 namespace {
 
-constexpr double kDepthPerMetre = 5000;
+constexpr double kTumDepthPerMetre = 5000;
 
 /// A table of the format; the folder need not have it.
 struct TumTable {
@@ -50,7 +50,7 @@ Result<TimedTable> timed(const TumTable& table, const std::filesystem::path& fol
                                                                   options.provider, table.name}));
   TablePart part{{std::move(entity), table.name, 0, {}}, table.kind, table.members};
   if (table.kind == TablePart::Kind::kDepth)
-    part.stream.attributes.set("per_metre", kDepthPerMetre);
+    part.stream.attributes.set("per_metre", kTumDepthPerMetre);
   TimedTable made{.lines = std::move(lines)};
   made.parts.push_back(std::move(part));
   made.time_column = 0;

@@ -7,13 +7,13 @@ namespace engram::datasets {
 
 namespace {
 
-constexpr uint64_t kBlockBytes = 1 << 20;
-constexpr uint64_t kTextRows = 256;
+constexpr uint64_t kWrittenBlockBytes = 1 << 20;
+constexpr uint64_t kWrittenTextRows = 256;
 
-uint64_t rows_of_block(const h5::ArrayInfo& array) {
+uint64_t rows_written_together(const h5::ArrayInfo& array) {
   if (array.chunk_rows > 0) return array.chunk_rows;
-  if (!array.element.is_number()) return kTextRows;
-  return std::max<uint64_t>(kBlockBytes / std::max<uint64_t>(array.row_bytes(), 1), 1);
+  if (!array.element.is_number()) return kWrittenTextRows;
+  return std::max<uint64_t>(kWrittenBlockBytes / std::max<uint64_t>(array.row_bytes(), 1), 1);
 }
 
 std::string described(const RowForm& form) {
@@ -29,7 +29,7 @@ class ColumnWriter final : public RowSink {
       : file_(file),
         path_(std::move(path)),
         column_(column),
-        block_rows_(rows_of_block(column.array)) {}
+        block_rows_(rows_written_together(column.array)) {}
 
   Status add(const idf::Data& value) override;
   Status finish() override;

@@ -11,7 +11,7 @@ namespace engram::datasets::kitchen {
 namespace {
 
 constexpr int kSteps = 150;
-constexpr double kDamping = 0.02;
+constexpr double kSolverDamping = 0.02;
 constexpr double kTurnWeight = 0.25;  ///< The distance in m that an error of one radian counts as.
 constexpr double kPull = 0.02;
 constexpr double kMaxChange = 0.15;
@@ -75,7 +75,7 @@ Kinematics::Answer Kinematics::solve(const RobotVector& from, Side side,
     }
     const Eigen::MatrixXd eased = j * ease.asDiagonal();
     const Eigen::Matrix<double, 6, 6> square =
-        eased * j.transpose() + kDamping * kDamping * Eigen::MatrixXd::Identity(6, 6);
+        eased * j.transpose() + kSolverDamping * kSolverDamping * Eigen::MatrixXd::Identity(6, 6);
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(square);
     Eigen::VectorXd change = pull + eased.transpose() * solver.solve(error - j * pull);
     change *= std::min(1.0, kMaxChange / std::max(1e-9, change.cwiseAbs().maxCoeff()));

@@ -18,7 +18,7 @@ namespace {
 
 constexpr auto kPatience = std::chrono::minutes(10);
 constexpr Duration kMaxSeconds = std::chrono::seconds(100'000'000);
-constexpr size_t kMaxShown = 40;
+constexpr size_t kMaxTextShown = 40;
 
 std::string_view trimmed(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t");
@@ -186,8 +186,9 @@ Result<std::filesystem::path> RowTable::file(size_t column) const {
 
 Status RowTable::broken(size_t column, std::string_view what) const {
   const std::string& cell = cells_[column];
-  return invalid_argument("'{}': row {}, column '{}': found '{}', {}", title_, row_, names_[column],
-                          cell.size() > kMaxShown ? cell.substr(0, kMaxShown) + "..." : cell, what);
+  return invalid_argument(
+      "'{}': row {}, column '{}': found '{}', {}", title_, row_, names_[column],
+      cell.size() > kMaxTextShown ? cell.substr(0, kMaxTextShown) + "..." : cell, what);
 }
 
 }  // namespace engram::datasets::lerobot

@@ -16,7 +16,7 @@ namespace engram::datasets {
 
 namespace {
 
-constexpr int kNsPerSecond = 1'000'000'000;
+constexpr int kNsInSecond = 1'000'000'000;
 
 double to_double(AVRational rate) {
   return rate.den == 0 ? 0.0 : av_q2d(rate);
@@ -137,7 +137,7 @@ Result<VideoFile> open_video_file(const std::filesystem::path& path, int threads
 }
 
 Duration duration_of(int64_t ticks, AVRational time_base) {
-  return Duration(av_rescale_q(ticks, time_base, AVRational{1, kNsPerSecond}));
+  return Duration(av_rescale_q(ticks, time_base, AVRational{1, kNsInSecond}));
 }
 
 }  // namespace engram::datasets

@@ -15,7 +15,7 @@ namespace engram::datasets {
 namespace {
 
 constexpr int64_t kNsPerSecond = 1'000'000'000;
-constexpr int kMaxThreads = 64;
+constexpr int kMaxDecoders = 64;
 // A decoder that fails this often without a success in between will not recover.
 constexpr int kMaxErrorsInRow = 64;
 // Lengths in headers are rounded, and the last frame may be shown for some time.
@@ -159,8 +159,8 @@ Status VideoReader::Options::validate() const {
   if (width < 0 || width > kMaxVideoSide || height < 0 || height > kMaxVideoSide)
     return invalid_argument("video reader: size {} x {}, needs 0 to {} pixels", width, height,
                             kMaxVideoSide);
-  if (threads < 1 || threads > kMaxThreads)
-    return invalid_argument("video reader: {} threads, needs 1 to {}", threads, kMaxThreads);
+  if (threads < 1 || threads > kMaxDecoders)
+    return invalid_argument("video reader: {} threads, needs 1 to {}", threads, kMaxDecoders);
   return {};
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kMaxSide = 1 << 14;
 constexpr int kMaxCrf = 51;
-constexpr int kMaxThreads = 64;
+constexpr int kMaxEncoders = 64;
 constexpr std::array<std::string_view, 9> kPresets{
     "ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "slower", "veryslow"};
 constexpr int kMaxRateTerm = 1'000'000;
@@ -263,8 +263,8 @@ Status VideoWriter::Options::validate() const {
   // The preset is checked here, because libx264 would print its own message.
   if (std::ranges::find(kPresets, preset) == kPresets.end())
     return invalid_argument("video writer: preset '{}', needs 'ultrafast' to 'veryslow'", preset);
-  if (threads < 1 || threads > kMaxThreads)
-    return invalid_argument("video writer: {} threads, needs 1 to {}", threads, kMaxThreads);
+  if (threads < 1 || threads > kMaxEncoders)
+    return invalid_argument("video writer: {} threads, needs 1 to {}", threads, kMaxEncoders);
   return {};
 }
 

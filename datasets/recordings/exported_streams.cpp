@@ -10,7 +10,7 @@ namespace engram::datasets {
 
 namespace {
 
-constexpr uint64_t kValuesPerProgress = 16;
+constexpr uint64_t kSnapshotsPerProgress = 16;
 
 bool is_named_before(const ExportedStream& a, const ExportedStream& b) {
   const auto size = [](const ExportedStream& stream) {
@@ -70,7 +70,7 @@ Status write_snapshots(
     if (is_description(item->entity)) continue;
     ++report.snapshots;
     ENGRAM_RETURN_IF_ERROR(write(item->entity, item->snapshot));
-    if (request.progress && report.snapshots % kValuesPerProgress == 0)
+    if (request.progress && report.snapshots % kSnapshotsPerProgress == 0)
       request.progress({.what = fmt::format("export {}", format),
                         .done = report.snapshots,
                         .total = 0,

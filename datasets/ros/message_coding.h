@@ -12,6 +12,9 @@
 
 namespace engram::datasets::ros {
 
+/// The bytes of the header of CDR, which name the byte order.
+inline constexpr size_t kEncapsulationBytes = 4;
+
 /// Decodes a message to a dict of its fields.
 ///
 /// int8 to int32 and uint16 become int32; uint32 and int64 become int64; uint64 becomes an ndarray

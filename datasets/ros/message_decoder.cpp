@@ -9,7 +9,6 @@ namespace engram::datasets::ros {
 
 namespace {
 
-constexpr size_t kEncapsulationBytes = 4;
 constexpr size_t kMaxPadding = 8;
 /// The maximum number of messages without fields, which cost no bytes and so are not bounded by
 /// them.

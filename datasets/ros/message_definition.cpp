@@ -8,13 +8,13 @@
 #include <optional>
 #include <set>
 
+#include "datasets/ros/definition_text.h"
+
 namespace engram::datasets::ros {
 
 namespace {
 
 constexpr size_t kMaxTextBytes = 1 << 20;
-constexpr int kMaxDepth = 32;
-constexpr std::string_view kSpace = " \t\r";
 
 struct NamedKind {
   std::string_view name;
@@ -45,12 +45,6 @@ constexpr std::array<std::array<std::string_view, 2>, 2> kBuiltin{{
     {"builtin_interfaces/Time", "int32 sec\nuint32 nanosec"},
     {"builtin_interfaces/Duration", "int32 sec\nuint32 nanosec"},
 }};
-
-std::string_view trimmed(std::string_view text) {
-  const size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
 
 /// Removes the first line of `text` and returns it.
 std::string_view take_line(std::string_view& text) {

@@ -8,21 +8,15 @@
 #include <map>
 #include <vector>
 
+#include "datasets/ros/definition_text.h"
+
 namespace engram::datasets::ros {
 
 namespace {
 
-constexpr int kMaxDepth = 32;
-constexpr std::string_view kSpace = " \t\r";
 constexpr std::array<std::string_view, 16> kPlainTypes{
     "bool",   "int8",  "uint8",  "byte",    "char",    "int16",  "uint16", "int32",
     "uint32", "int64", "uint64", "float32", "float64", "string", "time",   "duration"};
-
-std::string_view trimmed(std::string_view text) {
-  const size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
 
 struct NamedType {
   std::string_view type;

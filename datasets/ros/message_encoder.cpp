@@ -10,8 +10,6 @@ namespace engram::datasets::ros {
 
 namespace {
 
-constexpr size_t kEncapsulationBytes = 4;
-
 /// Converts a scalar, or an ndarray of one element without axes, to another type of number.
 template <typename T>
 std::optional<T> number_as(const idf::Data& value) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint64_t kLooseRegionBytes = 1 << 20;
 constexpr uint64_t kNoTime = std::numeric_limits<uint64_t>::max();
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kIndexVersion = 1;
 
 std::string place(const FileWindow& file, uint64_t offset) {
   return fmt::format("'{}', offset {}", file.path().string(), offset);
@@ -207,7 +207,8 @@ class BagMapper {
     ENGRAM_ASSIGN_OR_RETURN(const auto version, header.number<uint32_t>("ver"));
     ENGRAM_ASSIGN_OR_RETURN(const auto connection, header.number<uint32_t>("conn"));
     ENGRAM_ASSIGN_OR_RETURN(const auto messages, header.number<uint32_t>("count"));
-    if (version != kVersion) return data_loss("index of version {}, needs {}", version, kVersion);
+    if (version != kIndexVersion)
+      return data_loss("index of version {}, needs {}", version, kIndexVersion);
     if (found.data_bytes != messages * kEntryBytes)
       return data_loss("index of {} messages has {} bytes, needs {}", messages, found.data_bytes,
                        messages * kEntryBytes);
@@ -232,8 +233,8 @@ class BagMapper {
 
   static Status take_chunk_info(const Header& header) {
     ENGRAM_ASSIGN_OR_RETURN(const auto version, header.number<uint32_t>("ver"));
-    if (version == kVersion) return {};
-    return data_loss("chunk info of version {}, needs {}", version, kVersion);
+    if (version == kIndexVersion) return {};
+    return data_loss("chunk info of version {}, needs {}", version, kIndexVersion);
   }
 
   void count(uint32_t connection, uint64_t messages, size_t region) {

@@ -9,7 +9,7 @@ namespace engram::encoders {
 namespace {
 
 constexpr size_t kMaxSamples = 20000;
-constexpr int kSteps = 300;
+constexpr int kFitSteps = 300;
 constexpr double kRate = 0.02;
 
 double share_beyond(double z) {
@@ -57,7 +57,7 @@ std::vector<double> descend(const std::vector<ResidualTrace>& samples, size_t ch
   const std::array<double, kScaleInputs> start{0.3, 0.3, 0.1, 0.1, 0.0, 0.1};
   std::ranges::copy(start, parameters.begin());
   Adam adam(parameters.size());
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kFitSteps; ++step) {
     std::vector<double> gradient(parameters.size());
     for (const ResidualTrace& sample : samples) {
       const double scale = log_scale_of(sample, parameters);

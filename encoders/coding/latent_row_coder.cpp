@@ -8,14 +8,14 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr int kMixerRate = 14;
+constexpr int kRowMixerRate = 14;
 /// Number of bits that a stored start counts as.
 constexpr int kTrust = 30;
 /// Marks a context that training never met. Other starts are log odds in 1/16.
 constexpr int8_t kUnmet = -128;
 constexpr int kMinSeen = 2;
 
-constexpr size_t kSteps = LatentNeighbourhood::kSteps;
+constexpr size_t kChanges = LatentNeighbourhood::kSteps;
 constexpr size_t kFewSteps = LatentNeighbourhood::kFewSteps;
 constexpr size_t kWide = LatentNeighbourhood::kWide;
 constexpr size_t kNarrow = LatentNeighbourhood::kNarrow;
@@ -51,11 +51,11 @@ std::vector<LatentRowCoder::Contexts> LatentRowCoder::lay_out(
     const auto channels = static_cast<size_t>(shape.channels);
     const auto places = static_cast<size_t>(shape.height) * static_cast<size_t>(shape.width);
     const std::array<size_t, kLatentContexts> sizes{channels * (kWide * kNarrow + 1),
-                                                    kRowKinds * kWide * kSteps * kFewSteps,
+                                                    kRowKinds * kWide * kChanges * kFewSteps,
                                                     kNarrow * kNarrow * kWide,
-                                                    kRowKinds * kSteps * kSteps * kFewSteps,
+                                                    kRowKinds * kChanges * kChanges * kFewSteps,
                                                     places * 3,
-                                                    channels * kSteps * 4,
+                                                    channels * kChanges * 4,
                                                     kPairs + kRelations * 3};
     Contexts& contexts = laid.emplace_back();
     for (size_t i = 0; i < kLatentContexts; ++i) {
@@ -131,11 +131,11 @@ LatentRowCoder::Place LatentRowCoder::place_of(const Grid& grid, size_t at, size
   const size_t moment = is_first ? 0 : 1 + std::min<size_t>(is.last_size, 1);
   const std::array<size_t, kLatentContexts> index{
       channel * (kWide * kNarrow + 1) + past,
-      ((kind * kWide + is.last) * kSteps + is.change) * kFewSteps + grid.change[place],
+      ((kind * kWide + is.last) * kChanges + is.change) * kFewSteps + grid.change[place],
       (is.west * kNarrow + is.north) * kWide + is.last,
-      ((kind * kSteps + is.around) * kSteps + is.around_then) * kFewSteps + is.channels,
+      ((kind * kChanges + is.around) * kChanges + is.around_then) * kFewSteps + is.channels,
       place * 3 + moment,
-      (channel * kSteps + is.change) * 4 + (is_first ? 3 : is.last_size),
+      (channel * kChanges + is.change) * 4 + (is_first ? 3 : is.last_size),
       is_first ? kPairs - 1 : is.last * kWide + is.before};
   Place result;
   for (size_t i = 0; i < kLatentContexts; ++i) result[i] = grid.contexts.offset[i] + index[i];
@@ -154,7 +154,7 @@ bool LatentRowCoder::code_bit(Port& port, const Place& place, LatentMixer& mixer
   odds[kLatentContexts] = 256;
   const BitProbability one = std::clamp<BitProbability>(mixer.mix(odds), 24, 65536 - 24);
   bit = port.code(bit, one);
-  mixer.update(odds, one, bit, kMixerRate);
+  mixer.update(odds, one, bit, kRowMixerRate);
   for (OddsBit* estimate : estimates) estimate->update(bit, odds_);
   return bit;
 }

@@ -10,11 +10,11 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr int64_t kMaxSide = 65'500;
+constexpr int64_t kMaxJpegSide = 65'500;
 constexpr int kDefaultQuality = 90;
 /// Max expansion of a byte: a block of 8 x 8 takes at least this share of a byte in the densest
 /// progressive file. It bounds what few bytes can announce.
-constexpr size_t kMaxExpansion = 4096;
+constexpr size_t kMaxJpegExpansion = 4096;
 
 /// True if the file is complete. Decoders fill the missing part of a truncated file with grey and
 /// report no error.
@@ -32,7 +32,7 @@ class JpegCodec final : public Codec {
   [[nodiscard]] double psnr_db() const override { return quality_ >= 90 ? 35 : 20; }
 
   [[nodiscard]] bool accepts(idf::ElementType type, const idf::Shape& shape) const override {
-    return cv_image::fits(type, shape, kMaxSide, false);
+    return cv_image::fits(type, shape, kMaxJpegSide, false);
   }
 
   Result<std::vector<std::byte>> encode(const idf::NdArray& array) const override {
@@ -46,7 +46,7 @@ class JpegCodec final : public Codec {
                               const idf::Shape& shape) const override {
     const auto found = announced_image(bytes);
     if (!accepts(type, shape) || !is_whole(bytes) || !found || found->shape != shape ||
-        *idf::size_bytes(type, shape) / kMaxExpansion > bytes.size())
+        *idf::size_bytes(type, shape) / kMaxJpegExpansion > bytes.size())
       return data_loss("jpeg: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
     return cv_image::decode("jpg", bytes, type, shape);

@@ -10,9 +10,9 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr int64_t kMaxSide = 1 << 15;
+constexpr int64_t kMaxPngSide = 1 << 15;
 /// Max expansion of a byte by deflate.
-constexpr size_t kMaxExpansion = 1032;
+constexpr size_t kMaxPngExpansion = 1032;
 constexpr int kFastest = -1;
 
 class PngCodec final : public Codec {
@@ -23,7 +23,7 @@ class PngCodec final : public Codec {
   [[nodiscard]] bool is_lossless() const override { return true; }
 
   [[nodiscard]] bool accepts(idf::ElementType type, const idf::Shape& shape) const override {
-    return cv_image::fits(type, shape, kMaxSide, true);
+    return cv_image::fits(type, shape, kMaxPngSide, true);
   }
 
   Result<std::vector<std::byte>> encode(const idf::NdArray& array) const override {
@@ -39,7 +39,7 @@ class PngCodec final : public Codec {
                               const idf::Shape& shape) const override {
     const auto found = announced_image(bytes);
     if (!accepts(type, shape) || !found || found->codec != name() || found->type != type ||
-        found->shape != shape || *idf::size_bytes(type, shape) / kMaxExpansion > bytes.size())
+        found->shape != shape || *idf::size_bytes(type, shape) / kMaxPngExpansion > bytes.size())
       return data_loss("png: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
     return cv_image::decode("png", bytes, type, shape);

@@ -12,15 +12,15 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr int64_t kMaxSide = 1 << 16;
-constexpr uint8_t kVersion = 1;
+constexpr int64_t kMaxRowSide = 1 << 16;
+constexpr uint8_t kRowVersion = 1;
 /// Max size of the memory that a thread keeps for residuals: an image of 1280 x 720 RGB. Pages that
 /// were never written take no memory.
 constexpr size_t kKeptRoomBytes = size_t{3} << 20;
 
 /// The header before the Zstandard frame.
 struct Header {
-  uint8_t version = kVersion;
+  uint8_t version = kRowVersion;
   uint8_t colour_differences = 0;
   uint8_t channels = 0;
   uint8_t element = 0;  // Code of the element type.
@@ -82,7 +82,7 @@ class RowpredCodec final : public Codec {
   [[nodiscard]] bool accepts(idf::ElementType type, const idf::Shape& shape) const override {
     if (shape.size() != 3) return false;
     for (const int64_t side : {shape[0], shape[1]})
-      if (side < 1 || side > kMaxSide) return false;
+      if (side < 1 || side > kMaxRowSide) return false;
     if (type == idf::ElementType::kFloat32) return shape[2] == 1;
     return (type == idf::ElementType::kUInt8 || type == idf::ElementType::kUInt16) &&
            shape[2] >= 1 && shape[2] <= 4;

@@ -8,7 +8,7 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr int kDefaultLevel = 3;
+constexpr int kDefaultShuffleLevel = 3;
 constexpr int64_t kMaxFields = 16;
 
 /// The record size, which is part of the format: docs/codecs.md, section "Formats".
@@ -51,7 +51,7 @@ class ShuffleCodec final : public Codec {
 }  // namespace
 
 Result<std::unique_ptr<const Codec>> make_shuffle_codec(CodecText text) {
-  ENGRAM_ASSIGN_OR_RETURN(const int level, text.take("level", true, kDefaultLevel, 1, 19));
+  ENGRAM_ASSIGN_OR_RETURN(const int level, text.take("level", true, kDefaultShuffleLevel, 1, 19));
   ENGRAM_RETURN_IF_ERROR(text.finish());
   return std::unique_ptr<const Codec>(std::make_unique<ShuffleCodec>(level));
 }

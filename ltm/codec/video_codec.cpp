@@ -17,7 +17,7 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr int64_t kMaxSide = 1 << 14;
+constexpr int64_t kMaxVideoSide = 1 << 14;
 /// Max number of pixels. A few bytes may announce any size, and decoders allocate it.
 constexpr int64_t kMaxPixels = 1 << 26;
 /// Max padding of a picture's sides, because codecs pad pictures to whole blocks.
@@ -183,7 +183,7 @@ class VideoCodec final : public GroupCodec {
     const auto layout = layout_of(type, shape, kind_.is_lossless);
     if (!layout || (*layout == PictureLayout::kGray16 && !kind_.is_lossless)) return false;
     for (const int64_t side : {shape[0], shape[1]})
-      if (side < kind_.min_side || side > kMaxSide) return false;
+      if (side < kind_.min_side || side > kMaxVideoSide) return false;
     return shape[0] * shape[1] <= kMaxPixels;
   }
 
@@ -214,7 +214,7 @@ class VideoCodec final : public GroupCodec {
     if (!accepts(first.type(), first.shape()))
       return invalid_argument(
           "{}: needs uint8 [H, W, 3] or [H, W, 1]{}, sides of {} to {}, found {} {}", kind_.name,
-          kind_.is_lossless ? ", uint16 [H, W, 1]" : "", kind_.min_side, kMaxSide,
+          kind_.is_lossless ? ", uint16 [H, W, 1]" : "", kind_.min_side, kMaxVideoSide,
           to_string(first.type()), idf::to_string(first.shape()));
     for (const idf::NdArray& array : arrays)
       if (array.type() != first.type() || array.shape() != first.shape())

@@ -7,7 +7,7 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kStreamVersion = 1;
 
 void put(std::vector<std::byte>& out, uint32_t value) {
   const auto bytes = std::as_bytes(std::span(&value, 1));
@@ -130,7 +130,8 @@ class Decoding {
 
 std::vector<std::byte> VideoGroup::to_bytes() const {
   std::vector<std::byte> out;
-  for (const uint32_t number : {kVersion, static_cast<uint32_t>(layout), count, height, width})
+  for (const uint32_t number :
+       {kStreamVersion, static_cast<uint32_t>(layout), count, height, width})
     put(out, number);
   put(out, setup);
   put(out, static_cast<uint32_t>(packets.size()));
@@ -143,8 +144,8 @@ std::vector<std::byte> VideoGroup::to_bytes() const {
 
 Result<VideoGroup> VideoGroup::from_bytes(std::span<const std::byte> bytes) {
   Cursor cursor(bytes);
-  if (const uint32_t version = cursor.number(); version != kVersion)
-    return data_loss("group of version {}, needs {}", version, kVersion);
+  if (const uint32_t version = cursor.number(); version != kStreamVersion)
+    return data_loss("group of version {}, needs {}", version, kStreamVersion);
   VideoGroup group;
   const uint32_t layout = cursor.number();
   if (layout > static_cast<uint32_t>(PictureLayout::kYcc444))

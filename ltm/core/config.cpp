@@ -28,16 +28,16 @@ std::optional<NumberWithUnit> take_number(std::string_view text) {
   return NumberWithUnit{number, text.substr(static_cast<size_t>(end - text.data()))};
 }
 
-struct Unit {
+struct NumberUnit {
   std::string_view name;
   double factor;
 };
 
 template <size_t N>
-std::optional<double> in_units(std::string_view text, const std::array<Unit, N>& units) {
+std::optional<double> in_units(std::string_view text, const std::array<NumberUnit, N>& units) {
   const auto parts = take_number(text);
   if (!parts) return std::nullopt;
-  for (const Unit& unit : units)
+  for (const NumberUnit& unit : units)
     if (unit.name == parts->unit) return parts->number * unit.factor;
   return std::nullopt;
 }
@@ -128,15 +128,15 @@ Result<Duration> ConfigValue::duration() const {
 }
 
 Result<uint64_t> ConfigValue::bytes() const {
-  static constexpr std::array<Unit, 9> kUnits{{{"B", 1},
-                                               {"kB", 1e3},
-                                               {"MB", 1e6},
-                                               {"GB", 1e9},
-                                               {"TB", 1e12},
-                                               {"KiB", 1024.0},
-                                               {"MiB", 1048576.0},
-                                               {"GiB", 1073741824.0},
-                                               {"TiB", 1099511627776.0}}};
+  static constexpr std::array<NumberUnit, 9> kUnits{{{"B", 1},
+                                                     {"kB", 1e3},
+                                                     {"MB", 1e6},
+                                                     {"GB", 1e9},
+                                                     {"TB", 1e12},
+                                                     {"KiB", 1024.0},
+                                                     {"MiB", 1048576.0},
+                                                     {"GiB", 1073741824.0},
+                                                     {"TiB", 1099511627776.0}}};
   const auto value = is_text() ? in_units(node_->text, kUnits) : std::nullopt;
   if (!value || *value < 0 || *value > 1e18)
     return needs("a size with its unit, as in 64MiB or 500MB");
@@ -144,7 +144,7 @@ Result<uint64_t> ConfigValue::bytes() const {
 }
 
 Result<double> ConfigValue::rate_hz() const {
-  static constexpr std::array<Unit, 3> kUnits{{{"Hz", 1}, {"kHz", 1e3}, {"mHz", 1e-3}}};
+  static constexpr std::array<NumberUnit, 3> kUnits{{{"Hz", 1}, {"kHz", 1e3}, {"mHz", 1e-3}}};
   const auto value = is_text() ? in_units(node_->text, kUnits) : std::nullopt;
   if (!value || *value <= 0) return needs("a rate with its unit, as in 5Hz");
   return *value;

@@ -10,27 +10,22 @@ namespace engram {
 
 namespace {
 
-using std::chrono::days;
-using std::chrono::hours;
-using std::chrono::minutes;
-using std::chrono::seconds;
-
 constexpr int64_t kNsPerSecond = 1'000'000'000;
 
-struct Unit {
+struct TimeUnit {
   std::string_view name;
   int64_t ns;
 };
 
 // The largest unit first, so that printing finds the shortest form; aliases last.
-constexpr std::array<Unit, 8> kUnits{{{"d", 86400 * kNsPerSecond},
-                                      {"h", 3600 * kNsPerSecond},
-                                      {"min", 60 * kNsPerSecond},
-                                      {"s", kNsPerSecond},
-                                      {"ms", 1'000'000},
-                                      {"us", 1'000},
-                                      {"ns", 1},
-                                      {"m", 60 * kNsPerSecond}}};
+constexpr std::array<TimeUnit, 8> kUnits{{{"d", 86400 * kNsPerSecond},
+                                          {"h", 3600 * kNsPerSecond},
+                                          {"min", 60 * kNsPerSecond},
+                                          {"s", kNsPerSecond},
+                                          {"ms", 1'000'000},
+                                          {"us", 1'000},
+                                          {"ns", 1},
+                                          {"m", 60 * kNsPerSecond}}};
 
 /// Consumes `min` to `max` digits from the front.
 std::optional<int64_t> take_digits(std::string_view& text, size_t min, size_t max) {
@@ -59,15 +54,15 @@ std::optional<int64_t> take_fraction_ns(std::string_view& text) {
 }
 
 /// Consumes "Z", "+01:00" or nothing and returns the offset.
-std::optional<seconds> take_zone(std::string_view& text) {
-  if (text.empty() || take(text, "Zz")) return seconds(0);
+std::optional<std::chrono::seconds> take_zone(std::string_view& text) {
+  if (text.empty() || take(text, "Zz")) return std::chrono::seconds(0);
   const bool is_behind = text.front() == '-';
   if (!take(text, "+-")) return std::nullopt;
   const auto hour = take_digits(text, 2, 2);
   if (!hour || !take(text, ":")) return std::nullopt;
   const auto minute = take_digits(text, 2, 2);
   if (!minute || *hour > 23 || *minute > 59) return std::nullopt;
-  const seconds offset = hours(*hour) + minutes(*minute);
+  const std::chrono::seconds offset = std::chrono::hours(*hour) + std::chrono::minutes(*minute);
   return is_behind ? -offset : offset;
 }
 
@@ -115,7 +110,8 @@ std::optional<Time> parse_calendar(std::string_view text) {
   }
   const auto zone = take_zone(text);
   if (!zone || !text.empty()) return std::nullopt;
-  return time_at(day_start + hours(*hour) + minutes(*minute) + seconds(second) - *zone,
+  return time_at(day_start + std::chrono::hours(*hour) + std::chrono::minutes(*minute) +
+                     std::chrono::seconds(second) - *zone,
                  Duration(fraction));
 }
 
@@ -133,8 +129,8 @@ Result<Duration> duration_from_seconds(double value) {
 }
 
 std::string to_string(Time time) {
-  const auto second = std::chrono::floor<seconds>(time);
-  const auto day_point = std::chrono::floor<days>(second);
+  const auto second = std::chrono::floor<std::chrono::seconds>(time);
+  const auto day_point = std::chrono::floor<std::chrono::days>(second);
   const std::chrono::year_month_day date(day_point);
   const int64_t second_of_day = (second - day_point).count();
   // The remainder of a time before 1970 is negative.
@@ -167,7 +163,7 @@ Result<Duration> parse_duration(std::string_view text) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   const std::string_view name(end, static_cast<size_t>(digits.data() + digits.size() - end));
   if (error == std::errc() && !digits.starts_with('+')) {
-    for (const Unit& unit : kUnits) {
+    for (const TimeUnit& unit : kUnits) {
       if (unit.name != name) continue;
       // Integers stay exact; doubles have only 53 bits.
       int64_t whole = 0;
@@ -186,7 +182,7 @@ Result<Duration> parse_duration(std::string_view text) {
 std::string to_string(Duration duration) {
   const int64_t ns = duration.count();
   if (ns == 0) return "0s";
-  for (const Unit& unit : kUnits)
+  for (const TimeUnit& unit : kUnits)
     if (ns % unit.ns == 0) return fmt::format("{}{}", ns / unit.ns, unit.name);
   return fmt::format("{}ns", ns);
 }

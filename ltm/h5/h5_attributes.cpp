@@ -9,7 +9,7 @@ namespace engram::h5 {
 
 namespace {
 
-constexpr uint64_t kMaxBytes = 1 << 28;
+constexpr uint64_t kMaxAttributeBytes = 1 << 28;
 
 /// Names of all attributes if some are stored outside the object's header.
 Result<std::vector<std::string>> all_names(hid_t file, const std::string& object) {
@@ -59,7 +59,7 @@ Result<Attribute> File::attribute(const std::string& object, const std::string& 
   value.shape = *std::move(shape);
   uint64_t count = 1;
   for (const uint64_t size : value.shape) count *= size;
-  if (count > kMaxBytes / std::max<uint64_t>(H5Tget_size(stored), kReferenceBytes))
+  if (count > kMaxAttributeBytes / std::max<uint64_t>(H5Tget_size(stored), kReferenceBytes))
     return failed(fmt::format("announces {} values", count));
   if (count == 0) return value;
   if (value.element.is_number()) {

@@ -5,7 +5,7 @@ namespace engram::h5 {
 
 namespace {
 
-constexpr uint64_t kMaxBytes = uint64_t{1} << 31;
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;
 
 }  // namespace
 
@@ -17,7 +17,7 @@ Result<RawFile> RawFile::open(const std::filesystem::path& path, uint64_t base) 
 }
 
 Result<RawBytes> RawFile::read(uint64_t offset, uint64_t size) const {
-  if (size > kMaxBytes || offset > size_ || size > size_ - offset)
+  if (size > kMaxFileBytes || offset > size_ || size > size_ - offset)
     return data_loss("offset {}: {} bytes announced, the file has {}", offset, size, size_);
   RawBytes bytes(size);
   ENGRAM_RETURN_IF_ERROR(file_.read_at(base_ + offset, bytes));

@@ -7,7 +7,7 @@ namespace engram::h5 {
 
 namespace {
 
-constexpr uint64_t kMaxBytes = 1 << 28;
+constexpr uint64_t kMaxVariableBytes = 1 << 28;
 constexpr size_t kHeapHeaderBytes = 16;
 
 /// One collection of values. It is kept, because the next values are usually in it too.
@@ -55,7 +55,8 @@ Result<std::vector<std::string>> variable_values(const RawFile& file, RawView re
     const auto size = raw_number<uint32_t>(one, 0);
     const auto offset = raw_number<uint64_t>(one, 4);
     total += size;
-    if (total > kMaxBytes) return data_loss("values of more than {} bytes", kMaxBytes);
+    if (total > kMaxVariableBytes)
+      return data_loss("values of more than {} bytes", kMaxVariableBytes);
     if (size == 0 || offset == 0) {
       values.emplace_back();
       continue;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr size_t kMaxNodes = size_t{1} << 20;
 constexpr size_t kMaxDefaultBytes = size_t{1} << 30;
-constexpr size_t kMaxRank = 16;
+constexpr size_t kMaxTypeRank = 16;
 
 /// Adds, but stops at SIZE_MAX instead of wrapping.
 size_t add(size_t a, size_t b) {
@@ -53,8 +53,8 @@ Status check_sizes(const Shape& sizes) {
   for (const int64_t size : sizes)
     if (size < 0 && size != kFreeSize)
       return invalid_argument("size {}: needs zero or more, or {} for a free one", size, kFreeSize);
-  if (sizes.size() > kMaxRank)
-    return invalid_argument("has {} axes, at most {} are known", sizes.size(), kMaxRank);
+  if (sizes.size() > kMaxTypeRank)
+    return invalid_argument("has {} axes, at most {} are known", sizes.size(), kMaxTypeRank);
   return {};
 }
 

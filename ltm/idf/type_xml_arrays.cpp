@@ -8,7 +8,7 @@ namespace engram::idf {
 namespace {
 
 /// The binary form holds no more axes.
-constexpr int64_t kMaxRank = 16;
+constexpr int64_t kMaxXmlRank = 16;
 
 /// Reads "3, -1, 2" as a shape; nothing where an axis is no size.
 std::optional<Shape> parse_shape(std::string_view text) {
@@ -129,11 +129,11 @@ Result<TypeValue> XmlTypeReader::read_ndarray(const pugi::xml_node& node) {
     array.shape = *shape;
     return TypeValue(std::move(array));
   }
-  if (rank == kFreeSize || rank > kMaxRank)
+  if (rank == kFreeSize || rank > kMaxXmlRank)
     return source_.error(node,
                          fmt::format("<NDArray> needs shape=\"3, -1\" or dimensions=\"2\", at "
                                      "most {} axes",
-                                     kMaxRank));
+                                     kMaxXmlRank));
   array.shape.assign(static_cast<size_t>(rank), kFreeSize);
   return TypeValue(std::move(array));
 }

@@ -9,7 +9,7 @@ namespace {
 
 class CopyLastPredictor final : public Predictor {
  public:
-  [[nodiscard]] std::string_view name() const override { return "copy-last"; }
+  [[nodiscard]] std::string_view name() const override { return kCopyLast; }
   [[nodiscard]] Duration step() const override { return Duration(0); }
   [[nodiscard]] size_t context() const override { return 1; }
 

@@ -12,7 +12,6 @@ namespace engram::ltm {
 
 namespace {
 
-constexpr std::string_view kCopyLast = "copy-last";
 /// The name if several engines predicted: then each member of an answer names its own.
 constexpr std::string_view kMixed = "mixed";
 

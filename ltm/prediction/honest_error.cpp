@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
+
+#include "ltm/core/not_a_number.h"
 
 namespace engram::ltm {
 
@@ -16,7 +17,6 @@ using Errors = std::vector<std::pair<size_t, MemberErrors>>;
 /// moments are few and not those of the past at hand: a model that only copies looked a third worse
 /// than a copy, while one that had learned its past by heart was off by a factor of a thousand.
 constexpr double kClearDifference = 2.25;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double mean_of(const std::vector<double>& values) {
   double sum = 0, count = 0;
@@ -93,7 +93,7 @@ void make_honest(const EngineChoiceInputs& inputs, const idf::Layout& layout, co
   if (!held_out) return;
   std::optional<MeasuredError> held_out_copy;
   for (const Engine& other : inputs.models)
-    if (other.predictor->name() == "copy-last")
+    if (other.predictor->name() == kCopyLast)
       held_out_copy = record_at(*other.predictor, PredictorInputs::kValues, steps);
   const Raise images =
       raise_of(errors, *held_out, held_out_copy, copied, &MeasuredError::image_mse);

@@ -3,20 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "ltm/core/not_a_number.h"
 
 namespace engram::ltm {
 
 namespace {
 
-constexpr std::string_view kCopyLast = "copy-last";
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Max numbers in all rows together. It bounds the memory: longer rows make fewer of them.
 constexpr size_t kMaxNumbersKept = size_t{1} << 22;
-
-double finite_or_nan(double number) {
-  return std::isfinite(number) ? number : kNaN;
-}
 
 }  // namespace
 

@@ -3,18 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
+#include "ltm/core/not_a_number.h"
 #include "ltm/prediction/honest_error.h"
 #include "ltm/prediction/member_summary.h"
 
 namespace engram::ltm {
 
 namespace {
-
-constexpr std::string_view kCopyLast = "copy-last";
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Mean and bound of one kind of error; NaN if there is no error.
 template <typename Kind>
@@ -33,10 +30,6 @@ EngineRecord record_of(std::string_view engine, const std::string& model,
                       errors.size(),
                       {images.mean, numbers.mean},
                       {images.bound, numbers.bound}};
-}
-
-double finite_or_nan(double number) {
-  return std::isfinite(number) ? number : kNaN;
 }
 
 }  // namespace

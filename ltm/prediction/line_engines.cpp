@@ -12,7 +12,7 @@ constexpr double kDamping = 0.7;
 
 class CopyLast final : public SeriesEngine {
  public:
-  [[nodiscard]] std::string_view name() const override { return "copy-last"; }
+  [[nodiscard]] std::string_view name() const override { return kCopyLast; }
   void predict(const NumberSeries& series, size_t row, size_t /*steps*/,
                std::span<double> predicted) const override {
     std::ranges::copy(series.row(row), predicted.begin());

@@ -133,7 +133,7 @@ bool MemberCandidate::is_measured() const {
 
 std::vector<MemberChoice> choose_members(const std::vector<MemberCandidate>& candidates,
                                          const ValueRow& rows, const std::vector<bool>& is_moving) {
-  ENGRAM_CHECK(!candidates.empty() && candidates.front().engine == "copy-last",
+  ENGRAM_CHECK(!candidates.empty() && candidates.front().engine == kCopyLast,
                "found {} candidates, needs a copy first", candidates.size());
   std::vector<MemberChoice> choices(rows.layout().members().size());
   if (std::ranges::none_of(candidates, &MemberCandidate::is_measured)) {

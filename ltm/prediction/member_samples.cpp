@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ltm/core/not_a_number.h"
 #include "ltm/idf/element_visit.h"
 
 namespace engram::ltm {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kPeak = 255;
 constexpr double kGoldenRatio = 0.6180339887498949;
 

@@ -2,13 +2,12 @@
 #include "ltm/prediction/member_summary.h"
 
 #include <cmath>
-#include <limits>
+
+#include "ltm/core/not_a_number.h"
 
 namespace engram::ltm {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double elements_of(const idf::TensorMember& member) {
   double count = 1;
@@ -35,7 +34,7 @@ struct WeightedSum {
 void take_estimate(const Prediction& predicted, MemberPrediction& member) {
   const ErrorEstimate& own = predicted.error;
   member.copied = member.is_image ? predicted.copied_images : predicted.copied_numbers;
-  if (member.copied >= 1) member.engine = "copy-last";
+  if (member.copied >= 1) member.engine = kCopyLast;
   if (member.is_image) {
     member.expected_mse = known_or(own.expected.image_mse, member.expected_mse);
     member.bound_mse = known_or(own.bound.image_mse, member.bound_mse);
@@ -70,9 +69,9 @@ void summarize(const ValueRow& rows, const std::vector<MemberCandidate>& candida
     member.engine = used.engine;
     member.is_image = layout[i].kind == idf::MemberKind::kImage;
     member.is_moving = is_moving[i];
-    member.copied = used.engine == "copy-last" ? 1 : 0;
+    member.copied = used.engine == kCopyLast ? 1 : 0;
     if (!is_counted[i]) {
-      member.engine = "copy-last";
+      member.engine = kCopyLast;
       member.copied = 1;
       continue;
     }

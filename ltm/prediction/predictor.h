@@ -12,6 +12,9 @@
 
 namespace engram::ltm {
 
+/// The name of the engine that repeats the last value.
+inline constexpr std::string_view kCopyLast = "copy-last";
+
 /// The inputs that a prediction starts from.
 struct Past {
   Past() = default;

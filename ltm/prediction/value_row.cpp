@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "ltm/core/not_a_number.h"
 #include "ltm/idf/element_visit.h"
 #include "ltm/prediction/rotation.h"
 
@@ -18,7 +19,6 @@ using idf::MemberKind;
 using idf::NdArray;
 using idf::TensorMember;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Marks a number in a row that was never finite. It differs from the zeros of values, which are
 /// stored as positive zeros.
 constexpr double kNeverKnown = -0.0;

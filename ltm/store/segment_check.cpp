@@ -12,7 +12,7 @@ namespace engram::ltm {
 namespace {
 
 /// Max number of different kinds of damage reported for one entity in one segment.
-constexpr size_t kMaxTold = 10;
+constexpr size_t kMaxErrorsTold = 10;
 
 /// Checks the entities of one open segment.
 class SegmentCheck {
@@ -91,7 +91,7 @@ class SegmentCheck {
     const auto known = std::ranges::find(damage_, what, &Damage::what);
     if (known != damage_.end())
       ++known->places;
-    else if (damage_.size() < kMaxTold)
+    else if (damage_.size() < kMaxErrorsTold)
       damage_.push_back({span.time == Time{} ? entity : entity.at(span.time), what, 1});
   }
 

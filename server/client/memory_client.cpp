@@ -23,15 +23,15 @@ namespace engram::server {
 
 namespace {
 
-constexpr auto kFirstWait = std::chrono::milliseconds(20);
+constexpr auto kFirstRetry = std::chrono::milliseconds(20);
 /// How long the client waits before it asks again for shared memory that the server did not offer.
 constexpr auto kShareAgainAfter = std::chrono::seconds(1);
-constexpr auto kLongestWait = std::chrono::milliseconds(500);
+constexpr auto kMaxRetry = std::chrono::milliseconds(500);
 
 /// Calls `call`, and repeats it until `deadline` while it returns kUnavailable.
 template <typename Call>
 auto retried(SteadyTime deadline, const Call& call) -> decltype(call()) {
-  for (Duration wait = kFirstWait;; wait = std::min<Duration>(2 * wait, kLongestWait)) {
+  for (Duration wait = kFirstRetry;; wait = std::min<Duration>(2 * wait, kMaxRetry)) {
     auto result = call();
     const StatusCode code = [&] {
       if constexpr (std::is_same_v<decltype(call()), Status>)

@@ -15,7 +15,7 @@ namespace engram::server {
 
 namespace {
 
-using Async = v1::MemoryNameSystem::StubInterface::async_interface;
+using AsyncNames = v1::MemoryNameSystem::StubInterface::async_interface;
 
 /// The timeout of a heartbeat. A longer one would delay the next heartbeat.
 constexpr auto kHeartbeatTimeout = std::chrono::milliseconds(800);
@@ -50,10 +50,10 @@ struct NamesClient::State {
   }
 
   template <typename Request, typename Reply>
-  Status call(void (Async::*method)(grpc::ClientContext*, const Request*, Reply*,
-                                    std::function<void(grpc::Status)>),
+  Status call(void (AsyncNames::*method)(grpc::ClientContext*, const Request*, Reply*,
+                                         std::function<void(grpc::Status)>),
               grpc::ClientContext& context, const Request& request, Reply& reply) const {
-    return told(wait_for_call<Async>(stub->async(), method, context, request, reply));
+    return told(wait_for_call<AsyncNames>(stub->async(), method, context, request, reply));
   }
 
   [[nodiscard]] Status told(const grpc::Status& status) const {
@@ -80,7 +80,8 @@ Result<Duration> NamesClient::add(const Registration& registration) {
   grpc::ClientContext context;
   state_->prepare(context, kHeartbeatTimeout);
   v1::RegisterReply reply;
-  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Register, context, to_message(registration), reply));
+  ENGRAM_RETURN_IF_ERROR(
+      state_->call(&AsyncNames::Register, context, to_message(registration), reply));
   return Duration(reply.heartbeat_interval_ns());
 }
 
@@ -91,7 +92,7 @@ Status NamesClient::heartbeat(const std::string& server, uint64_t incarnation) {
   request.set_server(server);
   request.set_incarnation(incarnation);
   v1::HeartbeatReply reply;
-  return state_->call(&Async::Heartbeat, context, request, reply);
+  return state_->call(&AsyncNames::Heartbeat, context, request, reply);
 }
 
 Status NamesClient::remove(const std::string& server, uint64_t incarnation) {
@@ -101,7 +102,7 @@ Status NamesClient::remove(const std::string& server, uint64_t incarnation) {
   request.set_server(server);
   request.set_incarnation(incarnation);
   v1::UnregisterReply reply;
-  return state_->call(&Async::Unregister, context, request, reply);
+  return state_->call(&AsyncNames::Unregister, context, request, reply);
 }
 
 Result<std::vector<Registration>> NamesClient::resolve(const std::string& memory, Duration wait) {
@@ -112,7 +113,7 @@ Result<std::vector<Registration>> NamesClient::resolve(const std::string& memory
   request.set_names(memory);
   request.set_wait_ns(wait.count());
   v1::ResolveReply reply;
-  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Resolve, context, request, reply));
+  ENGRAM_RETURN_IF_ERROR(state_->call(&AsyncNames::Resolve, context, request, reply));
   std::vector<Registration> servers;
   for (const v1::ServerRecord& server : reply.servers()) servers.push_back(to_registration(server));
   return servers;

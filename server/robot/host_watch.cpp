@@ -9,8 +9,6 @@ namespace engram::server {
 
 namespace {
 
-constexpr uint64_t kMebibyte = uint64_t{1} << 20;
-
 const std::string& name_of(const HostWatch::Watched& watched) {
   return watched.server->service().options().name;
 }

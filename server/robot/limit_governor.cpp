@@ -9,7 +9,6 @@ namespace {
 
 /// The min step up: a smaller one is not worth a change and its line in the log.
 constexpr uint64_t kSmallestStep = uint64_t{1} << 20;
-constexpr uint64_t kMebibyte = uint64_t{1} << 20;
 
 double share_available(const RamState& ram) {
   return static_cast<double>(ram.available_bytes) / static_cast<double>(ram.total_bytes);

@@ -10,6 +10,8 @@
 
 namespace engram::server {
 
+inline constexpr uint64_t kMebibyte = uint64_t{1} << 20;
+
 /// Decides how much RAM working memory may take while other programs of the machine need RAM too.
 ///
 /// RAM is tight if less than `shrink_below` of it is available, or if programs wait for it (PSI).

@@ -8,8 +8,6 @@ namespace engram::server {
 
 namespace {
 
-constexpr size_t kPage = 4096;
-
 constexpr size_t whole_pages(size_t bytes) {
   return (bytes + kPage - 1) / kPage * kPage;
 }

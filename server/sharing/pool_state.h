@@ -16,6 +16,9 @@
 
 namespace engram::server {
 
+/// Blocks begin at whole pages. Unit: bytes.
+inline constexpr size_t kPage = 4096;
+
 /// The pool's record of one process.
 struct PoolClient {
   ClientId id = kServerItself;

@@ -21,7 +21,7 @@ using torch::Tensor;
 
 namespace {
 
-constexpr double kPeakRate = 1.5e-3;
+constexpr double kAutoencoderRate = 1.5e-3;
 /// Learning rate of backgrounds relative to the other parameters. It is lower, because medians are
 /// good starts.
 constexpr double kBackgroundRate = 0.5;
@@ -29,7 +29,7 @@ constexpr double kBackgroundRate = 0.5;
 constexpr double kNoiseShare = 0.5;
 /// Share of the time with exact weights. After it weights are rounded as they will be stored.
 constexpr double kExactShare = 0.75;
-constexpr double kLargestGradient = 1.0;
+constexpr double kMaxAutoencoderGradient = 1.0;
 /// Price of errors in variants whose price does not follow the quality.
 constexpr double kUnsteeredPrice = 0.01;
 /// Number of consecutive rows of a chunk, after one row that is only their past.
@@ -116,13 +116,13 @@ torch::optim::Adam make_optimiser(encoders::DeepModel& model,
     return adam;
   };
   std::vector<torch::optim::OptimizerParamGroup> groups;
-  groups.emplace_back(rest, options(kPeakRate));
-  groups.emplace_back(backgrounds, options(kPeakRate * kBackgroundRate));
-  return torch::optim::Adam(groups, torch::optim::AdamOptions(kPeakRate));
+  groups.emplace_back(rest, options(kAutoencoderRate));
+  groups.emplace_back(backgrounds, options(kAutoencoderRate * kBackgroundRate));
+  return torch::optim::Adam(groups, torch::optim::AdamOptions(kAutoencoderRate));
 }
 
 void set_rate(torch::optim::Adam& optimiser, double share) {
-  const double rate = kPeakRate * learning_rate_share(share);
+  const double rate = kAutoencoderRate * learning_rate_share(share);
   auto& groups = optimiser.param_groups();
   static_cast<torch::optim::AdamOptions&>(groups[0].options()).lr(rate);
   static_cast<torch::optim::AdamOptions&>(groups[1].options()).lr(rate * kBackgroundRate);
@@ -308,7 +308,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     forget_gradients(optimiser);
     (costs * batch.weights).mean().backward();
     if (rounded) rounded->restore();
-    torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
+    torch::nn::utils::clip_grad_norm_(parameters, kMaxAutoencoderGradient);
     optimiser.step();
     tell(sampler, batch, costs.detach());
     loss_mean.add(costs, batch.weights);

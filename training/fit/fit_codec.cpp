@@ -18,7 +18,7 @@ namespace {
 /// Default bound of a number, relative to its standard deviation.
 constexpr double kRelativeBound = 0.005;
 /// Min bound that a codec accepts.
-constexpr double kMinBound = 1e-150;
+constexpr double kMinScaleBound = 1e-150;
 /// Default bound of an orientation. Unit: rad.
 constexpr double kOrientationBound = 1e-3;
 /// Max bound of an orientation that a codec accepts. Unit: rad.
@@ -51,7 +51,7 @@ std::vector<NumberField> fields_of(const Dataset& data, std::optional<double> bo
     }
     for (uint32_t i = 0; i < field.count; ++i, ++at) {
       const double deviation = data.deviation[at];
-      const double relative = std::max(deviation * kRelativeBound, kMinBound);
+      const double relative = std::max(deviation * kRelativeBound, kMinScaleBound);
       NumberField one{NumberKind::kBounded, 1, bound.value_or(relative)};
       if (!(deviation > 0)) one = {NumberKind::kExact, 1, 0};
       fields.push_back(one);

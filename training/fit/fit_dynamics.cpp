@@ -14,8 +14,8 @@ using torch::Tensor;
 
 namespace {
 
-constexpr double kPeakRate = 1e-3;
-constexpr double kLargestGradient = 1.0;
+constexpr double kDynamicsRate = 1e-3;
+constexpr double kMaxDynamicsGradient = 1.0;
 /// Horizons that rollouts are trained for.
 constexpr int kTrainedHorizons = 2;
 
@@ -39,7 +39,8 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
   const auto rows = make_windows(data.sequences, kTrainedHorizons).training;
   if (rows.empty() || model.dynamics->parameters().empty()) return result;
   const FrozenParameters frozen(*model.autoencoder);
-  torch::optim::Adam optimiser(model.dynamics->parameters(), torch::optim::AdamOptions(kPeakRate));
+  torch::optim::Adam optimiser(model.dynamics->parameters(),
+                               torch::optim::AdamOptions(kDynamicsRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
   std::array<int, kTrainedHorizons> horizons{};
   std::iota(horizons.begin(), horizons.end(), 1);
@@ -51,17 +52,17 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
     const Tensor now = windows.index_select(
         0, torch::randint(windows.size(0), {options.batch_size}, torch::kLong));
     auto& group = optimiser.param_groups()[0].options();
-    static_cast<torch::optim::AdamOptions&>(group).lr(kPeakRate * learning_rate_share(share));
+    static_cast<torch::optim::AdamOptions&>(group).lr(kDynamicsRate * learning_rate_share(share));
     forget_gradients(optimiser);
-    const auto futures = encoders::roll_out(
-        model.autoencoder, model.dynamics, data.batch(model.autoencoder->shape, now),
-        latents.rows(now), latents.rows(now - 1), horizons);
+    const auto futures = encoders::roll_out(model.autoencoder, model.dynamics,
+                                            data.batch(model.autoencoder->shape, now),
+                                            latents.rows(now), latents.rows(now - 1), horizons);
     Tensor loss = torch::zeros({});
     for (size_t i = 0; i < futures.size(); ++i)
       loss = loss + error_of(futures[i], data.batch(model.autoencoder->shape,
                                                     now + static_cast<int64_t>(i + 1)));
     loss.backward();
-    torch::nn::utils::clip_grad_norm_(model.dynamics->parameters(), kLargestGradient);
+    torch::nn::utils::clip_grad_norm_(model.dynamics->parameters(), kMaxDynamicsGradient);
     optimiser.step();
     loss_mean.add(loss.item<double>());
     result.loss = loss_mean.value();

@@ -15,9 +15,9 @@ using torch::Tensor;
 
 namespace {
 
-constexpr double kPeakRate = 1e-3;
+constexpr double kMotionRate = 1e-3;
 constexpr double kWeightDecay = 1e-2;
-constexpr double kLargestGradient = 1.0;
+constexpr double kMaxMotionGradient = 1.0;
 /// Min error in the loss: smaller errors count as equal. Unit: squared grey levels.
 constexpr double kMinError = 4.0;
 constexpr double kRecent = 0.05;
@@ -148,7 +148,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
   for (const auto& item : model.dynamics->named_parameters())
     if (item.key().find("motion") != std::string::npos || item.key().starts_with("condition"))
       parameters.push_back(item.value());
-  torch::optim::Adam optimiser(parameters, torch::optim::AdamOptions(kPeakRate));
+  torch::optim::Adam optimiser(parameters, torch::optim::AdamOptions(kMotionRate));
   const Tensor windows = torch::tensor(rows, torch::kLong);
   const int64_t max_steps =
       std::max(kFewestSteps, kMaxPasses * windows.size(0) / int64_t{options.batch_size});
@@ -161,7 +161,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
     ENGRAM_ASSIGN_OR_RETURN(double share, loop.next(state));
     share = std::max(share, static_cast<double>(result.step) / static_cast<double>(max_steps));
     if (share >= 1.0) break;
-    const double rate = kPeakRate * learning_rate_share(share);
+    const double rate = kMotionRate * learning_rate_share(share);
     auto& group = optimiser.param_groups()[0].options();
     static_cast<torch::optim::AdamOptions&>(group).lr(rate);
     const Tensor now = windows.index_select(
@@ -172,7 +172,7 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
     for (size_t i = 0; i < images.size(); ++i)
       loss = loss + loss_of(images[i]->motion, draw(data, shape, i, moved[i], now), features);
     loss.backward();
-    torch::nn::utils::clip_grad_norm_(parameters, kLargestGradient);
+    torch::nn::utils::clip_grad_norm_(parameters, kMaxMotionGradient);
     optimiser.step();
     decay(parameters, rate);
     loss_mean.add(loss.item<double>());

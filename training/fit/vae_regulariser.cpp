@@ -13,7 +13,7 @@ using torch::Tensor;
 namespace {
 
 /// Deviation of the prior. Unit: steps of the quantiser.
-constexpr double kPriorDeviation = 8.0;
+constexpr double kVaePriorDeviation = 8.0;
 /// Min deviation of a posterior in the same unit. Rounding adds a deviation of 0.29, which is less
 /// than the decoder was trained with.
 constexpr double kMinDeviation = 0.5;
@@ -53,12 +53,12 @@ class VaeRegulariser : public LatentRegulariser {
 
   /// Samples the posterior and adds its divergence from the prior to `kilobytes`.
   static Tensor sampled(const Tensor& mean, const Tensor& logit, Tensor& kilobytes) {
-    const double range = std::log(kPriorDeviation / kMinDeviation);
+    const double range = std::log(kVaePriorDeviation / kMinDeviation);
     const Tensor below_prior =  // Logarithm of the posterior's deviation over the prior's.
         range * (torch::sigmoid(kFirstLogit + kDeviationSpeed * logit) - 1.0);
-    const Tensor nats = gaussian_divergence(mean / kPriorDeviation, 2.0 * below_prior);
+    const Tensor nats = gaussian_divergence(mean / kVaePriorDeviation, 2.0 * below_prior);
     kilobytes = kilobytes + nats.sum({1, 2, 3}) / kNatsPerKilobyte;  // [B]
-    return mean + kPriorDeviation * below_prior.exp() * torch::randn_like(mean);
+    return mean + kVaePriorDeviation * below_prior.exp() * torch::randn_like(mean);
   }
 
   std::vector<encoders::ImageLatents> deviations_;  ///< Logits [1, z, 1, 1] of each grid.

@@ -13,7 +13,7 @@ using torch::Tensor;
 namespace {
 
 /// Deviation of the prior of pooled latents. Unit: steps of the quantiser.
-constexpr double kPriorDeviation = 4.0;
+constexpr double kWaePriorDeviation = 4.0;
 /// Price of a discrepancy of one. Unit: kilobytes per snapshot.
 constexpr double kDiscrepancyPrice = 1.0;
 /// Number of codes of earlier snapshots that are added to a batch, without gradients.
@@ -34,7 +34,7 @@ class WaeRegulariser : public LatentRegulariser {
 
   RegularisedLatents regularise(const Latents& exact, bool is_noisy) override {
     const Tensor codes =
-        torch::matmul(encoders::pooled_latents(exact), directions_) / kPriorDeviation;  // [B, K]
+        torch::matmul(encoders::pooled_latents(exact), directions_) / kWaePriorDeviation;  // [B, K]
     const Tensor all = torch::cat({codes, recent_});
     const Tensor cost = kDiscrepancyPrice * mean_discrepancy(all, torch::randn_like(all));
     recent_.set_data(all.detach().slice(0, 0, kRecentCodes).clone());

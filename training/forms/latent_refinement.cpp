@@ -28,8 +28,6 @@ constexpr double kPeakRate = 0.1;
 constexpr double kSteering = 0.03;
 /// Target above the bound at which prices stay constant. Unit: dB.
 constexpr double kAbove = 0.05;
-/// Price for a model whose file has none. Unit: kilobytes per squared grey level.
-constexpr double kUsualPrice = 0.03;
 
 Tensor rounded_through(const Tensor& z) {
   return z + (z.round() - z).detach();
@@ -150,7 +148,7 @@ class Refinement {
   /// Price at the end of the model's training. Unit: kilobytes per squared grey level.
   [[nodiscard]] double price() const {
     const double known = model_.provenance.error_price;
-    return known > 0 ? known : kUsualPrice;
+    return known > 0 ? known : encoders::kUsualPrice;
   }
 
   /// Adapts the prices. `error` is that of the worst image of each row.

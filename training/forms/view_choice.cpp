@@ -15,8 +15,6 @@ using torch::Tensor;
 
 namespace {
 
-/// Price for a model whose file has none. Unit: kilobytes per squared grey level.
-constexpr double kUsualPrice = 0.03;
 /// Max number of rows whose error is computed. Their mean stands for all rows.
 constexpr size_t kMaxCompared = 12;
 
@@ -69,7 +67,7 @@ Result<double> cost_of(DeepModel& model, std::span<const idf::SplitValue> values
     }
   }
   const double known = model.provenance.error_price;
-  const double price = known > 0 ? known : kUsualPrice;
+  const double price = known > 0 ? known : encoders::kUsualPrice;
   return bytes / 1000 + price * error / compared * static_cast<double>(values.size());
 }
 

@@ -16,7 +16,6 @@ using ltm::MemoryId;
 using ltm::Recall;
 using ltm::SnapshotResult;
 
-constexpr std::string_view kCopyLast = "copy-last";
 /// Number of last snapshots whose median interval is the step.
 constexpr size_t kStepTimes = 1000;
 
@@ -115,7 +114,7 @@ Result<PredictedMoment> predict_moment(Recall& recall, const MemoryId& entity,
                                        const Recall::PredictionRequest& request) {
   ENGRAM_ASSIGN_OR_RETURN(auto predicted, recall.predict(entity, request, {}));
   Recall::PredictionRequest copying = request;
-  copying.engine = kCopyLast;
+  copying.engine = ltm::kCopyLast;
   copying.plan.reset();
   ENGRAM_ASSIGN_OR_RETURN(const auto copied, recall.predict(entity, copying, {}));
   ENGRAM_ASSIGN_OR_RETURN(const auto engines, recall.engines(entity));

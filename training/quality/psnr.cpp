@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
+
+#include "ltm/core/not_a_number.h"
 
 namespace engram::training {
 
 namespace {
 
 constexpr double kPeak = 255.0;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Status check_alike(const idf::NdArray& a, const idf::NdArray& b) {
   if (a.type() != idf::ElementType::kUInt8 || a.shape().size() != 3)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ltm/core/not_a_number.h"
 #include "ltm/idf/element_visit.h"
 #include "ltm/idf/layout.h"
 #include "training/quality/ssim.h"
@@ -12,8 +13,7 @@ namespace engram::training {
 
 namespace {
 
-constexpr double kPeak = 255.0;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPeakValue = 255.0;
 
 struct ErrorSum {
   double sum = 0;
@@ -45,7 +45,7 @@ void add_bytes(std::span<const uint8_t> a, std::span<const uint8_t> b, ErrorSum&
 void add_depth(std::span<const uint16_t> a, std::span<const uint16_t> b, ErrorSum& error) {
   // Depth has no fixed range, so the largest recorded value counts as 255 grey levels.
   const uint16_t largest = a.empty() ? uint16_t{1} : *std::max_element(a.begin(), a.end());
-  const double scale = kPeak / std::max<uint16_t>(largest, 1);
+  const double scale = kPeakValue / std::max<uint16_t>(largest, 1);
   for (size_t i = 0; i < a.size(); ++i) error.add(a[i], b[i], scale);
 }
 
