@@ -11,6 +11,10 @@ target_compile_options(engram_options INTERFACE
   $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
                     -Wcast-align -Wunused -Wnull-dereference -Wno-missing-field-initializers>
   "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-restrict;-Wno-null-dereference>>")
+# Sources that are compiled together look like one header to GCC, where no type may have a member
+# whose type only one source knows.
+target_compile_options(engram_options INTERFACE
+  "$<BUILD_INTERFACE:$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wno-subobject-linkage>>")
 install(TARGETS engram_options EXPORT engram)
 
 # engram_add_library(store SOURCES a.cpp HEADERS a.h PUBLIC engram::codec PRIVATE hdf5)

@@ -64,20 +64,34 @@ def arguments_for(command: str) -> list[str]:
     return [COMPILER, *kept, *CHECKS]
 
 
+def compiled_sources(build: Path, root: Path) -> list[tuple[Path, str, str]]:
+    """Sources of the project, each with the folder and the command that compile it. Sources that are
+    compiled together have the command of all of them, with their own name."""
+    found = []
+    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
+        file = Path(entry["file"])
+        if file.parent.name != "Unity":
+            found.append((file, entry["directory"], entry["command"]))
+            continue
+        for name in _INCLUDE.findall(file.read_text(encoding="utf-8")):
+            command = entry["command"].replace(f" -c {file}", f" -c {name}")
+            found.append((Path(name), entry["directory"], command))
+    return [one for one in found if one[0].is_relative_to(root)]
+
+
 def sources_of(build: Path, root: Path, wanted: list[Path]) -> dict[Path, tuple[str, list[str]]]:
     """Sources that have locks to check: where each is compiled, and how it is checked."""
     known: dict[Path, list[Path]] = {}
     found: dict[Path, tuple[str, list[str]]] = {}
-    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
-        path = Path(entry["file"])
-        if path in found or not path.is_relative_to(root):
+    for path, directory, command in compiled_sources(build, root):
+        if path in found:
             continue
         if path.relative_to(root).parts[0] not in ROOMS:
             continue
         if wanted and not any(path.is_relative_to(one) for one in wanted):
             continue
         if sees_mutex(path, root, known):
-            found[path] = (entry["directory"], arguments_for(entry["command"]))
+            found[path] = (directory, arguments_for(command))
     return found
 
 

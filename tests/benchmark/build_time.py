@@ -78,6 +78,8 @@ def room_of(step: Step) -> str:
         return "(precompiled headers)"
     if not step.source:
         return "(linked)" if step.processor_s is not None else "(other steps)"
+    if "/Unity/" in step.source:  # Sources of a room that are compiled together.
+        return "/".join(pathlib.PurePath(step.output).parts[:2]).removesuffix("/CMakeFiles")
     if not (SOURCE / step.source).exists():
         return "(generated)"
     return "/".join(pathlib.PurePath(step.source).parts[:-1][:2])
@@ -123,13 +125,13 @@ def read_report(build: pathlib.Path, top: int) -> dict:
     return report_of(steps, json.loads(total.read_text()) if total.exists() else None, top)
 
 
-def build_fresh(build: pathlib.Path, jobs: int, targets: list[str]) -> None:
+def build_fresh(build: pathlib.Path, jobs: int, targets: list[str], configured: list[str]) -> None:
     shutil.rmtree(build, ignore_errors=True)
     launcher = ";".join([sys.executable, "-I", "-S", note_time.__file__, str(build / NOTES),
                          str(build), str(SOURCE)])
     subprocess.run(["cmake", "--preset", "release", "-B", build, "-S", SOURCE, "-DENGRAM_CCACHE=",
                     f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}",
-                    f"-DCMAKE_CXX_LINKER_LAUNCHER={launcher}"],
+                    f"-DCMAKE_CXX_LINKER_LAUNCHER={launcher}", *configured],
                    check=True, cwd=SOURCE, stdout=subprocess.DEVNULL)
     command = ["ninja", "-C", str(build), f"-j{jobs}", *targets]
     code, used = note_time.run(command, output=sys.stderr.fileno())
@@ -146,6 +148,8 @@ def main() -> int:
                         help="build nothing: report what was built there")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--target", nargs="*", default=[], help="default: all")
+    parser.add_argument("--option", action="append", default=[], metavar="-DNAME=VALUE",
+                        help="an option of cmake, such as --option=-DENGRAM_UNITY=OFF")
     parser.add_argument("--top", type=int, default=20, help="sources that are listed")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
@@ -153,7 +157,7 @@ def main() -> int:
     if not options.report:
         if build.exists() and not (build / NOTES).exists() and any(build.iterdir()):
             parser.error(f"{build} is there, and was not made by this program")
-        build_fresh(build, options.jobs, options.target)
+        build_fresh(build, options.jobs, options.target, options.option)
     report = read_report(build, options.top)
     print(json.dumps(report, indent=2) if options.json else text_of(report))
     return 0

@@ -64,6 +64,13 @@ class BuildTimeTest(unittest.TestCase):
         self.assertEqual(report["dearest"][0]["seconds"], 2.0)
         self.assertIn("cli", build_time.text_of(report))
 
+    def test_sources_that_are_compiled_together_count_for_their_room(self):
+        for output, room in (("ltm/store/CMakeFiles/engram_store.dir/Unity/unity_0_cxx.cxx.o",
+                              "ltm/store"),
+                             ("cli/CMakeFiles/engram_program.dir/Unity/unity_1_cxx.cxx.o", "cli")):
+            step = build_time.Step(output, 1.0, 1.0, "build/bench/x/Unity/unity_0_cxx.cxx")
+            self.assertEqual(build_time.room_of(step), room)
+
     def test_a_command_is_measured_and_named(self):
         code, used = note_time.run([sys.executable, "-c", "sum(range(3_000_000)); exit(3)"])
         self.assertEqual(code, 3)

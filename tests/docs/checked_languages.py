@@ -15,7 +15,7 @@ import yaml  # type: ignore[import]
 
 from sandbox import BlockError
 
-_COMPILED_LIKE = "cli/commit_command.cpp"  #: Its flags find every header.
+_COMPILED_LIKE = "cli/CMakeFiles/engram_program.dir/"  #: Its flags find every header.
 
 _CMAKE_CONFIG = """\
 foreach(library core idf memory typed store recording recall client)
@@ -81,7 +81,7 @@ def check_cpp(text: str, folder: pathlib.Path, line: int, name: str,
 def flags_of(compile_commands: pathlib.Path) -> list[str]:
     """The flags by which headers are found and understood, from what the build notes."""
     for entry in json.loads(compile_commands.read_text()):
-        if entry["file"].endswith(_COMPILED_LIKE):
+        if _COMPILED_LIKE in entry["command"]:
             return _header_flags(shlex.split(entry["command"]))
     raise BlockError(f"{compile_commands}: has no {_COMPILED_LIKE}")
 
