@@ -19,7 +19,8 @@ idf::Data members_data(const std::vector<MemberPrediction>& members) {
                              {"bound_mse", member.bound_mse},
                              {"copied", member.copied},
                              {"is_image", member.is_image},
-                             {"is_moving", member.is_moving}});
+                             {"is_moving", member.is_moving},
+                             {"is_counted", member.is_counted}});
   return list;
 }
 
@@ -77,6 +78,10 @@ Result<MemberPrediction> member_from(const idf::Data& data) {
   ENGRAM_ASSIGN_OR_RETURN(member.copied, fields.number("copied"));
   ENGRAM_ASSIGN_OR_RETURN(member.is_image, fields.boolean("is_image"));
   ENGRAM_ASSIGN_OR_RETURN(member.is_moving, fields.boolean("is_moving"));
+  // Answers of earlier versions do not tell it.
+  if (fields.has("is_counted")) {
+    ENGRAM_ASSIGN_OR_RETURN(member.is_counted, fields.boolean("is_counted"));
+  }
   return member;
 }
 

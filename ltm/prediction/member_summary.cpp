@@ -70,7 +70,8 @@ void summarize(const ValueRow& rows, const std::vector<MemberCandidate>& candida
     member.is_image = layout[i].kind == idf::MemberKind::kImage;
     member.is_moving = is_moving[i];
     member.copied = used.engine == kCopyLast ? 1 : 0;
-    if (!is_counted[i]) {
+    member.is_counted = is_counted[i];
+    if (!member.is_counted) {
       member.engine = kCopyLast;
       member.copied = 1;
       continue;

@@ -287,6 +287,13 @@ const std::vector<RowMember>& ValueRow::row_members() const {
   return state_->row_members;
 }
 
+std::vector<std::string> ValueRow::uncounted_paths() const {
+  std::vector<std::string> paths;
+  for (const State::Part& part : state_->parts)
+    if (part.is_copied) paths.push_back(state_->layout.members()[part.member].path);
+  return paths;
+}
+
 bool ValueRow::has_continued() const {
   return std::ranges::any_of(state_->parts,
                              [](const State::Part& part) { return !part.is_copied; });

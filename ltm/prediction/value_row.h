@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "ltm/idf/layout.h"
@@ -53,6 +54,8 @@ class ValueRow {
   [[nodiscard]] size_t counted() const;
   /// The members whose elements are in rows, in the order of their elements.
   [[nodiscard]] const std::vector<RowMember>& row_members() const;
+  /// Paths of the members in rows that are only ever copied and count in no error.
+  [[nodiscard]] std::vector<std::string> uncounted_paths() const;
   /// True if a member in rows is predicted and not only copied.
   [[nodiscard]] bool has_continued() const;
 

@@ -27,6 +27,7 @@ py::list members_of(const std::vector<ltm::MemberPrediction>& members) {
     dict["copied"] = member.copied;
     dict["is_image"] = member.is_image;
     dict["is_moving"] = member.is_moving;
+    dict["is_counted"] = member.is_counted;
     list.append(std::move(dict));
   }
   return list;

@@ -46,6 +46,7 @@ class MemberPrediction:
     copied: float  #: Share of the last known value in it, 0 to 1.
     is_image: bool
     is_moving: bool  #: It moved when the prediction was made; errors are those of such moments.
+    is_counted: bool = True  #: False: it is only ever copied (bools, times, named numbers).
 
     @property
     def rmse(self) -> float | None:

@@ -254,6 +254,7 @@ v1::MemberPrediction to_message(const ltm::MemberPrediction& member) {
   message.set_copied(member.copied);
   message.set_is_image(member.is_image);
   message.set_is_moving(member.is_moving);
+  message.set_is_uncounted(!member.is_counted);
   return message;
 }
 
@@ -266,6 +267,7 @@ ltm::MemberPrediction to_member(const v1::MemberPrediction& message) {
   member.copied = message.copied();
   member.is_image = message.is_image();
   member.is_moving = message.is_moving();
+  member.is_counted = !message.is_uncounted();
   return member;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "encoders/deep_model_file.h"
+#include "ltm/prediction/value_row.h"
 #include "ltm/store/temporary_file.h"
 #include "training/fit/augmented_source.h"
 #include "training/fit/condition_source.h"
@@ -255,6 +256,7 @@ class Crossval {
     std::vector<Time> times;
     for (size_t i = recording.first; i < recording.end; ++i) times.push_back(entries_[i].time);
     ENGRAM_ASSIGN_OR_RETURN(const auto conditions, conditions_at(reader_, condition, times));
+    const idf::Type* const type = reader_.manifest().types.of_entity(entity_);
     for (size_t row = 1; row + 1 < values.size(); ++row) {
       if (stop_.stop_requested()) return cancelled("cross-validation was stopped");
       const size_t steps = std::min(sums.size(), values.size() - 1 - row);
@@ -264,11 +266,12 @@ class Crossval {
         past.plan = std::span(conditions).subspan(row + 1);
         past.plan = past.plan.first(std::min(past.plan.size(), sums.size()));
       }
+      const auto uncounted = ltm::ValueRow(values[row], type).uncounted_paths();
       ENGRAM_ASSIGN_OR_RETURN(const auto futures, predict(past, static_cast<int>(steps)));
       for (size_t ahead = 0; ahead < steps; ++ahead) {
         const idf::Data& recorded = values[row + ahead + 1];
         ENGRAM_ASSIGN_OR_RETURN(const auto error,
-                                compare_prediction(recorded, futures[ahead].value));
+                                compare_prediction(recorded, futures[ahead].value, uncounted));
         ENGRAM_ASSIGN_OR_RETURN(const double ssim, mean_ssim(recorded, futures[ahead].value));
         sums[ahead].add(futures[ahead].error, error, ssim);
       }

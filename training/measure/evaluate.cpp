@@ -7,6 +7,7 @@
 #include "encoders/load_model.h"
 #include "encoders/model_file.h"
 #include "ltm/memory/query.h"
+#include "ltm/prediction/value_row.h"
 #include "ltm/store/store_reader.h"
 #include "training/fit/condition_source.h"
 #include "training/fit/matching.h"
@@ -153,9 +154,12 @@ class EntityMeasurement {
     if (!futures.ok() && futures.status().code() == StatusCode::kInvalidArgument) return {};
     if (!futures.ok()) return futures.status();
     ENGRAM_ASSIGN_OR_RETURN(const auto copies, model_.copy_last->predict({history, {}}, steps));
+    const auto uncounted =
+        ltm::ValueRow(history.back(), reader_.manifest().types.of_entity(info_.entity))
+            .uncounted_paths();
     for (size_t h = 0; h < truth.size(); ++h) {
-      const auto error = compare_prediction(truth[h], (*futures)[h].value);
-      const auto copy_error = compare_prediction(truth[h], copies[h].value);
+      const auto error = compare_prediction(truth[h], (*futures)[h].value, uncounted);
+      const auto copy_error = compare_prediction(truth[h], copies[h].value, uncounted);
       if (!error.ok() || !copy_error.ok()) return {};
       const auto kind = static_cast<size_t>(
           known_of(provenance_, recorded[row - 1]->time, recorded[row + h + 1]->time));

@@ -87,7 +87,7 @@ void add_rotation(const idf::NdArray& a, const idf::NdArray& b, ErrorSum& error)
 }
 
 Result<ltm::MeasuredError> compared(const idf::Data& recorded, const idf::Data& other,
-                                    bool is_prediction) {
+                                    bool is_prediction, const std::vector<std::string>& uncounted) {
   const idf::Layout layout = idf::Layout::of(recorded);
   ENGRAM_ASSIGN_OR_RETURN(const auto a, layout.split(recorded));
   ENGRAM_ASSIGN_OR_RETURN(const auto b, layout.split(other));
@@ -96,6 +96,7 @@ Result<ltm::MeasuredError> compared(const idf::Data& recorded, const idf::Data& 
   for (size_t i = 0; i < a.tensors.size(); ++i) {
     const idf::TensorMember& member = layout.members()[i];
     if (is_prediction && member.kind == idf::MemberKind::kBool) continue;
+    if (std::ranges::find(uncounted, member.path) != uncounted.end()) continue;
     if (member.kind != idf::MemberKind::kImage) {
       if (is_prediction && is_unit_quaternion(a.tensors[i]) && is_unit_quaternion(b.tensors[i]))
         add_rotation(a.tensors[i], b.tensors[i], numbers);
@@ -113,12 +114,12 @@ Result<ltm::MeasuredError> compared(const idf::Data& recorded, const idf::Data& 
 }  // namespace
 
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other) {
-  return compared(recorded, other, false);
+  return compared(recorded, other, false, {});
 }
 
-Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded,
-                                              const idf::Data& predicted) {
-  return compared(recorded, predicted, true);
+Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded, const idf::Data& predicted,
+                                              const std::vector<std::string>& uncounted) {
+  return compared(recorded, predicted, true, uncounted);
 }
 
 Result<double> mean_ssim(const idf::Data& recorded, const idf::Data& other) {

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "ltm/idf/data.h"
 #include "ltm/store/latent.h"
@@ -17,11 +19,12 @@ namespace engram::training {
 /// Errors: kInvalidArgument if the layouts differ.
 Result<ltm::MeasuredError> compare(const idf::Data& recorded, const idf::Data& other);
 
-/// The same for a prediction: bools are left out, because they are not predicted, and two unit
-/// quaternions (four floats) are compared as rotations, whatever their signs.
+/// The same for a prediction: bools and the members at the paths `uncounted` are left out, because
+/// they are only ever copied, and two unit quaternions (four floats) are compared as rotations,
+/// whatever their signs.
 /// Errors: kInvalidArgument if the layouts differ.
-Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded,
-                                              const idf::Data& predicted);
+Result<ltm::MeasuredError> compare_prediction(const idf::Data& recorded, const idf::Data& predicted,
+                                              const std::vector<std::string>& uncounted = {});
 
 /// Mean structural similarity (quality/ssim.h) of the 8-bit images among their tensor members; NaN
 /// if none is at least 11 pixels wide and high.

@@ -117,6 +117,7 @@ TEST(ValueRow, StaysWithinTheBoundsOfTheType) {
                           {"stamp", int64_t{1'600'000'000'000'000'000}}};
   const ValueRow rows(value, &type);
   ASSERT_EQ(rows.elements(), 7u);
+  EXPECT_EQ(rows.uncounted_paths(), (std::vector<std::string>{"mode", "stamp"}));
   const Data high = predicted_from(rows, value, std::vector<double>(7, 9.0));
   EXPECT_LE(*high.at("width")->as_number(), 0.1) << "0.1 rounded to 32 bits is larger";
   EXPECT_GT(*high.at("width")->as_number(), 0.0999999);

@@ -59,6 +59,37 @@ TEST(Evaluate, KeepsWhatTheModelWasTrainedOnApart) {
   EXPECT_EQ(counted(Known::kLeftOutRecording, 1), 17u);
 }
 
+TEST(Evaluate, CountsNoNamedNumberInPredictions) {
+  const ScratchPath store("evaluate_enum");
+  const auto source = engram::testing::scene_source(60);
+  {
+    auto recorder = ltm::Recorder::open(store.path(), {});
+    ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+    const idf::Type type = idf::Type::object(
+        "Door", {{"x", idf::Type::float64()},
+                 {"mode", idf::Type::int_enum("Mode", {{"open", 1}, {"closed", 7}})}});
+    ASSERT_TRUE(recorder->declare(*ltm::MemoryId::parse("Test/Scene"), type).ok());
+    for (size_t i = 0; i < source.times.size(); ++i) {
+      const idf::Data value = idf::Dict{{"x", 0.5 * static_cast<double>(i)},
+                                        {"mode", i % 2 == 0 ? int32_t{1} : int32_t{7}}};
+      ASSERT_TRUE(
+          recorder->commit({{{*ltm::MemoryId::parse(kEntity), source.times[i], {{value, {}}}}}})
+              .ok());
+    }
+    ASSERT_TRUE(recorder->close().ok());
+  }
+  ConsolidateOptions options;
+  options.train = engram::testing::quick_options(5);
+  const auto consolidated = consolidate(store.path(), options, {}, {});
+  ASSERT_TRUE(consolidated.ok()) << consolidated.status().to_string();
+  const auto report = evaluate(store.path(), {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  const auto& kinds = report->entities.at(0).prediction;
+  const Quality& copied = kinds[static_cast<size_t>(Known::kTrained)].at(0).copy_last;
+  ASSERT_GT(copied.numbers, 0u);
+  EXPECT_NEAR(copied.rmse, 0.5, 1e-3) << "that of x; the door opens or closes at each step";
+}
+
 TEST(Evaluate, BytesOfLatentsAreWhatProbabilitiesSay) {
   const ScratchPath store("code_length");
   record(engram::testing::scene_source(64, 2, true, false), store.path());

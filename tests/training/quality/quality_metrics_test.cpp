@@ -58,6 +58,14 @@ TEST(Compare, BlamesAPredictionForNoBoolAndNoSign) {
   EXPECT_GT(compare(seen, predicted)->number_mse, 1.0);
 }
 
+TEST(Compare, LeavesOutTheMembersThatDoNotCount) {
+  const idf::Data seen = idf::Dict{{"mode", int32_t{1}}, {"x", 1.0}};
+  const idf::Data predicted = idf::Dict{{"mode", int32_t{7}}, {"x", 3.0}};
+  EXPECT_DOUBLE_EQ(compare_prediction(seen, predicted)->number_mse, (36.0 + 4) / 2);
+  EXPECT_DOUBLE_EQ(compare_prediction(seen, predicted, {"mode"})->number_mse, 4);
+  EXPECT_TRUE(std::isnan(compare_prediction(seen, predicted, {"mode", "x"})->number_mse));
+}
+
 TEST(Compare, RejectsAnotherLayout) {
   EXPECT_EQ(compare(idf::Data(1.0), idf::Data("text")).status().code(),
             StatusCode::kInvalidArgument);
