@@ -28,6 +28,14 @@ struct EngineRecord {
   MeasuredError bound;       ///< One prediction stays within it, with kBoundProbability.
 };
 
+/// The prediction of one instance.
+struct InstancePrediction {
+  idf::Data value;
+  std::string model;                      ///< Engine::model; empty if no model predicted.
+  ErrorEstimate error;                    ///< Over all members that count.
+  std::vector<MemberPrediction> members;  ///< In the order of the layout.
+};
+
 /// Predicts one entity, for each horizon with the engine that was best on the entity's own past.
 ///
 /// Threading: one thread.
@@ -50,6 +58,15 @@ class EngineChoice {
   /// kInvalidArgument if a horizon is not positive; those of the engine.
   virtual Result<std::vector<SnapshotResult>> predict(std::span<const Duration> horizons,
                                                       const std::string& engine) = 0;
+
+  /// Tells of each member what `model` predicted for an instance of the last snapshot when it was
+  /// told what the choice does not know: a plan. Members that no engine predicts are copied. The
+  /// errors are those that the model told. By default no members are told.
+  /// Errors: kNotFound if the last snapshot has no such instance.
+  virtual Result<InstancePrediction> by_model(size_t /*instance*/, const Engine& model,
+                                              const Prediction& predicted) {
+    return InstancePrediction{predicted.value, model.model, predicted.error, {}};
+  }
 
   /// All engines with their errors at the horizon `ahead`. The one that answers comes first.
   virtual Result<std::vector<EngineRecord>> records(Duration ahead) = 0;

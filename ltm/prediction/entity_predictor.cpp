@@ -62,11 +62,11 @@ bool is_predicted(const MemberPrediction& member) {
   return member.engine != kCopyLast || !std::isnan(member.expected_mse);
 }
 
-/// The engine of a whole answer: the named one if it predicted anything, else the only one that
-/// did, else kMixed.
-std::string engine_of(const SnapshotResult& result, const std::string& named) {
+}  // namespace
+
+std::string engine_of(const SnapshotResult& predicted, const std::string& named) {
   std::string only;
-  for (const InstanceResult& instance : result.instances)
+  for (const InstanceResult& instance : predicted.instances)
     for (const MemberPrediction& member : instance.members) {
       if (member.engine == named && !named.empty()) return named;
       if (!is_predicted(member) || member.engine == only) continue;
@@ -75,8 +75,6 @@ std::string engine_of(const SnapshotResult& result, const std::string& named) {
     }
   return only.empty() || !named.empty() ? std::string(kCopyLast) : only;
 }
-
-}  // namespace
 
 EntityPredictor::EntityPredictor(EngineChoiceInputs inputs) : inputs_(std::move(inputs)) {}
 
@@ -164,6 +162,14 @@ Result<std::vector<SnapshotResult>> EntityPredictor::predict(std::span<const Dur
   }
   for (SnapshotResult& result : results) result.predictor = engine_of(result, engine);
   return results;
+}
+
+Result<InstancePrediction> EntityPredictor::by_model(size_t instance, const Engine& model,
+                                                     const Prediction& predicted) {
+  if (instance >= metadata_.size())
+    return not_found("entity '{}': its last snapshot has no instance {}",
+                     inputs_.entity.to_string(), instance);
+  return instances_[instance]->by_model(model, predicted);
 }
 
 std::unique_ptr<EngineChoice> make_entity_predictor(EngineChoiceInputs inputs) {

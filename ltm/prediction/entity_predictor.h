@@ -45,6 +45,9 @@ class EntityPredictor final : public EngineChoice {
   Result<std::vector<SnapshotResult>> predict(std::span<const Duration> horizons,
                                               const std::string& engine) override;
 
+  Result<InstancePrediction> by_model(size_t instance, const Engine& model,
+                                      const Prediction& predicted) override;
+
   /// Errors are means over the instances; bounds are the largest bound of an instance.
   Result<std::vector<EngineRecord>> records(Duration ahead) override;
 
@@ -56,6 +59,10 @@ class EntityPredictor final : public EngineChoice {
   std::vector<InstanceMetadata> metadata_;  ///< Of the instances in the last snapshot.
   std::optional<Time> last_;
 };
+
+/// The engine of a whole answer whose members are told: the named one if it predicted anything,
+/// else the only one that did, else "mixed"; "copy-last" if the answer holds nothing but copies.
+[[nodiscard]] std::string engine_of(const SnapshotResult& predicted, const std::string& named);
 
 /// Makes an EntityPredictor. Usable as MakeEngineChoice.
 [[nodiscard]] std::unique_ptr<EngineChoice> make_entity_predictor(EngineChoiceInputs inputs);

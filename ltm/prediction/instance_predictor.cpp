@@ -238,6 +238,24 @@ Result<std::vector<InstancePrediction>> InstancePredictor::predict(
   return results;
 }
 
+Result<InstancePrediction> InstancePredictor::by_model(const Engine& model,
+                                                       const Prediction& predicted) {
+  constexpr size_t kCopy = 0, kModel = 1;
+  const ValueRow& rows = history_.rows();
+  const size_t members = rows.layout().members().size();
+  // Nothing was measured with the plan, so members have no records and take the model's estimate.
+  const Plan plan{
+      {{std::string(kCopyLast), nullptr, std::vector<MotionRecords>(members)},
+       {std::string(model.predictor->name()), &model, std::vector<MotionRecords>(members)}},
+      [&] {
+        std::vector<MemberChoice> choices(members, MemberChoice{kModel, {}});
+        for (const RowMember& member : rows.row_members())
+          if (member.is_copied) choices[member.member].candidate = kCopy;
+        return choices;
+      }()};
+  return joined({}, plan, moving(history_.series().rows() - 1), {{&model, predicted}});
+}
+
 /// Joins what each member's engine predicts to one value.
 Result<InstancePrediction> InstancePredictor::joined(
     Duration ahead, const Plan& plan, const std::vector<bool>& is_moving,

@@ -14,14 +14,6 @@
 
 namespace engram::ltm {
 
-/// The prediction of one instance.
-struct InstancePrediction {
-  idf::Data value;
-  std::string model;                      ///< Engine::model; empty if no model predicted.
-  ErrorEstimate error;                    ///< Over all members that count.
-  std::vector<MemberPrediction> members;  ///< In the order of the layout.
-};
-
 /// Predicts the values of one instance of an entity: each member with the engine that was best for
 /// it, or all members with one named engine.
 ///
@@ -56,6 +48,9 @@ class InstancePredictor {
   /// Errors: those of a model.
   Result<std::vector<InstancePrediction>> predict(std::span<const Duration> horizons,
                                                   const std::string& engine);
+
+  /// See EngineChoice::by_model.
+  Result<InstancePrediction> by_model(const Engine& model, const Prediction& predicted);
 
  private:
   /// The choice of engines for one horizon.

@@ -77,6 +77,7 @@ struct Recall::State {
     ENGRAM_ASSIGN_OR_RETURN(const auto last, entity.last());
     if (!last) return {};
     PredictionRequest request{*last, {}, options.engine};
+    request.learns_on = true;
     for (const SelectedSnapshot& selected : future)
       request.horizons.push_back(selected.time - *last);
     ENGRAM_ASSIGN_OR_RETURN(

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "ltm/prediction/entity_predictor.h"
+
 namespace engram::ltm {
 
 namespace {
@@ -92,9 +94,10 @@ struct Cleared {
 };
 
 /// Adds one instance to each of `predicted`; `steps` says how many steps ahead each of them is.
+/// `choice` tells the members of what was predicted; without it none are told.
 Status predict_instance(const MemoryId& entity, const Engine& engine,
                         const std::vector<SnapshotResult>& history, size_t instance,
-                        const ToldValues& told, std::span<const size_t> steps,
+                        const ToldValues& told, std::span<const size_t> steps, EngineChoice* choice,
                         std::vector<SnapshotResult>& predicted) {
   const std::vector<idf::Data> values_before = series(history, instance);
   Past past{values_before};
@@ -110,8 +113,13 @@ Status predict_instance(const MemoryId& entity, const Engine& engine,
   InstanceMetadata metadata = history.back().instances[instance].metadata;
   for (size_t i = 0; i < predicted.size(); ++i) {
     metadata.created = metadata.sent = metadata.arrived = predicted[i].time;
-    const Prediction& one = (*values)[steps[i] - 1];
-    predicted[i].append(one.value, metadata, one.error.expected, one.error.bound);
+    const Prediction& made = (*values)[steps[i] - 1];
+    InstancePrediction one{made.value, engine.model, made.error, {}};
+    if (choice != nullptr) {
+      ENGRAM_ASSIGN_OR_RETURN(one, choice->by_model(instance, engine, made));
+    }
+    predicted[i].append(std::move(one.value), metadata, one.error.expected, one.error.bound);
+    predicted[i].instances.back().members = std::move(one.members);
   }
   return {};
 }
@@ -143,7 +151,8 @@ Result<std::vector<SnapshotResult>> RecallPredictor::predict(const MemoryId& ent
                                                              const Options& options) {
   const Cleared cleared{conditions_};
   if (!make_choice_ || request.plan) return predict_planned(entity, request, options);
-  ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, request.from, options.prefer));
+  ENGRAM_ASSIGN_OR_RETURN(Learned * learned,
+                          this->learned(entity, request.from, options.prefer, request.goes_on()));
   ENGRAM_RETURN_IF_ERROR(check_horizons(entity, request, learned->last, options.max_horizon));
   return learned->choice->predict(request.horizons, request.engine);
 }
@@ -191,9 +200,17 @@ Result<std::vector<SnapshotResult>> RecallPredictor::predict_planned(
         plan, plan_of(predictor, *request.plan, *last, std::ranges::max(steps), options.prefer));
     for (SnapshotResult& one : predicted) one.plan = plan.empty() ? "" : request.plan->to_string();
   }
+  EngineChoice* choice = nullptr;
+  if (make_choice_) {
+    ENGRAM_ASSIGN_OR_RETURN(Learned * learned,
+                            this->learned(entity, last, options.prefer, request.goes_on()));
+    choice = learned->choice.get();
+  }
   for (size_t i = 0; i < history.back().instances.size(); ++i)
     ENGRAM_RETURN_IF_ERROR(
-        predict_instance(entity, used, history, i, {conditions, plan}, steps, predicted));
+        predict_instance(entity, used, history, i, {conditions, plan}, steps, choice, predicted));
+  if (choice != nullptr)
+    for (SnapshotResult& one : predicted) one.predictor = engine_of(one, one.predictor);
   return predicted;
 }
 
@@ -202,7 +219,8 @@ Result<std::vector<EngineRecord>> RecallPredictor::records(const MemoryId& entit
                                                            const Options& options) {
   const Cleared cleared{conditions_};
   if (make_choice_) {
-    ENGRAM_ASSIGN_OR_RETURN(Learned * learned, this->learned(entity, from, options.prefer));
+    ENGRAM_ASSIGN_OR_RETURN(Learned * learned,
+                            this->learned(entity, from, options.prefer, !from.has_value()));
     return learned->choice->records(ahead);
   }
   ENGRAM_ASSIGN_OR_RETURN(const std::vector<Engine> known, engines(entity));
@@ -220,24 +238,26 @@ Result<std::unique_ptr<EntityPast>> RecallPredictor::known(const MemoryId& entit
 
 /// The engines of an entity, after they learned from its snapshots up to `from`.
 Result<RecallPredictor::Learned*> RecallPredictor::learned(const MemoryId& entity,
-                                                           std::optional<Time> from,
-                                                           Prefer prefer) {
+                                                           std::optional<Time> from, Prefer prefer,
+                                                           bool goes_on) {
   ENGRAM_ASSIGN_OR_RETURN(const auto past, known(entity));
   ENGRAM_ASSIGN_OR_RETURN(const auto last, last_known(*past, from));
   if (!last) return has_none_before(entity, from);
   ENGRAM_ASSIGN_OR_RETURN(const auto models, models_of(entity));
-  const auto found = std::ranges::find_if(
-      learned_, [&](const Learned& one) { return one.entity == entity && one.prefer == prefer; });
+  const auto found = std::ranges::find_if(learned_, [&](const Learned& one) {
+    return one.entity == entity && one.prefer == prefer && one.goes_on == goes_on;
+  });
   if (found != learned_.end()) {
     learned_.splice(learned_.begin(), learned_, found);
     if (found->last == *last && found->models == models) return &learned_.front();
   }
   // Engines cannot unlearn, so they start again for an earlier moment, or if a model was published.
-  const bool goes_on = found != learned_.end() && found->last < *last && found->models == models;
+  const bool continues =
+      goes_on && found != learned_.end() && found->last < *last && found->models == models;
   Learned renewed;
-  if (goes_on) renewed = std::move(learned_.front());
+  if (continues) renewed = std::move(learned_.front());
   if (found != learned_.end()) learned_.pop_front();
-  if (!goes_on) renewed = {entity, prefer, {}, {}, 0, nullptr};
+  if (!continues) renewed = {entity, prefer, goes_on, {}, {}, 0, nullptr};
   ENGRAM_RETURN_IF_ERROR(update(renewed, *past, *last));
   learned_.push_front(std::move(renewed));
   if (learned_.size() > kMaxLearned) learned_.pop_back();
@@ -254,14 +274,17 @@ Status RecallPredictor::update(Learned& learned, EntityPast& past, Time last) {
     ENGRAM_ASSIGN_OR_RETURN(moments, latest(past, last, learned.wanted + 1, learned.last));
   }
   if (!learned.choice || moments.size() > learned.wanted) {
-    ENGRAM_ASSIGN_OR_RETURN(learned, begun(learned.entity, newest, learned.prefer));
+    ENGRAM_ASSIGN_OR_RETURN(learned, begun(learned, newest));
     ENGRAM_ASSIGN_OR_RETURN(moments, latest(past, last, learned.wanted));
   }
   return add_new(learned, past, moments, std::move(newest));
 }
 
-Result<RecallPredictor::Learned> RecallPredictor::begun(const MemoryId& entity,
-                                                        const Snapshot& newest, Prefer prefer) {
+/// What `learned` is for, with engines that learned nothing yet.
+Result<RecallPredictor::Learned> RecallPredictor::begun(const Learned& learned,
+                                                        const Snapshot& newest) {
+  const MemoryId& entity = learned.entity;
+  const Prefer prefer = learned.prefer;
   EngineChoiceInputs inputs{entity, past_.type_of(entity), {}, {}};
   // These are the models alone: a choice measures a plain copy of the last snapshot by itself.
   ENGRAM_ASSIGN_OR_RETURN(inputs.models, past_.models(entity));
@@ -271,7 +294,7 @@ Result<RecallPredictor::Learned> RecallPredictor::begun(const MemoryId& entity,
   ENGRAM_ASSIGN_OR_RETURN(auto models, models_of(entity));
   auto choice = make_choice_(std::move(inputs));
   const size_t wanted = std::max<size_t>(choice->snapshots_wanted(newest), 1);
-  return Learned{entity, prefer, std::move(models), {}, wanted, std::move(choice)};
+  return Learned{entity, prefer, learned.goes_on, std::move(models), {}, wanted, std::move(choice)};
 }
 
 /// Adds the snapshots of an entity at `moments`; `newest` is the snapshot at the last of them.

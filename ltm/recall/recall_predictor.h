@@ -26,15 +26,23 @@ struct PredictionRequest {
   /// condition (Predictor::condition). It has the condition's layout. It may be the condition
   /// itself: then the plan is what really happened, in hindsight. Empty: no plan.
   std::optional<MemoryId> plan{};
+  /// Lets engines go on from the moment that was asked before, if that is earlier, and learn what
+  /// came since. Many moments in their order are predicted faster so, but errors and choices then
+  /// depend a little on which moments were asked. Without `from` engines always go on.
+  bool learns_on = false;
+
+  /// Whether engines go on.
+  [[nodiscard]] bool goes_on() const { return learns_on || !from; }
 };
 
 /// Predicts entities from their past, with the engine that was best on it.
 ///
 /// It keeps what the engines learned for the entities that were asked about most recently, and
-/// reads only their newer snapshots. A prediction needs only the newest snapshot: older ones that
-/// cannot be read are left out, and a condition that cannot be read counts as unknown.
-/// Threading: one thread.
-/// Source: docs/prediction.md.
+/// reads only their newer snapshots. A question from an earlier moment starts anew, so that its
+/// answer does not depend on what was asked before, and changes nothing for later questions. A
+/// prediction needs only the newest snapshot: older ones that cannot be read are left out, and a
+/// condition that cannot be read counts as unknown. Threading: one thread. Source:
+/// docs/prediction.md.
 class RecallPredictor {
  public:
   struct Options {
@@ -69,6 +77,7 @@ class RecallPredictor {
   struct Learned {
     MemoryId entity;
     Prefer prefer = Prefer::kRecorded;
+    bool goes_on = false;             ///< PredictionRequest::goes_on().
     std::vector<std::string> models;  ///< Names of the models among the engines.
     Time last{};
     size_t wanted = 0;  ///< EngineChoice::snapshots_wanted().
@@ -79,9 +88,10 @@ class RecallPredictor {
   static constexpr size_t kMaxLearned = 64;
 
   Result<std::unique_ptr<EntityPast>> known(const MemoryId& entity);
-  Result<Learned*> learned(const MemoryId& entity, std::optional<Time> from, Prefer prefer);
+  Result<Learned*> learned(const MemoryId& entity, std::optional<Time> from, Prefer prefer,
+                           bool goes_on);
   Status update(Learned& learned, EntityPast& past, Time last);
-  Result<Learned> begun(const MemoryId& entity, const Snapshot& newest, Prefer prefer);
+  Result<Learned> begun(const Learned& learned, const Snapshot& newest);
   Status add_new(Learned& learned, EntityPast& past, std::span<const Time> moments,
                  Snapshot newest);
   Result<std::vector<std::string>> models_of(const MemoryId& entity);
