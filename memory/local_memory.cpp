@@ -14,6 +14,11 @@ namespace engram {
 
 namespace {
 
+ltm::PredictionRequest request_of(std::span<const Duration> horizons,
+                                  const PredictOptions& options) {
+  return {options.at, {horizons.begin(), horizons.end()}, options.engine, options.plan};
+}
+
 /// A store that is read beside its writer. Each answer shows the store as it is at that moment.
 class ReadMemory final : public Memory {
  public:
@@ -58,6 +63,14 @@ class ReadMemory final : public Memory {
   }
 
  private:
+  Result<std::vector<ltm::SnapshotResult>> predict_from(const ltm::MemoryId& entity,
+                                                        std::span<const Duration> horizons,
+                                                        const PredictOptions& options) override {
+    const MutexLock lock(mutex_);
+    if (!recall_) return is_closed();
+    return recall_->predict(entity, request_of(horizons, options), options_);
+  }
+
   [[nodiscard]] Status is_read_only() const {
     return failed_precondition("{}: is opened for reading alone", name_);
   }
@@ -119,6 +132,13 @@ class WrittenMemory final : public Memory {
   }
 
  private:
+  Result<std::vector<ltm::SnapshotResult>> predict_from(const ltm::MemoryId& entity,
+                                                        std::span<const Duration> horizons,
+                                                        const PredictOptions& options) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
+    return service_->predict(entity, request_of(horizons, options));
+  }
+
   [[nodiscard]] Status check_open() const {
     if (!is_closed_) return {};
     return failed_precondition("memory '{}': is closed", service_->options().name);

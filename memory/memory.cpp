@@ -11,6 +11,12 @@ Result<ltm::QueryResult> Memory::query(std::string_view query, const std::string
 Result<std::vector<ltm::SnapshotResult>> Memory::predict(const ltm::MemoryId& entity,
                                                          std::span<const Duration> horizons,
                                                          const std::string& engine) {
+  return predict(entity, horizons, PredictOptions{{}, {}, engine});
+}
+
+Result<std::vector<ltm::SnapshotResult>> Memory::predict(const ltm::MemoryId& entity,
+                                                         std::span<const Duration> horizons,
+                                                         const PredictOptions& options) {
   if (!entity.has_entity() || entity.time())
     return invalid_argument("'{}': needs the ID of an entity", entity.to_string());
   if (horizons.empty())
@@ -24,7 +30,9 @@ Result<std::vector<ltm::SnapshotResult>> Memory::predict(const ltm::MemoryId& en
     selectors.emplace_back(ltm::select::Ahead{ahead});
   }
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query asked, ltm::Query::of_entity(entity, selectors));
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, query(asked, engine));
+  if (options.at || options.plan) return predict_from(entity, horizons, options);
+  // A plain query, because servers of all versions answer it.
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, query(asked, options.engine));
   const ltm::EntityResult* found = answer.find_entity(entity);
   std::vector<ltm::SnapshotResult> predicted;
   for (const Duration ahead : horizons) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -58,6 +59,20 @@ struct ConnectOptions {
   /// A PEM file with the certificate authority of servers on other machines.
   std::filesystem::path ca{};
   Duration timeout = std::chrono::seconds(10);  ///< For each call, retries included.
+};
+
+/// How Memory::predict predicts.
+struct PredictOptions {
+  /// The moment to predict from: the prediction is made from the snapshots up to it alone, as it
+  /// would have been made then. Empty: the newest snapshot.
+  std::optional<Time> at{};
+  /// The entity whose snapshots after that moment tell where the entity is going to be that a model
+  /// is conditioned on: planned joints for a camera. Then the model alone predicts. If nothing is
+  /// planned after that moment, the prediction is made without it, and names no plan. Empty: none.
+  std::optional<ltm::MemoryId> plan{};
+  /// The name of the engine that predicts. Empty: the one that was best on the entity's own past,
+  /// for each horizon and member.
+  std::string engine{};
 };
 
 /// A memory. It stores snapshots and answers queries about any moment of the past and the future.
@@ -119,12 +134,20 @@ class Memory {
   /// Parses a query in its text form (docs/query.md) and answers it.
   Result<ltm::QueryResult> query(std::string_view query, const std::string& engine = {});
 
-  /// Returns one prediction per horizon after the entity's last snapshot, in the order of the
-  /// horizons.
-  /// Errors: those of query().
+  /// Returns one prediction per horizon, in the order of the horizons. They count from the last
+  /// snapshot at or before `options.at`.
+  /// Errors: those of query(); kNotFound also where there is no snapshot to predict from, no such
+  /// engine, or the plan is no entity of this memory (of the same server, where a robot has
+  /// several); kInvalidArgument also where nothing that predicts the entity can be told a plan;
+  /// kFailedPrecondition where `at` or `plan` is set and the server is of an earlier version.
   Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
                                                    std::span<const Duration> horizons,
-                                                   const std::string& engine = {});
+                                                   const PredictOptions& options = {});
+
+  /// The same from the newest snapshot, by one engine.
+  Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
+                                                   std::span<const Duration> horizons,
+                                                   const std::string& engine);
 
   /// Lists all engines that can predict an entity, each with its error at this horizon on the
   /// entity's own past. The engine that answers queries is first.
@@ -142,6 +165,12 @@ class Memory {
   /// All other calls fail afterwards.
   /// Errors: those of the store, with what could not be handed over.
   virtual Status close() = 0;
+
+ private:
+  /// Predicts from a moment or with a plan. `entity` and `horizons` are valid.
+  virtual Result<std::vector<ltm::SnapshotResult>> predict_from(const ltm::MemoryId& entity,
+                                                                std::span<const Duration> horizons,
+                                                                const PredictOptions& options) = 0;
 };
 
 }  // namespace engram

@@ -333,6 +333,17 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
   return answer;
 }
 
+Result<std::vector<ltm::SnapshotResult>> MemoryService::predict(
+    const MemoryId& entity, const ltm::PredictionRequest& request) {
+  State& state = *state_;
+  ++state.queries;
+  ++state.queries_of_store;
+  const MutexLock lock(state.recalling);
+  auto predicted = state.recall->predict(entity, request, state.recalling_options);
+  if (predicted.ok()) state.counts_of_predictions += predicted->size();
+  return predicted;
+}
+
 Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& entity,
                                                               Duration ahead) {
   const MutexLock lock(state_->recalling);

@@ -91,6 +91,11 @@ class MemoryService {
   /// Errors: those of ltm::Recall::answer.
   Result<ltm::Answer> query(const ltm::Query& query, const std::string& engine = {});
 
+  /// Predicts from a moment on, or with a plan.
+  /// Errors: those of ltm::Recall::predict.
+  Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
+                                                   const ltm::PredictionRequest& request);
+
   /// The engines that can predict an entity, measured at this horizon; the one that answers is
   /// first.
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead);

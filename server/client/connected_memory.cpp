@@ -61,6 +61,14 @@ class ConnectedMemory final : public Memory {
   }
 
  private:
+  Result<std::vector<ltm::SnapshotResult>> predict_from(const ltm::MemoryId& entity,
+                                                        std::span<const Duration> horizons,
+                                                        const PredictOptions& options) override {
+    const auto client = this->client();
+    if (!client) return is_closed();
+    return client->predict(entity, horizons, options);
+  }
+
   /// Returns a shared pointer, because a call may go on while another thread closes the memory.
   [[nodiscard]] std::shared_ptr<Client> client() {
     const MutexLock lock(mutex_);

@@ -79,6 +79,38 @@ Status take_part(v1::QueryReply& reply, ltm::QueryResult& answer) {
   return {};
 }
 
+v1::QueryRequest to_request(const ltm::Query& query, const std::string& engine) {
+  v1::QueryRequest request;
+  request.set_query(query.to_string());
+  request.set_engine(engine);
+  return request;
+}
+
+/// Takes one prediction per horizon out of an answer to a v1::PredictionRequest.
+Result<std::vector<ltm::SnapshotResult>> predictions_in(const ltm::QueryResult& answer,
+                                                        const ltm::MemoryId& entity,
+                                                        std::span<const Duration> horizons,
+                                                        const PredictOptions& options) {
+  const ltm::EntityResult* found = answer.find_entity(entity);
+  if (found == nullptr || found->snapshots.empty())
+    return not_found("entity '{}': has no snapshot to predict from", entity.to_string());
+  std::vector<ltm::SnapshotResult> predicted;
+  for (const Duration ahead : horizons) {
+    const auto one = std::ranges::find_if(found->snapshots, [&](const ltm::SnapshotResult& told) {
+      return told.source == ltm::Source::kPredicted && told.horizon == ahead;
+    });
+    // A server that does not know predictions from a moment tells the IDs of the newest snapshot.
+    if (one == found->snapshots.end())
+      return failed_precondition(
+          "entity '{}': was asked for a prediction{}{}, but this server is of an earlier version, "
+          "which predicts from the newest snapshot and without a plan",
+          entity.to_string(), options.at ? " from " + to_string(*options.at) : "",
+          options.plan ? " with the plan '" + options.plan->to_string() + "'" : "");
+    predicted.push_back(*one);
+  }
+  return predicted;
+}
+
 v1::Durability to_message(CommitDurability durability) {
   return static_cast<v1::Durability>(durability);
 }
@@ -179,6 +211,39 @@ struct MemoryClient::State {
     return true;
   }
 
+  using Answer = Result<ltm::QueryResult>;
+
+  /// Sends a question; `done` is called with the whole answer.
+  void ask(v1::QueryRequest request, bool is_ids_only, const std::function<void(Answer)>& done) {
+    auto parts = std::make_shared<ltm::QueryResult>(is_ids_only);
+    const auto take = [done, parts](v1::QueryReply& reply) {
+      const Status taken = take_part(reply, *parts);
+      if (!taken.ok()) {
+        done(taken);
+        return true;
+      }
+      if (reply.is_last()) done(std::move(*parts));
+      return reply.is_last();
+    };
+    queries->call(
+        [&request](uint64_t number) {
+          request.set_number(number);
+          return to_bytes(request);
+        },
+        {take, [done](const Status& status) { done(status); }});
+  }
+
+  /// The same, waiting for the answer and trying again until the timeout.
+  Answer ask(const v1::QueryRequest& request, bool is_ids_only) {
+    const SteadyTime deadline = steady_now() + options.timeout;
+    Answer answer = retried(last_try(deadline), [&]() -> Answer {
+      auto awaited = std::make_shared<Awaited<Answer>>();
+      ask(request, is_ids_only, [awaited](Answer one) { awaited->set(std::move(one)); });
+      return wait(awaited, deadline);
+    });
+    return answer.ok() ? std::move(answer) : Answer(answer.status().with_context(endpoint));
+  }
+
   /// The time until which a call is retried.
   [[nodiscard]] SteadyTime last_try(SteadyTime deadline) const {
     return options.tries_again ? deadline : steady_now();
@@ -277,37 +342,29 @@ Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durabili
 
 void MemoryClient::query(const ltm::Query& query, const std::string& engine,
                          std::function<void(Result<ltm::QueryResult>)> done) {
-  v1::QueryRequest request;
-  request.set_query(query.to_string());
-  request.set_engine(engine);
-  auto parts = std::make_shared<ltm::QueryResult>(query.is_ids_only());
-  const auto take = [done, parts](v1::QueryReply& reply) {
-    const Status taken = take_part(reply, *parts);
-    if (!taken.ok()) {
-      done(taken);
-      return true;
-    }
-    if (reply.is_last()) done(std::move(*parts));
-    return reply.is_last();
-  };
-  state_->queries->call(
-      [&request](uint64_t number) {
-        request.set_number(number);
-        return to_bytes(request);
-      },
-      {take, [done](const Status& status) { done(status); }});
+  state_->ask(to_request(query, engine), query.is_ids_only(), done);
 }
 
 Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine) {
-  using Answer = Result<ltm::QueryResult>;
-  const SteadyTime deadline = steady_now() + state_->options.timeout;
-  const auto ask = [&]() -> Answer {
-    auto awaited = std::make_shared<Awaited<Answer>>();
-    this->query(query, engine, [awaited](Answer answer) { awaited->set(std::move(answer)); });
-    return state_->wait(awaited, deadline);
-  };
-  Answer answer = retried(state_->last_try(deadline), ask);
-  return answer.ok() ? std::move(answer) : Answer(answer.status().with_context(state_->endpoint));
+  return state_->ask(to_request(query, engine), query.is_ids_only());
+}
+
+Result<std::vector<ltm::SnapshotResult>> MemoryClient::predict(const ltm::MemoryId& entity,
+                                                               std::span<const Duration> horizons,
+                                                               const PredictOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      const ltm::Query past,
+      ltm::Query::create(ltm::Query::of_entity(entity, ltm::select::Latest{}).memories(), true));
+  v1::QueryRequest request = to_request(past, options.engine);
+  v1::PredictionRequest& asked = *request.mutable_prediction();
+  asked.set_entity(entity.to_string());
+  for (const Duration horizon : horizons) asked.add_horizons_ns(horizon.count());
+  if (options.at) asked.set_at_ns(to_ns(*options.at));
+  if (options.plan) asked.set_plan(options.plan->to_string());
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, state_->ask(request, false));
+  auto predicted = predictions_in(answer, entity, horizons, options);
+  if (!predicted.ok()) return predicted.status().with_context(state_->endpoint);
+  return predicted;
 }
 
 Status MemoryClient::declare(const ltm::MemoryId& segment, const idf::Type& type) {

@@ -74,6 +74,12 @@ class MemoryClient {
   void query(const ltm::Query& query, const std::string& engine,
              std::function<void(Result<ltm::QueryResult>)> done);
 
+  /// Predicts from a moment or with a plan; see Memory::predict.
+  /// Errors: kFailedPrecondition if the server is of a version that predicts from now alone.
+  Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
+                                                   std::span<const Duration> horizons,
+                                                   const PredictOptions& options);
+
   /// Declares the type of a segment; see Memory::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
   /// Returns one list per horizon: the engines that can predict the entity, each with its error at

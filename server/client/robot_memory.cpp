@@ -325,6 +325,18 @@ Status RobotMemory::declare(const ltm::MemoryId& segment, const idf::Type& type)
                            [&](MemoryClient& client) { return client.declare(segment, type); });
 }
 
+Result<std::vector<ltm::SnapshotResult>> RobotMemory::predict(const ltm::MemoryId& entity,
+                                                              std::span<const Duration> horizons,
+                                                              const PredictOptions& options) {
+  Result<std::vector<ltm::SnapshotResult>> predicted = cancelled("not asked");
+  ENGRAM_RETURN_IF_ERROR(state_->at_holder(entity.names()[0], [&](MemoryClient& client) {
+    predicted = client.predict(entity, horizons, options);
+    // kNotFound is a valid answer here: the server has no such entity, engine or moment.
+    return is_lost(predicted.status()) ? predicted.status() : Status();
+  }));
+  return predicted;
+}
+
 Result<std::vector<std::vector<ltm::EngineRecord>>> RobotMemory::engines(
     const ltm::MemoryId& entity, std::span<const Duration> horizons) {
   if (!entity.has_entity())

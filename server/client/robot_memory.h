@@ -67,6 +67,13 @@ class RobotMemory {
   /// Errors: those of query(), but kUnavailable only if no server at all could be reached.
   Result<RobotAnswer> query_reachable(const ltm::Query& query, const std::string& engine = {});
 
+  /// Predicts from a moment or with a plan at the server that has the entity, which needs to have
+  /// the plan too.
+  /// Errors: those of MemoryClient::predict.
+  Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
+                                                   std::span<const Duration> horizons,
+                                                   const PredictOptions& options);
+
   /// See MemoryClient::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
 

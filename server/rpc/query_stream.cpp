@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/query_stream.h"
 
-#include <engram/v1/memory.pb.h>
+#include <algorithm>
 
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_answer.h"
@@ -13,6 +13,19 @@ namespace {
 
 /// The size at which an answer is split into parts. A part with one snapshot may be larger.
 constexpr size_t kPartBytes = size_t{1} << 20;
+
+/// As many as a query may have selectors.
+constexpr int kMaxHorizons = 1024;
+
+/// What was predicted of an entity, as an answer to a query of these moments.
+ltm::Answer answer_of(const ltm::MemoryId& entity, std::vector<ltm::SnapshotResult> predicted) {
+  std::ranges::sort(predicted, {}, &ltm::SnapshotResult::time);
+  ltm::RecalledEntity one{entity, {}};
+  for (ltm::SnapshotResult& moment : predicted) one.snapshots.push_back({std::move(moment)});
+  ltm::Answer answer;
+  answer.entities.push_back(std::move(one));
+  return answer;
+}
 
 }  // namespace
 
@@ -29,24 +42,75 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
     answer(number, std::move(status));
     return {};
   }
+  if (message.has_prediction())
+    on_prediction(message);
+  else
+    on_query(message);
+  return {};
+}
+
+void QueryStream::on_query(const v1::QueryRequest& message) {
   auto query = ltm::Query::parse(message.query());
   if (!query.ok()) {
-    answer(number, query.status());
-    return {};
+    answer(message.number(), query.status());
+    return;
   }
   if (message.engine().empty()) {
     if (auto known = context_.service.query_memory(*query)) {
-      answer(number, *std::move(known));
-      return {};
+      answer(message.number(), *std::move(known));
+      return;
     }
   }
+  answer_later({message.number(), [this, query = *std::move(query), engine = message.engine()] {
+                  return context_.service.query(query, engine);
+                }});
+}
+
+void QueryStream::on_prediction(const v1::QueryRequest& message) {
+  auto asked = asked_of(message);
+  if (!asked.ok()) {
+    answer(message.number(), asked.status());
+    return;
+  }
+  answer_later({message.number(), [this, asked = *std::move(asked)]() -> Result<ltm::Answer> {
+                  const auto& [entity, request] = asked;
+                  ENGRAM_ASSIGN_OR_RETURN(auto predicted,
+                                          context_.service.predict(entity, request));
+                  return answer_of(entity, std::move(predicted));
+                }});
+}
+
+/// Reads and checks what is to be predicted. The reader needs to be let read the plan too: an
+/// answer tells of it.
+Result<QueryStream::Predicted> QueryStream::asked_of(const v1::QueryRequest& message) const {
+  const v1::PredictionRequest& told = message.prediction();
+  Predicted asked;
+  const auto readable = [this](const std::string& text) -> Result<ltm::MemoryId> {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId id, ltm::MemoryId::parse(text));
+    if (!id.is_entity()) return invalid_argument("found ID '{}', needs that of an entity", text);
+    ENGRAM_RETURN_IF_ERROR(who_.check(Role::kRead, id));
+    return id;
+  };
+  ENGRAM_ASSIGN_OR_RETURN(asked.entity, readable(told.entity()));
+  if (!told.plan().empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(asked.request.plan, readable(told.plan()));
+  }
+  if (told.horizons_ns_size() > kMaxHorizons)
+    return invalid_argument("found {} horizons, needs at most {}", told.horizons_ns_size(),
+                            kMaxHorizons);
+  for (const int64_t horizon : told.horizons_ns()) asked.request.horizons.emplace_back(horizon);
+  if (told.has_at_ns()) asked.request.from = time_from_ns(told.at_ns());
+  asked.request.engine = message.engine();
+  return asked;
+}
+
+void QueryStream::answer_later(Asked asked) {
   promise();
   {
     const MutexLock lock(asking_);
-    asked_.push_back({number, *std::move(query), message.engine()});
+    asked_.push_back(std::move(asked));
   }
   answer_next();
-  return {};
 }
 
 void QueryStream::answer_next() {
@@ -56,7 +120,7 @@ void QueryStream::answer_next() {
   if (is_answering_ || asked_.empty()) return;
   is_answering_ = true;
   context_.work.add([kept = shared_from_this(), this, asked = std::move(asked_.front())] {
-    answer(asked.number, context_.service.query(asked.query, asked.engine));
+    answer(asked.number, asked.answer());
     {
       const MutexLock answered(asking_);
       is_answering_ = false;

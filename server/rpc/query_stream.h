@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <engram/v1/memory.pb.h>
+
 #include "ltm/core/mutex.h"
 #include "server/rpc/reply_stream.h"
 #include "server/rpc/rpc_context.h"
@@ -16,25 +18,35 @@ class QueryStream final : public ReplyStream {
       : context_(context), who_(std::move(who)) {}
 
  private:
+  /// What a message asks to predict.
+  struct Predicted {
+    ltm::MemoryId entity;
+    ltm::PredictionRequest request;
+  };
+
   Status on_request(grpc::ByteBuffer& request) override;
   void on_sent() override { answer_next(); }
+  void on_query(const v1::QueryRequest& message);
+  void on_prediction(const v1::QueryRequest& message);
   void answer(uint64_t number, Result<ltm::Answer> answer);
+  [[nodiscard]] Result<Predicted> asked_of(const v1::QueryRequest& message) const;
   /// Hands the next waiting query to another thread, if none is being answered and the client keeps
   /// up with reading.
   void answer_next() ENGRAM_EXCLUDES(asking_);
 
   struct Asked {
     uint64_t number = 0;
-    ltm::Query query;
-    std::string engine;
+    std::function<Result<ltm::Answer>()> answer;  ///< Called by another thread.
   };
+
+  void answer_later(Asked asked) ENGRAM_EXCLUDES(asking_);
 
   RpcContext& context_;
   const Identity who_;
   const StreamSlot slot_{context_, who_};
 
   Mutex asking_;
-  /// Queries for other threads; promise() was called for each.
+  /// Questions for other threads; promise() was called for each.
   std::deque<Asked> asked_ ENGRAM_GUARDED_BY(asking_);
   bool is_answering_ ENGRAM_GUARDED_BY(asking_) = false;
 };

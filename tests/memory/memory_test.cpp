@@ -104,6 +104,47 @@ TEST_P(FrontDoor, RemembersAsksThePastAndAsksTheFuture) {
   EXPECT_EQ((*copied)[0].instances[0].data, idf::Data(idf::Dict{{"x", 0.1 * 29}}));
 }
 
+TEST_P(FrontDoor, PredictsFromAnEarlierMoment) {
+  for (int64_t step = 0; step < 30; ++step)
+    ASSERT_OK(memory->commit(at(step, step < 20 ? 0.1 * static_cast<double>(step) : 50.0)));
+  const std::vector<Duration> horizons{milliseconds(400), milliseconds(200)};
+  const Time tenth = at(10, 0).updates[0].time;
+  // Just after a snapshot: the last one up to it counts.
+  const auto then = memory->predict(kCup, horizons, {.at = tenth + Duration(1), .engine = "line"});
+  ASSERT_OK(then);
+  ASSERT_THAT(*then, SizeIs(2));
+  EXPECT_EQ((*then)[0].time, tenth + milliseconds(400));
+  EXPECT_EQ((*then)[0].horizon, milliseconds(400));
+  EXPECT_NEAR((*then)[0].instances[0].data.at("x")->get<double>(), 1.2, 1e-6);
+  EXPECT_NEAR((*then)[1].instances[0].data.at("x")->get<double>(), 1.1, 1e-6);
+  ASSERT_THAT((*then)[1].instances[0].members, SizeIs(1));
+  EXPECT_EQ((*then)[1].instances[0].members[0].engine, "line");
+  // From its newest moment: the same as without one.
+  const auto now = memory->predict(kCup, horizons);
+  ASSERT_OK(now);
+  EXPECT_EQ(*memory->predict(kCup, horizons, {.at = at(29, 0).updates[0].time}), *now);
+}
+
+TEST_P(FrontDoor, SaysWhyItCannotPredictFromThere) {
+  for (int64_t step = 0; step < 5; ++step)
+    ASSERT_OK(memory->commit(at(step, static_cast<double>(step))));
+  const std::vector<Duration> near{milliseconds(200)}, far{std::chrono::hours(1)}, none;
+  const Time second = at(2, 0).updates[0].time;
+  const auto nowhere = *ltm::MemoryId::parse("Objects/Things/kitchen/nowhere");
+  EXPECT_FAILS(memory->predict(kCup, near, {.at = time_from_ns(-1)}), StatusCode::kNotFound,
+               "at or before");
+  EXPECT_FAILS(memory->predict(nowhere, near, {.at = second}), StatusCode::kNotFound,
+               nowhere.to_string());
+  EXPECT_FAILS(memory->predict(kCup, far, {.at = second}), StatusCode::kInvalidArgument,
+               "at most 1min");
+  EXPECT_FAILS(memory->predict(kCup, none, {.at = second}), StatusCode::kInvalidArgument,
+               "horizon");
+  EXPECT_FAILS(memory->predict(kCup, near, {.at = second, .engine = "oracle"}),
+               StatusCode::kNotFound, "nothing named 'oracle'");
+  EXPECT_FAILS(memory->predict(kCup, near, {.at = second, .plan = kCup}),
+               StatusCode::kInvalidArgument, "starts from no other entity");
+}
+
 TEST_P(FrontDoor, RefusesWhatMakesNoSense) {
   EXPECT_EQ(memory->query("Objects @ all").status().code(), StatusCode::kNotFound);
   EXPECT_EQ(memory->query("Objects @ sometimes").status().code(), StatusCode::kInvalidArgument);

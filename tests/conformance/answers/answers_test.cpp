@@ -80,6 +80,42 @@ std::vector<std::string> questions() {
   return all;
 }
 
+/// A question about the future of an earlier moment, or with a plan.
+struct Foresight {
+  std::string entity;
+  ltm::PredictionRequest request;
+
+  [[nodiscard]] std::string text() const {
+    return fmt::format("{} +{} from {}, by '{}', plan {}", entity,
+                       to_string(request.horizons.front()),
+                       request.from ? to_string(*request.from) : "now", request.engine,
+                       request.plan ? request.plan->to_string() : "none");
+  }
+};
+
+std::vector<Foresight> foresights() {
+  const auto parsed = [](const std::string& text) { return *ltm::MemoryId::parse(text); };
+  std::vector<std::optional<Time>> moments{{}};
+  // In the store alone, between two, in working memory alone, the last, later and before all.
+  for (const int64_t ns :
+       {1'600'000'004'000'000'000, 1'600'000'004'100'000'000, 1'600'000'015'000'000'000,
+        1'600'000'015'800'000'000, 1'700'000'000'000'000'000, -2'000'000'000'000'000'000})
+    moments.emplace_back(time_from_ns(ns));
+  std::vector<std::optional<ltm::MemoryId>> plans{{}};
+  for (const char* plan : {"Robot/State/arm/joints", "Robot/State/arm/broken",
+                           "Speech/Commands/human/text", "Nothing/like/that/exists"})
+    plans.emplace_back(parsed(plan));
+  const std::vector<Duration> some{std::chrono::seconds(1), std::chrono::milliseconds(200)};
+  std::vector<Foresight> all;
+  for (const std::string& name : kNames)
+    for (const auto& from : moments)
+      for (const auto& plan : plans)
+        for (const char* engine : {"", "deep", "copy-last", "line", "oracle"})
+          all.push_back({name, {from, some, engine, plan}});
+  all.push_back({kNames[0], {moments[1], {std::chrono::minutes(2)}, "", {}}});
+  return all;
+}
+
 std::string error_text(const std::optional<ltm::MeasuredError>& error) {
   return error ? fmt::format("{}/{}", error->image_mse, error->number_mse) : "-";
 }
@@ -93,9 +129,10 @@ void add_instance(const ltm::InstanceResult& instance, std::string& text) {
       error_text(instance.bound), metadata.provider, metadata.confidence, to_ns(metadata.created),
       to_ns(metadata.sent), to_ns(metadata.arrived));
   for (const ltm::MemberPrediction& member : instance.members)
-    text += fmt::format("      '{}' by '{}' error {} bound {} copied {} image {} moving {}\n",
-                        member.path, member.engine, member.expected_mse, member.bound_mse,
-                        member.copied, member.is_image, member.is_moving);
+    text += fmt::format(
+        "      '{}' by '{}' error {} bound {} copied {} image {} moving {} counted {}\n",
+        member.path, member.engine, member.expected_mse, member.bound_mse, member.copied,
+        member.is_image, member.is_moving, member.is_counted);
 }
 
 /// Everything that an answer says, as text: a difference is read at once. Errors name the place
@@ -121,6 +158,18 @@ std::string text_of(const Result<ltm::QueryResult>& answer, const std::string& p
                           snapshot.predictor, to_string(snapshot.horizon), snapshot.plan);
       for (const ltm::InstanceResult& instance : snapshot.instances) add_instance(instance, text);
     }
+  }
+  return text;
+}
+
+std::string text_of(const Foresight& asked, const Result<std::vector<ltm::SnapshotResult>>& told,
+                    const std::string& place, const std::string& endpoint = {}) {
+  if (!told.ok()) return text_of(Result<ltm::QueryResult>(told.status()), place, endpoint);
+  std::string text;
+  for (const ltm::SnapshotResult& one : *told) {
+    ltm::QueryResult alone;
+    alone.add_entity(*ltm::MemoryId::parse(asked.entity)).add(one);
+    text += text_of(Result<ltm::QueryResult>(alone), place);
   }
   return text;
 }
@@ -170,6 +219,15 @@ class Answering : public ::testing::Test {
           "server 'robot'");
       wired_[question] = text_of((*client)->query(*query), "server 'robot'", endpoint);
     }
+    for (const Foresight& asked : foresights()) {
+      const ltm::MemoryId id = *ltm::MemoryId::parse(asked.entity);
+      const ltm::PredictionRequest& request = asked.request;
+      served_[asked.text()] = text_of(asked, service.predict(id, request), "server 'robot'");
+      wired_[asked.text()] = text_of(
+          asked,
+          (*client)->predict(id, request.horizons, {request.from, request.plan, request.engine}),
+          "server 'robot'", endpoint);
+    }
     ASSERT_OK((*server)->stop());
   }
 
@@ -180,10 +238,16 @@ class Answering : public ::testing::Test {
     const std::string place = "store '" + store.string() + "'";
     for (const std::string& question : questions())
       stored_[question] = text_of(recall.query(*ltm::Query::parse(question)), place);
+    // In another order than the server was asked: what was asked before changes no answer.
+    auto asked = foresights();
+    std::ranges::reverse(asked);
+    for (const Foresight& one : asked)
+      stored_[one.text()] =
+          text_of(one, recall.predict(*ltm::MemoryId::parse(one.entity), one.request, {}), place);
   }
 
   static void expect_same(const Answers& found, const Answers& expected) {
-    ASSERT_EQ(found.size(), questions().size());
+    ASSERT_EQ(found.size(), questions().size() + foresights().size());
     for (const auto& [question, text] : expected)
       EXPECT_EQ(found.at(question), text) << "asked: " << question;
   }
@@ -199,6 +263,25 @@ TEST_F(Answering, AServerAndTheStoreThatItLeavesSayTheSame) {
 
 TEST_F(Answering, TheWireChangesNothing) {
   expect_same(wired_, stored_);
+}
+
+/// Of the same moment, with a plan and without: what the equal answers are.
+TEST_F(Answering, PredictsFromAMomentAndWithAPlan) {
+  const auto told = [](const std::string& how) -> const std::string& {
+    return stored("Vision/RGB/head/cam +1s from 2020-09-13 12:26:44.000000, " + how);
+  };
+  const std::string& planned = told("by '', plan Robot/State/arm/joints");
+  EXPECT_NE(planned.find("by 'deep' horizon 1s plan 'Robot/State/arm/joints'"), std::string::npos)
+      << planned;
+  EXPECT_NE(planned.find("12:26:45.000000 predicted"), std::string::npos);
+  // A plan has members, as any prediction has.
+  EXPECT_NE(planned.find("'x' by 'deep' error"), std::string::npos) << planned;
+  EXPECT_NE(planned, told("by 'deep', plan none"));
+  EXPECT_NE(told("by 'copy-last', plan Robot/State/arm/joints").find("starts from no other entity"),
+            std::string::npos);
+  EXPECT_NE(told("by 'oracle', plan none").find("nothing named 'oracle'"), std::string::npos);
+  EXPECT_NE(told("by '', plan Nothing/like/that/exists").find("no entity 'Nothing/"),
+            std::string::npos);
 }
 
 /// What the equal answers are, so that all being wrong in the same way is found too.

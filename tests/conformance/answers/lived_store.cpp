@@ -44,7 +44,8 @@ class BytesEncoder final : public ltm::Encoder {
   }
 };
 
-/// Goes on from the last value in a straight line; with conditions, half as fast.
+/// Goes on from the last value in a straight line; with conditions, half as fast; with a plan,
+/// also by the planned shoulders.
 class LinePredictor final : public ltm::Predictor {
  public:
   explicit LinePredictor(std::optional<MemoryId> condition) : condition_(std::move(condition)) {}
@@ -59,7 +60,8 @@ class LinePredictor final : public ltm::Predictor {
     std::vector<ltm::Prediction> predictions;
     for (int step = 1; step <= steps; ++step) {
       idf::Data value = past.values.back();
-      const double x = *past.values.back().at("x")->get_if<double>() + speed * step;
+      double x = *past.values.back().at("x")->get_if<double>() + speed * step;
+      for (const idf::Data& planned : past.plan) x += *planned.at("shoulder")->get_if<double>();
       value.get_if<idf::Dict>()->set("x", x);
       predictions.push_back({std::move(value), {{0.0, 0.01 * step}, {0.0, 0.04 * step}}});
     }
@@ -167,6 +169,8 @@ ltm::ModelLoader lived_models() {
     std::optional<MemoryId> condition;
     if (file.filename().string().find(".led.") != std::string::npos)
       condition = id("Robot/State/arm/broken");
+    if (file.filename().string().find(".cam.") != std::string::npos)
+      condition = id("Robot/State/arm/joints");
     return ltm::LoadedModel{std::make_unique<BytesEncoder>(),
                             std::make_unique<LinePredictor>(std::move(condition))};
   };
