@@ -7,9 +7,6 @@
 #include "cli/progress_line.h"
 #include "encoders/load_model.h"
 #include "ltm/prediction/entity_predictor.h"
-#include "reports/plain/result_text.h"
-#include "reports/plain/save.h"
-#include "reports/predict_picture.h"
 #include "reports/predict_text.h"
 
 namespace engram::cli {
@@ -37,12 +34,8 @@ Examples:
   engram predict robot.engram RobotState/Proprioception/robot/joints --horizons +1s --engine line
   engram predict robot.engram RobotState/Proprioception/robot/joints --list --ahead 200ms,400ms,1s
   engram predict robot.engram Vision/RGB/head/cam --list --json
-  engram predict --server 127.0.0.1:50051 Vision/RGB/head/cam --horizons +200ms,+400ms)";
-
-/// Returns the time of an argument that was validated; nothing if it was not given.
-std::optional<Time> time_of(const std::string& text) {
-  return text.empty() ? std::nullopt : std::optional(*parse_time(text));
-}
+  engram predict --server 127.0.0.1:50051 Vision/RGB/head/cam --horizons +200ms,+400ms
+  engram predict Vision/RGB/head/cam --at '2022-02-18 13:00:20' --compare)";
 
 Status list(ltm::Recall& recall, const ltm::MemoryId& entity, Duration step,
             std::span<const Duration> horizons, const PredictArguments& arguments) {
@@ -71,42 +64,6 @@ Status sweep(ltm::Recall& recall, const ltm::MemoryId& entity,
   return {};
 }
 
-Status save(const ltm::MemoryId& entity, const training::PredictedMoment& moment,
-            const PredictArguments& arguments) {
-  size_t count = 0;
-  for (const training::PredictedHorizon& horizon : moment.horizons) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto files,
-                            reports::save_snapshot(entity, horizon.predicted, arguments.save));
-    count += files.size();
-  }
-  if (!arguments.is_json) print(fmt::format("{} files written below {}", count, arguments.save));
-  return {};
-}
-
-Status predict(ltm::Recall& recall, const ltm::MemoryId& entity,
-               ltm::Recall::PredictionRequest request, const PredictArguments& arguments) {
-  if (arguments.is_compared && !request.from) {
-    // Starts early enough that the snapshots of all horizons are known.
-    ENGRAM_ASSIGN_OR_RETURN(request.from, training::last_known_from(
-                                              recall, entity, std::ranges::max(request.horizons)));
-  }
-  ENGRAM_ASSIGN_OR_RETURN(const auto moment, training::predict_moment(recall, entity, request));
-  if (arguments.is_compared && std::ranges::none_of(moment.horizons, [](const auto& horizon) {
-        return horizon.error.has_value();
-      }))
-    return not_found("entity '{}': nothing is known of what came after {}, needs it to compare",
-                     entity.to_string(), to_string(moment.last.time));
-  if (request.plan && moment.horizons.front().predicted.plan.empty())
-    return not_found("entity '{}': nothing is planned after {}", request.plan->to_string(),
-                     to_string(moment.last.time));
-  ENGRAM_ASSIGN_OR_RETURN(const Json json, reports::moment_json(entity, moment));
-  show(arguments, reports::moment_text(entity, moment), json);
-  if (!arguments.save.empty()) ENGRAM_RETURN_IF_ERROR(save(entity, moment, arguments));
-  if (!arguments.picture.empty())
-    ENGRAM_RETURN_IF_ERROR(reports::write_predict_picture(moment, arguments.picture));
-  return {};
-}
-
 /// Returns the step of the named engine, else that of the entity's model.
 Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
                          const std::string& engine) {
@@ -115,6 +72,38 @@ Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
     return std::string(model.predictor->name());
   });
   return training::step_of(recall, entity, named != models.end() ? *named : models.front());
+}
+
+/// Lists the engines of an entity of a store, or measures predictions from many moments: both need
+/// the store itself.
+ExitCode measure(const PredictArguments& arguments, const ltm::MemoryId& entity) {
+  auto reader = ltm::StoreReader::open(arguments.store);
+  if (!reader.ok()) return fail(reader.status());
+  ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr, ltm::make_entity_predictor);
+  const auto step = step_of(recall, entity, arguments.engine);
+  if (!step.ok()) return fail(step.status());
+  const auto horizons = reports::parse_horizons(horizons_text(arguments, *step), *step);
+  if (!horizons.ok()) return wrong_usage(horizons.status());
+  if (arguments.is_list) return done_or_failed(list(recall, entity, *step, *horizons, arguments));
+  ltm::Recall::PredictionRequest request{{}, *horizons, arguments.engine};
+  if (!arguments.plan.empty()) request.plan = *ltm::MemoryId::parse(arguments.plan);
+  return done_or_failed(sweep(recall, entity, request, arguments));
+}
+
+/// Checks which options go together.
+Status check(const PredictArguments& arguments, bool is_sweep) {
+  const bool is_moment = !arguments.at.empty() || arguments.is_compared ||
+                         !arguments.picture.empty() || !arguments.save.empty();
+  if (is_sweep && is_moment)
+    return invalid_argument(
+        "--every, --from and --to are of many moments: --at, --compare, --picture and --save of "
+        "one");
+  if (!arguments.store.empty()) return {};
+  if (is_sweep)
+    return invalid_argument("--every, --from and --to are of stores, and found a server");
+  if (arguments.is_list && !arguments.at.empty())
+    return invalid_argument("a server lists what predicts from now: --list with --at is of stores");
+  return {};
 }
 
 ExitCode run(PredictArguments arguments) {
@@ -126,37 +115,10 @@ ExitCode run(PredictArguments arguments) {
   if (const Status named = check_source(arguments.store, arguments.remote); !named.ok())
     return wrong_usage(named);
   const bool is_sweep = arguments.every > 0 || !arguments.from.empty() || !arguments.to.empty();
-  const bool is_moment = !arguments.at.empty() || arguments.is_compared ||
-                         !arguments.picture.empty() || !arguments.save.empty();
-  if (arguments.store.empty()) {
-    if (is_sweep || !arguments.plan.empty() || !arguments.at.empty() || arguments.is_compared ||
-        !arguments.picture.empty())
-      return wrong_usage(invalid_argument(
-          "a server predicts from now: --at, --plan, --compare, --picture, --every, --from "
-          "and --to are of stores"));
-    return predict_at_server(arguments, *ltm::MemoryId::parse(arguments.entity));
-  }
-  if (is_sweep && is_moment)
-    return wrong_usage(invalid_argument(
-        "--every, --from and --to are of many moments: --at, --compare, --picture and --save of "
-        "one"));
-  auto reader = ltm::StoreReader::open(arguments.store);
-  if (!reader.ok()) return fail(reader.status());
-  ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr, ltm::make_entity_predictor);
+  if (const Status fits = check(arguments, is_sweep); !fits.ok()) return wrong_usage(fits);
   const ltm::MemoryId entity = *ltm::MemoryId::parse(arguments.entity);
-  const auto step = step_of(recall, entity, arguments.engine);
-  if (!step.ok()) return fail(step.status());
-  const auto horizons = reports::parse_horizons(horizons_text(arguments, *step), *step);
-  if (!horizons.ok()) return wrong_usage(horizons.status());
-  if (arguments.is_list) {
-    const Status listed = list(recall, entity, *step, *horizons, arguments);
-    return done_or_failed(listed);
-  }
-  ltm::Recall::PredictionRequest request{time_of(arguments.at), *horizons, arguments.engine};
-  if (!arguments.plan.empty()) request.plan = *ltm::MemoryId::parse(arguments.plan);
-  const Status done = is_sweep ? sweep(recall, entity, request, arguments)
-                               : predict(recall, entity, request, arguments);
-  return done_or_failed(done);
+  const bool needs_store = is_sweep || (arguments.is_list && !arguments.store.empty());
+  return needs_store ? measure(arguments, entity) : predict_moment(arguments, entity);
 }
 
 }  // namespace

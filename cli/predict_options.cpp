@@ -57,6 +57,10 @@ std::string horizons_text(const PredictArguments& arguments, Duration step) {
   return std::string(step < kSlow ? kAhead : kAheadOfSlow);
 }
 
+std::optional<Time> time_of(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional(*parse_time(text));
+}
+
 void show(const PredictArguments& arguments, const std::string& text, const Json& json) {
   if (arguments.is_json)
     print_json(json);

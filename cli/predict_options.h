@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "cli/command.h"
@@ -39,7 +40,11 @@ void add_predict_options(CLI::App& command, PredictArguments& arguments);
 /// Prints text or JSON, as requested.
 void show(const PredictArguments& arguments, const std::string& text, const Json& json);
 
-/// Predicts, or lists the engines, at a server.
-ExitCode predict_at_server(const PredictArguments& arguments, const ltm::MemoryId& entity);
+/// Returns the time of an argument that was validated; nothing if it was not given.
+[[nodiscard]] std::optional<Time> time_of(const std::string& text);
+
+/// Predicts from one moment, or lists the engines, at a server; predicts from one moment of a
+/// store.
+ExitCode predict_moment(const PredictArguments& arguments, const ltm::MemoryId& entity);
 
 }  // namespace engram::cli

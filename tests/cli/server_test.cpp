@@ -107,10 +107,22 @@ TEST_F(Server, IsAskedAndWatchedAndCounts) {
   EXPECT_EQ(run_engram({"query", "?ids Objects @ latest"}).out,
             std::string(kCup) + "/1970-01-01 00:00:00.000003/0\n");
   const Json ahead = json_of(run_engram({"predict", kCup, "--horizons", "1..2", "--json"}));
-  const Json& predicted = ahead.at("entities").at(0).at("snapshots");
-  ASSERT_THAT(predicted, SizeIs(2));
-  EXPECT_EQ(predicted[1].at("source"), "predicted");
-  EXPECT_EQ(predicted[1].at("time_ns"), 5000);
+  ASSERT_THAT(ahead.at("predictions"), SizeIs(2));
+  const Json& predicted = ahead.at("predictions").at(1).at("predicted");
+  EXPECT_EQ(predicted.at("source"), "predicted");
+  EXPECT_EQ(predicted.at("time_ns"), 5000);
+  // From an earlier moment, beside what came.
+  const Json then = json_of(run_engram({"predict", kCup, "--at", "2000", "--horizons", "1",
+                                        "--engine", "constant-velocity", "--compare", "--json"}));
+  EXPECT_EQ(then.at("from_ns"), 2000);
+  const Json& came = then.at("predictions").at(0);
+  EXPECT_EQ(came.at("predicted").at("instances").at(0).at("data").at("height"), 0.75);
+  EXPECT_EQ(came.at("error").at("rmse"), 0);
+  EXPECT_EQ(came.at("copy_last").at("error").at("rmse"), 0.25);
+  EXPECT_EQ(run_engram({"predict", kCup, "--every", "2"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"predict", kCup, "--at", "2000", "--list"}).exit_code, 2);
+  EXPECT_THAT(run_engram({"predict", kCup, "--plan", "Robot/Joints/arm/left"}).err,
+              HasSubstr("starts from no other entity"));
 
   const Json info = json_of(run_engram({"info", "--json"}));
   EXPECT_EQ(info.at("figures").at("memory_snapshots"), 4);
@@ -198,8 +210,8 @@ TEST_F(Server, IsNotNeededByAStore) {
   const Json& snapshots = all.at("entities").at(0).at("snapshots");
   ASSERT_THAT(snapshots, SizeIs(2)) << "of the same time counts once";
   EXPECT_EQ(snapshots[1].at("instances")[0].at("data").at("height"), 0.5);
-  EXPECT_EQ(run_engram({"commit", kCup, "--data", "1", "--db", store, "--server", at("s")}).exit_code,
-            2);
+  EXPECT_EQ(
+      run_engram({"commit", kCup, "--data", "1", "--db", store, "--server", at("s")}).exit_code, 2);
   RunningEngram server({"serve", store, "--no-system-state"});
   ASSERT_TRUE(server.wait_for("listens at"));
   const RunResult held = commit(kCup, "{\"height\": 1}", "3000", {"--db", store});

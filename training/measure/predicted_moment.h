@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -32,20 +33,36 @@ struct PredictedMoment {
   std::vector<PredictedHorizon> horizons;
 };
 
+/// Where predictions, and what came of them, are asked: a Recall, or a memory of any kind.
+struct PredictionSource {
+  std::function<Result<std::vector<ltm::SnapshotResult>>(const ltm::PredictionRequest&)> predict;
+  std::function<Result<ltm::QueryResult>(const ltm::Query&)> query;
+};
+
+/// A source that asks `recall`, which must outlive it, about one entity.
+[[nodiscard]] PredictionSource source_of(ltm::Recall& recall, const ltm::MemoryId& entity);
+
 /// Time between two snapshots as an engine counts it. For an engine without a fixed step it is the
 /// median step of the entity's last snapshots, or zero if there is only one.
 /// Errors: the errors of the store.
 Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
                          const ltm::Recall::Engine& engine);
 
-/// Time of the last snapshot that is followed by another one at least `ahead` later.
-/// Errors: kNotFound if there is none; the errors of the store.
-Result<Time> last_known_from(ltm::Recall& recall, const ltm::MemoryId& entity, Duration ahead);
+/// The median step of the entity's last snapshots, or zero if there is only one.
+/// Errors: the errors of the source.
+Result<Duration> step_of(const PredictionSource& source, const ltm::MemoryId& entity);
 
-/// Predicts as if nothing after `request.from` were known, and compares with the real snapshots.
-/// Errors: the errors of Recall.
-Result<PredictedMoment> predict_moment(ltm::Recall& recall, const ltm::MemoryId& entity,
-                                       const ltm::Recall::PredictionRequest& request);
+/// Time of the last snapshot that is followed by another one at least `ahead` later.
+/// Errors: kNotFound if there is none; the errors of the source.
+Result<Time> last_known_from(const PredictionSource& source, const ltm::MemoryId& entity,
+                             Duration ahead);
+
+/// Predicts as if nothing after `request.from` were known, and compares with the snapshots that
+/// came: with each the one that is less than half a `step` from the predicted time. Members that
+/// count in no error are not compared.
+/// Errors: the errors of the source.
+Result<PredictedMoment> predict_moment(const PredictionSource& source, const ltm::MemoryId& entity,
+                                       const ltm::PredictionRequest& request, Duration step);
 
 /// The moments of a sweep.
 struct SweepOptions {

@@ -30,12 +30,15 @@ ltm::Recall open(const std::filesystem::path& store) {
   return {*ltm::StoreReader::open(store), encoders::load_model, nullptr, {}};
 }
 
+Result<PredictedMoment> predicted(ltm::Recall& recall, const ltm::PredictionRequest& request) {
+  return predict_moment(source_of(recall, entity()), entity(), request, kStep);
+}
+
 TEST(PredictedMoment, StandsBesideWhatReallyCame) {
   const ScratchPath store("predicted_moment");
   engram::testing::record(store.path(), kEntity, 0, 20);
   ltm::Recall recall = open(store.path());
-  const auto moment =
-      predict_moment(recall, entity(), {time_at(16), {kStep, 3 * kStep, 4 * kStep}, ""});
+  const auto moment = predicted(recall, {time_at(16), {kStep, 3 * kStep, 4 * kStep}, ""});
   ASSERT_TRUE(moment.ok()) << moment.status().to_string();
   EXPECT_EQ(moment->last.time, time_at(16));
   ASSERT_EQ(moment->horizons.size(), 3u);
@@ -58,7 +61,7 @@ TEST(PredictedMoment, TakesNothingThatIsHalfAStepAwayForWhatCame) {
   engram::testing::record(store.path(), kEntity, 0, 20);
   ltm::Recall recall = open(store.path());
   const auto actual_after = [&](Duration horizon) {
-    return predict_moment(recall, entity(), {time_at(10), {horizon}, ""})->horizons[0].actual;
+    return predicted(recall, {time_at(10), {horizon}, ""})->horizons[0].actual;
   };
   EXPECT_EQ(actual_after(kStep + kStep / 4)->time, time_at(11));
   EXPECT_FALSE(actual_after(kStep + kStep / 2).has_value());
@@ -87,10 +90,12 @@ TEST(PredictedMoment, FindsTheLastMomentWhoseFutureIsKnown) {
   const ScratchPath store("predicted_last");
   engram::testing::record(store.path(), kEntity, 0, 20);
   ltm::Recall recall = open(store.path());
-  EXPECT_EQ(*last_known_from(recall, entity(), 3 * kStep), time_at(16));
-  EXPECT_EQ(*last_known_from(recall, entity(), kStep + Duration(1)), time_at(17));
-  EXPECT_EQ(last_known_from(recall, entity(), 20 * kStep).status().code(), StatusCode::kNotFound);
+  const PredictionSource source = source_of(recall, entity());
+  EXPECT_EQ(*last_known_from(source, entity(), 3 * kStep), time_at(16));
+  EXPECT_EQ(*last_known_from(source, entity(), kStep + Duration(1)), time_at(17));
+  EXPECT_EQ(last_known_from(source, entity(), 20 * kStep).status().code(), StatusCode::kNotFound);
   EXPECT_EQ(*step_of(recall, entity(), recall.engines(entity())->front()), kStep);
+  EXPECT_EQ(*step_of(source, entity()), kStep);
 }
 
 TEST(PredictedMoment, IsToldByAModelWithItsBound) {
@@ -110,7 +115,7 @@ TEST(PredictedMoment, IsToldByAModelWithItsBound) {
     EXPECT_GT(records[0].mean.image_mse, 0);
     EXPECT_LT(records[0].mean.number_mse, records[4].mean.number_mse);
   }
-  const auto moment = predict_moment(recall, entity(), {time_at(60), {kStep, 6 * kStep}, ""});
+  const auto moment = predicted(recall, {time_at(60), {kStep, 6 * kStep}, ""});
   ASSERT_TRUE(moment.ok()) << moment.status().to_string();
   const PredictedHorizon& next = moment->horizons[0];
   const ltm::InstanceResult& told = next.predicted.instances.at(0);
@@ -121,7 +126,7 @@ TEST(PredictedMoment, IsToldByAModelWithItsBound) {
   EXPECT_TRUE(std::isnan(moment->horizons[1].predicted.instances.at(0).bound->image_mse))
       << "six steps ahead nothing was measured";
   // The errors of a copy are those of the last snapshot, whoever predicts.
-  const auto copied = predict_moment(recall, entity(), {time_at(60), {kStep}, "copy-last"});
+  const auto copied = predicted(recall, {time_at(60), {kStep}, "copy-last"});
   EXPECT_EQ(*copied->horizons[0].error, *next.copy_error);
   EXPECT_EQ(copied->horizons[0].predicted.instances.at(0).bound, next.copy_told.bound);
 }
