@@ -150,11 +150,16 @@ py::list FrontDoor::query(const std::string& text, const std::string& engine) {
 }
 
 py::list FrontDoor::predict(const std::string& entity, const std::vector<int64_t>& horizons,
-                            const std::string& engine) {
+                            std::optional<int64_t> from, const std::string& engine,
+                            const std::string& plan) {
   const ltm::MemoryId id = value_or_raise(entity_of(entity));
   const std::vector<Duration> ahead(horizons.begin(), horizons.end());
+  PredictOptions options;
+  if (from) options.at = time_from_ns(*from);
+  if (!plan.empty()) options.plan = value_or_raise(entity_of(plan));
+  options.engine = engine;
   return snapshots_of(
-      id, with_memory([&](Memory& memory) { return memory.predict(id, ahead, engine); }));
+      id, with_memory([&](Memory& memory) { return memory.predict(id, ahead, options); }));
 }
 
 py::list FrontDoor::engines(const std::string& entity, int64_t ahead) {

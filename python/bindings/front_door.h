@@ -54,9 +54,10 @@ class FrontDoor {
   /// Answers a query in its text form: a list of (entity, snapshots).
   pybind11::list query(const std::string& text, const std::string& engine);
 
-  /// Predictions at these horizons (ns) after the last snapshot, as a list of dicts.
+  /// See OpenStore::predict.
   pybind11::list predict(const std::string& entity, const std::vector<int64_t>& horizons,
-                         const std::string& engine);
+                         std::optional<int64_t> from, const std::string& engine,
+                         const std::string& plan);
 
   /// See OpenStore::engines.
   pybind11::list engines(const std::string& entity, int64_t ahead);

@@ -187,11 +187,12 @@ py::list OpenStore::query(const std::string& text, bool prefers_latents,
 
 py::list OpenStore::predict(const std::string& entity, const std::vector<int64_t>& horizons,
                             std::optional<int64_t> from, const std::string& engine,
-                            bool prefers_latents) {
+                            const std::string& plan, bool prefers_latents) {
   ltm::PredictionRequest request;
   if (from) request.from = time_from_ns(*from);
   for (const int64_t horizon : horizons) request.horizons.emplace_back(horizon);
   request.engine = engine;
+  if (!plan.empty()) request.plan = value_or_raise(entity_of(plan));
   const auto id = value_or_raise(entity_of(entity));
   return snapshots_of(id, with_recall([&](ltm::Recall& recall) {
                         return recall.predict(id, request, options_of(prefers_latents));

@@ -44,10 +44,11 @@ class OpenStore {
   pybind11::list query(const std::string& text, bool prefers_latents, const std::string& engine);
 
   /// Predictions at these horizons (ns) after the last snapshot up to `from` (None: the newest), by
-  /// the named engine; empty: the best one. A list of snapshots, as dicts.
+  /// the named engine; empty: the best one. `plan` is an entity of planned values; empty: none. A
+  /// list of snapshots, as dicts.
   pybind11::list predict(const std::string& entity, const std::vector<int64_t>& horizons,
                          std::optional<int64_t> from, const std::string& engine,
-                         bool prefers_latents);
+                         const std::string& plan, bool prefers_latents);
 
   /// The engines of an entity at the horizon `ahead` (ns), best first: dicts with "name", "model",
   /// "predictions", "error", "bound".

@@ -42,9 +42,9 @@ class StoreDoor:
         return self._store.query(text, self._prefers_latents, engine)
 
     def predict(
-        self, entity: str, horizons: list[int], start: int | None, engine: str
+        self, entity: str, horizons: list[int], start: int | None, engine: str, plan: str
     ) -> list[dict[str, Any]]:
-        return self._store.predict(entity, horizons, start, engine, self._prefers_latents)
+        return self._store.predict(entity, horizons, start, engine, plan, self._prefers_latents)
 
     def engines(self, entity: str, ahead: int, start: int | None) -> list[dict[str, Any]]:
         return self._store.engines(entity, ahead, start, self._prefers_latents)
@@ -72,6 +72,7 @@ class LiveDoor:
         self.times = front.times
         self.select = front.select
         self.query = front.query
+        self.predict = front.predict
         self.close = front.close
 
     def span(self, entity: str) -> tuple[int, int]:
@@ -81,14 +82,12 @@ class LiveDoor:
             names = ", ".join(self._front.entities()[:20]) or "nothing"
         raise NotFoundError(f"{self._place} has no entity '{entity}'; it has: {names}")
 
-    def predict(
-        self, entity: str, horizons: list[int], start: int | None, engine: str
-    ) -> list[dict[str, Any]]:
-        self._check_start(start)
-        return self._front.predict(entity, horizons, engine)
-
     def engines(self, entity: str, ahead: int, start: int | None) -> list[dict[str, Any]]:
-        self._check_start(start)
+        if start is not None:
+            raise FailedPreconditionError(
+                f"{self._place}: lists what predicts from the newest moment and found an earlier"
+                " one, needs engram.open(path) of its store"
+            )
         return self._front.engines(entity, ahead)
 
     def refresh(self) -> None:
@@ -104,13 +103,6 @@ class LiveDoor:
 
     def live(self) -> _core.FrontDoor:
         return self._front
-
-    def _check_start(self, start: int | None) -> None:
-        if start is not None:
-            raise FailedPreconditionError(
-                f"{self._place}: predicts from the newest moment and found an earlier one,"
-                " needs engram.open(path) of its store"
-            )
 
 
 Door = Union[StoreDoor, LiveDoor]

@@ -84,15 +84,20 @@ class Entity:
         at: TimeLike | None = None,
         engine: str = "",
         *,
+        plan: str = "",
         start: TimeLike | None = None,
     ) -> list[Snapshot]:
         """What is expected so long (seconds) after the last moment up to `at` (None: the newest).
 
         Nothing after `at` is looked at: what really came can be compared. `engine`: one of
-        engines(); empty: those that were best on the past, for each horizon and member. `start`: `at`
-        in programs of earlier versions; it is taken until 0.3.
-        Raises NotFoundError, InvalidArgumentError where a horizon is too far ahead,
-        FailedPreconditionError where a live memory is given a moment.
+        engines(); empty: those that were best on the past, for each horizon and member. `plan`: the
+        entity whose moments after `at` tell where what a model is conditioned on is going to be
+        (planned joints, for a camera); then the model alone predicts. Where nothing is planned, the
+        prediction is made without it, and its `plan` is empty. `start`: `at` in programs of earlier
+        versions; it is taken until 0.3.
+        Raises NotFoundError where there is no moment up to `at`, engine or plan of that name,
+        InvalidArgumentError where a horizon is too far ahead or nothing can be told the plan,
+        FailedPreconditionError where a server is of a version that predicts from now alone.
         """
         horizons = [ahead] if isinstance(ahead, (int, float, np.timedelta64)) else ahead
         if not isinstance(horizons, Sequence):
@@ -105,13 +110,17 @@ class Entity:
                 )
         if not wanted:
             return []
-        found = self._door.predict(self.name, wanted, _last_known(at, start), engine)
+        found = self._door.predict(self.name, wanted, _last_known(at, start), engine, plan)
         return [snapshot_of(one) for one in found]
 
     def engines(
         self, ahead: DurationLike, at: TimeLike | None = None, *, start: TimeLike | None = None
     ) -> list[Engine]:
-        """All ways to predict so long (seconds) ahead, the best on the past of the entity first."""
+        """All ways to predict so long (seconds) ahead, the best on the past of the entity first.
+
+        `at`: as of this moment, of a store that is read. Raises FailedPreconditionError where a live
+        memory is given one.
+        """
         found = self._door.engines(self.name, duration_ns(ahead), _last_known(at, start))
         return [engine_of(one) for one in found]
 

@@ -59,6 +59,22 @@ QUESTIONS = {
     "predict by nobody": lambda memory: memory[JOINTS].predict(0.2, engine="crystal-ball"),
     "predict too far": lambda memory: memory[JOINTS].predict(3600),
     "predict back": lambda memory: memory[JOINTS].predict(-0.2),
+    "predict from": lambda memory: memory[CAMERA].predict([0.2, 0.6], at=START + 20 * STEP),
+    "predict from between": lambda memory: memory[JOINTS].predict(0.4, at=START + 20 * STEP + 1),
+    "predict from today": lambda memory: memory[JOINTS].predict(0.4, at=START + 34 * STEP),
+    "predict from by": lambda memory: memory[JOINTS].predict(0.4, START + 9 * STEP, "line"),
+    "predict from the start": lambda memory: memory[JOINTS].predict(0.2, at=START),
+    "predict from before": lambda memory: memory[JOINTS].predict(0.2, at=START - 1),
+    "predict from after": lambda memory: memory[JOINTS].predict(0.2, at=START + 10**15),
+    "predict from too far": lambda memory: memory[JOINTS].predict(61, at=START + 9 * STEP),
+    "plan": lambda memory: memory[CAMERA].predict([0.2, 0.6], at=START + 20 * STEP, plan=JOINTS),
+    "plan today": lambda memory: memory[CAMERA].predict(0.4, at=START + 33 * STEP, plan=JOINTS),
+    "no plan yet": lambda memory: memory[CAMERA].predict(0.2, plan=JOINTS),
+    "plan by": lambda memory: memory[CAMERA].predict(0.2, START + STEP, "copy-last", plan=JOINTS),
+    "plan of another": lambda memory: memory[CAMERA].predict(0.2, START + 9 * STEP, plan=SPEECH),
+    "plan of nothing": lambda memory: memory[CAMERA].predict(0.2, START, plan="Nothing/is/of/that"),
+    "plan of no entity": lambda memory: memory[CAMERA].predict(0.2, START, plan="Vision"),
+    "plan for nothing": lambda memory: memory[JOINTS].predict(0.2, START + 9 * STEP, plan=CAMERA),
     "engines": lambda memory: memory[JOINTS].engines(0.2),
     "engines of images": lambda memory: memory[CAMERA].engines(0.4),
     "query by": lambda memory: memory.query(f"{JOINTS} @ +200ms", engine="copy-last"),
@@ -77,7 +93,7 @@ def update_of(entity, i):
     image[:, :, 0] = 40 + np.arange(48)
     image[14:26, 2 * i % 36 : 2 * i % 36 + 12] = (230, 60, 40)
     value = {
-        CAMERA: {"image": image},
+        CAMERA: {"image": image, "joints": f"{JOINTS}/{np.datetime64(START + i * STEP, 'ns')}"},
         JOINTS: {"position": angles, "load": np.float32(0.5 + 0.1 * i), "is_moving": i % 2 == 0},
         SPEECH: {"text": f"Bring me the salt, {i}", "to": ["Ada", None], "turn": np.int32(i)},
     }[entity]

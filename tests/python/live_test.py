@@ -141,10 +141,20 @@ class Committing:
             with self.subTest(segment=segment), self.assertRaises(errors.InvalidArgumentError):
                 self.memory.declare(segment, of)
 
-    def test_a_start_and_files_are_of_stores_alone(self):
+    def test_an_earlier_moment_is_predicted_from(self):
+        for i in range(20):
+            self.commit(i)
+        moment = START + 9 * 200_000_000
+        next_one = self.memory[CUP].predict([0.4, 0.2], at=moment + 1, engine="line")
+        self.assertEqual([one.time - moment for one in next_one], [400_000_000, 200_000_000])
+        self.assertAlmostEqual(next_one[1].value["x"], 1.0)
+        with self.assertRaisesRegex(errors.NotFoundError, "at or before"):
+            self.memory[CUP].predict(0.2, at=START - 1)
+        with self.assertRaisesRegex(errors.InvalidArgumentError, "no other entity"):
+            self.memory[CUP].predict(0.2, plan=CUP)
+
+    def test_engines_of_a_moment_and_files_are_of_stores_alone(self):
         self.commit(1)
-        with self.assertRaisesRegex(errors.FailedPreconditionError, "newest moment"):
-            self.memory[CUP].predict(0.2, at=START)
         with self.assertRaisesRegex(errors.FailedPreconditionError, "newest moment"):
             self.memory[CUP].engines(0.2, at=START)
 
