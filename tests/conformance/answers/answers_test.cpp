@@ -81,7 +81,7 @@ std::vector<std::string> questions() {
 }
 
 /// A question about the future of an earlier moment, or with a plan.
-struct Foresight {
+struct FutureQuestion {
   std::string entity;
   ltm::PredictionRequest request;
 
@@ -93,7 +93,7 @@ struct Foresight {
   }
 };
 
-std::vector<Foresight> foresights() {
+std::vector<FutureQuestion> future_questions() {
   const auto parsed = [](const std::string& text) { return *ltm::MemoryId::parse(text); };
   std::vector<std::optional<Time>> moments{{}};
   // In the store alone, between two, in working memory alone, the last, later and before all.
@@ -106,7 +106,7 @@ std::vector<Foresight> foresights() {
                            "Speech/Commands/human/text", "Nothing/like/that/exists"})
     plans.emplace_back(parsed(plan));
   const std::vector<Duration> some{std::chrono::seconds(1), std::chrono::milliseconds(200)};
-  std::vector<Foresight> all;
+  std::vector<FutureQuestion> all;
   for (const std::string& name : kNames)
     for (const auto& from : moments)
       for (const auto& plan : plans)
@@ -162,8 +162,9 @@ std::string text_of(const Result<ltm::QueryResult>& answer, const std::string& p
   return text;
 }
 
-std::string text_of(const Foresight& asked, const Result<std::vector<ltm::SnapshotResult>>& told,
-                    const std::string& place, const std::string& endpoint = {}) {
+std::string text_of(const FutureQuestion& asked,
+                    const Result<std::vector<ltm::SnapshotResult>>& told, const std::string& place,
+                    const std::string& endpoint = {}) {
   if (!told.ok()) return text_of(Result<ltm::QueryResult>(told.status()), place, endpoint);
   std::string text;
   for (const ltm::SnapshotResult& one : *told) {
@@ -219,7 +220,7 @@ class Answering : public ::testing::Test {
           "server 'robot'");
       wired_[question] = text_of((*client)->query(*query), "server 'robot'", endpoint);
     }
-    for (const Foresight& asked : foresights()) {
+    for (const FutureQuestion& asked : future_questions()) {
       const ltm::MemoryId id = *ltm::MemoryId::parse(asked.entity);
       const ltm::PredictionRequest& request = asked.request;
       served_[asked.text()] = text_of(asked, service.predict(id, request), "server 'robot'");
@@ -239,15 +240,15 @@ class Answering : public ::testing::Test {
     for (const std::string& question : questions())
       stored_[question] = text_of(recall.query(*ltm::Query::parse(question)), place);
     // In another order than the server was asked: what was asked before changes no answer.
-    auto asked = foresights();
+    auto asked = future_questions();
     std::ranges::reverse(asked);
-    for (const Foresight& one : asked)
+    for (const FutureQuestion& one : asked)
       stored_[one.text()] =
           text_of(one, recall.predict(*ltm::MemoryId::parse(one.entity), one.request, {}), place);
   }
 
   static void expect_same(const Answers& found, const Answers& expected) {
-    ASSERT_EQ(found.size(), questions().size() + foresights().size());
+    ASSERT_EQ(found.size(), questions().size() + future_questions().size());
     for (const auto& [question, text] : expected)
       EXPECT_EQ(found.at(question), text) << "asked: " << question;
   }

@@ -443,6 +443,17 @@ TEST_F(HostileClient, HasNoTokenOrAWrongOne) {
   const auto seen = foreign->query(*ltm::Query::parse(".* @ all"));
   ASSERT_OK(seen);
   EXPECT_FALSE(seen->contains(*ltm::MemoryId::parse("Good")));
+  // It is told no prediction of what it may not read, and none that a plan tells of.
+  const auto good = *ltm::MemoryId::parse("Good/b/c/d"), bad = *ltm::MemoryId::parse("Bad/b/c/d");
+  const std::vector<Duration> ahead{seconds(1)}, none, many(1025, seconds(1));
+  const PredictOptions from{.at = time_from_ns(1)};
+  EXPECT_FAILS(foreign->predict(good, ahead, from), StatusCode::kFailedPrecondition,
+               "no access to 'Good");
+  EXPECT_FAILS(foreign->predict(bad, ahead, {.plan = good}), StatusCode::kFailedPrecondition,
+               "no access to 'Good");
+  EXPECT_OK(foreign->predict(bad, ahead, from));
+  EXPECT_FAILS(foreign->predict(bad, none, from), StatusCode::kInvalidArgument, "no horizon");
+  EXPECT_FAILS(foreign->predict(bad, many, from), StatusCode::kInvalidArgument, "at most 1024");
 }
 
 TEST_F(HostileClient, AsksMoreOftenThanItMay) {
