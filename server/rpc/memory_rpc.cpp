@@ -27,7 +27,7 @@ using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
             v1::MemoryServer::WithCallbackMethod_Info<v1::MemoryServer::WithCallbackMethod_Metrics<
                 v1::MemoryServer::WithCallbackMethod_Engines<v1::MemoryServer::Service>>>>>>>;
 
-constexpr int kMaxHorizons = 16;
+constexpr int kMaxListedHorizons = 16;
 
 void add_record(const ltm::EngineRecord& record, int64_t horizon_ns, bool is_chosen,
                 v1::EnginesReply& reply) {
@@ -110,9 +110,9 @@ class MemoryRpc final : public ServiceBase {
     if (!entity.is_entity())
       return invalid_argument("found ID '{}', needs that of an entity", request.entity());
     ENGRAM_RETURN_IF_ERROR(who.check(Role::kRead, entity));
-    if (request.horizons_ns_size() > kMaxHorizons)
+    if (request.horizons_ns_size() > kMaxListedHorizons)
       return invalid_argument("found {} horizons, needs at most {}", request.horizons_ns_size(),
-                              kMaxHorizons);
+                              kMaxListedHorizons);
     for (const int64_t horizon : request.horizons_ns()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto records,
                               context_.service.engines(entity, Duration(horizon)));
