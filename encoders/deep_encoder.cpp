@@ -71,8 +71,7 @@ class DeepEncoder : public ltm::Encoder {
       row_ = index % open_.chain_rows;
       const bool is_known = chain == chain_;
       if (is_known && row_ < known_) return {};
-      const bool is_video = codec.chain.images.empty();  // A video is always decoded whole.
-      const size_t wanted = is_known || is_video ? open_.rows_of(chain) : row_ + 1;
+      const size_t wanted = is_known ? open_.rows_of(chain) : row_ + 1;
       chain_.reset();
       known_ = 0;
       ENGRAM_ASSIGN_OR_RETURN(rows_, codec.decode(open_, chain, wanted));

@@ -80,8 +80,8 @@ Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> b
                                       size_t wanted, ImageRows& rows) const {
   if (rows.form != ImageForm::kLatents) {
     const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(rows.form));
-    ENGRAM_ASSIGN_OR_RETURN(rows.frames,
-                            codec->decode(bytes, frames[image].type, frames[image].shape, count));
+    ENGRAM_ASSIGN_OR_RETURN(rows.frames, codec->decode_first(bytes, frames[image].type,
+                                                             frames[image].shape, count, wanted));
     return {};
   }
   if (image >= images.size())
@@ -112,6 +112,7 @@ Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, 
     code.form = head.form;
     code.is_refined = head.is_refined;
     code.bytes = part.size();
+    code.code = part;
     if (!head.residual_bytes) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes, kChain));
     ENGRAM_ASSIGN_OR_RETURN(code.residual_bytes, residual_bytes(residual, count));

@@ -42,7 +42,8 @@ struct LatentRows {
 struct ImageCode {
   ImageForm form = ImageForm::kLatents;
   bool is_refined = false;
-  uint64_t bytes = 0;  ///< Of all rows, without residuals.
+  uint64_t bytes = 0;               ///< Of all rows, without residuals.
+  std::span<const std::byte> code;  ///< These bytes, of the chain that was described.
   /// Size of the residual of each row, if it has one. The vector is empty if no row has one.
   std::vector<std::optional<uint64_t>> residual_bytes;
 };
@@ -68,8 +69,7 @@ struct LatentChainCodec {
   /// the scene and the backgrounds.
   [[nodiscard]] std::vector<std::byte> encode(const LatentRows& rows, size_t count) const;
 
-  /// Decodes the first `wanted` of `count` rows. A video is always decoded whole, residuals only up
-  /// to `wanted`. It is safe on hostile bytes.
+  /// Decodes the first `wanted` of `count` rows. It is safe on hostile bytes.
   /// Errors: kDataLoss; kFailedPrecondition if the decoder of a video is not installed.
   Result<LatentRows> decode(std::span<const std::byte> chain, size_t count, size_t wanted) const;
 

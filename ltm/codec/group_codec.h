@@ -42,9 +42,18 @@ class GroupCodec {
   /// Decodes a group of exactly `count` arrays of this type and shape. Safe on hostile bytes.
   /// Errors: kDataLoss if the bytes contain anything else; kFailedPrecondition if the decoder is
   /// not installed.
-  virtual Result<std::vector<idf::NdArray>> decode(std::span<const std::byte> bytes,
-                                                   idf::ElementType type, const idf::Shape& shape,
-                                                   size_t count) const = 0;
+  Result<std::vector<idf::NdArray>> decode(std::span<const std::byte> bytes, idf::ElementType type,
+                                           const idf::Shape& shape, size_t count) const {
+    return decode_first(bytes, type, shape, count, count);
+  }
+
+  /// Decodes the first `wanted` arrays of such a group, at most all (checked). It
+  /// takes little longer than they need, and finds no damage beyond them.
+  /// Errors: as decode.
+  virtual Result<std::vector<idf::NdArray>> decode_first(std::span<const std::byte> bytes,
+                                                         idf::ElementType type,
+                                                         const idf::Shape& shape, size_t count,
+                                                         size_t wanted) const = 0;
 };
 
 /// The names of all group codecs, installed or not.

@@ -198,9 +198,11 @@ class VideoCodec final : public GroupCodec {
     return group->to_bytes();
   }
 
-  Result<std::vector<idf::NdArray>> decode(std::span<const std::byte> bytes, idf::ElementType type,
-                                           const idf::Shape& shape, size_t count) const override {
-    auto arrays = decode_checked(bytes, type, shape, count);
+  Result<std::vector<idf::NdArray>> decode_first(std::span<const std::byte> bytes,
+                                                 idf::ElementType type, const idf::Shape& shape,
+                                                 size_t count, size_t wanted) const override {
+    ENGRAM_CHECK(wanted <= count, "{} of {} pictures", wanted, count);
+    auto arrays = decode_checked(bytes, type, shape, count, wanted);
     if (arrays.ok()) return arrays;
     return arrays.status().with_context(kind_.name);
   }
@@ -227,7 +229,8 @@ class VideoCodec final : public GroupCodec {
   [[nodiscard]] Result<std::vector<idf::NdArray>> decode_checked(std::span<const std::byte> bytes,
                                                                  idf::ElementType type,
                                                                  const idf::Shape& shape,
-                                                                 size_t count) const {
+                                                                 size_t count,
+                                                                 size_t wanted) const {
     ENGRAM_ASSIGN_OR_RETURN(const VideoGroup group, VideoGroup::from_bytes(bytes));
     if (!accepts(type, shape) || layout_of(type, shape, kind_.is_lossless) != group.layout ||
         group.height != shape[0] || group.width != shape[1] || group.count != count ||
@@ -236,7 +239,7 @@ class VideoCodec final : public GroupCodec {
       return data_loss("group of {} pictures {} x {}, needs {} of {} {}", group.count, group.width,
                        group.height, count, to_string(type), idf::to_string(shape));
     ENGRAM_ASSIGN_OR_RETURN(const auto decoder, open_decoder(kind_, group));
-    return decode_group(*decoder, group, type, shape);
+    return decode_group(*decoder, group, type, shape, wanted);
   }
 
   const VideoKind& kind_;

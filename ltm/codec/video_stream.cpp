@@ -69,13 +69,19 @@ class Decoding {
            const idf::Shape& shape)
       : decoder_(decoder), group_(group), type_(type), shape_(shape) {}
 
-  Result<std::vector<idf::NdArray>> run() {
+  Result<std::vector<idf::NdArray>> run(size_t wanted) {
     if (!picture_ || !packet_) return resource_exhausted("no memory for a picture");
-    for (const VideoPacket& packet : group_.packets) ENGRAM_RETURN_IF_ERROR(feed(packet));
+    for (const VideoPacket& packet : group_.packets) {
+      ENGRAM_RETURN_IF_ERROR(feed(packet));
+      if (wanted == group_.count || arrays_.size() < wanted) continue;
+      arrays_.resize(wanted);
+      return std::move(arrays_);
+    }
     avcodec_send_packet(&decoder_, nullptr);
     ENGRAM_RETURN_IF_ERROR(drain());
     if (arrays_.size() != group_.count)
       return data_loss("{} pictures, announced {}", arrays_.size(), group_.count);
+    arrays_.resize(wanted);
     return std::move(arrays_);
   }
 
@@ -196,8 +202,9 @@ Result<VideoGroup> encode_group(AVCodecContext& encoder, PictureLayout layout,
 }
 
 Result<std::vector<idf::NdArray>> decode_group(AVCodecContext& decoder, const VideoGroup& group,
-                                               idf::ElementType type, const idf::Shape& shape) {
-  return Decoding(decoder, group, type, shape).run();
+                                               idf::ElementType type, const idf::Shape& shape,
+                                               size_t wanted) {
+  return Decoding(decoder, group, type, shape).run(wanted);
 }
 
 }  // namespace engram::ltm

@@ -36,9 +36,10 @@ struct VideoGroup {
 Result<VideoGroup> encode_group(AVCodecContext& encoder, PictureLayout layout,
                                 std::span<const idf::NdArray> arrays);
 
-/// Decodes a group. Errors: kDataLoss if the packets do not give exactly the group's pictures,
-/// undamaged.
+/// Decodes the first `wanted` pictures of a group.
+/// Errors: kDataLoss if the packets do not give them undamaged or, if all are wanted, give more.
 Result<std::vector<idf::NdArray>> decode_group(AVCodecContext& decoder, const VideoGroup& group,
-                                               idf::ElementType type, const idf::Shape& shape);
+                                               idf::ElementType type, const idf::Shape& shape,
+                                               size_t wanted);
 
 }  // namespace engram::ltm

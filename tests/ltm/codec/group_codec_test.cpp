@@ -93,6 +93,18 @@ TEST_P(GroupCodecTest, GivesBackAHugeImage) {
   expect_round_trip(smooth_group(1, 2048, 2049, 1), codec().psnr_db());
 }
 
+TEST_P(GroupCodecTest, DecodesTheFirstImagesAlone) {
+  const Group group = smooth_group(9, 40, 56, 3);
+  const auto bytes = *codec().encode(group);
+  const auto all = *codec().decode(bytes, ElementType::kUInt8, {40, 56, 3}, 9);
+  for (const size_t wanted : {1, 4, 8, 9}) {
+    const auto some = codec().decode_first(bytes, ElementType::kUInt8, {40, 56, 3}, 9, wanted);
+    ASSERT_TRUE(some.ok()) << some.status().to_string();
+    ASSERT_EQ(some->size(), wanted);
+    for (size_t i = 0; i < wanted; ++i) EXPECT_EQ((*some)[i], all[i]) << i;
+  }
+}
+
 TEST_P(GroupCodecTest, RefusesGroupsThatAreNone) {
   EXPECT_FAILS(codec().encode({}), StatusCode::kInvalidArgument, "0 arrays");
   const Group mixed{smooth_image(32, 32, 3), smooth_image(32, 33, 3)};
