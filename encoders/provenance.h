@@ -51,7 +51,7 @@ struct StoredForms {
   int64_t latent_bytes = 0;       ///< As latents from the encoder, whatever their error.
   int64_t residual_bytes = 0;     ///< As latents with residuals; 0 if some rows cannot be.
   int64_t video_bytes = 0;        ///< At the bound, or without loss if that is smaller.
-  int64_t lossless_bytes = 0;
+  int64_t lossless_bytes = 0;     ///< By the chains in which it was tried; 0 if it was in none.
 
   friend bool operator==(const StoredForms&, const StoredForms&) = default;
 };

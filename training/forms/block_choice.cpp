@@ -2,9 +2,11 @@
 #include "training/forms/block_choice.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <ranges>
+#include <thread>
 #include <utility>
 
 #include "training/forms/latent_refinement.h"
@@ -30,6 +32,22 @@ uint64_t background_bytes(const LatentRows& rows) {
   return bytes;
 }
 
+/// Chains that are encoded at the same time.
+constexpr size_t kWave = 4;
+
+/// Calls `work` for each task, some of them at the same time. The caller works too.
+template <typename Work>
+void in_threads(int threads, size_t tasks, const Work& work) {
+  std::atomic<size_t> next = 0;
+  const auto run = [&] {
+    for (size_t task = next++; task < tasks; task = next++) work(task);
+  };
+  std::vector<std::jthread> others;
+  const size_t wanted = std::min(static_cast<size_t>(std::max(threads, 1)), tasks);
+  for (size_t i = 1; i < wanted; ++i) others.emplace_back(run);
+  run();
+}
+
 constexpr auto kLessBytes = [](const auto& a, const auto& b) { return a.bytes < b.bytes; };
 
 }  // namespace
@@ -38,20 +56,28 @@ BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions
     : model_(model),
       options_(options),
       bound_db_(options.bound_db + kDecodingMarginDb),
-      max_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)) {
+      max_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)),
+      videos_(options.videos) {
   ENGRAM_CHECK(options.kind == Representation::kLatents || options.bound_db > 0, "no bound for {}",
                to_string(options.kind));
   counts_.representation = to_string(options.kind);
   counts_.bound_db = options.kind == Representation::kLatents ? 0 : options.bound_db;
   counts_.noise_images = options.noise_images;
   counts_.noise = options.noise;
-  for (size_t i = 0; i < model.plan.images().size(); ++i)
-    searches_.emplace_back(options.video, options.video_effort, options.bound_db);
+  int64_t pixels = 0;
+  for (const auto& image : model.plan.images())
+    pixels = std::max(pixels, int64_t{image.height} * image.width);
+  const size_t images = model.plan.images().size();
+  if (!videos_ || videos_->members() != images)
+    videos_ = std::make_shared<EntityVideos>(images, options.search(pixels));
 }
 
 encoders::StoredForms BlockChoice::counts() const {
   encoders::StoredForms counts = counts_;
   if (!can_correct_all_) counts.residual_bytes = 0;
+  // Where it could not win it was not tried.
+  if (lossless_tried_rows_ > 0 && lossless_tried_rows_ < counts.rows)
+    counts.lossless_bytes = counts.lossless_bytes * counts.rows / lossless_tried_rows_;
   return counts;
 }
 
@@ -147,24 +173,60 @@ Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_can
   return candidates;
 }
 
-Status BlockChoice::add_videos(std::span<const idf::SplitValue> values, size_t image,
-                               std::vector<Candidate>& candidates) {
+Result<VideoSearchResult> BlockChoice::find_video(std::span<const idf::SplitValue> values,
+                                                  size_t image, const std::stop_token& stop) {
   std::vector<idf::NdArray> images;
   for (const idf::SplitValue& value : values) images.push_back(recorded(value, image));
-  ENGRAM_ASSIGN_OR_RETURN(auto video, searches_[image].find_lossy(images));
-  ENGRAM_ASSIGN_OR_RETURN(auto lossless, searches_[image].find_lossless(images));
+  if (auto known = videos_->find(images)) return *std::move(known);
+  ENGRAM_ASSIGN_OR_RETURN(VideoSearchResult found, videos_->search_of(image).search(images, stop));
+  videos_->add(images, found);
+  return found;
+}
+
+Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(
+    std::span<const idf::SplitValue> values, size_t chains, const std::stop_token& stop,
+    const Pause& pause) {
+  const size_t members = model_.plan.images().size();
+  std::vector<Videos> videos(chains, Videos(members));
+  std::vector<Status> failed(chains * members);
+  // Chains of one wave learn nothing from each other, so the result is the same for any number of
+  // threads. The first chain of all teaches the most, so it is alone.
+  for (size_t first = 0; first < chains;) {
+    const bool is_first = members > 0 && videos_->search_of(0).history().is_empty();
+    const size_t end = std::min(chains, first + (is_first ? 1 : kWave));
+    if (stop.stop_requested()) return cancelled("encoding was stopped");
+    if (pause) ENGRAM_RETURN_IF_ERROR(pause(first * model_.codec.chain_rows));
+    in_threads(options_.threads, (end - first) * members, [&](size_t task) {
+      const size_t at = first + task / members, image = task % members;
+      auto found = find_video(rows_of(values, at), image, stop);
+      if (found.ok())
+        videos[at][image] = *std::move(found);
+      else
+        failed[at * members + image] = found.status();
+    });
+    for (const Status& status : failed) ENGRAM_RETURN_IF_ERROR(status);
+    for (; first < end; ++first)
+      for (size_t image = 0; image < members; ++image)
+        videos_->search_of(image).learn(videos[first][image]);
+  }
+  return videos;
+}
+
+void BlockChoice::add_videos(VideoSearchResult video, std::vector<Candidate>& candidates) {
   const size_t before = candidates.size();
-  for (auto* found : {&video, &lossless}) {
+  for (auto* found : {&video.lossy, &video.lossless}) {
     if (!*found) continue;
     Candidate& candidate = candidates.emplace_back();
     candidate.rows.form = *encoders::form_of_codec((*found)->codec);
     candidate.rows.video = std::move((*found)->bytes);
     candidate.bytes = candidate.rows.video.size();
   }
-  if (candidates.size() == before) return {};
-  if (lossless) counts_.lossless_bytes += as_int(candidates.back().bytes);
+  if (candidates.size() == before) return;
+  if (video.lossless) {
+    counts_.lossless_bytes += as_int(candidates.back().bytes);
+    lossless_tried_rows_ += as_int(video.lossless->mse.size());
+  }
   counts_.video_bytes += as_int(std::min(candidates[before].bytes, candidates.back().bytes));
-  return {};
 }
 
 void BlockChoice::count_kept(const Candidate& kept, size_t rows) {
@@ -194,16 +256,16 @@ void BlockChoice::count_kept(const Candidate& kept, size_t rows) {
     add(counts_.latent_rows, count - with_residual, counts_.latent_kept_bytes, alone);
 }
 
-Result<BlockChoice::Choice> BlockChoice::choose(std::span<const idf::SplitValue> values,
-                                                size_t image, std::vector<Candidate> candidates) {
+Result<BlockChoice::Choice> BlockChoice::choose(size_t image, std::vector<Candidate> candidates,
+                                                std::optional<VideoSearchResult> video) {
   Choice choice;
   if (candidates.empty())
     can_correct_all_ = false;
   else
     choice.latents = std::move(*std::ranges::min_element(candidates, kLessBytes));
-  if (choice.latents && options_.kind == Representation::kCorrected) return choice;
+  if (!video) return choice;
   candidates.clear();
-  ENGRAM_RETURN_IF_ERROR(add_videos(values, image, candidates));
+  add_videos(*std::move(video), candidates);
   if (!candidates.empty())
     choice.video = std::move(*std::ranges::min_element(candidates, kLessBytes));
   if (!choice.latents && !choice.video)
@@ -214,7 +276,7 @@ Result<BlockChoice::Choice> BlockChoice::choose(std::span<const idf::SplitValue>
 }
 
 Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitValue> values,
-                                                     const LatentRows& rows,
+                                                     const LatentRows& rows, Videos* videos,
                                                      const std::stop_token& stop) {
   std::vector<std::vector<Candidate>> candidates(rows.images.size());
   if (options_.kind != Representation::kVideo && has_networks()) {
@@ -222,7 +284,15 @@ Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitV
   }
   Choices choices;
   for (size_t i = 0; i < rows.images.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(), choose(values, i, std::move(candidates[i])));
+    std::optional<VideoSearchResult> video;
+    if (videos != nullptr) {
+      video = std::move((*videos)[i]);
+    } else if (candidates[i].empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(video, find_video(values, i, stop));
+      videos_->search_of(i).learn(*video);
+    }
+    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
+                            choose(i, std::move(candidates[i]), std::move(video)));
   }
   return choices;
 }
@@ -230,11 +300,16 @@ Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitV
 Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
                                   std::vector<LatentRows>& chains, const std::stop_token& stop,
                                   const Pause& pause) {
+  std::vector<Videos> videos;
+  if (options_.kind != Representation::kCorrected) {
+    ENGRAM_ASSIGN_OR_RETURN(videos, find_videos(values, chains.size(), stop, pause));
+  }
   std::vector<Choices> choices;
   for (size_t i = 0; i < chains.size(); ++i) {
-    if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
-    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
-                            choices_of(rows_of(values, i), chains[i], stop));
+    if (pause && has_networks()) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
+    ENGRAM_ASSIGN_OR_RETURN(
+        choices.emplace_back(),
+        choices_of(rows_of(values, i), chains[i], videos.empty() ? nullptr : &videos[i], stop));
   }
   // The block pays for the background once, so it counts for the first chain that keeps latents.
   const uint64_t background = background_bytes(chains.front());

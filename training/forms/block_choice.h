@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "encoders/deep_model.h"
+#include "training/forms/entity_videos.h"
 #include "training/forms/representation.h"
-#include "training/forms/video_search.h"
 
 // Internal to the learning rooms: includes LibTorch.
 
@@ -41,6 +41,9 @@ class BlockChoice {
 
   [[nodiscard]] encoders::StoredForms counts() const;
 
+  /// What is known about the videos of the entity.
+  [[nodiscard]] EntityVideos& videos() { return *videos_; }
+
  private:
   /// One form of an image member of a chain, with its size.
   struct Candidate {
@@ -60,7 +63,8 @@ class BlockChoice {
     [[nodiscard]] Candidate& smallest() { return keeps_latents() ? *latents : *video; }
     [[nodiscard]] const Candidate& smallest() const { return keeps_latents() ? *latents : *video; }
   };
-  using Choices = std::vector<Choice>;  ///< Per image member.
+  using Choices = std::vector<Choice>;            ///< Per image member.
+  using Videos = std::vector<VideoSearchResult>;  ///< Per image member.
   /// Images [row][member].
   using Images = std::vector<std::vector<idf::NdArray>>;
 
@@ -85,8 +89,10 @@ class BlockChoice {
   Status keep_smallest(std::span<const idf::SplitValue> values,
                        std::vector<encoders::LatentRows>& chains, const std::stop_token& stop,
                        const Pause& pause);
+  /// `videos` is null if they are needed only where latents fail.
   Result<Choices> choices_of(std::span<const idf::SplitValue> values,
-                             const encoders::LatentRows& rows, const std::stop_token& stop);
+                             const encoders::LatentRows& rows, Videos* videos,
+                             const std::stop_token& stop);
   /// Returns per member the latents from the encoder and, if refinement was tried, the refined
   /// ones.
   Result<std::vector<std::vector<Candidate>>> latent_candidates(
@@ -97,10 +103,15 @@ class BlockChoice {
   [[nodiscard]] std::optional<Candidate> corrected(std::span<const idf::SplitValue> values,
                                                    size_t image, const encoders::ImageRows& rows,
                                                    const Images& images) const;
-  Result<Choice> choose(std::span<const idf::SplitValue> values, size_t image,
-                        std::vector<Candidate> candidates);
-  Status add_videos(std::span<const idf::SplitValue> values, size_t image,
-                    std::vector<Candidate>& candidates);
+  Result<Choice> choose(size_t image, std::vector<Candidate> candidates,
+                        std::optional<VideoSearchResult> video);
+  void add_videos(VideoSearchResult video, std::vector<Candidate>& candidates);
+  /// Finds the videos of a chain's image member, unless they are known.
+  Result<VideoSearchResult> find_video(std::span<const idf::SplitValue> values, size_t image,
+                                       const std::stop_token& stop);
+  /// Finds the videos of all chains of a block, several at a time. Shape: [chain][image member].
+  Result<std::vector<Videos>> find_videos(std::span<const idf::SplitValue> values, size_t chains,
+                                          const std::stop_token& stop, const Pause& pause);
   [[nodiscard]] int refine_steps(const std::vector<std::vector<double>>& errors) const;
   void count_kept(const Candidate& kept, size_t rows);
 
@@ -108,9 +119,10 @@ class BlockChoice {
   RepresentationOptions options_;
   /// Bound of decoded latents, including the margin of decoding.
   double bound_db_;
-  double max_mse_;                     ///< The same as an error. Unit: grey levels squared.
-  std::vector<VideoSearch> searches_;  ///< Per image member.
+  double max_mse_;  ///< The same as an error. Unit: grey levels squared.
+  std::shared_ptr<EntityVideos> videos_;
   encoders::StoredForms counts_;
+  int64_t lossless_tried_rows_ = 0;
   bool can_correct_all_ = true;  ///< Whether latents with residuals kept every row so far.
 };
 

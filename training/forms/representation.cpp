@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "training/forms/video_search.h"
 #include "training/quality/psnr.h"
 
 namespace engram::training {
@@ -11,6 +12,9 @@ namespace engram::training {
 namespace {
 
 constexpr std::array<std::string_view, 4> kNames{"auto", "latents", "video", "corrected"};
+
+/// Images with more pixels are encoded with less effort.
+constexpr int64_t kManyPixels = 32'768;
 
 }  // namespace
 
@@ -32,13 +36,23 @@ Status RepresentationOptions::validate() const {
                             kLargestPsnrDb);
   if (video != "av1" && video != "h265" && video != "h264")
     return invalid_argument("video codec: found '{}', needs av1, h265 or h264", video);
-  if (video_effort < 0 || video_effort > 9)
+  if (video_effort != kAutoEffort && (video_effort < 0 || video_effort > 9))
     return invalid_argument("effort of the video codec: found {}, needs 0 to 9", video_effort);
+  if (!(video_tolerance_db >= 0 && video_tolerance_db <= 10))
+    return invalid_argument("tolerance of videos: found {} dB, needs 0 to 10", video_tolerance_db);
   if (refine_steps < 0 || few_refine_steps < 0)
     return invalid_argument("steps of refining: found {} and {}, needs 0 or more", refine_steps,
                             few_refine_steps);
   if (nights < 1) return invalid_argument("nights: found {}, needs at least 1", nights);
   return {};
+}
+
+VideoSearchOptions RepresentationOptions::search(int64_t pixels) const {
+  // Measured with AV1 at 35 dB on images of 128 x 128 pixels, in bytes and processor time of an
+  // image: effort 7 takes 314 and 0.13 s, effort 6 5 % more and 0.07 s, effort 5 7 % more and 0.05
+  // s. The time grows with the pixels.
+  const int effort = video_effort != kAutoEffort ? video_effort : pixels <= kManyPixels ? 6 : 5;
+  return {video, effort, bound_db, video_tolerance_db};
 }
 
 }  // namespace engram::training

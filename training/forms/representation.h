@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "ltm/core/status.h"
 
 namespace engram::training {
+
+class EntityVideos;
+struct VideoSearchOptions;
 
 /// The form in which the offline phase keeps images.
 enum class Representation {
@@ -20,6 +24,8 @@ enum class Representation {
 /// Errors: kInvalidArgument, with the valid names.
 Result<Representation> representation_of(std::string_view text);
 
+inline constexpr int kAutoEffort = -1;
+
 struct RepresentationOptions {
   Representation kind = Representation::kAuto;
   /// Min PSNR of every image, unless `kind` is kLatents; 0 for the PSNR of the images' own noise
@@ -31,7 +37,16 @@ struct RepresentationOptions {
   double noise = 0;
   /// The group codec that latents compete with.
   std::string video = "av1";
-  int video_effort = 7;
+  /// Effort of that codec; kAutoEffort for one by the size of the images, so that a night suffices
+  /// for a day.
+  int video_effort = kAutoEffort;
+  /// A video may be so much better than the bound; 0 for the smallest one that keeps it, which
+  /// takes more encodes. Unit: dB.
+  double video_tolerance_db = 0.5;
+  /// Threads that search for videos. The result does not depend on it.
+  int threads = 1;
+  /// What the job knows about the videos of this entity; may be null.
+  std::shared_ptr<EntityVideos> videos;
   /// Steps of refinement for every block (latent_refinement.h). A step costs about 20 ms of one
   /// core per image. With 0 only blocks for which a few steps may suffice are refined, see below.
   int refine_steps = 0;
@@ -43,6 +58,9 @@ struct RepresentationOptions {
   int nights = 30;
 
   [[nodiscard]] Status validate() const;
+
+  /// How videos of images of so many pixels are searched for.
+  [[nodiscard]] VideoSearchOptions search(int64_t pixels) const;
 };
 
 }  // namespace engram::training

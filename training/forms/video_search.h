@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "ltm/idf/ndarray.h"
+#include "training/forms/video_history.h"
 
 namespace engram::training {
 
@@ -19,36 +21,65 @@ struct FoundVideo {
   std::vector<double> mse;  ///< Per image. Unit: grey levels squared.
 };
 
-/// Searches for the quality that a group codec needs to keep a bound. Each search starts at the
-/// result of the last one, because consecutive runs of images need similar qualities.
+/// The result of the search in one chain.
+struct VideoSearchResult {
+  std::optional<FoundVideo> lossy;     ///< Empty if no quality keeps the bound.
+  std::optional<FoundVideo> lossless;  ///< Empty also if it was not tried.
+  std::vector<VideoTrial> trials;      ///< Of the lossy codec, in their order.
+
+  /// The smaller one, or null.
+  [[nodiscard]] FoundVideo* smallest();
+};
+
+struct VideoSearchOptions {
+  std::string codec = "av1";  ///< Or "h265", "h264".
+  int effort = 7;             ///< The option of the codec.
+  double bound_db = 0;        ///< Every image has at least this PSNR.
+  /// The search ends at a quality that is at most so much above the bound. With 0 it finds the
+  /// worst quality that keeps the bound, which takes at least two encodes.
+  double tolerance_db = 0;
+};
+
+/// Searches for the quality that a group codec needs to keep a bound. Each search starts at what
+/// chains before it taught, because consecutive runs of images need similar qualities.
 ///
-/// Threading: one thread.
+/// Threading: search() may run in several threads beside each other, but not beside the others.
+/// Source: docs/learning_methods.md, section "What is stored".
 class VideoSearch {
  public:
-  /// `codec` is "av1", "h265" or "h264". `effort` is the option of the codec.
-  VideoSearch(std::string codec, int effort, double bound_db);
+  explicit VideoSearch(VideoSearchOptions options);
 
-  /// Returns the smaller result of find_lossy() and find_lossless(), or nothing if no installed
-  /// codec accepts such images.
+  /// Finds the lossy video, and the lossless one where it could be smaller. It learns nothing, so
+  /// that the results of several chains do not depend on their order.
+  /// Errors: kCancelled on `stop`, which is looked at before each encode; the errors of the codecs.
+  Result<VideoSearchResult> search(std::span<const idf::NdArray> images,
+                                   const std::stop_token& stop = {}) const;
+
+  /// Learns from a search, for those that follow.
+  void learn(const VideoSearchResult& result);
+
+  /// Searches, learns, and returns the smaller video, or nothing if no installed codec accepts such
+  /// images.
   /// Errors: the errors of the codecs.
   Result<std::optional<FoundVideo>> find(std::span<const idf::NdArray> images);
 
-  /// Encodes with the worst quality that keeps the bound. The result is empty if no quality keeps
-  /// it or the codec does not accept such images.
-  Result<std::optional<FoundVideo>> find_lossy(std::span<const idf::NdArray> images);
-
-  /// Encodes with FFV1. The result is empty if it is not installed or does not accept such images.
-  Result<std::optional<FoundVideo>> find_lossless(std::span<const idf::NdArray> images) const;
+  [[nodiscard]] const VideoSearchOptions& options() const { return options_; }
+  [[nodiscard]] const VideoHistory& history() const { return history_; }
 
  private:
   Result<FoundVideo> encode(std::span<const idf::NdArray> images, const std::string& codec) const;
-  [[nodiscard]] bool is_within(const FoundVideo& video) const;
+  Status search_lossy(std::span<const idf::NdArray> images, const std::stop_token& stop,
+                      VideoSearchResult& result) const;
+  Status search_lossless(std::span<const idf::NdArray> images, VideoSearchResult& result) const;
+  [[nodiscard]] bool may_lossless_win(const VideoSearchResult& result, size_t images) const;
 
-  std::string codec_;
-  int effort_;
-  double bound_db_;
+  VideoSearchOptions options_;
   int max_crf_;
-  int crf_;  ///< Result of the last search.
+  VideoHistory history_;
+  /// How many times larger the lossless video of an image is than the last lossy one; 0 if unknown.
+  double lossless_ratio_ = 0;
+  double lossless_bytes_ = 0;  ///< Of an image, when it was tried last.
+  size_t untried_ = 0;         ///< Chains since the lossless codec was tried.
 };
 
 }  // namespace engram::training

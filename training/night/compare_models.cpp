@@ -143,8 +143,10 @@ Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntit
       rest.push_back(entry);
   }
   // The planned representation is used, because the new model may now be one of video alone. The
-  // bound is the same.
-  auto encoded = encode_entity(work, previous, newest->version, rest, planned.representation);
+  // bound is the same, and so are the videos.
+  RepresentationOptions representation = planned.representation;
+  representation.videos = form.representation.videos;
+  auto encoded = encode_entity(work, previous, newest->version, rest, representation);
   if (encoded.status().code() == StatusCode::kInvalidArgument) {
     compared.notes.push_back(not_compared(*newest, encoded.status().message()));
     return compared;

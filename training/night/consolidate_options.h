@@ -36,6 +36,9 @@ struct ConsolidateOptions {
   bool reuses_models = false;
   /// Whether training starts anew instead of from the newest model of each entity.
   bool starts_anew = false;
+  /// The image of any moment is decoded within about this time, which decides how many snapshots
+  /// are coded from one another; zero for train.chain_rows of them.
+  Duration access = std::chrono::milliseconds(50);
   JobControl job;
 
   [[nodiscard]] Status validate() const;

@@ -5,6 +5,7 @@
 
 #include "ltm/idf/binary.h"
 #include "training/fit/sequences.h"
+#include "training/night/stored_videos.h"
 
 namespace engram::training {
 
@@ -37,6 +38,7 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
     for (const ltm::Instance& instance : snapshots.back().instances)
       values.push_back(instance.data);
   }
+  add_stored_videos(reader_, entity_, entries, values, model_, choice_.videos());
   ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, stop, pause));
   ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder_.decode(latents));
   size_t at = 0;

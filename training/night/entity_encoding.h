@@ -28,6 +28,7 @@ class EntityEncoding {
       : reader_(reader),
         entity_(entity),
         version_(version),
+        model_(model),
         max_rows_(model.block_rows()),
         choice_(model, options),
         decoder_(decoder) {}
@@ -52,6 +53,7 @@ class EntityEncoding {
   ltm::StoreReader& reader_;
   const ltm::MemoryId& entity_;
   int version_;
+  const encoders::DeepModel& model_;
   size_t max_rows_;
   BlockChoice choice_;
   ltm::Encoder& decoder_;

@@ -7,6 +7,7 @@
 #include "training/fit/entity_source.h"
 #include "training/fit/network_width.h"
 #include "training/fit/trainer.h"
+#include "training/forms/entity_videos.h"
 #include "training/night/encode_entity.h"
 
 namespace engram::training {
@@ -49,6 +50,8 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
   RepresentationOptions slowest = form.representation;
   if (slowest.kind == Representation::kAuto)
     slowest.refine_steps = std::max(slowest.refine_steps, slowest.few_refine_steps);
+  // What was found when the form was chosen would be found again in no time.
+  if (slowest.videos) slowest.videos = slowest.videos->without_videos();
   const auto encoded = encode_entity(quiet, fitted->model, 1, sample, slowest);
   if (encoded.status().code() == StatusCode::kInvalidArgument) return ExpectedEncoding();
   ENGRAM_RETURN_IF_ERROR(encoded.status());

@@ -63,6 +63,7 @@ double PlannedEntity::weight() const {
 Result<PlannedEntity> plan_entity(const EntityWork& work) {
   PlannedEntity planned;
   planned.representation = work.options.representation;
+  planned.representation.threads = work.options.train.threads;
   EntityPlan& plan = planned.plan;
   plan.entity = work.entity;
   ENGRAM_ASSIGN_OR_RETURN(const auto summary, work.reader.summary(work.entity));

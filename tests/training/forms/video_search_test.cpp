@@ -36,7 +36,7 @@ double lowest_db(const FoundVideo& video) {
 
 TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
   const auto run = images(6);
-  VideoSearch search("h264", 1, 36);
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36});
   const auto found = search.find(run);
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   ASSERT_TRUE(found->has_value());
@@ -53,7 +53,7 @@ TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
 
 TEST(VideoSearch, FindsTheSameFromAnotherStart) {
   const auto run = images(6);
-  VideoSearch search("h264", 1, 36);
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36});
   const auto first = search.find(run);
   const auto again = search.find(run);
   ASSERT_TRUE(first.ok() && again.ok());
@@ -62,7 +62,7 @@ TEST(VideoSearch, FindsTheSameFromAnotherStart) {
 }
 
 TEST(VideoSearch, KeepsWithoutLossWhatNoQualityReaches) {
-  VideoSearch search("h264", 1, 59.9);
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 59.9});
   const auto found = search.find(images(3));
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   ASSERT_TRUE(found->has_value());
@@ -73,11 +73,51 @@ TEST(VideoSearch, KeepsWithoutLossWhatNoQualityReaches) {
 TEST(VideoSearch, FindsNothingForWhatNoCodecTakes) {
   const std::vector<idf::NdArray> tiny{
       idf::NdArray::take<uint8_t>({8, 8, 3}, std::vector<uint8_t>(8 * 8 * 3))};
-  VideoSearch search("h264", 1, 36);
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36});
   const auto found = search.find(tiny);
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   const bool takes = (*ltm::make_group_codec("ffv1"))->accepts(tiny[0].type(), tiny[0].shape());
   EXPECT_EQ(found->has_value(), takes);
+}
+
+TEST(VideoSearch, NeedsOneEncodeOnceItKnowsTheImages) {
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36, .tolerance_db = 1});
+  for (int chain = 0; chain < 6; ++chain) {
+    const auto found = search.find(images(6));
+    ASSERT_TRUE(found.ok() && found->has_value());
+    EXPECT_GE(lowest_db(**found), 36);
+    EXPECT_LE(lowest_db(**found), 38);
+  }
+  const auto encodes = search.history().encodes();
+  ASSERT_EQ(encodes.size(), 6U);
+  EXPECT_GT(encodes.front(), 1);
+  EXPECT_EQ(encodes.back(), 1);
+}
+
+TEST(VideoSearch, KeepsTheBoundWhereImagesChangeAtOnce) {
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36, .tolerance_db = 0.5});
+  std::vector<idf::NdArray> grey;
+  for (int i = 0; i < 4; ++i)
+    grey.push_back(
+        idf::NdArray::take<uint8_t>({64, 64, 3}, std::vector<uint8_t>(size_t{64} * 64 * 3, 90)));
+  for (int round = 0; round < 3; ++round)
+    for (const auto& run : {images(6), grey}) {
+      const auto found = search.find(run);
+      ASSERT_TRUE(found.ok() && found->has_value());
+      EXPECT_GE(lowest_db(**found), 36);
+    }
+}
+
+TEST(VideoSearch, LeavesTheLosslessCodecWhereItCannotWin) {
+  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 30});
+  const auto first = search.search(images(6));
+  ASSERT_TRUE(first.ok());
+  ASSERT_TRUE(first->lossless && first->lossy);
+  ASSERT_GT(first->lossless->bytes.size(), 2 * first->lossy->bytes.size());
+  search.learn(*first);
+  const auto second = search.search(images(6));
+  ASSERT_TRUE(second.ok());
+  EXPECT_FALSE(second->lossless);
 }
 
 }  // namespace

@@ -53,17 +53,20 @@ void interrupt(const std::filesystem::path& store, const ConsolidateOptions& opt
 TEST(NightlyJob, GoesOnWhereItWasInterrupted) {
   const ScratchPath whole("whole_night"), broken("broken_night");
   for (const auto* store : {&whole, &broken}) record(store->path(), "Test/Scene/sim/square", 0, 20);
-  ASSERT_TRUE(consolidate(whole.path(), quick_consolidation(), {}, {}).ok());
+  ConsolidateOptions options = quick_consolidation();
+  options.access = Duration::zero();
+  options.train.chain_rows = 8;
+  ASSERT_TRUE(consolidate(whole.path(), options, {}, {}).ok());
   EXPECT_TRUE(files_in(whole.path() / "tmp").empty());
   for (const char* what : {"train", "encode"}) {
-    interrupt(broken.path(), quick_consolidation(), what);
+    interrupt(broken.path(), options, what);
     EXPECT_EQ(files_in(broken.path() / "tmp").size(), 1u) << what;
   }
   int trained = 0;
   const ProgressSink sink = [&](const Progress& progress) {
     trained += progress.what.starts_with("train") ? 1 : 0;
   };
-  const auto report = consolidate(broken.path(), quick_consolidation(), sink, {});
+  const auto report = consolidate(broken.path(), options, sink, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_EQ(trained, 0) << "was done already";
   EXPECT_EQ(report->entities[0].training.autoencoder_steps, 14);

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/forms/entity_videos.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "ltm/codec/group_codec.h"
+#include "ltm/store/checksum.h"
+#include "training/quality/psnr.h"
+
+namespace engram::training {
+
+namespace {
+
+/// A stored video that is better than the bound by more is searched for again: it was made for
+/// another bound. Unit: dB.
+constexpr double kMaxSpareDb = 1.5;
+
+uint64_t key_of(std::span<const idf::NdArray> images) {
+  std::vector<uint64_t> sums;
+  for (const idf::NdArray& image : images) {
+    sums.push_back(ltm::checksum(image.bytes()));
+    for (const int64_t size : image.shape()) sums.push_back(static_cast<uint64_t>(size));
+  }
+  return ltm::checksum(std::as_bytes(std::span(sums)));
+}
+
+uint64_t bytes_of_video(const VideoSearchResult& found) {
+  return (found.lossy ? found.lossy->bytes.size() : 0) +
+         (found.lossless ? found.lossless->bytes.size() : 0);
+}
+
+}  // namespace
+
+EntityVideos::EntityVideos(size_t members, const VideoSearchOptions& options)
+    : searches_(members, VideoSearch(options)) {}
+
+std::shared_ptr<EntityVideos> EntityVideos::without_videos() const {
+  auto copy = std::make_shared<EntityVideos>(0, VideoSearchOptions());
+  copy->searches_ = searches_;
+  return copy;
+}
+
+std::optional<VideoSearchResult> EntityVideos::find(std::span<const idf::NdArray> images) const {
+  const uint64_t key = key_of(images);
+  const MutexLock lock(mutex_);
+  const auto found = found_.find(key);
+  if (found == found_.end()) return std::nullopt;
+  ++reused_;
+  return found->second;
+}
+
+void EntityVideos::add(std::span<const idf::NdArray> images, const VideoSearchResult& found) {
+  const uint64_t key = key_of(images);
+  const uint64_t bytes = bytes_of_video(found);
+  const MutexLock lock(mutex_);
+  if (bytes == 0 || bytes_ + bytes > kMaxBytes) return;
+  if (found_.emplace(key, found).second) bytes_ += bytes;
+}
+
+Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> images,
+                                const std::string& codec, std::span<const std::byte> bytes) {
+  const ltm::GroupCodec* coder = ltm::find_group_codec(codec);
+  const VideoSearchOptions& options = searches_[member].options();
+  if (coder == nullptr || (!coder->is_lossless() && codec != options.codec)) return {};
+  FoundVideo video{{bytes.begin(), bytes.end()}, codec, 0, {}};
+  VideoSearchResult found;
+  if (coder->is_lossless()) {
+    video.mse.assign(images.size(), 0.0);
+    found.lossless = std::move(video);
+    add(images, found);
+    return {};
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto decoded, coder->decode(bytes, images.front().type(),
+                                                            images.front().shape(), images.size()));
+  double worst = kLargestPsnrDb;
+  for (size_t i = 0; i < images.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], decoded[i]));
+    worst = std::min(worst, psnr_db(video.mse.back()));
+  }
+  if (worst < options.bound_db || worst > options.bound_db + kMaxSpareDb) return {};
+  found.lossy = std::move(video);
+  add(images, found);
+  return {};
+}
+
+uint64_t EntityVideos::reused() const {
+  const MutexLock lock(mutex_);
+  return reused_;
+}
+
+}  // namespace engram::training

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "ltm/core/mutex.h"
+#include "training/forms/video_search.h"
+
+namespace engram::training {
+
+/// What a job found out about an entity's images as video: how quality follows from crf, and the
+/// videos themselves. An entity may be encoded several times, as with networks and without, and
+/// what was encoded the night before is in the store: each video is searched for once.
+///
+/// Threading: find() and add() in any thread; searches() as VideoSearch.
+class EntityVideos {
+ public:
+  /// `members` is the number of image members.
+  EntityVideos(size_t members, const VideoSearchOptions& options);
+
+  /// Knows how quality follows from crf, but no video.
+  [[nodiscard]] std::shared_ptr<EntityVideos> without_videos() const;
+
+  [[nodiscard]] size_t members() const { return searches_.size(); }
+  [[nodiscard]] VideoSearch& search_of(size_t member) { return searches_[member]; }
+
+  /// What was found for these images, which are recognised by a hash of 64 bits of their pixels.
+  [[nodiscard]] std::optional<VideoSearchResult> find(std::span<const idf::NdArray> images) const;
+
+  /// Keeps what was found for these images, if it is a video and within kMaxBytes of all.
+  void add(std::span<const idf::NdArray> images, const VideoSearchResult& found);
+
+  /// Keeps a lossy video that the store holds of these images, if it keeps the bound. It is decoded
+  /// for that.
+  /// Errors: those of decoding.
+  Status add_stored(size_t member, std::span<const idf::NdArray> images, const std::string& codec,
+                    std::span<const std::byte> bytes);
+
+  /// Number of videos that find() returned.
+  [[nodiscard]] uint64_t reused() const;
+
+ private:
+  /// A day's images of one camera of 640 x 480 pixels take 100 MB.
+  static constexpr uint64_t kMaxBytes = uint64_t{256} << 20;
+
+  std::vector<VideoSearch> searches_;
+  mutable Mutex mutex_;
+  std::unordered_map<uint64_t, VideoSearchResult> found_ ENGRAM_GUARDED_BY(mutex_);
+  uint64_t bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  mutable uint64_t reused_ ENGRAM_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace engram::training

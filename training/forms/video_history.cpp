@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/forms/video_history.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ltm/core/check.h"
+
+namespace engram::training {
+
+namespace {
+
+/// Bounds of a slope: beyond them a chain's quality did not follow crf, as where it is all black.
+/// Unit: dB per step of crf.
+constexpr double kMinSlope = 0.08, kMaxSlope = 2.0;
+/// How much of the level, of its deviation and of the slope is the last chain's.
+constexpr double kNewLevel = 0.5, kNewDeviation = 0.2, kNewSlope = 0.25;
+/// The margin in deviations, and the max share of the tolerance that it may take. A chain that
+/// misses its bound costs a second encode, and one that is better than needed costs bytes.
+constexpr double kMarginDeviations = 0.8, kMaxMarginShare = 0.6;
+
+/// The slope between two trials; nothing if they are of the same crf or say nothing.
+double slope_between(const VideoTrial& a, const VideoTrial& b, double otherwise) {
+  if (a.crf == b.crf) return otherwise;
+  const double slope = (a.worst_db - b.worst_db) / (b.crf - a.crf);
+  return std::isfinite(slope) && slope > 0 ? std::clamp(slope, kMinSlope, kMaxSlope) : otherwise;
+}
+
+}  // namespace
+
+int VideoHistory::first_guess(double bound_db, double tolerance_db) const {
+  const double margin = std::min(kMarginDeviations * deviation_, kMaxMarginShare * tolerance_db);
+  return static_cast<int>(std::floor(at_crf_ + (at_db_ - bound_db - margin) / slope_));
+}
+
+double VideoHistory::change_to(double wanted_db, std::span<const VideoTrial> trials) const {
+  ENGRAM_CHECK(!trials.empty(), "no trial to start from");
+  const VideoTrial& last = trials.back();
+  double slope = slope_;
+  if (trials.size() > 1) slope = slope_between(trials[trials.size() - 2], last, slope_);
+  return (last.worst_db - wanted_db) / slope;
+}
+
+void VideoHistory::learn(std::span<const VideoTrial> trials, double bound_db) {
+  ENGRAM_CHECK(!trials.empty(), "a chain without a trial");
+  encodes_.push_back(static_cast<uint8_t>(std::min<size_t>(trials.size(), 255)));
+  const auto nearest = *std::ranges::min_element(
+      trials, {}, [&](const VideoTrial& trial) { return std::abs(trial.worst_db - bound_db); });
+  for (size_t i = 1; i < trials.size(); ++i)
+    slope_ += kNewSlope * (slope_between(trials[i - 1], trials[i], slope_) - slope_);
+  const double crf = nearest.crf;
+  const double expected_db = at_db_ - slope_ * (crf - at_crf_);
+  const double error = nearest.worst_db - expected_db;
+  at_crf_ = crf;
+  if (chains_ == 0) {
+    at_db_ = nearest.worst_db;
+  } else {
+    deviation_ += kNewDeviation * (std::abs(error) - deviation_);
+    at_db_ = expected_db + kNewLevel * error;
+  }
+  ++chains_;
+}
+
+}  // namespace engram::training
