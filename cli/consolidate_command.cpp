@@ -57,6 +57,7 @@ struct ConsolidateArguments {
   const CLI::Option* psnr = nullptr;
   int jobs = 0;
   bool is_part = false;
+  std::string access = "50ms";
   bool drops_raw = false;
   bool is_dry_run = false;
   bool is_json = false;
@@ -131,6 +132,14 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
   return ExitCode::kDone;
 }
 
+/// A given number of snapshots decides for itself how long decoding takes.
+Status finish_access(const ConsolidateArguments& arguments, Duration& access) {
+  access = Duration::zero();
+  if (!arguments.command->get_option("--chain")->empty()) return {};
+  ENGRAM_ASSIGN_OR_RETURN(access, parse_duration(arguments.access));
+  return {};
+}
+
 /// Whether several processes may share the entities: if asked for, or if left to measurement.
 bool wants_processes(const ConsolidateArguments& arguments) {
   if (arguments.jobs != 0) return arguments.jobs == 2;
@@ -142,9 +151,10 @@ bool wants_processes(const ConsolidateArguments& arguments) {
 
 ExitCode run(ConsolidateArguments& arguments) {
   training::ConsolidateOptions& options = arguments.options;
-  for (const Status& status : {finish_training_options(arguments.learning, options.train),
-                               finish_job_options(arguments.job, options.job),
-                               finish_grace(arguments.grace, arguments.drop)})
+  for (const Status& status :
+       {finish_training_options(arguments.learning, options.train),
+        finish_job_options(arguments.job, options.job),
+        finish_grace(arguments.grace, arguments.drop), finish_access(arguments, options.access)})
     if (!status.ok()) return wrong_usage(status);
   const auto representation = training::representation_of(arguments.representation);
   if (!representation.ok()) return wrong_usage(representation.status());
@@ -207,6 +217,18 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::IsMember({"av1", "h265", "h264"}))
       ->capture_default_str();
   command
+      ->add_option(
+          "--video-effort", options.representation.video_effort,
+          "Effort of the video codec, 0 to 9: more takes fewer bytes and more time; else 6, "
+          "or 5 for images of more than 32,768 pixels")
+      ->default_str("by size");
+  command
+      ->add_option(
+          "--video-tolerance", options.representation.video_tolerance_db,
+          "So much better than the bound a video may be, in dB; 0: the smallest one, which "
+          "takes two or three times as long")
+      ->capture_default_str();
+  command
       ->add_option("--nights", options.representation.nights,
                    "Nights like this one that share the bytes of a model")
       ->capture_default_str();
@@ -220,10 +242,17 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
       "--number-bound", options.train.number_bound,
       "Largest error of numbers, of orientations in rad; 0 keeps every bit. Default: "
       "0.005 standard deviations of each, 0.001 rad");
+  CLI::Option* access =
+      command
+          ->add_option("--access", arguments->access,
+                       "The image of any moment is decoded within about this time: with more, more "
+                       "snapshots are coded from one another, which takes fewer bytes")
+          ->check(duration_text())
+          ->capture_default_str();
   command
       ->add_option("--chain", options.train.chain_rows,
-                   "Snapshots coded from one another: more take fewer bytes, one is reached later")
-      ->capture_default_str();
+                   "So many snapshots are coded from one another instead")
+      ->excludes(access);
   command
       ->add_option("--hold-out", options.train.hold_out_recordings,
                    "So many of the last recordings take no part in training")

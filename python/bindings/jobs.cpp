@@ -57,6 +57,9 @@ training::ConsolidateOptions consolidate_options(const Options& given) {
   given.take("psnr", options.representation.bound_db);
   if (const std::string text = given.text("representation"); !text.empty())
     options.representation.kind = value_or_raise(training::representation_of(text));
+  if (const auto access = given.ns("access")) options.access = Duration(*access);
+  given.take("video_effort", options.representation.video_effort);
+  given.take("video_tolerance", options.representation.video_tolerance_db);
   given.take("nights", options.representation.nights);
   given.take("refine", options.representation.refine_steps);
   given.take("entities", options.entities);
