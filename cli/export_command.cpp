@@ -4,8 +4,8 @@
 #include "cli/progress_line.h"
 #include "datasets/export.h"
 #include "datasets/formats.h"
-#include "encoders/load_model.h"
 #include "ltm/core/log.h"
+#include "memory/model_loader.h"
 #include "reports/plain/export_text.h"
 
 namespace engram::cli {
@@ -93,7 +93,7 @@ ExitCode run_recording(const ExportArguments& arguments, const datasets::Recordi
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
   const uint64_t damaged = (*reader)->damaged_places();
-  ltm::Recall recall(std::move(*reader), encoders::load_model);
+  ltm::Recall recall(std::move(*reader), model_loader());
   const auto report = write_recording(arguments, format, recall, *query);
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
@@ -120,7 +120,7 @@ ExitCode run(const ExportArguments& arguments) {
   const auto sink =
       datasets::make_snapshot_sink(arguments.format, arguments.directory, arguments.options);
   if (!sink.ok()) return wrong_usage(sink.status());
-  ltm::Recall recall(std::move(*reader), encoders::load_model);
+  ltm::Recall recall(std::move(*reader), model_loader());
   ltm::Recall::Options options;
   options.prefer = prefer_of(arguments);
   ProgressLine progress;

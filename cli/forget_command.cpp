@@ -10,7 +10,8 @@
 #include "cli/progress_line.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/forget_config.h"
-#include "reports/forget_job.h"
+#include "memory/model_loader.h"
+#include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
 
 namespace engram::cli {
@@ -96,7 +97,7 @@ ExitCode run(const ForgetArguments& arguments) {
   }
   ProgressLine progress;
   const reports::ForgetJob job{arguments.store, arguments.targets, std::move(options),
-                               progress.sink(), interrupt_token()};
+                               model_loader(),  progress.sink(),   interrupt_token()};
   auto plan = job.plan();
   progress.finish();
   if (!plan.ok()) return fail(plan.status());

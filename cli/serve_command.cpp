@@ -3,9 +3,9 @@
 #include "cli/interrupt.h"
 #include "cli/remote.h"
 #include "cli/server_commands.h"
-#include "encoders/load_model.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
+#include "memory/model_loader.h"
 #include "reports/plain/text.h"
 #include "server/robot/robot.h"
 
@@ -153,7 +153,7 @@ bool tell_ended(const Robot::StoppedServer& ended) {
 
 ExitCode run_robot(const RobotConfig& config, bool is_json) {
   Robot::Options options;
-  options.loader = encoders::load_model;
+  options.loader = model_loader();
   auto robot = Robot::start(config, std::move(options));
   if (!robot.ok()) return fail(robot.status());
   tell_served(**robot, is_json);

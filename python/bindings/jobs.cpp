@@ -8,8 +8,8 @@
 #include "ltm/store/store_check.h"
 #include "python/bindings/python_progress.h"
 #include "reports/consolidate_text.h"
-#include "reports/forget_job.h"
 #include "reports/plain/findings.h"
+#include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
 #include "training/night/consolidate.h"
 
@@ -89,7 +89,8 @@ std::string forget(const std::string& store, const std::vector<std::string>& tar
   PythonProgress told(progress);
   ltm::ForgetOptions options;
   if (!config.empty()) options = value_or_raise(ltm::read_forget_config(config));
-  const reports::ForgetJob job{store, targets, std::move(options), told.sink(), told.stop()};
+  const reports::ForgetJob job{store,       targets,    std::move(options), encoders::load_model,
+                               told.sink(), told.stop()};
   // The plan's JSON is made before it is carried out, which consumes the plan.
   ltm::ForgetPlan plan = told.run([&] { return job.plan(); });
   reports::Json json{{"plan", reports::plan_json(plan)}};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reports/forget_job.h"
+#include "reports/plain/forget_job.h"
 
-#include "encoders/load_model.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/plan_forgetting.h"
 
@@ -17,7 +16,7 @@ Result<ltm::ForgetPlan> ForgetJob::plan_with(const ltm::ForgetOptions& with) con
   context.progress = progress;
   context.stop = stop;
   const ltm::AccessTable accesses = ltm::read_accesses(store);
-  ltm::Recall recall(std::move(reader), encoders::load_model);
+  ltm::Recall recall(std::move(reader), loader);
   ltm::ForgetSource source(recall, accesses);
   if (targets.empty()) return ltm::plan_forgetting(source, with, context);
   ENGRAM_ASSIGN_OR_RETURN(const auto chosen, ltm::find_forget_targets(recall, targets));

@@ -8,6 +8,7 @@
 #include "ltm/core/progress.h"
 #include "ltm/forgetting/carry_out.h"
 #include "ltm/forgetting/forget_options.h"
+#include "ltm/recall/model.h"
 
 namespace engram::reports {
 
@@ -17,6 +18,8 @@ struct ForgetJob {
   /// IDs and queries; empty: the policies decide what is forgotten.
   std::vector<std::string> targets;
   ltm::ForgetOptions options;
+  /// Opens models of what is kept as latents alone.
+  ltm::ModelLoader loader;
   ProgressSink progress;
   std::stop_token stop;
 
