@@ -3,8 +3,8 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/learning_module.h"
 #include "cli/progress_line.h"
-#include "encoders/load_model.h"
 #include "reports/plain/findings.h"
 
 namespace engram::cli {
@@ -28,9 +28,8 @@ struct CheckArguments {
 };
 
 ExitCode run(const CheckArguments& arguments) {
-  const ltm::CheckOptions options{arguments.is_deep, [](const std::filesystem::path& file) {
-                                    return encoders::load_model(file).status();
-                                  }};
+  if (const Status ready = ready_for_models(arguments.store); !ready.ok()) return fail(ready);
+  const ltm::CheckOptions options{arguments.is_deep, test_model};
   ProgressLine progress;
   const auto report =
       ltm::check_store(arguments.store, options, progress.sink(), interrupt_token());

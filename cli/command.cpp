@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <exception>
 #include <new>
-#include <vector>
 
 #include "cli/old_words.h"
 #include "ltm/core/log.h"
@@ -44,6 +43,23 @@ ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_
     return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUsage;
   }
   return exit_code;
+}
+
+std::vector<std::string> arguments_of(const CLI::App& command,
+                                      const std::vector<std::string>& but) {
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || std::ranges::find(but, name) != but.end()) continue;
+    if (option->get_expected_max() == 0) {
+      arguments.push_back(name);
+      continue;
+    }
+    const bool is_positional = !name.starts_with("-");
+    for (const std::string& value : option->results())
+      arguments.push_back(is_positional ? value : name + "=" + value);
+  }
+  return arguments;
 }
 
 int exit_code_of(const std::function<ExitCode()>& program) {

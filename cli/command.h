@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "ltm/core/status.h"
 #include "reports/plain/output.h"
@@ -49,6 +50,10 @@ void add_server_commands(CLI::App& app, ExitCode& exit_code);
 /// or kWrongUsage after reporting what is wrong with the arguments. Options' words of earlier
 /// versions are accepted with a warning.
 ExitCode run_command(CLI::App& app, int argc, char** argv, const ExitCode& exit_code);
+
+/// Returns the options that a command was given, except those in `but`, as arguments for a child.
+[[nodiscard]] std::vector<std::string> arguments_of(const CLI::App& command,
+                                                    const std::vector<std::string>& but);
 
 /// Replaces an option's value of earlier versions by the current one, with a warning, until version
 /// 0.3. For Option::transform.

@@ -96,23 +96,6 @@ std::vector<std::vector<ltm::MemoryId>> split_by_measurement(
   return are_two ? split_jobs(plan) : std::vector<std::vector<ltm::MemoryId>>{};
 }
 
-std::vector<std::string> arguments_of(const CLI::App& command,
-                                      const std::vector<std::string>& but) {
-  std::vector<std::string> arguments;
-  for (const CLI::Option* option : command.get_options()) {
-    const std::string name = option->get_name();
-    if (option->count() == 0 || std::ranges::find(but, name) != but.end()) continue;
-    if (option->get_expected_max() == 0) {
-      arguments.push_back(name);
-      continue;
-    }
-    const bool is_positional = !name.starts_with("-");
-    for (const std::string& value : option->results())
-      arguments.push_back(is_positional ? value : name + "=" + value);
-  }
-  return arguments;
-}
-
 ExitCode run_jobs(const training::ConsolidatePlan& plan,
                   const std::vector<std::vector<ltm::MemoryId>>& groups,
                   const std::vector<std::string>& arguments, ProgressForm form, bool is_json) {

@@ -19,10 +19,6 @@ namespace engram::cli {
 [[nodiscard]] std::vector<std::vector<ltm::MemoryId>> split_jobs(
     const training::ConsolidatePlan& plan);
 
-/// Returns the options that a command was given, except those in `but`, as arguments for a child.
-[[nodiscard]] std::vector<std::string> arguments_of(const CLI::App& command,
-                                                    const std::vector<std::string>& but);
-
 /// The option that marks a child of run_jobs(), beside its parent's options.
 inline constexpr const char* kPartOption = "--part";
 

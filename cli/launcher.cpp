@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program that is installed as `engram`. The real program is another file, linked with
-// everything that learns, simulates and uses networks; loading it takes half a second of processor
-// time. The launcher answers what needs none of it (--help, --version, unknown options), in the
-// words that the program wrote when it was built, and executes the program for everything else.
+// everything that records, serves and simulates. The launcher answers what needs none of it
+// (--help, --version, unknown options), in the words that the program wrote when it was built, and
+// executes the program for everything else.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <span>
 #include <string_view>
 
 #include "cli/command.h"
 #include "cli/help_texts.h"
 #include "cli/interrupt.h"
 #include "cli/learning_environment.h"
+#include "cli/learning_module.h"
 #include "ltm/core/log.h"
 
 namespace engram::cli {
@@ -37,39 +40,73 @@ constexpr const char* kMainFooter = R"(Examples:
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
 
-ExitCode run(int argc, char** argv) {
+/// The parser of the program.
+struct Program {
   CLI::App app{"Engram: a deep episodic memory for robots"};
-  app.name("engram");
-  app.footer(kMainFooter);
-  app.require_subcommand(1);
-  app.set_version_flag("--version", "engram " ENGRAM_VERSION);
+  ExitCode exit_code = ExitCode::kDone;
   bool is_quiet = false;
-  app.add_flag("-q,--quiet", is_quiet, "Only errors on stderr")->each([](const std::string&) {
-    log::set_level(log::Level::kError);
-  });
-  auto exit_code = ExitCode::kDone;
-  add_import_command(app, exit_code);
-  add_info_command(app, exit_code);
-  add_augment_command(app, exit_code);
-  add_consolidate_command(app, exit_code);
-  add_models_command(app, exit_code);
-  add_crossval_command(app, exit_code);
-  add_ls_command(app, exit_code);
-  add_query_command(app, exit_code);
-  add_export_command(app, exit_code);
-  add_eval_command(app, exit_code);
-  add_predict_command(app, exit_code);
-  add_forget_command(app, exit_code);
-  add_compact_command(app, exit_code);
-  add_simulate_command(app, exit_code);
-  add_idf_command(app, exit_code);
-  add_server_commands(app, exit_code);
-  add_check_command(app, exit_code);
-  add_recover_command(app, exit_code);
+
+  /// Without `learning` the commands that learn are missing.
+  explicit Program(const LearningModule* learning) {
+    app.name("engram");
+    app.footer(kMainFooter);
+    app.require_subcommand(1);
+    app.set_version_flag("--version", "engram " ENGRAM_VERSION);
+    app.add_flag("-q,--quiet", is_quiet, "Only errors on stderr")->each([](const std::string&) {
+      log::set_level(log::Level::kError);
+    });
+    add_commands(learning);
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  /// Adds all commands in the order in which --help lists them.
+  void add_commands(const LearningModule* learning) {
+    add_import_command(app, exit_code);
+    add_info_command(app, exit_code);
+    add_augment_command(app, exit_code);
+    if (learning != nullptr) {
+      learning->add_consolidate_command(app, exit_code);
+      learning->add_models_command(app, exit_code);
+      learning->add_crossval_command(app, exit_code);
+    }
+    add_ls_command(app, exit_code);
+    add_query_command(app, exit_code);
+    add_export_command(app, exit_code);
+    if (learning != nullptr) {
+      learning->add_eval_command(app, exit_code);
+      learning->add_predict_command(app, exit_code);
+    }
+    add_forget_command(app, exit_code);
+    add_compact_command(app, exit_code);
+    add_simulate_command(app, exit_code);
+    add_idf_command(app, exit_code);
+    add_server_commands(app, exit_code);
+    add_check_command(app, exit_code);
+    add_recover_command(app, exit_code);
+  }
+
+  /// Whether the first word that is no option is a command here: global options take no values.
+  [[nodiscard]] bool has_command(std::span<char*> words) const {
+    const auto name = std::ranges::find_if(
+        words, [](const char* word) { return !std::string_view(word).starts_with('-'); });
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    return name != words.end() &&
+           std::ranges::find(commands, *name, &CLI::App::get_name) != commands.end();
+  }
+};
+
+ExitCode run(int argc, char** argv) {
+  const std::span<char*> all(argv, static_cast<size_t>(argc));
+  if (Program program(nullptr); program.has_command(all.subspan(std::min<size_t>(1, all.size()))))
+    return run_command(program.app, argc, argv, program.exit_code);
+  const auto learning = learning_module();
+  if (!learning.ok()) return fail(learning.status());
+  Program program(*learning);
   // Called by the build, for the launcher.
   if (argc == 3 && std::string_view(argv[1]) == "--write-help-texts")
-    return done_or_failed(write_help_texts(app, argv[2]));
-  return run_command(app, argc, argv, exit_code);
+    return done_or_failed(write_help_texts(program.app, argv[2]));
+  return run_command(program.app, argc, argv, program.exit_code);
 }
 
 }  // namespace

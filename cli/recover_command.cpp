@@ -3,8 +3,8 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/learning_module.h"
 #include "cli/progress_line.h"
-#include "encoders/load_model.h"
 #include "reports/plain/recover_text.h"
 
 namespace engram::cli {
@@ -27,8 +27,8 @@ struct RecoverArguments {
 };
 
 ExitCode run(const RecoverArguments& arguments) {
-  const ltm::RecoverOptions options{
-      [](const std::filesystem::path& file) { return encoders::load_model(file).status(); }};
+  if (const Status ready = ready_for_models(arguments.source); !ready.ok()) return fail(ready);
+  const ltm::RecoverOptions options{test_model};
   ProgressLine progress;
   const auto report = ltm::recover_store(arguments.source, arguments.target, options,
                                          progress.sink(), interrupt_token());

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "cli/child_process.h"
-#include "cli/consolidate_jobs.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/shared_progress.h"
