@@ -204,8 +204,12 @@ TEST_F(Predict, FollowsAPlanAndSaysSo) {
   EXPECT_THAT(shown.out, HasSubstr("predicted by deep v1, told the plan " + kJoints));
   std::vector<std::string> as_json = asked;
   as_json.emplace_back("--json");
-  for (const Json& one : json_of(predict(as_json)).at("predictions"))
+  for (const Json& one : json_of(predict(as_json)).at("predictions")) {
     EXPECT_EQ(one.at("predicted").at("plan"), kJoints);
+    const Json& members = one.at("predicted").at("instances").at(0).at("members");
+    EXPECT_EQ(members.at(0).at("engine"), one.at("engine"));
+    EXPECT_EQ(members.at(0).at("expected_error"), one.at("expected_error"));
+  }
   const Json untold = json_of(predict({kCamera, "--at", "2022-02-18 13:00:20", "--json"}));
   EXPECT_FALSE(untold.at("predictions").at(0).at("predicted").contains("plan"));
   // After the newest moment nothing is planned; joints start from nothing that could be.

@@ -118,7 +118,8 @@ def answers_of_doors(store, folder, prefer, commits):
     answers = {}
     server = Server(ENGRAM, folder, store, prefer + ("s" if prefer == "latent" else ""))
     try:
-        with engram.connect(server.endpoint) as memory:
+        # Training and models share two cores with the other tests: a first answer may take long.
+        with engram.connect(server.endpoint, timeout=120) as memory:
             for update in commits:
                 memory.commit_all([update])
             answers["server"] = answers_of(memory)

@@ -130,7 +130,7 @@ Result<Time> last_known_from(const PredictionSource& source, const MemoryId& ent
   };
   ENGRAM_ASSIGN_OR_RETURN(const auto last, time_at(ltm::select::Latest{}));
   std::optional<Time> from;
-  if (last && ahead <= *last - Time::min()) {
+  if (last && to_ns(*last) >= INT64_MIN + ahead.count()) {
     ENGRAM_ASSIGN_OR_RETURN(from, time_at(ltm::select::Before{*last - ahead, true}));
   }
   if (from) return *from;

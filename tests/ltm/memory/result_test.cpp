@@ -140,13 +140,28 @@ TEST(QueryResult, ReadsBackHowMembersWerePredicted) {
   predicted.plan = "Robot/State/arm/planned";
   MemberPrediction position{"pose/position", "quadratic", 0.25, 1.5, 0, false, true};
   MemberPrediction image{"image", "deep", std::nan(""), std::nan(""), 0.5, true, false};
-  predicted.instances[0].members = {position, image};
+  MemberPrediction mode{"mode", "copy-last", std::nan(""), std::nan(""), 1, false, false, false};
+  predicted.instances[0].members = {position, image, mode};
   result.add_entity(*MemoryId::parse("a/b/c/d")).add(predicted);
   const auto read = QueryResult::from_data(result.to_data());
   ASSERT_OK(read);
   EXPECT_EQ(*read, result);
   EXPECT_EQ(read->entities()[0]->snapshots[0].plan, predicted.plan);
   EXPECT_EQ(read->entities()[0]->snapshots[0].instances[0].members[1].copied, 0.5);
+  // Answers of earlier versions do not say which members count: all do.
+  idf::Data earlier = result.to_data();
+  const auto child = [](idf::Data& data, const char* name, size_t index) -> idf::Data& {
+    return data.get_if<idf::Dict>()->find(name)->get_if<idf::List>()->at(index);
+  };
+  idf::Data& member = child(
+      child(child(child(earlier, "entities", 0), "snapshots", 0), "instances", 0), "members", 2);
+  idf::Dict without;
+  for (const auto& [name, value] : *member.get_if<idf::Dict>())
+    if (name != "is_counted") without.set(name, value);
+  member = without;
+  const auto read_earlier = QueryResult::from_data(earlier);
+  ASSERT_OK(read_earlier);
+  EXPECT_TRUE(read_earlier->entities()[0]->snapshots[0].instances[0].members[2].is_counted);
 }
 
 TEST(QueryResult, CarriesTheDeepestValueThatThereIs) {

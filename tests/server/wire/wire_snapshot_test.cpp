@@ -97,8 +97,10 @@ TEST(WireSnapshot, CarriesEverythingThatAnAnswerSays) {
   metadata.provider = "someone";
   metadata.confidence = 0.5f;
   answer.append(int64_t{5}, metadata, ltm::MeasuredError{0.25, 0.5}, ltm::MeasuredError{1, 2});
-  answer.instances[0].members = {{"pose/position", "quadratic", 0.25, std::nan(""), 0, false, true},
-                                 {"image", "deep", 9, 25, 0.5, true, false}};
+  answer.instances[0].members = {
+      {"pose/position", "quadratic", 0.25, std::nan(""), 0, false, true},
+      {"image", "deep", 9, 25, 0.5, true, false},
+      {"mode", "copy-last", std::nan(""), std::nan(""), 1, false, false, false}};
   answer.append(std::string("x"), {}, ltm::MeasuredError{}, std::nullopt);
   const auto bytes = to_wire(answer, true);
   ASSERT_OK(bytes);
