@@ -167,6 +167,10 @@ class Doors(unittest.TestCase):
         self.assertEqual(sources(self.recorded), ["recorded"] * 4 + ["predicted"])
         self.assertEqual(sources(self.latent),
                          ["reconstructed"] * 2 + ["recorded"] * 2 + ["predicted"])
+        for answers in (self.recorded, self.latent):
+            self.assertEqual([one[6] for one in answers["store"]["plan"]], [JOINTS, JOINTS])
+            self.assertEqual([one[6] for one in answers["store"]["predict from"]], ["", ""])
+            self.assertEqual([one[6] for one in answers["store"]["no plan yet"]], [""])
         errors = {one[0] for one in self.recorded["store"].values() if isinstance(one, tuple)
                   and len(one) == 2}
         self.assertEqual(errors, {"NotFoundError", "InvalidArgumentError"})
