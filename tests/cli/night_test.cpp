@@ -131,10 +131,11 @@ TEST_F(NightJob, ChoosesBetweenTheModelThatIsThereAndANewOne) {
     EXPECT_EQ(done.exit_code, 0) << done.err;
     return done.out;
   };
-  night({});
-  EXPECT_THAT(night({"--force", "--anew"}),
+  night({"--chain", "16"});
+  EXPECT_THAT(night({"--force", "--anew", "--chain", "16"}),
               AllOf(HasSubstr("previous model"), HasSubstr("no new one was published")));
-  const Json same = Json::parse(night({"--force", "--anew", "--json"})).at("entities").at(0);
+  const Json same =
+      Json::parse(night({"--force", "--anew", "--chain", "16", "--json"})).at("entities").at(0);
   EXPECT_EQ(same.at("is_model_new"), false);
   EXPECT_EQ(same.at("model_version"), 1);
   EXPECT_EQ(same.at("choice").at("keeps_previous_model"), true);
