@@ -121,7 +121,8 @@ class CodeBlocks(unittest.TestCase):
     def test_cmake_and_cpp_are_looked_at(self) -> None:
         self.assert_fails("```cmake\nno_such_command()\n```\n", "no_such_command")
         flags = self.tools.compile_commands
-        flags.write_text('[{"file": "cli/commit_command.cpp", "command": "c++ -std=c++20 -c a"}]')
+        flags.write_text('[{"file": "a.cpp", "command": "c++ -std=c++20 -c a.cpp '
+                         '-o cli/CMakeFiles/engram_program.dir/a.cpp.o"}]')
         self.assert_runs("```cpp\nint a = 1;\n```\n", compiled=1)
         self.assert_fails("```cpp\nint a = ;\n```\n", "page.md:2:9: error")
 

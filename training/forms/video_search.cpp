@@ -95,9 +95,9 @@ Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std
     }
     const double change = history_.change_to(options_.bound_db, result.trials);
     // A step more each time, so that a flat line does not creep.
-    const int least = static_cast<int>(result.trials.size());
+    const int min_step = static_cast<int>(result.trials.size());
     crf += is_good ? std::max(static_cast<int>(std::floor(change)), 1)
-                   : std::min(static_cast<int>(std::floor(change)), -least);
+                   : std::min(static_cast<int>(std::floor(change)), -min_step);
   }
   return {};
 }

@@ -96,6 +96,7 @@ TEST(Evaluate, BytesOfLatentsAreWhatProbabilitiesSay) {
   ConsolidateOptions options;
   options.train = engram::testing::quick_options(100);
   options.representation.kind = Representation::kLatents;
+  options.access = Duration::zero();  // Chains of 16.
   ASSERT_TRUE(consolidate(store.path(), options, {}, {}).ok());
   const auto report = evaluate(store.path(), {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
