@@ -14,13 +14,25 @@ namespace {
 
 constexpr int kAlignment = 64;
 constexpr int kHalf = 1 << 15;
+constexpr int kDeepMax = 1023;
+constexpr int kDeepHalf = 1 << 19;
+constexpr int kFromDeep = 261376;  // 255 / 1023, in 1 / 2^20.
 
 uint8_t clamp(int value) {
   return static_cast<uint8_t>(std::clamp(value, 0, 255));
 }
 
+uint16_t clamp_deep(int value) {
+  return static_cast<uint16_t>(std::clamp(value, 0, kDeepMax));
+}
+
 uint8_t* row_of(const AVFrame& picture, int plane, int64_t y) {
   return picture.data[plane] + y * picture.linesize[plane];
+}
+
+uint16_t* deep_row_of(const AVFrame& picture, int plane, int64_t y) {
+  // Planes and their lines are aligned to far more than two bytes.
+  return reinterpret_cast<uint16_t*>(row_of(picture, plane, y));
 }
 
 /// BT.601, in integers of 1/65536. Integer arithmetic gives the same bytes on every processor.
@@ -41,6 +53,38 @@ void from_ycc(const uint8_t* luma, const uint8_t* blue, const uint8_t* red, int6
     rgb[3 * x + 1] = clamp(y + ((-22554 * b - 46802 * r + kHalf) >> 16));
     rgb[3 * x + 2] = clamp(y + ((116130 * b + kHalf) >> 16));
   }
+}
+
+/// As to_ycc with numbers up to 1023: the factors are 1023 / 255 times as large.
+void to_deep_ycc(const uint8_t* rgb, int64_t width, uint16_t* luma, uint16_t* blue, uint16_t* red) {
+  for (int64_t x = 0; x < width; ++x) {
+    const int r = rgb[3 * x], g = rgb[3 * x + 1], b = rgb[3 * x + 2];
+    luma[x] = clamp_deep((78611 * r + 154331 * g + 29972 * b + kHalf) >> 16);
+    blue[x] = clamp_deep(512 + ((-44363 * r - 87094 * g + 131457 * b + kHalf) >> 16));
+    red[x] = clamp_deep(512 + ((131457 * r - 110079 * g - 21378 * b + kHalf) >> 16));
+  }
+}
+
+/// In integers of 1 / 2^20, which hold 255 / 1023 exactly enough. The sums of numbers of ten bits
+/// fit 31 bits, and a damaged stream must not give larger ones.
+void from_deep_ycc(const uint16_t* luma, const uint16_t* blue, const uint16_t* red, int64_t width,
+                   uint8_t* rgb) {
+  for (int64_t x = 0; x < width; ++x) {
+    const int y = kFromDeep * (luma[x] & kDeepMax) + kDeepHalf;
+    const int b = (blue[x] & kDeepMax) - 512, r = (red[x] & kDeepMax) - 512;
+    rgb[3 * x] = clamp((y + 366450 * r) >> 20);
+    rgb[3 * x + 1] = clamp((y - 89949 * b - 186658 * r) >> 20);
+    rgb[3 * x + 2] = clamp((y + 463159 * b) >> 20);
+  }
+}
+
+void to_deep_gray(const uint8_t* gray, int64_t width, uint16_t* out) {
+  for (int64_t x = 0; x < width; ++x) out[x] = clamp_deep((262914 * gray[x] + kHalf) >> 16);
+}
+
+void from_deep_gray(const uint16_t* in, int64_t width, uint8_t* gray) {
+  for (int64_t x = 0; x < width; ++x)
+    gray[x] = clamp((kFromDeep * (in[x] & kDeepMax) + kDeepHalf) >> 20);
 }
 
 void to_bgr0(const uint8_t* rgb, int64_t width, uint8_t* out) {
@@ -68,6 +112,8 @@ bool holds(AVPixelFormat format, PictureLayout layout) {
              format == AV_PIX_FMT_YUVJ420P;
     case PictureLayout::kYcc444:
       return format == AV_PIX_FMT_YUV444P || format == AV_PIX_FMT_YUVJ444P;
+    case PictureLayout::kGray8Deep:
+      return format == AV_PIX_FMT_GRAY10 || format == AV_PIX_FMT_YUV420P10;
     default:
       return format == pixel_format(layout);
   }
@@ -88,6 +134,13 @@ void read_row(const AVFrame& picture, PictureLayout layout, int64_t y, int64_t w
     case PictureLayout::kYcc444:
       from_ycc(row_of(picture, 0, y), row_of(picture, 1, y), row_of(picture, 2, y), width, out);
       break;
+    case PictureLayout::kYcc444Deep:
+      from_deep_ycc(deep_row_of(picture, 0, y), deep_row_of(picture, 1, y),
+                    deep_row_of(picture, 2, y), width, out);
+      break;
+    case PictureLayout::kGray8Deep:
+      from_deep_gray(deep_row_of(picture, 0, y), width, out);
+      break;
   }
 }
 
@@ -106,6 +159,13 @@ void write_row(const uint8_t* in, PictureLayout layout, int64_t y, int64_t width
     case PictureLayout::kYcc444:
       to_ycc(in, width, row_of(picture, 0, y), row_of(picture, 1, y), row_of(picture, 2, y));
       break;
+    case PictureLayout::kYcc444Deep:
+      to_deep_ycc(in, width, deep_row_of(picture, 0, y), deep_row_of(picture, 1, y),
+                  deep_row_of(picture, 2, y));
+      break;
+    case PictureLayout::kGray8Deep:
+      to_deep_gray(in, width, deep_row_of(picture, 0, y));
+      break;
   }
 }
 
@@ -121,6 +181,16 @@ std::optional<PictureLayout> layout_of(idf::ElementType type, const idf::Shape& 
   return keeps_rgb ? PictureLayout::kRgb : PictureLayout::kYcc444;
 }
 
+PictureLayout deep(PictureLayout layout) {
+  if (layout == PictureLayout::kYcc444) return PictureLayout::kYcc444Deep;
+  return layout == PictureLayout::kGray8 ? PictureLayout::kGray8Deep : layout;
+}
+
+PictureLayout shallow(PictureLayout layout) {
+  if (layout == PictureLayout::kYcc444Deep) return PictureLayout::kYcc444;
+  return layout == PictureLayout::kGray8Deep ? PictureLayout::kGray8 : layout;
+}
+
 AVPixelFormat pixel_format(PictureLayout layout) {
   switch (layout) {
     case PictureLayout::kGray8:
@@ -129,6 +199,10 @@ AVPixelFormat pixel_format(PictureLayout layout) {
       return AV_PIX_FMT_GRAY16LE;
     case PictureLayout::kRgb:
       return AV_PIX_FMT_BGR0;
+    case PictureLayout::kYcc444Deep:
+      return AV_PIX_FMT_YUV444P10;
+    case PictureLayout::kGray8Deep:
+      return AV_PIX_FMT_GRAY10;
     case PictureLayout::kYcc444:
       break;
   }
@@ -143,7 +217,7 @@ Result<libav::Owned<AVFrame>> make_picture(PictureLayout layout, const idf::Shap
   picture->width = static_cast<int>(shape[1]);
   picture->color_range = AVCOL_RANGE_JPEG;
   picture->colorspace =
-      layout == PictureLayout::kYcc444 ? AVCOL_SPC_SMPTE170M : AVCOL_SPC_UNSPECIFIED;
+      shallow(layout) == PictureLayout::kYcc444 ? AVCOL_SPC_SMPTE170M : AVCOL_SPC_UNSPECIFIED;
   if (av_frame_get_buffer(picture.get(), kAlignment) < 0)
     return resource_exhausted("no memory for a picture of {} x {}", shape[1], shape[0]);
   return picture;

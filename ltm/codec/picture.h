@@ -20,12 +20,22 @@ enum class PictureLayout : uint8_t {
   /// Luma and two colour differences at full resolution (BT.601, full range). Rounding changes a
   /// number by at most 2 when it is converted back to RGB.
   kYcc444 = 3,
+  /// The same two layouts in ten bits. A codec that computes with ten bits rounds less between its
+  /// pictures, so it takes fewer bytes for the same error, although the arrays have eight bits.
+  kYcc444Deep = 4,
+  kGray8Deep = 5,
 };
 
 /// The layout of an array, or nullopt if the array is not a picture: uint8 [H, W, 3] or [H, W, 1],
 /// uint16 [H, W, 1].
 [[nodiscard]] std::optional<PictureLayout> layout_of(idf::ElementType type, const idf::Shape& shape,
                                                      bool keeps_rgb);
+
+/// The layout of ten bits for one of eight, or the layout itself if there is none.
+[[nodiscard]] PictureLayout deep(PictureLayout layout);
+
+/// Undoes deep().
+[[nodiscard]] PictureLayout shallow(PictureLayout layout);
 
 [[nodiscard]] AVPixelFormat pixel_format(PictureLayout layout);
 

@@ -154,7 +154,7 @@ Result<VideoGroup> VideoGroup::from_bytes(std::span<const std::byte> bytes) {
     return data_loss("group of version {}, needs {}", version, kStreamVersion);
   VideoGroup group;
   const uint32_t layout = cursor.number();
-  if (layout > static_cast<uint32_t>(PictureLayout::kYcc444))
+  if (layout > static_cast<uint32_t>(PictureLayout::kGray8Deep))
     return data_loss("group of unknown picture layout {}", layout);
   group.layout = static_cast<PictureLayout>(layout);
   group.count = cursor.number();

@@ -30,6 +30,7 @@ std::vector<std::string> texts() {
     all.emplace_back(name);
     if (!find_group_codec(name)->is_lossless())
       all.push_back(std::string(name) + ":crf=40,group=5");
+    if (name == "av1") all.emplace_back("av1:crf=28,depth=10,spread=2");
   }
   return all;
 }
@@ -166,8 +167,11 @@ TEST_P(GroupCodecTest, GivesTheSameFromFourThreadsAtOnce) {
 }
 
 std::string test_name(const ::testing::TestParamInfo<std::string>& chosen) {
+  const bool is_deep = chosen.param.find("depth=10") != std::string::npos;
   return chosen.param.substr(0, chosen.param.find(':')) +
-         (chosen.param.find(':') == std::string::npos ? "" : "_small");
+         (chosen.param.find(':') == std::string::npos ? ""
+          : is_deep                                   ? "_deep"
+                                                      : "_small");
 }
 
 INSTANTIATE_TEST_SUITE_P(Installed, GroupCodecTest, ::testing::ValuesIn(texts()), test_name);
@@ -186,6 +190,11 @@ TEST(GroupCodecs, ReadTheirOptions) {
   EXPECT_FAILS(make_group_codec("ffv1:crf=7"), StatusCode::kInvalidArgument, "no option 'crf'");
   EXPECT_FAILS(make_group_codec("h264:crf=77"), StatusCode::kInvalidArgument, "needs 0 to 51");
   EXPECT_FAILS(make_group_codec("gif"), StatusCode::kInvalidArgument, "ffv1, h264, h265, av1");
+  EXPECT_FAILS(make_group_codec("h264:depth=10"), StatusCode::kInvalidArgument,
+               "no option 'depth'");
+  if (!make_group_codec("av1").ok()) return;
+  EXPECT_FAILS(make_group_codec("av1:depth=9"), StatusCode::kInvalidArgument, "needs 8 or 10");
+  EXPECT_FAILS(make_group_codec("av1:spread=64"), StatusCode::kInvalidArgument, "needs 0 to 63");
 }
 
 /// A bright square with stripes that moves over a still ground, and a little noise.
@@ -217,6 +226,38 @@ TEST(GroupCodecs, KeepEveryImageOfAv1AtTheQualityThatWasAskedFor) {
   for (size_t i = 0; i < group.size(); ++i) psnr.push_back(psnr_db(group[i], decoded[i]));
   std::ranges::sort(psnr);
   EXPECT_GT(psnr.front(), psnr[8] - 0.3);
+}
+
+/// PSNR of the best image of a group.
+double best_db(const std::string& text, const Group& group) {
+  const auto codec = *make_group_codec(text);
+  const auto decoded =
+      *codec->decode(*codec->encode(group), group[0].type(), group[0].shape(), group.size());
+  double best = 0;
+  for (size_t i = 0; i < group.size(); ++i) best = std::max(best, psnr_db(group[i], decoded[i]));
+  return best;
+}
+
+TEST(GroupCodecs, CodeNoImageOfAv1MuchBetterThanAskedForIfTheSpreadIsSmall) {
+  if (!make_group_codec("av1").ok()) GTEST_SKIP() << "no AV1";
+  const Group group = moving_group(16);
+  EXPECT_LT(best_db("av1:crf=45,effort=2,spread=0", group) + 1,
+            best_db("av1:crf=45,effort=2", group));
+}
+
+TEST(GroupCodecs, GiveBackPureColoursThroughTenBits) {
+  if (!make_group_codec("av1").ok()) GTEST_SKIP() << "no AV1";
+  const auto codec = *make_group_codec("av1:crf=1,effort=2,depth=10");
+  for (int colour = 0; colour < 8; ++colour) {
+    std::vector<uint8_t> pixels;
+    for (int i = 0; i < 32 * 32 * 3; ++i)
+      pixels.push_back((colour >> (i % 3)) % 2 == 0 ? uint8_t{0} : uint8_t{255});
+    const Group group{NdArray::take<uint8_t>({32, 32, 3}, std::move(pixels))};
+    const auto decoded = *codec->decode(*codec->encode(group), ElementType::kUInt8, {32, 32, 3}, 1);
+    const auto expected = group[0].values<uint8_t>(), found = decoded[0].values<uint8_t>();
+    for (size_t i = 0; i < expected.size(); ++i)
+      ASSERT_NEAR(expected[i], found[i], 1) << "colour " << colour << ", number " << i;
+  }
 }
 
 TEST(GroupCodecs, TakeLessForImagesThatResembleEachOther) {
