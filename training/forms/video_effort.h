@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace engram::training {
+
+/// One way to encode a chain of images with AV1 where every image must keep a bound of PSNR: what
+/// it costs in bytes and in processor time.
+struct VideoEffort {
+  /// What follows "av1:crf=N,".
+  std::string_view codec_options;
+  /// Bytes relative to the first of the ladder, at the bound.
+  double relative_bytes = 1;
+  /// Processor time per image of one encode near the bound, at each of kMeasuredPixels. Machines
+  /// differ by a factor, which the caller measures; the ratios hardly do.
+  std::array<double, 3> seconds{};
+};
+
+/// The sizes that were measured: 128 x 128, 256 x 256, 640 x 480.
+inline constexpr std::array<int64_t, 3> kMeasuredPixels{128 * 128, 256 * 256, 640 * 480};
+
+/// From the fewest bytes to the least time. None of them is beaten in both by another.
+///
+/// Source: experiments/learning/LOG.md, "ladder of effort"; `make night-codec-bars` measures it.
+[[nodiscard]] std::span<const VideoEffort> video_efforts();
+
+/// Estimates the processor time of one encode of one image. Small images cost more per pixel.
+/// `pixels` must be positive (checked).
+[[nodiscard]] double seconds_per_image(const VideoEffort& effort, int64_t pixels);
+
+}  // namespace engram::training
