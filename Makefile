@@ -25,7 +25,7 @@ DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
-        check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars \
+        check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
         import-bars latent-trial training-speed learning-bars age-bars paper storage loocv transfer
 
 help:
@@ -53,6 +53,7 @@ help:
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
+	@echo "make night-codec-bars    bytes and time where every image keeps a bound (RECORDINGS, BARS)"
 	@echo "make import-bars     how fast videos come in, beside FFmpeg (RECORDINGS, BARS=options)"
 	@echo "make latent-trial    a structure of image latents on IMAGES=folders (DB=35 BUDGET=1200)"
 	@echo "make training-speed  images per second that training takes, beside PyTorch (VIDEO=file)"
@@ -147,6 +148,9 @@ forecast-bars: prediction-bars
 
 codec-bars: experiments
 	$(MEASURE) learning/codec_bars --json codec_bars.json $(BARS)
+
+night-codec-bars: experiments
+	$(MEASURE) learning/night_codec_bars --json night_codec_bars.json $(BARS)
 
 age-bars: experiments
 	$(MEASURE) server/age_bars --json age_bars.json $(BARS)

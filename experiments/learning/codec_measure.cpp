@@ -15,11 +15,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kSide = 128;
 constexpr Duration kPeriod = std::chrono::milliseconds(200);
 
 Status append_video(const fs::path& file, const ClipOptions& options, Clip& clip) {
-  datasets::VideoReader::Options reading{kSide, kSide, options.crops_square, 1};
+  datasets::VideoReader::Options reading{options.width, options.height, options.crops_square, 1};
   ENGRAM_ASSIGN_OR_RETURN(auto reader, datasets::VideoReader::open(file, reading));
   Duration next{};
   for (size_t i = 0; clip.images.size() < options.max_frames; ++i) {

@@ -10,7 +10,7 @@
 
 namespace engram::experiments {
 
-/// Pictures of one camera. Shape of each: uint8 [128, 128, 3].
+/// Pictures of one camera. Shape of each: uint8 [H, W, 3].
 struct Clip {
   std::string name;
   std::vector<idf::NdArray> images;
@@ -25,6 +25,8 @@ struct ClipOptions {
   bool crops_square = true;
   size_t stride = 0;  ///< Takes every stride-th frame; 0 takes five per second by their times.
   size_t max_frames = 100'000;
+  int width = 128;  ///< Zero, like `height`: the size of the video.
+  int height = 128;
 };
 
 /// Errors: kNotFound if there is no such file; those of reading a video.

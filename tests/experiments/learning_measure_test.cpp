@@ -9,6 +9,7 @@
 #include "learning/codec_measure.h"
 #include "learning/latent_trial.h"
 #include "learning/number_measure.h"
+#include "learning/video_trial.h"
 
 namespace engram::experiments {
 namespace {
@@ -39,6 +40,27 @@ TEST(MeasureCodec, KeepsColoursAtHighQuality) {
       EXPECT_GT(figures->psnr.minimum_db(), 45) << codec << ", group " << group;
       EXPECT_GT(figures->ssim, 0.98) << codec;
     }
+}
+
+TEST(VideoTrial, TakesWhatTheGroupCodecOfTheSameSettingsTakes) {
+  const Clip clip = colourful(8);
+  const auto own = VideoTrial::create("av1:effort=4,depth=10,spread=2");
+  const auto any = VideoTrial::create("libaom-av1 yuv444p10le cpu-used=5 lag-in-frames=19 qmin=-2");
+  ASSERT_TRUE(own.ok() && any.ok());
+  const auto expected = own->run(clip.images, 30), found = any->run(clip.images, 30);
+  ASSERT_TRUE(expected.ok()) << expected.status().to_string();
+  ASSERT_TRUE(found.ok()) << found.status().to_string();
+  EXPECT_NEAR(found->bytes, expected->bytes, 0.03 * expected->bytes);
+  EXPECT_NEAR(found->min_db(), expected->min_db(), 0.2);
+}
+
+TEST(VideoTrial, SaysWhichOptionTheEncoderRefuses) {
+  const auto trial = VideoTrial::create("libaom-av1 yuv444p speed=5");
+  ASSERT_TRUE(trial.ok());
+  const auto result = trial->run(colourful(1).images, 30);
+  ASSERT_FALSE(result.ok());
+  EXPECT_THAT(result.status().message(), ::testing::HasSubstr("speed=5"));
+  EXPECT_FALSE(VideoTrial::create("libnothing yuv444p").ok());
 }
 
 TEST(MeasureCodec, FindsNoErrorWhereThereIsNone) {
