@@ -37,6 +37,9 @@ def arguments_of(description: str | None, name: str) -> argparse.Namespace:
     parser.add_argument("--work", type=pathlib.Path, default=build / "paper",
                         help="folder of stores, results and plots")
     parser.add_argument("--again", action="store_true", help="measure anew what is known")
+    parser.add_argument("--networks-from", type=pathlib.Path,
+                        help="a result.json of the same experiment: what networks take is taken "
+                             "from it, and only their rivals are measured")
     parser.add_argument("--keep", action="store_true",
                         help="put results and plots into experiments/NAME/results, too, but no "
                              "images of recordings")
@@ -85,6 +88,7 @@ class Measuring:
         self.config: dict[str, Any] = config[options.profile]
         self.deadline = time.monotonic() + 60 * options.minutes
         self.is_anew: bool = options.again
+        self.networks_from: pathlib.Path | None = options.networks_from
         self.file = self.folder / f"{name}.json"
         self.results: dict[str, dict[str, Any]] = (
             json.loads(self.file.read_text()) if self.file.exists() else {})
@@ -119,6 +123,17 @@ class Measuring:
         new.write_text(json.dumps(self.results, indent=1) + "\n")
         new.replace(self.file)
         return value
+
+    def earlier(self, case: Mapping[str, Any]) -> dict[str, Any] | None:
+        """What `networks_from` says of the case with these members; None: it is to be measured."""
+        if self.networks_from is None:
+            return None
+        found = json.loads(self.networks_from.read_text())["found"]
+        same: list[dict[str, Any]] = [one for one in found
+                                      if all(one[key] == value for key, value in case.items())]
+        if not same:
+            sys.exit(f"{self.name}: '{self.networks_from}' has no {dict(case)}")
+        return same[0]
 
     def run(self, *arguments: object) -> str:
         """What the program `engram` printed; its progress stays on stderr."""

@@ -40,6 +40,25 @@ def mean_ssim(recorded: Images, other: Images) -> float:
     return float(np.mean([ssim(a, b) for a, b in zip(recorded, other, strict=True)]))
 
 
+def _fewest_bytes(points: Sequence[tuple[float, float]]) -> dict[float, float]:
+    """By quality, of points (bytes, dB)."""
+    return {db: size for size, db in sorted(points, reverse=True)}
+
+
+def bytes_at(points: Sequence[tuple[float, float]], db: float) -> float | None:
+    """The bytes of a curve at that quality, between its points (bytes, dB): logarithms of bytes by
+    monotone piecewise cubics. Below its worst point they are those of that point, which is better
+    and takes no more. None: above its best point, or without points."""
+    best = _fewest_bytes(points)
+    if not best or db > max(best):
+        return None
+    if db <= min(best):
+        return best[min(best)]
+    qualities = sorted(best)
+    logs = [math.log(best[one]) for one in qualities]
+    return math.exp(float(PchipInterpolator(qualities, logs)(db)))
+
+
 def bd_rate(reference: Sequence[tuple[float, float]],
             curve: Sequence[tuple[float, float]]) -> float | None:
     """How many more bytes `curve` needs than `reference` at equal quality, -0.2 a fifth fewer.
@@ -50,7 +69,7 @@ def bd_rate(reference: Sequence[tuple[float, float]],
     """
     interpolations = []
     for points in (reference, curve):
-        best = {db: size for size, db in sorted(points, reverse=True)}  # The fewest bytes.
+        best = _fewest_bytes(points)
         if len(best) < 2:
             return None
         qualities = sorted(best)

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from experiments.paper.measuring import ROOT, Measuring, arguments_of
+from experiments.paper.measuring import ROOT, Measuring, arguments_of, file_fingerprint
 from experiments.paper.report import Figure, Section, write_page
 
 Measure = Callable[[Measuring], Any]
@@ -29,9 +29,11 @@ def run_one(name: str, options: argparse.Namespace, measure: Measure,
     found = measure(measuring)
     section = show(measuring, found)
     summary = measuring.folder / f"{name}-result.json"
+    earlier = _earlier(measuring)
     text = json.dumps(
         {"experiment": name, "profile": measuring.profile, "program": measuring.version(),
-         "configuration": measuring.config, "not_run": measuring.skipped, "found": found}, indent=1)
+         "configuration": measuring.config, **earlier, "not_run": measuring.skipped,
+         "found": found}, indent=1)
     summary.write_text(text.replace(f"{measuring.folder}/", "") + "\n")
     if options.keep:
         _keep(measuring, section, summary)
@@ -40,10 +42,21 @@ def run_one(name: str, options: argparse.Namespace, measure: Measure,
     return measuring, section
 
 
+def _earlier(measuring: Measuring) -> dict[str, Any]:
+    """Names the result that figures of networks are from, if they are of an earlier run."""
+    file = measuring.networks_from
+    if file is None:
+        return {}
+    first = json.loads(file.read_text()).get("networks_from", file_fingerprint(file))
+    return {"networks_from": first}
+
+
 def _keep(measuring: Measuring, section: Section, summary: pathlib.Path) -> None:
+    """Pictures of networks of an earlier run are not drawn again: they stay as they are."""
     folder = ROOT / "experiments" / measuring.name / "results"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
+    if measuring.networks_from is None:
+        shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(exist_ok=True)
     shutil.copy(summary, folder / "result.json")
     for block in section.blocks:
         if isinstance(block, Figure) and not block.is_recorded:

@@ -32,8 +32,9 @@ def show(measuring: Measuring, cases: list[dict[str, Any]]) -> Section:
     section.blocks.append(_stage_table(measuring, cases))
     section.text(
         "The same images through what one would pick instead: video encoders of FFmpeg at their "
-        "archival settings. Bytes of codecs are those of the bare stream; ours are coded blocks "
-        "with their checksums, alone and with the model.")
+        "archival settings, tuned for PSNR, 10 bits inside. Bytes of codecs are those of the bare "
+        "stream without its settings; ours are coded blocks with their checksums, alone and with "
+        "the model.")
     file = _curves(measuring, cases)
     section.blocks.append(Figure(
         "Bytes of an image against quality (mean of the images' PSNR). Solid: one key frame for "
@@ -112,12 +113,24 @@ def _stages(measuring: Measuring, case: dict[str, Any]) -> list[tuple[Any, ...]]
         options = " ".join(map(str, choices(measuring.config, asked, form)))
         recipe = f"<code>engram consolidate {options}</code>"
         segment, own = found["segment_bytes"], found["model_bytes"]
-        stages.append((name, segment, latent, quality_text, recipe))
+        kept = "" if form == "latents" else f"; kept {forms_of(found)}"
+        stages.append((name, segment, latent, quality_text, recipe + kept))
         stages.append(("&emsp;with the model", segment + own, with_model, "", f"{own:,} B of models"
                        + ("" if found["has_networks"] else ", none for images")))
         stages.append((f"&emsp;with its share in {measuring.config['retention_hours']} h",
                        segment + share * own, shared, "", ""))
     return stages
+
+
+def forms_of(found: dict[str, Any]) -> str:
+    """What images were kept as: "304 of 304 images as AV1, no network"."""
+    rows = found["images"]
+    forms = {"latents": "latent_rows", "refined latents": "refined_rows",
+             "latents with a residual": "residual_rows", "AV1": "video_rows",
+             "FFV1": "lossless_rows"}
+    text = ", ".join(f"{rows[member]:,} of {rows['rows']:,} images as {form}"
+                     for form, member in forms.items() if rows[member])
+    return text + ("" if found["has_networks"] else ", no network")
 
 
 def _stage_row(case: dict[str, Any], name: str, images: float | None, numbers: float | None,
@@ -193,7 +206,8 @@ def _draw_case(axis: Any, case: dict[str, Any]) -> None:
         one = case["auto"]
         model = one["model_bytes"] / case["stages"]["frames"] if one["has_networks"] else 0
         axis.plot([one["bytes"] + model], [one["psnr_db"]], "D", color=charts.COLOURS["purple"],
-                  ms=6, label="ours, every image bounded")
+                  ms=6, label="ours, every image bounded" + (
+                      "" if one["has_networks"] else ": all of it AV1, no network"))
     axis.set_xscale("log")
     charts.format_values(axis.xaxis, lambda size: f"{size:,.0f}")
 
@@ -207,6 +221,10 @@ def at_bytes(points: list[tuple[float, float]], size: float) -> float:
     return float(PchipInterpolator(logs, list(best.values()))(math.log(size)))
 
 
+def _without_network(found: dict[str, Any] | None) -> str:
+    return " (no network)" if found and not found["has_networks"] else ""
+
+
 def _equal_table(cases: list[dict[str, Any]]) -> Table:
     curves = list(dict.fromkeys((one["title"], one["group"]) for case in cases
                                 for one in case["codecs"]))
@@ -217,8 +235,8 @@ def _equal_table(cases: list[dict[str, Any]]) -> Table:
         found = [(f"{case['dataset']}, {case['side']}, latents at {asked['psnr']}", one)
                  for asked, one in zip(case["targets"], case["latents"], strict=True)]
         if case["auto_db"]:
-            found.append((f"{case['dataset']}, {case['side']}, all at {case['auto_db']}",
-                          case["auto"]))
+            found.append((f"{case['dataset']}, {case['side']}, all at {case['auto_db']}"
+                          + _without_network(case["auto"]), case["auto"]))
         for name, one in found:
             row = [name]
             if one is None:
@@ -272,7 +290,7 @@ def _samples(measuring: Measuring, cases: list[dict[str, Any]]) -> Figure | None
     rows, labels, below = [], [], []
     titles = ["recorded"]
     for case in cases:
-        known = [one for one in case["latents"] if one]
+        known = [one for one in case["latents"] if one and pathlib.Path(one["store"]).exists()]
         if not known or not case["codecs"]:
             continue
         ours = known[len(known) // 2]

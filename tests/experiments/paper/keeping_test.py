@@ -2,6 +2,7 @@
 """What is kept of a run goes into the project: no images of recordings are in it."""
 
 import argparse
+import json
 import pathlib
 
 import pytest
@@ -22,10 +23,11 @@ def root(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Pat
     return tmp_path
 
 
-def run(root: pathlib.Path) -> tuple[measuring.Measuring, Section]:
+def run(root: pathlib.Path, networks_from: pathlib.Path | None = None,
+        ) -> tuple[measuring.Measuring, Section]:
     options = argparse.Namespace(
         engram=root / "engram", programs=root, recordings="", profile="short", work=root / "work",
-        again=False, minutes=1, keep=True)
+        again=False, minutes=1, keep=True, networks_from=networks_from)
 
     def show(one: measuring.Measuring, found: object) -> Section:
         section = Section("transfer", "Transfer")
@@ -45,6 +47,28 @@ def test_images_of_recordings_are_not_kept(root):
     run(root)
     assert sorted(file.name for file in stale.parent.iterdir()) == ["curves.png", "result.json"]
     assert (stale.parent / "curves.png").read_bytes() == b"curves"
+
+
+def test_networks_of_an_earlier_run_are_named_and_their_pictures_stay(root):
+    results = root / "experiments" / "transfer" / "results"
+    results.mkdir()
+    drawn = results / "drawn.png"
+    drawn.touch()
+    earlier = root / "earlier.json"
+    earlier.write_text('{"found": [{"dataset": "g1", "latents": 5}]}')
+    one, _ = run(root, earlier)
+    assert drawn.exists()
+    assert one.earlier({"dataset": "g1"}) == {"dataset": "g1", "latents": 5}
+    with pytest.raises(SystemExit, match="kitchen"):
+        one.earlier({"dataset": "kitchen"})
+    kept = json.loads((results / "result.json").read_text())
+    assert kept["networks_from"] == measuring.file_fingerprint(earlier)
+    # A result that was itself made so names the first one.
+    again = root / "again.json"
+    again.write_text(json.dumps({**kept, "found": []}))
+    run(root, again)
+    assert json.loads((results / "result.json").read_text())["networks_from"] == (
+        kept["networks_from"])
 
 
 def test_a_report_names_the_sources_of_every_result(root, monkeypatch):

@@ -15,7 +15,7 @@ def make(tmp_path: pathlib.Path):
     def measuring(minutes: float = 1, again: bool = False) -> Measuring:
         return Measuring("transfer", argparse.Namespace(
             engram=tmp_path / "engram", programs=tmp_path, recordings="", profile="short",
-            work=tmp_path, again=again, minutes=minutes))
+            work=tmp_path, again=again, minutes=minutes, networks_from=None))
 
     return measuring
 

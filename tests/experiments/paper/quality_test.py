@@ -36,6 +36,15 @@ def test_order_of_points_says_nothing():
     assert quality.bd_rate(CURVE, CURVE[::-1]) == pytest.approx(0)
 
 
+def test_bytes_at_a_quality_lie_between_points():
+    assert quality.bytes_at(CURVE, 33.0) == pytest.approx(200)
+    assert 200 < quality.bytes_at(CURVE[::-1], 34.0) < 400
+    # Worse than what was measured takes no more than that; better is not known.
+    assert quality.bytes_at(CURVE, 20.0) == 100
+    assert quality.bytes_at(CURVE, 39.0) is None
+    assert quality.bytes_at([], 39.0) is None
+
+
 def test_curves_without_common_qualities_have_no_rate():
     assert quality.bd_rate(CURVE, [(size, db + 20) for size, db in CURVE]) is None
     assert quality.bd_rate(CURVE, CURVE[:1]) is None
