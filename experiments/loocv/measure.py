@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import pathlib
 import shutil
 from dataclasses import replace
@@ -12,11 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from experiments.loocv import agreement
-from experiments.paper import quality
+from experiments.paper import quality, video_coders
 from experiments.paper.measuring import Measuring
-from experiments.paper.recordings import (CAMERA, Dataset, datasets, entity_bytes, make_store,
-                                          recordings_of)
+from experiments.paper.recordings import (CAMERA, RATE_HZ, Dataset, datasets, entity_bytes,
+                                          make_store, recordings_of)
 
+# Key frames of rivals: as many as our chains have, which gives the same random access, and one.
+GROUPS = (16, 0)
 UNITS = {"arms": "rad", "joints": "rad", "heading": "rad", "hands": "of 0 to 1", "position": "m",
          "thing_position": "m"}
 
@@ -36,6 +39,10 @@ class _Case:
 
     def measure(self) -> dict[str, Any]:
         folds = recordings_of(self.store, CAMERA)
+        rivals = [self._rivals(number, times) for number, times in enumerate(folds, start=1)]
+        earlier = self.measuring.earlier({"dataset": self.dataset.name})
+        if earlier is not None:
+            return {**earlier, "rivals": rivals}
         images = [self._crossval(f"images, recording {number}", CAMERA, "image_budget", number)
                   for number in range(1, len(folds) + 1)]
         names = [name for name in entity_bytes(self.measuring, self.store) if name != CAMERA]
@@ -48,7 +55,29 @@ class _Case:
             "snapshots": [len(fold) for fold in folds], "images": images,
             "numbers": {name: self._crossval(name.split("/")[-1], name, "number_budget")
                         for name in names},
-            "agreement": checked, "sample": self._sample(folds[-1])}
+            "agreement": checked, "rivals": rivals, "sample": self._sample(folds[-1])}
+
+    def _rivals(self, number: int, times: npt.NDArray[np.int64]) -> dict[str, Any]:
+        """What AV1 makes of the recording, by the distance of key frames: points, None where they
+        were not measured. It learns nothing, so that no recording is left out."""
+        coder = video_coders.av1(self.config["codec_effort"])
+        images: list[quality.Images] = []
+
+        def code(crf: int, group: int) -> dict[str, Any]:
+            if not images:
+                images.append(images_of(self.store, times))
+            return video_coders.point(images[0], coder, crf, group, RATE_HZ)
+
+        curves: dict[str, list[Any]] = {}
+        for group in GROUPS if video_coders.is_available(coder) else ():
+            for crf in self.dataset.options.get("rival_crfs", self.config["rival_crfs"]):
+                inputs = {"store": self.common["store"], "fold": number, "coder": coder.title,
+                          "options": list(coder.options), "pixels": video_coders.PIXELS,
+                          "crf": crf, "group": group}
+                curves.setdefault(str(group), []).append(self.measuring.measured(
+                    f"{self.dataset.name} {coder.title}, recording {number} crf {crf} "
+                    f"group {group}", inputs, functools.partial(code, crf, group)))
+        return {"title": coder.title, "curves": curves}
 
     def _crossval(self, what: str, entity: str, budget: str, fold: int | None = None) -> Any:
         inputs = self.common | {
@@ -108,6 +137,15 @@ class _Case:
 
     def _recordings(self) -> int:
         return len(recordings_of(self.store, CAMERA))
+
+
+def images_of(store: pathlib.Path, times: npt.NDArray[np.int64]) -> quality.Images:
+    """Images of a recording, as they were recorded."""
+    import engram
+
+    with engram.open(store) as memory:
+        return np.stack([one.image for one in
+                         memory[CAMERA].snapshots(int(times[0]), int(times[-1]))])
 
 
 def _liveliest(images: quality.Images, ahead: int) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.loocv.measure import UNITS, files
+from experiments.loocv.measure import GROUPS, UNITS, files
 from experiments.paper import charts, quality
 from experiments.paper.measuring import Measuring
 from experiments.paper.recordings import RATE_HZ
@@ -22,6 +22,7 @@ PAPER = {
 }
 VARIANTS = {"rate": "rate-aware", "ae": "AE", "vae": "VAE", "wae": "WAE"}
 BASELINES = {"copy-last": "copy of the last", "linear": "line per pixel", "flow": "optical flow"}
+KEYS = {16: "a key frame every 16", 0: "one key frame"}
 COLOURS = {"rate": "ours", "ae": "blue", "vae": "green", "wae": "purple",
            "copy-last": "grey", "linear": "brown", "flow": "orange"}
 
@@ -41,11 +42,12 @@ def show(measuring: Measuring, cases: list[dict[str, Any]]) -> Section:
         "compared is the protocol.")
     for case in cases:
         section.blocks.append(_fold_table(case, measuring.config["variants"]))
+        section.blocks.append(_rival_table(case, measuring.config["variants"]))
     section.blocks.append(_ahead_table(cases))
     if any(all(case["images"]) for case in cases):
         section.blocks.append(_curves(measuring, cases))
     for case in cases:
-        if case["sample"]:
+        if case["sample"] and files(case).exists():
             section.blocks.append(_strip(measuring, case))
     section.blocks.append(_number_table(cases))
     section.blocks.append(_agreement_table(cases))
@@ -69,6 +71,47 @@ def _fold_table(case: dict[str, Any], variants: list[str]) -> Table:
                  ["", *titles, "all"], rows,
                  "In brackets: images of the recording. “all” is the mean over images; of the "
                  "paper's figures the mean of the five.", paper=["the paper's AE"])
+
+
+def _rival_table(case: dict[str, Any], variants: list[str]) -> Table:
+    """Bytes of what was given back, and of AV1 at the same mean PSNR."""
+    folds = list(zip(case["images"], case["rivals"], strict=True))
+    titles = [f"{i + 1} left out ({count})" for i, count in enumerate(case["snapshots"])]
+    rows: list[list[str]] = []
+    for name in (one for one in VARIANTS if one in variants):
+        given = [fold and fold["variants"].get(name) for fold, _ in folds]
+        ours = [one and float(one["left_out_bytes"]) for one in given]
+        models = [one["model_bytes"] for one in given if one]
+        model = f", model {np.mean(models) / 1e6:.1f} MB" if models else ""
+        rows += [[f"{VARIANTS[name]}{model}"],
+                 ["bytes of an image", *map(_bytes, ours), _bytes(_mean(ours, case["snapshots"]))]]
+        for group in GROUPS:
+            found = [None if one is None else rival_bytes(
+                rival, group, float(one["left_out"]["mean_psnr_db"]))
+                for one, (_, rival) in zip(given, folds, strict=True)]
+            cells = [_bytes(one and one[0], one is not None and one[1]) for one in found]
+            mean = _mean([one and one[0] for one in found], case["snapshots"])
+            is_most = any(one is not None and one[1] for one in found)
+            rows.append([f"AV1, {KEYS[group]}", *cells, _bytes(mean, is_most)])
+    rival = next((one["title"] for one in case["rivals"] if one["curves"]), "AV1")
+    return Table(
+        f"{case['title']}: bytes of an image given back, and of {rival} at the same mean PSNR.",
+        ["", *titles, "all"], rows,
+        "Models were not trained on the recording, AV1 learns nothing. The model is not counted. "
+        "“≤”: the cheapest point of AV1 that was measured is better than ours. “all” is the mean "
+        "over images.")
+
+
+def rival_bytes(rival: dict[str, Any], group: int, db: float) -> tuple[float, bool] | None:
+    """Bytes of an image of AV1 at that mean PSNR, and whether they are the most that it needs: its
+    cheapest point is better. None: not measured, or not that good."""
+    points = [(one["bytes"], one["psnr_db"]) for one in rival["curves"].get(str(group), []) if one]
+    size = quality.bytes_at(points, db)
+    return None if size is None else (size, db < min(one for _, one in points))
+
+
+def _bytes(size: float | None, is_most: bool = False) -> str:
+    return number(None) if size is None else f"{'≤ ' if is_most else ''}{size:,.0f}"
 
 
 def _psnr(fold: dict[str, Any] | None, what: str, name: str) -> float | None:
