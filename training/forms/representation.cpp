@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "training/forms/video_effort.h"
 #include "training/forms/video_search.h"
 #include "training/quality/psnr.h"
 
@@ -13,8 +14,8 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kNames{"auto", "latents", "video", "corrected"};
 
-/// Images with more pixels are encoded with less effort.
-constexpr int64_t kManyPixels = 32'768;
+/// Of H.264 and H.265, which are quick.
+constexpr int kUsualEffort = 7;
 
 }  // namespace
 
@@ -48,11 +49,13 @@ Status RepresentationOptions::validate() const {
 }
 
 VideoSearchOptions RepresentationOptions::search(int64_t pixels) const {
-  // Measured with AV1 at 35 dB on images of 128 x 128 pixels, in bytes and processor time of an
-  // image: effort 7 takes 314 and 0.13 s, effort 6 5 % more and 0.07 s, effort 5 7 % more and 0.05
-  // s. The time grows with the pixels.
-  const int effort = video_effort != kAutoEffort ? video_effort : pixels <= kManyPixels ? 6 : 5;
-  return {video, effort, bound_db, video_tolerance_db};
+  const bool is_auto = video_effort == kAutoEffort;
+  std::string settings = fmt::format("effort={}", is_auto ? kUsualEffort : video_effort);
+  // Ten bits and an even quality: experiments/learning/LOG.md, "ladder of effort".
+  if (video == "av1")
+    settings =
+        is_auto ? std::string(usual_effort(pixels).codec_options) : settings + ",depth=10,spread=2";
+  return {video, std::move(settings), bound_db, video_tolerance_db};
 }
 
 }  // namespace engram::training

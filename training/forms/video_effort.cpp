@@ -41,4 +41,18 @@ double seconds_per_image(const VideoEffort& effort, int64_t pixels) {
   return effort.seconds[low] * std::pow(effort.seconds[low + 1] / effort.seconds[low], share);
 }
 
+const VideoEffort& effort_within(double seconds, int64_t pixels) {
+  for (const VideoEffort& effort : kVideoEfforts)
+    if (seconds_per_image(effort, pixels) <= seconds) return effort;
+  return kVideoEfforts.back();
+}
+
+// A night may take 0.07 s for an image of 128 x 128 pixels and 0.15 s for one of 640 x 480. Three
+// quarters of that are for encoding, and a chain needs 1.3 encodes.
+const VideoEffort& usual_effort(int64_t pixels) {
+  constexpr double kSeconds = 0.04, kGrowth = 0.265;
+  const double size = static_cast<double>(pixels) / static_cast<double>(kMeasuredPixels.front());
+  return effort_within(kSeconds * std::pow(size, kGrowth), pixels);
+}
+
 }  // namespace engram::training

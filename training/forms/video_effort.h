@@ -32,4 +32,12 @@ inline constexpr std::array<int64_t, 3> kMeasuredPixels{128 * 128, 256 * 256, 64
 /// `pixels` must be positive (checked).
 [[nodiscard]] double seconds_per_image(const VideoEffort& effort, int64_t pixels);
 
+/// Returns the rung with the fewest bytes whose encode of one image takes at most so many seconds,
+/// or the quickest one.
+[[nodiscard]] const VideoEffort& effort_within(double seconds, int64_t pixels);
+
+/// Returns the rung of a usual night: eight hours of two cameras at 5 Hz are encoded in eight hours
+/// of two cores, everything else included.
+[[nodiscard]] const VideoEffort& usual_effort(int64_t pixels);
+
 }  // namespace engram::training

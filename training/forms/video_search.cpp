@@ -80,7 +80,7 @@ Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std
     crf = std::clamp(crf, good + 1, bad - 1);
     ENGRAM_ASSIGN_OR_RETURN(
         FoundVideo video,
-        encode(images, fmt::format("{}:crf={},effort={}", options_.codec, crf, options_.effort)));
+        encode(images, fmt::format("{}:crf={},{}", options_.codec, crf, options_.settings)));
     video.quality = crf;
     const double worst = worst_db(video);
     result.trials.push_back({crf, worst, video.bytes.size()});

@@ -33,8 +33,9 @@ struct VideoSearchResult {
 
 struct VideoSearchOptions {
   std::string codec = "av1";  ///< Or "h265", "h264".
-  int effort = 7;             ///< The option of the codec.
-  double bound_db = 0;        ///< Every image has at least this PSNR.
+  /// What follows crf in the codec's text, as in "av1:crf=32,effort=7".
+  std::string settings = "effort=7";
+  double bound_db = 0;  ///< Every image has at least this PSNR.
   /// The search ends at a quality that is at most so much above the bound. With 0 it finds the
   /// worst quality that keeps the bound, which takes at least two encodes.
   double tolerance_db = 0;

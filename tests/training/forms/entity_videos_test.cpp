@@ -20,7 +20,7 @@ std::vector<idf::NdArray> images_of(uint8_t start) {
   return images;
 }
 
-const VideoSearchOptions kOptions{.codec = "h264", .effort = 1, .bound_db = 34};
+const VideoSearchOptions kOptions{.codec = "h264", .settings = "effort=1", .bound_db = 34};
 
 TEST(EntityVideos, KnowsOnlyTheSameImages) {
   EntityVideos videos(1, kOptions);

@@ -36,7 +36,7 @@ double lowest_db(const FoundVideo& video) {
 
 TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
   const auto run = images(6);
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36});
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 36});
   const auto found = search.find(run);
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   ASSERT_TRUE(found->has_value());
@@ -53,7 +53,7 @@ TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
 
 TEST(VideoSearch, FindsTheSameFromAnotherStart) {
   const auto run = images(6);
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36});
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 36});
   const auto first = search.find(run);
   const auto again = search.find(run);
   ASSERT_TRUE(first.ok() && again.ok());
@@ -62,7 +62,7 @@ TEST(VideoSearch, FindsTheSameFromAnotherStart) {
 }
 
 TEST(VideoSearch, KeepsWithoutLossWhatNoQualityReaches) {
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 59.9});
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 59.9});
   const auto found = search.find(images(3));
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   ASSERT_TRUE(found->has_value());
@@ -73,7 +73,7 @@ TEST(VideoSearch, KeepsWithoutLossWhatNoQualityReaches) {
 TEST(VideoSearch, FindsNothingForWhatNoCodecTakes) {
   const std::vector<idf::NdArray> tiny{
       idf::NdArray::take<uint8_t>({8, 8, 3}, std::vector<uint8_t>(8 * 8 * 3))};
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36});
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 36});
   const auto found = search.find(tiny);
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   const bool takes = (*ltm::make_group_codec("ffv1"))->accepts(tiny[0].type(), tiny[0].shape());
@@ -81,7 +81,7 @@ TEST(VideoSearch, FindsNothingForWhatNoCodecTakes) {
 }
 
 TEST(VideoSearch, NeedsOneEncodeOnceItKnowsTheImages) {
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36, .tolerance_db = 1});
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 36, .tolerance_db = 1});
   for (int chain = 0; chain < 6; ++chain) {
     const auto found = search.find(images(6));
     ASSERT_TRUE(found.ok() && found->has_value());
@@ -95,7 +95,8 @@ TEST(VideoSearch, NeedsOneEncodeOnceItKnowsTheImages) {
 }
 
 TEST(VideoSearch, KeepsTheBoundWhereImagesChangeAtOnce) {
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 36, .tolerance_db = 0.5});
+  VideoSearch search(
+      {.codec = "h264", .settings = "effort=1", .bound_db = 36, .tolerance_db = 0.5});
   std::vector<idf::NdArray> grey;
   for (int i = 0; i < 4; ++i)
     grey.push_back(
@@ -109,7 +110,7 @@ TEST(VideoSearch, KeepsTheBoundWhereImagesChangeAtOnce) {
 }
 
 TEST(VideoSearch, LeavesTheLosslessCodecWhereItCannotWin) {
-  VideoSearch search({.codec = "h264", .effort = 1, .bound_db = 30});
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 30});
   const auto first = search.search(images(6));
   ASSERT_TRUE(first.ok());
   ASSERT_TRUE(first->lossless && first->lossy);
