@@ -217,10 +217,8 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::IsMember({"av1", "h265", "h264"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--video-effort", options.representation.video_effort,
-          "Effort of the video codec, 0 to 9: more takes fewer bytes and more time; else 6, "
-          "or 5 for images of more than 32,768 pixels")
+      ->add_option("--video-effort", options.representation.video_effort,
+                   "Effort of the video codec, 0 to 9: more takes fewer bytes and more time")
       ->default_str("by size");
   command
       ->add_option(
