@@ -91,8 +91,8 @@ def _rival_table(case: dict[str, Any], variants: list[str]) -> Table:
                 for one, (_, rival) in zip(given, folds, strict=True)]
             cells = [_bytes(one and one[0], one is not None and one[1]) for one in found]
             mean = _mean([one and one[0] for one in found], case["snapshots"])
-            is_most = any(one is not None and one[1] for one in found)
-            rows.append([f"AV1, {KEYS[group]}", *cells, _bytes(mean, is_most)])
+            is_upper_bound = any(one is not None and one[1] for one in found)
+            rows.append([f"AV1, {KEYS[group]}", *cells, _bytes(mean, is_upper_bound)])
     rival = next((one["title"] for one in case["rivals"] if one["curves"]), "AV1")
     return Table(
         f"{case['title']}: bytes of an image given back, and of {rival} at the same mean PSNR.",
@@ -110,8 +110,8 @@ def rival_bytes(rival: dict[str, Any], group: int, db: float) -> tuple[float, bo
     return None if size is None else (size, db < min(one for _, one in points))
 
 
-def _bytes(size: float | None, is_most: bool = False) -> str:
-    return number(None) if size is None else f"{'≤ ' if is_most else ''}{size:,.0f}"
+def _bytes(size: float | None, is_upper_bound: bool = False) -> str:
+    return number(None) if size is None else f"{'≤ ' if is_upper_bound else ''}{size:,.0f}"
 
 
 def _psnr(fold: dict[str, Any] | None, what: str, name: str) -> float | None:

@@ -53,8 +53,8 @@ VideoSearchOptions RepresentationOptions::search(int64_t pixels) const {
   std::string settings = fmt::format("effort={}", is_auto ? kUsualEffort : video_effort);
   // Ten bits and an even quality: experiments/learning/LOG.md, "ladder of effort".
   if (video == "av1")
-    settings =
-        is_auto ? std::string(usual_effort(pixels).codec_options) : settings + ",depth=10,spread=2";
+    settings = is_auto ? std::string(usual_effort(std::max<int64_t>(pixels, 1)).codec_options)
+                       : settings + ",depth=10,spread=2";
   return {video, std::move(settings), bound_db, video_tolerance_db};
 }
 
