@@ -19,13 +19,13 @@ def case(db: float) -> dict:
 
 def test_a_rival_is_told_at_the_quality_that_ours_reach():
     assert loocv.rival_bytes(case(0)["rivals"][0], 16, 31.0) == (pytest.approx(90), False)
-    size, is_most = loocv.rival_bytes(case(0)["rivals"][0], 16, 29.5)
-    assert (50 < size < 90) and not is_most
+    size, is_upper_bound = loocv.rival_bytes(case(0)["rivals"][0], 16, 29.5)
+    assert (50 < size < 90) and not is_upper_bound
     assert loocv.rival_bytes(case(0)["rivals"][0], 16, 32.0) is None
     assert loocv.rival_bytes({"curves": {}}, 16, 30.0) is None
 
 
-def test_a_rival_that_is_better_at_its_cheapest_takes_at_most_that():
+def test_a_rival_that_is_better_at_its_cheapest_takes_no_more_than_that():
     table = loocv._rival_table(case(27.0), ["rate"])
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["bytes of an image"] == ["311", "311", "311"]

@@ -65,7 +65,7 @@ def test_tuning_for_psnr_pays_by_psnr(name):
     assert quality.bd_rate(*curves) < 0
 
 
-def test_a_point_is_the_mean_and_the_least_of_its_images():
+def test_a_point_is_the_mean_and_the_minimum_of_its_images():
     coder = video_coders.av1("quick")
     if not video_coders.is_available(coder):
         pytest.skip(f"FFmpeg has no {coder.encoder}")
