@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <ranges>
 #include <thread>
 #include <utility>
 
@@ -315,14 +314,16 @@ Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
   const uint64_t background = background_bytes(chains.front());
   uint64_t mixed = background, video = 0;
   bool needs_latents = false, keeps_latents = false;
-  for (const Choice& choice : choices | std::views::join) {
-    mixed += choice.smallest().bytes;
-    if (choice.latents) counts_.residual_bytes += as_int(choice.latents->bytes);
-    keeps_latents = keeps_latents || choice.keeps_latents();
-    if (choice.video)
-      video += choice.video->bytes;
-    else
-      needs_latents = true;
+  for (const Choices& of_chain : choices) {
+    for (const Choice& choice : of_chain) {
+      mixed += choice.smallest().bytes;
+      if (choice.latents) counts_.residual_bytes += as_int(choice.latents->bytes);
+      keeps_latents = keeps_latents || choice.keeps_latents();
+      if (choice.video)
+        video += choice.video->bytes;
+      else
+        needs_latents = true;
+    }
   }
   if (has_networks()) {
     counts_.latent_bytes += as_int(background);

@@ -2,9 +2,11 @@
 #include "training/forms/entity_videos.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 #include "ltm/codec/group_codec.h"
+#include "ltm/core/mutex.h"
 #include "ltm/store/checksum.h"
 #include "training/quality/psnr.h"
 
@@ -15,6 +17,8 @@ namespace {
 /// A stored video that is better than the bound by more is searched for again: it was made for
 /// another bound. Unit: dB.
 constexpr double kMaxSpareDb = 1.5;
+/// A day's images of one camera of 640 x 480 pixels take 100 MB.
+constexpr uint64_t kMaxBytes = uint64_t{256} << 20;
 
 uint64_t key_of(std::span<const idf::NdArray> images) {
   std::vector<uint64_t> sums;
@@ -32,8 +36,18 @@ uint64_t bytes_of_video(const VideoSearchResult& found) {
 
 }  // namespace
 
+/// Videos by the key of their images.
+struct EntityVideos::Found {
+  Mutex mutex;
+  std::unordered_map<uint64_t, VideoSearchResult> of_key ENGRAM_GUARDED_BY(mutex);
+  uint64_t bytes ENGRAM_GUARDED_BY(mutex) = 0;
+  uint64_t reused ENGRAM_GUARDED_BY(mutex) = 0;
+};
+
 EntityVideos::EntityVideos(size_t members, const VideoSearchOptions& options)
-    : searches_(members, VideoSearch(options)) {}
+    : searches_(members, VideoSearch(options)), found_(std::make_unique<Found>()) {}
+
+EntityVideos::~EntityVideos() = default;
 
 std::shared_ptr<EntityVideos> EntityVideos::without_videos() const {
   auto copy = std::make_shared<EntityVideos>(0, VideoSearchOptions());
@@ -43,19 +57,19 @@ std::shared_ptr<EntityVideos> EntityVideos::without_videos() const {
 
 std::optional<VideoSearchResult> EntityVideos::find(std::span<const idf::NdArray> images) const {
   const uint64_t key = key_of(images);
-  const MutexLock lock(mutex_);
-  const auto found = found_.find(key);
-  if (found == found_.end()) return std::nullopt;
-  ++reused_;
+  const MutexLock lock(found_->mutex);
+  const auto found = found_->of_key.find(key);
+  if (found == found_->of_key.end()) return std::nullopt;
+  ++found_->reused;
   return found->second;
 }
 
 void EntityVideos::add(std::span<const idf::NdArray> images, const VideoSearchResult& found) {
   const uint64_t key = key_of(images);
   const uint64_t bytes = bytes_of_video(found);
-  const MutexLock lock(mutex_);
-  if (bytes == 0 || bytes_ + bytes > kMaxBytes) return;
-  if (found_.emplace(key, found).second) bytes_ += bytes;
+  const MutexLock lock(found_->mutex);
+  if (bytes == 0 || found_->bytes + bytes > kMaxBytes) return;
+  if (found_->of_key.emplace(key, found).second) found_->bytes += bytes;
 }
 
 Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> images,
@@ -85,8 +99,8 @@ Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> ima
 }
 
 uint64_t EntityVideos::reused() const {
-  const MutexLock lock(mutex_);
-  return reused_;
+  const MutexLock lock(found_->mutex);
+  return found_->reused;
 }
 
 }  // namespace engram::training

@@ -5,10 +5,8 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
-#include "ltm/core/mutex.h"
 #include "training/forms/video_search.h"
 
 namespace engram::training {
@@ -22,6 +20,7 @@ class EntityVideos {
  public:
   /// `members` is the number of image members.
   EntityVideos(size_t members, const VideoSearchOptions& options);
+  ~EntityVideos();
 
   /// Knows how quality follows from crf, but no video.
   [[nodiscard]] std::shared_ptr<EntityVideos> without_videos() const;
@@ -32,7 +31,7 @@ class EntityVideos {
   /// What was found for these images, which are recognised by a hash of 64 bits of their pixels.
   [[nodiscard]] std::optional<VideoSearchResult> find(std::span<const idf::NdArray> images) const;
 
-  /// Keeps what was found for these images, if it is a video and within kMaxBytes of all.
+  /// Keeps what was found for these images, if it is a video and within 256 MiB of all.
   void add(std::span<const idf::NdArray> images, const VideoSearchResult& found);
 
   /// Keeps a lossy video that the store holds of these images, if it keeps the bound. It is decoded
@@ -45,14 +44,10 @@ class EntityVideos {
   [[nodiscard]] uint64_t reused() const;
 
  private:
-  /// A day's images of one camera of 640 x 480 pixels take 100 MB.
-  static constexpr uint64_t kMaxBytes = uint64_t{256} << 20;
+  struct Found;
 
   std::vector<VideoSearch> searches_;
-  mutable Mutex mutex_;
-  std::unordered_map<uint64_t, VideoSearchResult> found_ ENGRAM_GUARDED_BY(mutex_);
-  uint64_t bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
-  mutable uint64_t reused_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  std::unique_ptr<Found> found_;
 };
 
 }  // namespace engram::training
