@@ -10,6 +10,10 @@ from experiments.loocv.show import worst_disagreement
 from experiments.paper.recordings import CAMERA
 
 MAX_DISAGREEMENT = 1e-6  # dB, or of SSIM.
+# What networks draw depends on the order in which threads add: the night measured with one thread,
+# the reader draws with all of them, and a value next to a half is then rounded to the other side.
+# One of 200,000 values at 21 dB is 2e-6 dB.
+MAX_ROUNDING_DB = 1e-4
 FOLDER = pathlib.Path(sys.argv[1])
 
 
@@ -31,7 +35,7 @@ for case in found["storage"]:
          f"images of {case['dataset']}: {images} do not get smaller from stage to stage")
     need(any(case["latents"]), f"no latents of {case['dataset']}")
     for one in filter(None, case["latents"]):
-        need(abs(one["psnr_db"] - one["program_psnr_db"]) < MAX_DISAGREEMENT,
+        need(abs(one["psnr_db"] - one["program_psnr_db"]) < MAX_ROUNDING_DB,
              f"latents: found {one['program_psnr_db']} dB, scikit-image says {one['psnr_db']}")
 worst = worst_disagreement(found["loocv"])
 need(worst < MAX_DISAGREEMENT, f"scikit-image differs by {worst}")
