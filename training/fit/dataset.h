@@ -31,7 +31,10 @@ struct Dataset {
   std::vector<double> mean;       ///< Per number.
   std::vector<double> deviation;  ///< Per number; 0 if it never changed.
   std::vector<Time> times;
-  std::vector<Sequence> sequences;  ///< Sequences to train on.
+  std::vector<Sequence> sequences;  ///< Recordings to train on, or runs of them (thinning.h).
+  /// Per sequence: first row of the held-out end of its recording, which prediction is not trained
+  /// on.
+  std::vector<size_t> first_held_out;
   size_t left_out_sequences = 0;
   std::vector<torch::Tensor> images;  ///< Per image member: pixels [n, H, W, C].
   torch::Tensor numbers;              ///< Normalised [n, N]; undefined without numbers.

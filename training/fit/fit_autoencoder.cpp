@@ -11,7 +11,6 @@
 #include "training/fit/latent_regulariser.h"
 #include "training/fit/row_sampler.h"
 #include "training/fit/view_change.h"
-#include "training/fit/windows.h"
 
 namespace engram::training {
 
@@ -38,9 +37,7 @@ constexpr double kRecent = 0.02;
 
 /// Makes a sampler that separates the rows that the dynamics must not learn from.
 RowSampler make_sampler(const Dataset& data) {
-  std::vector<size_t> first_held_out;
-  for (const Sequence& sequence : data.sequences) first_held_out.push_back(held_out_from(sequence));
-  return {data.sequences, first_held_out, data.is_known};
+  return {data.sequences, data.first_held_out, data.is_known};
 }
 
 /// The same for augmented rows: rows made of such rows are separated too.

@@ -36,7 +36,7 @@ Result<FitStep> fit_dynamics(encoders::DeepModel& model, const Dataset& data,
                              FitLoop& loop) {
   FitStep result;
   Smoothed loss_mean(0.05);
-  const auto rows = make_windows(data.sequences, kTrainedHorizons).training;
+  const auto rows = make_windows(data.sequences, data.first_held_out, kTrainedHorizons).training;
   if (rows.empty() || model.dynamics->parameters().empty()) return result;
   const FrozenParameters frozen(*model.autoencoder);
   torch::optim::Adam optimiser(model.dynamics->parameters(),

@@ -22,7 +22,8 @@ constexpr double kMaxMotionGradient = 1.0;
 constexpr double kMinError = 4.0;
 constexpr double kRecent = 0.05;
 /// Training ends after kMaxPasses passes over the windows, but not before kFewestSteps steps: more
-/// passes memorise recordings and were worse on left-out ones.
+/// passes memorise recordings and were worse on left-out ones. Chosen on the same five recordings
+/// as kMinGainOfLatents.
 constexpr int64_t kMaxPasses = 5;
 constexpr int64_t kFewestSteps = 400;
 /// Share of the batches without conditions.
@@ -141,7 +142,8 @@ Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
                            const TrainOptions& options, FitLoop& loop) {
   FitStep result;
   Smoothed loss_mean(kRecent);
-  const auto rows = make_windows(data.sequences, ImageMotionImpl::kSteps).training;
+  const auto rows =
+      make_windows(data.sequences, data.first_held_out, ImageMotionImpl::kSteps).training;
   auto& images = model.dynamics->images;
   if (rows.empty() || images.empty()) return result;
   std::vector<Tensor> parameters;

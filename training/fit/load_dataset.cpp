@@ -8,6 +8,7 @@
 
 #include "training/fit/augmented_rows.h"
 #include "training/fit/scenes.h"
+#include "training/fit/thinning.h"
 
 namespace engram::training {
 
@@ -24,22 +25,9 @@ uint64_t value_bytes(const encoders::TensorPlan& plan) {
   return bytes;
 }
 
-/// Number of snapshots that stay together if not all are used, because windows need neighbours.
-constexpr size_t kRunLength = 32;
-
-/// Every `stride`-th run of every sequence.
-std::vector<Sequence> thinned(std::span<const Sequence> sequences, size_t stride) {
-  if (stride == 1) return {sequences.begin(), sequences.end()};
-  std::vector<Sequence> runs;
-  for (const Sequence& sequence : sequences)
-    for (size_t i = sequence.first; i < sequence.end; i += stride * kRunLength)
-      runs.push_back({i, std::min(i + kRunLength, sequence.end)});
-  return runs;
-}
-
-size_t total_size(std::span<const Sequence> sequences) {
+size_t total_size(std::span<const SnapshotRun> runs) {
   size_t total = 0;
-  for (const Sequence& sequence : sequences) total += sequence.size();
+  for (const SnapshotRun& run : runs) total += run.rows.size();
   return total;
 }
 
@@ -101,11 +89,10 @@ class Loader {
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
     ENGRAM_ASSIGN_OR_RETURN(
         data_.plan, encoders::TensorPlan::create(source_.layout.value_or(idf::Layout::of(first))));
-    const uint64_t needed = value_bytes(data_.plan) * total_size(sequences);
-    const size_t stride = std::max<uint64_t>(1, (needed + memory_bytes - 1) / memory_bytes);
-    const std::vector<Sequence> runs = thinned(sequences, stride);
+    const std::vector<SnapshotRun> runs =
+        thinned(sequences, memory_bytes / std::max<uint64_t>(value_bytes(data_.plan), 1));
     allocate(static_cast<int64_t>(total_size(runs)));
-    for (const Sequence& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
+    for (const SnapshotRun& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
     ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
     choose_scales();
     normalise();
@@ -140,23 +127,25 @@ class Loader {
     return {};
   }
 
-  Status read(const Sequence& run) {
+  Status read(const SnapshotRun& run) {
+    const auto& [rows, first_held_out] = run;
     const size_t row = data_.times.size();
-    for (size_t i = 0; i < run.size(); ++i)
-      ENGRAM_RETURN_IF_ERROR(read(run.first + i, static_cast<int64_t>(row + i)));
-    data_.sequences.push_back({row, row + run.size()});
+    for (size_t i = 0; i < rows.size(); ++i)
+      ENGRAM_RETURN_IF_ERROR(read(rows.first + i, static_cast<int64_t>(row + i)));
+    data_.sequences.push_back({row, row + rows.size()});
+    data_.first_held_out.push_back(row + (first_held_out - rows.first));
     return {};
   }
 
   /// Reads all conditions, if any has numbers. Values with another layout than the first one count
   /// as unknown and become the mean.
-  Status read_conditions(std::span<const Sequence> runs) {
+  Status read_conditions(std::span<const SnapshotRun> runs) {
     if (!source_.read_condition || data_.images.empty()) return {};
     encoders::Condition condition;
     condition.entity = source_.condition_entity;
     std::vector<std::vector<double>> rows;
-    for (const Sequence& run : runs)
-      for (size_t index = run.first; index < run.end; ++index) {
+    for (const SnapshotRun& run : runs)
+      for (size_t index = run.rows.first; index < run.rows.end; ++index) {
         if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
         ENGRAM_ASSIGN_OR_RETURN(const auto value, source_.read_condition(index));
         auto& row = rows.emplace_back();

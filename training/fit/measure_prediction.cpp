@@ -25,6 +25,7 @@ constexpr std::array<double, 5> kGates{0.0, 0.25, 0.5, 0.75, 1.0};
 constexpr double kMinImageChange = 1.0;
 /// Min gain of a prediction with latents over one by motion alone. The autoencoder was trained on
 /// the held-out windows too, so latents look better here than on new recordings. Unit: dB.
+/// Chosen on five recordings that were left out (docs/learning_methods.md, "Prediction").
 constexpr double kMinGainOfLatents = 0.5;
 /// Min change of numbers, in their deviations.
 constexpr double kMinNumberChange = 0.01;
@@ -224,7 +225,7 @@ size_t steps_after(const Dataset& data, int64_t row) {
 /// Measures copies on all windows. They learn nothing, so training data is valid for them.
 Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
   const auto& shape = model.autoencoder->shape;
-  auto [rows, held_out] = make_windows(data.sequences, 1);
+  auto [rows, held_out] = make_windows(data.sequences, data.first_held_out, 1);
   rows.insert(rows.end(), held_out.begin(), held_out.end());
   std::ranges::sort(rows);
   const size_t stride = std::max<size_t>(1, rows.size() / kMaxWindows);
@@ -244,7 +245,7 @@ Measured measure_copies(const encoders::DeepModel& model, const Dataset& data) {
 Measured measure(encoders::DeepModel& model, const Dataset& data, ltm::PredictorInputs told) {
   const auto& shape = model.autoencoder->shape;
   const std::vector<BlendShares> shares = image_shares();
-  const std::vector<int64_t> rows = make_windows(data.sequences, 1).held_out;
+  const std::vector<int64_t> rows = make_windows(data.sequences, data.first_held_out, 1).held_out;
   const size_t stride = std::max<size_t>(1, rows.size() / kMaxWindows);
   Measured measured;
   for (size_t w = 0; w < rows.size(); w += stride) {

@@ -94,15 +94,25 @@ void add_spans(std::vector<encoders::TimeSpan>& spans,
   spans = std::move(all);
 }
 
-/// Writes the description of the data for the report and the model file.
-void describe(const Dataset& data, const WarmStart& start, encoders::Provenance& provenance) {
+/// The recordings of a source that are trained on.
+std::vector<Sequence> trained_recordings(const TrainingSource& source, const Dataset& data) {
+  std::vector<Sequence> recordings = cut_sequences(source.times);
+  recordings.resize(recordings.size() - data.left_out_sequences);
+  return recordings;
+}
+
+/// Writes the description of the data for the report and the model file. Spans are those of whole
+/// recordings, even if only runs of them fit into memory: a snapshot between two runs is seconds
+/// from what was trained on, and does not count as never seen.
+void describe(const TrainingSource& source, const Dataset& data, const WarmStart& start,
+              encoders::Provenance& provenance) {
   provenance.snapshots = static_cast<int64_t>(data.size());
-  for (const Sequence& sequence : data.sequences) {
+  for (const Sequence& recording : trained_recordings(source, data)) {
     provenance.autoencoder_spans.push_back(
-        {data.times[sequence.first], data.times[sequence.end - 1]});
-    const size_t end = held_out_from(sequence);
-    if (end > sequence.first)
-      provenance.dynamics_spans.push_back({data.times[sequence.first], data.times[end - 1]});
+        {source.times[recording.first], source.times[recording.end - 1]});
+    const size_t end = held_out_from(recording);
+    if (end > recording.first)
+      provenance.dynamics_spans.push_back({source.times[recording.first], source.times[end - 1]});
   }
   if (!start.model) return;
   add_spans(provenance.autoencoder_spans, start.model->provenance.autoencoder_spans);
@@ -129,7 +139,7 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
         "{} augmented values were trained on, too; {} were made of what is not trained on", used,
         others - used));
   }
-  if (make_windows(data.sequences, 1).held_out.empty())
+  if (make_windows(data.sequences, data.first_held_out, 1).held_out.empty())
     report.notes.push_back("no recording is long enough to test predictions: they copy the last");
 }
 
@@ -198,7 +208,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   TrainReport report;
   report.snapshots = source.times.size();
   report.used_snapshots = data.size();
-  report.sequences = data.sequences.size() + data.left_out_sequences;
+  report.sequences = trained_recordings(source, data).size() + data.left_out_sequences;
   report.augmented = data.augmented ? data.augmented->size() : 0;
   report.autoencoder_steps = coded.step;
   report.dynamics_steps = checkpoints.predicted.step + motion.step;
@@ -225,7 +235,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   provenance.curve = checkpoints.curve.points();
   if (options.steps)
     for (encoders::CurvePoint& point : provenance.curve) point.seconds = 0;
-  describe(data, start, provenance);
+  describe(source, data, start, provenance);
   forget_gradients(model);
   return FittedModel{made, std::move(report)};
 }

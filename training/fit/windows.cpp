@@ -12,17 +12,19 @@ constexpr double kHeldOutShare = 0.15;
 
 }  // namespace
 
-size_t held_out_from(const Sequence& sequence) {
+size_t held_out_from(const Sequence& recording) {
   const auto held_out =
-      static_cast<size_t>(std::ceil(kHeldOutShare * static_cast<double>(sequence.size())));
-  return sequence.end - std::min(held_out, sequence.size());
+      static_cast<size_t>(std::ceil(kHeldOutShare * static_cast<double>(recording.size())));
+  return recording.end - std::min(held_out, recording.size());
 }
 
-Windows make_windows(std::span<const Sequence> sequences, int horizon) {
+Windows make_windows(std::span<const Sequence> sequences, std::span<const size_t> first_held_out,
+                     int horizon) {
   Windows windows;
   const auto ahead = static_cast<size_t>(horizon);
-  for (const Sequence& sequence : sequences) {
-    const size_t limit = held_out_from(sequence);
+  for (size_t i = 0; i < sequences.size(); ++i) {
+    const Sequence& sequence = sequences[i];
+    const size_t limit = first_held_out[i];
     for (size_t row = sequence.first + 1; row + ahead < sequence.end; ++row) {
       if (row + ahead < limit)
         windows.training.push_back(static_cast<int64_t>(row));

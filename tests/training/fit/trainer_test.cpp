@@ -289,11 +289,22 @@ TEST(Trainer, SamplesEvenlyWhatDoesNotFitIntoMemoryAndSaysSo) {
   const ScratchPath file("sampled");
   auto options = quick_options(4);
   options.memory_bytes = 100 * (40 * 48 * 3 + 24);
-  const auto report = train_model(scene_source(200), options, file.path(), {}, {});
+  const auto source = scene_source(200);
+  const auto report = train_model(source, options, file.path(), {}, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_LE(report->used_snapshots, 110u);
   EXPECT_GE(report->used_snapshots, 80u);
+  EXPECT_EQ(report->sequences, 1u);
   EXPECT_EQ(report->notes.size(), 1u);
+  // What lies between is seconds from what was trained on and does not count as never seen.
+  const auto provenance = encoders::read_provenance(file.path());
+  ASSERT_TRUE(provenance.ok());
+  ASSERT_EQ(provenance->autoencoder_spans.size(), 1u);
+  EXPECT_TRUE(provenance->autoencoder_spans[0].contains(source.times.front()));
+  EXPECT_TRUE(provenance->autoencoder_spans[0].contains(source.times.back()));
+  ASSERT_EQ(provenance->dynamics_spans.size(), 1u);
+  EXPECT_TRUE(provenance->dynamics_spans[0].contains(source.times[169]));
+  EXPECT_FALSE(provenance->dynamics_spans[0].contains(source.times[170]));
 }
 
 TEST(Trainer, StopsWhenAsked) {

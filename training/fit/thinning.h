@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "training/fit/sequences.h"
+
+namespace engram::training {
+
+/// Consecutive snapshots that are read for training. Those from `first_held_out` on are of the
+/// held-out end of their recording.
+struct SnapshotRun {
+  Sequence rows;
+  size_t first_held_out = 0;
+
+  friend bool operator==(const SnapshotRun&, const SnapshotRun&) = default;
+};
+
+/// Chooses what is read of recordings: all if they have at most `max_rows` snapshots. Otherwise
+/// runs of at most 32 snapshots, evenly spaced over all recordings, and at least one run each of
+/// what is trained on and of what is held out. What is held out stays the end of a recording, so
+/// that it is as far from training as without thinning. The result is in the order of recordings.
+[[nodiscard]] std::vector<SnapshotRun> thinned(const std::vector<Sequence>& recordings,
+                                               size_t max_rows);
+
+}  // namespace engram::training
