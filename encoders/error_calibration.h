@@ -8,6 +8,10 @@
 
 namespace engram::encoders {
 
+/// Mean squared error of a black image and a white one, 0 dB. No bound of images is above it,
+/// because no image errs more. Unit: squared grey levels.
+inline constexpr double kMaxImageMse = 255.0 * 255.0;
+
 /// The error of predictions of one kind and horizon as a function of the change just before them:
 ///
 ///     scale = (change + min_change) ^ exponent

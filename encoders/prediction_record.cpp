@@ -12,7 +12,8 @@ ltm::ErrorEstimate PredictionRecord::estimate(const ltm::MeasuredError& change, 
   estimate.expected = {horizon.images.expected(change.image_mse),
                        horizon.numbers.expected(change.number_mse)};
   if (steps <= kMeasuredHorizons)
-    estimate.bound = {horizon.images.bound(change.image_mse),
+    // The order of the arguments keeps NaN, which is a bound that is not known.
+    estimate.bound = {std::min(horizon.images.bound(change.image_mse), kMaxImageMse),
                       horizon.numbers.bound(change.number_mse)};
   return estimate;
 }

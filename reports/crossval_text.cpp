@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ltm/memory/result.h"
+#include "reports/coverage_text.h"
 #include "reports/plain/text.h"
 
 namespace engram::reports {
@@ -86,7 +87,7 @@ std::string corrected_table(const CrossvalReport& report, size_t index) {
 std::string bound_table(const CrossvalReport& report, size_t index) {
   std::vector<std::string> header{fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability)};
   for (const char* ahead : {"next", "over-next"})
-    for (const char* what : {"within", "mean bound", "expected", "real"})
+    for (const char* what : {"within", "mean bound", "width", "expected", "real"})
       header.push_back(fmt::format("{}: {}", ahead, what));
   return table_of_folds(report, header, [index](const std::string& name, const CrossvalFold& fold) {
     const VariantQuality& variant = fold.variants[index];
@@ -97,8 +98,9 @@ std::string bound_table(const CrossvalReport& report, size_t index) {
       const training::Coverage& told =
           has_images ? variant.bound_coverage[ahead].images : variant.bound_coverage[ahead].numbers;
       const auto text = has_images ? db_text : number_text;
-      row.push_back(told.predictions > 0 ? fmt::format("{:.1f} %", 100 * told.share()) : "-");
+      row.push_back(within_text(told));
       row.push_back(text(told.mean_bound));
+      row.push_back(has_images ? image_width_text(told) : number_width_text(told));
       row.push_back(text(told.expected));
       row.push_back(text(has_images ? quality.pooled_psnr_db : quality.rmse));
     }

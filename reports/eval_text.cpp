@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ltm/memory/result.h"
+#include "reports/coverage_text.h"
 #include "reports/plain/output.h"
 #include "reports/plain/text.h"
 
@@ -55,23 +56,23 @@ void for_each_bound_coverage(const training::EntityEvaluation& entity, F add) {
 
 void print_bounds(const training::EntityEvaluation& entity) {
   TextTable table({fmt::format("{:.0f} % bound", 100 * ltm::kBoundProbability), "predictions",
-                   "within", "mean bound", "expected", "real, pooled"});
+                   "within", "mean bound", "width", "expected", "real, pooled"});
   bool has_any = false;
   const auto add = [&](const std::string& what, const training::Coverage& coverage, double real,
-                       std::string (*text)(double)) {
+                       std::string (*text)(double),
+                       std::string (*width)(const training::Coverage&)) {
     // A row without predictions is left out: a coverage of 0 % would look like a bad bound.
     if (coverage.predictions == 0) return;
     has_any = true;
-    table.add({what, count_text(coverage.predictions),
-               fmt::format("{:.1f} %", 100 * coverage.share()), text(coverage.mean_bound),
-               text(coverage.expected), text(real)});
+    table.add({what, count_text(coverage.predictions), within_text(coverage),
+               text(coverage.mean_bound), width(coverage), text(coverage.expected), text(real)});
   };
-  for_each_bound_coverage(
-      entity, [&](const std::string& what, const training::BoundCoverage& bound_coverage,
-                  const training::Quality& quality) {
-        add(what, bound_coverage.images, quality.pooled_psnr_db, db_text);
-        add(what + ", numbers", bound_coverage.numbers, quality.rmse, number_text);
-      });
+  for_each_bound_coverage(entity, [&](const std::string& what,
+                                      const training::BoundCoverage& bound_coverage,
+                                      const training::Quality& quality) {
+    add(what, bound_coverage.images, quality.pooled_psnr_db, db_text, image_width_text);
+    add(what + ", numbers", bound_coverage.numbers, quality.rmse, number_text, number_width_text);
+  });
   if (has_any) print(table.to_string("  "));
 }
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "reports/coverage_text.h"
 #include "reports/plain/members_text.h"
 #include "reports/plain/save.h"
 #include "reports/plain/text.h"
@@ -181,27 +182,27 @@ std::string sweep_text(const MemoryId& entity, const std::string& engine,
                        std::span<const Duration> horizons,
                        std::span<const PredictionQuality> qualities) {
   TextTable table({"ahead", "predictions", "mean", "copy-last", "pooled", "copy-last",
-                   "within " + bound_name(), "mean bound"});
-  const auto coverage = [](const training::Coverage& told) {
-    return told.predictions > 0 ? fmt::format("{:.1f} %", 100 * told.share()) : "-";
-  };
+                   "within " + bound_name(), "mean bound", "width"});
   for (size_t i = 0; i < horizons.size(); ++i) {
     const auto& [number, model, copy_last, bound_coverage, copy_bound_coverage, moving,
                  moving_copy] = qualities[i];
     if (model.images > 0)
       table.add({to_string(horizons[i]), count_text(model.images), db_text(model.mean_psnr_db),
                  db_text(copy_last.mean_psnr_db), db_text(model.pooled_psnr_db),
-                 db_text(copy_last.pooled_psnr_db), coverage(bound_coverage.images),
-                 db_text(bound_coverage.images.mean_bound)});
+                 db_text(copy_last.pooled_psnr_db), within_text(bound_coverage.images),
+                 db_text(bound_coverage.images.mean_bound),
+                 image_width_text(bound_coverage.images)});
     if (model.numbers > 0)
       table.add({to_string(horizons[i]) + ", RMSE", count_text(model.numbers), "", "",
                  number_text(model.rmse), number_text(copy_last.rmse),
-                 coverage(bound_coverage.numbers), number_text(bound_coverage.numbers.mean_bound)});
+                 within_text(bound_coverage.numbers),
+                 number_text(bound_coverage.numbers.mean_bound),
+                 number_width_text(bound_coverage.numbers)});
     // Members at rest are predicted well by any engine and would hide the error of those that move,
     // so moments of movement have a row of their own.
     if (moving.numbers > 0 && moving.numbers < model.numbers)
       table.add({to_string(horizons[i]) + ", RMSE of what moves", count_text(moving.numbers), "",
-                 "", number_text(moving.rmse), number_text(moving_copy.rmse), "", ""});
+                 "", number_text(moving.rmse), number_text(moving_copy.rmse), "", "", ""});
   }
   return fmt::format("{}, predicted by {}\n{}", entity.to_string(),
                      engine.empty() ? "the best engine of each moment" : engine,

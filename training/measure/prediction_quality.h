@@ -26,6 +26,11 @@ struct Coverage {
   /// Mean of the bounds. Unit: dB for images, a root mean square for numbers.
   double mean_bound = 0;
   double expected = 0;  ///< Mean of the expected squared errors, in the same unit.
+  /// Mean of 10 log10(bound / expected squared error): how far bounds lie from what is expected. A
+  /// share near 90 % is worth little where bounds are wide.
+  double width_db = 0;
+  /// Bounds of images that no image could exceed (0 dB). They are within and say nothing.
+  uint64_t vacuous = 0;
 
   [[nodiscard]] double share() const;  ///< Share within the bound; NaN without bounds.
 };

@@ -33,7 +33,9 @@ nlohmann::ordered_json bound_coverage_json(const BoundCoverage& bound_coverage) 
         {"within", coverage.within},
         {"share", number_json(coverage.share())},
         {fmt::format("mean_bound_{}", unit), number_json(coverage.mean_bound)},
-        {fmt::format("expected_{}", unit), number_json(coverage.expected)}};
+        {fmt::format("expected_{}", unit), number_json(coverage.expected)},
+        {"mean_width_db", number_json(coverage.width_db)},
+        {"vacuous", coverage.vacuous}};
   };
   return {{"probability", ltm::kBoundProbability},
           {"images", coverage_json(bound_coverage.images, "db")},

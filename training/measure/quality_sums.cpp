@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/measure/quality_sums.h"
 
+#include <algorithm>
+
 namespace engram::training {
 
 void QualitySums::add(const ltm::MeasuredError& error, double ssim) {
@@ -39,21 +41,35 @@ void CoverageSums::add(double expected, double bound, double error) {
   if (std::isnan(bound)) return;
   ++bounded_;
   within_ += error <= bound ? 1 : 0;
-  bound_sum_ += unit_(bound);
+  vacuous_ += bound >= max_mse_ ? 1 : 0;
+  const double capped = std::min(bound, max_mse_);
+  bound_sum_ += unit_(capped);
+  // Where nothing is known to change, both are 0 and there is no width.
+  const double width_db = 10 * std::log10(capped / expected);
+  if (!std::isfinite(width_db)) return;
+  ++widths_;
+  width_sum_ += width_db;
 }
 
 void CoverageSums::add(const CoverageSums& more) {
   bounded_ += more.bounded_;
   within_ += more.within_;
   expected_ += more.expected_;
+  vacuous_ += more.vacuous_;
+  widths_ += more.widths_;
+  width_sum_ += more.width_sum_;
   bound_sum_ += more.bound_sum_;
   expected_sum_ += more.expected_sum_;
 }
 
-// Without predictions both means are 0 / 0, which is NaN.
+// Without predictions all means are 0 / 0, which is NaN.
 Coverage CoverageSums::coverage() const {
-  return {bounded_, within_, bound_sum_ / static_cast<double>(bounded_),
-          unit_(expected_sum_ / static_cast<double>(expected_))};
+  return {bounded_,
+          within_,
+          bound_sum_ / static_cast<double>(bounded_),
+          unit_(expected_sum_ / static_cast<double>(expected_)),
+          width_sum_ / static_cast<double>(widths_),
+          vacuous_};
 }
 
 void PredictionSums::add(const ltm::ErrorEstimate& told, const ltm::MeasuredError& error,
