@@ -73,15 +73,19 @@ Status drop_all(const ConsolidateArguments& arguments, const training::Consolida
   const std::stop_token stop = interrupt_token();
   training::JobPace pace(busy.get(), progress, stop, job.until);
   for (const training::EntityReport& entity : report.entities) {
-    const auto done =
-        training::drop_raw(arguments.store, entity.entity, arguments.drop, progress, stop, &pace);
+    training::StageTimes times;
+    const auto done = [&] {
+      const training::StageTimes::Scope scope(&times, training::Stage::kVerification);
+      return training::drop_raw(arguments.store, entity.entity, arguments.drop, progress, stop,
+                                &pace);
+    }();
     if (!done.ok() && pace.is_time_over()) {
       log::warning("recorded data of {} stays: {}", entity.entity.to_string(),
                    done.status().message());
       return {};
     }
     ENGRAM_RETURN_IF_ERROR(done.status());
-    dropped.push_back({entity.entity, *done});
+    dropped.push_back({entity.entity, *done, times.total()});
   }
   return {};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reports/choice_text.h"
+#include "reports/costs_text.h"
 #include "reports/forms_text.h"
 #include "reports/plain/text.h"
 
@@ -35,6 +36,7 @@ Json entity_json(const training::EntityReport& entity) {
   Json json{{"entity", entity.entity.to_string()}};
   if (!entity.skipped_reason.empty()) {
     json["skipped"] = entity.skipped_reason;
+    json["stages"] = stages_json(entity.costs.stages);
     return json;
   }
   // Both means are reported, because the mean PSNR over images hides a few bad images, which
@@ -62,6 +64,8 @@ Json entity_json(const training::EntityReport& entity) {
                {"expected_encoding_seconds", entity.expected_encoding_seconds > 0
                                                  ? Json(entity.expected_encoding_seconds)
                                                  : Json(nullptr)},
+               {"stages", stages_json(entity.costs.stages)},
+               {"encodes", encodes_json(entity.costs)},
                {"images", forms_json(entity.forms)},
                {"choice", choice_json(entity.choice)},
                {"notes", all_notes(entity)}});
@@ -143,6 +147,7 @@ void print_report(const training::ConsolidateReport& report) {
       print(fmt::format("  encoding took {}, expected were {}",
                         seconds_text(entity.encoding_seconds),
                         seconds_text(entity.expected_encoding_seconds)));
+    for (const std::string& line : costs_text(entity.costs)) print("  " + line);
     if (entity.training.images_per_second > 0)
       print(fmt::format("  trained on {:.1f} images per second of processor time",
                         entity.training.images_per_second));
@@ -158,10 +163,10 @@ void print_report(const training::ConsolidateReport& report) {
 
 void print_dropped(const std::vector<DroppedRaw>& dropped) {
   for (const DroppedRaw& drop : dropped)
-    print(fmt::format("{}: {} recorded snapshots dropped, {} freed, {} kept",
+    print(fmt::format("{}: {} recorded snapshots dropped, {} freed, {} kept, in {}",
                       drop.entity.to_string(), count_text(drop.report.snapshots),
                       bytes_text(static_cast<double>(drop.report.freed_bytes)),
-                      count_text(drop.report.kept)));
+                      count_text(drop.report.kept), seconds_text(drop.time.seconds)));
 }
 
 Json report_json(const training::ConsolidatePlan& plan, const training::ConsolidateReport& report,
@@ -174,7 +179,9 @@ Json report_json(const training::ConsolidatePlan& plan, const training::Consolid
     drops.push_back({{"entity", drop.entity.to_string()},
                      {"snapshots", drop.report.snapshots},
                      {"kept", drop.report.kept},
-                     {"freed_bytes", drop.report.freed_bytes}});
+                     {"freed_bytes", drop.report.freed_bytes},
+                     {"processor_seconds", drop.time.processor_seconds},
+                     {"seconds", drop.time.seconds}});
   return {
       {"plan", plan_json(plan)}, {"entities", std::move(entities)}, {"dropped", std::move(drops)}};
 }

@@ -13,6 +13,7 @@ namespace engram::reports {
 struct DroppedRaw {
   ltm::MemoryId entity;
   ltm::DropReport report;
+  training::StageTime time;  ///< Time of verifying and dropping.
 };
 
 /// Prints what `engram consolidate` is going to do: a line per entity, the skipped ones last.

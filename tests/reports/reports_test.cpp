@@ -6,6 +6,7 @@
 
 #include "reports/choice_text.h"
 #include "reports/contact_sheet.h"
+#include "reports/costs_text.h"
 #include "reports/forms_text.h"
 #include "reports/predict_text.h"
 #include "tests/datasets/fixtures.h"
@@ -70,6 +71,38 @@ TEST(ChoiceText, ComparesModelsOnlyWhereThereWasOneBefore) {
   EXPECT_EQ(json["previous_model"]["total_bytes"], 4000);
   EXPECT_EQ(json["new_model"]["total_bytes"], 2500);
   EXPECT_EQ(json["keeps_previous_model"], false);
+}
+
+TEST(CostsText, TellsWhereTheTimeWent) {
+  training::EntityCosts costs;
+  EXPECT_THAT(costs_text(costs), ElementsAre());
+  EXPECT_TRUE(encodes_json(costs).is_null());
+  training::StageTime now;
+  costs.stages = training::StageTimes([&now] { return now; });
+  const auto spend = [&](training::Stage stage, double processor_seconds) {
+    const training::StageTimes::Scope scope(&costs.stages, stage);
+    now.processor_seconds += processor_seconds;
+    now.seconds += processor_seconds / 2;
+  };
+  spend(training::Stage::kVideo, 60);
+  spend(training::Stage::kTraining, 19.9);
+  spend(training::Stage::kOther, 0.1);
+  EXPECT_THAT(costs_text(costs), ElementsAre("processor time 80.0 s: training 25 %, video 75 %"));
+  EXPECT_EQ(stages_json(costs.stages)["video"]["processor_seconds"], 60.0);
+  EXPECT_EQ(stages_json(costs.stages)["video"]["seconds"], 30.0);
+  EXPECT_EQ(stages_json(costs.stages)["plan"]["seconds"], 0.0);
+
+  costs.images_encoded = 1200;
+  costs.video = "av1:effort=6";
+  EXPECT_EQ(costs_text(costs)[1], "1,200 images encoded");
+  EXPECT_TRUE(encodes_json(costs)["mean_per_search"].is_null());
+  costs.encodes = {8, 2, 3, 1};
+  EXPECT_EQ(costs_text(costs)[1],
+            "1,200 images encoded; 3.5 encodes a chain as av1:effort=6, 2.5 in the median");
+  EXPECT_EQ(encodes_json(costs)["mean_per_search"], 3.5);
+  EXPECT_EQ(encodes_json(costs)["median_per_search"], 2.5);
+  costs.known_videos = 1200;
+  EXPECT_THAT(costs_text(costs)[1], HasSubstr("; 1,200 videos were known"));
 }
 
 TEST(Picture, FindsTheFirstImageOfAValue) {

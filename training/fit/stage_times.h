@@ -13,7 +13,7 @@ namespace engram::training {
 enum class Stage {
   kPlan,          ///< Finding out what there is to do, and the noise of images.
   kSamples,       ///< Encoding samples for the plan. Their number does not grow with the images.
-  kReading,       ///< Reading the recorded snapshots that are encoded.
+  kReading,       ///< Reading the snapshots that are encoded, and stored videos of them.
   kTraining,      ///< Reading the training data, training, measuring predictions.
   kLatents,       ///< Networks and entropy coding: latents of images, and numbers.
   kResiduals,     ///< What latents lack of the bound.

@@ -51,9 +51,11 @@ constexpr auto kLessBytes = [](const auto& a, const auto& b) { return a.bytes < 
 
 }  // namespace
 
-BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options)
+BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options,
+                         StageTimes* times)
     : model_(model),
       options_(options),
+      times_(times),
       bound_db_(options.bound_db + kDecodingMarginDb),
       max_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)),
       videos_(options.videos) {
@@ -127,6 +129,7 @@ std::optional<BlockChoice::Candidate> BlockChoice::corrected(
     const Images& images) const {
   // Residuals are for 8-bit images. Depth is kept lossless.
   if (model_.plan.images()[image].is_depth) return std::nullopt;
+  const StageTimes::Scope scope(times_, Stage::kResiduals);
   encoders::ResidualEncoder residual(model_.codec.chain.frames[image].pixels());
   for (size_t row = 0; row < values.size(); ++row) {
     const auto wanted = recorded(values[row], image).values<uint8_t>();
@@ -173,11 +176,13 @@ Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_can
 }
 
 Result<VideoSearchResult> BlockChoice::find_video(std::span<const idf::SplitValue> values,
-                                                  size_t image, const std::stop_token& stop) {
+                                                  size_t image, const std::stop_token& stop,
+                                                  std::optional<int>& encodes) {
   std::vector<idf::NdArray> images;
   for (const idf::SplitValue& value : values) images.push_back(recorded(value, image));
   if (auto known = videos_->find(images)) return *std::move(known);
   ENGRAM_ASSIGN_OR_RETURN(VideoSearchResult found, videos_->search_of(image).search(images, stop));
+  encodes = static_cast<int>(found.trials.size());
   videos_->add(images, found);
   return found;
 }
@@ -185,9 +190,11 @@ Result<VideoSearchResult> BlockChoice::find_video(std::span<const idf::SplitValu
 Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(
     std::span<const idf::SplitValue> values, size_t chains, const std::stop_token& stop,
     const Pause& pause) {
+  const StageTimes::Scope scope(times_, Stage::kVideo);
   const size_t members = model_.plan.images().size();
   std::vector<Videos> videos(chains, Videos(members));
   std::vector<Status> failed(chains * members);
+  std::vector<std::optional<int>> encodes(chains * members);
   // Chains of one wave learn nothing from each other, so the result is the same for any number of
   // threads. The first chain of all teaches the most, so it is alone.
   for (size_t first = 0; first < chains;) {
@@ -197,7 +204,7 @@ Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(
     if (pause) ENGRAM_RETURN_IF_ERROR(pause(first * model_.codec.chain_rows));
     in_threads(options_.threads, (end - first) * members, [&](size_t task) {
       const size_t at = first + task / members, image = task % members;
-      auto found = find_video(rows_of(values, at), image, stop);
+      auto found = find_video(rows_of(values, at), image, stop, encodes[at * members + image]);
       if (found.ok())
         videos[at][image] = *std::move(found);
       else
@@ -208,6 +215,7 @@ Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(
       for (size_t image = 0; image < members; ++image)
         videos_->search_of(image).learn(videos[first][image]);
   }
+  video_encodes_.insert(video_encodes_.end(), encodes.begin(), encodes.end());
   return videos;
 }
 
@@ -287,7 +295,9 @@ Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitV
     if (videos != nullptr) {
       video = std::move((*videos)[i]);
     } else if (candidates[i].empty()) {
-      ENGRAM_ASSIGN_OR_RETURN(video, find_video(values, i, stop));
+      const StageTimes::Scope scope(times_, Stage::kVideo);
+      std::optional<int>& encodes = video_encodes_.emplace_back();
+      ENGRAM_ASSIGN_OR_RETURN(video, find_video(values, i, stop, encodes));
       videos_->search_of(i).learn(*video);
     }
     ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
@@ -377,6 +387,7 @@ bool BlockChoice::has_networks() const {
 Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> values,
                                                      const std::stop_token& stop,
                                                      const Pause& pause) {
+  const StageTimes::Scope scope(times_, Stage::kLatents);
   std::vector<idf::SplitValue> split;
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.split(value));

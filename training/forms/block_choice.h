@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "encoders/deep_model.h"
+#include "training/fit/stage_times.h"
 #include "training/forms/entity_videos.h"
 #include "training/forms/representation.h"
 
@@ -26,7 +27,9 @@ inline constexpr double kDecodingMarginDb = 0.02;
 class BlockChoice {
  public:
   /// The model must outlive this object. A bound is needed (checked) unless only latents are kept.
-  BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options);
+  /// `times` counts the time of encoding; it may be null, else it must outlive this object, too.
+  BlockChoice(encoders::DeepModel& model, const RepresentationOptions& options,
+              StageTimes* times = nullptr);
 
   /// Called between parts of the work with the number of finished rows of the block. An error ends
   /// encoding and is returned.
@@ -40,6 +43,12 @@ class BlockChoice {
                                           const Pause& pause = {});
 
   [[nodiscard]] encoders::StoredForms counts() const;
+
+  /// Lossy encodes of each search for a video; nothing where the video was known. One search per
+  /// chain and image member.
+  [[nodiscard]] const std::vector<std::optional<int>>& video_encodes() const {
+    return video_encodes_;
+  }
 
   /// What is known about the videos of the entity.
   [[nodiscard]] EntityVideos& videos() { return *videos_; }
@@ -106,9 +115,10 @@ class BlockChoice {
   Result<Choice> choose(size_t image, std::vector<Candidate> candidates,
                         std::optional<VideoSearchResult> video);
   void add_videos(VideoSearchResult video, std::vector<Candidate>& candidates);
-  /// Finds the videos of a chain's image member, unless they are known.
+  /// Finds the videos of a chain's image member. Sets the lossy encodes that it took unless they
+  /// are known.
   Result<VideoSearchResult> find_video(std::span<const idf::SplitValue> values, size_t image,
-                                       const std::stop_token& stop);
+                                       const std::stop_token& stop, std::optional<int>& encodes);
   /// Finds the videos of all chains of a block, several at a time. Shape: [chain][image member].
   Result<std::vector<Videos>> find_videos(std::span<const idf::SplitValue> values, size_t chains,
                                           const std::stop_token& stop, const Pause& pause);
@@ -117,11 +127,13 @@ class BlockChoice {
 
   encoders::DeepModel& model_;
   RepresentationOptions options_;
+  StageTimes* times_;
   /// Bound of decoded latents, including the margin of decoding.
   double bound_db_;
   double max_mse_;  ///< The same as an error. Unit: grey levels squared.
   std::shared_ptr<EntityVideos> videos_;
   encoders::StoredForms counts_;
+  std::vector<std::optional<int>> video_encodes_;
   int64_t lossless_tried_rows_ = 0;
   bool can_correct_all_ = true;  ///< Whether latents with residuals kept every row so far.
 };

@@ -111,6 +111,7 @@ ChosenForm ChosenForm::as_video_alone() const {
 }
 
 Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& planned) {
+  const auto stage = work.stage(Stage::kSamples);
   ChosenForm form{work.options.train, planned.representation, {}};
   const ImageMembers images = image_members_of(planned.layout);
   if (images.count > 0 && work.options.access > Duration::zero())

@@ -23,7 +23,8 @@ namespace {
 
 /// The state of one entity between the steps.
 struct EntityJob {
-  EntityWork work;
+  std::unique_ptr<EntityCosts> costs;
+  EntityWork work;  ///< Refers to the costs.
   PlannedEntity planned;
   std::optional<ChosenForm> form;  ///< Set if it was needed to measure encoding.
   ExpectedEncoding encoding;       ///< Zero if it was not measured.
@@ -47,10 +48,11 @@ struct Jobs {
                        jobs.reader->entities().size());
     double total_weight = 0;
     for (const ltm::MemoryId& entity : entities) {
-      EntityWork work{*jobs.reader, entity, options, pace};
+      auto costs = std::make_unique<EntityCosts>();
+      EntityWork work{*jobs.reader, entity, options, pace, *costs};
       ENGRAM_ASSIGN_OR_RETURN(PlannedEntity planned, plan_entity(work));
       total_weight += planned.weight();
-      jobs.entities.push_back({std::move(work), std::move(planned), {}, {}});
+      jobs.entities.push_back({std::move(costs), std::move(work), std::move(planned), {}, {}});
     }
     for (const EntityJob& job : jobs.entities) {
       EntityPlan& plan = jobs.plan.entities.emplace_back(job.planned.plan);
@@ -169,6 +171,7 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
       report.entities.push_back(std::move(one));
     }
     report.entities.back().expected_encoding_seconds = job.encoding.seconds;
+    report.entities.back().costs = *job.costs;
   }
   return report;
 }

@@ -219,6 +219,7 @@ Result<EntityReport> consolidate_entity(const EntityWork& work, const PlannedEnt
                                         const std::optional<ChosenForm>& form,
                                         const Allotment& time) {
   if (planned.is_skipped()) return skip_entity(work, planned, {planned.plan.skipped_reason});
+  const auto stage = work.stage(Stage::kOther);
   const auto start = std::chrono::steady_clock::now();
   Result<OrSkipped<EntityReport>> done = [&]() -> Result<OrSkipped<EntityReport>> {
     if (work.options.reuses_models) return with_newest_model(work, planned);

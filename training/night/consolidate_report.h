@@ -9,6 +9,7 @@
 #include "encoders/provenance.h"
 #include "ltm/memory/memory_id.h"
 #include "training/fit/train_report.h"
+#include "training/night/entity_costs.h"
 
 namespace engram::training {
 
@@ -36,6 +37,7 @@ struct EntityReport {
   double seconds = 0;
   double encoding_seconds = 0;           ///< Part of `seconds`: encoding, decoding and comparing.
   double expected_encoding_seconds = 0;  ///< Estimate from a sample; 0 if it was not measured.
+  EntityCosts costs;
   TrainReport training;
 };
 

@@ -33,13 +33,17 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
                                   const std::stop_token& stop, const BlockChoice::Pause& pause) {
   std::vector<idf::Data> values;
   std::vector<ltm::Snapshot> snapshots;
-  for (const ltm::SnapshotEntry& entry : entries) {
-    ENGRAM_ASSIGN_OR_RETURN(snapshots.emplace_back(), reader_.read_recorded(entity_, entry));
-    for (const ltm::Instance& instance : snapshots.back().instances)
-      values.push_back(instance.data);
+  {
+    const StageTimes::Scope reading(&times_, Stage::kReading);
+    for (const ltm::SnapshotEntry& entry : entries) {
+      ENGRAM_ASSIGN_OR_RETURN(snapshots.emplace_back(), reader_.read_recorded(entity_, entry));
+      for (const ltm::Instance& instance : snapshots.back().instances)
+        values.push_back(instance.data);
+    }
+    add_stored_videos(reader_, entity_, entries, values, model_, choice_.videos());
   }
-  add_stored_videos(reader_, entity_, entries, values, model_, choice_.videos());
   ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, stop, pause));
+  const StageTimes::Scope verification(&times_, Stage::kVerification);
   ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder_.decode(latents));
   size_t at = 0;
   for (const ltm::Snapshot& snapshot : snapshots) {

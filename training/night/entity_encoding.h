@@ -21,17 +21,19 @@ namespace engram::training {
 /// Threading: one thread.
 class EntityEncoding {
  public:
-  /// All arguments must outlive this object. `version` is that of the model.
+  /// All arguments must outlive this object. `version` is that of the model. `times` counts the
+  /// time of the work.
   EntityEncoding(ltm::StoreReader& reader, const ltm::MemoryId& entity, int version,
                  encoders::DeepModel& model, ltm::Encoder& decoder,
-                 const RepresentationOptions& options)
+                 const RepresentationOptions& options, StageTimes& times)
       : reader_(reader),
         entity_(entity),
         version_(version),
         model_(model),
         max_rows_(model.block_rows()),
-        choice_(model, options),
-        decoder_(decoder) {}
+        choice_(model, options, &times),
+        decoder_(decoder),
+        times_(times) {}
 
   /// Encodes and compares `entries`. Blocks never cross a gap between recordings. It waits between
   /// chains while the robot is busy.
@@ -41,6 +43,7 @@ class EntityEncoding {
   [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }
 
   [[nodiscard]] KeptQuality quality() const;
+  [[nodiscard]] BlockChoice& choice() { return choice_; }
 
  private:
   Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop,
@@ -57,6 +60,7 @@ class EntityEncoding {
   size_t max_rows_;
   BlockChoice choice_;
   ltm::Encoder& decoder_;
+  StageTimes& times_;
   std::vector<ltm::LatentSnapshot> latents_;
   PsnrStatistics psnr_;
   RmseStatistics rmse_;

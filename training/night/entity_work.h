@@ -10,6 +10,7 @@
 #include "ltm/store/store_reader.h"
 #include "training/fit/job_pace.h"
 #include "training/night/consolidate_options.h"
+#include "training/night/entity_costs.h"
 
 // Private to this room.
 
@@ -23,6 +24,10 @@ struct EntityWork {
   ltm::MemoryId entity;
   const ConsolidateOptions& options;
   JobPace& pace;
+  EntityCosts& costs;
+
+  /// Counts the time until its end for a stage.
+  [[nodiscard]] StageTimes::Scope stage(Stage now) const { return {&costs.stages, now}; }
 };
 
 /// The time for one entity.

@@ -29,6 +29,7 @@ double with_encoding_margin(double seconds) {
 
 Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedEntity& planned,
                                           const ChosenForm& form) {
+  const auto stage = work.stage(Stage::kSamples);
   const auto& entries = planned.entries;
   const std::vector<ltm::SnapshotEntry> sample(
       entries.begin(), entries.begin() + static_cast<ptrdiff_t>(std::min(kSample, entries.size())));
@@ -44,7 +45,8 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
   ENGRAM_RETURN_IF_ERROR(fitted.status());
   // The sample has a pace of its own, so that waiting for the robot does not count as work.
   JobPace pace(nullptr, no_progress, work.pace.stop());
-  const EntityWork quiet{work.reader, work.entity, work.options, pace};
+  EntityCosts costs;  // They all belong to the samples.
+  const EntityWork quiet{work.reader, work.entity, work.options, pace, costs};
   // After two steps a model misses every bound by far, so no block would be refined. Later some may
   // be.
   RepresentationOptions slowest = form.representation;

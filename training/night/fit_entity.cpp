@@ -12,6 +12,7 @@
 namespace engram::training {
 
 Result<TrainingSource> find_training_source(const EntityWork& work, const PlannedEntity& planned) {
+  const auto stage = work.stage(Stage::kTraining);
   TrainingSource source =
       EntitySource::values(work.reader, work.entity, planned.layout, planned.entries);
   const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
@@ -31,6 +32,7 @@ Result<TrainingSource> find_training_source(const EntityWork& work, const Planne
 Result<FittedModel> fit_entity(const EntityWork& work, const PlannedEntity& planned,
                                const TrainingSource& source, const ChosenForm& form,
                                const Allotment& time) {
+  const auto stage = work.stage(Stage::kTraining);
   TrainOptions train = form.train;
   train.budget = time.budget;
   const TrainControl control{.end = time.end,

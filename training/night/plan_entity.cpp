@@ -61,6 +61,7 @@ double PlannedEntity::weight() const {
 }
 
 Result<PlannedEntity> plan_entity(const EntityWork& work) {
+  const auto stage = work.stage(Stage::kPlan);
   PlannedEntity planned;
   planned.representation = work.options.representation;
   planned.representation.threads = work.options.train.threads;

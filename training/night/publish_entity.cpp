@@ -11,6 +11,7 @@ namespace engram::training {
 
 Result<ModelFile> write_model_file(const EntityWork& work, const PlannedEntity& planned,
                                    encoders::DeepModel& model) {
+  const auto stage = work.stage(Stage::kPublishing);
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot example,
                           work.reader.read_recorded(work.entity, planned.entries.front()));
   ENGRAM_ASSIGN_OR_RETURN(auto file, ltm::TemporaryFile::create(work.reader.path(), ".model.h5"));
@@ -25,6 +26,7 @@ Result<ModelFile> write_model_file(const EntityWork& work, const PlannedEntity& 
 Status publish_new_model(const EntityWork& work, int version, const ModelFile& model,
                          const encoders::ModelChoice& choice,
                          const std::vector<ltm::LatentSnapshot>& latents) {
+  const auto stage = work.stage(Stage::kPublishing);
   if (choice.previous_version > 0)
     ENGRAM_RETURN_IF_ERROR(encoders::note_choice(choice, model.file.path()));
   // Latents without a model that decodes them would be lost, so the file is read back once before
@@ -36,6 +38,7 @@ Status publish_new_model(const EntityWork& work, int version, const ModelFile& m
 
 Status publish_more_latents(const EntityWork& work, int version,
                             const std::vector<ltm::LatentSnapshot>& latents) {
+  const auto stage = work.stage(Stage::kPublishing);
   return ltm::publish_latents(work.reader.path(), work.entity, version, latents,
                               work.reader.manifest().first_journal);
 }
