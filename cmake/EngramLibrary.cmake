@@ -43,18 +43,15 @@ function(engram_add_library name)
   endif()
 endfunction()
 
-# engram_cold(engram_measure [HOT similarity.cpp] [ONLY options.cpp])
+# engram_cold(engram_measure [HOT similarity.cpp])
 #
-# A room where no program spends its time, but for its HOT sources, or ONLY these sources of a room:
-# release builds optimise them with -O1 and not with -O3. Whoever calls this says there why nothing
-# in them is hot; loops over pixels, numbers or snapshots belong elsewhere. -O1 and not -Os, because
-# a precompiled header is for both or for neither.
+# A room where no program spends its time, but for its HOT sources: release builds optimise it with
+# -O1 and not with -O3. Whoever calls this says there why nothing in it is hot; loops over pixels,
+# numbers or snapshots belong elsewhere. -O1 and not -Os, because a precompiled header is for both or
+# for neither. A room whose sources are hot in part is two libraries, so that each is compiled
+# together.
 function(engram_cold target)
-  cmake_parse_arguments(ARG "" "" "HOT;ONLY" ${ARGN})
-  if(ARG_ONLY)
-    set_property(SOURCE ${ARG_ONLY} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
-    return()
-  endif()
+  cmake_parse_arguments(ARG "" "" "HOT" ${ARGN})
   target_compile_options(${target} PRIVATE "$<BUILD_INTERFACE:$<$<CONFIG:Release>:-O1>>")
   set_property(SOURCE ${ARG_HOT} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-O3>")
 endfunction()

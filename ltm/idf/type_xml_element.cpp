@@ -43,12 +43,12 @@ constexpr std::array<ElementName, 25> kElementNames{{{"int", TypeKind::kInt},
 /// An array of three metres; it has no kind of its own.
 constexpr std::string_view kPositionElement = "position";
 
-char lower(char c) {
+char lower_case(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
 bool is_same_word(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, {}, lower, lower);
+  return std::ranges::equal(a, b, {}, lower_case, lower_case);
 }
 
 std::optional<TypeKind> kind_of_element(std::string_view name) {

@@ -33,7 +33,7 @@ constexpr double kMaxAutoencoderGradient = 1.0;
 constexpr double kUnsteeredPrice = 0.01;
 /// Number of consecutive rows of a chunk, after one row that is only their past.
 constexpr int64_t kChunk = 4;
-constexpr double kRecent = 0.02;
+constexpr double kShareOfNew = 0.02;
 
 /// Makes a sampler that separates the rows that the dynamics must not learn from.
 RowSampler make_sampler(const Dataset& data) {
@@ -215,7 +215,7 @@ Cost cost_of(encoders::DeepModel& model, LatentRegulariser& regulariser,
 }
 
 /// Mean PSNR over the images of a row. Shape: [B].
-Tensor psnr_db(const Tensor& error) {
+Tensor row_psnr_db(const Tensor& error) {
   return (10.0 * torch::log10(255.0 * 255.0 / error.detach().clamp_min(1e-3))).mean(1);
 }
 
@@ -271,8 +271,8 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   const double real_share = data.augmented ? 1 - options.augmented_share : 1;
   const double recorded_share =
       (data.coded_backgrounds.empty() ? 1 : 1 - options.varied_share) * real_share;
-  const double recent = kRecent * (recorded_share > 0 ? std::max(recorded_share, 0.25) : 1);
-  WeightedMean loss_mean(kRecent), psnr(recent), bytes(recent);
+  const double recent = kShareOfNew * (recorded_share > 0 ? std::max(recorded_share, 0.25) : 1);
+  WeightedMean loss_mean(kShareOfNew), psnr(recent), bytes(recent);
   FitState state{model, optimiser, now, price.state()};
   for (const auto& more : {real_sampler.state(), loss_mean.state(), psnr.state(), bytes.state()})
     state.numbers.insert(state.numbers.end(), more.begin(), more.end());
@@ -310,7 +310,7 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
     tell(sampler, batch, costs.detach());
     loss_mean.add(costs, batch.weights);
     const Tensor told = recorded_share > 0 ? batch.weights * views.recorded() : batch.weights;
-    psnr.add(psnr_db(cost.error), told);
+    psnr.add(row_psnr_db(cost.error), told);
     bytes.add(cost.bits / 8, told);
     if (regulariser->is_steered() && psnr.is_known()) price.follow(psnr.value(), share);
     now.loss = loss_mean.value();

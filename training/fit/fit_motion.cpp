@@ -20,7 +20,7 @@ constexpr double kWeightDecay = 1e-2;
 constexpr double kMaxMotionGradient = 1.0;
 /// Min error in the loss: smaller errors count as equal. Unit: squared grey levels.
 constexpr double kMinError = 4.0;
-constexpr double kRecent = 0.05;
+constexpr double kRecentShare = 0.05;
 /// Training ends after kMaxPasses passes over the windows, but not before kFewestSteps steps: more
 /// passes memorise recordings and were worse on left-out ones. Chosen on the same five recordings
 /// as kMinGainOfLatents.
@@ -141,7 +141,7 @@ void decay(const std::vector<Tensor>& parameters, double rate) {
 Result<FitStep> fit_motion(encoders::DeepModel& model, const Dataset& data,
                            const TrainOptions& options, FitLoop& loop) {
   FitStep result;
-  Smoothed loss_mean(kRecent);
+  Smoothed loss_mean(kRecentShare);
   const auto rows =
       make_windows(data.sequences, data.first_held_out, ImageMotionImpl::kSteps).training;
   auto& images = model.dynamics->images;
