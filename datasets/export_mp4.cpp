@@ -23,7 +23,7 @@ constexpr int kUsualRate = 30;
 /// Each open video has an encoder, which keeps several pictures in memory.
 constexpr size_t kMaxOpenVideos = 32;
 /// Unit: pixels.
-constexpr int64_t kMaxSide = 1 << 14;
+constexpr int64_t kMaxVideoSide = 1 << 14;
 
 /// Converts an image for a video: three channels, and even sides unless colour is kept at full
 /// resolution. The last line or column is repeated to make a side even.
@@ -80,7 +80,7 @@ class Mp4Sink : public SnapshotSink {
  private:
   Status write(Time time, int32_t index, const ImageMember& member) {
     if (member.image.type() != idf::ElementType::kUInt8) return leave_out("images of 16 bits");
-    if (std::max(member.image.shape()[0], member.image.shape()[1]) > kMaxSide)
+    if (std::max(member.image.shape()[0], member.image.shape()[1]) > kMaxVideoSide)
       return leave_out("images of more than 16384 pixels to a side");
     const idf::NdArray picture = as_picture(member.image, options_.keeps_chroma);
     if (picture.shape()[0] != member.image.shape()[0] ||

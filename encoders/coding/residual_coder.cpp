@@ -11,7 +11,7 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr BitProbability kEven = 1u << 15;
+constexpr BitProbability kEvenOdds = 1u << 15;
 
 size_t band_of(size_t at) {
   constexpr std::array<size_t, 7> kFirst{1, 3, 6, 10, 15, 21, 36};
@@ -126,7 +126,7 @@ void ResidualCoder::code_levels(Port& port, const Place& place, bool continues, 
     zeros = is_zero ? zeros + 1 : 0;
     if (is_zero) continue;
     // Signs are coded as equally likely: no context predicts them.
-    const bool is_negative = port.code(levels[at] < 0, kEven);
+    const bool is_negative = port.code(levels[at] < 0, kEvenOdds);
     const int magnitude = code_magnitude(port, band, known, std::abs(int{levels[at]}));
     levels[at] = static_cast<int16_t>(is_negative ? -magnitude : magnitude);
     ends_[place.block] = static_cast<uint8_t>(at + 1);

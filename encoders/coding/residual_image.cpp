@@ -15,14 +15,14 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr size_t kSize = BlockGrid::kCoefficients;
+constexpr size_t kTransformSize = BlockGrid::kCoefficients;
 /// Price of a bit, in 1/64 of a squared step. At this price squared error and bits of a fine
 /// quantiser are in balance.
 constexpr int64_t kBitPrice = 8;
 
 /// One way to quantise a block.
 struct BlockChoiceOfLevels {
-  std::array<int16_t, kSize> levels{};
+  std::array<int16_t, kTransformSize> levels{};
   bool continues = false;
   int64_t cost = 0;
 };
@@ -45,7 +45,7 @@ BlockChoiceOfLevels quantised(const int16_t* target, const int16_t* base, int32_
   BlockChoiceOfLevels choice;
   choice.continues = base != nullptr;
   int64_t left_error = 0, error = 0, bits = 4;
-  for (size_t i = 0; i < kSize; ++i) {
+  for (size_t i = 0; i < kTransformSize; ++i) {
     const int32_t difference = int32_t{target[i]} - (base == nullptr ? 0 : base[i]);
     const int32_t level = to_level(difference, step);
     const int64_t rest = int64_t{difference} - int64_t{level} * step;
@@ -67,15 +67,16 @@ QuantisedResidual quantised(std::span<const int16_t> target, std::span<const int
   QuantisedResidual image(grid);
   image.step = step;
   for (size_t block = 0; block < grid.blocks(); ++block) {
-    const auto* own = target.data() + block * kSize;
-    const auto* before = last.data() + block * kSize;
+    const auto* own = target.data() + block * kTransformSize;
+    const auto* before = last.data() + block * kTransformSize;
     BlockChoiceOfLevels best = quantised(own, nullptr, residual_step(step));
-    if (std::any_of(before, before + kSize, [](int16_t value) { return value != 0; })) {
+    if (std::any_of(before, before + kTransformSize, [](int16_t value) { return value != 0; })) {
       BlockChoiceOfLevels continued = quantised(own, before, residual_step(step));
       if (continued.cost < best.cost) best = continued;
     }
     image.continues[block] = best.continues ? 1 : 0;
-    std::ranges::copy(best.levels, image.levels.begin() + static_cast<ptrdiff_t>(block * kSize));
+    std::ranges::copy(best.levels,
+                      image.levels.begin() + static_cast<ptrdiff_t>(block * kTransformSize));
   }
   return image;
 }

@@ -5,7 +5,7 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr int kMixerRate = 16;
+constexpr int kResidualMixerRate = 16;
 /// Number of bits that a stored start counts as.
 constexpr int kScaleTrust = 60;
 constexpr int kChannelTrust = 16;
@@ -80,7 +80,7 @@ bool ResidualModels::code_bit(Port& port, const Place& place, size_t node, int c
   Mixer<kMixerInputs>& mixer = mixers_[place.is_first ? 0 : 1][node];
   const BitProbability one = mixer.mix(odds);
   bit = port.code(bit, one);
-  mixer.update(odds, one, bit, kMixerRate);
+  mixer.update(odds, one, bit, kResidualMixerRate);
   by_scale.update(bit);
   by_hold.update(bit);
   if (by_channel != nullptr) by_channel->update(bit);

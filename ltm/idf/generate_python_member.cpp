@@ -45,7 +45,7 @@ std::string required_hint(const Type& type) {
 }
 
 /// Needs at least one bound.
-std::string bounds_text(const Quantity& quantity) {
+std::string bounds_in_python(const Quantity& quantity) {
   if (!quantity.maximum) return fmt::format(" At least {}.", *quantity.minimum);
   if (!quantity.minimum) return fmt::format(" At most {}.", *quantity.maximum);
   return fmt::format(" Range: {}..{}.", *quantity.minimum, *quantity.maximum);
@@ -97,7 +97,7 @@ std::string facts(const Type& type, std::string_view name) {
   if (const auto array = type.as_array()) text += shape_text(type, *array);
   text += unit_text(type);
   if (const Quantity* quantity = type.quantity(); quantity != nullptr && quantity->is_bounded())
-    text += bounds_text(*quantity);
+    text += bounds_in_python(*quantity);
   if (type.kind() == TypeKind::kTime) text += " Time: ns since the Unix epoch, UTC.";
   if (type.kind() == TypeKind::kMemoryLink) text += " A printed MemoryID; empty: no link.";
   if (type.kind() == TypeKind::kPose) text += frame_text(name);

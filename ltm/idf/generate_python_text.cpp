@@ -30,7 +30,7 @@ size_t character_size(std::string_view text) {
 }
 
 /// Escapes what a literal cannot hold; quotes stay.
-std::string escaped(std::string_view text) {
+std::string escaped_in_python(std::string_view text) {
   std::string made;
   while (!text.empty()) {
     const size_t size = character_size(text);
@@ -71,7 +71,7 @@ void add_wrapped(std::string_view text, size_t width, std::vector<std::string>& 
   std::string line;
   for (const std::string_view word : split(text, ' ')) {
     if (word.empty()) continue;
-    const std::string made = replaced(escaped(word), R"(""")", R"(\"\"\")");
+    const std::string made = replaced(escaped_in_python(word), R"(""")", R"(\"\"\")");
     if (!line.empty() && line.size() + 1 + made.size() > width) {
       lines.push_back(std::move(line));
       line.clear();
@@ -110,7 +110,7 @@ std::string to_string(const PythonExpression& expression, size_t indent, size_t 
 }
 
 std::string python_string(std::string_view text) {
-  return '"' + replaced(escaped(text), R"(")", R"(\")") + '"';
+  return '"' + replaced(escaped_in_python(text), R"(")", R"(\")") + '"';
 }
 
 std::string python_docstring(std::string_view text, size_t indent) {

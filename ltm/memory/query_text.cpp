@@ -21,7 +21,7 @@ bool is_end_escaped(std::string_view text) {
   return backslashes % 2 == 1;
 }
 
-std::string_view trim(std::string_view text) {
+std::string_view trim_unescaped(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
   while (text.ends_with(' ') && !is_end_escaped(text)) text.remove_suffix(1);
   return text;
@@ -60,16 +60,16 @@ class QueryParser {
   explicit QueryParser(std::string_view text) : text_(text) {}
 
   Result<Query> parse() {
-    std::string_view rest = trim(text_);
+    std::string_view rest = trim_unescaped(text_);
     const std::string_view flagged = rest.substr(0, kIdsOnly.size() + 1);
     const bool is_ids_only = flagged == kIdsOnly || flagged == "?ids ";
-    if (is_ids_only) rest = trim(rest.substr(kIdsOnly.size()));
+    if (is_ids_only) rest = trim_unescaped(rest.substr(kIdsOnly.size()));
     QueryBuilder builder(is_ids_only);
     const std::vector<std::string_view> branches = split(rest, ';');
     for (const std::string_view branch : branches) {
-      if (branches.size() > 1 && trim(branch).empty())
+      if (branches.size() > 1 && trim_unescaped(branch).empty())
         return at(branch, invalid_argument("nothing beside ';': needs NAMES @ SELECTOR"));
-      ENGRAM_RETURN_IF_ERROR(parse_branch(trim(branch), builder));
+      ENGRAM_RETURN_IF_ERROR(parse_branch(trim_unescaped(branch), builder));
     }
     return std::move(builder).take();
   }
@@ -84,10 +84,11 @@ class QueryParser {
 
   Status parse_branch(std::string_view branch, QueryBuilder& builder) {
     const size_t selectors = find_selectors(branch);
-    ENGRAM_ASSIGN_OR_RETURN(const QueryPath names, parse_names(trim(branch.substr(0, selectors))));
+    ENGRAM_ASSIGN_OR_RETURN(const QueryPath names,
+                            parse_names(trim_unescaped(branch.substr(0, selectors))));
     if (selectors == std::string_view::npos) return add(branch, names, {}, builder);
     for (const std::string_view selector : split(branch.substr(selectors + 1), ',')) {
-      ENGRAM_ASSIGN_OR_RETURN(SnapshotQuery snapshots, parse_snapshots(trim(selector)));
+      ENGRAM_ASSIGN_OR_RETURN(SnapshotQuery snapshots, parse_snapshots(trim_unescaped(selector)));
       ENGRAM_RETURN_IF_ERROR(add(selector, names, std::move(snapshots), builder));
     }
     return {};
@@ -129,7 +130,7 @@ class QueryParser {
     if (!selector.ok()) return at(text, selector.status());
     snapshots.selector = *selector;
     for (size_t i = 1; i < parts.size(); ++i) {
-      const std::string_view part = trim(parts[i]);
+      const std::string_view part = trim_unescaped(parts[i]);
       int32_t index = 0;
       const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
       if (error != std::errc() || end != part.data() + part.size() || index < 0)

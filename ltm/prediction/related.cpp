@@ -14,18 +14,18 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kChanges = 7;
+constexpr int kRelatedChanges = 7;
 /// Features of one number: its level, then its last changes.
-constexpr Index kFeatures = kChanges + 1;
+constexpr Index kFeatures = kRelatedChanges + 1;
 /// With more numbers nothing is learned, because the search costs the square of their number.
 constexpr size_t kMaxNumbers = 96;
-constexpr size_t kMinWindows = 120;
+constexpr size_t kMinRelatedWindows = 120;
 constexpr size_t kMaxWindows = 2048;
 /// Share of the windows, the last ones, on which it is decided how many features to use.
 constexpr double kHeldOut = 0.25;
 constexpr size_t kMaxPicks = 8;
 /// Weight of the ridge, relative to the square of each feature.
-constexpr double kRidge = 1e-2;
+constexpr double kRelatedRidge = 1e-2;
 /// Min gain of picked features on held-out windows, relative to the error without them. Among many
 /// features one always helps a little by chance.
 constexpr double kMinGain = 0.01;
@@ -38,26 +38,26 @@ struct Weights {
 
 /// Sums of products over windows. Least squares needs nothing else, so any subset of the features
 /// can be fitted without reading the windows again.
-struct Products {
+struct RelatedProducts {
   MatrixXd features;  ///< [F, F]
   MatrixXd targets;   ///< [F, numbers]
   VectorXd squares;   ///< [numbers], of the targets.
 
-  static Products of(const MatrixXd& x, const MatrixXd& y) {
+  static RelatedProducts of(const MatrixXd& x, const MatrixXd& y) {
     return {x.transpose() * x, x.transpose() * y, y.colwise().squaredNorm().transpose()};
   }
 };
 
-Weights fitted(const Products& products, std::vector<Index> features, Index target) {
+Weights fitted(const RelatedProducts& products, std::vector<Index> features, Index target) {
   MatrixXd squares = products.features(features, features);
-  squares.diagonal() *= 1 + kRidge;
+  squares.diagonal() *= 1 + kRelatedRidge;
   const VectorXd wanted = products.targets(features, Eigen::all).col(target);
   VectorXd weights = squares.ldlt().solve(wanted);
   if (!weights.allFinite()) weights.setZero();  // Squares of huge numbers overflow.
   return {std::move(features), std::move(weights)};
 }
 
-double error_of(const Products& products, const Weights& fit, Index target) {
+double error_of(const RelatedProducts& products, const Weights& fit, Index target) {
   const VectorXd wanted = products.targets(fit.features, Eigen::all).col(target);
   return products.squares[target] - 2 * fit.weights.dot(wanted) +
          fit.weights.dot(products.features(fit.features, fit.features) * fit.weights);
@@ -65,9 +65,9 @@ double error_of(const Products& products, const Weights& fit, Index target) {
 
 /// The feature that explains most of what a fit leaves, apart from what its own features explain
 /// of it; -1 if there is none.
-Index best_pick(const Products& products, const Weights& fit, Index target) {
+Index best_pick(const RelatedProducts& products, const Weights& fit, Index target) {
   MatrixXd squares = products.features(fit.features, fit.features);
-  squares.diagonal() *= 1 + kRidge;
+  squares.diagonal() *= 1 + kRelatedRidge;
   const MatrixXd cross = products.features(fit.features, Eigen::all);  // [S, F]
   const VectorXd left = products.targets.col(target) - cross.transpose() * fit.weights;
   const MatrixXd explained = squares.ldlt().solve(cross);
@@ -75,8 +75,9 @@ Index best_pick(const Products& products, const Weights& fit, Index target) {
   double max = 0;
   for (Index feature = 0; feature < left.size(); ++feature) {
     const double all = products.features(feature, feature);
-    const double own = all * (1 + kRidge) - cross.col(feature).dot(explained.col(feature));
-    if (!(own > kRidge * all) || std::ranges::find(fit.features, feature) != fit.features.end())
+    const double own = all * (1 + kRelatedRidge) - cross.col(feature).dot(explained.col(feature));
+    if (!(own > kRelatedRidge * all) ||
+        std::ranges::find(fit.features, feature) != fit.features.end())
       continue;
     const double gain = left[feature] * left[feature] / own;
     if (gain > max) {
@@ -96,7 +97,7 @@ class Related final : public SeriesEngine {
     auto& learned = weights_[steps];
     learned.clear();
     const std::vector<size_t> windows = windows_of(series, end, steps);
-    if (series.numbers() > kMaxNumbers || windows.size() < kMinWindows) return;
+    if (series.numbers() > kMaxNumbers || windows.size() < kMinRelatedWindows) return;
     learn_means(series, windows);
     MatrixXd x(windows.size(), kFeatures * static_cast<Index>(series.numbers()));
     MatrixXd y(windows.size(), series.numbers());
@@ -108,11 +109,12 @@ class Related final : public SeriesEngine {
         y(row, column) = series.row(windows[i] + steps)[number] - series.row(windows[i])[number];
       }
     const auto held_out = static_cast<Index>(kHeldOut * static_cast<double>(windows.size()));
-    const Products first =
-        Products::of(x.topRows(x.rows() - held_out), y.topRows(y.rows() - held_out));
-    const Products last = Products::of(x.bottomRows(held_out), y.bottomRows(held_out));
-    const Products all{first.features + last.features, first.targets + last.targets,
-                       first.squares + last.squares};
+    const RelatedProducts first =
+        RelatedProducts::of(x.topRows(x.rows() - held_out), y.topRows(y.rows() - held_out));
+    const RelatedProducts last =
+        RelatedProducts::of(x.bottomRows(held_out), y.bottomRows(held_out));
+    const RelatedProducts all{first.features + last.features, first.targets + last.targets,
+                              first.squares + last.squares};
     // Features are chosen on a part of the windows, but their weights are fitted on all of them.
     for (Index number = 0; number < y.cols(); ++number)
       learned.push_back(fitted(all, features_for(first, last, number), number));
@@ -133,7 +135,7 @@ class Related final : public SeriesEngine {
 
  private:
   static bool has_changes(const NumberSeries& series, size_t row) {
-    return row >= series.run_start(row) + kChanges;
+    return row >= series.run_start(row) + kRelatedChanges;
   }
 
   static std::vector<size_t> windows_of(const NumberSeries& series, size_t end, size_t steps) {
@@ -161,7 +163,7 @@ class Related final : public SeriesEngine {
 
   /// The features of a number: its own changes, and its level and further features as long as they
   /// reduce the error on held-out windows.
-  static std::vector<Index> features_for(const Products& first, const Products& last,
+  static std::vector<Index> features_for(const RelatedProducts& first, const RelatedProducts& last,
                                          Index number) {
     std::vector<Index> features;
     for (Index k = 1; k < kFeatures; ++k) features.push_back(number * kFeatures + k);

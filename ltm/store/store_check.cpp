@@ -15,7 +15,7 @@ namespace engram::ltm {
 namespace {
 
 /// Max attempts to list the store. A writer may seal a journal or replace a segment meanwhile.
-constexpr int kOpenAttempts = 100;
+constexpr int kCheckAttempts = 100;
 /// Max number of damaged frames reported one by one per journal.
 constexpr uint64_t kMaxTold = 10;
 
@@ -67,7 +67,7 @@ class StoreCheck {
   /// Reads the manifest and lists the journals of one generation. Returns false if the manifest is
   /// damaged or missing.
   Result<bool> load() {
-    for (int attempt = 0; attempt < kOpenAttempts; ++attempt) {
+    for (int attempt = 0; attempt < kCheckAttempts; ++attempt) {
       auto manifest = read_manifest(store_);
       if (manifest.status().code() == StatusCode::kDataLoss ||
           (manifest.status().code() == StatusCode::kNotFound && has_data(store_))) {
@@ -84,7 +84,7 @@ class StoreCheck {
       return true;
     }
     return unavailable("store '{}': changed {} times while it was being opened", store_.string(),
-                       kOpenAttempts);
+                       kCheckAttempts);
   }
 
   void sum_up() {

@@ -73,12 +73,12 @@ idf::Data moments_of(torch::optim::Adam& optimiser, const Tensor& tensor) {
                    {"square", array_of<float>(adam.exp_avg_sq())}};
 }
 
-using Moments = std::vector<std::unique_ptr<AdamParamState>>;
+using StateMoments = std::vector<std::unique_ptr<AdamParamState>>;
 
-Result<Moments> kept_moments(const idf::List& kept, const std::vector<Tensor>& tensors) {
+Result<StateMoments> kept_moments(const idf::List& kept, const std::vector<Tensor>& tensors) {
   if (kept.size() != tensors.size())
     return data_loss("moments: found {}, needs {}", kept.size(), tensors.size());
-  Moments moments;
+  StateMoments moments;
   for (size_t i = 0; i < kept.size(); ++i) {
     moments.emplace_back();
     if (kept[i].is<idf::None>()) continue;
@@ -99,7 +99,7 @@ Result<Moments> kept_moments(const idf::List& kept, const std::vector<Tensor>& t
   return moments;
 }
 
-void set_moments(Moments moments, const std::vector<Tensor>& tensors,
+void set_moments(StateMoments moments, const std::vector<Tensor>& tensors,
                  torch::optim::Adam& optimiser) {
   optimiser.state().clear();
   for (size_t i = 0; i < moments.size(); ++i) {
@@ -172,7 +172,7 @@ Status restore_state(const idf::Data& kept, FitState& state) {
   ENGRAM_ASSIGN_OR_RETURN(const auto weights, kept_weights(kept, state.model));
   const idf::Data* list = kept.at("moments");
   if (list == nullptr || !list->is<idf::List>()) return data_loss("needs moments");
-  ENGRAM_ASSIGN_OR_RETURN(Moments moments, kept_moments(list->get<idf::List>(), tensors));
+  ENGRAM_ASSIGN_OR_RETURN(StateMoments moments, kept_moments(list->get<idf::List>(), tensors));
   const idf::Data* step = kept.at("step");
   const idf::Data* numbers = kept.at("numbers");
   const auto* array = numbers == nullptr ? nullptr : numbers->get_if<idf::NdArray>();

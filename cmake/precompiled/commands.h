@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands of the program include.
+// What the commands of the programs and of the module include.
 #pragma once
 
 #include <CLI/CLI.hpp>
