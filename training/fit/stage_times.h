@@ -46,7 +46,8 @@ class StageTimes {
  public:
   using Clocks = std::function<StageTime()>;
 
-  explicit StageTimes(Clocks clocks = process_clocks);
+  StageTimes() : StageTimes(process_clocks) {}
+  explicit StageTimes(Clocks clocks);
 
   [[nodiscard]] const StageTime& of(Stage stage) const {
     return spent_[static_cast<size_t>(stage)];
