@@ -99,8 +99,9 @@ else
   rm -rf "$store" "$dir/done.txt"
   if [ -n "$is_kitchen" ]; then record_kitchen; else import_recordings; fi
 
-  say "2. What the memory holds"
+  say "2. What the memory holds, and the last moments of it, as they were recorded"
   show_store
+  run query "$store" "$camera @ latest:3" --save "$dir/latest"
 
   say "3. Consolidate: one autoencoder per entity ($budget in all)"
   # shellcheck disable=SC2086  # options or none
@@ -108,9 +109,8 @@ else
   printf '%s' "$wanted" > "$dir/done.txt"
 fi
 
-say "4. The past, from whichever form holds it"
+say "4. The same moments, from what was learned"
 show_store
-run query "$store" "$camera @ latest:3" --save "$dir/latest"
 run query "$store" "$camera @ latest:3" --prefer latent --save "$dir/reconstructed"
 
 if [ -n "$is_kitchen" ]; then
