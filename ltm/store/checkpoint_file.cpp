@@ -14,6 +14,8 @@ constexpr std::string_view kSuffix = ".checkpoint";
 /// Suffix of a checkpoint that is still being written.
 constexpr std::string_view kUnfinished = ".checkpoint.new";
 
+constexpr std::string_view kHistory = ".history";
+
 /// The common prefix of the file names of an entity's checkpoints.
 std::string prefix_of(const MemoryId& entity) {
   constexpr std::string_view kModelEnd = ".v1.h5";
@@ -22,13 +24,15 @@ std::string prefix_of(const MemoryId& entity) {
   return name + ".";
 }
 
-std::vector<std::filesystem::path> checkpoints_of(const std::filesystem::path& store) {
+bool is_of_checkpoint(const std::string& name) {
+  return is_checkpoint(name) || name.ends_with(kUnfinished);
+}
+
+std::vector<std::filesystem::path> temporary_files(const std::filesystem::path& store) {
   std::vector<std::filesystem::path> files;
   std::error_code missing;
   for (const auto& entry : std::filesystem::directory_iterator(store / "tmp", missing))
-    if (const std::string name = entry.path().filename().string();
-        is_checkpoint(name) || name.ends_with(kUnfinished))
-      files.push_back(entry.path());
+    files.push_back(entry.path());
   return files;
 }
 
@@ -39,23 +43,36 @@ std::filesystem::path checkpoint_file(const std::filesystem::path& store, const 
   return store / "tmp" / fmt::format("{}{:016x}{}", prefix_of(entity), key, kSuffix);
 }
 
+std::filesystem::path history_file(const std::filesystem::path& store, const MemoryId& entity) {
+  std::string name = prefix_of(entity);
+  name.pop_back();
+  return store / "tmp" / (name + std::string(kHistory));
+}
+
 bool is_checkpoint(const std::string& name) {
   return name.ends_with(kSuffix);
 }
 
+bool is_history(const std::string& name) {
+  return name.ends_with(kHistory);
+}
+
 Status remove_checkpoints(const std::filesystem::path& store, const MemoryId& entity,
                           std::span<const std::filesystem::path> kept) {
-  for (const auto& file : checkpoints_of(store))
-    if (file.filename().string().starts_with(prefix_of(entity)) &&
+  for (const auto& file : temporary_files(store)) {
+    const std::string name = file.filename().string();
+    if (is_of_checkpoint(name) && name.starts_with(prefix_of(entity)) &&
         std::ranges::find(kept, file) == kept.end())
       ENGRAM_RETURN_IF_ERROR(remove_file(file));
+  }
   return {};
 }
 
 Status remove_checkpoints_of_others(const std::filesystem::path& store,
                                     const std::vector<MemoryId>& entities) {
-  for (const auto& file : checkpoints_of(store)) {
+  for (const auto& file : temporary_files(store)) {
     const std::string name = file.filename().string();
+    if (!is_of_checkpoint(name) && !is_history(name)) continue;
     const bool is_known = std::ranges::any_of(
         entities, [&](const MemoryId& entity) { return name.starts_with(prefix_of(entity)); });
     if (!is_known) ENGRAM_RETURN_IF_ERROR(remove_file(file));

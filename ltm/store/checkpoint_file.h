@@ -19,15 +19,23 @@ namespace engram::ltm {
 [[nodiscard]] std::filesystem::path checkpoint_file(const std::filesystem::path& store,
                                                     const MemoryId& entity, uint64_t key);
 
+/// Names the file in the store's `tmp/` that keeps what nights found out about an entity, so that
+/// the next one need not find it out again: "tmp/Vision.RGB.head.cam.history". It is no part of the
+/// memory. remove_checkpoints_of_others() removes it.
+[[nodiscard]] std::filesystem::path history_file(const std::filesystem::path& store,
+                                                 const MemoryId& entity);
+
 /// Whether `name`, of a file in `tmp/`, is that of a checkpoint.
 [[nodiscard]] bool is_checkpoint(const std::string& name);
+/// The same for a history.
+[[nodiscard]] bool is_history(const std::string& name);
 
 /// Removes the checkpoints of `entity` except those in `kept`.
 /// Errors: kUnavailable.
 Status remove_checkpoints(const std::filesystem::path& store, const MemoryId& entity,
                           std::span<const std::filesystem::path> kept = {});
 
-/// Removes the checkpoints of all entities that are not in `entities`.
+/// Removes the checkpoints and histories of all entities that are not in `entities`.
 /// Errors: kUnavailable.
 Status remove_checkpoints_of_others(const std::filesystem::path& store,
                                     const std::vector<MemoryId>& entities);

@@ -51,7 +51,7 @@ Result<std::vector<Finding>> find_orphans(const std::filesystem::path& store) {
     if (is_checkpoint(name))
       notes.push_back(note(file, "is what training goes on from that is under way or was killed",
                            "nothing: the next consolidation uses or removes it"));
-    else if (belongs_to_dead_process(name))
+    else if (!is_history(name) && belongs_to_dead_process(name))
       notes.push_back(note(file, "belongs to a process that is gone"));
   }
   for (const std::string& file : files_in(store, "journal"))

@@ -34,7 +34,7 @@ Status remove_leftovers(const std::filesystem::path& store) {
     ENGRAM_RETURN_IF_ERROR(make_directories(store / folder));
   for (const auto& entry : std::filesystem::directory_iterator(store / "tmp"))
     if (const std::string name = entry.path().filename().string();
-        !is_checkpoint(name) && belongs_to_dead_process(name))
+        !is_checkpoint(name) && !is_history(name) && belongs_to_dead_process(name))
       ENGRAM_RETURN_IF_ERROR(remove_file(entry.path()));
   return edit_manifest(store, [&store](Manifest& manifest) -> Status {
     std::set<std::string> named;
@@ -262,7 +262,8 @@ Status StoreWriter::append(const std::vector<PackedSnapshot>& snapshots,
   }
   if (payloads.empty()) return {};
   ENGRAM_RETURN_IF_ERROR(state_->append_frames(payloads));
-  for (const PackedSnapshot& snapshot : snapshots) state_->note_time(snapshot.entity, snapshot.time);
+  for (const PackedSnapshot& snapshot : snapshots)
+    state_->note_time(snapshot.entity, snapshot.time);
   if (frame_bytes != nullptr)
     for (const auto& payload : payloads)
       frame_bytes->push_back(payload.size() + Journal::kFrameOverheadBytes);
@@ -282,8 +283,7 @@ Status StoreWriter::append_dropped(const MemoryId& entity, uint64_t dropped,
   return state_->append_frames({std::move(payload)});
 }
 
-void StoreWriter::note_dropped_by(const MemoryId& entity, std::string_view filter,
-                                  uint64_t count) {
+void StoreWriter::note_dropped_by(const MemoryId& entity, std::string_view filter, uint64_t count) {
   state_->dropped_by[entity][std::string(filter)] += count;
 }
 

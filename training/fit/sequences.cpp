@@ -5,18 +5,25 @@
 
 namespace engram::training {
 
-Duration median_step(std::span<const Time> times) {
+namespace {
+
+constexpr double kUsualShare = 0.9;
+constexpr int kUnusual = 4;  ///< Times a usual step.
+
+/// The step that this share of all steps does not exceed; zero for fewer than two times.
+Duration step_quantile(std::span<const Time> times, double share) {
   if (times.size() < 2) return {};
   std::vector<Duration> steps;
   for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  const auto at =
+      steps.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(steps.size() - 1) * share);
+  std::nth_element(steps.begin(), at, steps.end());
+  return *at;
 }
 
-std::vector<Sequence> cut_sequences(std::span<const Time> times) {
+/// Cuts at gaps that are longer, and where time decreases.
+std::vector<Sequence> cut_at(std::span<const Time> times, Duration longest) {
   if (times.empty()) return {};
-  const Duration longest = median_step(times) / 2 * 3;
   std::vector<Sequence> sequences{{0, 1}};
   for (size_t i = 1; i < times.size(); ++i) {
     const Duration gap = times[i] - times[i - 1];
@@ -24,6 +31,23 @@ std::vector<Sequence> cut_sequences(std::span<const Time> times) {
     sequences.back().end = i + 1;
   }
   return sequences;
+}
+
+}  // namespace
+
+Duration median_step(std::span<const Time> times) {
+  return step_quantile(times, 0.5);
+}
+
+std::vector<Sequence> cut_sequences(std::span<const Time> times) {
+  return cut_at(times, median_step(times) / 2 * 3);
+}
+
+std::vector<Sequence> cut_recordings(std::span<const Time> times) {
+  const Duration usual = step_quantile(times, kUsualShare);
+  Duration longest = std::chrono::milliseconds(1);
+  while (longest / kUnusual < usual) longest *= 2;
+  return cut_at(times, longest);
 }
 
 std::vector<std::vector<size_t>> interleaved(std::span<const Time> times, const Sequence& recording,

@@ -20,6 +20,9 @@ constexpr double kNewLevel = 0.5, kNewDeviation = 0.2, kNewSlope = 0.25;
 /// misses its bound costs a second encode, and one that is better than needed costs bytes.
 constexpr double kMarginDeviations = 0.8, kMaxMarginShare = 0.6;
 
+/// What a line that was read may say.
+constexpr double kMaxCrf = 255, kMaxDb = 200;
+
 /// The slope between two trials; nothing if they are of the same crf or say nothing.
 double slope_between(const VideoTrial& a, const VideoTrial& b, double otherwise) {
   if (a.crf == b.crf) return otherwise;
@@ -29,16 +32,27 @@ double slope_between(const VideoTrial& a, const VideoTrial& b, double otherwise)
 
 }  // namespace
 
+void VideoHistory::go_on_from(const Line& line) {
+  const bool is_line = line.slope >= kMinSlope && line.slope <= kMaxSlope &&
+                       std::abs(line.at_crf) <= kMaxCrf && std::abs(line.at_db) <= kMaxDb &&
+                       line.deviation >= 0 && line.deviation <= kMaxDb;
+  if (chains_ > 0 || !is_line) return;
+  line_ = line;
+  chains_ = 1;
+}
+
 int VideoHistory::first_guess(double bound_db, double tolerance_db) const {
-  const double margin = std::min(kMarginDeviations * deviation_, kMaxMarginShare * tolerance_db);
-  return static_cast<int>(std::floor(at_crf_ + (at_db_ - bound_db - margin) / slope_));
+  const double margin =
+      std::min(kMarginDeviations * line_.deviation, kMaxMarginShare * tolerance_db);
+  return static_cast<int>(
+      std::floor(line_.at_crf + (line_.at_db - bound_db - margin) / line_.slope));
 }
 
 double VideoHistory::change_to(double wanted_db, std::span<const VideoTrial> trials) const {
   ENGRAM_CHECK(!trials.empty(), "no trial to start from");
   const VideoTrial& last = trials.back();
-  double slope = slope_;
-  if (trials.size() > 1) slope = slope_between(trials[trials.size() - 2], last, slope_);
+  double slope = line_.slope;
+  if (trials.size() > 1) slope = slope_between(trials[trials.size() - 2], last, line_.slope);
   return (last.worst_db - wanted_db) / slope;
 }
 
@@ -48,16 +62,16 @@ void VideoHistory::learn(std::span<const VideoTrial> trials, double bound_db) {
   const auto nearest = *std::ranges::min_element(
       trials, {}, [&](const VideoTrial& trial) { return std::abs(trial.worst_db - bound_db); });
   for (size_t i = 1; i < trials.size(); ++i)
-    slope_ += kNewSlope * (slope_between(trials[i - 1], trials[i], slope_) - slope_);
+    line_.slope += kNewSlope * (slope_between(trials[i - 1], trials[i], line_.slope) - line_.slope);
   const double crf = nearest.crf;
-  const double expected_db = at_db_ - slope_ * (crf - at_crf_);
+  const double expected_db = line_.at_db - line_.slope * (crf - line_.at_crf);
   const double error = nearest.worst_db - expected_db;
-  at_crf_ = crf;
+  line_.at_crf = crf;
   if (chains_ == 0) {
-    at_db_ = nearest.worst_db;
+    line_.at_db = nearest.worst_db;
   } else {
-    deviation_ += kNewDeviation * (std::abs(error) - deviation_);
-    at_db_ = expected_db + kNewLevel * error;
+    line_.deviation += kNewDeviation * (std::abs(error) - line_.deviation);
+    line_.at_db = expected_db + kNewLevel * error;
   }
   ++chains_;
 }

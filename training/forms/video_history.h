@@ -24,7 +24,23 @@ struct VideoTrial {
 class VideoHistory {
  public:
   /// `usual_slope` is in dB per step of crf, and counts until some chain was encoded twice.
-  explicit VideoHistory(double usual_slope) : slope_(usual_slope) {}
+  explicit VideoHistory(double usual_slope) { line_.slope = usual_slope; }
+
+  /// What it knows of the line, without the chains.
+  struct Line {
+    double slope = 0;  ///< In dB per step of crf.
+    /// A point of the line: near where the last chain ended, so that another slope moves little.
+    double at_crf = 0, at_db = 0;
+    double deviation = 1;  ///< Of a chain's level from what was expected. Unit: dB.
+
+    friend bool operator==(const Line&, const Line&) = default;
+  };
+
+  [[nodiscard]] const Line& line() const { return line_; }
+
+  /// Goes on from a line of an earlier job. Nothing happens if some chain was learned from, or the
+  /// line is none that a codec has.
+  void go_on_from(const Line& line);
 
   [[nodiscard]] bool is_empty() const { return chains_ == 0; }
 
@@ -44,11 +60,8 @@ class VideoHistory {
   [[nodiscard]] std::span<const uint8_t> encodes() const { return encodes_; }
 
  private:
-  double slope_;
-  /// A point of the line: near where the last chain ended, so that another slope moves little.
-  double at_crf_ = 0, at_db_ = 0;
-  double deviation_ = 1;  ///< Of a chain's level from what was expected. Unit: dB.
-  uint64_t chains_ = 0;
+  Line line_;
+  uint64_t chains_ = 0;  ///< One at least if the line is of an earlier job.
   std::vector<uint8_t> encodes_;
 };
 

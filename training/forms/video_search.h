@@ -65,6 +65,8 @@ class VideoSearch {
   Result<std::optional<FoundVideo>> find(std::span<const idf::NdArray> images);
 
   [[nodiscard]] const VideoSearchOptions& options() const { return options_; }
+  /// Begins with what an earlier job learned.
+  void go_on_from(const VideoHistory::Line& line) { history_.go_on_from(line); }
   [[nodiscard]] const VideoHistory& history() const { return history_; }
 
  private:

@@ -74,6 +74,25 @@ Result<double> sampled_video_bytes(const EntityWork& work, const PlannedEntity& 
   return bytes / static_cast<double>(count);
 }
 
+/// Networks that lost are tried again when there are so many times the snapshots: what is spent on
+/// trials is then at most twice what the last one took.
+constexpr int64_t kTriedAgain = 2;
+
+/// Whether an earlier night showed that networks lose, which is noted.
+Result<bool> have_lost(const EntityWork& work, const PlannedEntity& planned, ChosenForm& form) {
+  const int64_t lost_at = form.history.networks_lost_at;
+  const bool is_told_to = work.options.starts_anew || work.options.train.width > 0;
+  if (lost_at == 0 || is_told_to || planned.representation.kind != Representation::kAuto)
+    return false;
+  ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
+  if (std::ssize(*index) >= kTriedAgain * lost_at) return false;
+  form.notes.push_back(fmt::format(
+      "networks lost against video alone at {} snapshots: they are trained again from {} "
+      "on, or with --anew",
+      lost_at, kTriedAgain * lost_at));
+  return true;
+}
+
 /// Whether networks may pay. Sets their width unless it is given, or notes why they do not pay.
 Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned,
                             ChosenForm& form) {
@@ -85,6 +104,8 @@ Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned
   if (smallest.width == 0) smallest.width = 32;
   const uint64_t networks = network_bytes(planned.layout, smallest);
   if (networks == 0) return true;
+  ENGRAM_ASSIGN_OR_RETURN(const bool lost, have_lost(work, planned, form));
+  if (lost) return false;
   ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes(work, planned, form));
   if (video == 0) return true;  // No codec accepts its images.
   const double saved = video * static_cast<double>(planned.entries.size()) * representation.nights;
@@ -112,12 +133,14 @@ ChosenForm ChosenForm::as_video_alone() const {
 
 Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& planned) {
   const auto stage = work.stage(Stage::kSamples);
-  ChosenForm form{work.options.train, planned.representation, {}};
+  ChosenForm form{work.options.train, planned.representation, {}, {}};
+  if (!work.options.job.is_fresh) form.history = read_history(work.reader.path(), work.entity);
   const ImageMembers images = image_members_of(planned.layout);
   if (images.count > 0 && work.options.access > Duration::zero())
     form.train.chain_rows = rows_within(work.options.access, images.pixels);
   form.representation.videos = std::make_shared<EntityVideos>(
       images.count, form.representation.search(images.largest_pixels));
+  form.history.teach(*form.representation.videos);
   ENGRAM_ASSIGN_OR_RETURN(form.train.has_networks, wants_networks(work, planned, form));
   if (!form.train.has_networks) form.representation.kind = Representation::kVideo;
   // Training aims at a mean, and every image must reach the bound, so the mean must be above it.

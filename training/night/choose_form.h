@@ -7,6 +7,7 @@
 #include "training/fit/train_options.h"
 #include "training/forms/representation.h"
 #include "training/night/entity_work.h"
+#include "training/night/night_history.h"
 #include "training/night/plan_entity.h"
 
 // Private to this room.
@@ -18,6 +19,7 @@ struct ChosenForm {
   TrainOptions train;  ///< Includes whether there are networks for images, and their width.
   RepresentationOptions representation;
   std::vector<std::string> notes;  ///< Reasons, in sentences.
+  NightHistory history;            ///< What earlier nights found out.
 
   /// The same without networks, with video at the bound.
   [[nodiscard]] ChosenForm as_video_alone() const;
@@ -26,7 +28,8 @@ struct ChosenForm {
 /// Chooses between networks and video alone before training. Networks are chosen if they could save
 /// five times their own bytes compared with video, assuming that latents take no bytes. Some evenly
 /// spaced runs of images are coded as video to estimate this. Their width is chosen unless it is
-/// given.
+/// given. Networks that lost on an earlier night are not tried again before there are twice as many
+/// snapshots, unless training shall start afresh or anew, or a width is given.
 /// Errors: the errors of the store and of the codecs.
 /// Source: docs/learning_methods.md, section "What is stored".
 Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& planned);

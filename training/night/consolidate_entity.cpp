@@ -108,13 +108,17 @@ std::optional<Allotment> second_allotment(const Allotment& first, double encodin
 Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const PlannedEntity& planned,
                                             const TrainingSource& source, const ChosenForm& form,
                                             const Allotment& time, MadeModel made,
+                                            NightHistory& history,
                                             std::vector<std::string>& notes) {
   using Made = OrSkipped<MadeModel>;
   if (form.representation.kind != Representation::kAuto) return Made(std::move(made));
   auto why =
       why_video_is_cheaper(made.encoded, made.file.bytes, work.options.representation.nights);
+  history.networks_lost_at = 0;
   if (!why) return Made(std::move(made));
   notes.push_back(*std::move(why));
+  ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
+  history.networks_lost_at = std::ssize(*index);
   const auto second = second_allotment(time, made.encoding_seconds);
   if (!second) return Made(std::move(made));
   ENGRAM_ASSIGN_OR_RETURN(Made again, make(work, planned, source, form.as_video_alone(), *second));
@@ -192,9 +196,10 @@ Result<OrSkipped<EntityReport>> with_new_model(const EntityWork& work, const Pla
   if (auto* skipped = std::get_if<Skipped>(&first)) return Done(std::move(*skipped));
   EntityReport report = report_of(planned);
   report.notes = form.notes;
-  ENGRAM_ASSIGN_OR_RETURN(auto chosen,
-                          or_video_alone(work, planned, source, form, time,
-                                         std::move(std::get<MadeModel>(first)), report.notes));
+  NightHistory history = form.history;
+  ENGRAM_ASSIGN_OR_RETURN(
+      auto chosen, or_video_alone(work, planned, source, form, time,
+                                  std::move(std::get<MadeModel>(first)), history, report.notes));
   if (auto* skipped = std::get_if<Skipped>(&chosen)) return Done(std::move(*skipped));
   auto& made = std::get<MadeModel>(chosen);
   ENGRAM_ASSIGN_OR_RETURN(ComparedModels compared,
@@ -202,6 +207,8 @@ Result<OrSkipped<EntityReport>> with_new_model(const EntityWork& work, const Pla
   if (compared.skipped) return Done(*std::move(compared.skipped));
   ENGRAM_ASSIGN_OR_RETURN(EntityReport done,
                           publish(work, std::move(made), std::move(compared), std::move(report)));
+  history.learn(*form.representation.videos);
+  if (history != NightHistory{}) write_history(work.reader.path(), work.entity, history);
   return Done(std::move(done));
 }
 
@@ -219,8 +226,8 @@ Result<EntityReport> consolidate_entity(const EntityWork& work, const PlannedEnt
                                         const std::optional<ChosenForm>& form,
                                         const Allotment& time) {
   if (planned.is_skipped()) return skip_entity(work, planned, {planned.plan.skipped_reason});
-  const auto stage = work.stage(Stage::kOther);
   const auto start = std::chrono::steady_clock::now();
+  const auto stage = work.stage(Stage::kOther);
   Result<OrSkipped<EntityReport>> done = [&]() -> Result<OrSkipped<EntityReport>> {
     if (work.options.reuses_models) return with_newest_model(work, planned);
     if (form) return with_new_model(work, planned, *form, time);

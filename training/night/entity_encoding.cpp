@@ -15,7 +15,7 @@ Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace&
   };
   std::vector<Time> times;
   for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
-  for (const Sequence& sequence : cut_sequences(times))
+  for (const Sequence& sequence : cut_recordings(times))
     for (size_t first = sequence.first; first < sequence.end; first += max_rows_) {
       const size_t count = std::min(max_rows_, sequence.end - first);
       // With several instances there are more rows than snapshots.

@@ -34,6 +34,21 @@ TEST(CheckpointFile, OutlivesTheNextWriter) {
   EXPECT_EQ(notes[0].file, "tmp/" + file.filename().string());
 }
 
+TEST(CheckpointFile, LeavesTheHistoryToTheNextNight) {
+  const ScratchDirectory scratch;
+  const std::filesystem::path store = scratch / "store";
+  ASSERT_OK(create_store(store));
+  const auto kept = history_file(store, id("A/B/C/D")), gone = history_file(store, id("A/B/C/E"));
+  EXPECT_EQ(kept.filename(), "A.B.C.D.history");
+  for (const auto& file : {kept, gone}) ASSERT_OK(replace_file(file, as_bytes("{}")));
+  ASSERT_OK(StoreWriter::open(store, {}));
+  EXPECT_TRUE(find_orphans(store)->empty());
+  ASSERT_OK(remove_checkpoints(store, id("A/B/C/D")));
+  ASSERT_OK(remove_checkpoints_of_others(store, {id("A/B/C/D")}));
+  EXPECT_TRUE(std::filesystem::exists(kept));
+  EXPECT_FALSE(std::filesystem::exists(gone));
+}
+
 TEST(CheckpointFile, IsRemovedWithThoseOfItsEntity) {
   const ScratchDirectory scratch;
   const std::filesystem::path store = scratch.path();

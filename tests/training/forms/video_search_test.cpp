@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "ltm/codec/group_codec.h"
 #include "training/quality/psnr.h"
@@ -92,6 +93,34 @@ TEST(VideoSearch, NeedsOneEncodeOnceItKnowsTheImages) {
   ASSERT_EQ(encodes.size(), 6U);
   EXPECT_GT(encodes.front(), 1);
   EXPECT_EQ(encodes.back(), 1);
+}
+
+TEST(VideoSearch, BeginsWhereAnEarlierJobEnded) {
+  const VideoSearchOptions options{
+      .codec = "h264", .settings = "effort=1", .bound_db = 36, .tolerance_db = 1};
+  VideoSearch first(options);
+  for (int chain = 0; chain < 6; ++chain) ASSERT_TRUE(first.find(images(6)).ok());
+  VideoSearch second(options);
+  second.go_on_from(first.history().line());
+  ASSERT_TRUE(second.find(images(6)).ok());
+  ASSERT_EQ(second.history().encodes().size(), 1U);
+  EXPECT_EQ(second.history().encodes().front(), 1);
+}
+
+TEST(VideoSearch, LearnsNothingFromALineThatNoCodecHas) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const VideoHistory::Line& line : std::vector<VideoHistory::Line>{{0, 30, 36, 1},
+                                                                        {-1, 30, 36, 1},
+                                                                        {kNan, 30, 36, 1},
+                                                                        {0.3, kNan, 36, 1},
+                                                                        {0.3, 1e300, 36, 1},
+                                                                        {0.3, 30, -1e9, 1},
+                                                                        {0.3, 30, 36, kNan},
+                                                                        {0.3, 30, 36, -1}}) {
+    VideoHistory history(0.3);
+    history.go_on_from(line);
+    EXPECT_TRUE(history.is_empty()) << line.slope << " " << line.at_crf << " " << line.at_db;
+  }
 }
 
 TEST(VideoSearch, KeepsTheBoundWhereImagesChangeAtOnce) {

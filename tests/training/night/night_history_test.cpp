@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/night/night_history.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ltm/core/file.h"
+#include "ltm/store/checkpoint_file.h"
+#include "ltm/store/store_reader.h"
+#include "tests/training/recorded_scene.h"
+#include "training/night/consolidate.h"
+
+namespace engram::training {
+namespace {
+
+using engram::testing::id;
+using engram::testing::quick_consolidation;
+using engram::testing::quick_options;
+using engram::testing::record;
+using engram::testing::ScratchPath;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr const char* kSquare = "Test/Scene/sim/square";
+
+NightHistory example() {
+  NightHistory history;
+  history.networks_lost_at = 40;
+  history.lines["av1:effort=5"] = {{0.25, 31, 36.5, 0.4}, {0.5, 20, 40, 0.125}};
+  return history;
+}
+
+TEST(NightHistory, IsReadAsItWasWritten) {
+  const ScratchPath store("history");
+  record(store.path(), kSquare, 0, 2);
+  EXPECT_EQ(read_history(store.path(), id(kSquare)), NightHistory{});
+  write_history(store.path(), id(kSquare), example());
+  EXPECT_EQ(read_history(store.path(), id(kSquare)), example());
+}
+
+TEST(NightHistory, IsEmptyWhereItsFileIsHostile) {
+  const ScratchPath store("hostile_history");
+  record(store.path(), kSquare, 0, 2);
+  for (const std::string text :
+       {"", "{", "[]", "7", R"({"networks_lost_at": "many", "videos": {}})",
+        R"({"networks_lost_at": 1, "videos": [[1]]})",
+        R"({"networks_lost_at": 1, "videos": {"av1": [{"slope": 1}]}})",
+        R"({"networks_lost_at": 1, "videos": {"av1": [[[[[[]]]]]]}})"}) {
+    ASSERT_TRUE(
+        replace_file(ltm::history_file(store.path(), id(kSquare)), std::as_bytes(std::span(text)))
+            .ok());
+    EXPECT_EQ(read_history(store.path(), id(kSquare)), NightHistory{}) << text;
+  }
+}
+
+TEST(NightHistory, TeachesSearchesOfTheSameCodecAlone) {
+  const NightHistory history = example();
+  EntityVideos same(2, {.codec = "av1", .settings = "effort=5"});
+  history.teach(same);
+  EXPECT_EQ(same.search_of(1).history().line(), history.lines.at("av1:effort=5")[1]);
+  EntityVideos slower(2, {.codec = "av1", .settings = "effort=7"});
+  EntityVideos wider(3, {.codec = "av1", .settings = "effort=5"});
+  EntityVideos none(0, {.codec = "av1", .settings = "effort=5"});
+  for (EntityVideos* other : {&slower, &wider, &none}) {
+    history.teach(*other);
+    for (size_t i = 0; i < other->members(); ++i)
+      EXPECT_TRUE(other->search_of(i).history().is_empty());
+  }
+  NightHistory learned;
+  learned.learn(slower);  // Nothing was searched for.
+  EXPECT_EQ(learned, NightHistory{});
+  learned.learn(same);
+  EXPECT_EQ(learned.lines, history.lines);
+}
+
+EntityReport night(const std::filesystem::path& store, const ConsolidateOptions& options) {
+  auto report = consolidate(store, options, {}, {});
+  EXPECT_TRUE(report.ok()) << report.status().to_string();
+  if (!report.ok()) return {};
+  EXPECT_EQ(report->entities[0].skipped_reason, "");
+  return std::move(report->entities[0]);
+}
+
+/// Networks are tried, because over so many nights their bytes are nothing, and lose, because two
+/// steps teach them nothing.
+ConsolidateOptions losing() {
+  auto chosen = quick_consolidation();
+  chosen.train = quick_options(2);
+  chosen.train.width = 0;
+  chosen.representation.kind = Representation::kAuto;
+  chosen.representation.bound_db = 30;
+  chosen.representation.video_effort = 1;
+  chosen.representation.nights = 100000;
+  return chosen;
+}
+
+TEST(NightHistory, SparesNetworksThatLost) {
+  const ScratchPath store("networks_lost");
+  record(store.path(), kSquare, 0, 30);
+  const EntityReport first = night(store.path(), losing());
+  EXPECT_THAT(first.notes, Contains(HasSubstr("video alone")));
+  EXPECT_EQ(read_history(store.path(), id(kSquare)).networks_lost_at, 30);
+
+  record(store.path(), kSquare, 30, 20);
+  const EntityReport second = night(store.path(), losing());
+  EXPECT_THAT(second.notes, Contains(HasSubstr("lost against video alone at 30 snapshots")));
+  EXPECT_EQ(second.forms.latent_rows + second.forms.residual_rows, 0);
+  EXPECT_EQ(read_history(store.path(), id(kSquare)).networks_lost_at, 30);
+
+  record(store.path(), kSquare, 50, 10);
+  const EntityReport third = night(store.path(), losing());
+  EXPECT_THAT(third.notes, ::testing::Not(Contains(HasSubstr("at 30 snapshots"))));
+  EXPECT_EQ(read_history(store.path(), id(kSquare)).networks_lost_at, 60) << "tried again";
+
+  record(store.path(), kSquare, 60, 4);
+  auto anew = losing();
+  anew.starts_anew = true;
+  night(store.path(), anew);
+  EXPECT_EQ(read_history(store.path(), id(kSquare)).networks_lost_at, 64) << "as it was told";
+}
+
+}  // namespace
+}  // namespace engram::training

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/night/night_history.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "ltm/core/file.h"
+#include "ltm/core/log.h"
+#include "ltm/store/checkpoint_file.h"
+
+namespace engram::training {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Lines that one file may have: more say that it is not ours.
+constexpr size_t kMaxLines = 1000;
+
+std::string key_of_search(EntityVideos& videos) {
+  const VideoSearchOptions& search = videos.search_of(0).options();
+  return fmt::format("{}:{}", search.codec, search.settings);
+}
+
+Json json_of(const VideoHistory::Line& line) {
+  return {{"slope", line.slope},
+          {"at_crf", line.at_crf},
+          {"at_db", line.at_db},
+          {"deviation", line.deviation}};
+}
+
+/// Throws what nlohmann::json throws.
+NightHistory history_of(const Json& json) {
+  NightHistory history;
+  history.networks_lost_at = json.at("networks_lost_at").get<int64_t>();
+  for (const auto& [codec, members] : json.at("videos").items()) {
+    if (history.lines.size() >= kMaxLines || members.size() > kMaxLines) break;
+    for (const Json& line : members)
+      history.lines[codec].push_back(
+          {line.at("slope").get<double>(), line.at("at_crf").get<double>(),
+           line.at("at_db").get<double>(), line.at("deviation").get<double>()});
+  }
+  return history;
+}
+
+}  // namespace
+
+void NightHistory::teach(EntityVideos& videos) const {
+  if (videos.members() == 0) return;
+  const auto known = lines.find(key_of_search(videos));
+  if (known == lines.end() || known->second.size() != videos.members()) return;
+  for (size_t i = 0; i < videos.members(); ++i) videos.search_of(i).go_on_from(known->second[i]);
+}
+
+void NightHistory::learn(EntityVideos& videos) {
+  std::vector<VideoHistory::Line> ends;
+  for (size_t i = 0; i < videos.members(); ++i) {
+    const VideoHistory& history = videos.search_of(i).history();
+    if (history.is_empty()) return;
+    ends.push_back(history.line());
+  }
+  if (!ends.empty()) lines.insert_or_assign(key_of_search(videos), std::move(ends));
+}
+
+NightHistory read_history(const std::filesystem::path& store, const ltm::MemoryId& entity) {
+  const auto bytes = read_file(ltm::history_file(store, entity));
+  if (!bytes.ok()) {
+    if (bytes.status().code() != StatusCode::kNotFound)
+      log::debug("{}: no history: {}", entity.to_string(), bytes.status().message());
+    return {};
+  }
+  const auto text = bytes->bytes();
+  try {
+    return history_of(Json::parse(reinterpret_cast<const char*>(text.data()),
+                                  reinterpret_cast<const char*>(text.data()) + text.size()));
+  } catch (const Json::exception& error) {
+    log::debug("{}: its history is not used: {}", entity.to_string(), error.what());
+    return {};
+  }
+}
+
+void write_history(const std::filesystem::path& store, const ltm::MemoryId& entity,
+                   const NightHistory& history) {
+  Json videos = Json::object();
+  for (const auto& [codec, members] : history.lines)
+    for (const VideoHistory::Line& line : members) videos[codec].push_back(json_of(line));
+  const std::string text =
+      Json({{"networks_lost_at", history.networks_lost_at}, {"videos", std::move(videos)}}).dump();
+  const Status written =
+      replace_file(ltm::history_file(store, entity), std::as_bytes(std::span(text)));
+  if (!written.ok())
+    log::warning("{}: the next night learns nothing from this one: {}", entity.to_string(),
+                 written.message());
+}
+
+}  // namespace engram::training

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ltm/memory/memory_id.h"
+#include "training/forms/entity_videos.h"
+
+// Private to this room.
+
+namespace engram::training {
+
+/// What nights found out about an entity, so that the next one need not find it out again. It is
+/// advice, and no part of the memory: a night without it does the same, but takes longer.
+/// Source: docs/night.md, section "What one night tells the next".
+struct NightHistory {
+  /// Snapshots that the entity had when networks were last trained and lost against video alone; 0
+  /// if they never lost, or won since.
+  int64_t networks_lost_at = 0;
+  /// How quality followed from crf, by the codec and its settings, as in "av1:effort=7". One for
+  /// each image member.
+  std::map<std::string, std::vector<VideoHistory::Line>, std::less<>> lines;
+
+  /// The searches begin where those of an earlier night ended, if they were of the same codec.
+  void teach(EntityVideos& videos) const;
+  /// Notes where the searches ended.
+  void learn(EntityVideos& videos);
+
+  friend bool operator==(const NightHistory&, const NightHistory&) = default;
+};
+
+/// Reads the history of an entity. It is empty if there is none, or if it cannot be read.
+[[nodiscard]] NightHistory read_history(const std::filesystem::path& store,
+                                        const ltm::MemoryId& entity);
+
+/// Replaces the history of an entity. What fails is logged, because the night has done its work.
+void write_history(const std::filesystem::path& store, const ltm::MemoryId& entity,
+                   const NightHistory& history);
+
+}  // namespace engram::training
