@@ -187,36 +187,73 @@ Result<VideoSearchResult> BlockChoice::find_video(std::span<const idf::SplitValu
   return found;
 }
 
-Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(
-    std::span<const idf::SplitValue> values, size_t chains, const std::stop_token& stop,
-    const Pause& pause) {
+Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(const Chains& chains,
+                                                                  const std::stop_token& stop,
+                                                                  const Pause& pause) {
   const StageTimes::Scope scope(times_, Stage::kVideo);
   const size_t members = model_.plan.images().size();
-  std::vector<Videos> videos(chains, Videos(members));
-  std::vector<Status> failed(chains * members);
-  std::vector<std::optional<int>> encodes(chains * members);
+  std::vector<Videos> videos(chains.size(), Videos(members));
+  std::vector<Status> failed(chains.size() * members);
+  std::vector<std::optional<int>> encodes(chains.size() * members);
+  size_t rows = 0;
   // Chains of one wave learn nothing from each other, so the result is the same for any number of
   // threads. The first chain of all teaches the most, so it is alone.
-  for (size_t first = 0; first < chains;) {
+  for (size_t first = 0; first < chains.size();) {
     const bool is_first = members > 0 && videos_->search_of(0).history().is_empty();
-    const size_t end = std::min(chains, first + (is_first ? 1 : kWave));
+    const size_t end = std::min(chains.size(), first + (is_first ? 1 : kWave));
     if (stop.stop_requested()) return cancelled("encoding was stopped");
-    if (pause) ENGRAM_RETURN_IF_ERROR(pause(first * model_.codec.chain_rows));
+    if (pause) ENGRAM_RETURN_IF_ERROR(pause(rows));
     in_threads(options_.threads, (end - first) * members, [&](size_t task) {
       const size_t at = first + task / members, image = task % members;
-      auto found = find_video(rows_of(values, at), image, stop, encodes[at * members + image]);
+      auto found = find_video(chains[at], image, stop, encodes[at * members + image]);
       if (found.ok())
         videos[at][image] = *std::move(found);
       else
         failed[at * members + image] = found.status();
     });
     for (const Status& status : failed) ENGRAM_RETURN_IF_ERROR(status);
-    for (; first < end; ++first)
+    for (; first < end; ++first) {
+      rows += chains[first].size();
       for (size_t image = 0; image < members; ++image)
         videos_->search_of(image).learn(videos[first][image]);
+    }
   }
   video_encodes_.insert(video_encodes_.end(), encodes.begin(), encodes.end());
   return videos;
+}
+
+bool BlockChoice::finds_videos() const {
+  const bool keeps_latents = options_.kind == Representation::kLatents && has_networks();
+  return !keeps_latents && options_.kind != Representation::kCorrected;
+}
+
+Status BlockChoice::find_ahead(std::span<const std::span<const idf::Data>> blocks,
+                               const std::stop_token& stop, const Pause& pause) {
+  ENGRAM_CHECK(found_ahead_.empty(), "{} chains were found ahead and not encoded",
+               found_ahead_.size());
+  if (!finds_videos()) return {};
+  std::vector<Values> values;
+  Chains chains;
+  for (const auto& block : blocks) {
+    ENGRAM_ASSIGN_OR_RETURN(values.emplace_back(), split(block));
+  }
+  for (const Values& block : values)
+    std::ranges::copy(chains_of(block), std::back_inserter(chains));
+  ENGRAM_ASSIGN_OR_RETURN(auto found, find_videos(chains, stop, pause));
+  std::ranges::move(found, std::back_inserter(found_ahead_));
+  return {};
+}
+
+Result<std::vector<BlockChoice::Videos>> BlockChoice::videos_of(
+    std::span<const idf::SplitValue> block, const std::stop_token& stop, const Pause& pause) {
+  const Chains chains = chains_of(block);
+  if (found_ahead_.empty()) return find_videos(chains, stop, pause);
+  ENGRAM_CHECK(found_ahead_.size() >= chains.size(), "{} chains were found ahead, of {}",
+               found_ahead_.size(), chains.size());
+  const auto end = found_ahead_.begin() + static_cast<ptrdiff_t>(chains.size());
+  std::vector<Videos> found(std::move_iterator(found_ahead_.begin()), std::move_iterator(end));
+  found_ahead_.erase(found_ahead_.begin(), end);
+  return found;
 }
 
 void BlockChoice::add_videos(VideoSearchResult video, std::vector<Candidate>& candidates) {
@@ -311,7 +348,7 @@ Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
                                   const Pause& pause) {
   std::vector<Videos> videos;
   if (options_.kind != Representation::kCorrected) {
-    ENGRAM_ASSIGN_OR_RETURN(videos, find_videos(values, chains.size(), stop, pause));
+    ENGRAM_ASSIGN_OR_RETURN(videos, videos_of(values, stop, pause));
   }
   std::vector<Choices> choices;
   for (size_t i = 0; i < chains.size(); ++i) {
@@ -380,6 +417,21 @@ std::span<const idf::SplitValue> BlockChoice::rows_of(std::span<const idf::Split
   return rest.first(std::min(model_.codec.chain_rows, rest.size()));
 }
 
+BlockChoice::Chains BlockChoice::chains_of(std::span<const idf::SplitValue> block) const {
+  Chains chains;
+  for (size_t at = 0; at * model_.codec.chain_rows < block.size(); ++at)
+    chains.push_back(rows_of(block, at));
+  return chains;
+}
+
+Result<BlockChoice::Values> BlockChoice::split(std::span<const idf::Data> values) const {
+  Values split;
+  for (const idf::Data& value : values) {
+    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.split(value));
+  }
+  return split;
+}
+
 bool BlockChoice::has_networks() const {
   return !model_.autoencoder->images.empty();
 }
@@ -388,10 +440,7 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
                                                      const std::stop_token& stop,
                                                      const Pause& pause) {
   const StageTimes::Scope scope(times_, Stage::kLatents);
-  std::vector<idf::SplitValue> split;
-  for (const idf::Data& value : values) {
-    ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.split(value));
-  }
+  ENGRAM_ASSIGN_OR_RETURN(Values split, this->split(values));
   const auto choosing = [&]() -> Status {
     if (stop.stop_requested()) return cancelled("encoding was stopped");
     return pause ? pause(0) : Status();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -42,6 +43,16 @@ class BlockChoice {
                                           const std::stop_token& stop = {},
                                           const Pause& pause = {});
 
+  /// Whether find_ahead() has something to find.
+  [[nodiscard]] bool finds_videos() const;
+
+  /// Finds the videos of several blocks, for which encode() must be called next and in this order
+  /// (checked). Chains are what is worked on at the same time, and blocks of short recordings have
+  /// one or two. `pause` gets the number of finished rows of all.
+  /// Errors: as for encode().
+  Status find_ahead(std::span<const std::span<const idf::Data>> blocks,
+                    const std::stop_token& stop = {}, const Pause& pause = {});
+
   [[nodiscard]] encoders::StoredForms counts() const;
 
   /// Lossy encodes of each search for a video; nothing where the video was known. One search per
@@ -74,6 +85,8 @@ class BlockChoice {
   };
   using Choices = std::vector<Choice>;            ///< Per image member.
   using Videos = std::vector<VideoSearchResult>;  ///< Per image member.
+  using Values = std::vector<idf::SplitValue>;
+  using Chains = std::vector<std::span<const idf::SplitValue>>;
   /// Images [row][member].
   using Images = std::vector<std::vector<idf::NdArray>>;
 
@@ -119,9 +132,14 @@ class BlockChoice {
   /// are known.
   Result<VideoSearchResult> find_video(std::span<const idf::SplitValue> values, size_t image,
                                        const std::stop_token& stop, std::optional<int>& encodes);
-  /// Finds the videos of all chains of a block, several at a time. Shape: [chain][image member].
-  Result<std::vector<Videos>> find_videos(std::span<const idf::SplitValue> values, size_t chains,
-                                          const std::stop_token& stop, const Pause& pause);
+  /// Finds the videos of all chains, several at a time. Shape: [chain][image member].
+  Result<std::vector<Videos>> find_videos(const Chains& chains, const std::stop_token& stop,
+                                          const Pause& pause);
+  /// The videos of the chains of a block, which may have been found ahead.
+  Result<std::vector<Videos>> videos_of(std::span<const idf::SplitValue> block,
+                                        const std::stop_token& stop, const Pause& pause);
+  Result<Values> split(std::span<const idf::Data> values) const;
+  [[nodiscard]] Chains chains_of(std::span<const idf::SplitValue> block) const;
   [[nodiscard]] int refine_steps(const std::vector<std::vector<double>>& errors) const;
   void count_kept(const Candidate& kept, size_t rows);
 
@@ -134,6 +152,7 @@ class BlockChoice {
   std::shared_ptr<EntityVideos> videos_;
   encoders::StoredForms counts_;
   std::vector<std::optional<int>> video_encodes_;
+  std::deque<Videos> found_ahead_;  ///< Of the chains of the next blocks.
   int64_t lossless_tried_rows_ = 0;
   bool can_correct_all_ = true;  ///< Whether latents with residuals kept every row so far.
 };

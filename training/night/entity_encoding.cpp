@@ -9,44 +9,107 @@
 
 namespace engram::training {
 
+/// The values of consecutive snapshots of one recording.
+struct EntityEncoding::Run {
+  std::span<const ltm::SnapshotEntry> entries;
+  std::vector<ltm::Snapshot> snapshots;
+  std::vector<idf::Data> values;  ///< Of all instances.
+
+  /// Snapshots with several instances fill more than one block.
+  [[nodiscard]] std::vector<std::span<const idf::Data>> blocks(size_t max_rows) const {
+    std::vector<std::span<const idf::Data>> blocks;
+    for (auto rest = std::span(values); !rest.empty(); rest = rest.subspan(blocks.back().size()))
+      blocks.push_back(rest.first(std::min(max_rows, rest.size())));
+    return blocks;
+  }
+};
+
+namespace {
+
+/// Rows of which videos are found together: enough chains for several cores.
+constexpr size_t kChainsAhead = 8;
+
+}  // namespace
+
 Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace) {
+  size_t told = 0;
   const auto tell = [&](size_t done) {
-    pace.progress()({"encode " + entity_.to_string(), done, entries.size(), {}, -1});
+    told = std::max(told, done);
+    pace.progress()({"encode " + entity_.to_string(), told, entries.size(), {}, -1});
   };
-  std::vector<Time> times;
-  for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
-  for (const Sequence& sequence : cut_recordings(times))
-    for (size_t first = sequence.first; first < sequence.end; first += max_rows_) {
-      const size_t count = std::min(max_rows_, sequence.end - first);
-      // With several instances there are more rows than snapshots.
-      const auto pause = [&](size_t rows) {
-        tell(first + std::min(rows, count));
-        return pace.pause();
-      };
-      ENGRAM_RETURN_IF_ERROR(encode_run(entries.subspan(first, count), pace.stop(), pause));
-      tell(first + count);
-    }
+  const size_t rows_ahead = kChainsAhead * model_.codec.chain_rows;
+  std::vector<Run> runs;
+  size_t rows = 0, first = 0;
+  for (const auto& part : parts_of(entries)) {
+    ENGRAM_ASSIGN_OR_RETURN(runs.emplace_back(), read(part));
+    rows += runs.back().values.size();
+    const bool is_last = &part.back() == &entries.back();
+    if (rows < rows_ahead && !is_last && choice_.finds_videos()) continue;
+    // With several instances there are more rows than snapshots.
+    const auto pause = [&](size_t done) {
+      tell(first + std::min(done, static_cast<size_t>(&part.back() - &entries[first])));
+      return pace.pause();
+    };
+    ENGRAM_RETURN_IF_ERROR(encode(runs, pace.stop(), pause));
+    first = static_cast<size_t>(&part.back() - entries.data()) + 1;
+    tell(first);
+    runs.clear();
+    rows = 0;
+  }
   return {};
 }
 
-Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
-                                  const std::stop_token& stop, const BlockChoice::Pause& pause) {
-  std::vector<idf::Data> values;
-  std::vector<ltm::Snapshot> snapshots;
-  {
-    const StageTimes::Scope reading(&times_, Stage::kReading);
-    for (const ltm::SnapshotEntry& entry : entries) {
-      ENGRAM_ASSIGN_OR_RETURN(snapshots.emplace_back(), reader_.read_recorded(entity_, entry));
-      for (const ltm::Instance& instance : snapshots.back().instances)
-        values.push_back(instance.data);
-    }
-    add_stored_videos(reader_, entity_, entries, values, model_, choice_.videos());
+std::vector<std::span<const ltm::SnapshotEntry>> EntityEncoding::parts_of(
+    std::span<const ltm::SnapshotEntry> entries) const {
+  std::vector<Time> times;
+  for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
+  std::vector<std::span<const ltm::SnapshotEntry>> parts;
+  for (const Sequence& sequence : cut_recordings(times))
+    for (size_t first = sequence.first; first < sequence.end; first += max_rows_)
+      parts.push_back(entries.subspan(first, std::min(max_rows_, sequence.end - first)));
+  return parts;
+}
+
+Result<EntityEncoding::Run> EntityEncoding::read(std::span<const ltm::SnapshotEntry> entries) {
+  const StageTimes::Scope reading(&times_, Stage::kReading);
+  Run run{entries, {}, {}};
+  for (const ltm::SnapshotEntry& entry : entries) {
+    ENGRAM_ASSIGN_OR_RETURN(run.snapshots.emplace_back(), reader_.read_recorded(entity_, entry));
+    for (const ltm::Instance& instance : run.snapshots.back().instances)
+      run.values.push_back(instance.data);
   }
-  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode_blocks(values, stop, pause));
+  add_stored_videos(reader_, entity_, entries, run.values, model_, choice_.videos());
+  return run;
+}
+
+Status EntityEncoding::encode(std::span<const Run> runs, const std::stop_token& stop,
+                              const BlockChoice::Pause& pause) {
+  // What one run has is found when it is encoded.
+  if (runs.size() > 1) {
+    std::vector<std::span<const idf::Data>> blocks;
+    for (const Run& run : runs)
+      std::ranges::copy(run.blocks(max_rows_), std::back_inserter(blocks));
+    ENGRAM_RETURN_IF_ERROR(choice_.find_ahead(blocks, stop, pause));
+  }
+  size_t rows = 0;
+  for (const Run& run : runs) {
+    std::vector<ltm::Latent> latents;
+    for (const auto& block : run.blocks(max_rows_)) {
+      const auto on_row = [&](size_t row) { return pause(rows + row); };
+      ENGRAM_ASSIGN_OR_RETURN(auto coded, choice_.encode(block, stop, on_row));
+      std::ranges::move(coded, std::back_inserter(latents));
+      rows += block.size();
+    }
+    ENGRAM_RETURN_IF_ERROR(keep(run, std::move(latents)));
+  }
+  return {};
+}
+
+Status EntityEncoding::keep(const Run& run, std::vector<ltm::Latent> latents) {
   const StageTimes::Scope verification(&times_, Stage::kVerification);
   ENGRAM_ASSIGN_OR_RETURN(const auto decoded, decoder_.decode(latents));
   size_t at = 0;
-  for (const ltm::Snapshot& snapshot : snapshots) {
+  for (const ltm::Snapshot& snapshot : run.snapshots) {
     ltm::LatentSnapshot coded{snapshot.time, version_, {}};
     for (const ltm::Instance& instance : snapshot.instances) {
       ENGRAM_ASSIGN_OR_RETURN(const auto error, compare(instance.data, decoded[at]));
@@ -57,22 +120,6 @@ Status EntityEncoding::encode_run(std::span<const ltm::SnapshotEntry> entries,
     latents_.push_back(std::move(coded));
   }
   return {};
-}
-
-/// Snapshots with several instances fill more than one block.
-Result<std::vector<ltm::Latent>> EntityEncoding::encode_blocks(std::span<const idf::Data> values,
-                                                               const std::stop_token& stop,
-                                                               const BlockChoice::Pause& pause) {
-  std::vector<ltm::Latent> latents;
-  while (latents.size() < values.size()) {
-    const size_t first = latents.size();
-    const auto rest = values.subspan(first);
-    const auto on_row = [&](size_t row) { return pause(first + row); };
-    ENGRAM_ASSIGN_OR_RETURN(
-        auto coded, choice_.encode(rest.first(std::min(max_rows_, rest.size())), stop, on_row));
-    std::ranges::move(coded, std::back_inserter(latents));
-  }
-  return latents;
 }
 
 void EntityEncoding::count(const ltm::Latent& latent, const ltm::MeasuredError& error) {

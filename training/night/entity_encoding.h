@@ -46,11 +46,17 @@ class EntityEncoding {
   [[nodiscard]] BlockChoice& choice() { return choice_; }
 
  private:
-  Status encode_run(std::span<const ltm::SnapshotEntry> entries, const std::stop_token& stop,
-                    const BlockChoice::Pause& pause);
-  Result<std::vector<ltm::Latent>> encode_blocks(std::span<const idf::Data> values,
-                                                 const std::stop_token& stop,
-                                                 const BlockChoice::Pause& pause);
+  struct Run;
+
+  /// Cuts at gaps between recordings, and into parts of at most one block of single instances.
+  [[nodiscard]] std::vector<std::span<const ltm::SnapshotEntry>> parts_of(
+      std::span<const ltm::SnapshotEntry> entries) const;
+  Result<Run> read(std::span<const ltm::SnapshotEntry> entries);
+  /// Encodes runs, whose videos are found together.
+  Status encode(std::span<const Run> runs, const std::stop_token& stop,
+                const BlockChoice::Pause& pause);
+  /// Decodes what was encoded of a run, and keeps it with its errors.
+  Status keep(const Run& run, std::vector<ltm::Latent> latents);
   void count(const ltm::Latent& latent, const ltm::MeasuredError& error);
 
   ltm::StoreReader& reader_;

@@ -152,6 +152,59 @@ TEST_F(BlockChoiceTest, RefinesOnlyWhereTheBoundIsMissedByLittle) {
   EXPECT_EQ(tried(worst + 1.6, 2), static_cast<int64_t>(kCount));
 }
 
+/// Codes of three blocks of four snapshots each, whose videos are found together, or one by one.
+std::vector<std::vector<std::byte>> coded(encoders::DeepModel& model,
+                                          std::span<const idf::Data> values,
+                                          const RepresentationOptions& options, bool is_ahead) {
+  BlockChoice choice(model, options);
+  std::vector<std::span<const idf::Data>> blocks;
+  for (size_t first = 0; first < values.size(); first += 4)
+    blocks.push_back(values.subspan(first, 4));
+  size_t told = 0;
+  const auto tell = [&told](size_t rows) {
+    told = rows;
+    return Status();
+  };
+  if (is_ahead) {
+    EXPECT_TRUE(choice.find_ahead(blocks, {}, tell).ok());
+    EXPECT_GT(told, 0U);
+  }
+  std::vector<std::vector<std::byte>> codes;
+  for (const auto& block : blocks) {
+    const auto latents = choice.encode(block);
+    EXPECT_TRUE(latents.ok()) << latents.status().to_string();
+    if (!latents.ok()) return {};
+    const auto code = latents->front().code.bytes();
+    codes.emplace_back(code.begin(), code.end());
+  }
+  EXPECT_EQ(choice.video_encodes().size(), 3U);  // Each chain is searched for once.
+  return codes;
+}
+
+TEST_F(BlockChoiceTest, CodesTheSameWhetherVideosAreFoundAheadAndInHowManyThreads) {
+  auto chosen = options(30);
+  chosen.video = "h264";
+  chosen.video_effort = 1;
+  chosen.video_tolerance_db = 0;  // The search ends at the same quality wherever it begins.
+  const auto all = values();
+  const auto one_by_one = coded(*model_, all, chosen, false);
+  EXPECT_EQ(coded(*model_, all, chosen, true), one_by_one);
+  chosen.threads = 3;
+  EXPECT_EQ(coded(*model_, all, chosen, true), one_by_one);
+}
+
+TEST_F(BlockChoiceTest, FindsNothingAheadWhereLatentsAreKept) {
+  auto alone = options(0);
+  alone.kind = Representation::kLatents;
+  BlockChoice choice(*model_, alone);
+  EXPECT_FALSE(choice.finds_videos());
+  const auto all = values();
+  const std::vector<std::span<const idf::Data>> blocks{all};
+  EXPECT_TRUE(choice.find_ahead(blocks).ok());
+  EXPECT_TRUE(choice.video_encodes().empty());
+  EXPECT_TRUE(choice.encode(all).ok());
+}
+
 TEST_F(BlockChoiceTest, SaysWhichLatentsWereRefined) {
   RepresentationOptions alone = options(0);
   alone.kind = Representation::kLatents;
