@@ -81,9 +81,9 @@ Tensor scaled(const Tensor& plain, std::vector<double>& mean, std::vector<double
 
 class Loader {
  public:
-  Loader(const TrainingSource& source, const encoders::DeepModel* start,
+  Loader(const TrainingSource& source, bool has_networks, const encoders::DeepModel* start,
          const std::stop_token& stop)
-      : source_(source), start_(start), stop_(stop) {}
+      : source_(source), has_networks_(has_networks), start_(start), stop_(stop) {}
 
   Result<Dataset> load(std::vector<Sequence> sequences, uint64_t memory_bytes) {
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
@@ -96,7 +96,11 @@ class Loader {
     ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
     choose_scales();
     normalise();
-    find_scenes(data_, start_);
+    // Backgrounds are for networks alone, and coding them takes seconds where images are large.
+    if (has_networks_)
+      find_scenes(data_, start_);
+    else
+      data_.scene = torch::zeros({static_cast<int64_t>(data_.size())}, torch::kLong);
     if (start_ != nullptr) data_.error_price = start_->provenance.error_price;
     return std::move(data_);
   }
@@ -198,6 +202,7 @@ class Loader {
   }
 
   const TrainingSource& source_;
+  bool has_networks_;
   const encoders::DeepModel* start_;
   const std::stop_token& stop_;
   Dataset data_;
@@ -213,8 +218,8 @@ Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& o
     return invalid_argument("{}: found {} recordings, needs more than the {} to leave out",
                             source.entity, sequences.size(), left_out);
   sequences.resize(sequences.size() - left_out);
-  ENGRAM_ASSIGN_OR_RETURN(
-      Dataset data, Loader(source, start, stop).load(std::move(sequences), options.memory_bytes));
+  ENGRAM_ASSIGN_OR_RETURN(Dataset data, Loader(source, options.has_networks, start, stop)
+                                            .load(std::move(sequences), options.memory_bytes));
   data.left_out_sequences = left_out;
   if (!source.augmented || options.augmented_share <= 0 || data.images.empty()) return data;
   ENGRAM_ASSIGN_OR_RETURN(AugmentedRows rows,
