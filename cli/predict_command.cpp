@@ -101,8 +101,6 @@ Status check(const PredictArguments& arguments, bool is_sweep) {
   if (!arguments.store.empty()) return {};
   if (is_sweep)
     return invalid_argument("--every, --from and --to are of stores, and found a server");
-  if (arguments.is_list && !arguments.at.empty())
-    return invalid_argument("a server lists what predicts from now: --list with --at is of stores");
   return {};
 }
 

@@ -61,7 +61,7 @@ Status list(Memory& memory, const ltm::MemoryId& entity, Duration step,
             std::span<const Duration> horizons, const PredictArguments& arguments) {
   std::vector<reports::EnginesAhead> measured;
   for (const Duration horizon : horizons) {
-    ENGRAM_ASSIGN_OR_RETURN(auto records, memory.engines(entity, horizon));
+    ENGRAM_ASSIGN_OR_RETURN(auto records, memory.engines(entity, horizon, time_of(arguments.at)));
     measured.push_back({horizon, std::move(records)});
   }
   show(arguments, reports::engines_text(entity, step, measured, {}),

@@ -49,11 +49,11 @@ class ReadMemory final : public Memory {
     return recall_->query(query, options);
   }
 
-  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
-                                                 Duration ahead) override {
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
+                                                 std::optional<Time> at) override {
     const MutexLock lock(mutex_);
     if (!recall_) return is_closed();
-    return recall_->records(entity, {}, ahead, options_);
+    return recall_->records(entity, at, ahead, options_);
   }
 
   Status close() override {
@@ -114,10 +114,10 @@ class WrittenMemory final : public Memory {
     return std::move(answer).to_result();
   }
 
-  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
-                                                 Duration ahead) override {
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
+                                                 std::optional<Time> at) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
-    return service_->engines(entity, ahead);
+    return service_->engines(entity, ahead, at);
   }
 
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,

@@ -150,9 +150,16 @@ class Memory {
                                                    const std::string& engine);
 
   /// Lists all engines that can predict an entity, each with its error at this horizon on the
-  /// entity's own past. The engine that answers queries is first.
+  /// entity's own past. The engine that answers queries is first. With `at` all is as of that
+  /// moment, and nothing after it is looked at.
+  /// Errors: kNotFound if there is no moment up to `at`; kFailedPrecondition if `at` is set and the
+  /// server is of an earlier version.
   virtual Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
-                                                         Duration ahead) = 0;
+                                                         Duration ahead,
+                                                         std::optional<Time> at) = 0;
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead) {
+    return engines(entity, ahead, {});
+  }
 
   /// Subscribes to the commits from now on, those of this program included. Returns once the
   /// subscription is in place.

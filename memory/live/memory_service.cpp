@@ -345,9 +345,10 @@ Result<std::vector<ltm::SnapshotResult>> MemoryService::predict(
 }
 
 Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& entity,
-                                                              Duration ahead) {
+                                                              Duration ahead,
+                                                              std::optional<Time> at) {
   const MutexLock lock(state_->recalling);
-  return state_->recall->records(entity, {}, ahead, state_->recalling_options);
+  return state_->recall->records(entity, at, ahead, state_->recalling_options);
 }
 
 MemoryService::Counters MemoryService::counters() const {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -97,8 +98,9 @@ class MemoryService {
                                                    const ltm::PredictionRequest& request);
 
   /// The engines that can predict an entity, measured at this horizon; the one that answers is
-  /// first.
-  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead);
+  /// first. With `at` as of that moment.
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
+                                                 std::optional<Time> at);
 
   [[nodiscard]] Counters counters() const;
 

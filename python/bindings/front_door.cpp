@@ -162,10 +162,12 @@ py::list FrontDoor::predict(const std::string& entity, const std::vector<int64_t
       id, with_memory([&](Memory& memory) { return memory.predict(id, ahead, options); }));
 }
 
-py::list FrontDoor::engines(const std::string& entity, int64_t ahead) {
+py::list FrontDoor::engines(const std::string& entity, int64_t ahead, std::optional<int64_t> at) {
   return engines_of(with_memory([&](Memory& memory) -> Result<std::vector<ltm::EngineRecord>> {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
-    return memory.engines(id, Duration(ahead));
+    std::optional<Time> time;
+    if (at) time = time_from_ns(*at);
+    return memory.engines(id, Duration(ahead), time);
   }));
 }
 

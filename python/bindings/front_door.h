@@ -60,7 +60,7 @@ class FrontDoor {
                          const std::string& plan);
 
   /// See OpenStore::engines.
-  pybind11::list engines(const std::string& entity, int64_t ahead);
+  pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> at);
 
   /// Declares the type of a segment. `type` is the result of engram.idf.type_to_data.
   void declare(const std::string& segment, const pybind11::object& type);

@@ -83,12 +83,7 @@ class LiveDoor:
         raise NotFoundError(f"{self._place} has no entity '{entity}'; it has: {names}")
 
     def engines(self, entity: str, ahead: int, start: int | None) -> list[dict[str, Any]]:
-        if start is not None:
-            raise FailedPreconditionError(
-                f"{self._place}: lists what predicts from the newest moment and found an earlier"
-                " one, needs engram.open(path) of its store"
-            )
-        return self._front.engines(entity, ahead)
+        return self._front.engines(entity, ahead, start)
 
     def refresh(self) -> None:
         """Nothing: it sees everything."""

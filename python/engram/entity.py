@@ -118,8 +118,9 @@ class Entity:
     ) -> list[Engine]:
         """All ways to predict so long (seconds) ahead, the best on the past of the entity first.
 
-        `at`: as of this moment, of a store that is read. Raises FailedPreconditionError where a live
-        memory is given one.
+        `at`: as of this moment; nothing after it is looked at. Raises NotFoundError where there is
+        no moment up to it, FailedPreconditionError where a server is of a version that lists those
+        of now alone.
         """
         found = self._door.engines(self.name, duration_ns(ahead), _last_known(at, start))
         return [engine_of(one) for one in found]

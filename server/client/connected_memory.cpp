@@ -36,11 +36,11 @@ class ConnectedMemory final : public Memory {
     return client->query(query, engine);
   }
 
-  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity,
-                                                 Duration ahead) override {
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
+                                                 std::optional<Time> at) override {
     const auto client = this->client();
     if (!client) return is_closed();
-    ENGRAM_ASSIGN_OR_RETURN(auto records, client->engines(entity, {&ahead, 1}));
+    ENGRAM_ASSIGN_OR_RETURN(auto records, client->engines(entity, {&ahead, 1}, at));
     if (records.size() != 1)
       return data_loss("server '{}': gave engines of {} horizons for one", endpoint_,
                        records.size());

@@ -377,12 +377,18 @@ Status MemoryClient::declare(const ltm::MemoryId& segment, const idf::Type& type
 }
 
 Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
-    const ltm::MemoryId& entity, std::span<const Duration> horizons) {
+    const ltm::MemoryId& entity, std::span<const Duration> horizons, std::optional<Time> at) {
   v1::EnginesRequest request;
   request.set_entity(entity.to_string());
   for (const Duration horizon : horizons) request.add_horizons_ns(horizon.count());
+  if (at) request.set_at_ns(to_ns(*at));
   v1::EnginesReply reply;
   ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Engines, request, reply));
+  if (at && !reply.has_at_ns())
+    return failed_precondition(
+        "entity '{}': was asked for the engines of an earlier moment, but this server is of an "
+        "earlier version, which lists those of the newest one alone",
+        entity.to_string());
   std::vector<std::vector<ltm::EngineRecord>> all(horizons.size());
   for (const v1::EnginesReply::Record& record : reply.records()) {
     const auto horizon = std::ranges::find(horizons, Duration(record.horizon_ns()));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,8 +85,12 @@ class MemoryClient {
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
   /// Returns one list per horizon: the engines that can predict the entity, each with its error at
   /// that horizon on the entity's own past. The first engine of each list is the one that answers.
+  /// With `at` all is as of that moment.
+  /// Errors: kFailedPrecondition if `at` is set and the server is of a version that does not know
+  /// it.
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
-                                                              std::span<const Duration> horizons);
+                                                              std::span<const Duration> horizons,
+                                                              std::optional<Time> at = {});
   /// Asks the server what it is and what it has.
   Result<ServerInfo> info();
   /// Returns the server's metrics as text for Prometheus.

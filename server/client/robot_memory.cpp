@@ -338,12 +338,12 @@ Result<std::vector<ltm::SnapshotResult>> RobotMemory::predict(const ltm::MemoryI
 }
 
 Result<std::vector<std::vector<ltm::EngineRecord>>> RobotMemory::engines(
-    const ltm::MemoryId& entity, std::span<const Duration> horizons) {
+    const ltm::MemoryId& entity, std::span<const Duration> horizons, std::optional<Time> at) {
   if (!entity.has_entity())
     return invalid_argument("'{}': needs the ID of an entity", entity.to_string());
   Result<std::vector<std::vector<ltm::EngineRecord>>> records = cancelled("not asked");
   ENGRAM_RETURN_IF_ERROR(state_->at_holder(entity.names()[0], [&](MemoryClient& client) {
-    records = client.engines(entity, horizons);
+    records = client.engines(entity, horizons, at);
     // kNotFound is a valid answer here: the server has no such entity.
     return is_lost(records.status()) ? records.status() : Status();
   }));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -79,7 +80,8 @@ class RobotMemory {
 
   /// See MemoryClient::engines.
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
-                                                              std::span<const Duration> horizons);
+                                                              std::span<const Duration> horizons,
+                                                              std::optional<Time> at = {});
 
   /// Subscribes to all servers that may have matching entities, including servers that arrive or
   /// move later. `on_interrupted` reports snapshots lost meanwhile. Handlers are called one at a

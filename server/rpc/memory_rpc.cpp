@@ -113,9 +113,14 @@ class MemoryRpc final : public ServiceBase {
     if (request.horizons_ns_size() > kMaxListedHorizons)
       return invalid_argument("found {} horizons, needs at most {}", request.horizons_ns_size(),
                               kMaxListedHorizons);
+    std::optional<Time> at;
+    if (request.has_at_ns()) {
+      at = time_from_ns(request.at_ns());
+      reply.set_at_ns(request.at_ns());
+    }
     for (const int64_t horizon : request.horizons_ns()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto records,
-                              context_.service.engines(entity, Duration(horizon)));
+                              context_.service.engines(entity, Duration(horizon), at));
       for (const ltm::EngineRecord& record : records)
         add_record(record, horizon, &record == &records.front(), reply);
     }

@@ -120,7 +120,13 @@ TEST_F(Server, IsAskedAndWatchedAndCounts) {
   EXPECT_EQ(came.at("error").at("rmse"), 0);
   EXPECT_EQ(came.at("copy_last").at("error").at("rmse"), 0.25);
   EXPECT_EQ(run_engram({"predict", kCup, "--every", "2"}).exit_code, 2);
-  EXPECT_EQ(run_engram({"predict", kCup, "--at", "2000", "--list"}).exit_code, 2);
+  const auto listed = [](std::vector<std::string> more) {
+    std::vector<std::string> words{"predict", kCup, "--list", "--ahead", "1", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json_of(run_engram(words));
+  };
+  EXPECT_NE(listed({"--at", "2000"}), listed({})) << "nothing after it is looked at";
+  EXPECT_EQ(listed({"--at", "3000"}), listed({})) << "the newest moment";
   EXPECT_THAT(run_engram({"predict", kCup, "--plan", "Robot/Joints/arm/left"}).err,
               HasSubstr("starts from no other entity"));
 

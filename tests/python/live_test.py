@@ -153,10 +153,13 @@ class Committing:
         with self.assertRaisesRegex(errors.InvalidArgumentError, "no other entity"):
             self.memory[CUP].predict(0.2, plan=CUP)
 
-    def test_engines_of_a_moment_and_files_are_of_stores_alone(self):
-        self.commit(1)
-        with self.assertRaisesRegex(errors.FailedPreconditionError, "newest moment"):
-            self.memory[CUP].engines(0.2, at=START)
+    def test_engines_of_a_moment_see_nothing_after_it(self):
+        for i in range(6):
+            self.commit(i)
+        then = self.memory[CUP].engines(0.2, at=START)
+        self.assertEqual([one.predictions for one in then], [0] * len(then))
+        with self.assertRaisesRegex(errors.NotFoundError, "at or before"):
+            self.memory[CUP].engines(0.2, at=START - 1)
 
     def test_a_closed_memory_answers_nothing(self):
         self.commit(1)
