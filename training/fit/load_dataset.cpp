@@ -96,11 +96,9 @@ class Loader {
     ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
     choose_scales();
     normalise();
+    data_.scene = torch::zeros({static_cast<int64_t>(data_.size())}, torch::kLong);
     // Backgrounds are for networks alone, and coding them takes seconds where images are large.
-    if (has_networks_)
-      find_scenes(data_, start_);
-    else
-      data_.scene = torch::zeros({static_cast<int64_t>(data_.size())}, torch::kLong);
+    if (has_networks_ && !data_.images.empty()) find_scenes(data_, start_);
     if (start_ != nullptr) data_.error_price = start_->provenance.error_price;
     return std::move(data_);
   }

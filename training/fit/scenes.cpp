@@ -90,8 +90,6 @@ std::vector<std::vector<Tensor>> scenes_of(const encoders::DeepModel& model) {
 }  // namespace
 
 void find_scenes(Dataset& data, const encoders::DeepModel* start) {
-  data.scene = torch::zeros({static_cast<int64_t>(data.size())}, torch::kLong);
-  if (data.images.empty()) return;
   const auto shape = encoders::network_shape(data.plan, {});
   size_t max_scenes = kMaxScenes;
   for (const auto& image : shape.images)

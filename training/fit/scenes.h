@@ -7,10 +7,10 @@
 
 namespace engram::training {
 
-/// Finds the backgrounds of a dataset: the median image of each recording. Recordings with similar
-/// medians share one. The backgrounds of `start`, which may be null, come first and unchanged, and
-/// recordings that it knows share them. The function sets `scene`, `backgrounds` and
-/// `known_scenes`.
+/// Finds the backgrounds of a dataset with images, whose `scene` is zero: the median image of each
+/// recording. Recordings with similar medians share one. The backgrounds of `start`, which may be
+/// null, come first and unchanged, and recordings that it knows share them. The function sets
+/// `scene`, `backgrounds` and `known_scenes`.
 void find_scenes(Dataset& data, const encoders::DeepModel* start);
 
 }  // namespace engram::training

@@ -46,7 +46,8 @@ std::vector<Sequence> cut_sequences(std::span<const Time> times) {
 std::vector<Sequence> cut_recordings(std::span<const Time> times) {
   const Duration usual = step_quantile(times, kUsualShare);
   Duration longest = std::chrono::milliseconds(1);
-  while (longest / kUnusual < usual) longest *= 2;
+  // Times may be centuries apart: twice the limit must still be a duration.
+  while (longest / kUnusual < usual && longest <= Duration::max() / 2) longest *= 2;
   return cut_at(times, longest);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is trained on beside the recorded snapshots: training/fit/augmented_source.h, augmented_rows.h.
+// What is trained on beside the recorded snapshots: training/fit/augmented_source.h,
+// augmented_rows.h.
 #include "training/fit/augmented_source.h"
 
 #include <gtest/gtest.h>

@@ -64,6 +64,12 @@ TEST(Recordings, StayWholeWhereEachIsShort) {
   EXPECT_EQ(cut_recordings(std::span(times).first(1)), (std::vector<Sequence>{{0, 1}}));
 }
 
+TEST(Recordings, EndWhereTimesAreCenturiesApart) {
+  const std::vector<Time> times{time_from_ns(0), time_from_ns(INT64_MAX - 1),
+                                time_from_ns(INT64_MAX)};
+  EXPECT_EQ(cut_recordings(times), (std::vector<Sequence>{{0, 1}, {1, 3}}));
+}
+
 TEST(Sequences, AreTakenApartIntoSlowerOnes) {
   const auto times = at_ms({1000, 5000, 5033, 5067, 5100, 5133, 5167});
   EXPECT_EQ(interleaved(times, {1, 7}, std::chrono::milliseconds(100)),

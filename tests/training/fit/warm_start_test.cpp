@@ -184,6 +184,18 @@ TEST_F(TrainedBefore, IsNotGoneOnFromWhereItDoesNotFit) {
   EXPECT_NE(why(fit, quick_options(4)).find("anew"), std::string::npos);
 }
 
+TEST_F(TrainedBefore, MakesNoBackgroundsWhereThereAreNoNetworks) {
+  train_before(20);
+  auto options = quick_options(4);
+  options.has_networks = false;
+  const auto data = load_dataset(grown_source(20), options, nullptr, {});
+  ASSERT_TRUE(data.ok()) << data.status().to_string();
+  EXPECT_TRUE(data->backgrounds.empty());
+  EXPECT_TRUE(data->coded_backgrounds.empty());
+  EXPECT_EQ(data->scene.sizes(), (torch::IntArrayRef{40}));
+  EXPECT_EQ(data->scene.abs().sum().item<int64_t>(), 0);
+}
+
 TEST_F(TrainedBefore, KeepsItsBackgroundsWhereAnotherSceneIsNew) {
   train_before(20);
   const auto options = quick_options(4);
