@@ -21,6 +21,16 @@ inline training::ConsolidateOptions quick_consolidation() {
   return options;
 }
 
+/// Consolidates a store whose first entity must not be skipped, and reports on it.
+inline training::EntityReport night(const std::filesystem::path& store,
+                                    const training::ConsolidateOptions& options) {
+  auto report = training::consolidate(store, options, {}, {});
+  EXPECT_TRUE(report.ok()) << report.status().to_string();
+  if (!report.ok()) return {};
+  EXPECT_EQ(report->entities[0].skipped_reason, "");
+  return std::move(report->entities[0]);
+}
+
 /// Appends `count` snapshots of the scene, from `first` on, to an entity of a store.
 inline void record(const std::filesystem::path& store, const std::string& entity, int first,
                    int count) {

@@ -77,16 +77,17 @@ Result<double> sampled_video_bytes(const EntityWork& work, const PlannedEntity& 
 
 /// Networks that lost are tried again when there are so many times the snapshots: what is spent on
 /// trials is then at most twice what the last one took.
-constexpr int64_t kTriedAgain = 2;
+constexpr uint64_t kTriedAgain = 2;
 
 /// Whether an earlier night showed that networks lose, which is noted.
 Result<bool> have_lost(const EntityWork& work, const PlannedEntity& planned, ChosenForm& form) {
-  const int64_t lost_at = form.history.networks_lost_at;
+  const uint64_t lost_at = form.history.networks_lost_at;
   const bool is_told_to = work.options.starts_anew || work.options.train.width > 0;
   if (lost_at == 0 || is_told_to || planned.representation.kind != Representation::kAuto)
     return false;
-  ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
-  if (std::ssize(*index) >= kTriedAgain * lost_at) return false;
+  ENGRAM_ASSIGN_OR_RETURN(const uint64_t now, snapshots_ever(work.reader, work.entity));
+  // A count that the entity never had is of another store, or made up.
+  if (now < lost_at || now / kTriedAgain >= lost_at) return false;
   form.notes.push_back(fmt::format(
       "networks lost against video alone at {} snapshots: they are trained again from {} "
       "on, or with --anew",

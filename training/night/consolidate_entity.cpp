@@ -117,8 +117,7 @@ Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const Planne
   history.networks_lost_at = 0;
   if (!why) return Made(std::move(made));
   notes.push_back(*std::move(why));
-  ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
-  history.networks_lost_at = std::ssize(*index);
+  ENGRAM_ASSIGN_OR_RETURN(history.networks_lost_at, snapshots_ever(work.reader, work.entity));
   const auto second = second_allotment(time, made.encoding_seconds);
   if (!second) return Made(std::move(made));
   ENGRAM_ASSIGN_OR_RETURN(Made again, make(work, planned, source, form.as_video_alone(), *second));

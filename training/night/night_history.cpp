@@ -16,8 +16,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Lines that one file may have: more say that it is not ours.
-constexpr size_t kMaxLines = 1000;
+/// A history has some hundred bytes. A file with more is not ours.
+constexpr uint64_t kMaxBytes = uint64_t{1} << 20;
 
 std::string key_of_search(EntityVideos& videos) {
   const VideoSearchOptions& search = videos.search_of(0).options();
@@ -34,14 +34,12 @@ Json json_of(const VideoHistory::Line& line) {
 /// Throws what nlohmann::json throws.
 NightHistory history_of(const Json& json) {
   NightHistory history;
-  history.networks_lost_at = json.at("networks_lost_at").get<int64_t>();
-  for (const auto& [codec, members] : json.at("videos").items()) {
-    if (history.lines.size() >= kMaxLines || members.size() > kMaxLines) break;
+  history.networks_lost_at = json.at("networks_lost_at").get<uint64_t>();
+  for (const auto& [codec, members] : json.at("videos").items())
     for (const Json& line : members)
       history.lines[codec].push_back(
           {line.at("slope").get<double>(), line.at("at_crf").get<double>(),
            line.at("at_db").get<double>(), line.at("deviation").get<double>()});
-  }
   return history;
 }
 
@@ -64,8 +62,18 @@ void NightHistory::learn(EntityVideos& videos) {
   if (!ends.empty()) lines.insert_or_assign(key_of_search(videos), std::move(ends));
 }
 
+Result<uint64_t> snapshots_ever(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* index, reader.index(entity));
+  const auto& forgotten = reader.manifest().forgotten;
+  const auto sums = forgotten.find(entity);
+  return index->size() + (sums != forgotten.end() ? sums->second.snapshots : 0);
+}
+
 NightHistory read_history(const std::filesystem::path& store, const ltm::MemoryId& entity) {
-  const auto bytes = read_file(ltm::history_file(store, entity));
+  const std::filesystem::path file = ltm::history_file(store, entity);
+  std::error_code missing;
+  if (std::filesystem::file_size(file, missing) > kMaxBytes || missing) return {};
+  const auto bytes = read_file(file);
   if (!bytes.ok()) {
     if (bytes.status().code() != StatusCode::kNotFound)
       log::debug("{}: no history: {}", entity.to_string(), bytes.status().message());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ltm/memory/memory_id.h"
+#include "ltm/store/store_reader.h"
 #include "training/forms/entity_videos.h"
 
 // Private to this room.
@@ -18,9 +19,9 @@ namespace engram::training {
 /// advice, and no part of the memory: a night without it does the same, but takes longer.
 /// Source: docs/night.md, section "What one night tells the next".
 struct NightHistory {
-  /// Snapshots that the entity had when networks were last trained and lost against video alone; 0
-  /// if they never lost, or won since.
-  int64_t networks_lost_at = 0;
+  /// Snapshots that the entity ever had when networks were last trained and lost against video
+  /// alone; 0 if they never lost, or won since.
+  uint64_t networks_lost_at = 0;
   /// How quality followed from crf, by the codec and its settings, as in "av1:effort=7". One for
   /// each image member.
   std::map<std::string, std::vector<VideoHistory::Line>, std::less<>> lines;
@@ -33,7 +34,13 @@ struct NightHistory {
   friend bool operator==(const NightHistory&, const NightHistory&) = default;
 };
 
-/// Reads the history of an entity. It is empty if there is none, or if it cannot be read.
+/// Snapshots that an entity ever had: those that are there and those that were forgotten. Under a
+/// quota the former stop growing.
+/// Errors: the errors of the store.
+Result<uint64_t> snapshots_ever(ltm::StoreReader& reader, const ltm::MemoryId& entity);
+
+/// Reads the history of an entity. It is empty if there is none, or if it is damaged or larger than
+/// 1 MiB.
 [[nodiscard]] NightHistory read_history(const std::filesystem::path& store,
                                         const ltm::MemoryId& entity);
 

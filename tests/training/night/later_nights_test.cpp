@@ -17,6 +17,7 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::night;
 using engram::testing::quick_consolidation;
 using engram::testing::quick_options;
 using engram::testing::record;
@@ -60,14 +61,6 @@ ConsolidateOptions automatic(int steps) {
   chosen.representation.video_effort = 1;
   chosen.representation.nights = 100000;
   return chosen;
-}
-
-EntityReport night(const std::filesystem::path& store, const ConsolidateOptions& options) {
-  auto report = consolidate(store, options, {}, {});
-  EXPECT_TRUE(report.ok()) << report.status().to_string();
-  if (!report.ok()) return {};
-  EXPECT_EQ(report->entities[0].skipped_reason, "");
-  return std::move(report->entities[0]);
 }
 
 /// Versions of the models of a store.
