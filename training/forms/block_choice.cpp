@@ -2,10 +2,8 @@
 #include "training/forms/block_choice.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <utility>
 
 #include "training/forms/latent_refinement.h"
@@ -31,20 +29,14 @@ uint64_t background_bytes(const LatentRows& rows) {
   return bytes;
 }
 
-/// Chains that are encoded at the same time.
-constexpr size_t kWave = 4;
-
-/// Calls `work` for each task, some of them at the same time. The caller works too.
-template <typename Work>
-void in_threads(int threads, size_t tasks, const Work& work) {
-  std::atomic<size_t> next = 0;
-  const auto run = [&] {
-    for (size_t task = next++; task < tasks; task = next++) work(task);
-  };
-  std::vector<std::jthread> others;
-  const size_t wanted = std::min(static_cast<size_t>(std::max(threads, 1)), tasks);
-  for (size_t i = 1; i < wanted; ++i) others.emplace_back(run);
-  run();
+/// What the job knows about these images; else nothing is known.
+std::shared_ptr<EntityVideos> videos_for(const encoders::DeepModel& model,
+                                         const RepresentationOptions& options) {
+  const auto& images = model.plan.images();
+  if (options.videos && options.videos->members() == images.size()) return options.videos;
+  int64_t pixels = 0;
+  for (const auto& image : images) pixels = std::max(pixels, int64_t{image.height} * image.width);
+  return std::make_shared<EntityVideos>(images.size(), options.search(pixels));
 }
 
 constexpr auto kLessBytes = [](const auto& a, const auto& b) { return a.bytes < b.bytes; };
@@ -58,19 +50,14 @@ BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions
       times_(times),
       bound_db_(options.bound_db + kDecodingMarginDb),
       max_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)),
-      videos_(options.videos) {
+      videos_(model.plan, model.codec.chain_rows, videos_for(model, options), options.threads,
+              times) {
   ENGRAM_CHECK(options.kind == Representation::kLatents || options.bound_db > 0, "no bound for {}",
                to_string(options.kind));
   counts_.representation = to_string(options.kind);
   counts_.bound_db = options.kind == Representation::kLatents ? 0 : options.bound_db;
   counts_.noise_images = options.noise_images;
   counts_.noise = options.noise;
-  int64_t pixels = 0;
-  for (const auto& image : model.plan.images())
-    pixels = std::max(pixels, int64_t{image.height} * image.width);
-  const size_t images = model.plan.images().size();
-  if (!videos_ || videos_->members() != images)
-    videos_ = std::make_shared<EntityVideos>(images, options.search(pixels));
 }
 
 encoders::StoredForms BlockChoice::counts() const {
@@ -175,87 +162,6 @@ Result<std::vector<std::vector<BlockChoice::Candidate>>> BlockChoice::latent_can
   return candidates;
 }
 
-Result<VideoSearchResult> BlockChoice::find_video(std::span<const idf::SplitValue> values,
-                                                  size_t image, const std::stop_token& stop,
-                                                  std::optional<int>& encodes) {
-  std::vector<idf::NdArray> images;
-  for (const idf::SplitValue& value : values) images.push_back(recorded(value, image));
-  if (auto known = videos_->find(images)) return *std::move(known);
-  ENGRAM_ASSIGN_OR_RETURN(VideoSearchResult found, videos_->search_of(image).search(images, stop));
-  encodes = static_cast<int>(found.trials.size());
-  videos_->add(images, found);
-  return found;
-}
-
-Result<std::vector<BlockChoice::Videos>> BlockChoice::find_videos(const Chains& chains,
-                                                                  const std::stop_token& stop,
-                                                                  const Pause& pause) {
-  const StageTimes::Scope scope(times_, Stage::kVideo);
-  const size_t members = model_.plan.images().size();
-  std::vector<Videos> videos(chains.size(), Videos(members));
-  std::vector<Status> failed(chains.size() * members);
-  std::vector<std::optional<int>> encodes(chains.size() * members);
-  size_t rows = 0;
-  // Chains of one wave learn nothing from each other, so the result is the same for any number of
-  // threads. The first chain of all teaches the most, so it is alone.
-  for (size_t first = 0; first < chains.size();) {
-    const bool is_first = members > 0 && videos_->search_of(0).history().is_empty();
-    const size_t end = std::min(chains.size(), first + (is_first ? 1 : kWave));
-    if (stop.stop_requested()) return cancelled("encoding was stopped");
-    if (pause) ENGRAM_RETURN_IF_ERROR(pause(rows));
-    in_threads(options_.threads, (end - first) * members, [&](size_t task) {
-      const size_t at = first + task / members, image = task % members;
-      auto found = find_video(chains[at], image, stop, encodes[at * members + image]);
-      if (found.ok())
-        videos[at][image] = *std::move(found);
-      else
-        failed[at * members + image] = found.status();
-    });
-    for (const Status& status : failed) ENGRAM_RETURN_IF_ERROR(status);
-    for (; first < end; ++first) {
-      rows += chains[first].size();
-      for (size_t image = 0; image < members; ++image)
-        videos_->search_of(image).learn(videos[first][image]);
-    }
-  }
-  video_encodes_.insert(video_encodes_.end(), encodes.begin(), encodes.end());
-  return videos;
-}
-
-bool BlockChoice::finds_videos() const {
-  const bool keeps_latents = options_.kind == Representation::kLatents && has_networks();
-  return !keeps_latents && options_.kind != Representation::kCorrected;
-}
-
-Status BlockChoice::find_ahead(std::span<const std::span<const idf::Data>> blocks,
-                               const std::stop_token& stop, const Pause& pause) {
-  ENGRAM_CHECK(found_ahead_.empty(), "{} chains were found ahead and not encoded",
-               found_ahead_.size());
-  if (!finds_videos()) return {};
-  std::vector<Values> values;
-  Chains chains;
-  for (const auto& block : blocks) {
-    ENGRAM_ASSIGN_OR_RETURN(values.emplace_back(), split(block));
-  }
-  for (const Values& block : values)
-    std::ranges::copy(chains_of(block), std::back_inserter(chains));
-  ENGRAM_ASSIGN_OR_RETURN(auto found, find_videos(chains, stop, pause));
-  std::ranges::move(found, std::back_inserter(found_ahead_));
-  return {};
-}
-
-Result<std::vector<BlockChoice::Videos>> BlockChoice::videos_of(
-    std::span<const idf::SplitValue> block, const std::stop_token& stop, const Pause& pause) {
-  const Chains chains = chains_of(block);
-  if (found_ahead_.empty()) return find_videos(chains, stop, pause);
-  ENGRAM_CHECK(found_ahead_.size() >= chains.size(), "{} chains were found ahead, of {}",
-               found_ahead_.size(), chains.size());
-  const auto end = found_ahead_.begin() + static_cast<ptrdiff_t>(chains.size());
-  std::vector<Videos> found(std::move_iterator(found_ahead_.begin()), std::move_iterator(end));
-  found_ahead_.erase(found_ahead_.begin(), end);
-  return found;
-}
-
 void BlockChoice::add_videos(VideoSearchResult video, std::vector<Candidate>& candidates) {
   const size_t before = candidates.size();
   for (auto* found : {&video.lossy, &video.lossless}) {
@@ -332,10 +238,7 @@ Result<BlockChoice::Choices> BlockChoice::choices_of(std::span<const idf::SplitV
     if (videos != nullptr) {
       video = std::move((*videos)[i]);
     } else if (candidates[i].empty()) {
-      const StageTimes::Scope scope(times_, Stage::kVideo);
-      std::optional<int>& encodes = video_encodes_.emplace_back();
-      ENGRAM_ASSIGN_OR_RETURN(video, find_video(values, i, stop, encodes));
-      videos_->search_of(i).learn(*video);
+      ENGRAM_ASSIGN_OR_RETURN(video, videos_.of_chain(values, i, stop));
     }
     ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
                             choose(i, std::move(candidates[i]), std::move(video)));
@@ -348,14 +251,14 @@ Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
                                   const Pause& pause) {
   std::vector<Videos> videos;
   if (options_.kind != Representation::kCorrected) {
-    ENGRAM_ASSIGN_OR_RETURN(videos, videos_of(values, stop, pause));
+    ENGRAM_ASSIGN_OR_RETURN(videos, videos_.of_block(values, stop, pause));
   }
   std::vector<Choices> choices;
   for (size_t i = 0; i < chains.size(); ++i) {
     if (pause && has_networks()) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
-    ENGRAM_ASSIGN_OR_RETURN(
-        choices.emplace_back(),
-        choices_of(rows_of(values, i), chains[i], videos.empty() ? nullptr : &videos[i], stop));
+    ENGRAM_ASSIGN_OR_RETURN(choices.emplace_back(),
+                            choices_of(chain_of(values, model_.codec.chain_rows, i), chains[i],
+                                       videos.empty() ? nullptr : &videos[i], stop));
   }
   // The block pays for the background once, so it counts for the first chain that keeps latents.
   const uint64_t background = background_bytes(chains.front());
@@ -385,7 +288,7 @@ Status BlockChoice::keep_smallest(std::span<const idf::SplitValue> values,
       Choice& choice = choices[at][i];
       Candidate& kept = is_all_video ? *choice.video : choice.smallest();
       if (kept.rows.form == ImageForm::kLatents) kept.bytes += std::exchange(unpaid, 0);
-      count_kept(kept, rows_of(values, at).size());
+      count_kept(kept, chain_of(values, model_.codec.chain_rows, at).size());
       chains[at].images[i] = std::move(kept.rows);
     }
   }
@@ -411,25 +314,28 @@ Status BlockChoice::keep_latents(std::span<const idf::SplitValue> values, Latent
   return {};
 }
 
-std::span<const idf::SplitValue> BlockChoice::rows_of(std::span<const idf::SplitValue> values,
-                                                      size_t chain) const {
-  const auto rest = values.subspan(chain * model_.codec.chain_rows);
-  return rest.first(std::min(model_.codec.chain_rows, rest.size()));
-}
-
-BlockChoice::Chains BlockChoice::chains_of(std::span<const idf::SplitValue> block) const {
-  Chains chains;
-  for (size_t at = 0; at * model_.codec.chain_rows < block.size(); ++at)
-    chains.push_back(rows_of(block, at));
-  return chains;
-}
-
 Result<BlockChoice::Values> BlockChoice::split(std::span<const idf::Data> values) const {
   Values split;
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), model_.plan.split(value));
   }
   return split;
+}
+
+bool BlockChoice::finds_videos() const {
+  const bool keeps_latents = options_.kind == Representation::kLatents && has_networks();
+  return !keeps_latents && options_.kind != Representation::kCorrected &&
+         !model_.plan.images().empty();
+}
+
+Status BlockChoice::find_ahead(std::span<const std::span<const idf::Data>> blocks,
+                               const std::stop_token& stop, const Pause& pause) {
+  if (!finds_videos()) return {};
+  std::vector<Values> values;
+  for (const auto& block : blocks) {
+    ENGRAM_ASSIGN_OR_RETURN(values.emplace_back(), split(block));
+  }
+  return videos_.find_ahead({values.begin(), values.end()}, stop, pause);
 }
 
 bool BlockChoice::has_networks() const {
@@ -452,8 +358,8 @@ Result<std::vector<ltm::Latent>> BlockChoice::encode(std::span<const idf::Data> 
     uint64_t background = background_bytes(rows);
     for (size_t i = 0; i < chains.size(); ++i) {
       if (pause) ENGRAM_RETURN_IF_ERROR(pause(i * model_.codec.chain_rows));
-      ENGRAM_RETURN_IF_ERROR(
-          keep_latents(rows_of(split, i), chains[i], std::exchange(background, 0), stop));
+      ENGRAM_RETURN_IF_ERROR(keep_latents(chain_of(split, model_.codec.chain_rows, i), chains[i],
+                                          std::exchange(background, 0), stop));
     }
   } else {
     ENGRAM_RETURN_IF_ERROR(keep_smallest(split, chains, stop, pause));

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "encoders/deep_model.h"
 #include "training/fit/stage_times.h"
-#include "training/forms/entity_videos.h"
+#include "training/forms/chain_videos.h"
 #include "training/forms/representation.h"
 
 // Internal to the learning rooms: includes LibTorch.
@@ -34,7 +32,7 @@ class BlockChoice {
 
   /// Called between parts of the work with the number of finished rows of the block. An error ends
   /// encoding and is returned.
-  using Pause = std::function<Status(size_t rows)>;
+  using Pause = ChainVideos::Pause;
 
   /// Codes consecutive values of one recording, at most one block, and returns one latent per
   /// value.
@@ -58,11 +56,11 @@ class BlockChoice {
   /// Lossy encodes of each search for a video; nothing where the video was known. One search per
   /// chain and image member.
   [[nodiscard]] const std::vector<std::optional<int>>& video_encodes() const {
-    return video_encodes_;
+    return videos_.encodes();
   }
 
   /// What is known about the videos of the entity.
-  [[nodiscard]] EntityVideos& videos() { return *videos_; }
+  [[nodiscard]] EntityVideos& videos() { return videos_.known(); }
 
  private:
   /// One form of an image member of a chain, with its size.
@@ -83,10 +81,9 @@ class BlockChoice {
     [[nodiscard]] Candidate& smallest() { return keeps_latents() ? *latents : *video; }
     [[nodiscard]] const Candidate& smallest() const { return keeps_latents() ? *latents : *video; }
   };
-  using Choices = std::vector<Choice>;            ///< Per image member.
-  using Videos = std::vector<VideoSearchResult>;  ///< Per image member.
+  using Choices = std::vector<Choice>;  ///< Per image member.
+  using Videos = ChainVideos::Found;
   using Values = std::vector<idf::SplitValue>;
-  using Chains = std::vector<std::span<const idf::SplitValue>>;
   /// Images [row][member].
   using Images = std::vector<std::vector<idf::NdArray>>;
 
@@ -100,9 +97,6 @@ class BlockChoice {
   [[nodiscard]] const idf::NdArray& recorded(const idf::SplitValue& value, size_t image) const;
 
   [[nodiscard]] bool has_networks() const;
-  /// The values of a chain.
-  [[nodiscard]] std::span<const idf::SplitValue> rows_of(std::span<const idf::SplitValue> values,
-                                                         size_t chain) const;
 
   /// Keeps a chain as latents. `background` is the size of the background that the chain pays for.
   Status keep_latents(std::span<const idf::SplitValue> values, encoders::LatentRows& rows,
@@ -128,18 +122,7 @@ class BlockChoice {
   Result<Choice> choose(size_t image, std::vector<Candidate> candidates,
                         std::optional<VideoSearchResult> video);
   void add_videos(VideoSearchResult video, std::vector<Candidate>& candidates);
-  /// Finds the videos of a chain's image member. Sets the lossy encodes that it took unless they
-  /// are known.
-  Result<VideoSearchResult> find_video(std::span<const idf::SplitValue> values, size_t image,
-                                       const std::stop_token& stop, std::optional<int>& encodes);
-  /// Finds the videos of all chains, several at a time. Shape: [chain][image member].
-  Result<std::vector<Videos>> find_videos(const Chains& chains, const std::stop_token& stop,
-                                          const Pause& pause);
-  /// The videos of the chains of a block, which may have been found ahead.
-  Result<std::vector<Videos>> videos_of(std::span<const idf::SplitValue> block,
-                                        const std::stop_token& stop, const Pause& pause);
   Result<Values> split(std::span<const idf::Data> values) const;
-  [[nodiscard]] Chains chains_of(std::span<const idf::SplitValue> block) const;
   [[nodiscard]] int refine_steps(const std::vector<std::vector<double>>& errors) const;
   void count_kept(const Candidate& kept, size_t rows);
 
@@ -149,10 +132,8 @@ class BlockChoice {
   /// Bound of decoded latents, including the margin of decoding.
   double bound_db_;
   double max_mse_;  ///< The same as an error. Unit: grey levels squared.
-  std::shared_ptr<EntityVideos> videos_;
+  ChainVideos videos_;
   encoders::StoredForms counts_;
-  std::vector<std::optional<int>> video_encodes_;
-  std::deque<Videos> found_ahead_;  ///< Of the chains of the next blocks.
   int64_t lossless_tried_rows_ = 0;
   bool can_correct_all_ = true;  ///< Whether latents with residuals kept every row so far.
 };
