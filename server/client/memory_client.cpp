@@ -11,6 +11,7 @@
 #include "ltm/core/mutex.h"
 #include "ltm/idf/binary.h"
 #include "server/client/calls.h"
+#include "server/client/messages.h"
 #include "server/client/open_channel.h"
 #include "server/client/remote_subscription.h"
 #include "server/client/shared_lane.h"
@@ -63,53 +64,6 @@ struct SharedCommits {
   std::shared_ptr<SharedLane> lane;
   std::shared_ptr<Calls<v1::CommitReply>> calls;
 };
-
-/// Adds one part of an answer to the parts that arrived before it.
-Status take_part(v1::QueryReply& reply, ltm::QueryResult& answer) {
-  ENGRAM_RETURN_IF_ERROR(to_status(reply.outcome()));
-  for (v1::EntityAnswer& entity : *reply.mutable_entities()) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::parse(entity.entity()));
-    if (!id.is_entity()) return data_loss("answer: '{}' is no entity", entity.entity());
-    ltm::EntityResult& one = answer.add_entity(id);
-    for (v1::Snapshot& snapshot : *entity.mutable_snapshots()) {
-      ENGRAM_ASSIGN_OR_RETURN(auto taken, take_answer(snapshot, {}));
-      one.add(std::move(taken));
-    }
-  }
-  return {};
-}
-
-v1::QueryRequest to_request(const ltm::Query& query, const std::string& engine) {
-  v1::QueryRequest request;
-  request.set_query(query.to_string());
-  request.set_engine(engine);
-  return request;
-}
-
-/// Takes one prediction per horizon out of an answer to a v1::PredictionRequest.
-Result<std::vector<ltm::SnapshotResult>> predictions_in(const ltm::QueryResult& answer,
-                                                        const ltm::MemoryId& entity,
-                                                        std::span<const Duration> horizons,
-                                                        const PredictOptions& options) {
-  const ltm::EntityResult* found = answer.find_entity(entity);
-  if (found == nullptr || found->snapshots.empty())
-    return not_found("entity '{}': has no snapshot to predict from", entity.to_string());
-  std::vector<ltm::SnapshotResult> predicted;
-  for (const Duration ahead : horizons) {
-    const auto one = std::ranges::find_if(found->snapshots, [&](const ltm::SnapshotResult& told) {
-      return told.source == ltm::Source::kPredicted && told.horizon == ahead;
-    });
-    // A server that does not know predictions from a moment tells the IDs of the newest snapshot.
-    if (one == found->snapshots.end())
-      return failed_precondition(
-          "entity '{}': was asked for a prediction{}{}, but this server is of an earlier version, "
-          "which predicts from the newest snapshot and without a plan",
-          entity.to_string(), options.at ? " from " + to_string(*options.at) : "",
-          options.plan ? " with the plan '" + options.plan->to_string() + "'" : "");
-    predicted.push_back(*one);
-  }
-  return predicted;
-}
 
 v1::Durability to_message(CommitDurability durability) {
   return static_cast<v1::Durability>(durability);
@@ -356,11 +310,7 @@ Result<std::vector<ltm::SnapshotResult>> MemoryClient::predict(const ltm::Memory
       const ltm::Query past,
       ltm::Query::create(ltm::Query::of_entity(entity, ltm::select::Latest{}).memories(), true));
   v1::QueryRequest request = to_request(past, options.engine);
-  v1::PredictionRequest& asked = *request.mutable_prediction();
-  asked.set_entity(entity.to_string());
-  for (const Duration horizon : horizons) asked.add_horizons_ns(horizon.count());
-  if (options.at) asked.set_at_ns(to_ns(*options.at));
-  if (options.plan) asked.set_plan(options.plan->to_string());
+  *request.mutable_prediction() = to_request(entity, horizons, options);
   ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, state_->ask(request, false));
   auto predicted = predictions_in(answer, entity, horizons, options);
   if (!predicted.ok()) return predicted.status().with_context(state_->endpoint);
@@ -378,26 +328,9 @@ Status MemoryClient::declare(const ltm::MemoryId& segment, const idf::Type& type
 
 Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
     const ltm::MemoryId& entity, std::span<const Duration> horizons, std::optional<Time> at) {
-  v1::EnginesRequest request;
-  request.set_entity(entity.to_string());
-  for (const Duration horizon : horizons) request.add_horizons_ns(horizon.count());
-  if (at) request.set_at_ns(to_ns(*at));
   v1::EnginesReply reply;
-  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Engines, request, reply));
-  if (at && !reply.has_at_ns())
-    return failed_precondition(
-        "entity '{}': was asked for the engines of an earlier moment, but this server is of an "
-        "earlier version, which lists those of the newest one alone",
-        entity.to_string());
-  std::vector<std::vector<ltm::EngineRecord>> all(horizons.size());
-  for (const v1::EnginesReply::Record& record : reply.records()) {
-    const auto horizon = std::ranges::find(horizons, Duration(record.horizon_ns()));
-    if (horizon == horizons.end()) continue;
-    all[static_cast<size_t>(horizon - horizons.begin())].push_back(
-        {record.engine(), record.model(), record.predictions(), to_error(record.mean()),
-         to_error(record.bound())});
-  }
-  return all;
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Engines, to_request(entity, horizons, at), reply));
+  return engines_in(reply, entity, horizons, at);
 }
 
 Result<ServerInfo> MemoryClient::info() {
