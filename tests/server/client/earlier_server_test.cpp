@@ -36,6 +36,15 @@ class EarlierServer final : public v1::MemoryServer::Service {
     return grpc::Status::OK;
   }
 
+  /// Does not know EnginesRequest.at_ns.
+  grpc::Status Engines(grpc::ServerContext* /*call*/, const v1::EnginesRequest* request,
+                       v1::EnginesReply* reply) override {
+    v1::EnginesReply::Record& record = *reply->add_records();
+    record.set_engine("copy-last");
+    record.set_horizon_ns(request->horizons_ns(0));
+    return grpc::Status::OK;
+  }
+
   std::vector<std::string> queries;
 };
 
@@ -58,6 +67,9 @@ TEST(EarlierServer, IsNotTakenForOneThatPredictsFromAMoment) {
     EXPECT_THAT(from.status().message(), HasSubstr("earlier version"));
     const auto planned = (*memory)->predict(cup, ahead, {.plan = cup});
     EXPECT_FAILS(planned, StatusCode::kFailedPrecondition, "with the plan '" + cup.to_string());
+    EXPECT_FAILS((*memory)->engines(cup, ahead[0], time_from_ns(0)),
+                 StatusCode::kFailedPrecondition, "earlier version");
+    EXPECT_OK((*memory)->engines(cup, ahead[0]));
   }
   server->Shutdown();
   // Nothing is decoded for an answer that nobody wants.

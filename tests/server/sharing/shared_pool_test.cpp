@@ -8,64 +8,19 @@
 #include <random>
 #include <vector>
 
+#include "tests/server/sharing/pool.h"
+
 namespace engram::server {
 namespace {
 
-constexpr ClientId kWriter = 1;
-constexpr ClientId kReader = 2;
-constexpr ClientId kOther = 3;
-constexpr GroupId kGroup = 7;
-constexpr size_t kMiB = size_t{1} << 20;
-
-/// A pool with a writer and others that may read what it writes. Without processes: what a writer
-/// would map is sealed at once.
-class Pool {
- public:
-  explicit Pool(const SharedPool::Options& options = {})
-      : pool_(std::move(*SharedPool::create(options))) {
-    for (const ClientId client : {kWriter, kReader, kOther})
-      EXPECT_TRUE(pool_->add_client(client).ok());
-    EXPECT_TRUE(pool_->grant_read(kReader, kGroup).ok());
-  }
-
-  SharedPool* operator->() { return pool_.get(); }
-  void destroy() { pool_.reset(); }
-
-  BlockRef lease(size_t bytes, ClientId writer = kWriter, GroupId group = kGroup) {
-    const auto block = pool_->lease(writer, group, bytes);
-    EXPECT_TRUE(block.ok()) << block.status().to_string();
-    if (!block.ok()) return {};
-    const Status sealed = writer == kServerItself ? Status() : pool_->seal(writer, block->slab);
-    EXPECT_TRUE(sealed.ok()) << sealed.to_string();
-    return *block;
-  }
-
-  Buffer commit(const BlockRef& block, ClientId writer = kWriter, GroupId group = kGroup) {
-    const auto buffer = pool_->commit(writer, group, block, block.capacity);
-    EXPECT_TRUE(buffer.ok()) << buffer.status().to_string();
-    return buffer.value_or(Buffer());
-  }
-
- private:
-  std::unique_ptr<SharedPool> pool_;
-};
-
-SharedPool::Options small() {
-  SharedPool::Options options;
-  options.max_bytes = 4 * kMiB;
-  options.max_writer_bytes = 2 * kMiB;
-  options.first_slab_bytes = kMiB;
-  options.slab_bytes = kMiB;
-  return options;
-}
-
-StatusCode code_of(const Status& status) {
-  return status.code();
-}
-template <typename T>
-StatusCode code_of(const Result<T>& result) {
-  return result.status().code();
-}
+using testing::code_of;
+using testing::kGroup;
+using testing::kMiB;
+using testing::kOther;
+using testing::kReader;
+using testing::kWriter;
+using testing::Pool;
+using testing::small;
 
 TEST(SharedPool, GivesTheServerBlocksThatItWritesAndViews) {
   Pool pool;
@@ -296,105 +251,6 @@ TEST(SharedPool, KnowsItsClients) {
   pool->remove_client(kServerItself);
   EXPECT_TRUE(pool->lease(kServerItself, kGroup, 64).ok());
   EXPECT_EQ(pool->counters().clients, 3u);
-}
-
-TEST(SharedPool, IsBoundedInAllAndForEachWriter) {
-  Pool pool(small());
-  EXPECT_EQ(code_of(pool->lease(kWriter, kGroup, 0)), StatusCode::kInvalidArgument);
-  EXPECT_EQ(code_of(pool->lease(kWriter, kGroup, 4 * kMiB + 1)), StatusCode::kResourceExhausted);
-  EXPECT_EQ(code_of(pool->lease(kWriter, kGroup, SIZE_MAX)), StatusCode::kResourceExhausted);
-  pool.lease(kMiB);
-  pool.lease(kMiB);
-  EXPECT_EQ(code_of(pool->lease(kWriter, kGroup, 64)), StatusCode::kResourceExhausted);
-  pool.lease(2 * kMiB, kOther);
-  EXPECT_EQ(code_of(pool->lease(kReader, kGroup, 64)), StatusCode::kResourceExhausted);
-  EXPECT_EQ(pool->counters().slab_bytes, 4 * kMiB);
-  EXPECT_EQ(pool->counters().exhausted, 4u);
-  pool->remove_client(kOther);
-  EXPECT_TRUE(pool->lease(kReader, kGroup, 64).ok());
-}
-
-TEST(SharedPool, GivesIdleSlabsUpBeforeItRefuses) {
-  Pool pool(small());
-  for (const BlockRef& block : {pool.lease(kMiB), pool.lease(kMiB)})
-    ASSERT_TRUE(pool->abandon(kWriter, block).ok());
-  ASSERT_EQ(pool->counters().slab_bytes, 2 * kMiB);
-  pool.lease(2 * kMiB);
-  EXPECT_EQ(pool->counters().slab_bytes, 2 * kMiB);
-}
-
-TEST(SharedPool, IsBoundedInBlocks) {
-  auto options = small();
-  options.max_writer_blocks = 3;
-  Pool pool(options);
-  const BlockRef first = pool.lease(64);
-  pool.lease(64);
-  pool.lease(64);
-  EXPECT_EQ(code_of(pool->lease(kWriter, kGroup, 64)), StatusCode::kResourceExhausted);
-  ASSERT_TRUE(pool->abandon(kWriter, first).ok());
-  pool.lease(64);
-}
-
-TEST(SharedPool, IsBoundedInWhatAReaderHas) {
-  auto options = small();
-  options.max_reader_bytes = 128;
-  Pool pool(options);
-  const BlockRef first = pool.lease(128);
-  const BlockRef second = pool.lease(64);
-  const std::vector<Buffer> kept{pool.commit(first), pool.commit(second)};
-  ASSERT_TRUE(pool->share(first, kReader).ok());
-  EXPECT_TRUE(pool->share(first, kReader).ok()) << "it has that already";
-  EXPECT_EQ(code_of(pool->share(second, kReader)), StatusCode::kResourceExhausted);
-  ASSERT_TRUE(pool->release(kReader, first, 2).ok());
-  EXPECT_TRUE(pool->share(second, kReader).ok());
-}
-
-TEST(SharedPool, GivesLargeBlocksASlabOfTheirOwn) {
-  Pool pool;
-  const BlockRef block = pool.lease(100 * kMiB + 1);
-  EXPECT_EQ(block.offset, 0u);
-  EXPECT_EQ(block.capacity, 100 * kMiB + 64);
-  EXPECT_EQ(pool->counters().slab_bytes, 100 * kMiB + 4096);
-}
-
-TEST(SharedPool, AddsAsMuchAsThereIsUntilSlabsAreLarge) {
-  SharedPool::Options options;
-  options.slab_bytes = 16 * kMiB;
-  Pool pool(options);
-  for (const size_t total : {4, 8, 16, 32, 48, 64}) {
-    while (pool->counters().block_bytes < total * kMiB) pool.lease(2 * kMiB);
-    EXPECT_EQ(pool->counters().slab_bytes, total * kMiB);
-  }
-}
-
-TEST(SharedPool, TakesAllThatIsLeftWhereThatIsLessThanASlab) {
-  auto options = small();
-  options.max_writer_bytes = kMiB + kMiB / 2;
-  Pool pool(options);
-  pool.lease(kMiB);
-  for (int i = 0; i < 8; ++i) pool.lease(kMiB / 16);
-  EXPECT_EQ(pool->counters().slabs, 2u);
-  EXPECT_EQ(code_of(pool->lease(kWriter, kGroup, 64)), StatusCode::kResourceExhausted);
-}
-
-TEST(SharedPool, GivesSlabsBackThatWereIdleForLongEnough) {
-  auto options = small();
-  options.keep_free = std::chrono::seconds(10);
-  Pool pool(options);
-  const BlockRef block = pool.lease(64);
-  const Time start = time_from_ns(1'000'000'000'000);
-  pool->trim(start);
-  ASSERT_TRUE(pool->abandon(kWriter, block).ok());
-  pool->trim(start + std::chrono::seconds(20));
-  pool->trim(start + std::chrono::seconds(29));
-  EXPECT_TRUE(pool->has_slab(block.slab)) << "idle since it was first seen to be";
-  const BlockRef again = pool.lease(64);
-  ASSERT_TRUE(pool->abandon(kWriter, again).ok());
-  pool->trim(start + std::chrono::seconds(31));
-  EXPECT_TRUE(pool->has_slab(block.slab)) << "it was used meanwhile";
-  pool->trim(start + std::chrono::seconds(41));
-  EXPECT_FALSE(pool->has_slab(block.slab));
-  EXPECT_NE(pool.lease(64).slab, block.slab) << "names are used once";
 }
 
 TEST(SharedPool, FindsTheBlockThatBytesLieIn) {
