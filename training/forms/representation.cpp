@@ -41,10 +41,13 @@ Status RepresentationOptions::validate() const {
     return invalid_argument("effort of the video codec: found {}, needs 0 to 9", video_effort);
   if (!(video_tolerance_db >= 0 && video_tolerance_db <= 10))
     return invalid_argument("tolerance of videos: found {} dB, needs 0 to 10", video_tolerance_db);
+  if (!(video_time > 0))
+    return invalid_argument("time for videos: found {} times the usual, needs more than 0",
+                            video_time);
   if (refine_steps < 0 || few_refine_steps < 0)
     return invalid_argument("steps of refining: found {} and {}, needs 0 or more", refine_steps,
                             few_refine_steps);
-  if (nights < 1) return invalid_argument("nights: found {}, needs at least 1", nights);
+  if (nights && *nights < 1) return invalid_argument("nights: found {}, needs at least 1", *nights);
   return {};
 }
 
@@ -52,9 +55,12 @@ VideoSearchOptions RepresentationOptions::search(int64_t pixels) const {
   const bool is_auto = video_effort == kAutoEffort;
   std::string settings = fmt::format("effort={}", is_auto ? kUsualEffort : video_effort);
   // Ten bits and an even quality: experiments/learning/LOG.md, "ladder of effort".
-  if (video == "av1")
-    settings = is_auto ? std::string(usual_effort(std::max<int64_t>(pixels, 1)).codec_options)
-                       : settings + ",depth=10,spread=2";
+  if (video == "av1" && !is_auto) settings += ",depth=10,spread=2";
+  if (video == "av1" && is_auto) {
+    const VideoPace pace =
+        pace_within(video_time, std::max<int64_t>(pixels, 1), video_tolerance_db);
+    return {video, std::string(pace.effort->codec_options), bound_db, pace.tolerance_db};
+  }
   return {video, std::move(settings), bound_db, video_tolerance_db};
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "ltm/core/status.h"
@@ -43,6 +44,9 @@ struct RepresentationOptions {
   /// A video may be so much better than the bound; 0 for the smallest one that keeps it, which
   /// takes more encodes. Unit: dB.
   double video_tolerance_db = 0.5;
+  /// Times the processor time of a usual night that the search for videos may take, unless
+  /// `video_effort` is given: more takes fewer bytes.
+  double video_time = 1;
   /// Threads that search for videos. The result does not depend on it.
   int threads = 1;
   /// What the job knows about the videos of this entity; may be null.
@@ -54,10 +58,15 @@ struct RepresentationOptions {
   /// for none.
   int few_refine_steps = 8;
   double refine_within_db = 1.5;
-  /// Number of nights like this one over which the bytes of a model are divided.
-  int nights = 30;
+  /// Number of nights like this one over which the bytes of a model are divided. If it is not
+  /// given, those of a first model are divided over kFirstNights, and those of one that replaces
+  /// another over as many as that one served: what models cost is then at most what they saved.
+  std::optional<int> nights{};
+  static constexpr int kFirstNights = 30;
 
   [[nodiscard]] Status validate() const;
+
+  [[nodiscard]] int first_nights() const { return nights.value_or(kFirstNights); }
 
   /// How videos of images of so many pixels are searched for.
   [[nodiscard]] VideoSearchOptions search(int64_t pixels) const;

@@ -2,6 +2,7 @@
 #include "training/forms/video_effort.h"
 
 #include <cmath>
+#include <vector>
 
 #include "ltm/core/check.h"
 
@@ -19,6 +20,11 @@ constexpr std::array<VideoEffort, 6> kVideoEfforts{{
     {"effort=3,depth=10,spread=2", 1.18, {0.0110, 0.030, 0.0825}},
     {"effort=3,spread=2", 1.25, {0.0082, 0.0215, 0.054}},
 }};
+
+/// Encodes of a chain, and bytes, of a search that ends within half a decibel of the bound and of
+/// one that finds the worst quality that keeps it. Source: experiments/learning/LOG.md, "one
+/// night".
+constexpr double kQuickEncodes = 1.8, kWholeEncodes = 3.2, kQuickBytes = 1.028;
 
 }  // namespace
 
@@ -53,6 +59,28 @@ const VideoEffort& usual_effort(int64_t pixels) {
   constexpr double kSeconds = 0.04, kGrowth = 0.265;
   const double size = static_cast<double>(pixels) / static_cast<double>(kMeasuredPixels.front());
   return effort_within(kSeconds * std::pow(size, kGrowth), pixels);
+}
+
+VideoPace pace_within(double times, int64_t pixels, double usual_tolerance_db) {
+  ENGRAM_CHECK(times > 0, "{} times the usual time", times);
+  struct Search {
+    double tolerance_db, encodes, bytes;
+  };
+  const Search quick{usual_tolerance_db, kQuickEncodes, kQuickBytes}, whole{0, kWholeEncodes, 1};
+  const auto searches = usual_tolerance_db > 0 ? std::vector{quick, whole} : std::vector{whole};
+  const auto seconds = [&](const VideoEffort& effort, const Search& search) {
+    return seconds_per_image(effort, pixels) * search.encodes;
+  };
+  const double limit = times * seconds(usual_effort(pixels), searches.front());
+  const VideoEffort& quickest = kVideoEfforts.back();
+  VideoPace best{&quickest, searches.front().tolerance_db,
+                 quickest.relative_bytes * searches.front().bytes};
+  for (const VideoEffort& effort : kVideoEfforts)
+    for (const Search& search : searches)
+      if (const double bytes = effort.relative_bytes * search.bytes;
+          bytes < best.relative_bytes && seconds(effort, search) <= limit)
+        best = {&effort, search.tolerance_db, bytes};
+  return best;
 }
 
 }  // namespace engram::training

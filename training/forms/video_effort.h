@@ -36,6 +36,20 @@ inline constexpr std::array<int64_t, 3> kMeasuredPixels{128 * 128, 256 * 256, 64
 /// or the quickest one.
 [[nodiscard]] const VideoEffort& effort_within(double seconds, int64_t pixels);
 
+/// How the videos of a night are searched for.
+struct VideoPace {
+  const VideoEffort* effort = nullptr;
+  /// A video may be so much better than its bound. Unit: dB.
+  double tolerance_db = 0;
+  /// Bytes relative to those of the first of the ladder without a tolerance.
+  double relative_bytes = 1;
+};
+
+/// Returns the pace with the fewest bytes that takes at most `times` as long as the usual effort
+/// with `usual_tolerance_db`, or the quickest one. More time is spent on better efforts, and on a
+/// search without tolerance. `times` must be positive (checked).
+[[nodiscard]] VideoPace pace_within(double times, int64_t pixels, double usual_tolerance_db);
+
 /// Returns the rung of a usual night: eight hours of two cameras at 5 Hz are encoded in eight hours
 /// of two cores, everything else included.
 [[nodiscard]] const VideoEffort& usual_effort(int64_t pixels);

@@ -33,5 +33,27 @@ TEST(VideoEfforts, TakeTheMeasuredTimeAtTheMeasuredSizes) {
       EXPECT_NEAR(seconds_per_image(effort, kMeasuredPixels[i]), effort.seconds[i], 1e-9);
 }
 
+TEST(VideoPaces, AreTheUsualEffortInTheUsualTime) {
+  for (const int64_t pixels : {96 * 96, 128 * 128, 256 * 256, 640 * 480}) {
+    const VideoPace pace = pace_within(1, pixels, 0.5);
+    EXPECT_EQ(pace.effort, &usual_effort(pixels)) << pixels;
+    EXPECT_EQ(pace.tolerance_db, 0.5);
+  }
+}
+
+TEST(VideoPaces, TakeFewerBytesTheMoreTimeThereIs) {
+  double bytes = 10;
+  for (const double times : {0.01, 0.3, 0.6, 1.0, 2.0, 5.0, 20.0}) {
+    const VideoPace pace = pace_within(times, 640 * 480, 0.5);
+    EXPECT_LE(pace.relative_bytes, bytes) << times;
+    bytes = pace.relative_bytes;
+  }
+  const VideoPace slowest = pace_within(20, 640 * 480, 0.5);
+  EXPECT_EQ(slowest.effort, &video_efforts().front());
+  EXPECT_EQ(slowest.tolerance_db, 0) << "the smallest video that keeps the bound";
+  EXPECT_EQ(pace_within(0.01, 640 * 480, 0.5).effort, &video_efforts().back());
+  EXPECT_EQ(pace_within(0.5, 640 * 480, 0).tolerance_db, 0) << "as it was asked for";
+}
+
 }  // namespace
 }  // namespace engram::training
