@@ -33,13 +33,13 @@ inline training::EntityReport night(const std::filesystem::path& store,
 
 /// Appends `count` snapshots of the scene, from `first` on, to an entity of a store.
 inline void record(const std::filesystem::path& store, const std::string& entity, int first,
-                   int count) {
+                   int count, bool has_numbers = true) {
   auto recorder = ltm::Recorder::open(store, {});
   ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
   const auto source = scene_source(first + count);
   for (int i = first; i < first + count; ++i) {
     const Time time = source.times[static_cast<size_t>(i)];
-    const ltm::Snapshot snapshot{id(entity), time, {{scene_at(i), {}}}};
+    const ltm::Snapshot snapshot{id(entity), time, {{scene_at(i, true, has_numbers), {}}}};
     ASSERT_TRUE(recorder->commit({{snapshot}}).ok());
   }
   ASSERT_TRUE(recorder->close().ok());

@@ -10,6 +10,8 @@ namespace engram::training {
 namespace {
 
 constexpr auto kSleep = std::chrono::milliseconds(100);
+/// Each step ends in time by itself. This is for one that took much longer than expected.
+constexpr Duration kGrace = std::chrono::seconds(15);
 
 }  // namespace
 
@@ -31,6 +33,10 @@ bool JobPace::is_busy() {
 
 Status JobPace::pause() {
   if (stop_.stop_requested()) return cancelled("the job was stopped");
+  if (end_ && clock_() >= *end_ + kGrace) {
+    is_time_over_ = true;
+    return resource_exhausted("the time was over at {}", to_local_string(*end_));
+  }
   if (busy_ == nullptr) return {};
   const auto start = std::chrono::steady_clock::now();
   for (auto reason = busy_->reason(); reason; reason = busy_->reason()) {

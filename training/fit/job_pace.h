@@ -15,8 +15,8 @@ namespace engram::training {
 /// Threading: one thread.
 class JobPace {
  public:
-  /// `busy` may be null and `progress` empty. The job waits until `end` at the latest. All
-  /// arguments must outlive this object.
+  /// `busy` may be null and `progress` empty. The job waits until `end` at the latest, and is over
+  /// some seconds later whatever it does. All arguments must outlive this object.
   JobPace(Busy* busy, const ProgressSink& progress, const std::stop_token& stop,
           std::optional<Time> end = {}, Clock clock = system_now);
   JobPace(const JobPace&) = delete;
@@ -26,11 +26,14 @@ class JobPace {
   [[nodiscard]] const ProgressSink& progress() const { return sink_; }
   [[nodiscard]] const std::stop_token& stop() const { return stop_; }
 
+  [[nodiscard]] Time now() const { return clock_(); }
+
   /// Whether pause() would wait.
   [[nodiscard]] bool is_busy();
 
   /// Sleeps while the robot is busy.
-  /// Errors: kCancelled on a stop; kResourceExhausted if the robot is busy until the end.
+  /// Errors: kCancelled on a stop; kResourceExhausted if the robot is busy until the end, or the end
+  /// was 15 s ago.
   Status pause();
 
   /// Total time that pause() slept.

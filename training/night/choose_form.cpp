@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "training/fit/network_width.h"
 #include "training/forms/entity_videos.h"
+#include "training/forms/video_effort.h"
 #include "training/night/entity_images.h"
 #include "training/quality/psnr.h"
 
@@ -110,7 +112,8 @@ Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned
   if (lost) return false;
   ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes(work, planned, form));
   if (video == 0) return true;  // No codec accepts its images.
-  const double saved = video * static_cast<double>(planned.entries.size()) * representation.nights;
+  const double saved =
+      video * static_cast<double>(planned.entries.size()) * representation.first_nights();
   if (form.train.width == 0) {
     form.train.width = width_that_pays(planned.layout, form.train, saved);
     if (form.train.width > 0) return true;
@@ -120,7 +123,8 @@ Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned
   form.notes.push_back(fmt::format(
       "video at {:.1f} dB takes {:.0f} bytes a snapshot: {:.0f} % of it in {} nights is "
       "less than what networks take ({} bytes)",
-      representation.bound_db, video, 100 * kMaxModelShare, representation.nights, networks));
+      representation.bound_db, video, 100 * kMaxModelShare, representation.first_nights(),
+      networks));
   return false;
 }
 
@@ -133,16 +137,42 @@ ChosenForm ChosenForm::as_video_alone() const {
   return video;
 }
 
+void ChosenForm::prepare_videos() {
+  representation.videos =
+      std::make_shared<EntityVideos>(image_members, representation.search(image_pixels));
+  history.teach(*representation.videos);
+}
+
+void ChosenForm::spend(double times) {
+  if (image_members == 0 || representation.video != "av1" ||
+      representation.video_effort != kAutoEffort)
+    return;
+  const double tolerance_db = representation.video_tolerance_db;
+  const VideoPace usual = pace_within(1, image_pixels, tolerance_db);
+  const VideoPace now = pace_within(times, image_pixels, tolerance_db);
+  representation.video_time = times;
+  prepare_videos();
+  const double more = 100 * (now.relative_bytes / usual.relative_bytes - 1);
+  if (more == 0) return;
+  notes.push_back(fmt::format(
+      "there is {:.2g} times the time that videos usually take: they are searched for with {}, "
+      "within {:g} dB of the bound, which takes about {:.0f} % {} bytes than usual",
+      times, now.effort->codec_options, now.tolerance_db, std::abs(more),
+      more > 0 ? "more" : "fewer"));
+}
+
 Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& planned) {
   const auto stage = work.stage(Stage::kSamples);
-  ChosenForm form{work.options.train, planned.representation, {}, {}};
+  ChosenForm form;
+  form.train = work.options.train;
+  form.representation = planned.representation;
   if (!work.options.job.is_fresh) form.history = read_history(work.reader.path(), work.entity);
   const ImageMembers images = image_members_of(planned.layout);
   if (images.count > 0 && work.options.access > Duration::zero())
     form.train.chain_rows = rows_within(work.options.access, images.pixels);
-  form.representation.videos = std::make_shared<EntityVideos>(
-      images.count, form.representation.search(images.largest_pixels));
-  form.history.teach(*form.representation.videos);
+  form.image_members = images.count;
+  form.image_pixels = images.largest_pixels;
+  form.prepare_videos();
   ENGRAM_ASSIGN_OR_RETURN(form.train.has_networks, wants_networks(work, planned, form));
   if (!form.train.has_networks) form.representation.kind = Representation::kVideo;
   // Training aims at a mean, and every image must reach the bound, so the mean must be above it.

@@ -20,9 +20,20 @@ struct ChosenForm {
   RepresentationOptions representation;
   std::vector<std::string> notes;  ///< Reasons, in sentences.
   NightHistory history;            ///< What earlier nights found out.
+  size_t image_members = 0;
+  int64_t image_pixels = 0;  ///< Of the largest image member.
 
+  /// Whether all images are kept as video.
+  [[nodiscard]] bool is_video_alone() const {
+    return image_members > 0 && representation.kind == Representation::kVideo;
+  }
   /// The same without networks, with video at the bound.
   [[nodiscard]] ChosenForm as_video_alone() const;
+  /// Searches for videos in so many times the time of a usual night: with more time for fewer
+  /// bytes, with less for more. A note tells what that changes. `times` must be positive (checked).
+  void spend(double times);
+  /// Begins a new search for videos with what is known from earlier ones.
+  void prepare_videos();
 };
 
 /// Chooses between networks and video alone before training. Networks are chosen if they could save

@@ -5,31 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
-#include "encoders/deep_model_file.h"
-#include "ltm/idf/binary.h"
 #include "training/night/model_of_latents.h"
-#include "training/quality/psnr.h"
+#include "training/night/previous_model.h"
 
 namespace engram::training {
 
 namespace {
-
-using Model = std::shared_ptr<encoders::DeepModel>;
-
-/// Bytes of a snapshot's latents: its share of its blocks, and its remainder.
-double bytes_of(const ltm::LatentSnapshot& snapshot) {
-  double bytes = 0;
-  for (const ltm::LatentInstance& instance : snapshot.instances) {
-    const ltm::Latent& latent = instance.latent;
-    bytes += static_cast<double>(latent.code.size()) / latent.place.count;
-    if (!latent.remainder.empty())
-      bytes += static_cast<double>(idf::encoded_size(idf::Data(latent.remainder)));
-  }
-  return bytes;
-}
 
 /// Sums over snapshots, separate for those that had latents before.
 struct PayloadSum {
@@ -49,45 +32,6 @@ struct PayloadSum {
   }
 };
 
-std::string not_compared(const ltm::ModelInfo& newest, std::string_view why) {
-  return fmt::format("v{} was not compared with: {}", newest.version, why);
-}
-
-/// Returns the newest model if it can encode these snapshots with the requested options; else null,
-/// with a note.
-Model usable_model(const EntityWork& work, const PlannedEntity& planned, const ChosenForm& form,
-                   const ltm::ModelInfo& newest, std::vector<std::string>& notes) {
-  auto model = encoders::read_model(work.reader.path() / newest.file);
-  const auto unusable = [&](std::string_view why) {
-    notes.push_back(not_compared(newest, why));
-    return Model();
-  };
-  if (!model.ok()) return unusable(model.status().message());
-  if (!((*model)->plan.layout() == planned.layout)) return unusable("it has another layout");
-  if ((*model)->provenance.number_bound != form.train.number_bound)
-    return unusable("it keeps numbers within another bound");
-  return *std::move(model);
-}
-
-/// Bytes of the newest model's latents of a snapshot; nothing if it has none within the bound.
-Result<std::optional<double>> known_bytes(const EntityWork& work, const PlannedEntity& planned,
-                                          const encoders::DeepModel& newest,
-                                          const ltm::SnapshotEntry& entry) {
-  using Bytes = std::optional<double>;
-  if (version_of_latents(work, entry) != planned.plan.newest_version) return Bytes();
-  const double bound_db = planned.representation.bound_db;
-  // The measured error is the mean over all images, which does not show that each one keeps the
-  // bound.
-  if (newest.plan.images().size() > 1 && newest.provenance.forms.bound_db < bound_db)
-    return Bytes();
-  ENGRAM_ASSIGN_OR_RETURN(const auto latents, work.reader.read_latent(work.entity, entry));
-  for (const ltm::LatentInstance& instance : latents.instances) {
-    const double mse = instance.error.image_mse;
-    if (!std::isnan(mse) && psnr_db(mse) < bound_db) return Bytes();
-  }
-  return Bytes(bytes_of(latents));
-}
-
 /// Whether latents of the newest model remain after those of all planned snapshots are replaced.
 /// Then its file stays in any case.
 Result<bool> is_needed_anyway(const EntityWork& work, const PlannedEntity& planned,
@@ -98,6 +42,20 @@ Result<bool> is_needed_anyway(const EntityWork& work, const PlannedEntity& plann
   ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
   return std::ranges::count_if(*index, is_of_newest) >
          std::ranges::count_if(planned.entries, is_of_newest);
+}
+
+/// Nights like this one that a new model will probably serve: as many as the one that it replaces
+/// did, this one included. Models that come in a quick succession then have to pay soon.
+Result<int64_t> nights_of_model(const EntityWork& work, const PlannedEntity& planned,
+                                const ltm::ModelInfo& newest) {
+  const RepresentationOptions& options = work.options.representation;
+  if (options.nights) return int64_t{*options.nights};
+  ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
+  const auto served = std::ranges::count_if(*index, [&](const ltm::SnapshotEntry& entry) {
+    return version_of_latents(work, entry) == newest.version;
+  });
+  const auto news = static_cast<int64_t>(std::max<uint64_t>(planned.plan.new_snapshots, 1));
+  return std::clamp<int64_t>((served + news) / news, 1, RepresentationOptions::kFirstNights);
 }
 
 std::string told(const encoders::ModelChoice& choice) {
@@ -125,13 +83,18 @@ std::optional<std::string> why_video_is_cheaper(const EncodedEntity& made, uint6
 
 Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntity& planned,
                                       const ChosenForm& form, const EncodedEntity& made,
-                                      uint64_t model_bytes) {
+                                      uint64_t model_bytes, const EncodingLimits& limits) {
   ComparedModels compared;
   const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
   if (work.options.representation.kind != Representation::kAuto || newest == nullptr)
     return compared;
-  const Model previous = usable_model(work, planned, form, *newest, compared.notes);
+  const auto previous = usable_model(work, planned, form, *newest, compared.notes);
   if (!previous) return compared;
+  const auto no_time = [&] {
+    compared.notes.push_back(not_compared(*newest, "the time was over"));
+    return compared;
+  };
+  if (made.snapshots < planned.entries.size()) return no_time();
   PayloadSum before, now;
   now.add(planned.entries, made.latents);
   std::vector<ltm::SnapshotEntry> rest;
@@ -146,22 +109,20 @@ Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntit
   // bound is the same, and so are the videos.
   RepresentationOptions representation = planned.representation;
   representation.videos = form.representation.videos;
-  auto encoded = encode_entity(work, previous, newest->version, rest, representation);
+  auto encoded = encode_entity(work, previous, newest->version, rest, representation, limits);
   if (encoded.status().code() == StatusCode::kInvalidArgument) {
     compared.notes.push_back(not_compared(*newest, encoded.status().message()));
     return compared;
   }
-  if (!encoded.ok()) {
-    compared.skipped = skipped_by(encoded.status(), work.pace);
-    if (!compared.skipped) return encoded.status();
-    return compared;
-  }
+  ENGRAM_RETURN_IF_ERROR(encoded.status());
+  if (encoded->snapshots < rest.size()) return no_time();
   before.add(rest, encoded->latents);
   ENGRAM_ASSIGN_OR_RETURN(const bool is_needed, is_needed_anyway(work, planned, *newest));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t nights, nights_of_model(work, planned, *newest));
   compared.choice = {newest->version,
                      static_cast<int64_t>(planned.entries.size()),
                      static_cast<int64_t>(planned.plan.new_snapshots),
-                     work.options.representation.nights,
+                     nights,
                      before.with_model(is_needed ? 0 : newest->bytes),
                      now.with_model(model_bytes)};
   compared.notes.push_back(told(compared.choice));

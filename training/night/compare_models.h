@@ -22,8 +22,6 @@ struct ComparedModels {
   /// The encoding by the previous model of the snapshots that had no latents of it within the
   /// bound; nothing if it was not compared.
   std::optional<EncodedEntity> previous;
-  /// Set if the time was over before the previous model had encoded all of them.
-  std::optional<Skipped> skipped;
 };
 
 /// Returns the reason, as a sentence, if networks with the cheapest mix of latents and video take
@@ -33,9 +31,10 @@ struct ComparedModels {
 
 /// Compares continuing with the newest model of the store to the new model, which encoded `made`
 /// and takes `model_bytes`. The newest model encodes the snapshots that have no latents of it yet.
-/// Errors: the errors of the store and of encoding, except for a lack of time.
+/// Where the time does not suffice for that, or did not for `made`, nothing is compared.
+/// Errors: the errors of the store and of encoding.
 Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntity& planned,
                                       const ChosenForm& form, const EncodedEntity& made,
-                                      uint64_t model_bytes);
+                                      uint64_t model_bytes, const EncodingLimits& limits);
 
 }  // namespace engram::training

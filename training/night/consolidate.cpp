@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/night/consolidate.h"
 
+#include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "ltm/core/local_time.h"
 #include "ltm/core/log.h"
@@ -16,6 +20,7 @@
 #include "training/night/entity_work.h"
 #include "training/night/expected_encoding.h"
 #include "training/night/plan_entity.h"
+#include "training/night/time_shares.h"
 
 namespace engram::training {
 
@@ -62,75 +67,116 @@ struct Jobs {
   }
 };
 
-/// Chooses forms and measures the time of encoding if the job ends at a moment. The rest of the
-/// time is for training.
-Status measure_encoding(const ConsolidateOptions& options, std::vector<EntityJob>& jobs) {
-  if (!options.job.until) return {};
-  for (EntityJob& job : jobs) {
-    if (job.planned.is_skipped()) continue;
-    ENGRAM_ASSIGN_OR_RETURN(job.form, choose_form(job.work, job.planned));
-    ENGRAM_ASSIGN_OR_RETURN(job.encoding, measure_encoding(job.work, job.planned, *job.form));
-  }
-  return {};
-}
-
-/// Divides the time of a job among its entities by their weights.
-class TimeShares {
+/// The time that the entities get of a job that ends at a moment.
+class TimeTable {
  public:
-  /// Both must outlive this object.
-  TimeShares(const ConsolidateOptions& options, const std::vector<EntityJob>& jobs)
-      : options_(options), jobs_(jobs) {}
+  /// All arguments must outlive this object.
+  TimeTable(const ConsolidateOptions& options, std::vector<EntityJob>& jobs)
+      : options_(options), jobs_(jobs), order_(jobs.size()) {
+    std::iota(order_.begin(), order_.end(), size_t{0});
+  }
 
-  /// Time for the next entity; nothing if none is left.
-  Result<std::optional<Allotment>> next(size_t i) const {
-    using Time = std::optional<Allotment>;
-    const double weight = jobs_[i].planned.weight();
-    if (weight == 0) return Time(Allotment{});
-    if (options_.job.until) return until(*options_.job.until, i);
+  /// Chooses forms and measures the time of encoding if the job ends at a moment. Then those that
+  /// take little time come first.
+  Status measure() {
+    if (!options_.job.until) return {};
+    for (EntityJob& job : jobs_) {
+      if (job.planned.is_skipped() || is_over()) continue;
+      ENGRAM_ASSIGN_OR_RETURN(job.form, choose_form(job.work, job.planned));
+      ENGRAM_ASSIGN_OR_RETURN(job.encoding, measure_encoding(job.work, job.planned, *job.form));
+    }
+    std::ranges::stable_sort(order_, {}, [&](size_t i) { return jobs_[i].encoding.reserved; });
+    return {};
+  }
+
+  /// Entities in the order of work.
+  [[nodiscard]] const std::vector<size_t>& order() const { return order_; }
+
+  /// The time of the entity that is worked on `at`-th; nothing if the time is over. Its form is
+  /// changed to what the time allows.
+  Result<std::optional<Allotment>> next(size_t at) {
+    EntityJob& job = jobs_[order_[at]];
+    if (job.planned.is_skipped()) return std::optional(Allotment{});
+    if (is_over() || (options_.job.until && !job.form)) return std::optional<Allotment>();
+    if (options_.job.until) return until(*options_.job.until, at);
+    double weights = 0;
+    for (const TimeNeed& need : needs_from(at)) weights += need.weight;
     ENGRAM_ASSIGN_OR_RETURN(
         const Duration budget,
-        duration_from_seconds(to_seconds(options_.train.budget) * weight / weights_from(0)));
-    return Time(Allotment{budget, {}, {}});
-  }
-
-  /// Time for encoding all entities from the i-th on. Unit: s.
-  [[nodiscard]] double reserved_from(size_t i) const {
-    double sum = 0;
-    for (; i < jobs_.size(); ++i) sum += jobs_[i].encoding.reserved;
-    return sum;
+        duration_from_seconds(to_seconds(options_.train.budget) * job.planned.weight() / weights));
+    return std::optional(Allotment{.budget = budget});
   }
 
  private:
-  [[nodiscard]] double weights_from(size_t i) const {
-    double sum = 0;
-    for (; i < jobs_.size(); ++i) sum += jobs_[i].planned.weight();
-    return sum;
+  /// Of the entities that are worked on.
+  [[nodiscard]] std::vector<TimeNeed> needs_from(size_t at) const {
+    std::vector<TimeNeed> needs;
+    for (size_t i = at; i < order_.size(); ++i) {
+      const EntityJob& job = jobs_[order_[i]];
+      if (!job.planned.is_skipped()) needs.push_back({job.encoding.reserved, job.planned.weight()});
+    }
+    return needs;
   }
 
-  Result<std::optional<Allotment>> until(Time end, size_t i) const {
-    const EntityJob& job = jobs_[i];
-    const Time now = system_now();
-    // The division is repeated for every entity, so time that one saves or loses is shared by the
-    // rest.
-    const double left = to_seconds(end - now) - reserved_from(i);
-    ENGRAM_ASSIGN_OR_RETURN(const Duration budget,
-                            duration_from_seconds(left * job.planned.weight() / weights_from(i)));
-    ENGRAM_ASSIGN_OR_RETURN(const Duration encoding, duration_from_seconds(job.encoding.reserved));
-    if (budget <= Duration::zero() && !options_.reuses_models) return std::optional<Allotment>();
-    log::info("{}: trains until {}, leaves {:.0f} s to encode", job.work.entity.to_string(),
-              to_local_string(now + budget), job.encoding.reserved);
-    return std::optional(Allotment{budget, now + budget, now + budget + encoding});
+  [[nodiscard]] bool is_over() const {
+    return options_.job.until && system_now() >= *options_.job.until;
   }
+
+  Result<std::optional<Allotment>> until(Time end, size_t at) {
+    EntityJob& job = jobs_[order_[at]];
+    const Time now = system_now();
+    TimeShare share = first_share(needs_from(at), to_seconds(end - now));
+    fit_form(share, job);
+    ENGRAM_ASSIGN_OR_RETURN(const Duration budget, duration_from_seconds(share.training));
+    ENGRAM_ASSIGN_OR_RETURN(const Duration all, duration_from_seconds(share.total()));
+    log::info("{}: {:.0f} s to train, {:.0f} s to encode, until {}", job.work.entity.to_string(),
+              share.training, share.encoding, to_local_string(now + all));
+    // A budget must be positive, and training always makes a model, if not a good one.
+    return std::optional(Allotment{.budget = std::max(budget, Duration(1)),
+                                   .end = now + budget,
+                                   .encoded_end = now + all - kPublishing,
+                                   .seconds_per_snapshot = job.encoding.per_snapshot});
+  }
+
+  /// Changes a form to what the time allows, and divides the time between training and encoding.
+  void fit_form(TimeShare& share, EntityJob& job) const {
+    ChosenForm& form = *job.form;
+    if (options_.reuses_models) {
+      share = {0, share.total(), share.is_short};
+      return;
+    }
+    if (share.is_short && form.representation.kind == Representation::kAuto &&
+        form.image_members > 0 && form.train.has_networks) {
+      form = form.as_video_alone();
+      form.notes.push_back(fmt::format(
+          "no time to train networks: encoding may take {:.0f} s, {:.0f} s are left for it",
+          job.encoding.reserved, share.encoding));
+    } else if (form.is_video_alone() && (share.is_short || job.planned.has_images_alone())) {
+      // Nothing is trained, so all the time is for a search with more effort, or less.
+      const double times =
+          std::max(share.total() / std::max(job.encoding.reserved, 1.0), kMinTimes);
+      if (times < 1 || times > kSpareTimes) form.spend(times);
+      job.encoding.per_snapshot *= times;
+      share = {0, share.total(), share.is_short};
+    } else if (share.is_short) {
+      const double training = kShortTraining * share.encoding;
+      share = {training, share.encoding - training, true};
+    }
+  }
+
+  /// Writing and publishing at the end.
+  static constexpr Duration kPublishing = std::chrono::seconds(2);
+  /// More time than this many times the usual goes into better videos.
+  static constexpr double kSpareTimes = 1.5;
+  /// The quickest effort takes more than this share of the usual time.
+  static constexpr double kMinTimes = 0.05;
+  /// Share of a short time that training gets where there is no form without networks.
+  static constexpr double kShortTraining = 0.25;
 
   const ConsolidateOptions& options_;
-  const std::vector<EntityJob>& jobs_;
+  std::vector<EntityJob>& jobs_;
+  std::vector<size_t> order_;
 };
-
-Skipped no_time(const ConsolidateOptions& options, const TimeShares& time, size_t i) {
-  return {fmt::format("no time to train until {}: encoding may take {:.0f} s",
-                      to_local_string(*options.job.until), time.reserved_from(i)),
-          true};
-}
 
 }  // namespace
 
@@ -157,21 +203,21 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
       !removed.ok())
     log::warning("a stale checkpoint stays: {}", removed.message());
   if (plan) plan(jobs.plan);
-  ENGRAM_RETURN_IF_ERROR(measure_encoding(options, jobs.entities));
-  const TimeShares time(options, jobs.entities);
+  TimeTable time(options, jobs.entities);
+  ENGRAM_RETURN_IF_ERROR(time.measure());
   ConsolidateReport report;
-  for (size_t i = 0; i < jobs.entities.size(); ++i) {
-    const EntityJob& job = jobs.entities[i];
-    ENGRAM_ASSIGN_OR_RETURN(const auto allotment, time.next(i));
+  report.entities.resize(jobs.entities.size());
+  for (size_t at = 0; at < time.order().size(); ++at) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto allotment, time.next(at));
+    const EntityJob& job = jobs.entities[time.order()[at]];
+    EntityReport& one = report.entities[time.order()[at]];
     if (!allotment) {
-      report.entities.push_back(skip_entity(job.work, job.planned, no_time(options, time, i)));
+      one = skip_entity(job.work, job.planned, nothing_encoded());
     } else {
-      ENGRAM_ASSIGN_OR_RETURN(EntityReport one,
-                              consolidate_entity(job.work, job.planned, job.form, *allotment));
-      report.entities.push_back(std::move(one));
+      ENGRAM_ASSIGN_OR_RETURN(one, consolidate_entity(job.work, job.planned, job.form, *allotment));
     }
-    report.entities.back().expected_encoding_seconds = job.encoding.seconds;
-    report.entities.back().costs = *job.costs;
+    one.expected_encoding_seconds = job.encoding.seconds;
+    one.costs = *job.costs;
   }
   return report;
 }

@@ -14,9 +14,12 @@
 #include "ltm/store/publish.h"
 #include "training/night/compare_models.h"
 #include "training/night/encode_entity.h"
+#include "training/night/entity_report.h"
 #include "training/night/expected_encoding.h"
 #include "training/night/fit_entity.h"
+#include "training/night/previous_model.h"
 #include "training/night/publish_entity.h"
+#include "training/night/video_alone.h"
 
 namespace engram::training {
 
@@ -30,41 +33,12 @@ struct MadeModel {
   FittedModel fitted;
   EncodedEntity encoded;
   ModelFile file;
+  size_t wanted = 0;            ///< Snapshots to encode; fewer were if the time was over.
   double encoding_seconds = 0;  ///< Includes the models made before it.
 };
 
-/// The result of a step that may find that the entity stays unchanged.
-template <typename T>
-using OrSkipped = std::variant<T, Skipped>;
-
-/// Returns a value or the reason to skip the entity. Errors: those that end the whole job.
-template <typename T>
-Result<OrSkipped<T>> or_skipped(Result<T> result, const JobPace& pace) {
-  if (result.ok()) return OrSkipped<T>(*std::move(result));
-  if (auto skipped = skipped_by(result.status(), pace)) return OrSkipped<T>(*std::move(skipped));
-  return result.status();
-}
-
-EntityReport report_of(const PlannedEntity& planned) {
-  EntityReport report;
-  report.entity = planned.plan.entity;
-  report.left_behind = planned.left_behind;
-  report.stored_bytes = planned.plan.stored_bytes;
-  return report;
-}
-
-void tell(const EncodedEntity& encoded, EntityReport& report) {
-  const KeptQuality& quality = encoded.quality;
-  report.model_version = encoded.model_version;
-  report.snapshots = quality.snapshots;
-  report.raw_bytes = quality.raw_bytes;
-  report.latent_bytes = quality.latent_bytes;
-  report.mean_psnr_db = quality.mean_psnr_db;
-  report.pooled_psnr_db = quality.pooled_psnr_db;
-  report.minimum_psnr_db = quality.minimum_psnr_db;
-  report.psnr_quantiles_db = quality.psnr_quantiles_db;
-  report.rmse = quality.rmse;
-  report.forms = quality.forms;
+EncodingLimits limits_of(const Allotment& time) {
+  return {time.encoded_end, time.seconds_per_snapshot, {}, {}};
 }
 
 /// Fits a model, encodes all snapshots with it, and writes it with the forms in which they were
@@ -78,21 +52,24 @@ Result<OrSkipped<MadeModel>> make(const EntityWork& work, const PlannedEntity& p
   if (auto* skipped = std::get_if<Skipped>(&fitted)) return Made(std::move(*skipped));
   auto& model = std::get<FittedModel>(fitted);
   const int version = ltm::next_model_version(work.reader.manifest(), work.entity);
-  ENGRAM_ASSIGN_OR_RETURN(
-      auto encoded,
-      or_skipped(encode_entity(work, model.model, version, planned.entries, form.representation),
-                 work.pace));
+  ENGRAM_ASSIGN_OR_RETURN(auto encoded,
+                          or_skipped(encode_entity(work, model.model, version, planned.entries,
+                                                   form.representation, limits_of(time)),
+                                     work.pace));
   if (auto* skipped = std::get_if<Skipped>(&encoded)) return Made(std::move(*skipped));
   auto& snapshots = std::get<EncodedEntity>(encoded);
+  if (snapshots.snapshots == 0) return Made(nothing_encoded());
   model.model->provenance.forms = snapshots.quality.forms;
   ENGRAM_ASSIGN_OR_RETURN(ModelFile file, write_model_file(work, planned, *model.model));
   const double seconds = snapshots.seconds;
-  return Made(MadeModel{std::move(model), std::move(snapshots), std::move(file), seconds});
+  return Made(MadeModel{std::move(model), std::move(snapshots), std::move(file),
+                        planned.entries.size(), seconds});
 }
 
 /// Time to encode everything as video alone; nothing if the time is over.
 std::optional<Allotment> second_allotment(const Allotment& first, double encoding_seconds) {
-  Allotment second{first.budget / kSecondShare, std::nullopt, first.encoded_end};
+  Allotment second = first;
+  second.budget = first.budget / kSecondShare;
   if (!first.end) return second;
   const double left =
       to_seconds(*first.encoded_end - system_now()) - with_encoding_margin(encoding_seconds);
@@ -112,8 +89,8 @@ Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const Planne
                                             std::vector<std::string>& notes) {
   using Made = OrSkipped<MadeModel>;
   if (form.representation.kind != Representation::kAuto) return Made(std::move(made));
-  auto why =
-      why_video_is_cheaper(made.encoded, made.file.bytes, work.options.representation.nights);
+  auto why = why_video_is_cheaper(made.encoded, made.file.bytes,
+                                  work.options.representation.first_nights());
   history.networks_lost_at = 0;
   if (!why) return Made(std::move(made));
   notes.push_back(*std::move(why));
@@ -130,7 +107,8 @@ Result<OrSkipped<MadeModel>> or_video_alone(const EntityWork& work, const Planne
 
 /// Encodes the snapshots without latents, or all, with the newest model.
 Result<OrSkipped<EntityReport>> with_newest_model(const EntityWork& work,
-                                                  const PlannedEntity& planned) {
+                                                  const PlannedEntity& planned,
+                                                  const Allotment& time) {
   using Done = OrSkipped<EntityReport>;
   const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
   if (newest == nullptr)
@@ -141,16 +119,24 @@ Result<OrSkipped<EntityReport>> with_newest_model(const EntityWork& work,
   if (!work.options.force)
     std::erase_if(entries,
                   [](const ltm::SnapshotEntry& entry) { return entry.latent.has_value(); });
-  ENGRAM_ASSIGN_OR_RETURN(auto encoded, or_skipped(encode_entity(work, model, newest->version,
-                                                                 entries, planned.representation),
-                                                   work.pace));
+  EncodingLimits limits = limits_of(time);
+  limits.publish_interval = work.options.job.publish_interval;
+  limits.publish = [&](const auto& latents, const KeptQuality&) {
+    return publish_more_latents(work, newest->version, latents);
+  };
+  ENGRAM_ASSIGN_OR_RETURN(auto encoded,
+                          or_skipped(encode_entity(work, model, newest->version, entries,
+                                                   planned.representation, limits),
+                                     work.pace));
   if (auto* skipped = std::get_if<Skipped>(&encoded)) return Done(std::move(*skipped));
   const auto& snapshots = std::get<EncodedEntity>(encoded);
+  if (snapshots.snapshots == 0 && !entries.empty()) return Done(nothing_encoded());
   EntityReport report = report_of(planned);
-  tell(snapshots, report);
+  tell(snapshots, entries.size(), report);
   report.model_bytes = newest->bytes;
   report.encoding_seconds = snapshots.seconds;
-  ENGRAM_RETURN_IF_ERROR(publish_more_latents(work, newest->version, snapshots.latents));
+  if (!snapshots.latents.empty())
+    ENGRAM_RETURN_IF_ERROR(publish_more_latents(work, newest->version, snapshots.latents));
   return Done(std::move(report));
 }
 
@@ -165,18 +151,33 @@ Result<EntityReport> publish(const EntityWork& work, MadeModel made, ComparedMod
   if (compared.previous) report.encoding_seconds += compared.previous->seconds;
   if (compared.choice.keeps_previous()) {
     const EncodedEntity& kept = *compared.previous;
-    tell(kept, report);
+    tell(kept, kept.snapshots, report);
     report.model_bytes = work.reader.manifest().newest_model(work.entity)->bytes;
     if (kept.latents.empty()) return report;
     ENGRAM_RETURN_IF_ERROR(publish_more_latents(work, kept.model_version, kept.latents));
     return report;
   }
-  tell(made.encoded, report);
+  tell(made.encoded, made.wanted, report);
   report.is_model_new = true;
   report.model_bytes = made.file.bytes;
   ENGRAM_RETURN_IF_ERROR(publish_new_model(work, made.encoded.model_version, made.file,
                                            compared.choice, made.encoded.latents));
   return report;
+}
+
+/// Keeps what the searches for videos found out for the next night.
+void learn_history(const EntityWork& work, const ChosenForm& form, NightHistory history) {
+  history.learn(*form.representation.videos);
+  if (history != NightHistory{}) write_history(work.reader.path(), work.entity, history);
+}
+
+/// Whether images are kept as video, and no model with networks is there that might be cheaper.
+bool is_video_for_good(const EntityWork& work, const PlannedEntity& planned,
+                       const ChosenForm& form) {
+  return form.is_video_alone() && !form.train.has_networks &&
+         (work.options.representation.kind == Representation::kVideo ||
+          work.reader.manifest().newest_model(work.entity) == nullptr ||
+          model_of_more_video(work, planned, form) != nullptr);
 }
 
 /// Fits a new model, compares it with the previous one and publishes the cheaper choice.
@@ -201,14 +202,21 @@ Result<OrSkipped<EntityReport>> with_new_model(const EntityWork& work, const Pla
                                   std::move(std::get<MadeModel>(first)), history, report.notes));
   if (auto* skipped = std::get_if<Skipped>(&chosen)) return Done(std::move(*skipped));
   auto& made = std::get<MadeModel>(chosen);
-  ENGRAM_ASSIGN_OR_RETURN(ComparedModels compared,
-                          compare_models(work, planned, form, made.encoded, made.file.bytes));
-  if (compared.skipped) return Done(*std::move(compared.skipped));
+  ENGRAM_ASSIGN_OR_RETURN(
+      ComparedModels compared,
+      compare_models(work, planned, form, made.encoded, made.file.bytes, limits_of(time)));
   ENGRAM_ASSIGN_OR_RETURN(EntityReport done,
                           publish(work, std::move(made), std::move(compared), std::move(report)));
-  history.learn(*form.representation.videos);
-  if (history != NightHistory{}) write_history(work.reader.path(), work.entity, history);
+  learn_history(work, form, std::move(history));
   return Done(std::move(done));
+}
+
+Result<OrSkipped<EntityReport>> as_chosen(const EntityWork& work, const PlannedEntity& planned,
+                                          const ChosenForm& form, const Allotment& time) {
+  if (!is_video_for_good(work, planned, form)) return with_new_model(work, planned, form, time);
+  auto done = keep_as_video(work, planned, form, time);
+  if (done.ok()) learn_history(work, form, form.history);
+  return done;
 }
 
 }  // namespace
@@ -228,10 +236,10 @@ Result<EntityReport> consolidate_entity(const EntityWork& work, const PlannedEnt
   const auto start = std::chrono::steady_clock::now();
   const auto stage = work.stage(Stage::kOther);
   Result<OrSkipped<EntityReport>> done = [&]() -> Result<OrSkipped<EntityReport>> {
-    if (work.options.reuses_models) return with_newest_model(work, planned);
-    if (form) return with_new_model(work, planned, *form, time);
+    if (work.options.reuses_models) return with_newest_model(work, planned, time);
+    if (form) return as_chosen(work, planned, *form, time);
     ENGRAM_ASSIGN_OR_RETURN(const ChosenForm chosen, choose_form(work, planned));
-    return with_new_model(work, planned, chosen, time);
+    return as_chosen(work, planned, chosen, time);
   }();
   ENGRAM_RETURN_IF_ERROR(done.status());
   const auto* skipped = std::get_if<Skipped>(&*done);

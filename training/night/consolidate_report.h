@@ -20,10 +20,12 @@ struct EntityReport {
   int model_version = 0;       ///< Version of the model of the published latents.
   bool is_model_new = false;   ///< If not, the previous model was kept and the new one discarded.
   uint64_t snapshots = 0;      ///< Recorded snapshots that got latents of that model.
-  uint64_t left_behind = 0;    ///< Recorded snapshots of another layout, which stay unchanged.
-  uint64_t raw_bytes = 0;      ///< Plain size of the encoded snapshots.
-  uint64_t stored_bytes = 0;   ///< Size of the recorded form of the entity.
-  uint64_t latent_bytes = 0;   ///< Codes and remainders, without the segment around them.
+  /// Recorded snapshots that wait for a later night, because the time was over.
+  uint64_t waiting = 0;
+  uint64_t left_behind = 0;   ///< Recorded snapshots of another layout, which stay unchanged.
+  uint64_t raw_bytes = 0;     ///< Plain size of the encoded snapshots.
+  uint64_t stored_bytes = 0;  ///< Size of the recorded form of the entity.
+  uint64_t latent_bytes = 0;  ///< Codes and remainders, without the segment around them.
   uint64_t model_bytes = 0;
   double mean_psnr_db = 0;  ///< NaN without images, like the next three.
   double pooled_psnr_db = 0;

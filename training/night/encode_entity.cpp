@@ -31,15 +31,17 @@ void count_encoded(BlockChoice& choice, EntityCosts& costs) {
 Result<EncodedEntity> encode_entity(const EntityWork& work,
                                     const std::shared_ptr<encoders::DeepModel>& model, int version,
                                     std::span<const ltm::SnapshotEntry> entries,
-                                    const RepresentationOptions& representation) {
+                                    const RepresentationOptions& representation,
+                                    const EncodingLimits& limits) {
   const auto start = std::chrono::steady_clock::now();
   const auto decoder = encoders::make_encoder(model);
   EntityEncoding encoding(work.reader, work.entity, version, *model, *decoder, representation,
                           work.costs.stages);
-  ENGRAM_RETURN_IF_ERROR(encoding.run(entries, work.pace));
+  ENGRAM_RETURN_IF_ERROR(encoding.run(entries, work.pace, limits));
   count_encoded(encoding.choice(), work.costs);
   EncodedEntity encoded;
   encoded.model_version = version;
+  encoded.snapshots = encoding.done();
   encoded.quality = encoding.quality();
   encoded.latents = std::move(encoding.latents());
   encoded.seconds = to_seconds(std::chrono::steady_clock::now() - start);

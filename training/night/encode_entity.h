@@ -8,6 +8,7 @@
 #include "ltm/store/latent.h"
 #include "ltm/store/store_reader.h"
 #include "training/forms/representation.h"
+#include "training/night/encoding_limits.h"
 #include "training/night/entity_work.h"
 #include "training/night/kept_quality.h"
 
@@ -23,17 +24,20 @@ namespace engram::training {
 /// with the recorded ones.
 struct EncodedEntity {
   int model_version = 0;
-  std::vector<ltm::LatentSnapshot> latents;  ///< One per snapshot.
+  size_t snapshots = 0;  ///< The first of those that were asked for: fewer if the time was over.
+  std::vector<ltm::LatentSnapshot> latents;  ///< One per snapshot, without those already published.
   KeptQuality quality;
   double seconds = 0;  ///< Time of encoding, decoding and comparing.
 };
 
 /// Encodes some snapshots of an entity with a model, each block in the cheapest form that
-/// `representation` allows, then decodes them as in a query and compares.
+/// `representation` allows, then decodes them as in a query and compares. It ends early where the
+/// limits demand it.
 /// Errors: the errors of EntityEncoding::run.
 Result<EncodedEntity> encode_entity(const EntityWork& work,
                                     const std::shared_ptr<encoders::DeepModel>& model, int version,
                                     std::span<const ltm::SnapshotEntry> entries,
-                                    const RepresentationOptions& representation);
+                                    const RepresentationOptions& representation,
+                                    const EncodingLimits& limits = {});
 
 }  // namespace engram::training

@@ -2,6 +2,7 @@
 #include "training/night/entity_encoding.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "ltm/idf/binary.h"
 #include "training/fit/sequences.h"
@@ -31,43 +32,75 @@ constexpr size_t kChainsAhead = 8;
 
 }  // namespace
 
-Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace) {
+Status EntityEncoding::run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace,
+                           const EncodingLimits& limits) {
+  EncodingRate rate(limits, pace);
   size_t told = 0;
   const auto tell = [&](size_t done) {
     told = std::max(told, done);
-    pace.progress()({"encode " + entity_.to_string(), told, entries.size(), {}, -1});
+    pace.progress()({"encode " + entity_.to_string(),
+                     told,
+                     entries.size(),
+                     {},
+                     rate.seconds_for(entries.size() - told)});
   };
-  const size_t rows_ahead = kChainsAhead * model_.codec.chain_rows;
-  std::vector<Run> runs;
-  size_t rows = 0, first = 0;
-  for (const auto& part : parts_of(entries)) {
-    ENGRAM_ASSIGN_OR_RETURN(runs.emplace_back(), read(part));
-    rows += runs.back().values.size();
-    const bool is_last = &part.back() == &entries.back();
-    if (rows < rows_ahead && !is_last && choice_.finds_videos()) continue;
+  Time published = pace.now();
+  for (Parts parts = parts_of(entries); !parts.empty();) {
+    const size_t fitting = rate.fitting(model_.codec.chain_rows);
+    if (fitting == 0) return {};
+    const auto start = std::chrono::steady_clock::now();
+    const double paused = pace.paused_seconds();
+    const size_t first = done_;
+    ENGRAM_ASSIGN_OR_RETURN(const std::vector<Run> runs, read_next(parts, fitting));
+    size_t snapshots = 0;
+    for (const Run& run : runs) snapshots += run.entries.size();
+    bool is_late = false;
     // With several instances there are more rows than snapshots.
-    const auto pause = [&](size_t done) {
-      tell(first + std::min(done, static_cast<size_t>(&part.back() - &entries[first])));
-      return pace.pause();
+    const auto pause = [&](size_t rows) -> Status {
+      tell(first + std::min(rows, snapshots));
+      is_late = rate.is_over();
+      return is_late ? resource_exhausted("the time to encode is over") : pace.pause();
     };
-    ENGRAM_RETURN_IF_ERROR(encode(runs, pace.stop(), pause));
-    first = static_cast<size_t>(&part.back() - entries.data()) + 1;
-    tell(first);
-    runs.clear();
-    rows = 0;
+    const Status encoded = encode(runs, pace.stop(), pause);
+    if (!encoded.ok() && (is_late || pace.is_time_over())) return {};
+    ENGRAM_RETURN_IF_ERROR(encoded);
+    rate.count(snapshots, to_seconds(std::chrono::steady_clock::now() - start) -
+                              (pace.paused_seconds() - paused));
+    tell(done_);
+    if (!limits.publish || parts.empty() || pace.now() - published < limits.publish_interval)
+      continue;
+    ENGRAM_RETURN_IF_ERROR(limits.publish(latents_, quality()));
+    latents_.clear();
+    published = pace.now();
   }
   return {};
 }
 
-std::vector<std::span<const ltm::SnapshotEntry>> EntityEncoding::parts_of(
-    std::span<const ltm::SnapshotEntry> entries) const {
+EntityEncoding::Parts EntityEncoding::parts_of(std::span<const ltm::SnapshotEntry> entries) const {
   std::vector<Time> times;
   for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
-  std::vector<std::span<const ltm::SnapshotEntry>> parts;
+  Parts parts;
   for (const Sequence& sequence : cut_recordings(times))
     for (size_t first = sequence.first; first < sequence.end; first += max_rows_)
       parts.push_back(entries.subspan(first, std::min(max_rows_, sequence.end - first)));
   return parts;
+}
+
+Result<std::vector<EntityEncoding::Run>> EntityEncoding::read_next(Parts& parts,
+                                                                   size_t max_snapshots) {
+  const size_t rows_ahead = kChainsAhead * model_.codec.chain_rows;
+  std::vector<Run> runs;
+  size_t rows = 0;
+  do {
+    auto& part = parts.front();
+    const size_t count = std::min(part.size(), max_snapshots);
+    ENGRAM_ASSIGN_OR_RETURN(runs.emplace_back(), read(part.first(count)));
+    rows += runs.back().values.size();
+    max_snapshots -= count;
+    part = part.subspan(count);
+    if (part.empty()) parts.pop_front();
+  } while (rows < rows_ahead && max_snapshots > 0 && !parts.empty() && choice_.finds_videos());
+  return runs;
 }
 
 Result<EntityEncoding::Run> EntityEncoding::read(std::span<const ltm::SnapshotEntry> entries) {
@@ -118,6 +151,7 @@ Status EntityEncoding::keep(const Run& run, std::vector<ltm::Latent> latents) {
     }
     raw_bytes_ += snapshot.raw_bytes();
     latents_.push_back(std::move(coded));
+    ++done_;
   }
   return {};
 }
@@ -131,7 +165,7 @@ void EntityEncoding::count(const ltm::Latent& latent, const ltm::MeasuredError& 
 
 KeptQuality EntityEncoding::quality() const {
   KeptQuality quality;
-  quality.snapshots = latents_.size();
+  quality.snapshots = done_;
   quality.raw_bytes = raw_bytes_;
   quality.latent_bytes = latent_bytes_;
   quality.mean_psnr_db = psnr_.mean_db();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "ltm/core/progress.h"
@@ -8,6 +9,7 @@
 #include "ltm/store/store_reader.h"
 #include "training/fit/job_pace.h"
 #include "training/forms/block_choice.h"
+#include "training/night/encoding_limits.h"
 #include "training/night/kept_quality.h"
 #include "training/quality/quality_metrics.h"
 
@@ -35,11 +37,15 @@ class EntityEncoding {
         decoder_(decoder),
         times_(times) {}
 
-  /// Encodes and compares `entries`. Blocks never cross a gap between recordings. It waits between
-  /// chains while the robot is busy.
-  /// Errors: the errors of JobPace::pause, of the store and of the model.
-  Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace);
+  /// Encodes and compares `entries`, or as many of the first of them as the limits allow. Blocks
+  /// never cross a gap between recordings. It waits between chains while the robot is busy.
+  /// Errors: kCancelled; the errors of the store, of the model and of publishing.
+  Status run(std::span<const ltm::SnapshotEntry> entries, JobPace& pace,
+             const EncodingLimits& limits);
 
+  /// Number of snapshots that were encoded.
+  [[nodiscard]] size_t done() const { return done_; }
+  /// Those of them that were not published.
   [[nodiscard]] std::vector<ltm::LatentSnapshot>& latents() { return latents_; }
 
   [[nodiscard]] KeptQuality quality() const;
@@ -47,10 +53,12 @@ class EntityEncoding {
 
  private:
   struct Run;
+  using Parts = std::deque<std::span<const ltm::SnapshotEntry>>;
 
   /// Cuts at gaps between recordings, and into parts of at most one block of single instances.
-  [[nodiscard]] std::vector<std::span<const ltm::SnapshotEntry>> parts_of(
-      std::span<const ltm::SnapshotEntry> entries) const;
+  [[nodiscard]] Parts parts_of(std::span<const ltm::SnapshotEntry> entries) const;
+  /// Takes the next parts of at most so many snapshots, whose videos are found together.
+  Result<std::vector<Run>> read_next(Parts& parts, size_t max_snapshots);
   Result<Run> read(std::span<const ltm::SnapshotEntry> entries);
   /// Encodes runs, whose videos are found together.
   Status encode(std::span<const Run> runs, const std::stop_token& stop,
@@ -67,6 +75,7 @@ class EntityEncoding {
   BlockChoice choice_;
   ltm::Encoder& decoder_;
   StageTimes& times_;
+  size_t done_ = 0;
   std::vector<ltm::LatentSnapshot> latents_;
   PsnrStatistics psnr_;
   RmseStatistics rmse_;

@@ -12,4 +12,8 @@ std::optional<Skipped> skipped_by(const Status& error, const JobPace& pace) {
   return std::nullopt;
 }
 
+Skipped nothing_encoded() {
+  return {"the time was over before anything was encoded", true};
+}
+
 }  // namespace engram::training

@@ -13,16 +13,18 @@ namespace engram::training {
 /// cannot be measured.
 /// Unit: s.
 struct ExpectedEncoding {
-  double seconds = 0;   ///< Time for all snapshots once, for the report.
+  double seconds = 0;   ///< Time for all snapshots once.
   double reserved = 0;  ///< Time for all work after training, with a margin.
+  double per_snapshot = 0;
 };
 
 /// Time to reserve for encoding that takes `seconds` by measurement. Unit: s.
 [[nodiscard]] double with_encoding_margin(double seconds);
 
-/// Trains a model for two steps on the first snapshots and encodes these with it.
+/// Trains a model for two steps on some new snapshots and encodes these with it. `form` learns how
+/// quality follows from crf.
 /// Errors: the errors of training and encoding, except those for which an entity is skipped.
 Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedEntity& planned,
-                                          const ChosenForm& form);
+                                          ChosenForm& form);
 
 }  // namespace engram::training

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <optional>
 
 #include "ltm/core/time.h"
@@ -15,6 +16,9 @@ struct JobControl {
   /// Time between two checkpoints of training, from which a later job continues. A checkpoint takes
   /// about 12 bytes of disk per weight. Zero turns them off.
   Duration checkpoint_interval = std::chrono::minutes(1);
+  /// Time after which videos that were encoded are published, where there is nothing to compare
+  /// them with. A job that is killed loses no more.
+  Duration publish_interval = std::chrono::minutes(2);
   /// Whether to remove the checkpoints of earlier jobs instead of continuing from them.
   bool is_fresh = false;
   /// How to find out whether the robot is busy. Training and encoding wait while it is.
@@ -24,6 +28,9 @@ struct JobControl {
     if (checkpoint_interval < Duration::zero())
       return invalid_argument("time between checkpoints: found {}, needs 0 or more",
                               engram::to_string(checkpoint_interval));
+    if (publish_interval < Duration::zero())
+      return invalid_argument("time until something is published: found {}, needs 0 or more",
+                              engram::to_string(publish_interval));
     return {};
   }
 };

@@ -26,7 +26,8 @@ struct NightHistory {
   /// each image member.
   std::map<std::string, std::vector<VideoHistory::Line>, std::less<>> lines;
 
-  /// The searches begin where those of an earlier night ended, if they were of the same codec.
+  /// The searches begin where those of an earlier night ended: with the same settings, else with
+  /// others of the same codec.
   void teach(EntityVideos& videos) const;
   /// Notes where the searches ended.
   void learn(EntityVideos& videos);

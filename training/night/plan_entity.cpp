@@ -56,6 +56,12 @@ Status choose_bound(const EntityWork& work, PlannedEntity& planned) {
 
 }  // namespace
 
+bool PlannedEntity::has_images_alone() const {
+  return std::ranges::all_of(layout.members(), [](const idf::TensorMember& member) {
+    return member.kind == idf::MemberKind::kImage;
+  });
+}
+
 double PlannedEntity::weight() const {
   return is_skipped() ? 0 : std::sqrt(plain_bytes);
 }

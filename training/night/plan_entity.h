@@ -24,6 +24,8 @@ struct PlannedEntity {
   /// As requested, with the bound of images.
   RepresentationOptions representation;
 
+  /// Whether all members are images, so that nothing is trained where they are kept as video.
+  [[nodiscard]] bool has_images_alone() const;
   [[nodiscard]] bool is_skipped() const { return !plan.skipped_reason.empty(); }
 
   /// Weight of this entity in the division of the time of training. Larger entities need more time,

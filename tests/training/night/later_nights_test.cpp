@@ -175,6 +175,18 @@ TEST(LaterNight, PublishesANewModelOnlyWhereTheDataChanged) {
   expect_clean(store.path());
 }
 
+TEST(LaterNight, GivesANewModelAsManyNightsAsTheOneBeforeServed) {
+  const ScratchPath store("model_nights");
+  record(store.path(), kSquare, 0, 40);
+  night(store.path(), automatic(20));
+  record(store.path(), kSquare, 40, 20);
+  auto chosen = automatic(20);
+  chosen.representation.nights.reset();
+  EXPECT_EQ(night(store.path(), chosen).choice.nights, 3) << "40 and 20 snapshots of 20 each";
+  record(store.path(), kSquare, 60, 2);
+  EXPECT_LE(night(store.path(), chosen).choice.nights, 30);
+}
+
 TEST(LaterNight, PublishesNothingWhereNothingIsNewAndNothingIsGained) {
   const ScratchPath store("later_forced");
   record(store.path(), kSquare, 0, 40);
@@ -194,8 +206,7 @@ TEST(LaterNight, PublishesNothingWhereNothingIsNewAndNothingIsGained) {
 TEST(LaterNight, LeavesTheStoreAsItWasWhenStoppedWhileThePreviousModelEncodes) {
   const ScratchPath store("later_stopped");
   record(store.path(), kSquare, 0, 20);
-  auto chosen = automatic(20);
-  chosen.representation.nights = 1;
+  const auto chosen = automatic(20);
   night(store.path(), chosen);
   record(store.path(), kSquare, 20, 18);
   const auto before = *ltm::read_manifest(store.path());
@@ -208,7 +219,7 @@ TEST(LaterNight, LeavesTheStoreAsItWasWhenStoppedWhileThePreviousModelEncodes) {
   };
   EXPECT_EQ(consolidate(store.path(), chosen, sink, stop.get_token()).status().code(),
             StatusCode::kCancelled);
-  EXPECT_EQ(encoded, 1);
+  EXPECT_GE(encoded, 1);
   EXPECT_EQ(ltm::read_manifest(store.path())->generation, before.generation);
   expect_clean(store.path());
   EXPECT_EQ(night(store.path(), chosen).choice.previous_version, 1);

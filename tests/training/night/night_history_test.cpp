@@ -85,15 +85,19 @@ TEST(NightHistory, TeachesSearchesOfTheSameCodecAlone) {
   history.teach(same);
   EXPECT_EQ(same.search_of(1).history().line(), history.lines.at("av1:effort=5")[1]);
   EntityVideos slower(2, {.codec = "av1", .settings = "effort=7"});
+  history.teach(slower);
+  EXPECT_EQ(slower.search_of(1).history().line(), history.lines.at("av1:effort=5")[1])
+      << "what is known of another effort is nearer than nothing";
+  EntityVideos hevc(2, {.codec = "h265", .settings = "effort=5"});
   EntityVideos wider(3, {.codec = "av1", .settings = "effort=5"});
   EntityVideos none(0, {.codec = "av1", .settings = "effort=5"});
-  for (EntityVideos* other : {&slower, &wider, &none}) {
+  for (EntityVideos* other : {&hevc, &wider, &none}) {
     history.teach(*other);
     for (size_t i = 0; i < other->members(); ++i)
       EXPECT_TRUE(other->search_of(i).history().is_empty());
   }
   NightHistory learned;
-  learned.learn(slower);  // Nothing was searched for.
+  learned.learn(hevc);  // Nothing was searched for.
   EXPECT_EQ(learned, NightHistory{});
   learned.learn(same);
   EXPECT_EQ(learned.lines, history.lines);
