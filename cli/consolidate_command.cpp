@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -22,7 +23,8 @@ namespace {
 
 constexpr const char* kConsolidateFooter = R"(Examples:
   engram consolidate robot.engram
-  engram consolidate robot.engram --budget 30m --entity 'Vision/.*'
+  engram consolidate robot.engram --training 30m --entity 'Vision/.*'
+  engram consolidate robot.engram --budget 1h
   engram consolidate robot.engram --psnr 40
   engram consolidate robot.engram --representation latents --psnr 35 --width 128
   engram consolidate robot.engram --drop-raw --min-psnr 30 --grace 7d
@@ -35,12 +37,15 @@ and on old recorded snapshots. Each block of images is kept as latents, with res
 need them, as video or without loss, whichever takes fewest bytes with every image at --psnr or
 better (without it, as good as the camera's noise, 30 to 40 dB); where networks cannot save five
 times what they take themselves in --nights nights, video alone is used and no network is trained
-for images. Where going on with the newest model takes no more bytes in --nights nights than a new
-one, what is new gets latents of that and the store no new model.
+for images. Where going on with the newest model takes no more bytes than a new one, in as many
+nights as the newest has served, what is new gets latents of that and the store no new model.
 Numbers are kept within --number-bound, 0 keeps every bit. Recorded data stays until --drop-raw.
-Ctrl-C or a kill at any moment leaves the store as it was, or with whole entities done; run again
-with the same options, training goes on from its last checkpoint (only the time that it is given may
-differ).
+--budget and --until end everything in time: where it is short, networks are not trained, videos
+are searched for with less effort, and the oldest snapshots come first; what is left waits for the
+next job. With more time than usual, videos take fewer bytes.
+Ctrl-C or a kill at any moment leaves the store as it was, or with what was published until then:
+whole entities, and videos every two minutes. Run again with the same options, training goes on from
+its last checkpoint (only the time that it is given may differ).
 Two processes of one thread train different entities at once where that is measured to be quicker
 than one with two threads (unless --threads or --steps is given); --jobs decides instead.)";
 
@@ -109,6 +114,13 @@ ExitCode show_plan(const ConsolidateArguments& arguments) {
   return ExitCode::kDone;
 }
 
+/// Decoding and comparing everything before it is dropped takes some hundredths of what encoding
+/// took.
+void leave_time_to_drop(training::JobControl& job) {
+  constexpr int kShare = 20;
+  if (job.until) *job.until -= std::max(Duration::zero(), *job.until - system_now()) / kShare;
+}
+
 ExitCode consolidate(const ConsolidateArguments& arguments) {
   ProgressLine progress(progress_form(arguments.job));
   training::ConsolidatePlan plan;
@@ -118,8 +130,10 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
     reports::print_plan(made);
     std::fflush(stdout);
   };
-  const auto report = training::consolidate(arguments.store, arguments.options, progress.sink(),
-                                            interrupt_token(), on_plan);
+  training::ConsolidateOptions options = arguments.options;
+  if (arguments.drops_raw) leave_time_to_drop(options.job);
+  const auto report =
+      training::consolidate(arguments.store, options, progress.sink(), interrupt_token(), on_plan);
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (!arguments.is_json) reports::print_report(*report);
@@ -147,10 +161,23 @@ Status finish_access(const ConsolidateArguments& arguments, Duration& access) {
 /// Whether several processes may share the entities: if asked for, or if left to measurement.
 bool wants_processes(const ConsolidateArguments& arguments) {
   if (arguments.jobs != 0) return arguments.jobs == 2;
+  // Starting others and measuring whether they pay takes seconds of a short time.
+  constexpr Duration kShort = std::chrono::minutes(1);
+  if (const auto& until = arguments.options.job.until; until && *until - system_now() < kShort)
+    return false;
   // With a fixed number of steps the same seed must give the same model whatever else the machine
   // does, so the choice must not depend on a measurement.
   const bool is_free = arguments.command->get_option("--threads")->empty();
   return is_free && !arguments.options.train.steps && !arguments.options.reuses_models;
+}
+
+/// The arguments of the processes of a job, which end at the same moment.
+std::vector<std::string> arguments_of_parts(const ConsolidateArguments& arguments) {
+  auto texts = arguments_of(*arguments.command, {"--entity", "--threads", "--jobs", "--progress",
+                                                 "--json", "--budget", "--until"});
+  if (const auto& until = arguments.options.job.until)
+    texts.push_back("--until=" + to_string(*until));
+  return texts;
 }
 
 ExitCode run(ConsolidateArguments& arguments) {
@@ -172,10 +199,8 @@ ExitCode run(ConsolidateArguments& arguments) {
     if (!plan.ok()) return fail(plan.status());
     const auto groups = arguments.jobs == 2 ? split_jobs(*plan) : split_by_measurement(*plan);
     if (!groups.empty())
-      return run_jobs(*plan, groups,
-                      arguments_of(*arguments.command,
-                                   {"--entity", "--threads", "--jobs", "--progress", "--json"}),
-                      progress_form(arguments.job), arguments.is_json);
+      return run_jobs(*plan, groups, arguments_of_parts(arguments), progress_form(arguments.job),
+                      arguments.is_json);
   }
   return consolidate(arguments);
 }
@@ -191,8 +216,8 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", options.entities, "Names or patterns of entities; else all");
   add_training_options(*command, arguments->learning, options.train, options.augmented,
-                       "all entities together",
-                       "Least PSNR of every image, dB, else that of the camera's noise; with "
+                       "--training", "all entities together",
+                       "Min PSNR of every image, dB, else that of the camera's noise; with "
                        "latents alone the mean to aim at");
   arguments->psnr = command->get_option("--psnr");
   add_job_options(*command, arguments->job, options.job);
@@ -225,15 +250,14 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
                    "Effort of the video codec, 0 to 9: more takes fewer bytes and more time")
       ->default_str("by size");
   command
-      ->add_option(
-          "--video-tolerance", options.representation.video_tolerance_db,
-          "So much better than the bound a video may be, in dB; 0: the smallest one, which "
-          "takes two or three times as long")
+      ->add_option("--video-tolerance", options.representation.video_tolerance_db,
+                   "A video may be better than the bound by this much, in dB; 0: the smallest one, "
+                   "which takes two or three times as long")
       ->capture_default_str();
   command
       ->add_option("--nights", options.representation.nights,
                    "Nights like this one that share the bytes of a model")
-      ->capture_default_str();
+      ->default_str("30, and for a model that replaces another as many as that one served");
   command
       ->add_option(
           "--refine", options.representation.refine_steps,
@@ -253,13 +277,15 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
           ->capture_default_str();
   command
       ->add_option("--chain", options.train.chain_rows,
-                   "So many snapshots are coded from one another instead")
+                   "Number of snapshots that are coded from one another instead")
       ->excludes(access);
   command
       ->add_option("--hold-out", options.train.hold_out_recordings,
-                   "So many of the last recordings take no part in training")
+                   "Number of last recordings that take no part in training")
       ->capture_default_str();
-  command->add_option("--min-snapshots", options.min_snapshots, "Smaller entities are skipped")
+  command
+      ->add_option("--min-snapshots", options.min_snapshots,
+                   "Entities with fewer recorded snapshots are skipped")
       ->capture_default_str();
   command->add_flag("--force", options.force, "Train even where nothing is new");
   command->add_flag("--anew", options.starts_anew,
@@ -269,11 +295,15 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   CLI::Option* drop =
       command->add_flag("--drop-raw", arguments->drops_raw,
                         "Drop recorded data whose latents were decoded and compared");
-  command->add_option("--min-psnr", arguments->drop.min_psnr_db, "Worse images stay recorded, dB")
+  command
+      ->add_option("--min-psnr", arguments->drop.min_psnr_db,
+                   "Images with a lower PSNR stay recorded, dB")
       ->needs(drop);
-  command->add_option("--max-rmse", arguments->drop.max_rmse, "Worse numbers stay recorded")
+  command
+      ->add_option("--max-rmse", arguments->drop.max_rmse,
+                   "Numbers with a larger RMSE stay recorded")
       ->needs(drop);
-  command->add_option("--grace", arguments->grace, "Younger data stays recorded, like 7d")
+  command->add_option("--grace", arguments->grace, "Data that is younger stays recorded, like 7d")
       ->check(duration_text())
       ->needs(drop);
   command->add_flag("--dry-run", arguments->is_dry_run,

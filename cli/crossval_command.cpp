@@ -86,7 +86,7 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
   add_training_options(*command, arguments->learning, train, arguments->options.augmented,
-                       "each fold and variant", "Mean PSNR of images to aim at, dB");
+                       "--budget", "each fold and variant", "Mean PSNR of images to aim at, dB");
   command
       ->add_option("--fold", arguments->options.folds,
                    "Leave out only these recordings, by number from 1 on; else each")

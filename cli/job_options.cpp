@@ -9,9 +9,18 @@ namespace engram::cli {
 
 void add_job_options(CLI::App& command, JobArguments& arguments, training::JobControl& job) {
   command
+      .add_option(
+          "--budget", arguments.budget,
+          "Time for everything, measuring and encoding included: what is not done then waits "
+          "for the next job")
+      ->check(duration_text())
+      ->excludes("--training")
+      ->excludes("--steps");
+  command
       .add_option("--until", arguments.until,
-                  "Be done at 06:00 or '2026-03-01 06:00', local time, instead of --budget")
+                  "Be done at 06:00 or '2026-03-01 06:00', local time, as with --budget")
       ->type_name("TIME")
+      ->excludes("--training")
       ->excludes("--budget")
       ->excludes("--steps");
   command.add_flag("--fresh", job.is_fresh, "Do not go on from where a killed job was");
@@ -31,6 +40,12 @@ void add_job_options(CLI::App& command, JobArguments& arguments, training::JobCo
 }
 
 Status finish_job_options(const JobArguments& arguments, training::JobControl& job) {
+  if (!arguments.budget.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const Duration budget, parse_duration(arguments.budget));
+    if (budget <= Duration::zero())
+      return invalid_argument("--budget: found {}, needs more than 0", arguments.budget);
+    job.until = system_now() + budget;
+  }
   if (!arguments.until.empty()) {
     auto until = next_local_time(arguments.until, system_now());
     if (!until.ok()) return until.status().with_context("--until");

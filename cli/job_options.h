@@ -11,17 +11,18 @@ namespace engram::cli {
 
 /// The options of a job that runs for hours, unparsed.
 struct JobArguments {
-  std::string until;  ///< Empty: the budget decides.
+  std::string budget;  ///< Empty: everything is done.
+  std::string until;   ///< Empty: the same.
   std::string yield_file;
   std::string checkpoint_interval = "1min";
   std::string progress = "auto";
 };
 
-/// Adds --until (beside --budget and --steps, which must exist), --fresh, --checkpoint-every,
+/// Adds --budget and --until (beside --training and --steps, which must exist), --fresh, --checkpoint-every,
 /// --yield-file, --yield-command and --progress. All arguments must outlive the command.
 void add_job_options(CLI::App& command, JobArguments& arguments, training::JobControl& job);
 
-/// Parses the options that add_job_options could not write into `job` itself.
+/// Parses the options that add_job_options could not write into `job` itself. A budget begins now.
 /// Errors: kInvalidArgument.
 Status finish_job_options(const JobArguments& arguments, training::JobControl& job);
 

@@ -19,7 +19,7 @@ constexpr const char* kMainFooter = R"(Examples:
   engram import --video scene.mp4 --table scene.csv --entity Vision/RGB/head/cam \
       --state-entity RobotState/Proprioception/robot/joints --rate 5 robot.engram
   engram info robot.engram
-  engram consolidate robot.engram --budget 2m
+  engram consolidate robot.engram --training 2m
   engram augment robot.engram --out changed.engram
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'

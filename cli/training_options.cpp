@@ -7,8 +7,9 @@ namespace engram::cli {
 
 void add_training_options(CLI::App& command, TrainingArguments& arguments,
                           training::TrainOptions& options, std::filesystem::path& augmented,
-                          const std::string& budget_of, const std::string& psnr_of) {
-  command.add_option("--budget", arguments.budget, "Training time of " + budget_of)
+                          const std::string& time_option, const std::string& time_of,
+                          const std::string& psnr_of) {
+  command.add_option(time_option, arguments.time, "Training time of " + time_of)
       ->check(duration_text())
       ->capture_default_str();
   command.add_option("--steps", arguments.steps,
@@ -36,7 +37,7 @@ void add_training_options(CLI::App& command, TrainingArguments& arguments,
 
 Status finish_training_options(const TrainingArguments& arguments,
                                training::TrainOptions& options) {
-  ENGRAM_ASSIGN_OR_RETURN(options.budget, parse_duration(arguments.budget));
+  ENGRAM_ASSIGN_OR_RETURN(options.budget, parse_duration(arguments.time));
   if (arguments.steps > 0) options.steps = arguments.steps;
   return {};
 }

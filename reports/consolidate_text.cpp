@@ -47,6 +47,7 @@ Json entity_json(const training::EntityReport& entity) {
                 entity.training.started_from > 0 ? Json(entity.training.started_from) : Json()},
                {"snapshots", entity.snapshots},
                {"left_behind", entity.left_behind},
+               {"waiting", entity.waiting},
                {"raw_bytes", entity.raw_bytes},
                {"stored_bytes", entity.stored_bytes},
                {"latent_bytes", entity.latent_bytes},
@@ -151,6 +152,9 @@ void print_report(const training::ConsolidateReport& report) {
     if (entity.training.images_per_second > 0)
       print(fmt::format("  trained on {:.1f} images per second of processor time",
                         entity.training.images_per_second));
+    if (entity.waiting > 0)
+      print(fmt::format("  {} snapshots wait for the next job: the time was over",
+                        count_text(entity.waiting)));
     if (entity.left_behind > 0)
       print(fmt::format("  {} snapshots of another layout stay as they are",
                         count_text(entity.left_behind)));

@@ -47,7 +47,7 @@ class Options {
 training::ConsolidateOptions consolidate_options(const Options& given) {
   training::ConsolidateOptions options;
   training::TrainOptions& train = options.train;
-  if (const auto budget = given.ns("budget")) train.budget = Duration(*budget);
+  if (const auto training = given.ns("training")) train.budget = Duration(*training);
   given.take("steps", train.steps);
   given.take("seed", train.seed);
   given.take("width", train.width);
@@ -69,6 +69,11 @@ training::ConsolidateOptions consolidate_options(const Options& given) {
   given.take("anew", options.starts_anew);
   given.take("reuse_models", options.reuses_models);
   if (const auto until = given.ns("until")) options.job.until = time_from_ns(*until);
+  if (const auto budget = given.ns("budget")) {
+    if (*budget <= 0)
+      value_or_raise<int>(invalid_argument("budget: found {} ns, needs more than 0", *budget));
+    options.job.until = system_now() + Duration(*budget);
+  }
   return options;
 }
 

@@ -6,7 +6,7 @@
     with engram.record("robot.engram") as recorder:
         recorder.commit("Vision/RGB/head/cam", {"image": image})
 
-    engram.consolidate("robot.engram", budget=600, progress=True)
+    engram.consolidate("robot.engram", training=600, progress=True)
 
     with engram.open("robot.engram") as memory:
         camera = memory["Vision/RGB/head/cam"]

@@ -27,8 +27,9 @@ def consolidate(
     store: StoreLike,
     entities: str | Sequence[str] = (),
     *,
-    budget: DurationLike = 120,
+    training: DurationLike = 120,
     steps: int | None = None,
+    budget: DurationLike | None = None,
     until: TimeLike | None = None,
     psnr: float | None = None,
     representation: str = "auto",
@@ -51,9 +52,10 @@ def consolidate(
 ) -> Report:
     """Trains an autoencoder per entity, stores latents and measures them, in this process.
 
-    `entities`: names or patterns; none: all. `budget`: seconds of training of all entities
-    together; `steps` instead gives the same model for the same seed; `until` instead is the moment
-    when all is over. `psnr`: least PSNR of every image in dB, with `representation="latents"` the
+    `entities`: names or patterns; none: all. `training`: seconds of training of all entities
+    together; `steps` instead gives the same model for the same seed. `budget`: seconds for
+    everything, measuring and encoding included, or `until`: the moment when all is over; what is
+    not done by then waits for the next job. `psnr`: least PSNR of every image in dB, with `representation="latents"` the
     mean to aim at. The others: `engram consolidate --help`. The command is a little quicker: it
     may train two entities at once.
 
@@ -62,8 +64,9 @@ def consolidate(
     """
     options = {
         "entities": [entities] if isinstance(entities, str) else list(entities),
-        "budget": duration_ns(budget),
+        "training": duration_ns(training),
         "steps": steps,
+        "budget": None if budget is None else duration_ns(budget),
         "until": None if until is None else to_ns(until),
         "psnr": None if psnr is None else float(psnr),
         "representation": representation,

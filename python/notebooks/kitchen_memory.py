@@ -44,7 +44,7 @@ def learn_kitchen(path: Path = Path("learned.engram")) -> Path:
         unfinished = path.with_suffix(".unfinished")
         shutil.rmtree(unfinished, ignore_errors=True)
         shutil.copytree(record_kitchen(), unfinished)
-        engram.consolidate(unfinished, [CAMERA, JOINTS], budget=BUDGET, psnr=35,
+        engram.consolidate(unfinished, [CAMERA, JOINTS], training=BUDGET, psnr=35,
                            representation="latents")
         unfinished.rename(path)
     return path

@@ -87,7 +87,7 @@ TEST_F(Jobs, FailWhereAPartFails) {
 }
 
 TEST_F(Jobs, EndWithTheirParent) {
-  const auto arguments = job({"--budget", "10m", "--jobs", "2", "--checkpoint-every", "100ms"});
+  const auto arguments = job({"--training", "10m", "--jobs", "2", "--checkpoint-every", "100ms"});
   RunResult killed;
   for (int i = 0; i < 10 && killed.err.find("goes on from") == std::string::npos; ++i) {
     killed = run_engram_and_kill(arguments, 6000);
@@ -97,7 +97,7 @@ TEST_F(Jobs, EndWithTheirParent) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(processes_of(store_), 0u);
   // Training goes on where it was, in one process as well as in two.
-  const RunResult again = run_engram(job({"--budget", "2s", "--threads", "2"}));
+  const RunResult again = run_engram(job({"--training", "2s", "--threads", "2"}));
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(again.err, HasSubstr("training goes on from a checkpoint"));
   EXPECT_EQ(run_engram({"check", store_}).exit_code, 0);

@@ -89,6 +89,11 @@ TEST_F(NightJob, TellsItsPlanThenProgressAsJsonWhereNoTerminalIs) {
 TEST_F(NightJob, RefusesTimesThatCannotBe) {
   for (const auto& wrong :
        std::vector<std::vector<std::string>>{{"--until", "06:00", "--budget", "5m"},
+                                             {"--until", "06:00", "--training", "5m"},
+                                             {"--budget", "5m", "--training", "5m"},
+                                             {"--budget", "5m", "--steps", "5"},
+                                             {"--budget", "0s"},
+                                             {"--budget", "-5s"},
                                              {"--until", "06:00", "--steps", "5"},
                                              {"--until", "noon"},
                                              {"--until", "2020-01-01 06:00"},
@@ -161,12 +166,12 @@ TEST_F(NightJob, WaitsForTheRobot) {
   const auto file = directory_.path() / "busy";
   std::ofstream(file) << "busy";
   const RunResult waiting =
-      run_engram_and_kill(job({"--budget", "1s", "--yield-file", file}), 60'000, "waiting: ");
+      run_engram_and_kill(job({"--training", "1s", "--yield-file", file}), 60'000, "waiting: ");
   EXPECT_EQ(waiting.exit_code, -9);
   EXPECT_THAT(waiting.err, HasSubstr("busy exists"));
   std::filesystem::remove(file);
-  const RunResult done = run_engram(
-      job({"--budget", "1s", "--yield-file", file, "--yield-command", "test -e " + file.string()}));
+  const RunResult done = run_engram(job(
+      {"--training", "1s", "--yield-file", file, "--yield-command", "test -e " + file.string()}));
   EXPECT_EQ(done.exit_code, 0) << done.err;
 }
 

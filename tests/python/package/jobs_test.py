@@ -77,6 +77,8 @@ def test_wrong_options_are_refused(copied: Path) -> None:
         engram.consolidate(copied, representation="sketches")
     with pytest.raises(errors.InvalidArgumentError, match="budget"):
         engram.consolidate(copied, budget=-1)
+    with pytest.raises(errors.InvalidArgumentError, match="budget"):
+        engram.consolidate(copied, training=-1)
     with pytest.raises(errors.NotFoundError):
         engram.consolidate(copied, "No/Such/.*", **QUICK)
     with pytest.raises(TypeError):
