@@ -105,7 +105,7 @@ else
 
   say "3. Consolidate: one autoencoder per entity ($budget in all)"
   # shellcheck disable=SC2086  # options or none
-  run consolidate "$store" $learned --budget "$budget" --representation latents --psnr 35
+  run consolidate "$store" $learned --training "$budget" --representation latents --psnr 35
   printf '%s' "$wanted" > "$dir/done.txt"
 fi
 

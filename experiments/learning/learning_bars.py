@@ -104,7 +104,7 @@ class Bars:
         target = self.work / f"{clip}-latents.engram"
         found = self.measured(f"latents:{clip}", lambda: self.consolidated(
             self.store(clip), target, "--representation", "latents", "--psnr", asked,
-            "--budget", f"{minutes}m", *options))
+            "--training", f"{minutes}m", *options))
         images = found["images"]
         each = images["kept_bytes"] / images["rows"]
         model = found["model_bytes"]
@@ -166,7 +166,7 @@ class Bars:
         found = self.measured(f"auto:{clip}", lambda: self.consolidated(
             trained if trained.exists() else self.store(clip), self.work / f"{clip}-auto.engram",
             "--representation", "auto", "--nights", NIGHTS, "--psnr", bound, "--force",
-            "--budget", f"{minutes}m", *options))
+            "--training", f"{minutes}m", *options))
         images = found["images"]
         model = found["model_bytes"] / NIGHTS
         alone = {"latents": images["latent_bytes"] + model if not images["below_bound_rows"] else 0,
@@ -224,7 +224,7 @@ class Bars:
             source = self.store("g1", episodes=None)
             target = self.work / "never-chosen-on.engram"
             self.consolidated(source, target, "--hold-out", NEVER_CHOSEN_ON, "--representation",
-                              "latents", "--psnr", 31, "--budget", "10m", "--varied", 0.9)
+                              "latents", "--psnr", 31, "--training", "10m", "--varied", 0.9)
             return json.loads(self.run("eval", target, "--entity", CAMERA, "--json"))
 
         entity = self.measured("never-chosen-on", measure)["entities"][0]

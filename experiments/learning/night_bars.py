@@ -110,6 +110,8 @@ class Recordings:
 class Store:
     """Gets new images night after night."""
 
+    entity = CAMERA
+
     def __init__(self, engram, recordings, size, work):
         self.engram, self.recordings, self.size = engram, recordings, size
         self.path = work / f"{size}.engram"
@@ -125,7 +127,7 @@ class Store:
                  f"fps={HZ},trim=start_frame={first}:end_frame={first + count},"
                  f"setpts=PTS-STARTPTS,scale={width}:{height}:flags=area", "-an", "-c:v", "ffv1",
                  "-pix_fmt", "bgr0", self.piece])
-            run([self.engram, "import", "--video", self.piece, "--entity", CAMERA, "--all",
+            run([self.engram, "import", "--video", self.piece, "--entity", self.entity, "--all",
                  "--start", f"{BEGIN + self.pieces * APART:%Y-%m-%dT%H:%MZ}", self.path])
             self.pieces += 1
         self.images += images
@@ -134,7 +136,7 @@ class Store:
         """One night: what it cost, as measured from outside and as told."""
         words = [self.engram, "consolidate", self.path, "--psnr", options.psnr,
                  "--representation", options.representation, "--threads", options.threads,
-                 "--budget", f"{max(options.training * images, 0.1):.1f}s", "--json"]
+                 "--training", f"{max(options.training * images, 0.1):.1f}s", "--json"]
         more = {"stderr": None} if sys.stderr.isatty() else {}
         out, processor, megabytes = run(words, **more)
         entity = json.loads(out)["entities"][0]

@@ -111,7 +111,7 @@ class _Case:
             shutil.rmtree(trained, ignore_errors=True)
             shutil.copytree(source, trained)
             self.measuring.run("consolidate", trained, "--entity", CAMERA, "--representation",
-                               "latents", "--psnr", self.config["psnr"], "--budget",
+                               "latents", "--psnr", self.config["psnr"], "--training",
                                self.config["sample_budget"], "--threads", 1, "--width",
                                self.config["width"])
             with engram.open(self.store) as memory, engram.open(trained) as learned:

@@ -143,7 +143,7 @@ class _Case:
         shutil.rmtree(target, ignore_errors=True)
         shutil.copytree(self.store, target)
         choice = [word for name in names for word in ("--entity", name)]
-        report = self.measuring.report("consolidate", target, *choice, "--budget",
+        report = self.measuring.report("consolidate", target, *choice, "--training",
                                        self.config["number_budget"], "--threads", 1)
         after = entity_bytes(self.measuring, target)
         shutil.rmtree(target)
@@ -155,7 +155,7 @@ class _Case:
 
 def choices(config: dict[str, Any], point: dict[str, Any], form: str) -> list[Any]:
     """Options of `engram consolidate`."""
-    return ["--entity", CAMERA, "--representation", form, "--psnr", point["psnr"], "--budget",
+    return ["--entity", CAMERA, "--representation", form, "--psnr", point["psnr"], "--training",
             point["budget"], "--threads", 1, "--width", config["width"]]
 
 
