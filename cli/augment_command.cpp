@@ -151,7 +151,7 @@ void add_render_options(CLI::App& command, AugmentArguments& arguments) {
       "Of each period of so long a time the first --hold is rendered; 0s: everything")
       ->check(duration_text());
   add("--render-width", options.width, "Pixels; images that are wider are enlarged from it");
-  add("--render-samples", options.blender.samples, "Most samples per pixel");
+  add("--render-samples", options.blender.samples, "Max number of samples per pixel");
   add("--render-noise", options.blender.noise,
       "Pixels that vary less get fewer samples; 0: all get all, and a change shows nowhere else");
   add("--render-threads", options.blender.threads, "Of Blender");

@@ -63,7 +63,7 @@ void add_eval_command(CLI::App& app, ExitCode& exit_code) {
                       "Names or patterns of entities; else all with a model");
   command
       ->add_option("--max-predictions", arguments->options.max_predictions,
-                   "Most predictions to measure per entity and horizon")
+                   "Max number of predictions that are measured for each entity and horizon")
       ->capture_default_str();
   command->add_option("--picture", arguments->picture,
                       "Draw recorded, reconstructed and predicted images side by side (PNG)");

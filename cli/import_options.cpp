@@ -71,9 +71,10 @@ void print_preset(const std::string& name) {
 
 /// Adds the options of what is recorded and how: a configuration, or simple options in its place.
 void add_recording_options(CLI::App& command, ImportArguments& arguments) {
-  CLI::Option* rate =
-      command.add_option("--rate", arguments.rate_hz, "Most snapshots per second that are kept")
-          ->capture_default_str();
+  CLI::Option* rate = command
+                          .add_option("--rate", arguments.rate_hz,
+                                      "Max number of snapshots per second that are kept")
+                          ->capture_default_str();
   CLI::Option* all =
       command.add_flag("--all", arguments.keeps_all, "Keep every snapshot")->excludes(rate);
   CLI::Option* codec =

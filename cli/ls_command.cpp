@@ -237,7 +237,9 @@ void add_ls_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kLsFooter);
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("what", arguments->what, "ID or query");
-  command->add_option("--limit", arguments->limit, "Most snapshots of one entity that are listed")
+  command
+      ->add_option("--limit", arguments->limit,
+                   "Max number of snapshots of one entity that are listed")
       ->capture_default_str();
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });

@@ -241,7 +241,7 @@ void add_serve_command(CLI::App& app, ExitCode& exit_code) {
       "When commits count as done that do not say: in memory, or when they survive kill -9")
       ->check(CLI::IsMember({"memory", "journal"}))
       ->capture_default_str();
-  add("--bytes", arguments->bytes, "Most of working memory, as in 2GiB; else 512MiB");
+  add("--bytes", arguments->bytes, "Max size of working memory, such as 2GiB; by default 512MiB");
   add("--recording", arguments->recording, "Filters and codecs (docs/recording.md)");
   add("--preset", arguments->preset, "The same, by name: recorder, balanced, small");
   add("--prior", arguments->prior, "Directory of prior knowledge (docs/prior.md)");
