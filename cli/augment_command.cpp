@@ -107,12 +107,16 @@ Result<training::AugmentReport> render(const AugmentArguments& arguments,
 
 Status write_picture(const AugmentArguments& arguments, const training::AugmentOptions& options) {
   if (arguments.picture.empty()) return {};
+  // Blender has drawn these moments already, so they are read from the new store. Changes of images
+  // are made again, because the store has them mixed and the picture shows each by itself.
   if (arguments.is_rendering())
     return reports::write_rendered_examples(arguments.store, arguments.out, arguments.picture);
   return reports::write_change_examples(arguments.store, options, arguments.picture);
 }
 
 ExitCode run(const AugmentArguments& arguments) {
+  // All words are read before the new store is made: a store that exists is refused, so one that a
+  // wrong option left behind would be in the way of the corrected command.
   const auto options = options_of(arguments);
   if (!options.ok()) return wrong_usage(options.status());
   Result<training::RenderOptions> rendering = training::RenderOptions();
@@ -142,6 +146,7 @@ void add_render_options(CLI::App& command, AugmentArguments& arguments) {
   CLI::Option* render = command.add_option("--render", arguments.render,
                                            "Render moments anew in these ways, see below");
   render->allow_extra_args(false)->delimiter(',');
+  // Rendering ignores these options, so they are refused: nobody should believe that they counted.
   for (const char* other : {"--changes", "--mask", "--mask-member", "--label", "--points"})
     render->excludes(command.get_option(other));
   const auto add = [&](const char* name, auto& value, const char* about) {

@@ -49,6 +49,8 @@ Result<std::vector<encoders::TrainingVariant>> variants_of(const std::vector<std
 }
 
 ExitCode run(CrossvalArguments& arguments) {
+  // Everything is checked before the first fold: it trains for the whole budget, and a wrong word
+  // must not be found after that.
   if (const Status status = finish_training_options(arguments.learning, arguments.options.train);
       !status.ok())
     return wrong_usage(status);
@@ -60,6 +62,8 @@ ExitCode run(CrossvalArguments& arguments) {
   arguments.options.variants = *std::move(variants);
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
+  // All folds together may take hours, so each is told as soon as it is known. It goes to stderr,
+  // because stdout has the report alone.
   const auto tell = [&](const training::CrossvalFold& fold, size_t number) {
     progress.finish();
     log::write(log::Level::kInfo, reports::fold_text(fold, number));

@@ -42,9 +42,11 @@ Result<std::vector<reports::StoredModel>> models_of(const ltm::StoreReader& read
   std::vector<reports::StoredModel> models;
   for (const ltm::ModelInfo& info : reader.manifest().models) {
     if (!entity.empty() && !query.matches(info.entity)) continue;
+    // No network is read: a list must not take as long as opening all models.
     ENGRAM_ASSIGN_OR_RETURN(auto from, encoders::read_provenance(reader.path() / info.file));
     models.push_back({&info, std::move(from)});
   }
+  // A store may well have no models yet, but a name that matches none is probably mistyped.
   if (models.empty() && !entity.empty())
     return not_found("store '{}': none of its {} models matches '{}'", reader.path().string(),
                      reader.manifest().models.size(), entity);
@@ -57,6 +59,7 @@ using SnapshotSink =
 /// Calls `sink` for the snapshots of all entities that have one of the models.
 Status for_each_snapshot(ltm::StoreReader& reader, const std::vector<reports::StoredModel>& models,
                          const SnapshotSink& sink) {
+  // An entity may have several models, and its snapshots are listed once.
   std::set<ltm::MemoryId> entities;
   for (const reports::StoredModel& model : models) entities.insert(model.info->entity);
   for (const ltm::MemoryId& entity : entities)
@@ -66,6 +69,7 @@ Status for_each_snapshot(ltm::StoreReader& reader, const std::vector<reports::St
 }
 
 Status print_snapshots(ltm::StoreReader& reader, const std::vector<reports::StoredModel>& models) {
+  // Nothing is printed before all rows are there, because they decide the widths of the columns.
   std::map<ltm::MemoryId, reports::TextTable> tables;
   ENGRAM_RETURN_IF_ERROR(for_each_snapshot(
       reader, models,

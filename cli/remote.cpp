@@ -17,6 +17,7 @@ ExitCode show_names(const RemoteArguments& arguments, ServerFigures form) {
     return wrong_usage(invalid_argument("--metrics is of a server: needs --server"));
   auto servers = known_servers(arguments);
   if (!servers.ok()) return fail(servers.status());
+  // Sorted, so that what two calls print can be compared.
   std::ranges::sort(*servers, {}, &Registration::server);
   if (form == ServerFigures::kJson) {
     Json json = Json::array();
@@ -48,6 +49,8 @@ std::string figure_text(const std::string& name, const Json& value) {
                                  : reports::count_text(number);
 }
 
+/// Prints a table for each prefix of the names, and one for all other figures. So a server of a
+/// later version may have figures that this program does not know, and none of them is left out.
 void print_figures(const Json& figures) {
   constexpr std::string_view kMemory = "memory_";
   constexpr std::string_view kStore = "store_";
@@ -85,6 +88,7 @@ ExitCode show_server(const RemoteArguments& arguments, ServerFigures form) {
   }
   const auto info = (*client)->info();
   if (!info.ok()) return fail(info.status());
+  // The text comes from another process: what is wrong with it is reported and throws nothing here.
   const Json figures = Json::parse(info->figures_json, nullptr, false);
   if (figures.is_discarded())
     return fail(data_loss("server '{}': its figures are no JSON", info->server));

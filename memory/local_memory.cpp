@@ -36,12 +36,12 @@ class ReadMemory final : public Memory {
   }
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& /*options*/,
                                                   SubscriptionHandlers /*handlers*/) override {
-    // Recall caches decoded snapshots and is not thread-safe, so queries take turns.
     return is_read_only();
   }
 
   using Memory::query;
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
+    // Recall caches decoded snapshots and is not thread-safe, so queries take turns.
     const MutexLock lock(mutex_);
     if (!recall_) return is_closed();
     ltm::Recall::Options options = options_;

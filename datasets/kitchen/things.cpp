@@ -7,7 +7,8 @@
 namespace engram::datasets::kitchen {
 
 std::span<const ThingClass> all_thing_classes() {
-  // Layouts choose by index, so another order would give every seed other objects.
+  // Layouts choose by index, so another order would give every seed other objects. The values are
+  // in the order of the members of ThingClass, whose units the names there give.
   static const std::array<ThingClass, 10> kClasses{{
       {"cereal_box",
        "cereal",
@@ -103,6 +104,8 @@ std::span<const ThingClass> all_thing_classes() {
   return kClasses;
 }
 
+// The rows must stay free of the room's furniture (room_model.cpp). The counter's is shifted so
+// that it lies between the sink and the stove, and the table's lies before the cloth.
 const SurfacePlace& place_of(Surface surface) {
   static const SurfacePlace kCounter{
       "counter", "the counter", {0.0, 1.58, 0.90}, std::numbers::pi / 2, 0.64, 4.4, 0.17, -0.15};
@@ -121,6 +124,7 @@ Eigen::Vector3d leftward(const SurfacePlace& place) {
 
 Eigen::Vector3d slot_point(Surface surface, int slot) {
   const SurfacePlace& place = place_of(surface);
+  // Slots count from the left, and the middle of the row is between the two middle ones.
   const double left = place.row_shift_m + (0.5 * (kSlots - 1) - slot) * kSlotDistance_m;
   return place.top_m + (place.row_m - 0.5 * place.depth_m) * ahead(place) + left * leftward(place);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extension module behind the package `engram`; no other code imports it.
+// The extension module behind the package `engram`; no other code imports it. So nothing here has
+// names of arguments, defaults or docstrings: the package gives them, and _core.pyi the types.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -22,6 +23,8 @@ using engram::python::OpenStore;
 using engram::python::StoreRecorder;
 using engram::python::Watch;
 
+// Options come one by one, so that Python needs no class for them. Durations come in nanoseconds,
+// because Python's timedelta has only microseconds.
 std::unique_ptr<FrontDoor> open_door(const std::string& store, size_t working_bytes,
                                      bool prefers_latents, int64_t horizon,
                                      const std::string& config) {
@@ -76,6 +79,7 @@ void define_front_door(py::module_& module) {
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The C++ side of engram; private to the package.";
   py::class_<OpenStore>(module, "OpenStore")
+      // From a text: a path would need pybind11's conversion of paths.
       .def(py::init([](const std::string& path) { return std::make_unique<OpenStore>(path); }))
       .def("entities", &OpenStore::entities)
       .def("summary", &OpenStore::summary)
@@ -108,6 +112,7 @@ PYBIND11_MODULE(_core, module) {
   module.def("forget", &engram::python::forget);
   module.def("consolidate", &engram::python::consolidate);
   module.def("set_threads", &engram::encoders::set_threads);
+  // For tests of the conversions alone.
   module.def("round_trip", [](const py::object& value) {
     return engram::python::to_python(engram::python::from_python(value));
   });

@@ -14,10 +14,11 @@ namespace {
 
 Data bytes_data(uint64_t bytes) {
   constexpr auto kMax = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
-  // IDF has no unsigned integers.
+  // IDF has no unsigned integers. A size that does not fit becomes the largest, not a negative one.
   return static_cast<int64_t>(std::min(bytes, kMax));
 }
 
+// What could not be read is an absent member: zero would say that a disk is full.
 Data bytes_data(const std::optional<uint64_t>& bytes) {
   return bytes ? bytes_data(*bytes) : Data();
 }
@@ -48,6 +49,7 @@ Type percent_type() {
 }  // namespace
 
 const RamState& HostState::tightest_ram() const {
+  // A group with a limit may be full while the machine has RAM left, and the other way round.
   if (!group_ram) return ram;
   return group_ram->available_bytes < ram.available_bytes ? *group_ram : ram;
 }

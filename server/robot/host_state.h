@@ -23,7 +23,6 @@ struct RamState {
 /// The share of the last 10 s in which some tasks, or all tasks, waited for a resource (Linux's
 /// pressure stall information, PSI).
 /// Unit: %.
-/// Unit: %.
 struct Pressure {
   double some = 0;
   std::optional<double> full;  ///< Older kernels do not report it for the CPU.
