@@ -115,7 +115,10 @@ TORCH_MODULE(ImageDecoder);
 ///
 /// The background is a parameter: it starts as the median image of a recording and is trained.
 /// Letters are those at the top of this file.
-/// Source: docs/learning_methods.md, section "The image autoencoder".
+/// Source: docs/learning_methods.md, section "The image autoencoder". As in Ballé et al.,
+/// End-to-end Optimized Image Compression, 2017, an encoder and a decoder are trained together for
+/// squared error and the bits of quantised latents (variant "rate"). Two scales of latents,
+/// backgrounds and places are our own.
 struct ImageAutoencoderImpl : torch::nn::Module {
   ImageAutoencoderImpl(const ImageShape& shape, const NetworkSizes& sizes, int numbers);
 
@@ -134,7 +137,8 @@ TORCH_MODULE(ImageAutoencoder);
 ///     image i [B, C, H, W] --> images[i] encodes --> latents i --> images[i] decodes --> image i
 ///     numbers [B, N], normalised ------------------------------------+
 ///
-/// Source: docs/learning_methods.md, section "The image autoencoder".
+/// Letters are those at the top of this file.
+/// Source: docs/learning_methods.md, section "The image autoencoder"; papers as ImageAutoencoder.
 struct AutoencoderImpl : torch::nn::Module {
   explicit AutoencoderImpl(const NetworkShape& shape);
 

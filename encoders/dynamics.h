@@ -31,7 +31,9 @@ struct ExpectedLatents {
 ///
 /// B is the batch, z the channels of the grid, h and w its size, K' the channels of `known`, and G
 /// is `features`.
-/// Source: our own.
+/// Source: our own network. Each latent has a mean and a scale as in Minnen et al., Joint
+/// Autoregressive and Hierarchical Priors for Learned Image Compression, 2018. There they come from
+/// latents of the same image alone, here from those of the last two snapshots too.
 struct LatentPriorImpl : torch::nn::Module {
   LatentPriorImpl(int channels, int known, int features);
 
@@ -55,7 +57,8 @@ TORCH_MODULE(LatentPrior);
 ///     last two images, features of numbers and conditions --> motion --> next images
 ///
 /// Letters are those of autoencoder.h.
-/// Source: docs/learning_methods.md, section "Prediction".
+/// Source: docs/learning_methods.md, section "Prediction". The priors and the gate are our own; the
+/// papers that `motion` follows are named at ImageMotion.
 struct ImageDynamicsImpl : torch::nn::Module {
   ImageDynamicsImpl(const ImageShape& shape, const NetworkSizes& sizes, int number_features,
                     int motion_features);
@@ -98,7 +101,10 @@ struct DynamicsStep {
 ///           --> [B, 64], for the motion of images alone
 ///
 /// kSteps is ImageMotionImpl::kSteps; the last two inputs say whether condition and plan are known.
-/// Source: docs/learning_methods.md, section "Prediction".
+/// Letters are those of autoencoder.h.
+/// Source: docs/learning_methods.md, section "Prediction". Latents cost the bits that a model of
+/// their distribution says, as in Ballé et al., End-to-end Optimized Image Compression, 2017. That
+/// this model also predicts the future, and that gates blend it with a copy, is our own.
 struct DynamicsImpl : torch::nn::Module {
   explicit DynamicsImpl(const NetworkShape& shape);
 
@@ -130,8 +136,13 @@ struct DynamicsImpl : torch::nn::Module {
 };
 TORCH_MODULE(Dynamics);
 
-/// Number of bits of the unit interval around a value at `distance` from the mean of a Laplace
-/// distribution.
+/// Number of bits of the unit interval around a value at `distance` d from the mean of a Laplace
+/// distribution with distribution function F:
+///
+///     -log2(F(d + 1/2) - F(d - 1/2))
+///
+/// It is bounded, because the probability counts as at least 1e-7.
+/// Source: the rate of Ballé et al., 2017, with a Laplace distribution.
 [[nodiscard]] torch::Tensor laplace_bits(const torch::Tensor& distance, const torch::Tensor& scale);
 
 /// Predicts the values after each of `steps` (ascending) from the last values and the last two

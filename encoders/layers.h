@@ -55,9 +55,13 @@ inline constexpr double kGreyLevels = 64.0;
 /// convolution starts at zero.
 ///
 ///     x --+-- first 3x3 -- activate -- second 3x3 --(+)-- y        x, y [B, F, H, W]
-///         +---------------------------------------------+
+///         +------------------------------------------+
 ///
-/// Source: He et al., Deep Residual Learning for Image Recognition, 2016; without normalisation.
+/// B is the batch, F the features, H and W are height and width.
+/// Source: He et al., Deep Residual Learning for Image Recognition, 2016. There is no
+/// normalisation, and nothing is activated before the first convolution or after the sum, as in Lim
+/// et al., Enhanced Deep Residual Networks for Single Image Super-Resolution, 2017. The leaky
+/// activation and the start at zero are our choice.
 struct ResidualBlockImpl : torch::nn::Module {
   explicit ResidualBlockImpl(int features);
   torch::Tensor forward(const torch::Tensor& x);
@@ -67,6 +71,11 @@ struct ResidualBlockImpl : torch::nn::Module {
 TORCH_MODULE(ResidualBlock);
 
 /// Several residual blocks, one after the other.
+///
+///     x -- block0 -- block1 -- ... -- block(count - 1) -- y        x, y [B, F, H, W]
+///
+/// All blocks keep the shape. B is the batch, F the features, H and W are height and width.
+/// Source: as ResidualBlock. A chain of blocks starts as the identity too.
 struct ResidualBlocksImpl : torch::nn::Module {
   ResidualBlocksImpl(int features, int count);
   torch::Tensor forward(const torch::Tensor& x);

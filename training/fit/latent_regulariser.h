@@ -40,16 +40,39 @@ class LatentRegulariser : public torch::nn::Module {
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_latent_regulariser(
     encoders::TrainingVariant variant, const encoders::NetworkShape& shape);
 
-/// One function per variant.
+// One function per variant. In the equations, z are the exact latents, E is the squared error and p
+// its price.
+
+/// "rate": the loss is p E + bits(z + u), with u uniform in [-1/2, 1/2], later with rounding.
+/// Source: Ballé et al., End-to-end Optimized Image Compression, 2017. The model of the bits is our
+/// own (encoders/dynamics.h).
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_rate_regulariser();
+
+/// "ae": the loss is p E alone. The latents are quantised as in "rate".
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_plain_regulariser();
+
+/// "vae": the loss is p E + sum of KL(N(z, s^2), N(0, 8^2)) in kilobytes, where
+///
+///     KL = (s^2/64 + z^2/64 - 1 - ln(s^2/64)) / 2 nats,
+///
+/// and the decoder is given z + s n, with n from N(0, 1).
+/// Source: Kingma and Welling, Auto-Encoding Variational Bayes, 2014. There s is a function of the
+/// input; here it is one parameter per channel, of at least half a step of the quantiser, because
+/// only z is stored, rounded.
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_vae_regulariser(
     const encoders::NetworkShape& shape);
+
+/// "wae": the loss is p E + MMD^2(codes, N(0, 1)), with the kernel of mean_discrepancy()
+/// (divergence.h). The latents are quantised as in "rate".
+/// Source: Tolstikhin et al., Wasserstein Auto-Encoders, 2018 (WAE-MMD). There all latents of a
+/// batch are compared; here codes are pooled coarse latents along fixed random directions, and the
+/// last 256 before the batch count too, because a batch is small.
 [[nodiscard]] std::shared_ptr<LatentRegulariser> make_wae_regulariser(
     const encoders::NetworkShape& shape);
 
-/// Quantises latents in training: rounds them and passes gradients straight through, or adds
-/// uniform noise of the same size.
+/// Quantises latents in training: rounds them and passes gradients straight through (Theis et al.,
+/// Lossy Image Compression with Compressive Autoencoders, 2017), or adds uniform noise of the same
+/// size (Ballé et al., 2017).
 [[nodiscard]] encoders::Latents quantised(const encoders::Latents& exact, bool is_noisy);
 
 /// Rounds latents as they will be stored, without gradients.
