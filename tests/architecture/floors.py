@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the sources against the table of rooms and floors in docs/design.md, section 3."""
+"""Checks the sources against the table of rooms and floors in docs/design.md, section 3.
+
+floors.py ROOT            the problems, one on each line
+floors.py ROOT --count    how many rooms and arrows there are
+"""
 
 import re
 import sys
@@ -144,6 +148,53 @@ def check_floors(root):
     return problems
 
 
+def arrows(root):
+    """Pairs of folders: a file of the first includes a header of the second. Rooms that may include
+    anything (tests, experiments) are left out, as the first and as the second."""
+    rooms = read_table((root / "docs/design.md").read_text(encoding="utf-8"))
+    found = set()
+    for room in (room for room in rooms.values() if not room.is_free):
+        for path in sources(root / room.folder, {".h", ".cpp"}):
+            here = path.parent.relative_to(root).as_posix()
+            for line in path.read_text(encoding="utf-8").splitlines():
+                match = INCLUDE.match(line)
+                if match and match[1] == '"':
+                    found.add((here, match[2].rpartition("/")[0]))
+    return found
+
+
+def circle_in(pairs):
+    """Folders on circles of arrows, or on a way from one circle to another; empty without circles."""
+    left = {pair for pair in pairs if pair[0] != pair[1]}
+    while True:
+        ends = {below for _, below in left} & {above for above, _ in left}
+        inside = {(above, below) for above, below in left if above in ends and below in ends}
+        if inside == left:
+            return sorted({name for pair in left for name in pair})
+        left = inside
+
+
+def arrows_up(root, pairs):
+    """Arrows to a room that stands further down in the table, that is on a higher floor."""
+    floors = list(read_table((root / "docs/design.md").read_text(encoding="utf-8")))
+    of = {name: next(i for i, room in enumerate(floors) if f"{name}/".startswith(room + "/"))
+          for pair in pairs for name in pair}
+    return sorted((above, below) for above, below in pairs if of[above] < of[below])
+
+
+def count(root):
+    pairs = arrows(root)
+    between = {(above, below) for above, below in pairs if above != below}
+    names = {name for pair in pairs for name in pair}
+    lines = [f"{len(names)} rooms, {len(between)} arrows between them, "
+             f"{len(arrows_up(root, pairs))} of them up, {len(circle_in(pairs))} rooms in circles"]
+    for part in sorted({name.split("/")[0] for name in names}):
+        inside = [name for name in names if name.split("/")[0] == part]
+        within = [pair for pair in between if pair[0] in inside and pair[1] in inside]
+        lines.append(f"{part}: {len(inside)} rooms, {len(within)} arrows between them")
+    return lines
+
+
 def check_style(root):
     rooms = read_table((root / "docs/design.md").read_text(encoding="utf-8"))
     problems = []
@@ -162,6 +213,9 @@ def check_style(root):
 
 def main():
     root = Path(sys.argv[1])
+    if "--count" in sys.argv[2:]:
+        print("\n".join(count(root)))
+        return 0
     problems = check_floors(root) + check_style(root)
     print("\n".join(problems))
     return 1 if problems else 0

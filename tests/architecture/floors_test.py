@@ -30,6 +30,18 @@ class Floors(unittest.TestCase):
         self.assertNotIn("encoders", floors.closure(rooms, "ltm/recall"))
         self.assertIn("ltm/h5", floors.closure(rooms, "cli"))
 
+    def test_no_arrow_goes_up_and_there_is_no_circle(self):
+        pairs = floors.arrows(ROOT)
+        self.assertIn(("ltm/store", "ltm/h5"), pairs)
+        self.assertEqual(floors.arrows_up(ROOT, pairs), [])
+        self.assertEqual(floors.circle_in(pairs), [])
+
+    def test_an_arrow_up_and_a_circle_are_found(self):
+        wrong = {("ltm/core", "ltm/store"), ("ltm/store", "ltm/h5"), ("ltm/h5", "ltm/core")}
+        self.assertEqual(floors.arrows_up(ROOT, wrong), [("ltm/core", "ltm/store")])
+        self.assertEqual(floors.circle_in(wrong), ["ltm/core", "ltm/h5", "ltm/store"])
+        self.assertEqual(floors.circle_in(wrong - {("ltm/h5", "ltm/core")}), [])
+
     def test_python_stands_beside_the_program_and_not_above_it(self):
         rooms = floors.read_table((ROOT / "docs/design.md").read_text(encoding="utf-8"))
         self.assertNotIn("cli", floors.closure(rooms, "python"))
