@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thing has one word (docs/design.md, section 6): in identifiers, and in the names of headers."""
+"""One thing has one word (docs/design.md, section 6): in identifiers, in the names of headers, and at the
+begin of help texts."""
 
 import io
 import re
@@ -27,6 +28,8 @@ ALLOWED = {
     "most_common_layout": "the layout of more values than any other",
     "_most_moved": "the thing that moved farther than any other",
 }
+# Help texts of options do not begin so: the first two say Max or Min, the others what they count.
+BEGINNINGS = ("Most", "Least", "So many", "So much")
 # Header names that two folders may have, and why.
 ALLOWED_HEADERS = {}
 
@@ -58,6 +61,32 @@ def python_names(text):
 def parts(name):
     """kMaxBytes -> k, max, bytes."""
     return [part.lower() for part in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
+
+
+def cpp_texts(text):
+    """String literals of C++ with their lines; literals that follow each other are one text. Help texts
+    often reach add_option() through another function, so all literals are looked at. Raw strings, which
+    are longer texts, are left out."""
+    joined, line, end = "", 0, 0
+    for match in CPP.finditer(text):
+        if joined and text[end:match.start()].strip():
+            yield joined, line
+            joined = ""
+        if match[0].startswith(("//", "/*")):
+            end = match.end()
+        if not match[0].startswith('"'):
+            continue
+        if not joined:
+            line = text.count("\n", 0, match.start()) + 1
+        joined += match[0][1:-1]
+        end = match.end()
+    if joined:
+        yield joined, line
+
+
+def problem_of_text(text):
+    found = [begin for begin in BEGINNINGS if re.match(rf"{begin}\b", text)]
+    return f"'{text[:40]}' begins with '{found[0]}'" if found else None
 
 
 def problem_of(name):
@@ -99,6 +128,24 @@ class WordsTest(unittest.TestCase):
         twice = {name: where for name, where in folders.items()
                  if len(where) > 1 and name not in ALLOWED_HEADERS}
         self.assertEqual(twice, {})
+
+    def test_help_texts_say_max_and_min(self):
+        found = []
+        for path in sorted((ROOT / "cli").glob("*.cpp")):
+            for text, line in cpp_texts(path.read_text(encoding="utf-8")):
+                if problem := problem_of_text(text):
+                    found.append(f"cli/{path.name}:{line}: {problem}")
+        self.assertEqual(found, [])
+
+    def test_a_help_text_with_a_wrong_beginning_is_found(self):
+        source = 'add("--rows", rows,\n    "Most "  // of all\n    "rows");\nadd("--a", a, "At most 3", "Mostly");'
+        self.assertEqual(list(cpp_texts(source)),
+                         [("--rows", 1), ("Most rows", 2), ("--a", 4), ("At most 3", 4), ("Mostly", 4)])
+        self.assertEqual(list(cpp_texts('f("So many " \n "rows", R"(Most)");')), [("So many rows", 1)])
+        for text in ("Most rows", "Least PSNR", "So many rows", "So much time"):
+            self.assertIsNotNone(problem_of_text(text), text)
+        for text in ("Mostly", "Max rows", "At most 3", "Some", "Soon"):
+            self.assertIsNone(problem_of_text(text), text)
 
     def test_what_is_allowed_is_there(self):
         text = "\n".join((ROOT / path).read_text(encoding="utf-8") for path in files(".cpp", ".py"))
