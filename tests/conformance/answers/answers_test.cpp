@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
 
 #include "ltm/idf/json.h"
@@ -28,6 +29,7 @@ const std::vector<std::string> kSelectors = {
     "latest:500",
     "0..4",
     "-3..-1",
+    "25..35",
     "55..62",
     "last:3s",
     "last:1000d",
@@ -93,14 +95,19 @@ struct FutureQuestion {
   }
 };
 
-std::vector<FutureQuestion> future_questions() {
-  const auto parsed = [](const std::string& text) { return *ltm::MemoryId::parse(text); };
-  std::vector<std::optional<Time>> moments{{}};
-  // In the store alone, between two, in working memory alone, the last, later and before all.
+/// Now, in the store alone, between two snapshots, in working memory alone, the last, later and
+/// before all.
+std::vector<std::optional<Time>> moments() {
+  std::vector<std::optional<Time>> all{{}};
   for (const int64_t ns :
        {1'600'000'004'000'000'000, 1'600'000'004'100'000'000, 1'600'000'015'000'000'000,
         1'600'000'015'800'000'000, 1'700'000'000'000'000'000, -2'000'000'000'000'000'000})
-    moments.emplace_back(time_from_ns(ns));
+    all.emplace_back(time_from_ns(ns));
+  return all;
+}
+
+std::vector<FutureQuestion> future_questions() {
+  const auto parsed = [](const std::string& text) { return *ltm::MemoryId::parse(text); };
   std::vector<std::optional<ltm::MemoryId>> plans{{}};
   for (const char* plan : {"Robot/State/arm/joints", "Robot/State/arm/broken",
                            "Speech/Commands/human/text", "Nothing/like/that/exists"})
@@ -108,11 +115,41 @@ std::vector<FutureQuestion> future_questions() {
   const std::vector<Duration> some{std::chrono::seconds(1), std::chrono::milliseconds(200)};
   std::vector<FutureQuestion> all;
   for (const std::string& name : kNames)
-    for (const auto& from : moments)
+    for (const auto& from : moments())
       for (const auto& plan : plans)
         for (const char* engine : {"", "deep", "copy-last", "line", "oracle"})
           all.push_back({name, {from, some, engine, plan}});
-  all.push_back({kNames[0], {moments[1], {std::chrono::minutes(2)}, "", {}}});
+  all.push_back({kNames[0], {moments()[1], {std::chrono::minutes(2)}, "", {}}});
+  return all;
+}
+
+/// A question about what can predict, now or at an earlier moment.
+struct EnginesQuestion {
+  std::string entity;
+  Duration ahead;
+  std::optional<Time> at;
+
+  [[nodiscard]] std::string text() const {
+    return fmt::format("engines of {}, {} ahead at {}", entity, to_string(ahead),
+                       at ? to_string(*at) : "now");
+  }
+};
+
+std::vector<EnginesQuestion> engines_questions() {
+  std::vector<EnginesQuestion> all;
+  for (const std::string& name : kNames)
+    for (const Duration ahead :
+         {Duration(std::chrono::milliseconds(200)), Duration(std::chrono::seconds(1))})
+      for (const auto& at : moments()) all.push_back({name, ahead, at});
+  return all;
+}
+
+/// Questions that a memory that prefers latents is asked.
+std::vector<std::string> latent_questions() {
+  std::vector<std::string> all;
+  for (const std::string& name : kNames)
+    for (const char* selector : {"all", "latest", "0..4", "25..35", "+200ms", "all#1"})
+      all.push_back(name + " @ " + selector);
   return all;
 }
 
@@ -175,6 +212,16 @@ std::string text_of(const FutureQuestion& asked,
   return text;
 }
 
+std::string text_of(const Result<std::vector<ltm::EngineRecord>>& told, const std::string& place,
+                    const std::string& endpoint = {}) {
+  if (!told.ok()) return text_of(Result<ltm::QueryResult>(told.status()), place, endpoint);
+  std::string text;
+  for (const ltm::EngineRecord& one : *told)
+    text += fmt::format("{} of '{}': {} predictions, mean {}, bound {}\n", one.engine, one.model,
+                        one.predictions, error_text(one.mean), error_text(one.bound));
+  return text;
+}
+
 using Answers = std::map<std::string, std::string>;
 
 /// Asks a lived memory everywhere where it can be asked.
@@ -186,17 +233,23 @@ class Answering : public ::testing::Test {
     ASSERT_OK(make_lived_store(store));
     ask_server(store, scratch.path() / "s");
     ask_store(store);
+    ask_for_latents(store, scratch.path() / "s");
   }
 
-  /// Half of today has left working memory, the rest is in it alone.
-  static void ask_server(const std::filesystem::path& store, const std::filesystem::path& socket) {
+  static server::MemoryServer::Options options_of(const std::filesystem::path& store,
+                                                  const std::filesystem::path& socket) {
     server::MemoryServer::Options options;
     options.service.name = "robot";
     options.service.store.emplace();
     options.service.store->store = store;
     options.service.store->recording.store.min_free_bytes = 0;
     options.rpc.endpoints = {*server::Endpoint::parse("unix:" + socket.string())};
-    auto server = server::MemoryServer::start(options, lived_models());
+    return options;
+  }
+
+  /// Half of today has left working memory, the rest is in it alone.
+  static void ask_server(const std::filesystem::path& store, const std::filesystem::path& socket) {
+    auto server = server::MemoryServer::start(options_of(store, socket), lived_models());
     ASSERT_OK(server);
     memory::MemoryService& service = (*server)->service();
     const auto today = commits_of_today();
@@ -229,7 +282,39 @@ class Answering : public ::testing::Test {
           (*client)->predict(id, request.horizons, {request.from, request.plan, request.engine}),
           "server 'robot'", endpoint);
     }
+    for (const EnginesQuestion& asked : engines_questions()) {
+      const ltm::MemoryId id = *ltm::MemoryId::parse(asked.entity);
+      served_[asked.text()] = text_of(service.engines(id, asked.ahead, asked.at), "server 'robot'");
+      auto wired = (*client)->engines(id, std::array{asked.ahead}, asked.at);
+      wired_[asked.text()] =
+          text_of(wired.ok() ? Result<std::vector<ltm::EngineRecord>>(std::move(wired->front()))
+                             : wired.status(),
+                  "server 'robot'", endpoint);
+    }
     ASSERT_OK((*server)->stop());
+  }
+
+  /// Asks a second server, which prefers latents, and the store in the same way.
+  static void ask_for_latents(const std::filesystem::path& store,
+                              const std::filesystem::path& socket) {
+    auto options = options_of(store, socket);
+    options.service.store->prefers_latents = true;
+    auto server = server::MemoryServer::start(options, lived_models());
+    ASSERT_OK(server);
+    const std::string endpoint = (*server)->endpoints().front();
+    const auto client = server::MemoryClient::connect(endpoint);
+    ASSERT_OK(client);
+    for (const std::string& question : latent_questions())
+      wired_latents_[question] =
+          text_of((*client)->query(*ltm::Query::parse(question)), "server 'robot'", endpoint);
+    ASSERT_OK((*server)->stop());
+    auto reader = ltm::StoreReader::open(store);
+    ASSERT_OK(reader);
+    ltm::Recall recall(*std::move(reader), lived_models());
+    for (const std::string& question : latent_questions())
+      stored_latents_[question] =
+          text_of(recall.query(*ltm::Query::parse(question), {.prefer = ltm::Prefer::kLatent}),
+                  "store '" + store.string() + "'");
   }
 
   static void ask_store(const std::filesystem::path& store) {
@@ -245,17 +330,21 @@ class Answering : public ::testing::Test {
     for (const FutureQuestion& one : asked)
       stored_[one.text()] =
           text_of(one, recall.predict(*ltm::MemoryId::parse(one.entity), one.request, {}), place);
+    for (const EnginesQuestion& one : engines_questions())
+      stored_[one.text()] =
+          text_of(recall.records(*ltm::MemoryId::parse(one.entity), one.at, one.ahead, {}), place);
   }
 
   static void expect_same(const Answers& found, const Answers& expected) {
-    ASSERT_EQ(found.size(), questions().size() + future_questions().size());
+    ASSERT_EQ(found.size(),
+              questions().size() + future_questions().size() + engines_questions().size());
     for (const auto& [question, text] : expected)
       EXPECT_EQ(found.at(question), text) << "asked: " << question;
   }
 
   static const std::string& stored(const std::string& question) { return stored_.at(question); }
 
-  static inline Answers served_, wired_, stored_;
+  static inline Answers served_, wired_, stored_, wired_latents_, stored_latents_;
 };
 
 TEST_F(Answering, AServerAndTheStoreThatItLeavesSayTheSame) {
@@ -264,6 +353,26 @@ TEST_F(Answering, AServerAndTheStoreThatItLeavesSayTheSame) {
 
 TEST_F(Answering, TheWireChangesNothing) {
   expect_same(wired_, stored_);
+}
+
+TEST_F(Answering, AServerThatPrefersLatentsSaysWhatTheStoreSays) {
+  ASSERT_EQ(wired_latents_.size(), latent_questions().size());
+  for (const auto& [question, text] : stored_latents_)
+    EXPECT_EQ(wired_latents_.at(question), text) << "asked: " << question;
+  // Snapshots in both forms are read from the other one.
+  EXPECT_NE(stored_latents_.at("Vision/RGB/head/cam @ 25..35"),
+            stored("Vision/RGB/head/cam @ 25..35"));
+}
+
+/// What can predict, and how well: what the equal answers are.
+TEST_F(Answering, ListsEnginesOfAnyMoment) {
+  const std::string& now = stored("engines of Vision/RGB/head/cam, 200ms ahead at now");
+  EXPECT_NE(now.find("deep of '"), std::string::npos) << now;
+  EXPECT_NE(now.find("copy-last of '"), std::string::npos) << now;
+  EXPECT_NE(now,
+            stored("engines of Vision/RGB/head/cam, 200ms ahead at 2020-09-13 12:26:44.000000"));
+  EXPECT_NE(stored("engines of Nothing/like/that/exists, 200ms ahead at now").find("no entity"),
+            std::string::npos);
 }
 
 /// Of the same moment, with a plan and without: what the equal answers are.
