@@ -71,15 +71,16 @@ VideoPace pace_within(double times, int64_t pixels, double usual_tolerance_db) {
   const auto seconds = [&](const VideoEffort& effort, const Search& search) {
     return seconds_per_image(effort, pixels) * search.encodes;
   };
-  const double limit = times * seconds(usual_effort(pixels), searches.front());
+  const double usual = seconds(usual_effort(pixels), searches.front());
   const VideoEffort& quickest = kVideoEfforts.back();
   VideoPace best{&quickest, searches.front().tolerance_db,
-                 quickest.relative_bytes * searches.front().bytes};
+                 quickest.relative_bytes * searches.front().bytes,
+                 seconds(quickest, searches.front()) / usual};
   for (const VideoEffort& effort : kVideoEfforts)
     for (const Search& search : searches)
       if (const double bytes = effort.relative_bytes * search.bytes;
-          bytes < best.relative_bytes && seconds(effort, search) <= limit)
-        best = {&effort, search.tolerance_db, bytes};
+          bytes < best.relative_bytes && seconds(effort, search) <= times * usual)
+        best = {&effort, search.tolerance_db, bytes, seconds(effort, search) / usual};
   return best;
 }
 

@@ -43,6 +43,8 @@ struct VideoPace {
   double tolerance_db = 0;
   /// Bytes relative to those of the first of the ladder without a tolerance.
   double relative_bytes = 1;
+  /// Time relative to the usual: the quickest effort may take more than was asked for.
+  double times = 1;
 };
 
 /// Returns the pace with the fewest bytes that takes at most `times` as long as the usual effort

@@ -143,22 +143,23 @@ void ChosenForm::prepare_videos() {
   history.teach(*representation.videos);
 }
 
-void ChosenForm::spend(double times) {
+double ChosenForm::spend(double times) {
   if (image_members == 0 || representation.video != "av1" ||
       representation.video_effort != kAutoEffort)
-    return;
+    return 1;
   const double tolerance_db = representation.video_tolerance_db;
   const VideoPace usual = pace_within(1, image_pixels, tolerance_db);
   const VideoPace now = pace_within(times, image_pixels, tolerance_db);
   representation.video_time = times;
   prepare_videos();
   const double more = 100 * (now.relative_bytes / usual.relative_bytes - 1);
-  if (more == 0) return;
+  if (more == 0) return now.times;
   notes.push_back(fmt::format(
       "there is {:.2g} times the time that videos usually take: they are searched for with {}, "
       "within {:g} dB of the bound, which takes about {:.0f} % {} bytes than usual",
       times, now.effort->codec_options, now.tolerance_db, std::abs(more),
       more > 0 ? "more" : "fewer"));
+  return now.times;
 }
 
 Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& planned) {

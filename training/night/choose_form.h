@@ -31,7 +31,8 @@ struct ChosenForm {
   [[nodiscard]] ChosenForm as_video_alone() const;
   /// Searches for videos in so many times the time of a usual night: with more time for fewer
   /// bytes, with less for more. A note tells what that changes. `times` must be positive (checked).
-  void spend(double times);
+  /// Returns how many times the usual time it will probably take.
+  double spend(double times);
   /// Begins a new search for videos with what is known from earlier ones.
   void prepare_videos();
 };

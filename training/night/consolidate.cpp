@@ -155,8 +155,11 @@ class TimeTable {
       // Nothing is trained, so all the time is for a search with more effort, or less.
       const double times =
           std::max(share.total() / std::max(job.encoding.reserved, 1.0), kMinTimes);
-      if (times < 1 || times > kSpareTimes) form.spend(times);
-      job.encoding.per_snapshot *= times;
+      if (times < 1 || times > kSpareTimes) job.encoding.per_snapshot *= form.spend(times);
+      const EntityPlan& plan = job.planned.plan;
+      if (share.is_short)
+        form.train.memory_bytes =
+            std::min(form.train.memory_bytes, kShortMeasured * plan.plain_bytes / plan.snapshots);
       share = {0, share.total(), share.is_short};
     } else if (share.is_short) {
       const double training = kShortTraining * share.encoding;
@@ -170,6 +173,8 @@ class TimeTable {
   static constexpr double kSpareTimes = 1.5;
   /// The quickest effort takes more than this share of the usual time.
   static constexpr double kMinTimes = 0.05;
+  /// Where the time is short, predictions are measured on so many snapshots.
+  static constexpr uint64_t kShortMeasured = 32;
   /// Share of a short time that training gets where there is no form without networks.
   static constexpr double kShortTraining = 0.25;
 

@@ -10,6 +10,8 @@ namespace {
 
 /// Share of the time that is left which is planned for: the next images may take longer.
 constexpr double kPlanned = 0.8;
+/// A shorter chain is better than none.
+constexpr size_t kMinRows = 8;
 /// Work that was begun may end so much later. The first may take longer than all others, because
 /// nothing is known about how quality follows from crf.
 constexpr Duration kGrace = std::chrono::seconds(5), kFirstGrace = std::chrono::seconds(15);
@@ -20,13 +22,14 @@ size_t EncodingRate::fitting(size_t chain_rows) const {
   if (!limits_.end) return std::numeric_limits<size_t>::max();
   const double left = to_seconds(*limits_.end - pace_.now());
   if (left <= 0) return 0;
-  const size_t min = snapshots_ == 0 ? chain_rows : 0;
+  const size_t min_rows = std::min(kMinRows, chain_rows);
   // Videos that are known from earlier nights take no time, and then others follow: what was
   // expected counts even if the last ones were quicker.
   const double each = std::max(last_, limits_.seconds_per_snapshot);
-  if (each <= 0) return chain_rows;
-  const double chains = std::min(kPlanned * left / each / static_cast<double>(chain_rows), 1e9);
-  return std::max(min, static_cast<size_t>(chains) * chain_rows);
+  if (each <= 0) return min_rows;
+  const auto fitting = static_cast<size_t>(std::min(kPlanned * left / each, 1e9));
+  const size_t step = fitting >= chain_rows ? chain_rows : min_rows;
+  return std::max(fitting / step * step, snapshots_ == 0 ? min_rows : 0);
 }
 
 void EncodingRate::count(size_t snapshots, double seconds) {

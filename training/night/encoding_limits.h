@@ -39,9 +39,9 @@ class EncodingRate {
   /// Both must outlive this object.
   EncodingRate(const EncodingLimits& limits, const JobPace& pace) : limits_(limits), pace_(pace) {}
 
-  /// Max number of snapshots to encode next, in whole chains; 0 if nothing more fits. Before
-  /// anything was encoded it is at least one chain unless the time is over, so that a short night
-  /// does something.
+  /// Max number of snapshots to encode next: whole chains, or one of at least 8 rows; 0 if nothing
+  /// more fits. Before anything was encoded it is not 0 unless the time is over, so that a short
+  /// night does something.
   [[nodiscard]] size_t fitting(size_t chain_rows) const;
 
   /// Counts snapshots that took so many seconds.

@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/night/expected_encoding.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <vector>
+
+#include "ltm/codec/group_codec.h"
 
 #include "training/fit/entity_source.h"
 #include "training/fit/network_width.h"
 #include "training/fit/trainer.h"
 #include "training/forms/entity_videos.h"
 #include "training/night/encode_entity.h"
+#include "training/night/entity_images.h"
 
 namespace engram::training {
 
 namespace {
 
-/// Number of snapshots on which encoding is measured, and of large images.
-constexpr size_t kSample = 32, kLargeSample = 16;
-constexpr int64_t kLargePixels = 256 * 256;
+/// Number of snapshots on which encoding is measured, and where there is only video.
+constexpr size_t kSample = 32, kVideoSample = 8;
 /// The sample has two chains, so that two threads have something to do.
 constexpr size_t kSampleChains = 2;
 /// Max number of snapshots on which predictions are measured in addition to encoding.
@@ -25,12 +31,17 @@ constexpr size_t kMaxMeasured = 256;
 constexpr double kEncodes = 1.9, kWholeEncodes = 3.2;
 /// What measuring predictions takes of the time of encoding where there are no networks.
 constexpr double kMeasuredVideoShare = 0.15;
+/// What reading, decoding and comparing take beside one encode.
+constexpr double kBesideEncoding = 1.15;
+/// How much two threads encode in the time of one.
+constexpr double kTwoThreads = 1.7;
+/// Where nothing is known about how quality follows from crf.
+constexpr int kAnyCrf = 28;
 /// A snapshot whose video the store holds takes this share of the time.
 constexpr double kKnownShare = 0.05;
 
 /// The first snapshots without latents: videos of the others may be known.
-std::vector<ltm::SnapshotEntry> sample_of(const PlannedEntity& planned, const ChosenForm& form) {
-  const size_t wanted = form.image_pixels > kLargePixels ? kLargeSample : kSample;
+std::vector<ltm::SnapshotEntry> sample_of(const PlannedEntity& planned, size_t wanted) {
   std::vector<ltm::SnapshotEntry> sample;
   for (const bool is_known : {false, true})
     for (const ltm::SnapshotEntry& entry : planned.entries)
@@ -39,14 +50,44 @@ std::vector<ltm::SnapshotEntry> sample_of(const PlannedEntity& planned, const Ch
   return sample;
 }
 
-/// Time of a snapshot as video once searches begin where others ended. The first ones take more
-/// encodes.
-double seconds_as_video(double seconds, const EntityCosts& costs, double tolerance_db) {
-  double encodes = 0;
-  for (const int count : costs.encodes) encodes += count;
-  if (encodes == 0) return seconds;
-  const double usual = tolerance_db > 0 ? kEncodes : kWholeEncodes;
-  return seconds * std::min(1.0, usual * static_cast<double>(costs.encodes.size()) / encodes);
+/// The time of a snapshot as video, from a single encode of a few: a search that knows nothing
+/// takes as long as a short night has. It is 0 if no codec accepts the images.
+Result<double> seconds_as_video(const EntityWork& work, const PlannedEntity& planned,
+                                const ChosenForm& form) {
+  const auto sample = sample_of(planned, kVideoSample);
+  MemberImages images;
+  for (const ltm::SnapshotEntry& entry : sample)
+    ENGRAM_RETURN_IF_ERROR(append_images(work, planned.layout, entry, images));
+  const auto start = std::chrono::steady_clock::now();
+  for (size_t i = 0; i < images.size(); ++i) {
+    const VideoSearch& search = form.representation.videos->search_of(i);
+    const VideoSearchOptions& options = search.options();
+    const int crf =
+        search.history().is_empty()
+            ? kAnyCrf
+            : std::clamp(search.history().first_guess(options.bound_db, options.tolerance_db), 1,
+                         50);
+    const auto codec =
+        ltm::make_group_codec(fmt::format("{}:crf={},{}", options.codec, crf, options.settings));
+    if (!codec.ok() || !(*codec)->encode(images[i]).ok()) return 0.0;
+  }
+  const double once = to_seconds(std::chrono::steady_clock::now() - start);
+  const bool has_two = form.representation.threads > 1 && std::thread::hardware_concurrency() > 1;
+  const double encodes = form.representation.video_tolerance_db > 0 ? kEncodes : kWholeEncodes;
+  return kBesideEncoding * encodes * once / static_cast<double>(sample.size()) /
+         (has_two ? kTwoThreads : 1.0);
+}
+
+Result<ExpectedEncoding> measure_video(const EntityWork& work, const PlannedEntity& planned,
+                                       const ChosenForm& form) {
+  ENGRAM_ASSIGN_OR_RETURN(const double each, seconds_as_video(work, planned, form));
+  if (each == 0) return ExpectedEncoding();
+  const auto news = static_cast<double>(planned.plan.new_snapshots);
+  const auto all = static_cast<double>(planned.entries.size());
+  const double once = each * (news + (all - news) * kKnownShare);
+  const double predictions =
+      each * kMeasuredVideoShare * std::min(all, static_cast<double>(kMaxMeasured));
+  return ExpectedEncoding{once, with_encoding_margin(once + predictions), each};
 }
 
 }  // namespace
@@ -58,14 +99,14 @@ double with_encoding_margin(double seconds) {
 }
 
 Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedEntity& planned,
-                                          ChosenForm& form) {
+                                          const ChosenForm& form) {
   const auto stage = work.stage(Stage::kSamples);
   work.pace.progress()({"measure " + work.entity.to_string(), 0, 1, {}, -1});
   const auto& entries = planned.entries;
-  const auto sample = sample_of(planned, form);
+  if (form.is_video_alone() && planned.has_images_alone())
+    return measure_video(work, planned, form);
+  const auto sample = sample_of(planned, kSample);
   TrainOptions quick = form.train;
-  quick.chain_rows =
-      std::min(quick.chain_rows, std::max(1, static_cast<int>(sample.size() / kSampleChains)));
   quick.steps = 2;
   quick.width = network_width(form.train, entries.size());
   quick.hold_out_recordings = 0;
@@ -89,26 +130,20 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
   const auto encoded = encode_entity(quiet, fitted->model, 1, sample, slowest);
   if (encoded.status().code() == StatusCode::kInvalidArgument) return ExpectedEncoding();
   ENGRAM_RETURN_IF_ERROR(encoded.status());
-  if (slowest.videos) {
-    form.history.learn(*slowest.videos);
-    form.history.teach(*form.representation.videos);
-  }
-  double per_snapshot = encoded->seconds / static_cast<double>(sample.size());
-  if (form.is_video_alone())
-    per_snapshot = seconds_as_video(per_snapshot, costs, slowest.video_tolerance_db);
-  const auto news = static_cast<double>(planned.plan.new_snapshots);
-  const auto known = static_cast<double>(entries.size()) - news;
-  const double once = per_snapshot * (news + known * (form.is_video_alone() ? kKnownShare : 1));
+  const double per_snapshot = encoded->seconds / static_cast<double>(sample.size());
+  const auto count = static_cast<double>(entries.size());
   // Everything may have to be encoded again as video alone, and new snapshots with the previous
   // model.
   const bool may_repeat =
       form.representation.kind == Representation::kAuto && form.train.has_networks;
-  const bool has_previous = may_repeat && planned.plan.newest_version > 0;
-  const double measured = static_cast<double>(std::min(entries.size(), kMaxMeasured)) *
-                          (form.is_video_alone() ? kMeasuredVideoShare : 1);
-  const double all =
-      once * (may_repeat ? 2 : 1) + per_snapshot * ((has_previous ? news : 0) + measured);
-  return ExpectedEncoding{once, with_encoding_margin(all), per_snapshot};
+  const bool has_previous =
+      work.options.representation.kind == Representation::kAuto && planned.plan.newest_version > 0;
+  const auto news = static_cast<double>(has_previous ? planned.plan.new_snapshots : 0);
+  const auto measured = static_cast<double>(std::min(entries.size(), kMaxMeasured));
+  return ExpectedEncoding{
+      per_snapshot * count,
+      with_encoding_margin(per_snapshot * (count * (may_repeat ? 2 : 1) + news + measured)),
+      per_snapshot};
 }
 
 }  // namespace engram::training

@@ -21,10 +21,10 @@ struct ExpectedEncoding {
 /// Time to reserve for encoding that takes `seconds` by measurement. Unit: s.
 [[nodiscard]] double with_encoding_margin(double seconds);
 
-/// Trains a model for two steps on some new snapshots and encodes these with it. `form` learns how
-/// quality follows from crf.
+/// Trains a model for two steps on some new snapshots and encodes these with it. Where images are
+/// kept as video and there is nothing else, a single encode of a few of them tells enough.
 /// Errors: the errors of training and encoding, except those for which an entity is skipped.
 Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedEntity& planned,
-                                          ChosenForm& form);
+                                          const ChosenForm& form);
 
 }  // namespace engram::training

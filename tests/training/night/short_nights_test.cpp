@@ -75,7 +75,9 @@ TEST(EncodingRate, LetsWholeChainsFitIntoWhatIsLeft) {
   EXPECT_EQ(rate.fitting(16), 16u) << "16 s of 0.8 s each";
   EXPECT_DOUBLE_EQ(rate.seconds_for(10), 8);
   hand.now += seconds(10);
-  EXPECT_EQ(rate.fitting(16), 0u) << "a chain would end too late";
+  EXPECT_EQ(rate.fitting(16), 8u) << "a shorter chain";
+  hand.now += seconds(5);
+  EXPECT_EQ(rate.fitting(16), 0u) << "any would end too late";
 }
 
 TEST(EncodingRate, ExpectsNoLessThanWasMeasuredBefore) {
@@ -90,7 +92,8 @@ TEST(EncodingRate, LetsAShortNightDoSomething) {
   Hand hand;
   const EncodingLimits limits{hand.now + seconds(3), 10, {}, {}};
   EncodingRate rate(limits, hand.pace);
-  EXPECT_EQ(rate.fitting(16), 16u);
+  EXPECT_EQ(rate.fitting(16), 8u);
+  EXPECT_EQ(rate.fitting(4), 4u);
   hand.now += seconds(10);
   EXPECT_FALSE(rate.is_over()) << "what was begun may end";
   hand.now += seconds(10);
