@@ -27,6 +27,8 @@ def made() -> Any:
 
 
 GOLDEN = made()
+# As it was stored.
+FIRST_POSITION = ["0x1.0000000000000p+0", "0x1.14a280fb5068bp-1", "-0x1.aa22657537205p-2"]
 ALL = range(GOLDEN.COUNT + GOLDEN.UNSEALED)
 
 
@@ -54,7 +56,12 @@ def test_everything_that_was_recorded_reads_as_it_was(store: Path) -> None:
             np.stack([one.image for one in camera]), np.stack([GOLDEN.image_at(i) for i in ALL])
         )
         for i, one in enumerate(memory[GOLDEN.JOINTS]):
-            assert one.source == "recorded" and idf.equal(one.value, GOLDEN.joints_at(i)), i
+            value, wanted = dict(one.value), GOLDEN.joints_at(i)
+            position = value.pop("position")
+            # NumPy's cosines differ in the last bit between processors.
+            np.testing.assert_array_max_ulp(position, wanted.pop("position"), maxulp=4)
+            assert i > 0 or [float(x).hex() for x in position] == FIRST_POSITION
+            assert one.source == "recorded" and idf.equal(value, wanted), i
         spoken = memory[GOLDEN.SPEECH].latest()[0]
         assert spoken.value == {"speaker": "Ada", "text": "Größe?"}
 
