@@ -19,6 +19,7 @@ struct OldWord {
 constexpr const char* kOldWordsUntil = "0.3";
 
 constexpr std::array kOldWords{
+    OldWord{"predict", "--ahead", "--horizons", "--horizons"},
     OldWord{"recover", "--output", "--out", "--out"},
     OldWord{"commit", "--type-name", "--type"},
     // All other commands call the file --types, and one type of it --type.

@@ -5,9 +5,11 @@ namespace engram::cli {
 
 namespace {
 
-/// The default horizons of --list; for entities with long steps, numbers of steps.
-constexpr std::string_view kAhead = "200ms,400ms,1s";
-constexpr std::string_view kAheadOfSlow = "1,2,5";
+/// The default horizons. Those of --list are durations, so that entities can be compared; for
+/// entities with long steps they are numbers of steps.
+constexpr std::string_view kPredicted = "1..3";
+constexpr std::string_view kListed = "200ms,400ms,1s";
+constexpr std::string_view kListedOfSlow = "1,2,5";
 constexpr Duration kSlow = std::chrono::milliseconds(250);
 
 }  // namespace
@@ -21,7 +23,7 @@ void add_predict_options(CLI::App& command, PredictArguments& arguments) {
   command
       .add_option("--horizons", arguments.horizons,
                   "Steps ahead ('1..3', '2') or durations ('+200ms,+400ms')")
-      ->capture_default_str();
+      ->default_str("1..3, with --list 200ms,400ms,1s");
   command.add_option("--engine", arguments.engine,
                      "What predicts (--list); else the best for each horizon");
   command
@@ -44,17 +46,13 @@ void add_predict_options(CLI::App& command, PredictArguments& arguments) {
   command.add_flag("--list", arguments.is_list,
                    "What can predict the entity, its errors on the entity's own past, and which "
                    "one answers");
-  command
-      .add_option("--ahead", arguments.ahead,
-                  "Horizons of --list, as --horizons; else 200ms,400ms,1s")
-      ->needs("--list");
   command.add_flag("--json", arguments.is_json, "As JSON, with all predicted data");
 }
 
 std::string horizons_text(const PredictArguments& arguments, Duration step) {
-  if (!arguments.is_list) return arguments.horizons;
-  if (!arguments.ahead.empty()) return arguments.ahead;
-  return std::string(step < kSlow ? kAhead : kAheadOfSlow);
+  if (!arguments.horizons.empty()) return arguments.horizons;
+  if (!arguments.is_list) return std::string(kPredicted);
+  return std::string(step < kSlow ? kListed : kListedOfSlow);
 }
 
 std::optional<Time> time_of(const std::string& text) {

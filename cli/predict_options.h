@@ -17,10 +17,9 @@ struct PredictArguments {
   std::string entity;
   RemoteArguments remote;
   std::string at;
-  std::string horizons = "1..3";
+  std::string horizons;  ///< Empty: the default.
   std::string engine;
   std::string plan;
-  std::string ahead;
   std::string picture;
   std::string save;
   std::string from, to;
@@ -33,8 +32,8 @@ struct PredictArguments {
 /// Adds all of them. `arguments` must outlive the command.
 void add_predict_options(CLI::App& command, PredictArguments& arguments);
 
-/// Returns the requested horizons, or those that --list measures by default for an entity with this
-/// step.
+/// Returns the requested horizons, or the default ones: for --list they depend on the step of the
+/// entity.
 [[nodiscard]] std::string horizons_text(const PredictArguments& arguments, Duration step);
 
 /// Prints text or JSON, as requested.

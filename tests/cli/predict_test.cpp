@@ -141,7 +141,7 @@ TEST_F(Predict, ListsWhatCanPredict) {
   for (const char* text : {"deep v1", "copy-last", "steps of 200ms", "90 % bound", "answers",
                            "known", "unknown", "1s", "measured when it was trained"})
     EXPECT_THAT(shown.out, HasSubstr(text));
-  const Json list = json_of(predict({kCamera, "--list", "--ahead", "200ms,1s", "--json"}));
+  const Json list = json_of(predict({kCamera, "--list", "--horizons", "200ms,1s", "--json"}));
   ASSERT_EQ(list.at("horizons").size(), 2u);
   for (const Json& horizon : list.at("horizons")) {
     const Json& engines = horizon.at("engines");
@@ -167,7 +167,7 @@ TEST_F(Predict, ListsWhatCanPredict) {
 }
 
 TEST_F(Predict, AnswersWithTheBestEngineOfNumbers) {
-  const Json list = json_of(predict({kJoints, "--list", "--ahead", "1..2", "--json"}));
+  const Json list = json_of(predict({kJoints, "--list", "--horizons", "1..2", "--json"}));
   const Json answer = json_of(predict({kJoints, "--horizons", "1..2", "--json"}));
   ASSERT_EQ(list.at("horizons").size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
@@ -261,8 +261,10 @@ TEST_F(Predict, RefusesWhatItCannotDo) {
   EXPECT_EQ(predict({kCamera, "--engine", "oracle"}).exit_code, 1);
   EXPECT_THAT(predict({kCamera, "--engine", "oracle"}).err, HasSubstr("'oracle' predicts it"));
   EXPECT_THAT(predict({kCamera, "--engine", "oracle"}).err, HasSubstr("deep"));
-  EXPECT_EQ(predict({kCamera, "--ahead", "1"}).exit_code, 2) << "of --list alone";
-  EXPECT_EQ(predict({kCamera, "--list", "--ahead", "soon"}).exit_code, 2);
+  EXPECT_EQ(predict({kCamera, "--list", "--horizons", "soon"}).exit_code, 2);
+  const RunResult old = predict({kCamera, "--list", "--ahead", "1"});
+  EXPECT_EQ(old.exit_code, 0) << old.err;
+  EXPECT_THAT(old.err, HasSubstr("'--ahead' is '--horizons' now"));
   EXPECT_EQ(predict({kCamera, "--at", "2001-01-01 00:00:00"}).exit_code, 1);
   EXPECT_EQ(predict({kCamera, "--compare", "--at", "2022-02-18 13:00:25.8"}).exit_code, 1);
   EXPECT_EQ(predict({kCamera, "--every", "5", "--compare"}).exit_code, 2);
@@ -282,7 +284,7 @@ TEST(PredictWithoutModels, MeasuresWhatIsCopiedAndContinuesNumbers) {
   EXPECT_TRUE(next.at("error_bound").contains("psnr_db"));
   EXPECT_TRUE(next.contains("within"));
   EXPECT_EQ(next.at("error"), next.at("copy_last").at("error"));
-  const RunResult listed = run_engram({"predict", store, kJoints, "--list", "--ahead", "1..2"});
+  const RunResult listed = run_engram({"predict", store, kJoints, "--list", "--horizons", "1..2"});
   ASSERT_EQ(listed.exit_code, 0) << listed.err;
   for (const char* text : {"copy-last", "line", "damped-line", "autoregression", "answers", "RMSE"})
     EXPECT_THAT(listed.out, HasSubstr(text));

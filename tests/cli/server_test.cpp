@@ -121,7 +121,7 @@ TEST_F(Server, IsAskedAndWatchedAndCounts) {
   EXPECT_EQ(came.at("copy_last").at("error").at("rmse"), 0.25);
   EXPECT_EQ(run_engram({"predict", kCup, "--every", "2"}).exit_code, 2);
   const auto listed = [](std::vector<std::string> more) {
-    std::vector<std::string> words{"predict", kCup, "--list", "--ahead", "1", "--json"};
+    std::vector<std::string> words{"predict", kCup, "--list", "--horizons", "1", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return json_of(run_engram(words));
   };
