@@ -32,7 +32,7 @@ Examples:
   engram predict robot.engram Vision/RGB/head/cam --every 10
   engram predict robot.engram Vision/RGB/head/cam --plan RobotState/Planning/arm/joints
   engram predict robot.engram RobotState/Proprioception/robot/joints --horizons +1s --engine line
-  engram predict robot.engram RobotState/Proprioception/robot/joints --list --ahead 200ms,400ms,1s
+  engram predict robot.engram RobotState/Proprioception/robot/joints --list --horizons 200ms,400ms,1s
   engram predict robot.engram Vision/RGB/head/cam --list --json
   engram predict --server 127.0.0.1:50051 Vision/RGB/head/cam --horizons +200ms,+400ms
   engram predict Vision/RGB/head/cam --at '2022-02-18 13:00:20' --compare)";
