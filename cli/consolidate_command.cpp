@@ -176,7 +176,7 @@ std::vector<std::string> arguments_of_parts(const ConsolidateArguments& argument
   auto texts = arguments_of(*arguments.command, {"--entity", "--threads", "--jobs", "--progress",
                                                  "--json", "--budget", "--until"});
   if (const auto& until = arguments.options.job.until)
-    texts.push_back("--until=" + to_string(*until));
+    texts.push_back("--until=" + to_string(*until) + "Z");
   return texts;
 }
 

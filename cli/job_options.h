@@ -18,8 +18,9 @@ struct JobArguments {
   std::string progress = "auto";
 };
 
-/// Adds --budget and --until (beside --training and --steps, which must exist), --fresh, --checkpoint-every,
-/// --yield-file, --yield-command and --progress. All arguments must outlive the command.
+/// Adds --budget and --until (beside --training and --steps, which must exist), --fresh,
+/// --checkpoint-every, --yield-file, --yield-command and --progress. All arguments must outlive the
+/// command.
 void add_job_options(CLI::App& command, JobArguments& arguments, training::JobControl& job);
 
 /// Parses the options that add_job_options could not write into `job` itself. A budget begins now.

@@ -16,10 +16,9 @@ struct TrainingArguments {
 };
 
 /// Adds the option of the time, --steps, --seed, --psnr, --width, --varied, --augmented,
-/// --augmented-share and
-/// --threads. Both arguments must outlive the command. `time_option` is the name of
-/// the option that takes the time of training. `time_of` and `psnr_of` complete the help texts:
-/// whose time it is, and which PSNR is meant.
+/// --augmented-share and --threads. Both arguments must outlive the command. `time_option` is the
+/// name of the option that takes the time of training. `time_of` and `psnr_of` complete the help
+/// texts: whose time it is, and which PSNR is meant.
 void add_training_options(CLI::App& command, TrainingArguments& arguments,
                           training::TrainOptions& options, std::filesystem::path& augmented,
                           const std::string& time_option, const std::string& time_of,

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "tests/cli/run_program.h"
@@ -84,6 +86,23 @@ TEST_F(Jobs, FailWhereAPartFails) {
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_THAT(failed.err, HasSubstr("cannot be run"));
   EXPECT_EQ(run_engram(job({"--steps", "5", "--jobs", "3"})).exit_code, 2);
+}
+
+// The moment is passed on as text, which must not be taken for local time.
+TEST_F(Jobs, EndAtTheSameMomentInEveryTimeZone) {
+  const auto before =
+      std::getenv("TZ") != nullptr ? std::optional<std::string>(std::getenv("TZ")) : std::nullopt;
+  for (const char* zone : {"UTC+11", "UTC-11"}) {
+    ::setenv("TZ", zone, 1);
+    const auto start = std::chrono::steady_clock::now();
+    const RunResult done = run_engram(job({"--budget", "10s", "--jobs", "2", "--force"}));
+    EXPECT_EQ(done.exit_code, 0) << zone << ": " << done.err;
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::minutes(2)) << zone;
+  }
+  if (before)
+    ::setenv("TZ", before->c_str(), 1);
+  else
+    ::unsetenv("TZ");
 }
 
 TEST_F(Jobs, EndWithTheirParent) {
