@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,14 @@ def test_ctrl_c_stops_a_job_without_a_callback(copied: Path) -> None:
         engram.consolidate(copied, CAMERA, **{**QUICK, "steps": 1_000_000})
     timer.join()
     assert engram.check(copied)["clean"]
+
+
+def test_a_budget_is_for_everything(copied: Path) -> None:
+    start = time.monotonic()
+    report = engram.consolidate(copied, CAMERA, representation="video", psnr=30, budget=60)
+    assert time.monotonic() - start < 90
+    (camera,) = report["entities"]
+    assert camera["snapshots"] > 0 and camera["waiting"] == 0
 
 
 def test_wrong_options_are_refused(copied: Path) -> None:
