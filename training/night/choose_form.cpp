@@ -48,12 +48,28 @@ int rows_within(Duration access, int64_t pixels) {
   return std::clamp(static_cast<int>(std::min(rows, 1e6)) / kStep * kStep, kMin, kMax);
 }
 
+/// Runs of images that are coded to find out what video takes.
+constexpr size_t kRuns = 4;
+
+/// Whether coding the sample takes a small part of the time until the job ends.
+bool has_time_to_sample(const EntityWork& work, const PlannedEntity& planned,
+                        const ChosenForm& form) {
+  constexpr double kFirstEncodes = 4;  // Of a chain, while it is unknown how quality follows crf.
+  constexpr double kMaxShare = 0.05;
+  const auto& until = work.options.job.until;
+  if (!until) return true;
+  const size_t images =
+      std::min(kRuns * static_cast<size_t>(form.train.chain_rows), planned.entries.size());
+  const double seconds = kFirstEncodes * static_cast<double>(images * form.image_members) *
+                         seconds_per_image(usual_effort(form.image_pixels), form.image_pixels);
+  return seconds <= kMaxShare * to_seconds(*until - system_now());
+}
+
 /// Bytes of the images of a snapshot as video at the bound; 0 if no codec accepts them. Only some
 /// runs are coded, because coding everything would take longer than this decision is worth.
 Result<double> sampled_video_bytes(const EntityWork& work, const PlannedEntity& planned,
                                    const ChosenForm& form) {
   EntityVideos& videos = *form.representation.videos;
-  constexpr size_t kRuns = 4;
   const auto longest = static_cast<size_t>(form.train.chain_rows);
   const auto& entries = planned.entries;
   const size_t step = std::max<size_t>(1, entries.size() / kRuns);
@@ -110,6 +126,10 @@ Result<bool> wants_networks(const EntityWork& work, const PlannedEntity& planned
   if (networks == 0) return true;
   ENGRAM_ASSIGN_OR_RETURN(const bool lost, have_lost(work, planned, form));
   if (lost) return false;
+  if (!has_time_to_sample(work, planned, form)) {
+    form.notes.push_back("no time to find out whether networks pay: there is video alone");
+    return false;
+  }
   ENGRAM_ASSIGN_OR_RETURN(const double video, sampled_video_bytes(work, planned, form));
   if (video == 0) return true;  // No codec accepts its images.
   const double saved =

@@ -27,6 +27,10 @@ struct ChosenForm {
   [[nodiscard]] bool is_video_alone() const {
     return image_members > 0 && representation.kind == Representation::kVideo;
   }
+  /// Whether networks may be left out: images are kept in the cheapest form, whichever that is.
+  [[nodiscard]] bool may_become_video() const {
+    return image_members > 0 && representation.kind == Representation::kAuto && train.has_networks;
+  }
   /// The same without networks, with video at the bound.
   [[nodiscard]] ChosenForm as_video_alone() const;
   /// Searches for videos in so many times the time of a usual night: with more time for fewer

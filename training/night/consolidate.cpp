@@ -125,8 +125,8 @@ class TimeTable {
   Result<std::optional<Allotment>> until(Time end, size_t at) {
     EntityJob& job = jobs_[order_[at]];
     const Time now = system_now();
-    TimeShare share = first_share(needs_from(at), to_seconds(end - now));
-    fit_form(share, job);
+    ENGRAM_ASSIGN_OR_RETURN(const TimeShare share,
+                            fit_form(first_share(needs_from(at), to_seconds(end - now)), job));
     ENGRAM_ASSIGN_OR_RETURN(const Duration budget, duration_from_seconds(share.training));
     ENGRAM_ASSIGN_OR_RETURN(const Duration all, duration_from_seconds(share.total()));
     log::info("{}: {:.0f} s to train, {:.0f} s to encode, until {}", job.work.entity.to_string(),
@@ -139,32 +139,34 @@ class TimeTable {
   }
 
   /// Changes a form to what the time allows, and divides the time between training and encoding.
-  void fit_form(TimeShare& share, EntityJob& job) const {
+  Result<TimeShare> fit_form(TimeShare share, EntityJob& job) const {
+    if (options_.reuses_models) return TimeShare{0, share.total(), share.is_short};
     ChosenForm& form = *job.form;
-    if (options_.reuses_models) {
-      share = {0, share.total(), share.is_short};
-      return;
-    }
-    if (share.is_short && form.representation.kind == Representation::kAuto &&
-        form.image_members > 0 && form.train.has_networks) {
+    if (share.is_short && form.may_become_video()) {
       form = form.as_video_alone();
-      form.notes.push_back(fmt::format(
-          "no time to train networks: encoding may take {:.0f} s, {:.0f} s are left for it",
-          job.encoding.reserved, share.encoding));
-    } else if (form.is_video_alone() && (share.is_short || job.planned.has_images_alone())) {
-      // Nothing is trained, so all the time is for a search with more effort, or less.
-      const double times =
-          std::max(share.total() / std::max(job.encoding.reserved, 1.0), kMinTimes);
-      if (times < 1 || times > kSpareTimes) job.encoding.per_snapshot *= form.spend(times);
-      const EntityPlan& plan = job.planned.plan;
-      if (share.is_short)
-        form.train.memory_bytes =
-            std::min(form.train.memory_bytes, kShortMeasured * plan.plain_bytes / plan.snapshots);
-      share = {0, share.total(), share.is_short};
-    } else if (share.is_short) {
-      const double training = kShortTraining * share.encoding;
-      share = {training, share.encoding - training, true};
+      form.notes.push_back(
+          fmt::format("no time to train networks: with them encoding may take {:.0f} s",
+                      job.encoding.reserved));
+      ENGRAM_ASSIGN_OR_RETURN(job.encoding, measure_encoding(job.work, job.planned, form));
+      share.encoding = std::min(share.encoding, job.encoding.reserved);
     }
+    if (form.is_video_alone() && (share.is_short || job.planned.has_images_alone())) {
+      // Nothing is trained, so all the time is for a search with more effort, or less.
+      share = {0, share.total(), share.is_short};
+      fit_videos(share, job);
+    } else if (share.is_short) {
+      share.training = kShortTraining * share.encoding;
+      share.encoding -= share.training;
+    }
+    return share;
+  }
+
+  static void fit_videos(const TimeShare& share, EntityJob& job) {
+    const double times = std::max(share.encoding / std::max(job.encoding.reserved, 1.0), kMinTimes);
+    if (times < 1 || times > kSpareTimes) job.encoding.per_snapshot *= job.form->spend(times);
+    const EntityPlan& plan = job.planned.plan;
+    uint64_t& bytes = job.form->train.memory_bytes;
+    if (share.is_short) bytes = std::min(bytes, kShortMeasured * plan.plain_bytes / plan.snapshots);
   }
 
   /// Writing and publishing at the end.

@@ -14,6 +14,7 @@
 #include "ltm/store/publish.h"
 #include "training/night/compare_models.h"
 #include "training/night/encode_entity.h"
+#include "training/night/encode_groups.h"
 #include "training/night/entity_report.h"
 #include "training/night/expected_encoding.h"
 #include "training/night/fit_entity.h"
@@ -36,10 +37,6 @@ struct MadeModel {
   size_t wanted = 0;            ///< Snapshots to encode; fewer were if the time was over.
   double encoding_seconds = 0;  ///< Includes the models made before it.
 };
-
-EncodingLimits limits_of(const Allotment& time) {
-  return {time.encoded_end, time.seconds_per_snapshot, {}, {}};
-}
 
 /// Fits a model, encodes all snapshots with it, and writes it with the forms in which they were
 /// kept.
@@ -119,25 +116,7 @@ Result<OrSkipped<EntityReport>> with_newest_model(const EntityWork& work,
   if (!work.options.force)
     std::erase_if(entries,
                   [](const ltm::SnapshotEntry& entry) { return entry.latent.has_value(); });
-  EncodingLimits limits = limits_of(time);
-  limits.publish_interval = work.options.job.publish_interval;
-  limits.publish = [&](const auto& latents, const KeptQuality&) {
-    return publish_more_latents(work, newest->version, latents);
-  };
-  ENGRAM_ASSIGN_OR_RETURN(auto encoded,
-                          or_skipped(encode_entity(work, model, newest->version, entries,
-                                                   planned.representation, limits),
-                                     work.pace));
-  if (auto* skipped = std::get_if<Skipped>(&encoded)) return Done(std::move(*skipped));
-  const auto& snapshots = std::get<EncodedEntity>(encoded);
-  if (snapshots.snapshots == 0 && !entries.empty()) return Done(nothing_encoded());
-  EntityReport report = report_of(planned);
-  tell(snapshots, entries.size(), report);
-  report.model_bytes = newest->bytes;
-  report.encoding_seconds = snapshots.seconds;
-  if (!snapshots.latents.empty())
-    ENGRAM_RETURN_IF_ERROR(publish_more_latents(work, newest->version, snapshots.latents));
-  return Done(std::move(report));
+  return encode_with_newest(work, model, entries, planned.representation, time, report_of(planned));
 }
 
 /// Publishes the cheaper choice: the new model with its latents, or more latents of the previous
@@ -174,7 +153,7 @@ void learn_history(const EntityWork& work, const ChosenForm& form, NightHistory 
 /// Whether images are kept as video, and no model with networks is there that might be cheaper.
 bool is_video_for_good(const EntityWork& work, const PlannedEntity& planned,
                        const ChosenForm& form) {
-  return form.is_video_alone() && !form.train.has_networks &&
+  return form.is_video_alone() &&
          (work.options.representation.kind == Representation::kVideo ||
           work.reader.manifest().newest_model(work.entity) == nullptr ||
           model_of_more_video(work, planned, form) != nullptr);

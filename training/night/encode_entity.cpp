@@ -28,6 +28,13 @@ void count_encoded(BlockChoice& choice, EntityCosts& costs) {
 
 }  // namespace
 
+EncodingLimits limits_of(const Allotment& time) {
+  EncodingLimits limits;
+  limits.end = time.encoded_end;
+  limits.seconds_per_snapshot = time.seconds_per_snapshot;
+  return limits;
+}
+
 Result<EncodedEntity> encode_entity(const EntityWork& work,
                                     const std::shared_ptr<encoders::DeepModel>& model, int version,
                                     std::span<const ltm::SnapshotEntry> entries,

@@ -30,6 +30,9 @@ struct EncodedEntity {
   double seconds = 0;  ///< Time of encoding, decoding and comparing.
 };
 
+/// The limits of encoding an entity that has so much time.
+[[nodiscard]] EncodingLimits limits_of(const Allotment& time);
+
 /// Encodes some snapshots of an entity with a model, each block in the cheapest form that
 /// `representation` allows, then decodes them as in a query and compares. It ends early where the
 /// limits demand it.

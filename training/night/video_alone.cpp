@@ -4,14 +4,13 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "encoders/deep_model_file.h"
 #include "ltm/store/publish.h"
-#include "training/night/encode_entity.h"
+#include "training/night/encode_groups.h"
 #include "training/night/entity_report.h"
 #include "training/night/fit_entity.h"
 #include "training/night/previous_model.h"
@@ -23,73 +22,39 @@ namespace {
 
 using Model = std::shared_ptr<encoders::DeepModel>;
 
-/// Publishes groups of latents, and the model with the first one unless the store has it.
-class GroupPublisher {
+/// Publishes a new model with the first group of latents, and then more of them.
+class ModelPublisher {
  public:
   /// All references must outlive this object.
-  GroupPublisher(const EntityWork& work, const PlannedEntity& planned, Model model, int version,
-                 bool is_published)
-      : work_(work),
-        planned_(planned),
-        model_(std::move(model)),
-        version_(version),
-        is_published_(is_published) {}
+  ModelPublisher(const EntityWork& work, const PlannedEntity& planned, Model model)
+      : work_(work), planned_(planned), model_(std::move(model)) {}
+
+  [[nodiscard]] int version() const { return version_; }
+  /// Bytes of the model; 0 before it is published.
+  [[nodiscard]] uint64_t model_bytes() const { return model_bytes_; }
 
   Status publish(const std::vector<ltm::LatentSnapshot>& latents, const KeptQuality& quality) {
-    if (latents.empty()) return {};
-    if (is_published_) return publish_more_latents(work_, version_, latents);
+    if (model_bytes_ > 0) return publish_more_latents(work_, version_, latents);
     // The model tells the forms of the first group. The others are like it.
     model_->provenance.forms = quality.forms;
     ENGRAM_ASSIGN_OR_RETURN(const ModelFile file, write_model_file(work_, planned_, *model_));
     ENGRAM_RETURN_IF_ERROR(publish_new_model(work_, version_, file, {}, latents));
     model_bytes_ = file.bytes;
-    is_published_ = true;
     return {};
   }
-
-  /// Bytes of the model that was published; nothing if the store had it.
-  [[nodiscard]] std::optional<uint64_t> model_bytes() const { return model_bytes_; }
 
  private:
   const EntityWork& work_;
   const PlannedEntity& planned_;
   Model model_;
-  int version_;
-  bool is_published_;
-  std::optional<uint64_t> model_bytes_;
+  int version_ = ltm::next_model_version(work_.reader.manifest(), work_.entity);
+  uint64_t model_bytes_ = 0;
 };
-
-/// Encodes and publishes, and tells what was done.
-Result<OrSkipped<EntityReport>> encode_in_groups(const EntityWork& work, const Model& model,
-                                                 int version,
-                                                 std::span<const ltm::SnapshotEntry> entries,
-                                                 const ChosenForm& form, const Allotment& time,
-                                                 GroupPublisher& publisher, EntityReport report) {
-  using Done = OrSkipped<EntityReport>;
-  EncodingLimits limits;
-  limits.end = time.encoded_end;
-  limits.seconds_per_snapshot = time.seconds_per_snapshot;
-  limits.publish_interval = work.options.job.publish_interval;
-  limits.publish = [&](const auto& latents, const KeptQuality& quality) {
-    return publisher.publish(latents, quality);
-  };
-  ENGRAM_ASSIGN_OR_RETURN(auto encoded, or_skipped(encode_entity(work, model, version, entries,
-                                                                 form.representation, limits),
-                                                   work.pace));
-  if (auto* skipped = std::get_if<Skipped>(&encoded)) return Done(std::move(*skipped));
-  const auto& done = std::get<EncodedEntity>(encoded);
-  if (done.snapshots == 0 && !entries.empty()) return Done(nothing_encoded());
-  ENGRAM_RETURN_IF_ERROR(publisher.publish(done.latents, done.quality));
-  tell(done, entries.size(), report);
-  report.encoding_seconds = done.seconds;
-  return Done(std::move(report));
-}
 
 /// Encodes what has no latents of the newest model.
 Result<OrSkipped<EntityReport>> go_on(const EntityWork& work, const PlannedEntity& planned,
                                       const Model& model, const ChosenForm& form,
                                       const Allotment& time) {
-  const ltm::ModelInfo& newest = *work.reader.manifest().newest_model(work.entity);
   std::vector<ltm::SnapshotEntry> rest;
   for (const ltm::SnapshotEntry& entry : planned.entries) {
     ENGRAM_ASSIGN_OR_RETURN(const auto bytes, known_bytes(work, planned, *model, entry));
@@ -97,12 +62,10 @@ Result<OrSkipped<EntityReport>> go_on(const EntityWork& work, const PlannedEntit
   }
   EntityReport report = report_of(planned);
   report.notes = form.notes;
-  report.notes.push_back(fmt::format(
-      "v{} goes on: it has no networks, so a new model would be no better", newest.version));
-  report.model_bytes = newest.bytes;
-  GroupPublisher publisher(work, planned, model, newest.version, true);
-  return encode_in_groups(work, model, newest.version, rest, form, time, publisher,
-                          std::move(report));
+  report.notes.push_back(
+      fmt::format("v{} goes on: it has no networks, so a new model would be no better",
+                  planned.plan.newest_version));
+  return encode_with_newest(work, model, rest, form.representation, time, std::move(report));
 }
 
 /// Makes a model without networks and encodes everything.
@@ -114,15 +77,20 @@ Result<OrSkipped<EntityReport>> begin(const EntityWork& work, const PlannedEntit
                           or_skipped(fit_entity(work, planned, source, form, time), work.pace));
   if (auto* skipped = std::get_if<Skipped>(&fitted)) return Done(std::move(*skipped));
   auto& made = std::get<FittedModel>(fitted);
-  const int version = ltm::next_model_version(work.reader.manifest(), work.entity);
   EntityReport report = report_of(planned);
   report.notes = form.notes;
-  GroupPublisher publisher(work, planned, made.model, version, false);
-  ENGRAM_ASSIGN_OR_RETURN(Done done, encode_in_groups(work, made.model, version, planned.entries,
-                                                      form, time, publisher, std::move(report)));
+  ModelPublisher publisher(work, planned, made.model);
+  const auto publish = [&](const auto& latents, const KeptQuality& quality) {
+    return publisher.publish(latents, quality);
+  };
+  ENGRAM_ASSIGN_OR_RETURN(
+      Done done,
+      encode_in_groups(
+          work, {made.model, publisher.version(), planned.entries, form.representation, publish},
+          time, std::move(report)));
   if (auto* told = std::get_if<EntityReport>(&done)) {
     told->is_model_new = true;
-    told->model_bytes = publisher.model_bytes().value_or(0);
+    told->model_bytes = publisher.model_bytes();
     told->training = std::move(made.training);
   }
   return done;
