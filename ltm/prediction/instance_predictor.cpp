@@ -2,6 +2,7 @@
 #include "ltm/prediction/instance_predictor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -159,8 +160,10 @@ std::vector<MemberCandidate> InstancePredictor::series_candidates(Duration ahead
   const ValueRow& rows = history_.rows();
   const size_t members = rows.layout().members().size();
   std::vector<MemberCandidate> candidates;
-  for (const MemberRecords& one : predictor_->member_records(ahead)) {
-    if (one.engine != kCopyLast && !engine.empty() && one.engine != engine) continue;
+  const std::array<std::string_view, 2> names{kCopyLast, engine};
+  const std::span<const std::string_view> wanted =
+      engine.empty() ? std::span<const std::string_view>() : names;
+  for (const MemberRecords& one : predictor_->member_records(ahead, wanted)) {
     MemberCandidate& candidate = candidates.emplace_back(
         MemberCandidate{one.engine, nullptr, std::vector<MotionRecords>(members)});
     for (size_t i = 0; i < one.members.size(); ++i)

@@ -44,7 +44,11 @@ struct RelatedProducts {
   VectorXd squares;   ///< [numbers], of the targets.
 
   static RelatedProducts of(const MatrixXd& x, const MatrixXd& y) {
-    return {x.transpose() * x, x.transpose() * y, y.colwise().squaredNorm().transpose()};
+    MatrixXd features = MatrixXd::Zero(x.cols(), x.cols());
+    // Half of a symmetric matrix is half of the work.
+    features.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
+    features.triangularView<Eigen::StrictlyUpper>() = features.transpose();
+    return {std::move(features), x.transpose() * y, y.colwise().squaredNorm().transpose()};
   }
 };
 
@@ -63,30 +67,63 @@ double error_of(const RelatedProducts& products, const Weights& fit, Index targe
          fit.weights.dot(products.features(fit.features, fit.features) * fit.weights);
 }
 
-/// The feature that explains most of what a fit leaves, apart from what its own features explain
-/// of it; -1 if there is none.
-Index best_pick(const RelatedProducts& products, const Weights& fit, Index target) {
-  MatrixXd squares = products.features(fit.features, fit.features);
-  squares.diagonal() *= 1 + kRelatedRidge;
-  const MatrixXd cross = products.features(fit.features, Eigen::all);  // [S, F]
-  const VectorXd left = products.targets.col(target) - cross.transpose() * fit.weights;
-  const MatrixXd explained = squares.ldlt().solve(cross);
-  Index best = -1;
-  double max = 0;
-  for (Index feature = 0; feature < left.size(); ++feature) {
-    const double all = products.features(feature, feature);
-    const double own = all * (1 + kRelatedRidge) - cross.col(feature).dot(explained.col(feature));
-    if (!(own > kRelatedRidge * all) ||
-        std::ranges::find(fit.features, feature) != fit.features.end())
-      continue;
-    const double gain = left[feature] * left[feature] / own;
-    if (gain > max) {
+/// Features that are added one by one, and what each further one would explain of what those before
+/// it leave. This is Gram-Schmidt on the products: a feature costs one product of F numbers with
+/// each feature before it, where solving for all F anew would cost the square of those.
+class Search {
+ public:
+  Search(const RelatedProducts& products, Index target)
+      : products_(products),
+        directions_(products.features.rows(), kFeatures + static_cast<Index>(kMaxPicks) + 1),
+        own_(products.features.diagonal() * (1 + kRelatedRidge)),
+        left_(products.targets.col(target)) {}
+
+  [[nodiscard]] const std::vector<Index>& features() const { return features_; }
+
+  void add(Index feature) {
+    // A feature that never changes explains nothing.
+    if (own_[feature] > 0) {
+      const double root = std::sqrt(own_[feature]);
+      auto direction = directions_.col(count_);
+      direction = products_.features.col(feature);
+      if (count_ > 0)
+        direction.noalias() -=
+            directions_.leftCols(count_) * directions_.row(feature).head(count_).transpose().eval();
+      direction /= root;
+      ++count_;
+      left_ -= (left_[feature] / root) * direction;
+      own_ -= direction.cwiseAbs2();
+    }
+    features_.push_back(feature);
+  }
+
+  /// The feature that explains most of what those before it leave, apart from what they explain of
+  /// it; -1 if there is none.
+  [[nodiscard]] Index best() const {
+    Index best = -1;
+    double max = 0;
+    for (Index feature = 0; feature < left_.size(); ++feature) {
+      const double own = own_[feature];
+      const double gain = left_[feature] * left_[feature] / own;
+      if (!(gain > max) || !(own > kRelatedRidge * products_.features(feature, feature)) ||
+          std::ranges::find(features_, feature) != features_.end())
+        continue;
       max = gain;
       best = feature;
     }
+    return best;
   }
-  return best;
-}
+
+ private:
+  const RelatedProducts& products_;
+  /// [F, features]: the part of each added feature that those before it do not explain, as its
+  /// products with all features, relative to its own size.
+  MatrixXd directions_;
+  VectorXd own_;   ///< [F]: what of each feature the added ones do not explain, squared.
+  VectorXd left_;  ///< [F]: products of each feature with what of the target is left.
+  std::vector<Index> features_;
+  Index count_ = 0;  ///< Number of directions.
+};
 
 class Related final : public SeriesEngine {
  public:
@@ -165,24 +202,21 @@ class Related final : public SeriesEngine {
   /// reduce the error on held-out windows.
   static std::vector<Index> features_for(const RelatedProducts& first, const RelatedProducts& last,
                                          Index number) {
-    std::vector<Index> features;
-    for (Index k = 1; k < kFeatures; ++k) features.push_back(number * kFeatures + k);
-    Weights fit = fitted(first, features, number);
-    double min = error_of(last, fit, number) * (1 - kMinGain);
-    std::vector<Index> best = features;
-    features.push_back(number * kFeatures);
-    for (size_t picks = 0; picks <= kMaxPicks; ++picks) {
-      fit = fitted(first, features, number);
-      const double error = error_of(last, fit, number);
+    Search search(first, number);
+    for (Index k = 1; k < kFeatures; ++k) search.add(number * kFeatures + k);
+    double min = error_of(last, fitted(first, search.features(), number), number) * (1 - kMinGain);
+    std::vector<Index> best = search.features();
+    search.add(number * kFeatures);
+    for (size_t picks = 0;; ++picks) {
+      const double error = error_of(last, fitted(first, search.features(), number), number);
       if (error < min) {
         min = error * (1 - kMinGain);
-        best = features;
+        best = search.features();
       }
-      const Index pick = best_pick(first, fit, number);
-      if (pick < 0) break;
-      features.push_back(pick);
+      const Index pick = picks < kMaxPicks ? search.best() : -1;
+      if (pick < 0) return best;
+      search.add(pick);
     }
-    return best;
   }
 
   std::vector<double> means_;

@@ -79,40 +79,34 @@ const std::vector<RowMember>& SeriesPredictor::members() const {
   return meaning_ ? meaning_->row_members() : kNone;
 }
 
-SeriesPredictor::Measured SeriesPredictor::measure(size_t steps) {
-  const std::vector<size_t> rows = test_rows(steps);
+SeriesPredictor::MeasuredEngine SeriesPredictor::measure(SeriesEngine& engine, size_t steps) {
   const size_t split = learned_rows();
   const std::vector<RowMember>& members = this->members();
   const MemberMotion& motion = this->motion();
-  Measured measured{series_.added(), {}, {}};
   std::vector<double> predicted(series_.numbers());
-  for (const auto& engine : make_series_engines()) {
-    std::vector<double> mean_squares;
-    std::vector<MotionErrors> errors(members.size());
-    size_t learned_until = 0;
-    for (const size_t row : rows) {
-      // Engines may know only rows before the block, as they would have at that time.
-      const size_t block = std::min(kBlocks - 1, (row + steps - split) * kBlocks /
-                                                     std::max<size_t>(series_.rows() - split, 1));
-      const size_t known = split + block * (series_.rows() - split) / kBlocks;
-      if (known > learned_until) engine->learn(series_, known, steps);
-      learned_until = std::max(learned_until, known);
-      const auto truth = series_.row(row + steps);
-      engine->predict(series_, row, steps, predicted);
-      if (meaning_) meaning_->finish(series_.row(row), predicted);
-      mean_squares.push_back(meaning_ ? meaning_->mean_square(predicted, truth)
-                                      : mean_square(predicted, truth));
-      for (size_t i = 0; i < members.size(); ++i)
-        errors[i].add(motion.is_moving(series_, row, members[i], i),
-                      ValueRow::mean_square(members[i], predicted, truth));
-    }
-    measured.records.push_back(record_of(engine->name(), std::move(mean_squares)));
-    MemberRecords& of_members =
-        measured.members.emplace_back(MemberRecords{std::string(engine->name())});
-    for (MotionErrors& one : errors) of_members.members.push_back(std::move(one).records());
-    if (!engine->learns()) measure_movements(*engine, steps, of_members);
+  std::vector<double> mean_squares;
+  std::vector<MotionErrors> errors(members.size());
+  size_t learned_until = 0;
+  for (const size_t row : test_rows(steps)) {
+    // Engines may know only rows before the block, as they would have at that time.
+    const size_t block = std::min(
+        kBlocks - 1, (row + steps - split) * kBlocks / std::max<size_t>(series_.rows() - split, 1));
+    const size_t known = split + block * (series_.rows() - split) / kBlocks;
+    if (known > learned_until) engine.learn(series_, known, steps);
+    learned_until = std::max(learned_until, known);
+    const auto truth = series_.row(row + steps);
+    engine.predict(series_, row, steps, predicted);
+    if (meaning_) meaning_->finish(series_.row(row), predicted);
+    mean_squares.push_back(meaning_ ? meaning_->mean_square(predicted, truth)
+                                    : mean_square(predicted, truth));
+    for (size_t i = 0; i < members.size(); ++i)
+      errors[i].add(motion.is_moving(series_, row, members[i], i),
+                    ValueRow::mean_square(members[i], predicted, truth));
   }
-  std::ranges::stable_sort(measured.records, {}, &SeriesRecord::rmse);
+  MeasuredEngine measured{record_of(engine.name(), std::move(mean_squares)),
+                          {std::string(engine.name()), {}}};
+  for (MotionErrors& one : errors) measured.members.members.push_back(std::move(one).records());
+  if (!engine.learns()) measure_movements(engine, steps, measured.members);
   return measured;
 }
 
@@ -146,23 +140,51 @@ bool SeriesPredictor::is_fresh(uint64_t rows_then) const {
   return series_.added() < rows_then + std::max<uint64_t>(enough, 1);
 }
 
-const SeriesPredictor::Measured& SeriesPredictor::measured(size_t steps) {
+/// Measures the engines of that name, or all, unless that was done a short while ago. A program
+/// that names an engine need not wait for the others, of which some search long for what they
+/// learn.
+std::vector<SeriesPredictor::MeasuredEngine> SeriesPredictor::measured(
+    Duration ahead, std::span<const std::string_view> names) {
+  const size_t steps = series_.steps_in(ahead);
   if (measured_.size() >= kMaxHorizons && !measured_.contains(steps)) {
     measured_.clear();
     learned_.clear();
     engines_ = make_series_engines();
   }
-  const auto known = measured_.find(steps);
-  if (known != measured_.end() && is_fresh(known->second.rows)) return known->second;
-  return measured_.insert_or_assign(steps, measure(steps)).first->second;
+  Measured& known = measured_[steps];
+  const auto engines = make_series_engines();
+  const auto is_wanted = [&](const auto& engine) {
+    return names.empty() || std::ranges::find(names, engine->name()) != names.end();
+  };
+  const bool has_all = std::ranges::all_of(engines, [&](const auto& engine) {
+    return !is_wanted(engine) || known.engines.contains(engine->name());
+  });
+  // All errors are of the same rows: an engine would win if its rows were easier than the others'.
+  if (!is_fresh(known.rows) || (!has_all && known.rows != series_.added()))
+    known = {series_.added(), {}};
+  std::vector<MeasuredEngine> wanted;
+  for (const auto& engine : engines) {
+    if (!is_wanted(engine)) continue;
+    auto one = known.engines.find(engine->name());
+    if (one == known.engines.end())
+      one = known.engines.emplace(engine->name(), measure(*engine, steps)).first;
+    wanted.push_back(one->second);
+  }
+  return wanted;
 }
 
-const std::vector<SeriesRecord>& SeriesPredictor::records(Duration ahead) {
-  return measured(series_.steps_in(ahead)).records;
+std::vector<SeriesRecord> SeriesPredictor::records(Duration ahead) {
+  std::vector<SeriesRecord> records;
+  for (MeasuredEngine& one : measured(ahead, {})) records.push_back(std::move(one.record));
+  std::ranges::stable_sort(records, {}, &SeriesRecord::rmse);
+  return records;
 }
 
-const std::vector<MemberRecords>& SeriesPredictor::member_records(Duration ahead) {
-  return measured(series_.steps_in(ahead)).members;
+std::vector<MemberRecords> SeriesPredictor::member_records(
+    Duration ahead, std::span<const std::string_view> names) {
+  std::vector<MemberRecords> records;
+  for (MeasuredEngine& one : measured(ahead, names)) records.push_back(std::move(one.members));
+  return records;
 }
 
 const MemberMotion& SeriesPredictor::motion() {
@@ -221,16 +243,18 @@ Result<SeriesPrediction> SeriesPredictor::predict(Duration ahead, const std::str
   if (ahead <= Duration(0))
     return invalid_argument("series: found a horizon of {}, needs more than zero",
                             to_string(ahead));
-  const std::vector<SeriesRecord>& records = this->records(ahead);
-  const auto record =
-      engine.empty() ? records.begin() : std::ranges::find(records, engine, &SeriesRecord::engine);
-  if (record == records.end()) {
+  const auto has_name = [&](const auto& one) { return one->name() == engine; };
+  if (!engine.empty() && std::ranges::none_of(engines_, has_name)) {
     std::string names;
     for (const auto& known : engines_)
       names += (names.empty() ? "" : ", ") + std::string(known->name());
     return not_found("series: nothing named '{}' predicts it; there is: {}", engine, names);
   }
-  return SeriesPrediction{continued(ahead, record->engine), *record};
+  const std::string_view name = engine;
+  SeriesRecord record = engine.empty() ? this->records(ahead).front()
+                                       : std::move(measured(ahead, {&name, 1}).front().record);
+  std::vector<double> values = continued(ahead, record.engine);
+  return SeriesPrediction{std::move(values), std::move(record)};
 }
 
 }  // namespace engram::ltm

@@ -4,7 +4,9 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -63,11 +65,13 @@ class SeriesPredictor {
 
   /// The errors of all engines at the closest number of steps, the best engine first. If nothing
   /// can be measured yet, all have 0 predictions and copy-last comes first.
-  [[nodiscard]] const std::vector<SeriesRecord>& records(Duration ahead);
+  [[nodiscard]] std::vector<SeriesRecord> records(Duration ahead);
 
-  /// The same errors per member of the values, with engines in the order of make_series_engines().
-  /// Without `meaning` there are no members.
-  [[nodiscard]] const std::vector<MemberRecords>& member_records(Duration ahead);
+  /// The same errors per member of the values, of the engines with these names, or of all, in the
+  /// order of make_series_engines(). The others are not measured. Without `meaning` there are no
+  /// members.
+  [[nodiscard]] std::vector<MemberRecords> member_records(
+      Duration ahead, std::span<const std::string_view> names = {});
 
   /// For each member, whether it moves at a row.
   [[nodiscard]] std::vector<bool> moving_members(size_t row);
@@ -81,16 +85,20 @@ class SeriesPredictor {
   [[nodiscard]] std::vector<size_t> test_rows(size_t steps) const;
 
  private:
+  struct MeasuredEngine {
+    SeriesRecord record;
+    MemberRecords members;
+  };
   struct Measured {
-    uint64_t rows = 0;                   ///< NumberSeries::added() at the measurement.
-    std::vector<SeriesRecord> records;   ///< The best engine first.
-    std::vector<MemberRecords> members;  ///< In the order of make_series_engines().
+    uint64_t rows = 0;  ///< NumberSeries::added() at the measurement.
+    std::map<std::string, MeasuredEngine, std::less<>> engines;
   };
 
   [[nodiscard]] size_t learned_rows() const;
   [[nodiscard]] bool is_fresh(uint64_t rows_then) const;
-  const Measured& measured(size_t steps);
-  [[nodiscard]] Measured measure(size_t steps);
+  [[nodiscard]] std::vector<MeasuredEngine> measured(Duration ahead,
+                                                     std::span<const std::string_view> names);
+  [[nodiscard]] MeasuredEngine measure(SeriesEngine& engine, size_t steps);
   const MemberMotion& motion();
   void measure_movements(const SeriesEngine& engine, size_t steps, MemberRecords& records);
   [[nodiscard]] const std::vector<RowMember>& members() const;
