@@ -8,9 +8,7 @@ extern "C" {
 extern const engram::cli::LearningModule engram_learning_module;
 
 const engram::cli::LearningModule engram_learning_module{
-    engram::cli::module_build(),          engram::encoders::load_model,
-    engram::cli::add_consolidate_command, engram::cli::add_models_command,
-    engram::cli::add_crossval_command,    engram::cli::add_eval_command,
-    engram::cli::add_predict_command};
+    engram::cli::module_build(), engram::encoders::load_model, engram::cli::add_consolidate_command,
+    engram::cli::add_crossval_command, engram::cli::add_eval_command};
 
 }  // extern "C"

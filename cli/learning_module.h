@@ -24,10 +24,8 @@ struct LearningModule {
   /// An ltm::ModelLoader.
   Result<ltm::LoadedModel> (*load_model)(const std::filesystem::path& file);
   AddCommand add_consolidate_command;
-  AddCommand add_models_command;
   AddCommand add_crossval_command;
   AddCommand add_eval_command;
-  AddCommand add_predict_command;
 };
 
 /// What LearningModule::build has to be.

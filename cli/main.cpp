@@ -65,18 +65,14 @@ struct Program {
     add_import_command(app, exit_code);
     add_info_command(app, exit_code);
     add_augment_command(app, exit_code);
-    if (learning != nullptr) {
-      learning->add_consolidate_command(app, exit_code);
-      learning->add_models_command(app, exit_code);
-      learning->add_crossval_command(app, exit_code);
-    }
+    if (learning != nullptr) learning->add_consolidate_command(app, exit_code);
+    add_models_command(app, exit_code);
+    if (learning != nullptr) learning->add_crossval_command(app, exit_code);
     add_ls_command(app, exit_code);
     add_query_command(app, exit_code);
     add_export_command(app, exit_code);
-    if (learning != nullptr) {
-      learning->add_eval_command(app, exit_code);
-      learning->add_predict_command(app, exit_code);
-    }
+    if (learning != nullptr) learning->add_eval_command(app, exit_code);
+    add_predict_command(app, exit_code);
     add_forget_command(app, exit_code);
     add_compact_command(app, exit_code);
     add_simulate_command(app, exit_code);

@@ -5,8 +5,8 @@
 #include "cli/interrupt.h"
 #include "cli/predict_options.h"
 #include "cli/progress_line.h"
-#include "encoders/load_model.h"
 #include "ltm/prediction/entity_predictor.h"
+#include "memory/model_loader.h"
 #include "reports/predict_text.h"
 
 namespace engram::cli {
@@ -79,7 +79,7 @@ Result<Duration> step_of(ltm::Recall& recall, const ltm::MemoryId& entity,
 ExitCode measure(const PredictArguments& arguments, const ltm::MemoryId& entity) {
   auto reader = ltm::StoreReader::open(arguments.store);
   if (!reader.ok()) return fail(reader.status());
-  ltm::Recall recall(std::move(*reader), encoders::load_model, nullptr, ltm::make_entity_predictor);
+  ltm::Recall recall(std::move(*reader), model_loader(), nullptr, ltm::make_entity_predictor);
   const auto step = step_of(recall, entity, arguments.engine);
   if (!step.ok()) return fail(step.status());
   const auto horizons = reports::parse_horizons(horizons_text(arguments, *step), *step);

@@ -30,11 +30,4 @@ Result<Condition> read_condition(const h5::File& file, int count);
 Status write_prediction(h5::File& file, const std::string& group, const PredictionRecord& record);
 Result<PredictionRecord> read_prediction(const h5::File& file, const std::string& group);
 
-/// Replaces the choice between models in the "/provenance" of an existing file.
-Status replace_choice(h5::File& file, const ModelChoice& choice);
-
-/// "/provenance": see Provenance.
-Status write_provenance(h5::File& file, const Provenance& from);
-Result<Provenance> read_provenance(const h5::File& file);
-
 }  // namespace engram::encoders

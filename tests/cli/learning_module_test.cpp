@@ -82,6 +82,11 @@ TEST_F(LearningModule, IsNotLoadedWhereNothingLearnsOrDecodes) {
         {"commit", "--db", store_, "Objects/Things/kitchen/cup", "--data", "{\"height\": 0.1}"},
         import_arguments(recording, changed),
         {"query", changed, "RobotState @ +200ms"},
+        {"predict", changed, kJoints, "--horizons", "200ms", "--list"},
+        {"predict", changed, kJoints, "--horizons", "+200ms", "--engine", "copy-last"},
+        {"models", changed},
+        {"models", store_},
+        {"models", store_, "--snapshots", "--json"},
         {"check", changed},
         {"-q", "check", changed},
         {"recover", changed, "-o", directory_ / "recovered.engram"}}) {
@@ -106,9 +111,10 @@ TEST_F(LearningModule, IsLoadedToDecodeAndDecodesAsADirectlyLinkedLibrary) {
 }
 
 TEST_F(LearningModule, IsLoadedForWhatLearnsAndTestsModels) {
-  for (const std::vector<std::string>& line : {std::vector<std::string>{"models", store_},
-                                               {"check", store_},
-                                               {"consolidate", store_, "--dry-run"}}) {
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"check", store_},
+        {"predict", store_, kCamera, "--horizons", "+200ms", "--engine", "deep"},
+        {"consolidate", store_, "--dry-run"}}) {
     const RunResult result = run(line);
     EXPECT_EQ(result.exit_code, 0) << line[0] << ": " << result.err;
     EXPECT_TRUE(has_libtorch()) << line[0];
@@ -145,7 +151,7 @@ TEST_F(WithoutModule, WhatIsRecordedIsReadAndAllElseSaysWhatIsMissing) {
     EXPECT_EQ(run(line).exit_code, 0) << line << run(line).err;
   expect_module_told("query " + store_ + " '" + kReconstructed + "' --prefer latent");
   expect_module_told("consolidate " + store_);
-  expect_module_told("models " + store_);
+  expect_module_told("eval " + store_);
 }
 
 TEST_F(WithoutModule, AModelThatCannotBeTestedIsNotTakenForDamaged) {
@@ -157,11 +163,11 @@ TEST_F(WithoutModule, AModelThatCannotBeTestedIsNotTakenForDamaged) {
 
 TEST_F(WithoutModule, AFileThatIsNoModuleOfThisBuildIsRefused) {
   std::ofstream(module_) << "no library";
-  expect_module_told("models " + store_);
+  expect_module_told("eval " + store_);
   fs::remove(module_);
   fs::copy_file(OTHER_LIBRARY, module_);
-  expect_module_told("models " + store_);
-  EXPECT_THAT(run("models " + store_).err, HasSubstr("is of another build: found no module"));
+  expect_module_told("eval " + store_);
+  EXPECT_THAT(run("eval " + store_).err, HasSubstr("is of another build: found no module"));
 }
 
 }  // namespace
