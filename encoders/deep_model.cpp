@@ -329,9 +329,8 @@ Result<std::vector<idf::NdArray>> DeepModel::decode_images(const LatentRows& row
   if (has_latents) images = to_arrays(autoencoder->decode(to_latents(rows, row)));
   for (size_t i = 0; i < images.size(); ++i) {
     const ImageRows& kept = rows.images[i];
-    if (kept.form != ImageForm::kLatents)
-      images[i] = kept.frames[row];
-    else if (!kept.residuals.empty() && !kept.residuals[row].empty())
+    if (kept.form != ImageForm::kLatents) images[i] = kept.frames[row];
+    if (!kept.residuals.empty() && !kept.residuals[row].empty())
       images[i] = with_residual(images[i], kept.residuals[row], codec.chain.frames[i].pixels());
   }
   return images;

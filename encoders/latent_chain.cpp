@@ -27,10 +27,12 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   const int64_t codec = form & (kRefined - 1);
   constexpr auto kMaxCodec = static_cast<int64_t>(ImageForm::kFfv1);
   const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxCodec;
-  // The flags of refinement and residuals are valid for latents alone.
-  if (!is_known || (codec != 0 && form != codec))
-    return data_loss("{}: found form {}, needs 0 to {}, or {}, {} or {}", kChain, form, kMaxCodec,
-                     kRefined, kHasResidual, kRefined + kHasResidual);
+  // Only latents are refined, and what is without loss has no residuals.
+  if (!is_known || (codec != 0 && (form & kRefined) != 0) || form == kMaxCodec + kHasResidual)
+    return data_loss(
+        "{}: found form {}, needs 0 to {}, {} more for refined latents, {} more for "
+        "residuals of what has loss",
+        kChain, form, kMaxCodec, kRefined, kHasResidual);
   head.form = static_cast<ImageForm>(codec);
   head.is_refined = (form & kRefined) != 0;
   head.bytes = reader.get_varint();
@@ -60,7 +62,8 @@ std::vector<std::byte> LatentChainCodec::encode(const LatentRows& rows, size_t c
     ENGRAM_CHECK(is_video || (i < images.size() &&
                               image.latents.size() == count * images[i].model().latents()),
                  "{} latents for {} rows", image.latents.size(), count);
-    const bool has_residual = !is_video && !image.residual.empty();
+    const bool has_residual = !image.residual.empty();
+    ENGRAM_CHECK(!has_residual || image.form != ImageForm::kFfv1, "residuals of a lossless video");
     parts.push_back(is_video ? image.video : images[i].encode(image.latents));
     writer.put_varint(static_cast<int64_t>(image.form) +
                       (!is_video && image.is_refined ? kRefined : 0) +
@@ -115,6 +118,7 @@ Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, 
     code.code = part;
     if (!head.residual_bytes) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto residual, take_part(bytes, *head.residual_bytes, kChain));
+    code.residual = residual;
     ENGRAM_ASSIGN_OR_RETURN(code.residual_bytes, residual_bytes(residual, count));
   }
   return codes;

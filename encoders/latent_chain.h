@@ -19,7 +19,7 @@ struct ImageRows {
   ImageForm form = ImageForm::kLatents;
   bool is_refined = false;       ///< Whether the latents were refined after encoding.
   std::vector<int32_t> latents;  ///< [rows, latents]; empty in other forms.
-  /// Code of all rows by ResidualEncoder; empty if the latents alone keep the bound.
+  /// Code of all rows by ResidualEncoder; empty if the latents or the video keep the bound alone.
   std::vector<std::byte> residual;
   ResidualRows residuals;            ///< Decoded from `residual`; not needed to encode.
   std::vector<std::byte> video;      ///< Code of all rows by the codec of `form`.
@@ -42,8 +42,9 @@ struct LatentRows {
 struct ImageCode {
   ImageForm form = ImageForm::kLatents;
   bool is_refined = false;
-  uint64_t bytes = 0;               ///< Of all rows, without residuals.
-  std::span<const std::byte> code;  ///< These bytes, of the chain that was described.
+  uint64_t bytes = 0;                   ///< Of all rows, without residuals.
+  std::span<const std::byte> code;      ///< These bytes, of the chain that was described.
+  std::span<const std::byte> residual;  ///< The same of the residuals.
   /// Size of the residual of each row, if it has one. The vector is empty if no row has one.
   std::vector<std::optional<uint64_t>> residual_bytes;
 };

@@ -199,6 +199,56 @@ TEST(LatentBlock, HoldsResidualsOfTheRowsThatNeedThem) {
   }
 }
 
+/// The rows, with a video in place of the latents of one member, and the residuals that were
+/// theirs.
+LatentRows rows_with_corrected_video(std::string_view codec) {
+  LatentRows rows = corrected_rows();
+  std::vector<idf::NdArray> images;
+  for (size_t row = 0; row < kRows; ++row)
+    images.push_back(idf::NdArray::take<uint8_t>({64, 64, 3}, pixels(row, false)));
+  rows.images[1].latents.clear();
+  rows.images[1].is_refined = false;
+  rows.images[1].form = *form_of_codec(codec);
+  rows.images[1].video = *(*ltm::make_group_codec(codec))->encode(images);
+  return rows;
+}
+
+TEST(LatentBlock, HoldsResidualsOfAVideo) {
+  const LatentRows rows = rows_with_corrected_video("h264");
+  const auto block = encode(rows);
+  const auto decoded = decode(block, kRows);
+  ASSERT_TRUE(decoded.ok()) << decoded.status().to_string();
+  EXPECT_EQ(decoded->images[1].form, ImageForm::kH264);
+  EXPECT_EQ(decoded->images[1].frames.size(), kRows);
+  ASSERT_EQ(decoded->images[1].residuals.size(), kRows);
+  for (size_t row = 0; row < kRows; ++row)
+    EXPECT_EQ(decoded->images[1].residuals[row].empty(), row != 1 && row != 4) << row;
+  const auto says = describe_block(block, kRows, 2);
+  ASSERT_TRUE(says.ok()) << says.status().to_string();
+  const ImageCode& code = says->chains.front()[1];
+  EXPECT_EQ(code.form, ImageForm::kH264);
+  EXPECT_EQ(code.bytes, rows.images[1].video.size());
+  EXPECT_TRUE(std::ranges::equal(code.residual, rows.images[1].residual));
+}
+
+TEST(LatentBlock, RefusesResidualsWithoutLossAndRefinedVideos) {
+  constexpr size_t kChainHead = 4;
+  const auto h264 = encode(rows_with_corrected_video("h264"));
+  const auto body = *without_checksum(h264, "block", kRows);
+  // The head of the second member follows the form and size of the first.
+  const auto form =
+      std::ranges::find(body.begin() + kChainHead + 1, body.end(), std::byte{2 * (16 + 1)});
+  ASSERT_NE(form, body.end());
+  for (const int wrong : {16 + 4, 8 + 1, 16 + 8 + 1, 16 + 5}) {
+    std::vector<std::byte> other(body.begin(), body.end());
+    other[static_cast<size_t>(form - body.begin())] = std::byte(static_cast<uint8_t>(2 * wrong));
+    const auto decoded = decode(with_checksum(other, kRows), kRows);
+    ASSERT_FALSE(decoded.ok()) << wrong;
+    EXPECT_NE(decoded.status().message().find("found form"), std::string::npos)
+        << decoded.status().message();
+  }
+}
+
 TEST(LatentBlock, SaysHowEachImageMemberIsKept) {
   const LatentRows rows = corrected_rows();
   const auto block = encode(rows);

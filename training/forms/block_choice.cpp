@@ -168,8 +168,9 @@ void BlockChoice::add_videos(VideoSearchResult video, std::vector<Candidate>& ca
     if (!*found) continue;
     Candidate& candidate = candidates.emplace_back();
     candidate.rows.form = *encoders::form_of_codec((*found)->codec);
+    candidate.bytes = (*found)->size();
     candidate.rows.video = std::move((*found)->bytes);
-    candidate.bytes = candidate.rows.video.size();
+    candidate.rows.residual = std::move((*found)->residual);
   }
   if (candidates.size() == before) return;
   if (video.lossless) {

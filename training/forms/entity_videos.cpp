@@ -8,6 +8,7 @@
 #include "ltm/codec/group_codec.h"
 #include "ltm/core/mutex.h"
 #include "ltm/store/checksum.h"
+#include "training/forms/video_correction.h"
 #include "training/quality/psnr.h"
 
 namespace engram::training {
@@ -15,8 +16,8 @@ namespace engram::training {
 namespace {
 
 /// A stored video that is better than the bound by more is searched for again: it was made for
-/// another bound. Unit: dB.
-constexpr double kMaxSpareDb = 1.5;
+/// another bound. Steps of crf are up to two decibels wide where images are small. Unit: dB.
+constexpr double kMaxSpareDb = 3;
 /// A day's images of one camera of 640 x 480 pixels take 100 MB.
 constexpr uint64_t kMaxBytes = uint64_t{256} << 20;
 
@@ -30,8 +31,7 @@ uint64_t key_of(std::span<const idf::NdArray> images) {
 }
 
 uint64_t bytes_of_video(const VideoSearchResult& found) {
-  return (found.lossy ? found.lossy->bytes.size() : 0) +
-         (found.lossless ? found.lossless->bytes.size() : 0);
+  return (found.lossy ? found.lossy->size() : 0) + (found.lossless ? found.lossless->size() : 0);
 }
 
 }  // namespace
@@ -73,11 +73,12 @@ void EntityVideos::add(std::span<const idf::NdArray> images, const VideoSearchRe
 }
 
 Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> images,
-                                const std::string& codec, std::span<const std::byte> bytes) {
+                                const std::string& codec, std::span<const std::byte> bytes,
+                                std::span<const std::byte> residual) {
   const ltm::GroupCodec* coder = ltm::find_group_codec(codec);
   const VideoSearchOptions& options = searches_[member].options();
   if (coder == nullptr || (!coder->is_lossless() && codec != options.codec)) return {};
-  FoundVideo video{{bytes.begin(), bytes.end()}, codec, 0, {}};
+  FoundVideo video{{bytes.begin(), bytes.end()}, {residual.begin(), residual.end()}, codec, 0, {}};
   VideoSearchResult found;
   if (coder->is_lossless()) {
     video.mse.assign(images.size(), 0.0);
@@ -85,8 +86,9 @@ Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> ima
     add(images, found);
     return {};
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto decoded, coder->decode(bytes, images.front().type(),
-                                                            images.front().shape(), images.size()));
+  ENGRAM_ASSIGN_OR_RETURN(auto decoded, coder->decode(bytes, images.front().type(),
+                                                      images.front().shape(), images.size()));
+  if (!residual.empty()) ENGRAM_RETURN_IF_ERROR(apply_residuals(residual, decoded));
   double worst = kLargestPsnrDb;
   for (size_t i = 0; i < images.size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], decoded[i]));

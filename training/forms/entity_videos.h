@@ -34,11 +34,11 @@ class EntityVideos {
   /// Keeps what was found for these images, if it is a video and within 256 MiB of all.
   void add(std::span<const idf::NdArray> images, const VideoSearchResult& found);
 
-  /// Keeps a lossy video that the store holds of these images, if it keeps the bound. It is decoded
-  /// for that.
+  /// Keeps a video that the store holds of these images, with its residuals, if it keeps the bound.
+  /// It is decoded for that.
   /// Errors: those of decoding.
   Status add_stored(size_t member, std::span<const idf::NdArray> images, const std::string& codec,
-                    std::span<const std::byte> bytes);
+                    std::span<const std::byte> bytes, std::span<const std::byte> residual);
 
   /// Number of videos that find() returned.
   [[nodiscard]] uint64_t reused() const;

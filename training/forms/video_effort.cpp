@@ -22,9 +22,8 @@ constexpr std::array<VideoEffort, 6> kVideoEfforts{{
 }};
 
 /// Encodes of a chain, and bytes, of a search that ends within half a decibel of the bound and of
-/// one that finds the worst quality that keeps it. Source: experiments/learning/LOG.md, "one
-/// night".
-constexpr double kQuickEncodes = 1.8, kWholeEncodes = 3.2, kQuickBytes = 1.028;
+/// one that finds the smallest video. Source: experiments/learning/LOG.md, "residuals of videos".
+constexpr double kQuickEncodes = 1.3, kWholeEncodes = 4.3, kQuickBytes = 1.09;
 
 }  // namespace
 

@@ -14,12 +14,10 @@ namespace {
 /// Bounds of a slope: beyond them a chain's quality did not follow crf, as where it is all black.
 /// Unit: dB per step of crf.
 constexpr double kMinSlope = 0.08, kMaxSlope = 2.0;
+/// The same of bytes: logarithm per dB. Trials that are nearer to each other say too little.
+constexpr double kMinRate = 0.05, kMaxRate = 1.0, kMinStepDb = 0.2;
 /// How much of the level, of its deviation and of the slope is the last chain's.
 constexpr double kNewLevel = 0.5, kNewDeviation = 0.2, kNewSlope = 0.25;
-/// The margin in deviations, and the max share of the tolerance that it may take. A chain that
-/// misses its bound costs a second encode, and one that is better than needed costs bytes.
-constexpr double kMarginDeviations = 0.8, kMaxMarginShare = 0.6;
-
 /// What a line that was read may say.
 constexpr double kMaxCrf = 255, kMaxDb = 200;
 
@@ -28,6 +26,15 @@ double slope_between(const VideoTrial& a, const VideoTrial& b, double otherwise)
   if (a.crf == b.crf) return otherwise;
   const double slope = (a.worst_db - b.worst_db) / (b.crf - a.crf);
   return std::isfinite(slope) && slope > 0 ? std::clamp(slope, kMinSlope, kMaxSlope) : otherwise;
+}
+
+/// The same of the logarithm of bytes per dB.
+double bytes_per_db_between(const VideoTrial& a, const VideoTrial& b, double otherwise) {
+  const double step_db = b.worst_db - a.worst_db;
+  if (std::abs(step_db) < kMinStepDb || a.bytes == 0 || b.bytes == 0) return otherwise;
+  const double rate =
+      std::log(static_cast<double>(b.bytes) / static_cast<double>(a.bytes)) / step_db;
+  return std::isfinite(rate) ? std::clamp(rate, kMinRate, kMaxRate) : otherwise;
 }
 
 }  // namespace
@@ -42,10 +49,8 @@ void VideoHistory::go_on_from(const Line& line) {
 }
 
 int VideoHistory::first_guess(double bound_db, double tolerance_db) const {
-  const double margin =
-      std::min(kMarginDeviations * line_.deviation, kMaxMarginShare * tolerance_db);
-  return static_cast<int>(
-      std::floor(line_.at_crf + (line_.at_db - bound_db - margin) / line_.slope));
+  const double wanted_db = bound_db - tolerance_db / 2;
+  return static_cast<int>(std::floor(line_.at_crf + (line_.at_db - wanted_db) / line_.slope));
 }
 
 double VideoHistory::change_to(double wanted_db, std::span<const VideoTrial> trials) const {
@@ -61,6 +66,9 @@ void VideoHistory::learn(std::span<const VideoTrial> trials, double bound_db) {
   encodes_.push_back(static_cast<uint8_t>(std::min<size_t>(trials.size(), 255)));
   const auto nearest = *std::ranges::min_element(
       trials, {}, [&](const VideoTrial& trial) { return std::abs(trial.worst_db - bound_db); });
+  for (size_t i = 1; i < trials.size(); ++i)
+    bytes_per_db_ +=
+        kNewSlope * (bytes_per_db_between(trials[i - 1], trials[i], bytes_per_db_) - bytes_per_db_);
   for (size_t i = 1; i < trials.size(); ++i)
     line_.slope += kNewSlope * (slope_between(trials[i - 1], trials[i], line_.slope) - line_.slope);
   const double crf = nearest.crf;

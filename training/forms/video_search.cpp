@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ltm/codec/group_codec.h"
+#include "training/forms/video_correction.h"
 #include "training/quality/psnr.h"
 
 namespace engram::training {
@@ -24,6 +25,10 @@ constexpr double kHopeless = 1.5;
 constexpr size_t kMaxUntried = 64;
 /// A third encode is worth what it saves only where more than so many tolerances are left.
 constexpr double kLaterTolerance = 2;
+/// A search for the smallest video comes within this tolerance, and then tries what is beside.
+constexpr double kUsualToleranceDb = 0.5;
+/// Residuals are tried where the worst image misses its bound by at most so much.
+constexpr double kMaxCorrectedDb = 1.2;
 /// From this number of encodes on a search halves what is left, because quality did not follow the
 /// line that was expected.
 constexpr size_t kMaxByLine = 4;
@@ -34,34 +39,72 @@ double worst_db(const FoundVideo& video) {
   return worst;
 }
 
+/// Of two videos that keep the bound alone the later one is kept, which is nearer to it.
+void keep_better(FoundVideo video, VideoSearchResult& result) {
+  const bool keep_the_bound_alone =
+      result.lossy && result.lossy->residual.empty() && video.residual.empty();
+  if (!result.lossy || keep_the_bound_alone || video.size() < result.lossy->size())
+    result.lossy = std::move(video);
+}
+
 }  // namespace
 
 FoundVideo* VideoSearchResult::smallest() {
-  if (lossless && (!lossy || lossless->bytes.size() < lossy->bytes.size())) return &*lossless;
+  if (lossless && (!lossy || lossless->size() < lossy->size())) return &*lossless;
   return lossy ? &*lossy : nullptr;
 }
 
 VideoSearch::VideoSearch(VideoSearchOptions options)
     : options_(std::move(options)),
       max_crf_(options_.codec == "av1" ? 63 : 51),
+      near_db_(options_.tolerance_db > 0 ? options_.tolerance_db : kUsualToleranceDb),
       history_(options_.codec == "av1" ? kSlopeOfAv1 : kSlopeOfOthers) {}
 
-Result<FoundVideo> VideoSearch::encode(std::span<const idf::NdArray> images,
-                                       const std::string& codec) const {
+Result<VideoSearch::Encoded> VideoSearch::encode(std::span<const idf::NdArray> images,
+                                                 const std::string& codec) const {
   ENGRAM_ASSIGN_OR_RETURN(const auto coder, ltm::make_group_codec(codec));
-  FoundVideo video;
+  Encoded encoded;
+  FoundVideo& video = encoded.video;
   video.codec = coder->name();
   ENGRAM_ASSIGN_OR_RETURN(video.bytes, coder->encode(images));
   if (coder->is_lossless()) {
     video.mse.assign(images.size(), 0.0);
-    return video;
+    return encoded;
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto decoded, coder->decode(video.bytes, images.front().type(),
-                                                            images.front().shape(), images.size()));
+  ENGRAM_ASSIGN_OR_RETURN(encoded.decoded, coder->decode(video.bytes, images.front().type(),
+                                                         images.front().shape(), images.size()));
   for (size_t i = 0; i < images.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], decoded[i]));
+    ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], encoded.decoded[i]));
   }
-  return video;
+  return encoded;
+}
+
+/// Encodes with the lossy codec and adds the trial to `result`.
+Result<VideoSearch::Encoded> VideoSearch::encode(std::span<const idf::NdArray> images, int crf,
+                                                 VideoSearchResult& result) const {
+  ENGRAM_ASSIGN_OR_RETURN(
+      Encoded encoded,
+      encode(images, fmt::format("{}:crf={},{}", options_.codec, crf, options_.settings)));
+  encoded.video.quality = crf;
+  result.trials.push_back({crf, worst_db(encoded.video), encoded.video.bytes.size()});
+  return encoded;
+}
+
+/// The video with residuals of the images that miss the bound, if any, or nothing if they miss it
+/// by too much.
+Result<std::optional<FoundVideo>> VideoSearch::corrected(std::span<const idf::NdArray> images,
+                                                         Encoded encoded) const {
+  std::optional<FoundVideo> corrected;
+  const double missed_db = options_.bound_db - worst_db(encoded.video);
+  if (missed_db <= 0) return std::optional(std::move(encoded.video));
+  if (missed_db > kMaxCorrectedDb) return corrected;
+  ENGRAM_ASSIGN_OR_RETURN(auto correction,
+                          correct_video(images, encoded.decoded, options_.bound_db));
+  if (!correction) return corrected;
+  corrected = std::move(encoded.video);
+  corrected->residual = std::move(correction->residual);
+  corrected->mse = std::move(correction->mse);
+  return corrected;
 }
 
 /// Goes by the line that earlier chains taught, then by that of this chain's trials, and halves
@@ -73,40 +116,71 @@ Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std
   int good = -1;           // The largest crf that is known to keep the bound.
   int bad = max_crf_ + 1;  // The smallest crf that is known to miss it.
   double spare = std::numeric_limits<double>::infinity();  // Of the best video, above the bound.
-  int crf = history_.is_empty() ? kFirstCrf
-                                : history_.first_guess(options_.bound_db, options_.tolerance_db);
+  int crf = history_.is_empty() ? kFirstCrf : history_.first_guess(options_.bound_db, near_db_);
   while (bad - good > 1) {
     if (stop.stop_requested()) return cancelled("the search for a video was stopped");
     crf = std::clamp(crf, good + 1, bad - 1);
-    ENGRAM_ASSIGN_OR_RETURN(
-        FoundVideo video,
-        encode(images, fmt::format("{}:crf={},{}", options_.codec, crf, options_.settings)));
-    video.quality = crf;
-    const double worst = worst_db(video);
-    result.trials.push_back({crf, worst, video.bytes.size()});
+    ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(images, crf, result));
+    const double worst = result.trials.back().worst_db;
     const bool is_good = worst >= options_.bound_db;
     (is_good ? good : bad) = crf;
-    if (is_good) result.lossy = std::move(video);
-    if (is_good) spare = worst - options_.bound_db;
-    if (spare <= options_.tolerance_db * (result.trials.size() > 1 ? kLaterTolerance : 1)) break;
+    if (is_good) {
+      keep_better(std::move(encoded.video), result);
+      spare = worst - options_.bound_db;
+    } else {
+      ENGRAM_ASSIGN_OR_RETURN(auto video, corrected(images, std::move(encoded)));
+      const bool is_enough = video && is_worth_it(*video, worst);
+      if (video) keep_better(*std::move(video), result);
+      if (is_enough) break;
+    }
+    if (spare <= near_db_ * (result.trials.size() > 1 ? kLaterTolerance : 1)) break;
     if (result.trials.size() >= kMaxByLine && good >= 0 && bad <= max_crf_) {
       crf = (good + bad) / 2;
       continue;
     }
-    const double change = history_.change_to(options_.bound_db, result.trials);
+    const double change = history_.change_to(options_.bound_db - near_db_ / 2, result.trials);
     // A step more each time, so that a flat line does not creep.
     const int min_step = static_cast<int>(result.trials.size());
     crf += is_good ? std::max(static_cast<int>(std::floor(change)), 1)
                    : std::min(static_cast<int>(std::floor(change)), -min_step);
   }
+  return options_.tolerance_db > 0 ? Status() : search_beside(images, stop, result);
+}
+
+/// Tries the qualities beside the best one, first worse and then better ones, as long as they take
+/// fewer bytes with the residuals that they need.
+Status VideoSearch::search_beside(std::span<const idf::NdArray> images, const std::stop_token& stop,
+                                  VideoSearchResult& result) const {
+  for (const int step : {1, -1}) {
+    while (result.lossy) {
+      if (stop.stop_requested()) return cancelled("the search for a video was stopped");
+      const int crf = static_cast<int>(result.lossy->quality) + step;
+      if (crf < 0 || crf > max_crf_ ||
+          std::ranges::find(result.trials, crf, &VideoTrial::crf) != result.trials.end())
+        break;
+      ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(images, crf, result));
+      ENGRAM_ASSIGN_OR_RETURN(auto video, corrected(images, std::move(encoded)));
+      if (!video || video->size() >= result.lossy->size()) break;
+      result.lossy = std::move(video);
+    }
+  }
   return {};
+}
+
+/// Whether residuals take no more bytes than the better quality of another encode would, which ends
+/// half a tolerance above the bound.
+bool VideoSearch::is_worth_it(const FoundVideo& corrected, double worst) const {
+  const double missed_db = options_.bound_db - worst + near_db_ / 2;
+  const double more = std::exp(history_.bytes_per_db() * missed_db) - 1;
+  return static_cast<double>(corrected.residual.size()) <=
+         more * static_cast<double>(corrected.bytes.size());
 }
 
 bool VideoSearch::may_lossless_win(const VideoSearchResult& result, size_t images) const {
   if (!result.lossy || lossless_ratio_ == 0 || lossless_ratio_ <= kHopeless) return true;
   if (untried_ >= kMaxUntried) return true;
   // Images that became as costly as the lossless ones were.
-  const auto bytes = static_cast<double>(result.lossy->bytes.size());
+  const auto bytes = static_cast<double>(result.lossy->size());
   return bytes * kHopeless >= lossless_bytes_ * static_cast<double>(images);
 }
 
@@ -115,7 +189,8 @@ Status VideoSearch::search_lossless(std::span<const idf::NdArray> images,
   const auto coder = ltm::make_group_codec(kLossless);
   if (!coder.ok() || !(*coder)->accepts(images.front().type(), images.front().shape())) return {};
   if (!may_lossless_win(result, images.size())) return {};
-  ENGRAM_ASSIGN_OR_RETURN(result.lossless, encode(images, std::string(kLossless)));
+  ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(images, std::string(kLossless)));
+  result.lossless = std::move(encoded.video);
   return {};
 }
 
@@ -138,7 +213,7 @@ void VideoSearch::learn(const VideoSearchResult& result) {
   const auto images = static_cast<double>(result.lossless->mse.size());
   lossless_bytes_ = static_cast<double>(result.lossless->bytes.size()) / images;
   lossless_ratio_ = static_cast<double>(result.lossless->bytes.size()) /
-                    static_cast<double>(std::max<size_t>(result.lossy->bytes.size(), 1));
+                    static_cast<double>(std::max<size_t>(result.lossy->size(), 1));
 }
 
 Result<std::optional<FoundVideo>> VideoSearch::find(std::span<const idf::NdArray> images) {

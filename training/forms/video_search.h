@@ -13,12 +13,17 @@
 
 namespace engram::training {
 
-/// The smallest video of some images in which every image keeps a bound.
+/// A small video of some images in which every image keeps a bound.
 struct FoundVideo {
   std::vector<std::byte> bytes;
+  /// Code of the residuals of those images that would miss the bound (video_correction.h); empty if
+  /// none would.
+  std::vector<std::byte> residual;
   std::string codec;        ///< Name of the codec.
   double quality = 0;       ///< Its crf; 0 if lossless.
-  std::vector<double> mse;  ///< Per image. Unit: grey levels squared.
+  std::vector<double> mse;  ///< Per image, corrected. Unit: grey levels squared.
+
+  [[nodiscard]] size_t size() const { return bytes.size() + residual.size(); }
 };
 
 /// The result of the search in one chain.
@@ -36,8 +41,9 @@ struct VideoSearchOptions {
   /// What follows crf in the codec's text, as in "av1:crf=32,effort=7".
   std::string settings = "effort=7";
   double bound_db = 0;  ///< Every image has at least this PSNR.
-  /// The search ends at a quality that is at most so much above the bound. With 0 it finds the
-  /// worst quality that keeps the bound, which takes at least two encodes.
+  /// The search ends at a quality that is at most so much above the bound, or whose residuals take
+  /// no more bytes than such a quality would. With 0 it finds the smallest video, which takes at
+  /// least three encodes.
   double tolerance_db = 0;
 };
 
@@ -70,14 +76,26 @@ class VideoSearch {
   [[nodiscard]] const VideoHistory& history() const { return history_; }
 
  private:
-  Result<FoundVideo> encode(std::span<const idf::NdArray> images, const std::string& codec) const;
+  struct Encoded {
+    FoundVideo video;
+    std::vector<idf::NdArray> decoded;
+  };
+  Result<Encoded> encode(std::span<const idf::NdArray> images, const std::string& codec) const;
+  Result<Encoded> encode(std::span<const idf::NdArray> images, int crf,
+                         VideoSearchResult& result) const;
+  Result<std::optional<FoundVideo>> corrected(std::span<const idf::NdArray> images,
+                                              Encoded encoded) const;
   Status search_lossy(std::span<const idf::NdArray> images, const std::stop_token& stop,
                       VideoSearchResult& result) const;
+  Status search_beside(std::span<const idf::NdArray> images, const std::stop_token& stop,
+                       VideoSearchResult& result) const;
   Status search_lossless(std::span<const idf::NdArray> images, VideoSearchResult& result) const;
+  [[nodiscard]] bool is_worth_it(const FoundVideo& corrected, double worst) const;
   [[nodiscard]] bool may_lossless_win(const VideoSearchResult& result, size_t images) const;
 
   VideoSearchOptions options_;
   int max_crf_;
+  double near_db_;  ///< A video that is so near to its bound ends the first part of the search.
   VideoHistory history_;
   /// How many times larger the lossless video of an image is than the last lossy one; 0 if unknown.
   double lossless_ratio_ = 0;

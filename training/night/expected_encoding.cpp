@@ -28,11 +28,11 @@ constexpr size_t kSampleChains = 2;
 /// Max number of snapshots on which predictions are measured in addition to encoding.
 constexpr size_t kMaxMeasured = 256;
 /// Encodes of a chain with and without a tolerance, once it is known how quality follows from crf.
-constexpr double kEncodes = 1.9, kWholeEncodes = 3.2;
+constexpr double kEncodes = 1.5, kWholeEncodes = 4.3;
 /// What measuring predictions takes of the time of encoding where there are no networks.
 constexpr double kMeasuredVideoShare = 0.15;
-/// What reading, decoding and comparing take beside one encode.
-constexpr double kBesideEncoding = 1.15;
+/// What reading, decoding, comparing and residuals take beside one encode.
+constexpr double kBesideEncoding = 1.2;
 /// How much two threads encode in the time of one.
 constexpr double kTwoThreads = 1.7;
 /// Where nothing is known about how quality follows from crf.

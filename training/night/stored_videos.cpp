@@ -29,8 +29,9 @@ Status add_chain(const std::vector<encoders::ImageCode>& codes, std::span<const 
   for (size_t i = 0; i < codes.size(); ++i) {
     if (codes[i].form == encoders::ImageForm::kLatents) continue;
     ENGRAM_ASSIGN_OR_RETURN(const Images images, images_of(values, plan, i));
-    ENGRAM_RETURN_IF_ERROR(videos.add_stored(
-        i, images, std::string(encoders::codec_name(codes[i].form)), codes[i].code));
+    ENGRAM_RETURN_IF_ERROR(videos.add_stored(i, images,
+                                             std::string(encoders::codec_name(codes[i].form)),
+                                             codes[i].code, codes[i].residual));
   }
   return {};
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ltm/codec/group_codec.h"
+#include "training/forms/video_correction.h"
 
 namespace engram::training {
 namespace {
@@ -45,23 +46,44 @@ TEST(EntityVideos, TakesStoredVideosThatKeepTheBound) {
     const auto coder = ltm::make_group_codec(fmt::format("h264:crf={},effort=1", crf));
     const auto bytes = (*coder)->encode(images);
     ASSERT_TRUE(bytes.ok());
-    ASSERT_TRUE(videos.add_stored(0, images, "h264", *bytes).ok());
+    ASSERT_TRUE(videos.add_stored(0, images, "h264", *bytes, {}).ok());
     EXPECT_EQ(videos.find(images).has_value(), is_taken) << crf;
   }
   EntityVideos videos(1, kOptions);
   const auto found = videos.search_of(0).search(images);
   ASSERT_TRUE(found.ok() && found->lossy);
-  ASSERT_TRUE(videos.add_stored(0, images, "h264", found->lossy->bytes).ok());
+  ASSERT_TRUE(
+      videos.add_stored(0, images, "h264", found->lossy->bytes, found->lossy->residual).ok());
   const auto known = videos.find(images);
   ASSERT_TRUE(known);
   EXPECT_EQ(known->lossy->mse, found->lossy->mse);
+}
+
+TEST(EntityVideos, TakesStoredVideosWithTheirResiduals) {
+  const auto images = images_of(40);
+  const auto coder = ltm::make_group_codec("h264:crf=40,effort=1");
+  const auto bytes = *(*coder)->encode(images);
+  const auto decoded = *(*coder)->decode(bytes, images[0].type(), images[0].shape(), 4);
+  const auto correction = correct_video(images, decoded, kOptions.bound_db);
+  ASSERT_TRUE(correction.ok() && *correction);
+  ASSERT_FALSE((*correction)->residual.empty());
+  EntityVideos videos(1, kOptions);
+  ASSERT_TRUE(videos.add_stored(0, images, "h264", bytes, {}).ok());
+  EXPECT_FALSE(videos.find(images)) << "without its residuals it misses the bound";
+  ASSERT_TRUE(videos.add_stored(0, images, "h264", bytes, (*correction)->residual).ok());
+  const auto known = videos.find(images);
+  ASSERT_TRUE(known);
+  EXPECT_EQ(known->lossy->residual, (*correction)->residual);
+  EXPECT_EQ(known->lossy->mse, (*correction)->mse);
+  const std::vector<std::byte> damaged(3, std::byte{255});
+  EXPECT_FALSE(videos.add_stored(0, images, "h264", bytes, damaged).ok());
 }
 
 TEST(EntityVideos, RefusesDamagedVideos) {
   const auto images = images_of(40);
   EntityVideos videos(1, kOptions);
   const std::vector<std::byte> damaged(100);
-  EXPECT_FALSE(videos.add_stored(0, images, "h264", damaged).ok());
+  EXPECT_FALSE(videos.add_stored(0, images, "h264", damaged, {}).ok());
   EXPECT_FALSE(videos.find(images));
 }
 

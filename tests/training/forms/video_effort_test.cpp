@@ -48,7 +48,7 @@ TEST(VideoPaces, TakeFewerBytesTheMoreTimeThereIs) {
     EXPECT_LE(pace.relative_bytes, bytes) << times;
     bytes = pace.relative_bytes;
   }
-  const VideoPace slowest = pace_within(20, 640 * 480, 0.5);
+  const VideoPace slowest = pace_within(25, 640 * 480, 0.5);
   EXPECT_EQ(slowest.effort, &video_efforts().front());
   EXPECT_EQ(slowest.tolerance_db, 0) << "the smallest video that keeps the bound";
   EXPECT_EQ(pace_within(0.01, 640 * 480, 0.5).effort, &video_efforts().back());

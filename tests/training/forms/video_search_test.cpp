@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "ltm/codec/group_codec.h"
+#include "training/forms/video_correction.h"
 #include "training/quality/psnr.h"
 
 namespace engram::training {
@@ -50,6 +51,42 @@ TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
   for (size_t i = 0; i < run.size(); ++i)
     largest = std::max(largest, *image_mse(run[i], (*decoded)[i]));
   EXPECT_LT(psnr_db(largest), 36);
+}
+
+/// Images full of noise, of which the last one has more.
+std::vector<idf::NdArray> images_with_a_hard_one() {
+  std::vector<idf::NdArray> run;
+  uint32_t random = 1;
+  for (int i = 0; i < 12; ++i) {
+    std::vector<uint8_t> pixels;
+    for (int at = 0; at < 64 * 64 * 3; ++at) {
+      random = random * 1664525 + 1013904223;
+      const uint32_t noise = (random >> 16) % (i == 11 ? 24 : 13);
+      pixels.push_back(static_cast<uint8_t>(90 + noise + static_cast<uint32_t>(at / 3 % 64)));
+    }
+    run.push_back(idf::NdArray::take<uint8_t>({64, 64, 3}, std::move(pixels)));
+  }
+  return run;
+}
+
+TEST(VideoSearch, CorrectsTheImageThatMissesTheBoundAlone) {
+  const auto run = images_with_a_hard_one();
+  VideoSearch search({.codec = "h264", .settings = "effort=1", .bound_db = 36});
+  const auto found = search.search(run);
+  ASSERT_TRUE(found.ok() && found->lossy);
+  const FoundVideo& video = *found->lossy;
+  ASSERT_FALSE(video.residual.empty());
+  EXPECT_GE(lowest_db(video), 36);
+  // It is smaller than the best that keeps the bound without residuals.
+  for (const VideoTrial& trial : found->trials) {
+    if (trial.worst_db < 36) continue;
+    EXPECT_LT(video.size(), trial.bytes) << trial.crf;
+  }
+  // A reader sees what the search measured.
+  const auto coder = ltm::make_group_codec("h264");
+  auto decoded = *(*coder)->decode(video.bytes, run[0].type(), run[0].shape(), run.size());
+  ASSERT_TRUE(apply_residuals(video.residual, decoded).ok());
+  for (size_t i = 0; i < run.size(); ++i) EXPECT_EQ(*image_mse(run[i], decoded[i]), video.mse[i]);
 }
 
 TEST(VideoSearch, FindsTheSameFromAnotherStart) {
