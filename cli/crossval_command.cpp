@@ -13,15 +13,15 @@ namespace engram::cli {
 namespace {
 
 constexpr const char* kCrossvalFooter = R"(Examples:
-  engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
-  engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --budget 2m
+  engram crossval robot.engram --entity Vision/RGB/head/cam --training 5m
+  engram crossval robot.engram --entity Vision/RGB/head/cam --variants all --training 2m
   engram crossval robot.engram --entity Vision/RGB/head/cam --psnr 34 --fold 2 --json
-  engram crossval robot.engram --entity Vision/RGB/head/cam --every 200ms --budget 20m --bound 30
+  engram crossval robot.engram --entity Vision/RGB/head/cam --spacing 200ms --training 20m --bound 30
 
 A recording ends where there is a gap. For each, a model of each variant is trained on all others
-for --budget, and reconstructs and predicts the one that was left out, which is told on stderr as soon
+for --training, and reconstructs and predicts the one that was left out, which is told on stderr as soon
 as it is known; nothing is published. With
---every, snapshots so far apart are measured, and those between them are trained on too. PSNR is
+--spacing, snapshots so far apart are measured, and those between them are trained on too. PSNR is
 the mean over images / of the pooled error. Variants: "rate" trains for few bytes, "ae" for small
 errors alone, "vae" and "wae" for latents like a Gaussian. "copy-last" repeats the last snapshot,
 "linear" draws a straight line through the last two, "flow" moves pixels on as they moved.)";
@@ -31,7 +31,7 @@ struct CrossvalArguments {
   training::CrossvalOptions options;
   std::vector<std::string> variants{"rate"};
   TrainingArguments learning;
-  std::string every = "0s";
+  std::string spacing = "0s";
   bool is_json = false;
 };
 
@@ -54,9 +54,9 @@ ExitCode run(CrossvalArguments& arguments) {
   if (const Status status = finish_training_options(arguments.learning, arguments.options.train);
       !status.ok())
     return wrong_usage(status);
-  const auto every = parse_duration(arguments.every);
-  if (!every.ok()) return wrong_usage(every.status());
-  arguments.options.every = *every;
+  const auto spacing = parse_duration(arguments.spacing);
+  if (!spacing.ok()) return wrong_usage(spacing.status());
+  arguments.options.spacing = *spacing;
   auto variants = variants_of(arguments.variants);
   if (!variants.ok()) return wrong_usage(variants.status());
   arguments.options.variants = *std::move(variants);
@@ -90,19 +90,19 @@ void add_crossval_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("--entity", arguments->options.entity, "Entity")->required();
   add_training_options(*command, arguments->learning, train, arguments->options.augmented,
-                       "--budget", "each fold and variant", "Mean PSNR of images to aim at, dB");
+                       "--training", "each fold and variant", "Mean PSNR of images to aim at, dB");
   command
       ->add_option("--fold", arguments->options.folds,
                    "Leave out only these recordings, by number from 1 on; else each")
       ->delimiter(',');
   command
-      ->add_option("--every", arguments->every,
+      ->add_option("--spacing", arguments->spacing,
                    "Time between snapshots that are measured; 0s: all are")
       ->check(duration_text())
       ->capture_default_str();
   command
-      ->add_option("--ahead", arguments->options.ahead,
-                   "Snapshots ahead that predictions are measured for: next, over-next, ...")
+      ->add_option("--max-horizon", arguments->options.max_horizon,
+                   "Predictions are measured of the next so many snapshots, 2 to 100")
       ->capture_default_str();
   command
       ->add_option("--variants,--variant", arguments->variants,

@@ -28,7 +28,7 @@ constexpr const char* kMainFooter = R"(Examples:
   engram models robot.engram
   engram eval robot.engram
   engram predict robot.engram Vision/RGB/head/cam --compare --picture predict.png
-  engram crossval robot.engram --entity Vision/RGB/head/cam --budget 5m
+  engram crossval robot.engram --entity Vision/RGB/head/cam --training 5m
   engram forget robot.engram --config robot.yaml --dry-run
   engram compact robot.engram
   engram idf generate kitchen.xml --cpp generated

@@ -19,6 +19,10 @@ struct OldWord {
 constexpr const char* kOldWordsUntil = "0.3";
 
 constexpr std::array kOldWords{
+    // Elsewhere these words are the time of everything, numbers of snapshots, and durations.
+    OldWord{"crossval", "--budget", "--training"},
+    OldWord{"crossval", "--every", "--spacing"},
+    OldWord{"crossval", "--ahead", "--max-horizon"},
     OldWord{"predict", "--ahead", "--horizons", "--horizons"},
     OldWord{"recover", "--output", "--out", "--out"},
     OldWord{"commit", "--type-name", "--type"},

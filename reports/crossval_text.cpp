@@ -92,7 +92,7 @@ std::string bound_table(const CrossvalReport& report, size_t index) {
   return table_of_folds(report, header, [index](const std::string& name, const CrossvalFold& fold) {
     const VariantQuality& variant = fold.variants[index];
     std::vector<std::string> row{name};
-    for (size_t ahead = 0; ahead < training::kMinAhead; ++ahead) {
+    for (size_t ahead = 0; ahead < training::kMinHorizon; ++ahead) {
       const Quality& quality = variant.prediction[ahead];
       const bool has_images = quality.images > 0;
       const training::Coverage& told =
@@ -140,7 +140,7 @@ std::string baseline_table(const CrossvalReport& report) {
           fmt::format("{}: {}", ahead, to_string(static_cast<training::Baseline>(way))));
   return table_of_folds(report, header, [](const std::string& name, const CrossvalFold& fold) {
     std::vector<std::string> row{name};
-    for (size_t ahead = 0; ahead < training::kMinAhead; ++ahead)
+    for (size_t ahead = 0; ahead < training::kMinHorizon; ++ahead)
       for (const auto& way : fold.baselines) row.push_back(quality_text(way[ahead]));
     return row;
   });
@@ -165,7 +165,7 @@ std::string comparison_table(const CrossvalFold& all) {
 std::string ahead_table(const CrossvalFold& all) {
   const size_t ahead = all.baselines.front().size();
   // The tables of the variants already have the next and over-next snapshots.
-  if (ahead <= training::kMinAhead) return "";
+  if (ahead <= training::kMinHorizon) return "";
   std::vector<std::string> header{"snapshots ahead"};
   for (size_t step = 1; step <= ahead; ++step) header.push_back(std::to_string(step));
   TextTable table(header);

@@ -187,8 +187,8 @@ class Bars:
     def left_out(self):
         def measure():
             return json.loads(self.run(
-                "crossval", self.store("g1", ("--all",)), "--entity", CAMERA, "--every", "200ms",
-                "--budget", "12m", "--psnr", 31.2, "--bound", 30.1, "--varied", 0.9, "--width", 96,
+                "crossval", self.store("g1", ("--all",)), "--entity", CAMERA, "--spacing", "200ms",
+                "--training", "12m", "--psnr", 31.2, "--bound", 30.1, "--varied", 0.9, "--width", 96,
                 "--threads", 1, "--json"))
 
         report = self.measured("left-out", measure)

@@ -85,8 +85,8 @@ class _Case:
             "budget": self.config[budget], "width": self.config["width"],
             "psnr": self.config["psnr"]}
         words = ["crossval", self.store, "--entity", entity, "--variants",
-                 ",".join(self.config["variants"]), "--ahead", self.config["ahead"], "--budget",
-                 self.config[budget], "--psnr", self.config["psnr"], "--threads", 1]
+                 ",".join(self.config["variants"]), "--max-horizon", self.config["ahead"],
+                 "--training", self.config[budget], "--psnr", self.config["psnr"], "--threads", 1]
         if fold is not None:
             words += ["--fold", fold, "--width", self.config["width"]]
         return self.measuring.measured(f"{self.dataset.name} {what}", inputs,

@@ -45,6 +45,13 @@ TEST_F(CrossvalCommand, TellsEachFoldAndThenAllOfThem) {
                                Not(HasSubstr("with residuals"))));
 }
 
+TEST_F(CrossvalCommand, TakesTheWordsOfEarlierVersions) {
+  const RunResult shown = crossval({"--fold", "2", "--ahead", "2", "--every", "0s"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.err, AllOf(HasSubstr("'--ahead' is '--max-horizon' now"),
+                               HasSubstr("'--every' is '--spacing' now")));
+}
+
 TEST_F(CrossvalCommand, PutsResidualsBesideLatentsAlone) {
   const RunResult shown = crossval({"--fold", "2", "--bound", "25"});
   ASSERT_EQ(shown.exit_code, 0) << shown.err;

@@ -44,7 +44,7 @@ class Crossval {
     report.entity = entity_;
     report.bound_db = options_.bound_db;
     ENGRAM_ASSIGN_OR_RETURN(const auto folds, folds_of(recordings.size()));
-    FoldSums all(options_.variants.size(), options_.ahead);
+    FoldSums all(options_.variants.size(), options_.max_horizon);
     for (const size_t number : folds) {
       ENGRAM_ASSIGN_OR_RETURN(const FoldSums sums, run_fold(recordings, number - 1));
       all.add(sums, folds.size());
@@ -76,12 +76,12 @@ class Crossval {
     for (const ltm::SnapshotEntry& entry : entries) times.push_back(entry.time);
     std::vector<Sequence> recordings = cut_sequences(times);
     between_.resize(recordings.size());
-    if (options_.every == Duration::zero()) {
+    if (options_.spacing == Duration::zero()) {
       entries_ = std::move(entries);
       return recordings;
     }
     for (size_t i = 0; i < recordings.size(); ++i) {
-      const auto runs = interleaved(times, recordings[i], options_.every);
+      const auto runs = interleaved(times, recordings[i], options_.spacing);
       recordings[i].first = entries_.size();
       for (const size_t index : runs.front()) entries_.push_back(entries[index]);
       recordings[i].end = entries_.size();
@@ -92,7 +92,7 @@ class Crossval {
   }
 
   Result<FoldSums> run_fold(const std::vector<Sequence>& recordings, size_t fold) {
-    FoldSums sums(options_.variants.size(), options_.ahead);
+    FoldSums sums(options_.variants.size(), options_.max_horizon);
     sums.snapshots = recordings[fold].size();
     ENGRAM_RETURN_IF_ERROR(measure_baselines(recordings[fold], sums));
     for (size_t i = 0; i < options_.variants.size(); ++i)

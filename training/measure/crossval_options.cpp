@@ -7,12 +7,12 @@
 namespace engram::training {
 
 Status CrossvalOptions::validate() const {
-  if (every < Duration::zero())
+  if (spacing < Duration::zero())
     return invalid_argument("time between measured snapshots: found {}, needs 0 or more",
-                            engram::to_string(every));
-  if (ahead < kMinAhead || ahead > kMaxAhead)
-    return invalid_argument("snapshots ahead: found {}, needs {} to {}", ahead, kMinAhead,
-                            kMaxAhead);
+                            engram::to_string(spacing));
+  if (max_horizon < kMinHorizon || max_horizon > kMaxHorizon)
+    return invalid_argument("largest horizon: found {} snapshots, needs {} to {}", max_horizon,
+                            kMinHorizon, kMaxHorizon);
   if (std::ranges::find(folds, 0u) != folds.end())
     return invalid_argument("folds: found 0, the first is 1");
   if (std::set(folds.begin(), folds.end()).size() < folds.size())

@@ -31,10 +31,10 @@ struct CrossvalOptions {
   double bound_db = 0;
   /// Time between measured snapshots. The snapshots in between are trained on too, as recordings of
   /// the same rate. Zero to measure every one.
-  Duration every{};
+  Duration spacing{};
   /// Max horizon of measured predictions, in snapshots: 2 to 100. All horizons from 1 on are
   /// measured.
-  size_t ahead = 2;
+  size_t max_horizon = 2;
   /// Numbers of the recordings that are left out in turn, from 1 on; empty for all.
   std::vector<size_t> folds;
 
@@ -43,9 +43,9 @@ struct CrossvalOptions {
   [[nodiscard]] RepresentationOptions representation(bool is_corrected) const;
 };
 
-/// Min value of CrossvalOptions::ahead: the next two snapshots.
-inline constexpr size_t kMinAhead = 2;
-/// Max value of CrossvalOptions::ahead. Rollouts are not meant to be longer.
-inline constexpr size_t kMaxAhead = 100;
+/// Min value of CrossvalOptions::max_horizon: the next two snapshots.
+inline constexpr size_t kMinHorizon = 2;
+/// Max value of CrossvalOptions::max_horizon. Rollouts are not meant to be longer.
+inline constexpr size_t kMaxHorizon = 100;
 
 }  // namespace engram::training

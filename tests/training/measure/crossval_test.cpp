@@ -38,7 +38,7 @@ CrossvalOptions options(int steps) {
 
 /// Of `values`, all but two are one and all but three two ahead of two others.
 void expect_predictions(const std::vector<Quality>& prediction, size_t values) {
-  ASSERT_EQ(prediction.size(), kMinAhead);
+  ASSERT_EQ(prediction.size(), kMinHorizon);
   EXPECT_EQ(prediction[0].images, values - 2);
   EXPECT_EQ(prediction[1].images, values - 3);
 }
@@ -125,7 +125,7 @@ TEST(Crossval, PredictsAsFarAheadAsItIsTold) {
   record(store.path(), 2);
   auto chosen = options(20);
   chosen.folds = {1};
-  chosen.ahead = 7;
+  chosen.max_horizon = 7;
   const auto report = crossval(store.path(), chosen);
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   for (const CrossvalFold* fold : {&report->folds.front(), &report->all}) {
@@ -136,7 +136,7 @@ TEST(Crossval, PredictsAsFarAheadAsItIsTold) {
     }
   }
   EXPECT_EQ(to_json(*report).at("all").at("baselines").at("flow").size(), 7u);
-  chosen.ahead = 1;
+  chosen.max_horizon = 1;
   EXPECT_EQ(crossval(store.path(), chosen).status().code(), StatusCode::kInvalidArgument);
 }
 
@@ -144,7 +144,7 @@ TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
   const ScratchPath store("crossval_every");
   record(store.path(), 2);
   auto chosen = options(20);
-  chosen.every = std::chrono::milliseconds(400);
+  chosen.spacing = std::chrono::milliseconds(400);
   chosen.folds = {1};
   const auto report = crossval(store.path(), chosen);
   ASSERT_TRUE(report.ok()) << report.status().to_string();
@@ -163,7 +163,7 @@ TEST(Crossval, TrainsOnWhatLiesBetweenMeasuredSnapshots) {
   const auto copied = static_cast<size_t>(Baseline::kCopyLast);
   EXPECT_LT(fold.baselines[copied][0].mean_psnr_db,
             near->folds.front().baselines[copied][0].mean_psnr_db);
-  chosen.every = -std::chrono::milliseconds(1);
+  chosen.spacing = -std::chrono::milliseconds(1);
   EXPECT_EQ(crossval(store.path(), chosen).status().code(), StatusCode::kInvalidArgument);
 }
 
@@ -176,7 +176,7 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
   const auto report = crossval(store.path(), chosen);
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   const VariantQuality& variant = report->all.variants[0];
-  for (size_t ahead = 0; ahead < kMinAhead; ++ahead) {
+  for (size_t ahead = 0; ahead < kMinHorizon; ++ahead) {
     const Coverage& told = variant.bound_coverage[ahead].images;
     EXPECT_EQ(told.predictions, 128 - ahead);
     // The square goes on as it did: about nine of ten are within.
@@ -186,7 +186,7 @@ TEST(Crossval, CountsHowOftenErrorsOfLeftOutRecordingsAreWithinTheirBounds) {
   }
   const auto json = to_json(*report);
   const auto& bound = json.at("all").at("variants").at("rate").at("bound");
-  ASSERT_EQ(bound.size(), kMinAhead);
+  ASSERT_EQ(bound.size(), kMinHorizon);
   EXPECT_EQ(bound[1].at("images").at("within"), variant.bound_coverage[1].images.within);
 }
 
@@ -230,7 +230,7 @@ TEST(Crossval, MeasuresWhatItTellsToKnowWhatCameOfTheCondition) {
   EXPECT_GT(variant.planned[0].pooled_psnr_db, copied + 3);
   EXPECT_NE(variant.planned[0].pooled_psnr_db, variant.prediction[0].pooled_psnr_db);
   const auto json = to_json(*report).at("all").at("variants").at("rate").at("planned");
-  ASSERT_EQ(json.size(), kMinAhead);
+  ASSERT_EQ(json.size(), kMinHorizon);
   EXPECT_EQ(json.at(1).at("images"), 37);
 }
 
