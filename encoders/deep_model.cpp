@@ -33,14 +33,6 @@ idf::NdArray image_array(const ImageMember& image, const Tensor& pixels) {
   return idf::NdArray::take<T>({image.height, image.width, image.channels}, std::move(result));
 }
 
-idf::NdArray with_residual(const idf::NdArray& image, std::span<const int16_t> residual,
-                           const PixelShape& shape) {
-  const auto decoded = image.values<uint8_t>();
-  std::vector<uint8_t> pixels(decoded.begin(), decoded.end());
-  add_residual(residual, shape, pixels);
-  return idf::NdArray::take<uint8_t>(image.shape(), std::move(pixels));
-}
-
 /// Shape: [1, z, h, w].
 Tensor grid_tensor(const LatentGrid& grid, std::span<const int32_t> integers) {
   std::vector<float> values(integers.begin(), integers.end());

@@ -195,4 +195,12 @@ void add_residual(std::span<const int16_t> residual, const PixelShape& shape,
     image[i] = static_cast<uint8_t>(std::clamp(image[i] + pixels[i], 0, 255));
 }
 
+idf::NdArray with_residual(const idf::NdArray& image, std::span<const int16_t> residual,
+                           const PixelShape& shape) {
+  const auto decoded = image.values<uint8_t>();
+  std::vector<uint8_t> pixels(decoded.begin(), decoded.end());
+  add_residual(residual, shape, pixels);
+  return idf::NdArray::take<uint8_t>(image.shape(), std::move(pixels));
+}
+
 }  // namespace engram::encoders

@@ -10,6 +10,7 @@
 
 #include "encoders/coding/block_transform.h"
 #include "ltm/core/status.h"
+#include "ltm/idf/ndarray.h"
 
 namespace engram::encoders {
 
@@ -65,5 +66,11 @@ Result<std::vector<std::optional<uint64_t>>> residual_bytes(std::span<const std:
 /// Shape: [H, W, C].
 void add_residual(std::span<const int16_t> residual, const PixelShape& shape,
                   std::span<uint8_t> image);
+
+/// The image with a residual added.
+/// Shape: uint8 [H, W, C].
+[[nodiscard]] idf::NdArray with_residual(const idf::NdArray& image,
+                                         std::span<const int16_t> residual,
+                                         const PixelShape& shape);
 
 }  // namespace engram::encoders

@@ -49,7 +49,7 @@ BlockChoice::BlockChoice(encoders::DeepModel& model, const RepresentationOptions
       options_(options),
       times_(times),
       bound_db_(options.bound_db + kDecodingMarginDb),
-      max_mse_(255.0 * 255.0 * std::pow(10.0, -bound_db_ / 10.0)),
+      max_mse_(mse_of_psnr(bound_db_)),
       videos_(model.plan, model.codec.chain_rows, videos_for(model, options), options.threads,
               times) {
   ENGRAM_CHECK(options.kind == Representation::kLatents || options.bound_db > 0, "no bound for {}",

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/forms/video_correction.h"
 
-#include <cmath>
 #include <utility>
 
+#include "encoders/coded_background.h"
 #include "encoders/coding/residual_image.h"
 #include "training/quality/psnr.h"
 
@@ -11,34 +11,24 @@ namespace engram::training {
 
 namespace {
 
-std::optional<encoders::PixelShape> pixels_of(const idf::NdArray& image) {
-  if (image.type() != idf::ElementType::kUInt8 || image.shape().size() != 3) return std::nullopt;
-  const idf::Shape& shape = image.shape();
-  return encoders::PixelShape{static_cast<int>(shape[0]), static_cast<int>(shape[1]),
-                              static_cast<int>(shape[2])};
+bool is_of_8_bits(const idf::NdArray& image) {
+  return image.type() == idf::ElementType::kUInt8 && image.shape().size() == 3;
 }
 
-/// The error that an image of so many numbers may have. Unit: grey levels squared, over all.
-uint64_t max_error(double bound_db, size_t numbers) {
-  return static_cast<uint64_t>(255.0 * 255.0 * std::pow(10.0, -bound_db / 10.0) *
-                               static_cast<double>(numbers));
+encoders::PixelShape pixels_of(const idf::NdArray& image) {
+  return encoders::FrameShape{image.type(), image.shape()}.pixels();
 }
 
 }  // namespace
 
 Status apply_residuals(std::span<const std::byte> residual, std::span<idf::NdArray> images) {
   if (images.empty()) return {};
-  const auto shape = pixels_of(images.front());
-  if (!shape) return data_loss("residuals of images that have no 8 bits");
+  if (!is_of_8_bits(images.front())) return data_loss("residuals of images that have no 8 bits");
+  const encoders::PixelShape shape = pixels_of(images.front());
   ENGRAM_ASSIGN_OR_RETURN(
-      const auto rows, encoders::decode_residuals(residual, *shape, images.size(), images.size()));
-  for (size_t i = 0; i < images.size(); ++i) {
-    if (rows[i].empty()) continue;
-    const auto values = images[i].values<uint8_t>();
-    std::vector<uint8_t> pixels(values.begin(), values.end());
-    encoders::add_residual(rows[i], *shape, pixels);
-    images[i] = idf::NdArray::take<uint8_t>(images[i].shape(), std::move(pixels));
-  }
+      const auto rows, encoders::decode_residuals(residual, shape, images.size(), images.size()));
+  for (size_t i = 0; i < images.size(); ++i)
+    if (!rows[i].empty()) images[i] = encoders::with_residual(images[i], rows[i], shape);
   return {};
 }
 
@@ -46,12 +36,14 @@ Result<std::optional<VideoCorrection>> correct_video(std::span<const idf::NdArra
                                                      std::span<const idf::NdArray> decoded,
                                                      double bound_db) {
   const std::optional<VideoCorrection> none;
-  const auto shape = images.empty() ? std::nullopt : pixels_of(images.front());
-  if (!shape) return none;
-  encoders::ResidualEncoder encoder(*shape);
-  const uint64_t error = max_error(bound_db, shape->count());
+  if (images.empty() || !is_of_8_bits(images.front())) return none;
+  const encoders::PixelShape shape = pixels_of(images.front());
+  encoders::ResidualEncoder encoder(shape);
+  const auto max_error =
+      static_cast<uint64_t>(mse_of_psnr(bound_db) * static_cast<double>(shape.count()));
   for (size_t i = 0; i < images.size(); ++i)
-    if (!encoder.add(decoded[i].values<uint8_t>(), images[i].values<uint8_t>(), error)) return none;
+    if (!encoder.add(decoded[i].values<uint8_t>(), images[i].values<uint8_t>(), max_error))
+      return none;
   VideoCorrection correction{encoder.finish(), {}};
   std::vector<idf::NdArray> corrected(decoded.begin(), decoded.end());
   if (!correction.residual.empty())

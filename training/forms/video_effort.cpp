@@ -21,11 +21,16 @@ constexpr std::array<VideoEffort, 6> kVideoEfforts{{
     {"effort=3,spread=2", 1.25, {0.0082, 0.0215, 0.054}},
 }};
 
-/// Encodes of a chain, and bytes, of a search that ends within half a decibel of the bound and of
-/// one that finds the smallest video. Source: experiments/learning/LOG.md, "residuals of videos".
-constexpr double kQuickEncodes = 1.3, kWholeEncodes = 4.3, kQuickBytes = 1.09;
+/// Bytes of a search that ends within half a decibel of the bound, relative to the smallest video.
+/// Source: experiments/learning/LOG.md, "residuals of videos".
+constexpr double kQuickBytes = 1.09;
 
 }  // namespace
+
+double encodes_of_chain(double tolerance_db) {
+  constexpr double kWithTolerance = 1.3, kWithout = 4.3;
+  return tolerance_db > 0 ? kWithTolerance : kWithout;
+}
 
 std::span<const VideoEffort> video_efforts() {
   return kVideoEfforts;
@@ -63,12 +68,12 @@ const VideoEffort& usual_effort(int64_t pixels) {
 VideoPace pace_within(double times, int64_t pixels, double usual_tolerance_db) {
   ENGRAM_CHECK(times > 0, "{} times the usual time", times);
   struct Search {
-    double tolerance_db, encodes, bytes;
+    double tolerance_db, bytes;
   };
-  const Search quick{usual_tolerance_db, kQuickEncodes, kQuickBytes}, whole{0, kWholeEncodes, 1};
+  const Search quick{usual_tolerance_db, kQuickBytes}, whole{0, 1};
   const auto searches = usual_tolerance_db > 0 ? std::vector{quick, whole} : std::vector{whole};
   const auto seconds = [&](const VideoEffort& effort, const Search& search) {
-    return seconds_per_image(effort, pixels) * search.encodes;
+    return seconds_per_image(effort, pixels) * encodes_of_chain(search.tolerance_db);
   };
   const double usual = seconds(usual_effort(pixels), searches.front());
   const VideoEffort& quickest = kVideoEfforts.back();

@@ -36,6 +36,11 @@ inline constexpr std::array<int64_t, 3> kMeasuredPixels{128 * 128, 256 * 256, 64
 /// or the quickest one.
 [[nodiscard]] const VideoEffort& effort_within(double seconds, int64_t pixels);
 
+/// How often a search encodes a chain, once it is known how quality follows from crf: with a
+/// tolerance, and without one, where it looks for the smallest video.
+/// Source: experiments/learning/LOG.md, "residuals of videos".
+[[nodiscard]] double encodes_of_chain(double tolerance_db);
+
 /// How the videos of a night are searched for.
 struct VideoPace {
   const VideoEffort* effort = nullptr;

@@ -153,10 +153,9 @@ void learn_history(const EntityWork& work, const ChosenForm& form, NightHistory 
 /// Whether images are kept as video, and no model with networks is there that might be cheaper.
 bool is_video_for_good(const EntityWork& work, const PlannedEntity& planned,
                        const ChosenForm& form) {
-  return form.is_video_alone() &&
-         (work.options.representation.kind == Representation::kVideo ||
-          work.reader.manifest().newest_model(work.entity) == nullptr ||
-          model_of_more_video(work, planned, form) != nullptr);
+  return form.is_video_alone() && (work.options.representation.kind == Representation::kVideo ||
+                                   work.reader.manifest().newest_model(work.entity) == nullptr ||
+                                   model_of_more_video(work, planned, form) != nullptr);
 }
 
 /// Fits a new model, compares it with the previous one and publishes the cheaper choice.

@@ -14,6 +14,7 @@
 #include "training/fit/network_width.h"
 #include "training/fit/trainer.h"
 #include "training/forms/entity_videos.h"
+#include "training/forms/video_effort.h"
 #include "training/night/encode_entity.h"
 #include "training/night/entity_images.h"
 
@@ -27,8 +28,6 @@ constexpr size_t kSample = 32, kVideoSample = 8;
 constexpr size_t kSampleChains = 2;
 /// Max number of snapshots on which predictions are measured in addition to encoding.
 constexpr size_t kMaxMeasured = 256;
-/// Encodes of a chain with and without a tolerance, once it is known how quality follows from crf.
-constexpr double kEncodes = 1.5, kWholeEncodes = 4.3;
 /// What measuring predictions takes of the time of encoding where there are no networks.
 constexpr double kMeasuredVideoShare = 0.15;
 /// What reading, decoding, comparing and residuals take beside one encode.
@@ -73,7 +72,7 @@ Result<double> seconds_as_video(const EntityWork& work, const PlannedEntity& pla
   }
   const double once = to_seconds(std::chrono::steady_clock::now() - start);
   const bool has_two = form.representation.threads > 1 && std::thread::hardware_concurrency() > 1;
-  const double encodes = form.representation.video_tolerance_db > 0 ? kEncodes : kWholeEncodes;
+  const double encodes = encodes_of_chain(form.representation.video_tolerance_db);
   return kBesideEncoding * encodes * once / static_cast<double>(sample.size()) /
          (has_two ? kTwoThreads : 1.0);
 }

@@ -37,6 +37,10 @@ double psnr_db(double mse) {
   return std::min(kLargestPsnrDb, 10.0 * std::log10(kPeak * kPeak / mse));
 }
 
+double mse_of_psnr(double db) {
+  return kPeak * kPeak * std::pow(10.0, -db / 10.0);
+}
+
 Result<double> image_mse(const idf::NdArray& recorded, const idf::NdArray& other) {
   ENGRAM_RETURN_IF_ERROR(check_alike(recorded, other));
   const auto a = recorded.values<uint8_t>(), b = other.values<uint8_t>();

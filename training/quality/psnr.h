@@ -15,6 +15,9 @@ inline constexpr double kLargestPsnrDb = 60.0;
 /// levels squared; for NaN the result is NaN.
 [[nodiscard]] double psnr_db(double mse);
 
+/// The mean squared error of an image with this PSNR, which is in dB. Unit: grey levels squared.
+[[nodiscard]] double mse_of_psnr(double db);
+
 /// Mean squared error of two images. Unit: grey levels squared.
 /// Shape: uint8 [H, W, C], equal for both.
 /// Errors: kInvalidArgument if type or shape is another one.
