@@ -16,8 +16,8 @@ namespace {
 constexpr double kMinSlope = 0.08, kMaxSlope = 2.0;
 /// The same of bytes: logarithm per dB. Trials that are nearer to each other say too little.
 constexpr double kMinRate = 0.05, kMaxRate = 1.0, kMinStepDb = 0.2;
-/// How much of the level, of its deviation and of the slope is the last chain's.
-constexpr double kNewLevel = 0.5, kNewDeviation = 0.2, kNewSlope = 0.25;
+/// How much of the level and of the slopes is the last chain's.
+constexpr double kNewLevel = 0.5, kNewSlope = 0.25;
 /// What a line that was read may say.
 constexpr double kMaxCrf = 255, kMaxDb = 200;
 
@@ -42,7 +42,7 @@ double bytes_per_db_between(const VideoTrial& a, const VideoTrial& b, double oth
 void VideoHistory::go_on_from(const Line& line) {
   const bool is_line = line.slope >= kMinSlope && line.slope <= kMaxSlope &&
                        std::abs(line.at_crf) <= kMaxCrf && std::abs(line.at_db) <= kMaxDb &&
-                       line.deviation >= 0 && line.deviation <= kMaxDb;
+                       line.bytes_per_db >= kMinRate && line.bytes_per_db <= kMaxRate;
   if (chains_ > 0 || !is_line) return;
   line_ = line;
   chains_ = 1;
@@ -66,21 +66,17 @@ void VideoHistory::learn(std::span<const VideoTrial> trials, double bound_db) {
   encodes_.push_back(static_cast<uint8_t>(std::min<size_t>(trials.size(), 255)));
   const auto nearest = *std::ranges::min_element(
       trials, {}, [&](const VideoTrial& trial) { return std::abs(trial.worst_db - bound_db); });
-  for (size_t i = 1; i < trials.size(); ++i)
-    bytes_per_db_ +=
-        kNewSlope * (bytes_per_db_between(trials[i - 1], trials[i], bytes_per_db_) - bytes_per_db_);
-  for (size_t i = 1; i < trials.size(); ++i)
-    line_.slope += kNewSlope * (slope_between(trials[i - 1], trials[i], line_.slope) - line_.slope);
+  const auto adapt = [](double& known, double found) { known += kNewSlope * (found - known); };
+  for (size_t i = 1; i < trials.size(); ++i) {
+    const VideoTrial &before = trials[i - 1], &after = trials[i];
+    adapt(line_.bytes_per_db, bytes_per_db_between(before, after, line_.bytes_per_db));
+    adapt(line_.slope, slope_between(before, after, line_.slope));
+  }
   const double crf = nearest.crf;
   const double expected_db = line_.at_db - line_.slope * (crf - line_.at_crf);
   const double error = nearest.worst_db - expected_db;
   line_.at_crf = crf;
-  if (chains_ == 0) {
-    line_.at_db = nearest.worst_db;
-  } else {
-    line_.deviation += kNewDeviation * (std::abs(error) - line_.deviation);
-    line_.at_db = expected_db + kNewLevel * error;
-  }
+  line_.at_db = chains_ == 0 ? nearest.worst_db : expected_db + kNewLevel * error;
   ++chains_;
 }
 

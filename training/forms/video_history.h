@@ -35,7 +35,8 @@ class VideoHistory {
     double slope = 0;  ///< In dB per step of crf.
     /// A point of the line: near where the last chain ended, so that another slope moves little.
     double at_crf = 0, at_db = 0;
-    double deviation = 1;  ///< Of a chain's level from what was expected. Unit: dB.
+    /// How much the logarithm of a chain's bytes grows with a decibel.
+    double bytes_per_db = kUsualBytesPerDb;
 
     friend bool operator==(const Line&, const Line&) = default;
   };
@@ -57,9 +58,6 @@ class VideoHistory {
   /// last of `trials`, which are of one chain, to `wanted_db`.
   [[nodiscard]] double change_to(double wanted_db, std::span<const VideoTrial> trials) const;
 
-  /// How much the logarithm of a chain's bytes grows with a decibel, learned as the slope is.
-  [[nodiscard]] double bytes_per_db() const { return bytes_per_db_; }
-
   /// Adds the trials of the next chain, of which there is at least one (checked). The last one that
   /// counts is the one nearest to the bound.
   void learn(std::span<const VideoTrial> trials, double bound_db);
@@ -69,7 +67,6 @@ class VideoHistory {
 
  private:
   Line line_;
-  double bytes_per_db_ = kUsualBytesPerDb;
   uint64_t chains_ = 0;  ///< One at least if the line is of an earlier job.
   std::vector<uint8_t> encodes_;
 };

@@ -39,12 +39,8 @@ double worst_db(const FoundVideo& video) {
   return worst;
 }
 
-/// Of two videos that keep the bound alone the later one is kept, which is nearer to it.
-void keep_better(FoundVideo video, VideoSearchResult& result) {
-  const bool keep_the_bound_alone =
-      result.lossy && result.lossy->residual.empty() && video.residual.empty();
-  if (!result.lossy || keep_the_bound_alone || video.size() < result.lossy->size())
-    result.lossy = std::move(video);
+void keep_smaller(FoundVideo video, VideoSearchResult& result) {
+  if (!result.lossy || video.size() < result.lossy->size()) result.lossy = std::move(video);
 }
 
 }  // namespace
@@ -125,12 +121,12 @@ Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std
     const bool is_good = worst >= options_.bound_db;
     (is_good ? good : bad) = crf;
     if (is_good) {
-      keep_better(std::move(encoded.video), result);
+      keep_smaller(std::move(encoded.video), result);
       spare = worst - options_.bound_db;
     } else {
       ENGRAM_ASSIGN_OR_RETURN(auto video, corrected(images, std::move(encoded)));
       const bool is_enough = video && is_worth_it(*video, worst);
-      if (video) keep_better(*std::move(video), result);
+      if (video) keep_smaller(*std::move(video), result);
       if (is_enough) break;
     }
     if (spare <= near_db_ * (result.trials.size() > 1 ? kLaterTolerance : 1)) break;
@@ -171,7 +167,7 @@ Status VideoSearch::search_beside(std::span<const idf::NdArray> images, const st
 /// half a tolerance above the bound.
 bool VideoSearch::is_worth_it(const FoundVideo& corrected, double worst) const {
   const double missed_db = options_.bound_db - worst + near_db_ / 2;
-  const double more = std::exp(history_.bytes_per_db() * missed_db) - 1;
+  const double more = std::exp(history_.line().bytes_per_db * missed_db) - 1;
   return static_cast<double>(corrected.residual.size()) <=
          more * static_cast<double>(corrected.bytes.size());
 }

@@ -29,7 +29,7 @@ Json json_of(const VideoHistory::Line& line) {
   return {{"slope", line.slope},
           {"at_crf", line.at_crf},
           {"at_db", line.at_db},
-          {"deviation", line.deviation}};
+          {"bytes_per_db", line.bytes_per_db}};
 }
 
 /// Throws what nlohmann::json throws.
@@ -38,9 +38,10 @@ NightHistory history_of(const Json& json) {
   history.networks_lost_at = json.at("networks_lost_at").get<uint64_t>();
   for (const auto& [codec, members] : json.at("videos").items())
     for (const Json& line : members)
-      history.lines[codec].push_back(
-          {line.at("slope").get<double>(), line.at("at_crf").get<double>(),
-           line.at("at_db").get<double>(), line.at("deviation").get<double>()});
+      history.lines[codec].push_back({line.at("slope").get<double>(),
+                                      line.at("at_crf").get<double>(),
+                                      line.at("at_db").get<double>(),
+                                      line.value("bytes_per_db", VideoHistory::kUsualBytesPerDb)});
   return history;
 }
 
