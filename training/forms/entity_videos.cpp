@@ -15,9 +15,6 @@ namespace engram::training {
 
 namespace {
 
-/// A stored video that is better than the bound by more is searched for again: it was made for
-/// another bound. Steps of crf are up to two decibels wide where images are small. Unit: dB.
-constexpr double kMaxSpareDb = 3;
 /// A day's images of one camera of 640 x 480 pixels take 100 MB.
 constexpr uint64_t kMaxBytes = uint64_t{256} << 20;
 
@@ -94,7 +91,7 @@ Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> ima
     ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], decoded[i]));
     worst = std::min(worst, psnr_db(video.mse.back()));
   }
-  if (worst < options.bound_db || worst > options.bound_db + kMaxSpareDb) return {};
+  if (worst < options.bound_db) return {};
   found.lossy = std::move(video);
   add(images, found);
   return {};

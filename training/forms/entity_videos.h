@@ -35,7 +35,7 @@ class EntityVideos {
   void add(std::span<const idf::NdArray> images, const VideoSearchResult& found);
 
   /// Keeps a video that the store holds of these images, with its residuals, if it keeps the bound.
-  /// It is decoded for that.
+  /// It is decoded for that. The caller knows that it was not made for a much higher bound.
   /// Errors: those of decoding.
   Status add_stored(size_t member, std::span<const idf::NdArray> images, const std::string& codec,
                     std::span<const std::byte> bytes, std::span<const std::byte> residual);

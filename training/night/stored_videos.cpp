@@ -2,9 +2,11 @@
 #include "training/night/stored_videos.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "encoders/deep_model.h"
+#include "encoders/model_file.h"
 #include "ltm/core/log.h"
 
 namespace engram::training {
@@ -12,6 +14,20 @@ namespace engram::training {
 namespace {
 
 using Images = std::vector<idf::NdArray>;
+
+/// Videos that were made for a bound that is higher by more are searched for again. A bound that
+/// follows the noise of a camera differs a little from night to night. Unit: dB.
+constexpr double kMaxSpareDb = 0.5;
+
+/// The bound that a stored model's images were made for; infinite where nobody knows it.
+double bound_of(ltm::StoreReader& reader, const ltm::MemoryId& entity, int version) {
+  for (const ltm::ModelInfo& model : reader.manifest().models) {
+    if (model.entity != entity || model.version != version) continue;
+    const auto from = encoders::read_provenance(reader.path() / model.file);
+    if (from.ok()) return from->forms.bound_db;
+  }
+  return std::numeric_limits<double>::infinity();
+}
 
 /// The images of a member in rows of a chain.
 Result<Images> images_of(std::span<const idf::Data> values, const encoders::TensorPlan& plan,
@@ -51,6 +67,9 @@ void add_stored_videos(ltm::StoreReader& reader, const ltm::MemoryId& entity,
   if (stored->instances.empty()) return;
   const ltm::Latent& latent = stored->instances.front().latent;
   if (latent.place.index != 0) return;
+  if (bound_of(reader, entity, stored->model_version) >
+      videos.search_of(0).options().bound_db + kMaxSpareDb)
+    return;
   const auto block =
       encoders::describe_block(latent.code.bytes(), latent.place.count, videos.members());
   if (!block.ok()) return unused(block.status());

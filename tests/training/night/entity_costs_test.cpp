@@ -54,6 +54,13 @@ TEST(Consolidate, TellsWhatEachStageCost) {
   ASSERT_TRUE(forced.ok()) << forced.status().to_string();
   EXPECT_EQ(forced->entities[0].costs.known_videos, costs.encodes.size());
   EXPECT_TRUE(forced->entities[0].costs.encodes.empty());
+
+  // What was made for a higher bound takes more bytes than it has to.
+  chosen.representation.bound_db = 27;
+  const auto lower = consolidate(store.path(), chosen, {}, {});
+  ASSERT_TRUE(lower.ok()) << lower.status().to_string();
+  EXPECT_EQ(lower->entities[0].costs.known_videos, 0u);
+  EXPECT_EQ(lower->entities[0].costs.encodes.size(), costs.encodes.size());
 }
 
 }  // namespace
