@@ -96,6 +96,18 @@ TEST_F(LearningModule, IsNotLoadedWhereNothingLearnsOrDecodes) {
   }
 }
 
+TEST_F(LearningModule, IsNotLoadedToAskAServer) {
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"predict", "--server", "127.0.0.1:1", kCamera},
+        {"predict", "--server", "127.0.0.1:1", kCamera, "--list"},
+        {"query", kCamera + " @ +200ms", "--server", "127.0.0.1:1"}}) {
+    const RunResult result = run(line);
+    EXPECT_EQ(result.exit_code, 1) << line[0];
+    EXPECT_THAT(result.err, HasSubstr("127.0.0.1:1")) << line[0];
+    EXPECT_FALSE(has_libtorch()) << line[0];
+  }
+}
+
 TEST_F(LearningModule, IsLoadedToDecodeAndDecodesAsADirectlyLinkedLibrary) {
   const RunResult told = run({"query", store_, kReconstructed, "--prefer", "latent", "--json"});
   ASSERT_EQ(told.exit_code, 0) << told.err;
