@@ -111,8 +111,10 @@ void print_evaluation(const training::EntityEvaluation& entity) {
   add_bytes("per snapshot", entity, count);
   print(bytes.to_string("  "));
   if (!std::isnan(entity.access.in_order_ms))
-    print(fmt::format("  decoded in {:.1f} ms each in order, {:.1f} ms scattered (median)",
-                      entity.access.in_order_ms, entity.access.scattered_ms));
+    print(fmt::format(
+        "  decoded in {:.1f} ms each in order (mean), {:.1f} ms scattered (median; 99 % "
+        "within {:.1f} ms)",
+        entity.access.in_order_ms, entity.access.scattered_ms, entity.access.scattered_p99_ms));
   if (entity.code.rows > 0) print(code_text(entity.code));
   TextTable images(
       {"PSNR", "images", "mean over images", "pooled error", "5 % quantile", "minimum"});

@@ -247,7 +247,7 @@ class Bars:
             "eval", store, "--entity", CAMERA, "--json")))
         entity = report["entities"][0]
         in_order, scattered = entity["in_order_ms"], entity["scattered_ms"]
-        self.verdict("access", f"{in_order:.1f} ms in order, {scattered:.1f} ms scattered (median)",
+        self.verdict("access", f"{in_order:.1f} ms in order (mean), {scattered:.1f} ms scattered (median)",
                      f"{ACCESS_MS[0]} and {ACCESS_MS[1]} ms, coding is conditional",
                      in_order <= ACCESS_MS[0] and scattered <= ACCESS_MS[1])
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 namespace engram::training {
 
@@ -14,8 +14,9 @@ using Entries = std::vector<const ltm::SnapshotEntry*>;
 
 constexpr size_t kMaxSnapshots = 300;
 
-Result<double> median_ms(ltm::StoreReader& reader, const ltm::ModelInfo& model,
-                         const Entries& entries, ltm::Encoder& encoder) {
+/// The time of each read, in ms.
+Result<std::vector<double>> times_of(ltm::StoreReader& reader, const ltm::ModelInfo& model,
+                                     const Entries& entries, ltm::Encoder& encoder) {
   std::vector<double> times;
   for (const ltm::SnapshotEntry* entry : entries) {
     const auto start = std::chrono::steady_clock::now();
@@ -25,10 +26,19 @@ Result<double> median_ms(ltm::StoreReader& reader, const ltm::ModelInfo& model,
       ENGRAM_RETURN_IF_ERROR(encoder.decode({&instance.latent, 1}).status());
     times.push_back(to_seconds(std::chrono::steady_clock::now() - start) * 1e3);
   }
-  if (times.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = times.begin() + static_cast<ptrdiff_t>(times.size() / 2);
-  std::ranges::nth_element(times, middle);
-  return *middle;
+  return times;
+}
+
+double mean(const std::vector<double>& times) {
+  return std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
+}
+
+/// The time within which this share of the reads end. `times` is not empty.
+double quantile(std::vector<double> times, double share) {
+  const auto place =
+      times.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(times.size() - 1));
+  std::ranges::nth_element(times, place);
+  return *place;
 }
 
 }  // namespace
@@ -48,8 +58,12 @@ Result<AccessTimes> measure_access(ltm::StoreReader& reader, const ltm::ModelInf
     scattered.push_back(coded[static_cast<size_t>(share * static_cast<double>(coded.size()))]);
   }
   AccessTimes times;
-  ENGRAM_ASSIGN_OR_RETURN(times.in_order_ms, median_ms(reader, model, in_order, encoder));
-  ENGRAM_ASSIGN_OR_RETURN(times.scattered_ms, median_ms(reader, model, scattered, encoder));
+  ENGRAM_ASSIGN_OR_RETURN(const auto ordered, times_of(reader, model, in_order, encoder));
+  ENGRAM_ASSIGN_OR_RETURN(const auto apart, times_of(reader, model, scattered, encoder));
+  if (ordered.empty() || apart.empty()) return times;
+  times.in_order_ms = mean(ordered);
+  times.scattered_ms = quantile(apart, 0.5);
+  times.scattered_p99_ms = quantile(apart, 0.99);
   return times;
 }
 

@@ -65,6 +65,7 @@ nlohmann::ordered_json to_json(const EvalReport& report) {
                         {"prediction", prediction_json(entity)},
                         {"in_order_ms", number_json(entity.access.in_order_ms)},
                         {"scattered_ms", number_json(entity.access.scattered_ms)},
+                        {"scattered_p99_ms", number_json(entity.access.scattered_p99_ms)},
                         {"code", code_json(entity.code)},
                         {"raw_bytes", entity.raw_bytes},
                         {"stored_bytes", entity.stored_bytes},

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string_view>
 #include <vector>
@@ -38,11 +39,15 @@ inline constexpr size_t kKnownKinds = 3;
 /// "trained on", "held out", "left-out recordings".
 [[nodiscard]] std::string_view to_string(Known known);
 
-/// Time to read and decode one snapshot from its latents: the median over some hundred. NaN without
+/// Time to read and decode one snapshot from its latents, measured over some hundred. NaN without
 /// latents. Unit: ms.
 struct AccessTimes {
-  double in_order_ms = 0;   ///< Snapshots read in order.
-  double scattered_ms = 0;  ///< Snapshots read such that consecutive ones are of different blocks.
+  /// The mean of snapshots read in order: a chain is decoded once, when its first one is read.
+  double in_order_ms = std::numeric_limits<double>::quiet_NaN();
+  /// The median, and what 99 % need, of snapshots read such that consecutive ones are of different
+  /// blocks.
+  double scattered_ms = std::numeric_limits<double>::quiet_NaN();
+  double scattered_p99_ms = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Size of image latents in blocks and their ideal code length. Sums over blocks that hold only
