@@ -23,7 +23,7 @@
 namespace engram::ltm {
 namespace {
 
-using Images = std::vector<idf::NdArray>;
+using SealImages = std::vector<idf::NdArray>;
 
 constexpr size_t kMaxImages = 400;
 constexpr int kNumbers = 43;
@@ -34,7 +34,7 @@ MemoryId camera() {
 }
 
 /// Every sixth frame of videos with 30 a second.
-void add_video(const std::filesystem::path& path, Images& images) {
+void add_video(const std::filesystem::path& path, SealImages& images) {
   auto video = datasets::VideoReader::open(path, {});
   for (size_t i = 0; video.ok() && images.size() < kMaxImages; ++i) {
     auto frame = video->next();
@@ -43,9 +43,9 @@ void add_video(const std::filesystem::path& path, Images& images) {
   }
 }
 
-const Images& images() {
+const SealImages& seal_images() {
   static const auto all = [] {
-    Images made;
+    SealImages made;
     std::vector<std::filesystem::path> paths;
     if (const char* folder = std::getenv("ENGRAM_RECORDINGS"))
       for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
@@ -67,7 +67,7 @@ Snapshot snapshot(size_t index) {
     joints.set("joint_" + std::to_string(i),
                std::sin(0.05 * static_cast<double>(index) + static_cast<double>(i)));
   const Time time = time_from_ns(0) + kStep * static_cast<int64_t>(index + 1);
-  return {camera(), time, {{idf::Dict{{"image", images()[index]}, {"joints", joints}}, {}}}};
+  return {camera(), time, {{idf::Dict{{"image", seal_images()[index]}, {"joints", joints}}, {}}}};
 }
 
 /// Records all images into a store that is not there; `codecs` is YAML.
@@ -76,7 +76,7 @@ Status record(const std::filesystem::path& store, const std::string& codecs) {
       const auto options,
       parse_recording_config("entities: [{match: .*, codecs: " + codecs + "}]", codecs));
   ENGRAM_ASSIGN_OR_RETURN(auto recorder, Recorder::open(store, options));
-  for (size_t i = 0; i < images().size(); ++i)
+  for (size_t i = 0; i < seal_images().size(); ++i)
     ENGRAM_RETURN_IF_ERROR(recorder.commit({{snapshot(i)}}));
   return recorder.close();
 }
@@ -88,7 +88,7 @@ Result<training::PsnrStatistics> psnr_of(StoreReader& reader) {
   for (size_t i = 0; i < entries->size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(const Snapshot found, reader.read_recorded(camera(), (*entries)[i]));
     const auto& image = found.instances[0].data.at("image")->get<idf::NdArray>();
-    ENGRAM_ASSIGN_OR_RETURN(const double mse, training::image_mse(images()[i], image));
+    ENGRAM_ASSIGN_OR_RETURN(const double mse, training::image_mse(seal_images()[i], image));
     psnr.add(mse);
   }
   return psnr;
@@ -97,7 +97,7 @@ Result<training::PsnrStatistics> psnr_of(StoreReader& reader) {
 void record_all(benchmark::State& state, const std::string& codecs) {
   const ScratchDirectory scratch;
   uint64_t raw = 0;
-  for (const idf::NdArray& image : images()) raw += image.bytes().size();
+  for (const idf::NdArray& image : seal_images()) raw += image.bytes().size();
   for (auto _ : state) {
     std::filesystem::remove_all(scratch / "store");
     if (const Status status = record(scratch / "store", codecs); !status.ok())
@@ -108,7 +108,7 @@ void record_all(benchmark::State& state, const std::string& codecs) {
   if (!psnr.ok()) return state.SkipWithError(psnr.status().to_string().c_str());
   state.SetBytesProcessed(static_cast<int64_t>(state.iterations() * raw));
   state.counters["kB_each"] = static_cast<double>(reader->summary(camera())->stored_bytes) / 1000 /
-                              static_cast<double>(images().size());
+                              static_cast<double>(seal_images().size());
   state.counters["psnr_db"] = psnr->pooled_db();
   state.counters["worst_db"] = psnr->minimum_db();
 }
@@ -205,7 +205,7 @@ void read_numbers(benchmark::State& state, const std::string& codecs) {
 }
 
 template <typename F>
-auto* add(const std::string& name, F function, const std::string& codec) {
+auto* add_sealing(const std::string& name, F function, const std::string& codec) {
   const std::string codecs = "[{kind: image, codec: \"" + codec + "\"}]";
   return benchmark::RegisterBenchmark((name + "/" + codec).c_str(),
                                       [=](benchmark::State& state) { function(state, codecs); })
@@ -214,17 +214,17 @@ auto* add(const std::string& name, F function, const std::string& codec) {
       ->UseRealTime();
 }
 
-const bool kAreAdded = [] {
+const bool kSealingIsAdded = [] {
   for (const char* codec :
        {"rowpred", "png", "jpeg", "jpeg:75", "ffv1:group=30", "h264:crf=18,group=10",
         "h264:crf=18,group=30", "h264:crf=23,group=10", "h264:crf=23,group=30",
         "h264:crf=23,group=60", "h265:crf=23,group=30", "h265:crf=26,group=30"})
-    add("seal_record", record_all, codec)->Iterations(1);
+    add_sealing("seal_record", record_all, codec)->Iterations(1);
   for (const char* codec :
        {"rowpred", "png", "jpeg", "ffv1:group=10", "ffv1:group=30", "h264:crf=23,group=10",
         "h264:crf=23,group=30", "h265:crf=26,group=30"}) {
-    add("seal_read_random", read_random, codec);
-    add("seal_read_in_order", read_in_order, codec);
+    add_sealing("seal_read_random", read_random, codec);
+    add_sealing("seal_read_in_order", read_in_order, codec);
   }
   for (const char* how : {"none", "columns"}) {
     const std::string codecs = std::string("[{kind: number, codec: ") + how + "}]";
