@@ -81,7 +81,7 @@ Result<SnapshotResult> PastReader::reconstruct(const MemoryId& entity, const Sna
                      codes.size());
   for (size_t i = 0; i < latents.instances.size(); ++i)
     recalled.append(std::move((*values)[i]), latents.instances[i].metadata,
-                    latents.instances[i].error);
+                    latents.instances[i].quality.error, latents.instances[i].quality.bound);
   return recalled;
 }
 

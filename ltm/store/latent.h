@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,10 +24,29 @@ struct Latent {
   GroupPlace place = {};  ///< Place in the block; 0 of 1 if the latent is coded alone.
 };
 
+/// How good a latent is.
+struct LatentQuality {
+  /// The error against what was recorded: measured, or an estimate where there is a bound.
+  MeasuredError error;
+  /// The largest that the error can be, where the recorded form was gone when the snapshot faded.
+  std::optional<MeasuredError> bound = {};
+  /// The min PSNR that the snapshot faded to (docs/forgetting.md, "Memories that fade"); 0 if a
+  /// gist is left, which fades no further. Unit: dB.
+  float faded_to_db = kNotFaded;
+
+  static constexpr float kNotFaded = std::numeric_limits<float>::infinity();
+  static constexpr float kGist = 0;
+
+  /// The error that the value certainly does not exceed.
+  [[nodiscard]] const MeasuredError& certain() const { return bound ? *bound : error; }
+
+  friend bool operator==(const LatentQuality&, const LatentQuality&) = default;
+};
+
 struct LatentInstance {
   Latent latent;
   InstanceMetadata metadata;
-  MeasuredError error;
+  LatentQuality quality;
 };
 
 /// One snapshot as latents, coded by version `model_version` of its entity's model.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "ltm/idf/json.h"
+#include "ltm/store/segment_errors.h"
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_latents.h"
 #include "ltm/store/segment_media_reader.h"
@@ -275,6 +276,17 @@ Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, cons
   return snapshot;
 }
 
+Result<std::vector<LatentQuality>> SegmentReader::read_qualities(const MemoryId& entity,
+                                                                 const RowSpan& span) {
+  std::vector<LatentQuality> qualities;
+  for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(const LatentQuality quality,
+                            read_quality(state_->source, segment_group(entity), row));
+    qualities.push_back(quality);
+  }
+  return qualities;
+}
+
 Result<LatentSnapshot> SegmentReader::read_latent(const MemoryId& entity, const RowSpan& span) {
   const std::string group = segment_group(entity);
   LatentSnapshot snapshot;
@@ -291,10 +303,7 @@ Result<LatentSnapshot> SegmentReader::read_latent(const MemoryId& entity, const 
     if (!rest.is<idf::List>())
       return state_->source.broken(group, fmt::format("row {} has no remainder", row));
     instance.latent.remainder = rest.get<idf::List>();
-    ENGRAM_ASSIGN_OR_RETURN(instance.error.image_mse,
-                            state_->source.row_number<double>(group + "/error/image_mse", row));
-    ENGRAM_ASSIGN_OR_RETURN(instance.error.number_mse,
-                            state_->source.row_number<double>(group + "/error/number_mse", row));
+    ENGRAM_ASSIGN_OR_RETURN(instance.quality, read_quality(state_->source, group, row));
     snapshot.instances.push_back(std::move(instance));
   }
   return snapshot;

@@ -91,6 +91,8 @@ class SegmentReader {
   Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);
   /// Rows of one block share a Buffer if they are read in order.
   Result<LatentSnapshot> read_latent(const MemoryId& entity, const RowSpan& span);
+  /// How good the latents of each instance are, without their bytes.
+  Result<std::vector<LatentQuality>> read_qualities(const MemoryId& entity, const RowSpan& span);
 
  private:
   struct State;

@@ -84,7 +84,7 @@ class Describer {
     ENGRAM_ASSIGN_OR_RETURN(part.latent.model_version, reader_.model_version(part.id));
     ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latent, reader_.read_latent(part.id, span));
     for (const LatentInstance& instance : latent.instances)
-      add_to_sums(part.latent, instance.error);
+      add_to_sums(part.latent, instance.quality.error);
     return {};
   }
 

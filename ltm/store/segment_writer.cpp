@@ -11,6 +11,7 @@
 #include "ltm/store/checksum.h"
 #include "ltm/store/media_sorter.h"
 #include "ltm/store/segment_blobs.h"
+#include "ltm/store/segment_errors.h"
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_latents.h"
 #include "ltm/store/segment_media.h"
@@ -181,16 +182,15 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
   RowColumns columns;
   LatentCodeColumn codes;
   RemainderColumn remainder;
-  std::vector<double> image_mse, number_mse;
+  ErrorColumns errors;
   for (const LatentSnapshot& snapshot : snapshots) {
     for (size_t i = 0; i < snapshot.instances.size(); ++i) {
       const LatentInstance& instance = snapshot.instances[i];
       columns.append(snapshot.time, i, instance.metadata);
       ENGRAM_RETURN_IF_ERROR(codes.append(instance.latent));
       remainder.append(instance.latent.remainder);
-      image_mse.push_back(instance.error.image_mse);
-      number_mse.push_back(instance.error.number_mse);
-      add_to_sums(summary.latent, instance.error);
+      errors.append(instance.quality);
+      add_to_sums(summary.latent, instance.quality.error);
     }
   }
   ENGRAM_RETURN_IF_ERROR(write_entity_header(segment, group, entity));
@@ -204,8 +204,7 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
   ENGRAM_RETURN_IF_ERROR(columns.write(segment, group));
   ENGRAM_RETURN_IF_ERROR(codes.write(segment, group + "/latent"));
   ENGRAM_RETURN_IF_ERROR(remainder.write(segment, group + "/remainder"));
-  ENGRAM_RETURN_IF_ERROR(write_row_column(segment, group + "/error/image_mse", image_mse));
-  ENGRAM_RETURN_IF_ERROR(write_row_column(segment, group + "/error/number_mse", number_mse));
+  ENGRAM_RETURN_IF_ERROR(errors.write(segment, group));
   summary.snapshots = snapshots.size();
   summary.rows = columns.rows();
   ENGRAM_RETURN_IF_ERROR(finish_segment(std::move(segment), info));

@@ -334,6 +334,13 @@ Result<bool> StoreReader::is_augmented(const MemoryId& entity, const SnapshotEnt
   return packed.is_augmented();
 }
 
+Result<std::vector<LatentQuality>> StoreReader::read_qualities(const MemoryId& entity,
+                                                               const SnapshotEntry& entry) {
+  ENGRAM_CHECK(entry.latent.has_value(), "'{}' has no latents", entity.at(entry.time).to_string());
+  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(entry.latent->source));
+  return segment->read_qualities(entity, {entry.time, entry.latent->at, entry.latent->rows});
+}
+
 Result<LatentSnapshot> StoreReader::read_latent(const MemoryId& entity,
                                                 const SnapshotEntry& entry) {
   ENGRAM_CHECK(entry.latent.has_value(), "'{}' has no latents", entity.at(entry.time).to_string());

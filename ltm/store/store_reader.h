@@ -99,6 +99,12 @@ class StoreReader {
   /// Errors: kDataLoss naming the segment and the row.
   Result<LatentSnapshot> read_latent(const MemoryId& entity, const SnapshotEntry& entry);
 
+  /// How good the latents of each instance are, without reading them. Needs `entry.latent`
+  /// (checked).
+  /// Errors: kDataLoss naming the segment and the row.
+  Result<std::vector<LatentQuality>> read_qualities(const MemoryId& entity,
+                                                    const SnapshotEntry& entry);
+
  private:
   struct State;
   explicit StoreReader(std::unique_ptr<State> state);

@@ -115,8 +115,8 @@ Status list_stored_snapshots(ltm::StoreReader& reader, const ltm::MemoryId& enti
     for (const ltm::LatentInstance& instance : latents.instances) {
       ENGRAM_RETURN_IF_ERROR(descriptions.add(instance.latent, latents.model_version, snapshot));
       const auto count = static_cast<double>(latents.instances.size());
-      mse += instance.error.image_mse / count;
-      number_mse += instance.error.number_mse / count;
+      mse += instance.quality.error.image_mse / count;
+      number_mse += instance.quality.error.number_mse / count;
     }
     snapshot.psnr_db =
         snapshot.images.empty() ? std::numeric_limits<double>::quiet_NaN() : psnr_db(mse);

@@ -73,7 +73,7 @@ Result<std::optional<double>> known_bytes(const EntityWork& work, const PlannedE
     return Bytes();
   ENGRAM_ASSIGN_OR_RETURN(const auto latents, work.reader.read_latent(work.entity, entry));
   for (const ltm::LatentInstance& instance : latents.instances) {
-    const double mse = instance.error.image_mse;
+    const double mse = instance.quality.error.image_mse;
     if (!std::isnan(mse) && psnr_db(mse) < bound_db) return Bytes();
   }
   return Bytes(bytes_of(latents));

@@ -109,7 +109,7 @@ inline bool is_example_latent(const LatentSnapshot& found, Time time, bool has_b
   return found.time == time && found.model_version == 1 && found.instances.size() == 1 &&
          is_equal(found.instances[0].latent, expected.instances[0].latent) &&
          found.instances[0].metadata == expected.instances[0].metadata &&
-         found.instances[0].error == expected.instances[0].error;
+         found.instances[0].quality == expected.instances[0].quality;
 }
 
 /// Reads all of a store through StoreReader.

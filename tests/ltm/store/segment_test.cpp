@@ -231,8 +231,8 @@ TEST(Segment, GivesBackLatents) {
   const ScratchDirectory scratch;
   std::vector<LatentSnapshot> snapshots = example_latents(0, 300, 4);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  snapshots[1].instances[0].error = {nan, 0.5};
-  snapshots[2].instances[0].error = {0.0, nan};
+  snapshots[1].instances[0].quality.error = {nan, 0.5};
+  snapshots[2].instances[0].quality.error = {0.0, nan};
   snapshots[3].instances[0].latent.code = Buffer();
   snapshots[4].instances.push_back(snapshots[5].instances[0]);
   const auto info = write_latent_segment(scratch / "l.h5", example_entity(), snapshots);
@@ -256,9 +256,39 @@ TEST(Segment, GivesBackLatents) {
       EXPECT_TRUE(std::ranges::equal(a.latent.code.bytes(), b.latent.code.bytes()));
       EXPECT_EQ(a.latent.remainder, b.latent.remainder);
       EXPECT_EQ(a.metadata, b.metadata);
-      EXPECT_EQ(std::isnan(a.error.image_mse), std::isnan(b.error.image_mse));
+      EXPECT_EQ(a.quality, b.quality);
     }
   }
+}
+
+TEST(Segment, TellsWhatFaded) {
+  const ScratchDirectory scratch;
+  std::vector<LatentSnapshot> snapshots = example_latents(0, 5, 4);
+  snapshots[1].instances[0].quality = {{40.0, 0.5}, {}, 32};
+  snapshots[3].instances[0].quality = {{90.0, 0.5}, {{120.0, 0.7}}, LatentQuality::kGist};
+  ASSERT_OK(write_latent_segment(scratch / "l.h5", example_entity(), snapshots));
+  const auto reader = SegmentReader::open(scratch / "l.h5");
+  const auto spans = (*reader)->index(example_entity());
+  for (size_t i = 0; i < snapshots.size(); ++i) {
+    const auto qualities = (*reader)->read_qualities(example_entity(), (*spans)[i]);
+    ASSERT_OK(qualities);
+    ASSERT_EQ(qualities->size(), 1u);
+    EXPECT_EQ(qualities->front(), snapshots[i].instances[0].quality) << i;
+    EXPECT_EQ((*reader)->read_latent(example_entity(), (*spans)[i])->instances[0].quality,
+              qualities->front());
+  }
+}
+
+TEST(Segment, RefusesImpossibleFading) {
+  const ScratchDirectory scratch;
+  std::vector<LatentSnapshot> snapshots = example_latents(0, 5, 4);
+  snapshots[2].instances[0].quality.faded_to_db = -1;
+  ASSERT_OK(write_latent_segment(scratch / "l.h5", example_entity(), snapshots));
+  const auto reader = SegmentReader::open(scratch / "l.h5");
+  const auto spans = (*reader)->index(example_entity());
+  EXPECT_OK((*reader)->read_qualities(example_entity(), (*spans)[1]));
+  EXPECT_EQ((*reader)->read_qualities(example_entity(), (*spans)[2]).status().code(),
+            StatusCode::kDataLoss);
 }
 
 }  // namespace

@@ -222,7 +222,7 @@ TEST(DropRaw, LeavesYoungDataRecorded) {
 std::vector<ltm::MeasuredError> errors_of(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
   std::vector<ltm::MeasuredError> errors;
   for (const ltm::SnapshotEntry& entry : **reader.index(entity))
-    errors.push_back(reader.read_latent(entity, entry)->instances.front().error);
+    errors.push_back(reader.read_latent(entity, entry)->instances.front().quality.error);
   return errors;
 }
 
