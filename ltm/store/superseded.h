@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "ltm/store/rewrite.h"
+
+namespace engram::ltm {
+
+/// Removes from latent segments the rows of `entity` that newer latents of the same times replaced.
+/// Publishing leaves them where their segment has other rows too. A kill at any moment loses
+/// nothing: call it again.
+/// Errors: kNotFound if the store has no such entity; kDataLoss if a segment is damaged (that
+/// segment stays unchanged); kUnavailable, kResourceExhausted.
+/// Threading: may run beside a live writer and beside readers.
+Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& store,
+                                                const MemoryId& entity);
+
+}  // namespace engram::ltm
