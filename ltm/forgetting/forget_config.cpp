@@ -56,14 +56,14 @@ Result<SimilarityFilter::Options> read_redundancy(const ConfigValue& value) {
   return options;
 }
 
-Result<ForgetRule> read_rule(const ConfigValue& value) {
-  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+/// Reads the keys of a rule. `age_key` is the one for the age.
+Result<ForgetRule> read_rule_keys(ConfigMap& map, std::string_view age_key) {
   ForgetRule rule;
   if (const auto match = map.find("match")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.match, read_pattern(*match));
   }
   AgePolicy::Options age;
-  ENGRAM_RETURN_IF_ERROR(read_optional(map, "older_than", age.older_than, &ConfigValue::duration));
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, age_key, age.older_than, &ConfigValue::duration));
   // A policy without a bound would propose all snapshots, so a rule has only those that it names.
   if (age.older_than) rule.age = age;
   UnreadPolicy::Options access;
@@ -77,9 +77,39 @@ Result<ForgetRule> read_rule(const ConfigValue& value) {
   if (const auto redundant = map.find("redundant")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.redundancy, read_redundancy(*redundant));
   }
+  return rule;
+}
+
+Result<ForgetRule> read_rule(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+  ENGRAM_ASSIGN_OR_RETURN(ForgetRule rule, read_rule_keys(map, "older_than"));
   ENGRAM_RETURN_IF_ERROR(map.finish());
   if (const Status status = rule.validate(); !status.ok()) return value.error(status);
   return rule;
+}
+
+/// Reads how far a step fades: `psnr: 32` or `form: gist`.
+Status read_fade_target(const ConfigValue& value, ConfigMap& map, FadeStep& step) {
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, "psnr", step.psnr_db, &ConfigValue::number));
+  const auto form = map.find("form");
+  if (!form && step.psnr_db) return {};
+  if (!form) return value.error("needs 'psnr' or 'form: gist'");
+  ENGRAM_ASSIGN_OR_RETURN(const std::string name, form->text());
+  if (name != "gist") return form->error(fmt::format("found '{}', needs 'gist'", name));
+  return step.psnr_db ? form->error("a gist has no 'psnr'") : Status();
+}
+
+Result<FadeStep> read_fade_step(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+  FadeStep step;
+  ENGRAM_ASSIGN_OR_RETURN(step.rule, read_rule_keys(map, "after"));
+  ENGRAM_RETURN_IF_ERROR(read_fade_target(value, map, step));
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  if (!step.rule.has_policy())
+    return value.error(
+        "needs 'after', 'unread_for', 'read_less_than', 'importance' or 'redundant'");
+  if (const Status status = step.validate(); !status.ok()) return value.error(status);
+  return step;
 }
 
 Status read_quota(ConfigMap& section, ForgetOptions& options) {
@@ -118,6 +148,7 @@ Result<ForgetOptions> read_options(const ConfigValue& file) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, section.map());
   ForgetOptions options;
   ENGRAM_RETURN_IF_ERROR(read_list(map, "rules", options.rules, read_rule));
+  ENGRAM_RETURN_IF_ERROR(read_list(map, "fade", options.fade, read_fade_step));
   ENGRAM_RETURN_IF_ERROR(read_quota(map, options));
   ENGRAM_RETURN_IF_ERROR(read_protection(map, options.protection));
   ENGRAM_RETURN_IF_ERROR(map.finish());

@@ -4,7 +4,7 @@
 namespace engram::ltm {
 
 Status ForgetRule::validate() const {
-  if (!age && !access && !importance && !redundancy)
+  if (!has_policy())
     return invalid_argument(
         "rule of '{}': has no policy, needs older_than, unread_for, read_less_than, importance "
         "or redundant",
@@ -28,7 +28,22 @@ Result<std::vector<std::unique_ptr<ForgetPolicy>>> ForgetRule::policies(Time now
   return made;
 }
 
+std::string FadeStep::text() const {
+  return psnr_db ? fmt::format("to {} dB", *psnr_db) : "to a gist";
+}
+
+Status FadeStep::validate() const {
+  ENGRAM_RETURN_IF_ERROR(rule.validate());
+  const bool is_possible = !psnr_db || (*psnr_db >= kMinPsnrDb && *psnr_db <= kMaxPsnrDb);
+  if (is_possible) return {};
+  return invalid_argument("fade: found a psnr of {}, needs {} to {} dB", *psnr_db, kMinPsnrDb,
+                          kMaxPsnrDb);
+}
+
 Status ForgetOptions::validate() const {
+  for (const FadeStep& step : fade) ENGRAM_RETURN_IF_ERROR(step.validate());
+  if (fade.size() > kMaxFadeSteps)
+    return invalid_argument("fade: found {} steps, needs {} at most", fade.size(), kMaxFadeSteps);
   for (const auto* list : {&rules, &first})
     for (const ForgetRule& rule : *list) ENGRAM_RETURN_IF_ERROR(rule.validate());
   if (!first.empty() && !max_bytes && !min_free_disk_bytes)

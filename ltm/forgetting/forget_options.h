@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ltm/filter/entity_pattern.h"
@@ -22,12 +23,34 @@ struct ForgetRule {
   std::optional<ImportancePolicy::Options> importance;
   std::optional<SimilarityFilter::Options> redundancy;
 
+  [[nodiscard]] bool has_policy() const { return age || access || importance || redundancy; }
   /// Errors: kInvalidArgument, also if there is no policy.
   [[nodiscard]] Status validate() const;
 
   /// Makes the policies in the order in which they are asked, the cheapest first.
   /// Errors: those of validate.
   Result<std::vector<std::unique_ptr<ForgetPolicy>>> policies(Time now) const;
+};
+
+/// One step of fading: which snapshots fade, and how far. A snapshot that several steps take fades
+/// as far as the furthest of them.
+struct FadeStep {
+  ForgetRule rule;
+  /// Min PSNR of every image against what was recorded. Without it a gist is what remains.
+  /// Unit: dB.
+  std::optional<double> psnr_db;
+
+  static constexpr double kMinPsnrDb = 15;
+  static constexpr double kMaxPsnrDb = 60;
+
+  /// "to 32 dB" or "to a gist".
+  [[nodiscard]] std::string text() const;
+  /// Whether it leaves less than another one.
+  [[nodiscard]] bool is_further_than(const FadeStep& other) const {
+    return psnr_db.value_or(0) < other.psnr_db.value_or(0);
+  }
+  /// Errors: kInvalidArgument.
+  [[nodiscard]] Status validate() const;
 };
 
 /// Snapshots that no rule or quota may take.
@@ -48,16 +71,24 @@ struct ForgetOptions {
   /// Each rule sees what those before it leave.
   std::vector<ForgetRule> rules;
 
+  /// What fades of the snapshots that the rules leave.
+  std::vector<FadeStep> fade;
+  static constexpr size_t kMaxFadeSteps = 64;
+
   /// Max bytes of the store's directory.
   std::optional<uint64_t> max_bytes;
   /// Min free bytes on its disk.
   std::optional<uint64_t> min_free_disk_bytes;
-  /// The order in which snapshots go if these quotas demand more than the rules take: first all
-  /// that the first rule here proposes, in its order, then the second, and so on. At last the
-  /// oldest go.
+  /// The order in which snapshots go if these quotas demand more than the rules take and fading
+  /// gives: first all that the first rule here proposes, in its order, then the second, and so on.
+  /// At last the oldest go.
   std::vector<ForgetRule> first;
 
   ForgetProtection protection;
+
+  /// Whether steps of fading take what their policies propose. If not, only a quota makes
+  /// snapshots fade, in the order of the steps and whatever their age.
+  bool fades_by_rule = true;
 
   [[nodiscard]] Status validate() const;
 };

@@ -15,6 +15,20 @@ uint64_t ForgetPlan::unsealed() const {
   return sum;
 }
 
+uint64_t ForgetPlan::fading() const {
+  uint64_t sum = 0;
+  for (const auto& [id, entity] : entities)
+    for (const FadingSnapshots& part : entity.fading) sum += part.times.size();
+  return sum;
+}
+
+FadeSet ForgetPlan::to_fade() const {
+  FadeSet set;
+  for (const auto& [id, entity] : entities)
+    if (!entity.fading.empty()) set.emplace(id, entity.fading);
+  return set;
+}
+
 ForgetSet ForgetPlan::to_set() const {
   ForgetSet set;
   for (const auto& [id, entity] : entities)

@@ -3,11 +3,23 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "ltm/store/rewrite.h"
 
 namespace engram::ltm {
+
+/// Snapshots of one entity that fade equally far.
+struct FadingSnapshots {
+  /// Min PSNR of every image against what was recorded; a gist where there is none. Unit: dB.
+  std::optional<double> psnr_db;
+  TimeSet times;
+};
+
+/// What is to fade, by entity.
+using FadeSet = std::map<MemoryId, std::vector<FadingSnapshots>>;
 
 /// The part of a plan for one entity.
 struct EntityForgetPlan {
@@ -15,6 +27,11 @@ struct EntityForgetPlan {
   /// Number of gone snapshots by reason; each snapshot counts once.
   std::map<std::string, uint64_t> reasons;
   uint64_t freed_bytes = 0;  ///< An estimate, see ForgetPlan::freed_bytes.
+  /// Staying snapshots that fade.
+  std::vector<FadingSnapshots> fading;
+  /// Number of them by reason; each snapshot counts once.
+  std::map<std::string, uint64_t> fading_reasons;
+  uint64_t faded_bytes = 0;  ///< An estimate of what their fading frees.
   uint64_t stays = 0;        ///< Snapshots that stay.
   uint64_t unsealed = 0;     ///< Staying snapshots that are in a journal, as only sealed ones go.
   /// Staying snapshots that a rule or an explicit choice took and a protection kept: linked ones,
@@ -36,10 +53,20 @@ struct ForgetPlan {
   /// the plan from freeing them.
   uint64_t missing_bytes = 0;
 
+  /// An estimate of what fading frees beyond `freed_bytes`.
+  uint64_t faded_bytes = 0;
+  /// Whether some snapshots fade for a quota. How much that frees shows afterwards, so the quota
+  /// takes none in this plan.
+  bool fades_for_quota = false;
+
+  /// Number of snapshots that go.
   [[nodiscard]] uint64_t snapshots() const;
+  /// Number of snapshots that fade.
+  [[nodiscard]] uint64_t fading() const;
   [[nodiscard]] uint64_t unsealed() const;
   /// Converts the plan to the argument of forget_snapshots.
   [[nodiscard]] ForgetSet to_set() const;
+  [[nodiscard]] FadeSet to_fade() const;
 };
 
 }  // namespace engram::ltm

@@ -43,7 +43,7 @@ Status ForgetPlanner::load(bool is_explicit) {
                          ? saturated_add(context_.now, -*protection_.younger_than)
                          : Time::max();
   for (const MemoryId& id : source_.store().entities()) {
-    Entity entity{id, {}, {}, {}, {}, 0, 0};
+    Entity entity{id, {}, {}, {}, {}, {}, 0, 0};
     ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, source_.store().timeline(id));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t total, timeline->count());
     entity.times.reserve(total);
@@ -255,6 +255,11 @@ Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
 Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
   const uint64_t wanted = wanted_bytes(options);
   FreedBytes going = freed();
+  if (fades_for_quota_) {
+    const auto careful = static_cast<uint64_t>(careful_bytes());
+    missing_bytes_ = wanted - std::min(wanted, careful);
+    return {};
+  }
   std::vector<std::vector<bool>> is_queued;
   for (const Entity& entity : entities_) is_queued.emplace_back(entity.reason.size(), false);
   // Candidates are taken by the careful estimate: a plan that frees too little would need another
@@ -295,6 +300,7 @@ EntityForgetPlan ForgetPlanner::plan_of(const Entity& entity, const FreedBytes& 
     ++plan.reasons[reasons_[entity.reason[i]]];
     bytes += shares.share(entity.id, entity.places[i]);
   }
+  add_fading(entity, plan);
   plan.stays = entity.reason.size() - plan.gone.size();
   plan.freed_bytes = static_cast<uint64_t>(bytes);
   if (!plan.gone.empty()) plan.freed_bytes += freed_model_bytes(entity);
@@ -308,6 +314,8 @@ ForgetPlan ForgetPlanner::finish() {
   plan.store_bytes = context_.store_bytes;
   plan.free_disk_bytes = context_.free_disk_bytes;
   plan.missing_bytes = missing_bytes_;
+  plan.faded_bytes = static_cast<uint64_t>(faded_bytes_);
+  plan.fades_for_quota = fades_for_quota_;
   for (const Entity& entity : entities_) {
     plan.entities.emplace(entity.id, plan_of(entity, going));
     if (!plan.entities.at(entity.id).gone.empty()) plan.freed_bytes += freed_model_bytes(entity);

@@ -34,13 +34,28 @@ class ForgetPlanner {
   /// Gives back the snapshots that staying ones link to, and protects them from later steps.
   Status protect_linked();
 
-  /// Takes more snapshots until, by the careful estimate, the quotas are met.
+  /// Makes those staying snapshots fade that the steps of fading propose, if they do so by rule.
+  Status fade_by(const ForgetOptions& options);
+
+  /// Makes more snapshots fade, step by step and whatever their age, until by a careful estimate
+  /// the quotas are met.
+  Status fade_for_quota(const ForgetOptions& options);
+
+  /// Takes more snapshots until, by the careful estimate, the quotas are met. It takes none if some
+  /// fade for a quota, because only then is it known how much is missing.
   Status take_for_quota(const ForgetOptions& options);
 
   [[nodiscard]] ForgetPlan finish();
 
  private:
   static constexpr uint16_t kStays = 0;
+
+  /// What fading does to one snapshot.
+  struct Faded {
+    uint16_t reason = kStays;  ///< kStays if it does not fade.
+    uint8_t step = 0;          ///< Index into steps_.
+    float bytes = 0;           ///< What that frees, an estimate.
+  };
 
   /// The snapshots of one entity, sorted by time. It keeps few bytes of each, because a store may
   /// have ten million.
@@ -50,6 +65,7 @@ class ForgetPlanner {
     std::vector<SnapshotPlaces> places;
     std::vector<bool> is_protected;
     std::vector<uint16_t> reason;  ///< Per snapshot, kStays or an index into reasons_.
+    std::vector<Faded> fading;     ///< Per snapshot; empty if no step of fading was asked.
     uint64_t unsealed = 0;
     uint64_t shielded = 0;
   };
@@ -79,11 +95,15 @@ class ForgetPlanner {
   [[nodiscard]] uint64_t wanted_bytes(const ForgetOptions& options) const;
   Result<std::vector<Candidate>> candidates_of(const ForgetRule& rule,
                                                std::vector<std::vector<bool>>& is_queued);
+  Status fade(Entity& entity, size_t snapshot, size_t step, uint16_t reason);
+  Status fade_entity(Entity& entity, size_t step);
+  [[nodiscard]] double careful_bytes() const;
   Status follow_links(std::vector<std::pair<size_t, size_t>>& waiting);
   Result<SnapshotEntry> entry(const Entity& entity, size_t snapshot);
   bool has_groups(uint32_t segment, const MemoryId& entity);
   [[nodiscard]] FreedBytes freed();
   [[nodiscard]] uint64_t freed_model_bytes(const Entity& entity) const;
+  void add_fading(const Entity& entity, EntityForgetPlan& plan) const;
   [[nodiscard]] EntityForgetPlan plan_of(const Entity& entity, const FreedBytes& shares) const;
 
   ForgetSource& source_;
@@ -92,6 +112,9 @@ class ForgetPlanner {
   std::vector<Entity> entities_;  ///< Sorted by ID.
   std::vector<std::string> reasons_{"stays"};
   std::map<std::pair<uint32_t, MemoryId>, bool> has_groups_;  ///< Cache of has_groups().
+  std::vector<FadeStep> steps_;
+  double faded_bytes_ = 0;  ///< An estimate of what fading frees.
+  bool fades_for_quota_ = false;
   uint64_t missing_bytes_ = 0;
 };
 

@@ -24,6 +24,8 @@ Result<ForgetPlan> plan_forgetting(ForgetSource& source, const ForgetOptions& op
   ENGRAM_RETURN_IF_ERROR(planner.load(false));
   for (const ForgetRule& rule : options.rules) ENGRAM_RETURN_IF_ERROR(planner.take_by(rule));
   if (options.protection.linked) ENGRAM_RETURN_IF_ERROR(planner.protect_linked());
+  ENGRAM_RETURN_IF_ERROR(planner.fade_by(options));
+  ENGRAM_RETURN_IF_ERROR(planner.fade_for_quota(options));
   ENGRAM_RETURN_IF_ERROR(planner.take_for_quota(options));
   return planner.finish();
 }
@@ -31,6 +33,7 @@ Result<ForgetPlan> plan_forgetting(ForgetSource& source, const ForgetOptions& op
 ForgetOptions quota_after(const ForgetOptions& options, const ForgetPlan& first) {
   ForgetOptions later = options;
   later.rules.clear();
+  later.fades_by_rule = false;
   later.min_free_disk_bytes.reset();
   const uint64_t min = options.min_free_disk_bytes.value_or(0);
   if (min > first.free_disk_bytes) {
@@ -38,7 +41,10 @@ ForgetOptions quota_after(const ForgetOptions& options, const ForgetPlan& first)
     const uint64_t max = first.store_bytes - std::min(first.store_bytes, wanted);
     later.max_bytes = std::min(options.max_bytes.value_or(max), max);
   }
-  if (!later.max_bytes) later.first.clear();
+  if (!later.max_bytes) {
+    later.first.clear();
+    later.fade.clear();
+  }
   return later;
 }
 

@@ -50,7 +50,10 @@ class CarryOut : public ForgetFixture {
   }
 
   PlanAgain again(const ForgetOptions& options, const ForgetPlan& first) {
-    return [this, quota = quota_after(options, first)] { return plan(quota); };
+    return [this, quota = quota_after(options, first)](bool may_fade) mutable {
+      if (!may_fade) quota.fade.clear();
+      return plan(quota);
+    };
   }
 
   /// Segments of three noisy snapshots of two entities each.
