@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/learning_module.h"
 #include "cli/progress_line.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/forget_config.h"
@@ -21,7 +22,8 @@ namespace {
 constexpr const char* kForgetFooter =
     R"(What is to go is named by IDs of any level or by queries with a selector, or follows from the
 policies in the section 'forget' of a configuration (docs/forgetting.md). With both, the
-configuration only says which entities and links are protected.
+configuration only says which entities and links are protected. Steps of its list 'fade' leave old
+images with less quality, as in 'fade: [{after: 7d, psnr: 32}, {after: 90d, form: gist}]'.
 
 Examples:
   engram forget robot.engram --config robot.yaml --dry-run
@@ -38,9 +40,26 @@ struct ForgetArguments {
   bool is_confirmed = false;
 };
 
+/// Loads what codes images only if something fades.
+Result<ltm::FadeReport> fade(const std::filesystem::path& store, const ltm::FadeSet& what,
+                             const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
+  return module->fade(store, what, progress, stop);
+}
+
+std::string question_text(const ltm::ForgetPlan& plan) {
+  if (plan.fading() == 0)
+    return fmt::format("Forget {} snapshots? They cannot be brought back.", plan.snapshots());
+  if (plan.snapshots() == 0)
+    return fmt::format("Let {} snapshots fade? What they lose cannot be brought back.",
+                       plan.fading());
+  return fmt::format("Forget {} snapshots and let {} fade? Neither can be undone.",
+                     plan.snapshots(), plan.fading());
+}
+
 /// Asks on the terminal. Returns false unless the answer is yes, or if Ctrl-C comes first.
-bool is_agreed(uint64_t snapshots) {
-  fmt::print(stderr, "Forget {} snapshots? They cannot be brought back. [y/N] ", snapshots);
+bool is_agreed(const ltm::ForgetPlan& plan) {
+  fmt::print(stderr, "{} [y/N] ", question_text(plan));
   std::fflush(stderr);
   constexpr int kLook_ms = 100;
   pollfd input{STDIN_FILENO, POLLIN, 0};
@@ -63,7 +82,7 @@ Status check(const ForgetArguments& arguments) {
 }
 
 ExitCode conclude(const ForgetArguments& arguments, const ltm::ForgetReport& report) {
-  if (report.rewritten.is_cancelled)
+  if (report.rewritten.is_cancelled || report.faded.is_cancelled)
     return fail(cancelled("forget was stopped; what was not taken out by then stays"));
   if (report.missing_bytes > 0)
     return fail(resource_exhausted(
@@ -96,22 +115,26 @@ ExitCode run(const ForgetArguments& arguments) {
     options = *std::move(config);
   }
   ProgressLine progress;
-  const reports::ForgetJob job{arguments.store, arguments.targets, std::move(options),
-                               model_loader(),  progress.sink(),   interrupt_token()};
+  const reports::ForgetJob job{arguments.store,
+                               arguments.targets,
+                               std::move(options),
+                               model_loader(),
+                               progress.sink(),
+                               interrupt_token(),
+                               fade};
   auto plan = job.plan();
   progress.finish();
   if (!plan.ok()) return fail(plan.status());
   if (!arguments.is_json) reports::print_plan(*plan);
   if (arguments.is_dry_run) {
     if (arguments.is_json) print_json({{"plan", reports::plan_json(*plan)}});
-    if (plan->missing_bytes > 0)
+    if (plan->missing_bytes > 0 && !plan->fades_for_quota)
       log::warning("store '{}': the quota would not be met, by about {} bytes", arguments.store,
                    plan->missing_bytes);
     return ExitCode::kDone;
   }
-  const bool needs_answer = plan->snapshots() > 0 && !arguments.is_confirmed;
-  if (needs_answer && !is_agreed(plan->snapshots()))
-    return fail(cancelled("forget: nothing was changed"));
+  const bool needs_answer = plan->snapshots() + plan->fading() > 0 && !arguments.is_confirmed;
+  if (needs_answer && !is_agreed(*plan)) return fail(cancelled("forget: nothing was changed"));
   return carry_out(arguments, job, *std::move(plan), progress);
 }
 

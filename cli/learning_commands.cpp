@@ -2,13 +2,15 @@
 // What engram-learning.so exports.
 #include "cli/learning_module.h"
 #include "encoders/load_model.h"
+#include "training/fade/fade.h"
 
 extern "C" {
 
 extern const engram::cli::LearningModule engram_learning_module;
 
 const engram::cli::LearningModule engram_learning_module{
-    engram::cli::module_build(), engram::encoders::load_model, engram::cli::add_consolidate_command,
-    engram::cli::add_crossval_command, engram::cli::add_eval_command};
+    engram::cli::module_build(),          engram::encoders::load_model,
+    engram::cli::add_consolidate_command, engram::cli::add_crossval_command,
+    engram::cli::add_eval_command,        engram::training::fade};
 
 }  // extern "C"

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "ltm/forgetting/fade.h"
 #include "ltm/recall/model.h"
 
 namespace engram::cli {
@@ -26,6 +27,9 @@ struct LearningModule {
   AddCommand add_consolidate_command;
   AddCommand add_crossval_command;
   AddCommand add_eval_command;
+  /// An ltm::Fade.
+  Result<ltm::FadeReport> (*fade)(const std::filesystem::path& store, const ltm::FadeSet& what,
+                                  const ProgressSink& progress, const std::stop_token& stop);
 };
 
 /// What LearningModule::build has to be.

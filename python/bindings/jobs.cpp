@@ -11,6 +11,7 @@
 #include "reports/plain/findings.h"
 #include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
+#include "training/fade/fade.h"
 #include "training/night/consolidate.h"
 
 namespace engram::python {
@@ -94,8 +95,8 @@ std::string forget(const std::string& store, const std::vector<std::string>& tar
   PythonProgress told(progress);
   ltm::ForgetOptions options;
   if (!config.empty()) options = value_or_raise(ltm::read_forget_config(config));
-  const reports::ForgetJob job{store,       targets,    std::move(options), encoders::load_model,
-                               told.sink(), told.stop()};
+  const reports::ForgetJob job{store,       targets,     std::move(options), encoders::load_model,
+                               told.sink(), told.stop(), training::fade};
   // The plan's JSON is made before it is carried out, which consumes the plan.
   ltm::ForgetPlan plan = told.run([&] { return job.plan(); });
   reports::Json json{{"plan", reports::plan_json(plan)}};

@@ -26,9 +26,12 @@ Result<ltm::ForgetPlan> ForgetJob::plan_with(const ltm::ForgetOptions& with) con
 Result<ltm::ForgetReport> ForgetJob::carry_out(ltm::ForgetPlan plan) const {
   ltm::PlanAgain again;
   if (targets.empty() && (options.max_bytes || options.min_free_disk_bytes))
-    again = [this, quota = ltm::quota_after(options, plan)] { return plan_with(quota); };
+    again = [this, quota = ltm::quota_after(options, plan)](bool may_fade) mutable {
+      if (!may_fade) quota.fade.clear();
+      return plan_with(quota);
+    };
   const ltm::ForgetSet gone = plan.to_set();
-  auto report = ltm::carry_out(store, std::move(plan), again, progress, stop);
+  auto report = ltm::carry_out(store, std::move(plan), again, progress, stop, {}, fade);
   // Access logs of forgotten snapshots are useless, but failing to clear them does no harm.
   if (report.ok() && !report->rewritten.is_cancelled)
     if (const Status status = ltm::merge_accesses(store, gone); !status.ok())

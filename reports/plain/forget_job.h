@@ -22,6 +22,8 @@ struct ForgetJob {
   ltm::ModelLoader loader;
   ProgressSink progress;
   std::stop_token stop;
+  /// Lets snapshots fade.
+  ltm::Fade fade;
 
   /// Plans without changing anything.
   /// Errors: those of find_forget_targets and plan_forgetting.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reports/plain/forget_text.h"
 
+#include <cmath>
+
 #include "reports/plain/text.h"
 
 namespace engram::reports {
@@ -9,6 +11,76 @@ namespace {
 
 std::string size_text(uint64_t bytes) {
   return bytes_text(static_cast<double>(bytes));
+}
+
+std::string target_text(std::optional<double> psnr_db) {
+  return psnr_db ? fmt::format("{} dB", *psnr_db) : "a gist";
+}
+
+void print_fading(const ltm::EntityForgetPlan& plan) {
+  for (const ltm::FadingSnapshots& part : plan.fading)
+    print(fmt::format("  fades  {} snapshots to {}, {} to {}", count_text(part.times.size()),
+                      target_text(part.psnr_db), to_string(part.times.front()),
+                      to_string(part.times.back())));
+  for (const auto& [reason, count] : plan.fading_reasons)
+    print(fmt::format("         {} {}", count_text(count), reason));
+  if (plan.faded_bytes > 0)
+    print(fmt::format("         frees about {}", size_text(plan.faded_bytes)));
+}
+
+Json fading_json(const ltm::EntityForgetPlan& plan) {
+  Json parts = Json::array();
+  for (const ltm::FadingSnapshots& part : plan.fading) {
+    Json times = Json::array();
+    for (const Time time : part.times) times.push_back(to_ns(time));
+    Json one{{"form", part.psnr_db ? "psnr" : "gist"}, {"times_ns", std::move(times)}};
+    if (part.psnr_db) one["psnr"] = *part.psnr_db;
+    parts.push_back(std::move(one));
+  }
+  return parts;
+}
+
+Json counts_json(const std::map<std::string, uint64_t>& counts) {
+  Json json = Json::object();
+  for (const auto& [reason, count] : counts) json[reason] = count;
+  return json;
+}
+
+/// An infinite PSNR, of what did not fade, is null.
+Json db_json(double psnr_db) {
+  return std::isfinite(psnr_db) ? Json(psnr_db) : Json();
+}
+
+Json faded_json(const ltm::FadeReport& report) {
+  Json entities = Json::array();
+  for (const auto& [id, entity] : report.entities)
+    entities.push_back({{"id", id.to_string()},
+                        {"faded", entity.faded},
+                        {"kept", entity.kept},
+                        {"waiting", entity.waiting},
+                        {"latent_bytes_before", entity.bytes_before},
+                        {"latent_bytes_after", entity.bytes_after},
+                        {"expected_psnr", db_json(entity.expected_db)},
+                        {"certain_psnr", db_json(entity.certain_db)}});
+  return entities;
+}
+
+void print_faded(const ltm::FadeReport& report) {
+  for (const auto& [id, entity] : report.entities) {
+    print(id.to_string());
+    if (entity.faded > 0)
+      print(
+          fmt::format("  faded  {} snapshots, latents {} before, {} after; the worst {:.1f} dB, "
+                      "certainly {:.1f} dB",
+                      count_text(entity.faded), size_text(entity.bytes_before),
+                      size_text(entity.bytes_after), entity.expected_db, entity.certain_db));
+    if (entity.kept > 0)
+      print(fmt::format("  stays  {} snapshots, which would hardly become smaller",
+                        count_text(entity.kept)));
+    if (entity.waiting > 0)
+      print(fmt::format("  waits  {} snapshots, coded together with some that do not fade",
+                        count_text(entity.waiting)));
+  }
 }
 
 std::string stays_text(const ltm::EntityForgetPlan& plan) {
@@ -26,18 +98,20 @@ void print_entity(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
                       size_text(plan.freed_bytes)));
   for (const auto& [reason, count] : plan.reasons)
     print(fmt::format("         {} {}", count_text(count), reason));
+  print_fading(plan);
   print("  stays  " + stays_text(plan));
 }
 
 Json entity_json(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
   Json times = Json::array();
   for (const Time time : plan.gone) times.push_back(to_ns(time));
-  Json reasons = Json::object();
-  for (const auto& [reason, count] : plan.reasons) reasons[reason] = count;
   return {{"id", id.to_string()},
           {"forgotten", plan.gone.size()},
-          {"reasons", std::move(reasons)},
+          {"reasons", counts_json(plan.reasons)},
           {"freed_bytes", plan.freed_bytes},
+          {"fading", fading_json(plan)},
+          {"fading_reasons", counts_json(plan.fading_reasons)},
+          {"faded_bytes", plan.faded_bytes},
           {"stays", plan.stays},
           {"protected", plan.shielded},
           {"not_sealed_yet", plan.unsealed},
@@ -48,9 +122,14 @@ Json entity_json(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
 
 void print_plan(const ltm::ForgetPlan& plan) {
   for (const auto& [id, entity] : plan.entities)
-    if (!entity.gone.empty() || entity.shielded > 0) print_entity(id, entity);
+    if (!entity.gone.empty() || !entity.fading.empty() || entity.shielded > 0)
+      print_entity(id, entity);
   print(fmt::format("In all {} snapshots, about {} of {}", count_text(plan.snapshots()),
                     size_text(plan.freed_bytes), size_text(plan.store_bytes)));
+  if (plan.fading() > 0)
+    print(fmt::format("{} snapshots fade, which frees about {}{}", count_text(plan.fading()),
+                      size_text(plan.faded_bytes),
+                      plan.fades_for_quota ? "; then the quota is looked at again" : ""));
   if (plan.unsealed() > 0)
     print(fmt::format("{} snapshots are not sealed yet and stay", count_text(plan.unsealed())));
 }
@@ -60,6 +139,9 @@ Json plan_json(const ltm::ForgetPlan& plan) {
   for (const auto& [id, entity] : plan.entities) entities.push_back(entity_json(id, entity));
   return {{"snapshots", plan.snapshots()},
           {"freed_bytes", plan.freed_bytes},
+          {"fading", plan.fading()},
+          {"faded_bytes", plan.faded_bytes},
+          {"fades_for_quota", plan.fades_for_quota},
           {"store_bytes", plan.store_bytes},
           {"free_disk_bytes", plan.free_disk_bytes},
           {"quota_missing_bytes", plan.missing_bytes},
@@ -68,6 +150,7 @@ Json plan_json(const ltm::ForgetPlan& plan) {
 }
 
 void print_report(const ltm::ForgetReport& report) {
+  print_faded(report.faded);
   print(fmt::format(
       "{} snapshots forgotten, {} freed: {} before, {} after{}",
       count_text(report.rewritten.snapshots),
@@ -78,6 +161,7 @@ void print_report(const ltm::ForgetReport& report) {
 
 Json report_json(const ltm::ForgetReport& report) {
   return {{"snapshots", report.rewritten.snapshots},
+          {"faded", faded_json(report.faded)},
           {"rounds", report.rounds},
           {"segments_before", report.rewritten.segments_before},
           {"segments_after", report.rewritten.segments_after},
@@ -85,7 +169,7 @@ Json report_json(const ltm::ForgetReport& report) {
           {"store_bytes_before", report.bytes_before},
           {"store_bytes_after", report.bytes_after},
           {"quota_missing_bytes", report.missing_bytes},
-          {"is_cancelled", report.rewritten.is_cancelled}};
+          {"is_cancelled", report.rewritten.is_cancelled || report.faded.is_cancelled}};
 }
 
 }  // namespace engram::reports

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/fade/fade_entity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <thread>
+#include <utility>
+
+#include "encoders/deep_model_file.h"
+#include "ltm/forgetting/forget_options.h"
+#include "ltm/store/publish.h"
+#include "ltm/store/superseded.h"
+#include "training/fade/fade_error.h"
+#include "training/quality/psnr.h"
+#include "training/quality/quality_metrics.h"
+
+namespace engram::training {
+
+namespace {
+
+/// Latents that would not become smaller by so much keep their bytes.
+constexpr double kMinSaving = 0.05;
+/// Bounds of videos are multiples of this, so that groups of about equal quality share what is
+/// learned about their videos. Unit: dB.
+constexpr double kBoundStep = 0.25;
+/// A killed job loses at most about so much work.
+constexpr Duration kPublishInterval = std::chrono::minutes(2);
+
+float faded_to(std::optional<double> psnr_db) {
+  return psnr_db ? static_cast<float>(*psnr_db) : ltm::LatentQuality::kGist;
+}
+
+/// Visits how good each latent of a group is.
+template <typename Visit>
+void for_each_quality(const FadingGroup& group, const Visit& visit) {
+  for (const ltm::LatentSnapshot& snapshot : group.latents)
+    for (const ltm::LatentInstance& instance : snapshot.instances) visit(instance.quality);
+}
+
+/// PSNR that the worst images of a group are expected to have.
+double expected_db(const FadingGroup& group) {
+  double min = std::numeric_limits<double>::infinity();
+  for_each_quality(group, [&min](const ltm::LatentQuality& quality) {
+    if (!std::isnan(quality.error.image_mse)) min = std::min(min, psnr_db(quality.error.image_mse));
+  });
+  return min;
+}
+
+/// PSNR that the worst images of a group certainly have.
+double certain_db(const FadingGroup& group) {
+  double min = std::numeric_limits<double>::infinity();
+  for_each_quality(group, [&min](const ltm::LatentQuality& quality) {
+    if (!std::isnan(quality.certain().image_mse))
+      min = std::min(min, psnr_db(quality.certain().image_mse));
+  });
+  return min;
+}
+
+/// Whether an earlier job has coded a group, and was killed before it removed the other forms.
+bool has_faded(const FadingGroup& group, std::optional<double> psnr_db) {
+  bool has = true;
+  for_each_quality(group, [&](const ltm::LatentQuality& quality) {
+    has = has && quality.faded_to_db <= faded_to(psnr_db);
+  });
+  return has;
+}
+
+}  // namespace
+
+struct EntityFading::Coder {
+  int version = 0;
+  std::shared_ptr<encoders::DeepModel> model;
+  std::unique_ptr<ltm::Encoder> decoder;
+  /// By the bound in multiples of kBoundStep. Each learns how quality follows from crf.
+  std::map<int, std::unique_ptr<BlockChoice>> of_bound;
+
+  BlockChoice& choice(double bound_db) {
+    const int key = static_cast<int>(std::ceil(bound_db / kBoundStep));
+    auto& found = of_bound[key];
+    if (found) return *found;
+    RepresentationOptions options;
+    options.kind = Representation::kAuto;
+    options.bound_db = key * kBoundStep;
+    options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    found = std::make_unique<BlockChoice>(*model, options);
+    return *found;
+  }
+};
+
+EntityFading::EntityFading(const std::filesystem::path& store, const ltm::MemoryId& entity,
+                           const ProgressSink& progress, const std::stop_token& stop)
+    : store_(store), entity_(entity), progress_(progress), stop_(stop) {}
+
+EntityFading::~EntityFading() = default;
+
+Result<EntityFading::Coder*> EntityFading::coder_of(int version) {
+  if (const auto known = coders_.find(version); known != coders_.end()) return known->second.get();
+  for (const ltm::ModelInfo& info : reader_->manifest().models) {
+    if (info.entity != entity_ || info.version != version) continue;
+    auto coder = std::make_unique<Coder>();
+    coder->version = version;
+    ENGRAM_ASSIGN_OR_RETURN(coder->model, encoders::read_model(store_ / info.file));
+    coder->decoder = encoders::make_encoder(coder->model);
+    return coders_.emplace(version, std::move(coder)).first->second.get();
+  }
+  return data_loss("{}: latents of model v{}, which is missing", entity_.to_string(), version);
+}
+
+Status EntityFading::run(const ltm::FadingSnapshots& what) {
+  ENGRAM_ASSIGN_OR_RETURN(reader_, ltm::StoreReader::open(store_));
+  published_ = system_now();
+  uint64_t done = 0;
+  const auto fade_group = [&](const FadingGroup& group) -> Status {
+    if (stop_.stop_requested()) return cancelled("fading was stopped");
+    ENGRAM_RETURN_IF_ERROR(fade(group, what.psnr_db));
+    done += group.entries.size();
+    if (progress_) progress_({"fade " + entity_.to_string(), done, what.times.size(), {}, -1});
+    return system_now() - published_ < kPublishInterval ? Status() : publish();
+  };
+  const auto waiting = for_each_group(*reader_, entity_, what.times, fade_group);
+  // What was coded by then fades even if the rest fails or the job is stopped.
+  ENGRAM_RETURN_IF_ERROR(publish());
+  ENGRAM_RETURN_IF_ERROR(remove_others());
+  ENGRAM_RETURN_IF_ERROR(waiting.status());
+  report_.waiting += *waiting;
+  return {};
+}
+
+Status EntityFading::fade(const FadingGroup& group, std::optional<double> psnr_db) {
+  if (has_faded(group, psnr_db)) {
+    for (const ltm::SnapshotEntry& entry : group.entries) faded_.insert(entry.time);
+    report_.kept += group.entries.size();
+    return {};
+  }
+  ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.latents.front().model_version));
+  Qualities before;
+  ENGRAM_ASSIGN_OR_RETURN(const auto values, best_values(group, *coder, before));
+  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode(*coder, values, before, psnr_db));
+  FadingGroup made = group;
+  if (!latents.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto decoded, coder->decoder->decode(latents));
+    std::vector<ltm::LatentQuality> qualities;
+    for (size_t i = 0; i < values.size(); ++i) {
+      ENGRAM_ASSIGN_OR_RETURN(const ltm::MeasuredError step, compare(values[i], decoded[i]));
+      qualities.push_back(joined_quality(before[i], step, faded_to(psnr_db)));
+    }
+    made.replace(std::move(latents), qualities);
+  }
+  keep(group, std::move(made), psnr_db);
+  return {};
+}
+
+Result<std::vector<idf::Data>> EntityFading::best_values(const FadingGroup& group, Coder& coder,
+                                                         Qualities& qualities) {
+  std::vector<idf::Data> values;
+  for (size_t i = 0; i < group.entries.size(); ++i) {
+    const ltm::LatentSnapshot& latents = group.latents[i];
+    const auto& recorded = group.entries[i].recorded;
+    if (recorded && recorded->rows > 0) {
+      ENGRAM_ASSIGN_OR_RETURN(ltm::Snapshot snapshot,
+                              reader_->read_recorded(entity_, group.entries[i]));
+      if (snapshot.instances.size() != latents.instances.size())
+        return data_loss("'{}': found {} recorded instances and {} latents",
+                         entity_.at(latents.time).to_string(), snapshot.instances.size(),
+                         latents.instances.size());
+      for (ltm::Instance& instance : snapshot.instances) {
+        values.push_back(std::move(instance.data));
+        qualities.emplace_back();
+      }
+      continue;
+    }
+    std::vector<ltm::Latent> codes;
+    for (const ltm::LatentInstance& instance : latents.instances) {
+      codes.push_back(instance.latent);
+      qualities.emplace_back(instance.quality);
+    }
+    ENGRAM_ASSIGN_OR_RETURN(auto decoded, coder.decoder->decode(codes));
+    std::ranges::move(decoded, std::back_inserter(values));
+  }
+  return values;
+}
+
+Result<std::vector<ltm::Latent>> EntityFading::encode(Coder& coder,
+                                                      const std::vector<idf::Data>& values,
+                                                      const Qualities& before,
+                                                      std::optional<double> psnr_db) {
+  const double target = mse_of_psnr(psnr_db.value_or(0));
+  double max_mse = target;
+  for (const auto& quality : before)
+    if (quality && !std::isnan(quality->error.image_mse))
+      max_mse = std::min(max_mse, max_step_mse(quality->error.image_mse, target));
+  // More than this is no lower quality than what there is.
+  if (max_mse < mse_of_psnr(ltm::FadeStep::kMaxPsnrDb)) return std::vector<ltm::Latent>();
+  BlockChoice& choice = coder.choice(training::psnr_db(max_mse));
+  std::vector<ltm::Latent> latents;
+  const size_t max_rows = coder.model->block_rows();
+  for (auto rest = std::span(values); !rest.empty();) {
+    const auto block = rest.first(std::min(max_rows, rest.size()));
+    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice.encode(block, stop_));
+    std::ranges::move(coded, std::back_inserter(latents));
+    rest = rest.subspan(block.size());
+  }
+  return latents;
+}
+
+void EntityFading::keep(const FadingGroup& group, FadingGroup made, std::optional<double> psnr_db) {
+  const bool is_smaller =
+      static_cast<double>(made.bytes()) <= static_cast<double>(group.bytes()) * (1 - kMinSaving);
+  // Latents that are worse than what is wanted do not stay: the recorded form, from which better
+  // ones are made, goes.
+  if (is_smaller || certain_db(group) < psnr_db.value_or(0))
+    count(group, made);
+  else
+    made = group;
+  if (!is_smaller) report_.kept += group.entries.size();
+  for (ltm::LatentSnapshot& snapshot : made.latents) {
+    for (ltm::LatentInstance& instance : snapshot.instances)
+      instance.quality.faded_to_db = faded_to(psnr_db);
+    faded_.insert(snapshot.time);
+  }
+  auto& all = made_[made.latents.front().model_version];
+  std::ranges::move(made.latents, std::back_inserter(all));
+}
+
+void EntityFading::count(const FadingGroup& before, const FadingGroup& after) {
+  report_.faded += before.entries.size();
+  report_.bytes_before += before.bytes();
+  report_.bytes_after += after.bytes();
+  report_.expected_db = std::min(report_.expected_db, expected_db(after));
+  report_.certain_db = std::min(report_.certain_db, certain_db(after));
+}
+
+Status EntityFading::publish() {
+  for (const auto& [version, latents] : made_)
+    ENGRAM_RETURN_IF_ERROR(
+        ltm::publish_latents(store_, entity_, version, latents, reader_->manifest().first_journal));
+  made_.clear();
+  published_ = system_now();
+  return {};
+}
+
+// A job that was killed before this left forms that the next one removes.
+Status EntityFading::remove_others() {
+  if (faded_.empty()) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(store_));
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader->timeline(entity_));
+  TimeSet keep;
+  bool is_any_recorded = false;
+  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&](const ltm::SnapshotEntry& entry) {
+    if (!entry.recorded) return Status();
+    const bool is_faded = faded_.contains(entry.time);
+    if (!is_faded) keep.insert(entry.time);
+    is_any_recorded = is_any_recorded || is_faded;
+    return Status();
+  }));
+  faded_ = {};
+  if (is_any_recorded) ENGRAM_RETURN_IF_ERROR(ltm::drop_recorded(store_, entity_, keep).status());
+  return ltm::remove_superseded_latents(store_, entity_).status();
+}
+
+}  // namespace engram::training

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "ltm/core/progress.h"
+#include "ltm/forgetting/fade.h"
+#include "ltm/recall/model.h"
+#include "training/fade/fading_group.h"
+#include "training/forms/block_choice.h"
+
+// Internal to the learning rooms: includes LibTorch.
+
+namespace engram::training {
+
+/// Lets snapshots of one entity fade.
+///
+/// Threading: one thread, which starts others for videos.
+class EntityFading {
+ public:
+  /// All arguments must outlive this object.
+  EntityFading(const std::filesystem::path& store, const ltm::MemoryId& entity,
+               const ProgressSink& progress, const std::stop_token& stop);
+  ~EntityFading();
+  EntityFading(const EntityFading&) = delete;
+  EntityFading& operator=(const EntityFading&) = delete;
+
+  /// Lets snapshots fade to a min PSNR in dB, or to a gist without one.
+  /// Errors: kCancelled on a stop, after what was done by then was published; those of fade().
+  Status run(const ltm::FadingSnapshots& what);
+
+  [[nodiscard]] const ltm::EntityFadeReport& report() const { return report_; }
+
+ private:
+  /// A model of the entity, and what encodes with it.
+  struct Coder;
+  /// Per instance of a group: how good its value is; nothing where it was recorded.
+  using Qualities = std::vector<std::optional<ltm::LatentQuality>>;
+
+  Result<Coder*> coder_of(int version);
+  Status fade(const FadingGroup& group, std::optional<double> psnr_db);
+  /// The best values that are there, of all instances, and how good they are.
+  Result<std::vector<idf::Data>> best_values(const FadingGroup& group, Coder& coder,
+                                             Qualities& qualities);
+  /// Codes values anew. The result is empty if no lower quality is allowed.
+  Result<std::vector<ltm::Latent>> encode(Coder& coder, const std::vector<idf::Data>& values,
+                                          const Qualities& qualities,
+                                          std::optional<double> psnr_db);
+  /// Keeps the group with other latents, or marks it as one of which nothing is to be gained.
+  void keep(const FadingGroup& group, FadingGroup made, std::optional<double> psnr_db);
+  void count(const FadingGroup& before, const FadingGroup& after);
+  /// Publishes what was coded.
+  Status publish();
+  /// Removes the other forms of what faded.
+  Status remove_others();
+
+  const std::filesystem::path& store_;
+  const ltm::MemoryId& entity_;
+  const ProgressSink& progress_;
+  const std::stop_token& stop_;
+  std::unique_ptr<ltm::StoreReader> reader_;
+  std::map<int, std::unique_ptr<Coder>> coders_;          ///< By version of the model.
+  std::map<int, std::vector<ltm::LatentSnapshot>> made_;  ///< Not published yet, by version.
+  TimeSet faded_;  ///< Published or to be published; their other forms go.
+  Time published_{};
+  ltm::EntityFadeReport report_;
+};
+
+}  // namespace engram::training
