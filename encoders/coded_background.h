@@ -13,9 +13,16 @@
 namespace engram::encoders {
 
 /// The form in which a block keeps the images of one member. The values are part of the format.
-enum class ImageForm : uint8_t { kLatents = 0, kH264 = 1, kH265 = 2, kAv1 = 3, kFfv1 = 4 };
+enum class ImageForm : uint8_t {
+  kLatents = 0,
+  kH264 = 1,
+  kH265 = 2,
+  kAv1 = 3,
+  kFfv1 = 4,
+  kGist = 5,  ///< What remains of old images (encoders/gist_video.h); never of a background.
+};
 
-/// The group codec of a form (ltm/codec/group_codec.h); empty for latents.
+/// The group codec of a form (ltm/codec/group_codec.h); empty for latents and gists.
 [[nodiscard]] std::string_view codec_name(ImageForm form);
 
 /// The form for a group codec's name; empty if blocks do not accept that codec.

@@ -3,6 +3,7 @@
 
 #include "encoders/coding/byte_stream.h"
 #include "encoders/coding/checked_block.h"
+#include "encoders/gist_video.h"
 #include "ltm/codec/group_codec.h"
 
 namespace engram::encoders {
@@ -12,6 +13,12 @@ namespace {
 constexpr std::string_view kChain = "chain of latents";
 constexpr int64_t kRefined = 8;
 constexpr int64_t kHasResidual = 16;
+
+/// Whether images of a form may have residuals. What has no loss needs none, and a gist keeps no
+/// bound.
+bool may_have_residuals(ImageForm form) {
+  return form != ImageForm::kFfv1 && form != ImageForm::kGist;
+}
 
 /// The head of one image member. All heads precede the codes.
 struct ImageHead {
@@ -25,15 +32,16 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   ImageHead head;
   const int64_t form = reader.get_varint();
   const int64_t codec = form & (kRefined - 1);
-  constexpr auto kMaxCodec = static_cast<int64_t>(ImageForm::kFfv1);
-  const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxCodec;
-  // Only latents are refined, and what is without loss has no residuals.
-  if (!is_known || (codec != 0 && (form & kRefined) != 0) || form == kMaxCodec + kHasResidual)
+  constexpr auto kMaxForm = static_cast<int64_t>(ImageForm::kGist);
+  const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxForm;
+  head.form = static_cast<ImageForm>(codec);
+  // Only latents are refined.
+  if (!is_known || (codec != 0 && (form & kRefined) != 0) ||
+      ((form & kHasResidual) != 0 && !may_have_residuals(head.form)))
     return data_loss(
         "{}: found form {}, needs 0 to {}, {} more for refined latents, {} more for "
-        "residuals of what has loss",
-        kChain, form, kMaxCodec, kRefined, kHasResidual);
-  head.form = static_cast<ImageForm>(codec);
+        "residuals of latents and videos with loss",
+        kChain, form, kMaxForm, kRefined, kHasResidual);
   head.is_refined = (form & kRefined) != 0;
   head.bytes = reader.get_varint();
   if ((form & kHasResidual) != 0) head.residual_bytes = reader.get_varint();
@@ -63,7 +71,8 @@ std::vector<std::byte> LatentChainCodec::encode(const LatentRows& rows, size_t c
                               image.latents.size() == count * images[i].model().latents()),
                  "{} latents for {} rows", image.latents.size(), count);
     const bool has_residual = !image.residual.empty();
-    ENGRAM_CHECK(!has_residual || image.form != ImageForm::kFfv1, "residuals of a lossless video");
+    ENGRAM_CHECK(!has_residual || may_have_residuals(image.form), "residuals of form {}",
+                 static_cast<int>(image.form));
     parts.push_back(is_video ? image.video : images[i].encode(image.latents));
     writer.put_varint(static_cast<int64_t>(image.form) +
                       (!is_video && image.is_refined ? kRefined : 0) +
@@ -81,6 +90,10 @@ std::vector<std::byte> LatentChainCodec::encode(const LatentRows& rows, size_t c
 
 Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> bytes, size_t count,
                                       size_t wanted, ImageRows& rows) const {
+  if (rows.form == ImageForm::kGist) {
+    ENGRAM_ASSIGN_OR_RETURN(rows.frames, decode_gist(bytes, frames[image], count, wanted));
+    return {};
+  }
   if (rows.form != ImageForm::kLatents) {
     const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(rows.form));
     ENGRAM_ASSIGN_OR_RETURN(rows.frames, codec->decode_first(bytes, frames[image].type,

@@ -22,7 +22,7 @@ struct ImageRows {
   /// Code of all rows by ResidualEncoder; empty if the latents or the video keep the bound alone.
   std::vector<std::byte> residual;
   ResidualRows residuals;            ///< Decoded from `residual`; not needed to encode.
-  std::vector<std::byte> video;      ///< Code of all rows by the codec of `form`.
+  std::vector<std::byte> video;      ///< Code of all rows by the codec of `form`, or their gist.
   std::vector<idf::NdArray> frames;  ///< Decoded from `video`; not needed to encode.
 
   friend bool operator==(const ImageRows&, const ImageRows&) = default;
@@ -63,7 +63,7 @@ Result<std::vector<ImageCode>> describe_chain(std::span<const std::byte> chain, 
 /// Threading: const-parallel.
 struct LatentChainCodec {
   std::vector<FrameShape> frames;           ///< Per image member.
-  std::vector<LatentSequenceCodec> images;  ///< Per image member; empty if all are videos.
+  std::vector<LatentSequenceCodec> images;  ///< Per image member; empty if all are videos or gists.
   std::optional<NumberCodec> numbers;
 
   /// Encodes `count` rows, which `rows` has of every member (checked). The chain does not contain
