@@ -24,9 +24,9 @@ constexpr const char* kModelsFooter = R"(Examples:
 Of each model: what it was trained on, and the bytes that an image takes in each form that was
 tried, alone and with the model's share for 3,000 and 30,000 images. "kept" is what was published.
 --snapshots lists of each snapshot in which form its images are kept (latents, refined, residual,
-video or lossless), its bytes (its own residual, and an even share of the rest of its block) and
-PSNR, as it was measured when it was made. "chosen from" is what the store would have taken in so
-many nights with the previous model and with this one.)";
+video, lossless or gist), its bytes (its own residual, and an even share of the rest of its block)
+and PSNR, as it was measured when it was made. "chosen from" is what the store would have taken in
+so many nights with the previous model and with this one.)";
 
 struct ModelsArguments {
   std::string store;

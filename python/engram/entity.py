@@ -177,7 +177,7 @@ class Entity:
         """How each moment that has latents is kept, as columns, decoding nothing.
 
         "time", "model" (version), "form" of its images ("latents", "refined", "residual", "video",
-        "lossless"), "bytes", "psnr_db" and "rmse" as they were measured when it was made.
+        "lossless", "gist"), "bytes", "psnr_db" and "rmse" as they were measured when it was made.
         `pandas.DataFrame(entity.errors())` takes it.
         """
         columns = self._door.files().stored_snapshots(self.name)

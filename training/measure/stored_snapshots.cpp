@@ -19,6 +19,7 @@ namespace {
 
 KeptForm form_of(const encoders::ImageCode& code, bool has_residual) {
   if (code.form == encoders::ImageForm::kFfv1) return KeptForm::kLossless;
+  if (code.form == encoders::ImageForm::kGist) return KeptForm::kGist;
   if (code.form != encoders::ImageForm::kLatents) return KeptForm::kVideo;
   if (has_residual) return KeptForm::kResidual;
   return code.is_refined ? KeptForm::kRefined : KeptForm::kLatents;
@@ -97,8 +98,8 @@ class Descriptions {
 }  // namespace
 
 std::string_view to_string(KeptForm form) {
-  constexpr std::array<std::string_view, 5> kNames{"latents", "refined", "residual", "video",
-                                                   "lossless"};
+  constexpr std::array<std::string_view, 6> kNames{"latents", "refined",  "residual",
+                                                   "video",   "lossless", "gist"};
   return kNames[static_cast<size_t>(form)];
 }
 

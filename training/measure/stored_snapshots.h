@@ -20,6 +20,7 @@ enum class KeptForm {
   kResidual,  ///< Latents, refined or not, with a residual.
   kVideo,
   kLossless,
+  kGist,  ///< What remains of old images (encoders/gist_video.h).
 };
 
 [[nodiscard]] std::string_view to_string(KeptForm form);

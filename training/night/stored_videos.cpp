@@ -43,7 +43,8 @@ Result<Images> images_of(std::span<const idf::Data> values, const encoders::Tens
 Status add_chain(const std::vector<encoders::ImageCode>& codes, std::span<const idf::Data> values,
                  const encoders::TensorPlan& plan, EntityVideos& videos) {
   for (size_t i = 0; i < codes.size(); ++i) {
-    if (codes[i].form == encoders::ImageForm::kLatents) continue;
+    // A gist keeps no bound, so it is no video to use again.
+    if (encoders::codec_name(codes[i].form).empty()) continue;
     ENGRAM_ASSIGN_OR_RETURN(const Images images, images_of(values, plan, i));
     ENGRAM_RETURN_IF_ERROR(videos.add_stored(i, images,
                                              std::string(encoders::codec_name(codes[i].form)),
