@@ -9,6 +9,7 @@
 
 #include "encoders/condition.h"
 #include "encoders/dynamics.h"
+#include "encoders/gist_video.h"
 #include "encoders/global_code.h"
 #include "encoders/latent_block.h"
 #include "encoders/prediction_record.h"
@@ -99,6 +100,13 @@ struct DeepModel {
   /// Errors: kInvalidArgument if an image is too small for a video.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
 
+  /// Codes consecutive values as one block of one chain. Of 8-bit images that a gist takes
+  /// (gist_video.h) the gist is kept, of others a video as by encode().
+  /// Errors: kInvalidArgument if a value has another layout or there are more than kMaxBlockRows;
+  /// those of encode_gist.
+  Result<std::vector<ltm::Latent>> encode_as_gist(std::span<const idf::Data> values,
+                                                  const GistOptions& options) const;
+
   /// Decodes the images of a row, one per member, and adds their residuals.
   Result<std::vector<idf::NdArray>> decode_images(const LatentRows& rows, size_t row);
   Result<idf::Data> decode(const LatentRows& rows, size_t row, const idf::List& remainder);
@@ -114,7 +122,11 @@ struct DeepModel {
 
  private:
   [[nodiscard]] Status check_global_code() const;
+  Status add_video(size_t image, std::span<const idf::NdArray> images, LatentRows& rows) const;
   Status add_videos(std::span<const idf::SplitValue> values, LatentRows& rows) const;
+  /// The images of a member.
+  [[nodiscard]] std::vector<idf::NdArray> images_of(size_t image,
+                                                    std::span<const idf::SplitValue> values) const;
   void add_latents(std::vector<Parts> parts, LatentRows& rows);
   double reconstruction_error(Parts values, const torch::Tensor& scene);
 };

@@ -31,13 +31,6 @@ constexpr int64_t kMaxFactor = 1024;
 /// Maximum number of pixels, because a few bytes may announce any size.
 constexpr int64_t kMaxGistPixels = 1 << 26;
 
-bool is_gist_frame(const FrameShape& frame) {
-  return frame.type == idf::ElementType::kUInt8 && frame.shape.size() == 3 &&
-         std::min(frame.shape[0], frame.shape[1]) >= kMinGistSide &&
-         frame.shape[0] <= kMaxGistPixels / frame.shape[1] &&
-         (frame.shape[2] == 1 || frame.shape[2] == 3);
-}
-
 idf::Shape divided(const idf::Shape& shape, int64_t factor) {
   return {(shape[0] + factor - 1) / factor, (shape[1] + factor - 1) / factor, shape[2]};
 }
@@ -79,7 +72,7 @@ Status check_gist_images(std::span<const idf::NdArray> images) {
                             ltm::kMaxGroupImages);
   const idf::NdArray& first = images.front();
   for (const idf::NdArray& image : images)
-    if (!is_gist_frame({image.type(), image.shape()}) || image.shape() != first.shape())
+    if (!can_be_gist({image.type(), image.shape()}) || image.shape() != first.shape())
       return invalid_argument(
           "{}: found an image {} {}, needs uint8 [H, W, 1] or [H, W, 3] with sides of {} at least "
           "and 2^26 pixels at most, "
@@ -147,7 +140,7 @@ Result<GistPart> read_part(std::span<const std::byte> gist, const FrameShape& fr
   const int64_t kept = reader.get_varint();
   if (reader.failed()) return data_loss("{}: ends within its head", kGist);
   if (part.factor < 1 || part.factor > kMaxFactor ||
-      !is_gist_frame({frame.type, divided(frame.shape, part.factor)}))
+      !can_be_gist({frame.type, divided(frame.shape, part.factor)}))
     return data_loss("{}: found images {} made {} times smaller, needs sides of {} at least", kGist,
                      idf::to_string(frame.shape), part.factor, kMinGistSide);
   if (kept < 1 || static_cast<uint64_t>(kept) > count)
@@ -176,6 +169,13 @@ std::vector<idf::NdArray> spread(const std::vector<size_t>& rows,
 }
 
 }  // namespace
+
+bool can_be_gist(const FrameShape& frame) {
+  return frame.type == idf::ElementType::kUInt8 && frame.shape.size() == 3 &&
+         std::min(frame.shape[0], frame.shape[1]) >= kMinGistSide &&
+         frame.shape[0] <= kMaxGistPixels / frame.shape[1] &&
+         (frame.shape[2] == 1 || frame.shape[2] == 3);
+}
 
 Status GistOptions::validate() const {
   if (crf < 0 || crf > 63) return invalid_argument("gist: crf {}, needs 0 to 63", crf);
@@ -217,7 +217,7 @@ Result<std::vector<idf::NdArray>> decode_gist(std::span<const std::byte> gist,
                                               const FrameShape& frame, size_t count,
                                               size_t wanted) {
   ENGRAM_CHECK(wanted <= count, "{} of {} images", wanted, count);
-  if (!is_gist_frame(frame))
+  if (!can_be_gist(frame))
     return data_loss("{}: found images {} {}, needs uint8 [H, W, 1] or [H, W, 3]", kGist,
                      idf::to_string(frame.type), idf::to_string(frame.shape));
   if (wanted == 0) return std::vector<idf::NdArray>();

@@ -27,6 +27,9 @@ struct GistOptions {
   [[nodiscard]] Status validate() const;
 };
 
+/// Whether encode_gist takes images of this type and shape.
+[[nodiscard]] bool can_be_gist(const FrameShape& frame);
+
 /// Codes images in the order of time as their gist: what was roughly there, in few bytes.
 ///
 /// The gist is an AV1 video of the images between which a linear interpolation in time tells the

@@ -13,6 +13,7 @@
 #include "ltm/store/publish.h"
 #include "ltm/store/superseded.h"
 #include "training/fade/fade_error.h"
+#include "training/fade/gist_quality.h"
 #include "training/quality/psnr.h"
 #include "training/quality/quality_metrics.h"
 
@@ -75,6 +76,16 @@ struct EntityFading::Coder {
   std::unique_ptr<ltm::Encoder> decoder;
   /// By the bound in multiples of kBoundStep. Each learns how quality follows from crf.
   std::map<int, std::unique_ptr<BlockChoice>> of_bound;
+  GistQuality gist;
+
+  /// Images of so many rows are decoded at once where one of them is read.
+  [[nodiscard]] size_t max_gist_rows() const {
+    constexpr size_t kMaxBytes = size_t{64} << 20;
+    size_t bytes = 1;
+    for (const encoders::FrameShape& frame : model->codec.chain.frames)
+      bytes += idf::size_bytes(frame.type, frame.shape).value_or(kMaxBytes);
+    return std::clamp<size_t>(kMaxBytes / bytes, 1, encoders::kMaxBlockRows);
+  }
 
   BlockChoice& choice(double bound_db) {
     const int key = static_cast<int>(std::ceil(bound_db / kBoundStep));
@@ -112,14 +123,15 @@ Status EntityFading::run(const ltm::FadingSnapshots& what) {
   ENGRAM_ASSIGN_OR_RETURN(reader_, ltm::StoreReader::open(store_));
   published_ = system_now();
   uint64_t done = 0;
-  const auto fade_group = [&](const FadingGroup& group) -> Status {
+  const auto fade_group = [&](FadingGroup group) -> Status {
     if (stop_.stop_requested()) return cancelled("fading was stopped");
-    ENGRAM_RETURN_IF_ERROR(fade(group, what.psnr_db));
     done += group.entries.size();
+    ENGRAM_RETURN_IF_ERROR(visit(std::move(group), what.psnr_db));
     if (progress_) progress_({"fade " + entity_.to_string(), done, what.times.size(), {}, -1});
     return system_now() - published_ < kPublishInterval ? Status() : publish();
   };
-  const auto waiting = for_each_group(*reader_, entity_, what.times, fade_group);
+  auto waiting = for_each_group(*reader_, entity_, what.times, fade_group);
+  if (const Status last = fade_waiting(); waiting.ok() && !last.ok()) waiting = last;
   // What was coded by then fades even if the rest fails or the job is stopped.
   ENGRAM_RETURN_IF_ERROR(publish());
   ENGRAM_RETURN_IF_ERROR(remove_others());
@@ -128,16 +140,33 @@ Status EntityFading::run(const ltm::FadingSnapshots& what) {
   return {};
 }
 
-Status EntityFading::fade(const FadingGroup& group, std::optional<double> psnr_db) {
+Status EntityFading::visit(FadingGroup group, std::optional<double> psnr_db) {
   if (has_faded(group, psnr_db)) {
     for (const ltm::SnapshotEntry& entry : group.entries) faded_.insert(entry.time);
     report_.kept += group.entries.size();
     return {};
   }
-  ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.latents.front().model_version));
+  if (psnr_db) return fade(group, psnr_db);
+  ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.model_version()));
+  const bool is_full =
+      !gist_.entries.empty() && (gist_.model_version() != coder->version ||
+                                 gist_.rows() + group.rows() > coder->max_gist_rows());
+  if (is_full) ENGRAM_RETURN_IF_ERROR(fade_waiting());
+  gist_.add(std::move(group));
+  return {};
+}
+
+Status EntityFading::fade_waiting() {
+  const FadingGroup group = std::exchange(gist_, {});
+  return group.entries.empty() ? Status() : fade(group, {});
+}
+
+Status EntityFading::fade(const FadingGroup& group, std::optional<double> psnr_db) {
+  ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.model_version()));
   Qualities before;
   ENGRAM_ASSIGN_OR_RETURN(const auto values, best_values(group, *coder, before));
-  ENGRAM_ASSIGN_OR_RETURN(auto latents, encode(*coder, values, before, psnr_db));
+  ENGRAM_ASSIGN_OR_RETURN(auto latents, psnr_db ? encode(*coder, values, before, *psnr_db)
+                                                : encode_as_gist(*coder, values));
   FadingGroup made = group;
   if (!latents.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(const auto decoded, coder->decoder->decode(latents));
@@ -184,9 +213,8 @@ Result<std::vector<idf::Data>> EntityFading::best_values(const FadingGroup& grou
 
 Result<std::vector<ltm::Latent>> EntityFading::encode(Coder& coder,
                                                       const std::vector<idf::Data>& values,
-                                                      const Qualities& before,
-                                                      std::optional<double> psnr_db) {
-  const double target = mse_of_psnr(psnr_db.value_or(0));
+                                                      const Qualities& before, double psnr_db) {
+  const double target = mse_of_psnr(psnr_db);
   double max_mse = target;
   for (const auto& quality : before)
     if (quality && !std::isnan(quality->error.image_mse))
@@ -203,6 +231,16 @@ Result<std::vector<ltm::Latent>> EntityFading::encode(Coder& coder,
     rest = rest.subspan(block.size());
   }
   return latents;
+}
+
+Result<std::vector<ltm::Latent>> EntityFading::encode_as_gist(
+    Coder& coder, const std::vector<idf::Data>& values) {
+  const size_t images = values.size() * std::max<size_t>(1, coder.model->plan.images().size());
+  return coder.gist.find(images, [&](const encoders::GistOptions& options) {
+    using Latents = std::vector<ltm::Latent>;
+    if (stop_.stop_requested()) return Result<Latents>(cancelled("fading was stopped"));
+    return coder.model->encode_as_gist(values, options);
+  });
 }
 
 void EntityFading::keep(const FadingGroup& group, FadingGroup made, std::optional<double> psnr_db) {

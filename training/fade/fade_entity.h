@@ -43,14 +43,18 @@ class EntityFading {
   using Qualities = std::vector<std::optional<ltm::LatentQuality>>;
 
   Result<Coder*> coder_of(int version);
+  Status visit(FadingGroup group, std::optional<double> psnr_db);
   Status fade(const FadingGroup& group, std::optional<double> psnr_db);
+  /// Lets the groups that wait for more of them fade to one gist.
+  Status fade_waiting();
   /// The best values that are there, of all instances, and how good they are.
   Result<std::vector<idf::Data>> best_values(const FadingGroup& group, Coder& coder,
                                              Qualities& qualities);
   /// Codes values anew. The result is empty if no lower quality is allowed.
   Result<std::vector<ltm::Latent>> encode(Coder& coder, const std::vector<idf::Data>& values,
-                                          const Qualities& qualities,
-                                          std::optional<double> psnr_db);
+                                          const Qualities& qualities, double psnr_db);
+  Result<std::vector<ltm::Latent>> encode_as_gist(Coder& coder,
+                                                  const std::vector<idf::Data>& values);
   /// Keeps the group with other latents, or marks it as one of which nothing is to be gained.
   void keep(const FadingGroup& group, FadingGroup made, std::optional<double> psnr_db);
   void count(const FadingGroup& before, const FadingGroup& after);
@@ -66,6 +70,8 @@ class EntityFading {
   std::unique_ptr<ltm::StoreReader> reader_;
   std::map<int, std::unique_ptr<Coder>> coders_;          ///< By version of the model.
   std::map<int, std::vector<ltm::LatentSnapshot>> made_;  ///< Not published yet, by version.
+  /// Groups that become one gist: the longer it is, the fewer bytes an image takes.
+  FadingGroup gist_;
   TimeSet faded_;  ///< Published or to be published; their other forms go.
   Time published_{};
   ltm::EntityFadeReport report_;

@@ -7,6 +7,18 @@ namespace engram::training {
 
 namespace {
 
+/// The next number with 8 binary digits.
+double rounded_up(double mse) {
+  if (!(mse > 0) || std::isinf(mse)) return mse;
+  int exponent = 0;
+  const double digits = std::frexp(mse, &exponent);
+  return std::ldexp(std::ceil(std::ldexp(digits, 8)), exponent - 8);
+}
+
+ltm::MeasuredError rounded_up(const ltm::MeasuredError& error) {
+  return {rounded_up(error.image_mse), rounded_up(error.number_mse)};
+}
+
 double joined_mse(double before, double step, double correlation) {
   return before + step + 2 * correlation * std::sqrt(before * step);
 }
@@ -30,9 +42,9 @@ double max_step_mse(double before_mse, double target_mse) {
 
 ltm::LatentQuality joined_quality(const std::optional<ltm::LatentQuality>& before,
                                   const ltm::MeasuredError& step, float faded_to_db) {
-  if (!before) return {step, {}, faded_to_db};
-  return {joined_error(before->error, step, 0), joined_error(before->certain(), step, 1),
-          faded_to_db};
+  if (!before) return {rounded_up(step), {}, faded_to_db};
+  return {rounded_up(joined_error(before->error, step, 0)),
+          rounded_up(joined_error(before->certain(), step, 1)), faded_to_db};
 }
 
 }  // namespace engram::training

@@ -2,6 +2,7 @@
 #include "training/fade/fading_group.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -84,6 +85,17 @@ class Grouping {
 };
 
 }  // namespace
+
+size_t FadingGroup::rows() const {
+  size_t rows = 0;
+  for (const ltm::LatentSnapshot& snapshot : latents) rows += snapshot.instances.size();
+  return rows;
+}
+
+void FadingGroup::add(FadingGroup later) {
+  std::ranges::move(later.entries, std::back_inserter(entries));
+  std::ranges::move(later.latents, std::back_inserter(latents));
+}
 
 uint64_t FadingGroup::bytes() const {
   std::set<const std::byte*> seen;

@@ -19,6 +19,12 @@ struct FadingGroup {
   std::vector<ltm::SnapshotEntry> entries;
   std::vector<ltm::LatentSnapshot> latents;  ///< Of the same snapshots.
 
+  /// Number of latents of all instances.
+  [[nodiscard]] size_t rows() const;
+  /// Version of the model that made the latents.
+  [[nodiscard]] int model_version() const { return latents.front().model_version; }
+  /// Adds the snapshots of a later group of the same model.
+  void add(FadingGroup later);
   /// Bytes of the blocks.
   [[nodiscard]] uint64_t bytes() const;
   /// Puts others in place of the codes and qualities of all instances, of which there are as many

@@ -23,6 +23,16 @@ TEST(FadeError, OfRecordedValuesIsMeasured) {
   EXPECT_EQ(quality.faded_to_db, 32);
 }
 
+TEST(FadeError, IsRoundedUp) {
+  for (const double mse : {1e-9, 0.3, 1.0, 40.123, 65025.0, 3e8}) {
+    const ltm::LatentQuality quality = joined_quality({}, {mse, mse}, 32);
+    EXPECT_GE(quality.error.image_mse, mse);
+    EXPECT_LE(quality.error.image_mse, mse * (1 + 1.0 / 128));
+    EXPECT_EQ(quality.error.number_mse, quality.error.image_mse);
+  }
+  EXPECT_EQ(joined_quality({}, {0, 0}, 32).error.image_mse, 0);
+}
+
 TEST(FadeError, OfLatentsAddsUp) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ltm::LatentQuality once = joined_quality(ltm::LatentQuality{{16, nan}}, {9, nan}, 32);
