@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "cli/command.h"
-#include "ltm/forgetting/fade.h"
+#include "ltm/forgetting/fade_report.h"
 #include "ltm/recall/model.h"
 
 namespace engram::cli {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "ltm/forgetting/fade.h"
+#include "ltm/forgetting/fade_report.h"
 
 namespace engram::ltm {
 

@@ -5,7 +5,7 @@
 #include <stop_token>
 
 #include "ltm/core/progress.h"
-#include "ltm/forgetting/fade.h"
+#include "ltm/forgetting/fade_report.h"
 
 namespace engram::training {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ltm/core/progress.h"
-#include "ltm/forgetting/fade.h"
+#include "ltm/forgetting/fade_report.h"
 #include "ltm/recall/model.h"
 #include "training/fade/fading_group.h"
 #include "training/forms/block_choice.h"

@@ -24,8 +24,8 @@ inline constexpr double kMaxErrorCorrelation = 0.3;
 /// then; nothing if it was recorded, and then `step` is all of the error.
 ///
 /// Else the error is estimated as that of two independent steps, and bounded by the triangle
-/// inequality. All are rounded up by 0.4 % at most: a store keeps them of every snapshot, and digits
-/// that mean nothing would take as many bytes as a gist.
+/// inequality. All are rounded up by 0.4 % at most: a store keeps them of every snapshot, and
+/// digits that mean nothing would take as many bytes as a gist.
 [[nodiscard]] ltm::LatentQuality joined_quality(const std::optional<ltm::LatentQuality>& before,
                                                 const ltm::MeasuredError& step, float faded_to_db);
 

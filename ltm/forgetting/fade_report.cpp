@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/forgetting/fade.h"
+#include "ltm/forgetting/fade_report.h"
 
 #include <algorithm>
 
