@@ -21,8 +21,8 @@ struct InstanceResult {
   InstanceMetadata metadata;  ///< Default where the query requested IDs only.
   /// The measured (reconstructed) or expected (predicted) error; nothing where it was recorded.
   std::optional<MeasuredError> error = {};
-  /// The bound that the error of a prediction keeps with probability kBoundProbability; NaN where
-  /// the bound is not known. Nothing unless predicted.
+  /// The bound that the error of a prediction keeps with probability kBoundProbability, NaN where
+  /// it is not known; of what faded from latents the largest possible error. Nothing for others.
   std::optional<MeasuredError> bound = {};
   /// How each tensor member was predicted, in the order of the value's layout; empty unless
   /// predicted by a choice of engines. `error` and `bound` are the means of those members here that

@@ -106,7 +106,7 @@ def forget(
 
     `names`: IDs of any level or queries with a selector. `config`: a YAML file with a section
     `forget` (docs/forgetting.md): its policies decide where no names are given, else its protection
-    counts.
+    counts. Its steps of fading leave old images with less quality (`report["done"]["faded"]`).
     """
     targets = [names] if isinstance(names, str) else list(names)
     if not targets and config is None:

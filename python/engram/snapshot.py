@@ -68,7 +68,7 @@ class Instance:
     origin: str  #: What it was made of on purpose; empty: nobody changed it.
     recipe: str  #: How; likewise.
     error: MeasuredError | None  #: None where it is as it was recorded.
-    bound: MeasuredError | None  #: What a prediction stays within, 9 times of 10.
+    bound: MeasuredError | None  #: Of a prediction, 9 times of 10; of what faded always.
     members: tuple[MemberPrediction, ...] = ()  #: Of a prediction: how each was predicted.
 
 

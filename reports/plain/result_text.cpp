@@ -13,13 +13,15 @@ namespace engram::reports {
 
 namespace {
 
-/// Such as "31.84 dB"; for a prediction "31.84 dB, 90 %: 28.20 dB": the expected error and its
-/// bound.
+/// Such as "31.84 dB"; for a prediction "31.84 dB, 90 %: 28.20 dB", and for what faded from latents
+/// "31.84 dB, certainly 28.20 dB": the expected error and its bound.
 std::string first_error_text(const ltm::SnapshotResult& snapshot) {
   if (snapshot.instances.empty() || !snapshot.instances.front().error) return "-";
   const ltm::InstanceResult& first = snapshot.instances.front();
   const std::string bound = first.bound ? error_text(*first.bound) : "-";
   if (bound == "-") return error_text(*first.error);
+  if (snapshot.source == ltm::Source::kReconstructed)
+    return fmt::format("{}, certainly {}", error_text(*first.error), bound);
   return fmt::format("{}, {:.0f} %: {}", error_text(*first.error), 100 * ltm::kBoundProbability,
                      bound);
 }

@@ -59,8 +59,8 @@ Json error_json(const ltm::MeasuredError& error) {
   return json;
 }
 
-Json bound_json(const ltm::MeasuredError& bound) {
-  Json json{{"probability", ltm::kBoundProbability}};
+Json bound_json(const ltm::MeasuredError& bound, double probability) {
+  Json json{{"probability", probability}};
   json.update(error_json(bound));
   return json;
 }
@@ -108,7 +108,10 @@ Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResul
       const char* name = recalled.source == ltm::Source::kPredicted ? "expected_error" : "error";
       entry[name] = error_json(*instance.error);
     }
-    if (instance.bound) entry["error_bound"] = bound_json(*instance.bound);
+    // What faded from latents keeps its bound always.
+    const bool is_certain = recalled.source == ltm::Source::kReconstructed;
+    if (instance.bound)
+      entry["error_bound"] = bound_json(*instance.bound, is_certain ? 1 : ltm::kBoundProbability);
     if (!instance.members.empty()) entry["members"] = members_json(instance.members);
     entry["data"] = std::move(data);
     json["instances"].push_back(std::move(entry));

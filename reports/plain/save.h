@@ -13,7 +13,8 @@ namespace engram::reports {
 /// {"psnr_db", "rmse"}, without those that are unknown.
 [[nodiscard]] Json error_json(const ltm::MeasuredError& error);
 /// The same for a bound, with its probability.
-[[nodiscard]] Json bound_json(const ltm::MeasuredError& bound);
+[[nodiscard]] Json bound_json(const ltm::MeasuredError& bound,
+                              double probability = ltm::kBoundProbability);
 
 /// A snapshot of an answer as JSON: its source, its errors, and per instance the data in IDF's JSON
 /// form. With `image_files`, images are replaced by {"$file": name}, in the order of their members.
