@@ -91,8 +91,12 @@ struct DeepModel {
   /// Shape: int64 [1].
   [[nodiscard]] torch::Tensor best_scene(std::span<const Parts> parts);
 
-  /// Maximum number of rows of one block: kMaxChains chains, but no more than 64 MB of images, and
-  /// at least one chain.
+  /// Maximum number of rows of which all images are in memory: 64 MB of images, at least one row
+  /// and at most kMaxBlockRows.
+  [[nodiscard]] size_t max_rows() const;
+
+  /// Maximum number of rows of one block: kMaxChains chains, but no more than max_rows(), and at
+  /// least one chain.
   [[nodiscard]] size_t block_rows() const;
 
   /// Codes consecutive values of one recording as one block. Images are kept as latents or, without

@@ -256,7 +256,7 @@ Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
   const uint64_t wanted = wanted_bytes(options);
   FreedBytes going = freed();
   if (fades_for_quota_) {
-    const auto careful = static_cast<uint64_t>(careful_bytes());
+    const auto careful = static_cast<uint64_t>(careful_faded_bytes());
     missing_bytes_ = wanted - std::min(wanted, careful);
     return {};
   }

@@ -95,9 +95,12 @@ class ForgetPlanner {
   [[nodiscard]] uint64_t wanted_bytes(const ForgetOptions& options) const;
   Result<std::vector<Candidate>> candidates_of(const ForgetRule& rule,
                                                std::vector<std::vector<bool>>& is_queued);
+  /// Lets a snapshot fade by a step, unless that gains nothing or another one goes further.
   Status fade(Entity& entity, size_t snapshot, size_t step, uint16_t reason);
+  /// Lets what the policies of a step propose of an entity fade.
   Status fade_entity(Entity& entity, size_t step);
-  [[nodiscard]] double careful_bytes() const;
+  /// A low estimate of what fading frees.
+  [[nodiscard]] double careful_faded_bytes() const;
   Status follow_links(std::vector<std::pair<size_t, size_t>>& waiting);
   Result<SnapshotEntry> entry(const Entity& entity, size_t snapshot);
   bool has_groups(uint32_t segment, const MemoryId& entity);

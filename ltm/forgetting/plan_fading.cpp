@@ -122,7 +122,7 @@ Status ForgetPlanner::fade_by(const ForgetOptions& options) {
   return {};
 }
 
-double ForgetPlanner::careful_bytes() const {
+double ForgetPlanner::careful_faded_bytes() const {
   return kCarefulFading * faded_bytes_;
 }
 
@@ -130,7 +130,7 @@ Status ForgetPlanner::fade_for_quota(const ForgetOptions& options) {
   const auto wanted = static_cast<double>(wanted_bytes(options));
   const auto going = static_cast<double>(freed().careful());
   std::vector<std::vector<bool>> is_queued(entities_.size());
-  for (size_t step = 0; step < steps_.size() && going + careful_bytes() < wanted; ++step) {
+  for (size_t step = 0; step < steps_.size() && going + careful_faded_bytes() < wanted; ++step) {
     // Its policies but the age decide what fades for a quota, the oldest first.
     ForgetRule rule = steps_[step].rule;
     rule.age.emplace();
@@ -141,7 +141,7 @@ Status ForgetPlanner::fade_for_quota(const ForgetOptions& options) {
     ENGRAM_ASSIGN_OR_RETURN(const auto candidates, candidates_of(rule, is_queued));
     const double before = faded_bytes_;
     for (const Candidate& each : candidates) {
-      if (going + careful_bytes() >= wanted) break;
+      if (going + careful_faded_bytes() >= wanted) break;
       ENGRAM_RETURN_IF_ERROR(fade(entities_[each.entity], each.snapshot, step, reason));
     }
     fades_for_quota_ = fades_for_quota_ || faded_bytes_ != before;

@@ -40,23 +40,23 @@ void for_each_quality(const FadingGroup& group, const Visit& visit) {
     for (const ltm::LatentInstance& instance : snapshot.instances) visit(instance.quality);
 }
 
-/// PSNR that the worst images of a group are expected to have.
-double expected_db(const FadingGroup& group) {
+/// PSNR of the worst images of a group, by an error of their qualities; infinite without images.
+template <typename ErrorOf>
+double min_db(const FadingGroup& group, const ErrorOf& error_of) {
   double min = std::numeric_limits<double>::infinity();
-  for_each_quality(group, [&min](const ltm::LatentQuality& quality) {
-    if (!std::isnan(quality.error.image_mse)) min = std::min(min, psnr_db(quality.error.image_mse));
+  for_each_quality(group, [&](const ltm::LatentQuality& quality) {
+    const double mse = error_of(quality).image_mse;
+    if (!std::isnan(mse)) min = std::min(min, psnr_db(mse));
   });
   return min;
 }
 
-/// PSNR that the worst images of a group certainly have.
-double certain_db(const FadingGroup& group) {
-  double min = std::numeric_limits<double>::infinity();
-  for_each_quality(group, [&min](const ltm::LatentQuality& quality) {
-    if (!std::isnan(quality.certain().image_mse))
-      min = std::min(min, psnr_db(quality.certain().image_mse));
-  });
-  return min;
+const ltm::MeasuredError& expected_error(const ltm::LatentQuality& quality) {
+  return quality.error;
+}
+
+const ltm::MeasuredError& certain_error(const ltm::LatentQuality& quality) {
+  return quality.certain();
 }
 
 /// Whether an earlier job has coded a group, and was killed before it removed the other forms.
@@ -77,15 +77,6 @@ struct EntityFading::Coder {
   /// By the bound in multiples of kBoundStep. Each learns how quality follows from crf.
   std::map<int, std::unique_ptr<BlockChoice>> of_bound;
   GistQuality gist;
-
-  /// Images of so many rows are decoded at once where one of them is read.
-  [[nodiscard]] size_t max_gist_rows() const {
-    constexpr size_t kMaxBytes = size_t{64} << 20;
-    size_t bytes = 1;
-    for (const encoders::FrameShape& frame : model->codec.chain.frames)
-      bytes += idf::size_bytes(frame.type, frame.shape).value_or(kMaxBytes);
-    return std::clamp<size_t>(kMaxBytes / bytes, 1, encoders::kMaxBlockRows);
-  }
 
   BlockChoice& choice(double bound_db) {
     const int key = static_cast<int>(std::ceil(bound_db / kBoundStep));
@@ -122,12 +113,11 @@ Result<EntityFading::Coder*> EntityFading::coder_of(int version) {
 Status EntityFading::run(const ltm::FadingSnapshots& what) {
   ENGRAM_ASSIGN_OR_RETURN(reader_, ltm::StoreReader::open(store_));
   published_ = system_now();
-  uint64_t done = 0;
+  done_ = 0;
+  wanted_ = what.times.size();
   const auto fade_group = [&](FadingGroup group) -> Status {
     if (stop_.stop_requested()) return cancelled("fading was stopped");
-    done += group.entries.size();
     ENGRAM_RETURN_IF_ERROR(visit(std::move(group), what.psnr_db));
-    if (progress_) progress_({"fade " + entity_.to_string(), done, what.times.size(), {}, -1});
     return system_now() - published_ < kPublishInterval ? Status() : publish();
   };
   auto waiting = for_each_group(*reader_, entity_, what.times, fade_group);
@@ -140,6 +130,10 @@ Status EntityFading::run(const ltm::FadingSnapshots& what) {
   return {};
 }
 
+void EntityFading::tell(const std::string& detail) const {
+  if (progress_) progress_({"fade " + entity_.to_string(), done_, wanted_, detail, -1});
+}
+
 Status EntityFading::visit(FadingGroup group, std::optional<double> psnr_db) {
   if (has_faded(group, psnr_db)) {
     for (const ltm::SnapshotEntry& entry : group.entries) faded_.insert(entry.time);
@@ -150,7 +144,7 @@ Status EntityFading::visit(FadingGroup group, std::optional<double> psnr_db) {
   ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.model_version()));
   const bool is_full =
       !gist_.entries.empty() && (gist_.model_version() != coder->version ||
-                                 gist_.rows() + group.rows() > coder->max_gist_rows());
+                                 gist_.rows() + group.rows() > coder->model->max_rows());
   if (is_full) ENGRAM_RETURN_IF_ERROR(fade_waiting());
   gist_.add(std::move(group));
   return {};
@@ -177,8 +171,44 @@ Status EntityFading::fade(const FadingGroup& group, std::optional<double> psnr_d
     }
     made.replace(std::move(latents), qualities);
   }
-  keep(group, std::move(made), psnr_db);
+  done_ += group.entries.size();
+  tell();
+  const bool is_smaller =
+      static_cast<double>(made.bytes()) <= static_cast<double>(group.bytes()) * (1 - kMinSaving);
+  if (is_smaller) {
+    keep(group, std::move(made), psnr_db);
+  } else if (may_stay(group, *coder, values, before, psnr_db)) {
+    report_.kept += group.entries.size();
+    keep(group, group, psnr_db);
+  } else if (made.bytes() != group.bytes()) {
+    keep(group, std::move(made), psnr_db);
+  } else {
+    // What was recorded stays, because nothing is as good as it has to be.
+    report_.kept += group.entries.size();
+  }
   return {};
+}
+
+// What was recorded goes, so latents that stay have to be as good as they promise, and as good as
+// what they would be replaced by.
+bool EntityFading::may_stay(const FadingGroup& group, Coder& coder,
+                            const std::vector<idf::Data>& values, const Qualities& before,
+                            std::optional<double> psnr_db) {
+  const auto is_latent = [](const auto& quality) { return quality.has_value(); };
+  if (std::ranges::all_of(before, is_latent)) return true;
+  if (min_db(group, certain_error) < psnr_db.value_or(0)) return false;
+  size_t at = 0;
+  for (const ltm::LatentSnapshot& snapshot : group.latents)
+    for (const ltm::LatentInstance& instance : snapshot.instances) {
+      const size_t i = at++;
+      if (before[i]) continue;
+      const auto decoded = coder.decoder->decode({&instance.latent, 1});
+      if (!decoded.ok()) return false;
+      const auto found = compare(values[i], decoded->front());
+      if (!found.ok() || !is_as_told(found->image_mse, instance.quality.certain().image_mse))
+        return false;
+    }
+  return true;
 }
 
 Result<std::vector<idf::Data>> EntityFading::best_values(const FadingGroup& group, Coder& coder,
@@ -239,20 +269,13 @@ Result<std::vector<ltm::Latent>> EntityFading::encode_as_gist(
   return coder.gist.find(images, [&](const encoders::GistOptions& options) {
     using Latents = std::vector<ltm::Latent>;
     if (stop_.stop_requested()) return Result<Latents>(cancelled("fading was stopped"));
+    tell(fmt::format("gist of {} images at crf {}", images, options.crf));
     return coder.model->encode_as_gist(values, options);
   });
 }
 
 void EntityFading::keep(const FadingGroup& group, FadingGroup made, std::optional<double> psnr_db) {
-  const bool is_smaller =
-      static_cast<double>(made.bytes()) <= static_cast<double>(group.bytes()) * (1 - kMinSaving);
-  // Latents that are worse than what is wanted do not stay: the recorded form, from which better
-  // ones are made, goes.
-  if (is_smaller || certain_db(group) < psnr_db.value_or(0))
-    count(group, made);
-  else
-    made = group;
-  if (!is_smaller) report_.kept += group.entries.size();
+  if (made.bytes() != group.bytes()) count(group, made);
   for (ltm::LatentSnapshot& snapshot : made.latents) {
     for (ltm::LatentInstance& instance : snapshot.instances)
       instance.quality.faded_to_db = faded_to(psnr_db);
@@ -266,8 +289,8 @@ void EntityFading::count(const FadingGroup& before, const FadingGroup& after) {
   report_.faded += before.entries.size();
   report_.bytes_before += before.bytes();
   report_.bytes_after += after.bytes();
-  report_.expected_db = std::min(report_.expected_db, expected_db(after));
-  report_.certain_db = std::min(report_.certain_db, certain_db(after));
+  report_.expected_db = std::min(report_.expected_db, min_db(after, expected_error));
+  report_.certain_db = std::min(report_.certain_db, min_db(after, certain_error));
 }
 
 Status EntityFading::publish() {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "ltm/core/progress.h"
@@ -55,7 +56,11 @@ class EntityFading {
                                           const Qualities& qualities, double psnr_db);
   Result<std::vector<ltm::Latent>> encode_as_gist(Coder& coder,
                                                   const std::vector<idf::Data>& values);
-  /// Keeps the group with other latents, or marks it as one of which nothing is to be gained.
+  /// Whether the latents of a group may stay as they are although what is recorded of it goes.
+  bool may_stay(const FadingGroup& group, Coder& coder, const std::vector<idf::Data>& values,
+                const Qualities& before, std::optional<double> psnr_db);
+  void tell(const std::string& detail = {}) const;
+  /// Keeps the group as `made`, with other latents or its own, and marks it as faded.
   void keep(const FadingGroup& group, FadingGroup made, std::optional<double> psnr_db);
   void count(const FadingGroup& before, const FadingGroup& after);
   /// Publishes what was coded.
@@ -72,7 +77,9 @@ class EntityFading {
   std::map<int, std::vector<ltm::LatentSnapshot>> made_;  ///< Not published yet, by version.
   /// Groups that become one gist: the longer it is, the fewer bytes an image takes.
   FadingGroup gist_;
-  TimeSet faded_;  ///< Published or to be published; their other forms go.
+  uint64_t done_ = 0;    ///< Snapshots of this run.
+  uint64_t wanted_ = 0;  ///< The same, of all.
+  TimeSet faded_;        ///< Published or to be published; their other forms go.
   Time published_{};
   ltm::EntityFadeReport report_;
 };

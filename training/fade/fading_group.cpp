@@ -10,9 +10,11 @@ namespace engram::training {
 
 namespace {
 
-/// Whether two latents are of one block. Latents that are read in order share the bytes of theirs.
+/// Whether two latents are of one block. Latents that are read in order share the bytes of theirs;
+/// others may have equal ones.
 bool are_of_one_block(const ltm::Latent& a, const ltm::Latent& b) {
-  return a.place.count > 1 && a.place.count == b.place.count && a.code.data() == b.code.data();
+  if (a.place.count <= 1 || a.place.count != b.place.count) return false;
+  return a.code.data() == b.code.data() || std::ranges::equal(a.code.bytes(), b.code.bytes());
 }
 
 /// Whether a block has rows on both sides of the boundary between two snapshots. Snapshots in

@@ -12,13 +12,6 @@ namespace engram::training {
 
 namespace {
 
-/// Whether the error is the published one. Another processor may round the output of a network
-/// differently, by at most one grey level.
-bool is_as_published(double found_mse, double published_mse) {
-  return std::isnan(found_mse) || found_mse <= published_mse * 1.02 + 1e-9 ||
-         std::sqrt(found_mse) <= std::sqrt(published_mse) + 1;
-}
-
 bool is_within(const ltm::MeasuredError& error, const DropOptions& options) {
   const bool are_images_good =
       std::isnan(error.image_mse) || psnr_db(error.image_mse) >= options.min_psnr_db;
@@ -36,7 +29,7 @@ Result<bool> may_go(const ltm::Snapshot& recorded, const ltm::SnapshotResult& re
                             compare(recorded.instances[i].data, recalled.instances[i].data));
     const auto& published = recalled.instances[i].error;
     if (!published || !is_within(found, options) ||
-        !is_as_published(found.image_mse, published->image_mse))
+        !is_as_told(found.image_mse, published->image_mse))
       return false;
   }
   return true;

@@ -37,6 +37,11 @@ double psnr_db(double mse) {
   return std::min(kLargestPsnrDb, 10.0 * std::log10(kPeak * kPeak / mse));
 }
 
+bool is_as_told(double found_mse, double told_mse) {
+  return std::isnan(found_mse) || found_mse <= told_mse * 1.02 + 1e-9 ||
+         std::sqrt(found_mse) <= std::sqrt(told_mse) + 1;
+}
+
 double mse_of_psnr(double db) {
   return kPeak * kPeak * std::pow(10.0, -db / 10.0);
 }

@@ -18,6 +18,11 @@ inline constexpr double kLargestPsnrDb = 60.0;
 /// The mean squared error of an image with this PSNR, which is in dB. Unit: grey levels squared.
 [[nodiscard]] double mse_of_psnr(double db);
 
+/// Whether images that were told to have the error `told_mse` have it, or NaN because there are
+/// none. Another processor may round the output of a network differently, by at most one grey
+/// level.
+[[nodiscard]] bool is_as_told(double found_mse, double told_mse);
+
 /// Mean squared error of two images. Unit: grey levels squared.
 /// Shape: uint8 [H, W, C], equal for both.
 /// Errors: kInvalidArgument if type or shape is another one.

@@ -89,6 +89,14 @@ class PlanFading : public ForgetFixture {
     ASSERT_OK(publish_latents(store_, entity, 1, latents));
   }
 
+  Result<ForgetReport> carry_out_for_quota(const ForgetOptions& options, const ForgetPlan& first) {
+    const auto again = [this, quota = quota_after(options, first)](bool may_fade) mutable {
+      if (!may_fade) quota.fade.clear();
+      return plan(quota);
+    };
+    return carry_out(store_, first, again, {}, {}, {}, marker());
+  }
+
   int calls_ = 0;
   size_t made_bytes_ = 10;
 };
@@ -173,13 +181,7 @@ TEST_F(PlanFading, AQuotaFadesBeforeItForgets) {
   EXPECT_LT(made->fading(), 99u);
   EXPECT_EQ(made->snapshots(), 0u);
   EXPECT_EQ(faded(options).at(30).front(), 0) << "the oldest first";
-  const auto report = carry_out(
-      store_, *made,
-      [&, quota = quota_after(options, *made)](bool may_fade) mutable {
-        if (!may_fade) quota.fade.clear();
-        return plan(quota);
-      },
-      {}, {}, {}, marker());
+  const auto report = carry_out_for_quota(options, *made);
   ASSERT_OK(report);
   EXPECT_EQ(report->missing_bytes, 0u);
   EXPECT_LE(*directory_bytes(store_), *options.max_bytes);
@@ -193,13 +195,7 @@ TEST_F(PlanFading, AQuotaForgetsWhereFadingDoesNotSuffice) {
   made_bytes_ = 2000;  // Nothing becomes smaller.
   const auto made = plan(options);
   ASSERT_OK(made);
-  const auto report = carry_out(
-      store_, *made,
-      [&, quota = quota_after(options, *made)](bool may_fade) mutable {
-        if (!may_fade) quota.fade.clear();
-        return plan(quota);
-      },
-      {}, {}, {}, marker());
+  const auto report = carry_out_for_quota(options, *made);
   ASSERT_OK(report);
   EXPECT_GE(calls_, 1);
   EXPECT_GT(report->rewritten.snapshots, 50u);
