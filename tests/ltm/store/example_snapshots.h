@@ -92,13 +92,14 @@ inline constexpr int64_t kExampleBlockRows = 6;
 inline constexpr size_t kExampleBlockBytes = 500;
 
 /// A made-up latent of example snapshot `index`, in a block with its neighbours: the bytes of each
-/// are equal, not shared.
+/// are equal, not shared. Every other block has faded.
 inline LatentSnapshot example_block_latent(int64_t index, int version) {
   const int64_t block = index / kExampleBlockRows;
   std::vector<uint8_t> code(kExampleBlockBytes, static_cast<uint8_t>(version));
   for (size_t i = 0; i < code.size(); ++i) code[i] += static_cast<uint8_t>(i * (block + 3) + i / 7);
   LatentSnapshot made = example_latent(index, version);
   made.instances[0].latent.code = Buffer::take(std::move(code));
+  if (block % 2 == 1) made.instances[0].quality = {{4.0, 0.5}, {{9.0, 0.75}}, 32};
   made.instances[0].latent.place = {static_cast<uint32_t>(index % kExampleBlockRows),
                                     static_cast<uint32_t>(kExampleBlockRows)};
   return made;
