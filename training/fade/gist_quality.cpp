@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/fade/gist_quality.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <utility>
@@ -43,28 +44,27 @@ size_t block_bytes(const std::vector<ltm::Latent>& latents) {
 
 }  // namespace
 
+// The level is in [best, end]. The first search halves that; later ones look beside the level of
+// the block before, which is hardly ever wrong.
 Result<std::vector<ltm::Latent>> GistQuality::find(size_t images, const Encode& encode) {
   std::map<size_t, std::vector<ltm::Latent>> tried;
-  const auto fits = [&](size_t level) -> Result<bool> {
-    if (!tried.contains(level)) {
-      ENGRAM_ASSIGN_OR_RETURN(tried[level], encode(options_of(kLevels[level])));
-    }
-    return static_cast<double>(block_bytes(tried[level])) <=
-           kMaxGistBytes * static_cast<double>(images);
+  const auto try_level = [&](size_t level) -> Result<size_t> {
+    ENGRAM_ASSIGN_OR_RETURN(tried[level], encode(options_of(kLevels[level])));
+    return block_bytes(tried[level]);
   };
-  while (true) {
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_small, fits(level_));
-    if (!is_small && level_ + 1 < kLevels.size()) {
-      ++level_;
-      // The better one did not fit.
-      if (tried.contains(level_)) break;
-    } else if (is_small && level_ > 0 && !tried.contains(level_ - 1)) {
-      --level_;
-    } else {
-      break;
-    }
+  size_t best = 0, end = kLevels.size() - 1;
+  for (size_t level = level_.value_or((best + end) / 2); best < end;) {
+    ENGRAM_ASSIGN_OR_RETURN(const size_t bytes, try_level(level));
+    const bool fits = static_cast<double>(bytes) <= kMaxGistBytes * static_cast<double>(images);
+    (fits ? end : best) = fits ? level : std::min(level + 1, end);
+    if (!level_)
+      level = (best + end) / 2;
+    else
+      level = fits && level > 0 ? level - 1 : best;
   }
-  return std::move(tried[level_]);
+  if (!tried.contains(end)) ENGRAM_RETURN_IF_ERROR(try_level(end).status());
+  level_ = end;
+  return std::move(tried[end]);
 }
 
 }  // namespace engram::training

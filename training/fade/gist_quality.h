@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "encoders/gist_video.h"
@@ -31,7 +32,7 @@ class GistQuality {
   Result<std::vector<ltm::Latent>> find(size_t images, const Encode& encode);
 
  private:
-  size_t level_ = 3;  ///< Index into the levels of the source file.
+  std::optional<size_t> level_;  ///< Of the block before: an index into the levels of the source.
 };
 
 }  // namespace engram::training

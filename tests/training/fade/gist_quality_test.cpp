@@ -39,10 +39,23 @@ TEST(GistQuality, IsTheBestThatFits) {
     const auto found = quality.find(kImages, std::ref(encoder));
     ASSERT_TRUE(found.ok());
     EXPECT_EQ(found->front().code.size(), encoder.last) << bytes;
+    EXPECT_LE(encoder.tried.size(), 5u) << "each encode takes half a minute";
     Encoder again(bytes);
     ASSERT_TRUE(quality.find(kImages, std::ref(again)).ok());
     EXPECT_LE(again.tried.size(), 2u) << "it begins where the block before ended";
     EXPECT_EQ(again.last, encoder.last);
+  }
+}
+
+TEST(GistQuality, FollowsWhatChanges) {
+  GistQuality quality;
+  for (const double bytes : {20.0, 1.0, 40.0, 3.0, 26.0, 1000.0, 20.0}) {
+    Encoder encoder(bytes);
+    const auto found = quality.find(kImages, std::ref(encoder));
+    ASSERT_TRUE(found.ok());
+    if (encoder.last > 0) {
+      EXPECT_EQ(found->front().code.size(), encoder.last) << bytes;
+    }
   }
 }
 
