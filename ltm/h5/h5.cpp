@@ -52,7 +52,7 @@ Result<File> File::create(const std::filesystem::path& path, Audience audience) 
   // The 1.10 format takes far fewer bytes per dataset than the default, that of 1.8 and older.
   if (audience == Audience::kOurselves)
     H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
-  const Handle creation = without_times(H5P_FILE_CREATE);
+  const Handle creation = small_object(H5P_FILE_CREATE);
   state->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation, access), H5Fclose);
   if (!state->file.valid()) return unavailable("HDF5 file '{}': cannot be created", path.string());
   return File(std::move(state));

@@ -35,7 +35,7 @@ struct StoredTexts {
 };
 
 Handle creation_list(const ArrayInfo& info) {
-  Handle list = without_times(H5P_DATASET_CREATE);
+  Handle list = small_object(H5P_DATASET_CREATE);
   const bool is_empty = std::ranges::find(info.shape, 0u) != info.shape.end();
   // HDF5 refuses chunks without elements, and filters need chunks.
   if (is_empty || (info.chunk_rows == 0 && info.deflate_level == 0)) return list;

@@ -60,9 +60,12 @@ hid_t memory_type(Type type) {
   return H5T_NATIVE_DOUBLE;
 }
 
-Handle without_times(hid_t property_class) {
+Handle small_object(hid_t property_class) {
+  // From more attributes on HDF5 would keep them in a heap and a tree, of some kilobytes.
+  constexpr unsigned kMaxCompactAttributes = 64;
   Handle list(H5Pcreate(property_class), H5Pclose);
   H5Pset_obj_track_times(list, false);
+  H5Pset_attr_phase_change(list, kMaxCompactAttributes, 0);
   return list;
 }
 
@@ -160,7 +163,7 @@ Result<DatasetInfo> File::State::info(const std::string& object, hid_t dataset) 
 Status File::State::make_groups(const std::string& group_path) {
   if (group_path.empty() || look_up(group_path).value_or(false)) return {};
   ENGRAM_RETURN_IF_ERROR(make_groups(group_path.substr(0, group_path.rfind('/'))));
-  const Handle creation = without_times(H5P_GROUP_CREATE);
+  const Handle creation = small_object(H5P_GROUP_CREATE);
   const Handle group(H5Gcreate2(file, group_path.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
                      H5Gclose);
   return group.valid() ? Status() : write_failed(group_path);

@@ -73,8 +73,9 @@ std::optional<std::vector<uint64_t>> shape_of(hid_t space, uint64_t element_byte
 /// Splits bytes into texts of `size` bytes each and removes the zeros at their ends.
 std::vector<std::string> unpadded(RawView bytes, size_t size);
 
-/// Creation properties of an object without a time stamp, so that equal content gives equal bytes.
-Handle without_times(hid_t property_class);
+/// Creation properties of an object that takes few bytes. It has no time stamp, so that equal
+/// content gives equal bytes.
+Handle small_object(hid_t property_class);
 
 /// An array that is being read or written.
 struct OpenArray {
