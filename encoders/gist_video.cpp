@@ -98,7 +98,8 @@ Result<std::vector<std::vector<std::byte>>> code_kept(std::span<const idf::NdArr
                           ltm::make_group_codec("av1:depth=10,crf=" + std::to_string(options.crf) +
                                                 ",effort=" + std::to_string(options.effort)));
   ENGRAM_ASSIGN_OR_RETURN(const auto video, codec->encode(kept));
-  return ltm::av1_packets(video);
+  ENGRAM_ASSIGN_OR_RETURN(auto packets, ltm::av1_packets(video));
+  return std::move(packets.packets);
 }
 
 /// The part of a gist that is needed for some of its images.
@@ -224,8 +225,9 @@ Result<std::vector<idf::NdArray>> decode_gist(std::span<const std::byte> gist,
   ENGRAM_ASSIGN_OR_RETURN(GistPart part, read_part(gist, frame, count, wanted));
   const idf::Shape small = divided(frame.shape, part.factor);
   const ltm::GroupCodec* codec = ltm::find_group_codec("av1");
-  auto kept = codec->decode(ltm::av1_group(std::move(part.packets), small), frame.type, small,
-                            part.rows.size());
+  auto kept =
+      codec->decode(ltm::av1_group({.is_deep = true, .packets = std::move(part.packets)}, small),
+                    frame.type, small, part.rows.size());
   if (!kept.ok()) return kept.status().with_context(kGist);
   return spread(part.rows, *kept, wanted, frame.shape);
 }

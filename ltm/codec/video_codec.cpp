@@ -25,6 +25,7 @@ constexpr int64_t kMaxPadding = 128;
 constexpr int kMaxGroup = 1024;
 constexpr size_t kMaxSetupBytes = 1 << 20;
 constexpr int kMaxSpread = 63;
+constexpr int kNoKey = -1;
 
 constexpr std::array<const char*, 10> kPresets{"ultrafast", "superfast", "veryfast", "faster",
                                                "fast",      "medium",    "slow",     "slower",
@@ -80,6 +81,8 @@ struct VideoOptions {
   int depth = 8;  ///< Bits that the codec computes with.
   /// How much better than `crf` single pictures may be coded. Unit: steps of crf.
   int spread = kMaxSpread;
+  /// The crf of the first picture, and the best one of the others; kNoKey for what libaom chooses.
+  int key = kNoKey;
 };
 
 void set(AVCodecContext& encoder, const char* key, const std::string& value) {
@@ -106,11 +109,15 @@ void configure(const VideoKind& kind, const VideoOptions& options, AVCodecContex
     set(encoder, "lag-in-frames", "19");
     // Disable temporal smoothing of the pictures before encoding: no quality setting would undo it.
     set(encoder, "arnr-strength", "0");
-    set(encoder, "aom-params", "enable-keyframe-filtering=0");
+    // With `key`, the first packet depends on the first picture alone, and not on what follows it.
+    set(encoder, "aom-params",
+        options.key == kNoKey ? "enable-keyframe-filtering=0"
+                              : "enable-keyframe-filtering=0:enable-tpl-model=0");
     // libaom codes the first picture and others that many depend on up to 30 steps better than
     // asked for. Where the worst picture counts and not the mean, that is 4 to 9 % of the bytes too
     // much.
     if (options.spread < kMaxSpread) encoder.qmin = std::max(options.crf - options.spread, 0);
+    if (options.key != kNoKey) encoder.qmin = options.key;
     return;
   }
   set(encoder, "preset", kPresets[static_cast<size_t>(options.effort)]);
@@ -298,6 +305,10 @@ Result<std::unique_ptr<const GroupCodec>> make_video_codec(const VideoKind& kind
     ENGRAM_ASSIGN_OR_RETURN(options.depth, text.take("depth", false, 8, 8, 10));
     if (options.depth == 9) return invalid_argument("{}: depth 9, needs 8 or 10", kind.name);
     ENGRAM_ASSIGN_OR_RETURN(options.spread, text.take("spread", false, kMaxSpread, 0, kMaxSpread));
+    ENGRAM_ASSIGN_OR_RETURN(options.key, text.take("key", false, kNoKey, 0, kind.max_crf));
+    if (options.key > options.crf)
+      return invalid_argument("{}: key {}, needs at most the crf, {}", kind.name, options.key,
+                              options.crf);
   }
   ENGRAM_ASSIGN_OR_RETURN(options.group, text.take("group", false, kind.group, 1, kMaxGroup));
   ENGRAM_RETURN_IF_ERROR(text.finish());

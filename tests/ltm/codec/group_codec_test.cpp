@@ -6,6 +6,7 @@
 #include <array>
 #include <thread>
 
+#include "ltm/codec/av1_packets.h"
 #include "tests/ltm/codec/test_images.h"
 #include "tests/ltm/expect_status.h"
 
@@ -31,6 +32,7 @@ std::vector<std::string> texts() {
     if (!find_group_codec(name)->is_lossless())
       all.push_back(std::string(name) + ":crf=40,group=5");
     if (name == "av1") all.emplace_back("av1:crf=28,depth=10,spread=2");
+    if (name == "av1") all.emplace_back("av1:crf=28,key=24");
   }
   return all;
 }
@@ -168,9 +170,11 @@ TEST_P(GroupCodecTest, GivesTheSameFromFourThreadsAtOnce) {
 
 std::string test_name(const ::testing::TestParamInfo<std::string>& chosen) {
   const bool is_deep = chosen.param.find("depth=10") != std::string::npos;
+  const bool has_key = chosen.param.find("key=") != std::string::npos;
   return chosen.param.substr(0, chosen.param.find(':')) +
          (chosen.param.find(':') == std::string::npos ? ""
           : is_deep                                   ? "_deep"
+          : has_key                                   ? "_key"
                                                       : "_small");
 }
 
@@ -195,6 +199,8 @@ TEST(GroupCodecs, ReadTheirOptions) {
   if (!make_group_codec("av1").ok()) return;
   EXPECT_FAILS(make_group_codec("av1:depth=9"), StatusCode::kInvalidArgument, "needs 8 or 10");
   EXPECT_FAILS(make_group_codec("av1:spread=64"), StatusCode::kInvalidArgument, "needs 0 to 63");
+  EXPECT_FAILS(make_group_codec("av1:crf=30,key=31"), StatusCode::kInvalidArgument,
+               "needs at most the crf, 30");
 }
 
 /// A bright square with stripes that moves over a still ground, and a little noise.
@@ -243,6 +249,21 @@ TEST(GroupCodecs, CodeNoImageOfAv1MuchBetterThanAskedForIfTheSpreadIsSmall) {
   const Group group = moving_group(16);
   EXPECT_LT(best_db("av1:crf=45,effort=2,spread=0", group) + 1,
             best_db("av1:crf=45,effort=2", group));
+}
+
+TEST(GroupCodecs, CodeAFirstImageOfAv1WithAKeyWhateverFollows) {
+  if (!make_group_codec("av1").ok()) GTEST_SKIP() << "no AV1";
+  const auto first_packet = [](const char* text, Group group, size_t count) {
+    const auto bytes = *(*make_group_codec(text))->encode({group.data(), count});
+    return av1_packets(bytes)->packets.front();
+  };
+  Group moving = moving_group(16);
+  Group changing = smooth_group(16, moving[0].shape()[0], moving[0].shape()[1], 3);
+  changing[0] = moving[0];
+  const auto packet = first_packet("av1:crf=36,effort=3,key=30", moving, 16);
+  EXPECT_EQ(packet, first_packet("av1:crf=40,effort=3,key=30", moving, 7));
+  EXPECT_EQ(packet, first_packet("av1:crf=36,effort=3,key=30", changing, 16));
+  EXPECT_NE(packet, first_packet("av1:crf=36,effort=3,key=29", moving, 16));
 }
 
 TEST(GroupCodecs, GiveBackPureColoursThroughTenBits) {
