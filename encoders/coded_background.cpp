@@ -10,7 +10,7 @@ namespace engram::encoders {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kCodecNames{"", "h264", "h265", "av1", "ffv1", ""};
+constexpr std::array<std::string_view, 7> kCodecNames{"", "h264", "h265", "av1", "ffv1", "", ""};
 
 /// Codec options per quality, in the order of preference. A background need not be good: latents
 /// correct its errors if that saves bytes.

@@ -19,10 +19,12 @@ enum class ImageForm : uint8_t {
   kH265 = 2,
   kAv1 = 3,
   kFfv1 = 4,
-  kGist = 5,  ///< What remains of old images (encoders/gist_video.h); never of a background.
+  kGist = 5,       ///< What remains of old images (encoders/gist_video.h); never of a background.
+  kPackedAv1 = 6,  ///< AV1 in a shorter code (encoders/packed_video.h); never of a background.
 };
 
-/// The group codec of a form (ltm/codec/group_codec.h); empty for latents and gists.
+/// The group codec of a form (ltm/codec/group_codec.h); empty for
+/// latents, gists and packed videos.
 [[nodiscard]] std::string_view codec_name(ImageForm form);
 
 /// The form for a group codec's name; empty if blocks do not accept that codec.

@@ -22,8 +22,10 @@ Status DeepModel::add_video(size_t image, std::span<const idf::NdArray> images,
   for (const std::string_view name : {"av1", "h264", "ffv1"}) {
     const auto video = ltm::make_group_codec(name);
     if (!video.ok() || !(*video)->accepts(frame.type, frame.shape)) continue;
-    ENGRAM_ASSIGN_OR_RETURN(rows.images[image].video, (*video)->encode(images));
-    rows.images[image].form = *form_of_codec(name);
+    ENGRAM_ASSIGN_OR_RETURN(auto group, (*video)->encode(images));
+    StoredVideo stored = to_stored_video(name, std::move(group));
+    rows.images[image].form = stored.form;
+    rows.images[image].video = std::move(stored.bytes);
     return {};
   }
   return invalid_argument("image '{}': no installed video codec takes {} x {} pixels",

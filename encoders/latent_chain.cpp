@@ -4,7 +4,6 @@
 #include "encoders/coding/byte_stream.h"
 #include "encoders/coding/checked_block.h"
 #include "encoders/gist_video.h"
-#include "ltm/codec/group_codec.h"
 
 namespace engram::encoders {
 
@@ -32,7 +31,7 @@ Result<ImageHead> read_image_head(ByteReader& reader) {
   ImageHead head;
   const int64_t form = reader.get_varint();
   const int64_t codec = form & (kRefined - 1);
-  constexpr auto kMaxForm = static_cast<int64_t>(ImageForm::kGist);
+  constexpr auto kMaxForm = static_cast<int64_t>(ImageForm::kPackedAv1);
   const bool is_known = form >= 0 && form < 2 * kHasResidual && codec <= kMaxForm;
   head.form = static_cast<ImageForm>(codec);
   // Only latents are refined.
@@ -95,9 +94,8 @@ Status LatentChainCodec::decode_image(size_t image, std::span<const std::byte> b
     return {};
   }
   if (rows.form != ImageForm::kLatents) {
-    const ltm::GroupCodec* codec = ltm::find_group_codec(codec_name(rows.form));
-    ENGRAM_ASSIGN_OR_RETURN(rows.frames, codec->decode_first(bytes, frames[image].type,
-                                                             frames[image].shape, count, wanted));
+    ENGRAM_ASSIGN_OR_RETURN(rows.frames, decode_stored_video(rows.form, bytes, frames[image], count,
+                                                             wanted, references_of(image)));
     return {};
   }
   if (image >= images.size())

@@ -10,6 +10,7 @@
 #include "encoders/coding/latent_sequence.h"
 #include "encoders/coding/number_codec.h"
 #include "encoders/coding/residual_image.h"
+#include "encoders/packed_video.h"
 #include "ltm/idf/ndarray.h"
 
 namespace engram::encoders {
@@ -21,8 +22,9 @@ struct ImageRows {
   std::vector<int32_t> latents;  ///< [rows, latents]; empty in other forms.
   /// Code of all rows by ResidualEncoder; empty if the latents or the video keep the bound alone.
   std::vector<std::byte> residual;
-  ResidualRows residuals;            ///< Decoded from `residual`; not needed to encode.
-  std::vector<std::byte> video;      ///< Code of all rows by the codec of `form`, or their gist.
+  ResidualRows residuals;  ///< Decoded from `residual`; not needed to encode.
+  std::vector<std::byte>
+      video;  ///< Code of all rows by the codec of `form`, packed, or their gist.
   std::vector<idf::NdArray> frames;  ///< Decoded from `video`; not needed to encode.
 
   friend bool operator==(const ImageRows&, const ImageRows&) = default;
@@ -65,6 +67,14 @@ struct LatentChainCodec {
   std::vector<FrameShape> frames;           ///< Per image member.
   std::vector<LatentSequenceCodec> images;  ///< Per image member; empty if all are videos or gists.
   std::optional<NumberCodec> numbers;
+  /// What packed videos begin from, per image member; empty if none do.
+  std::vector<std::vector<VideoReference>> references{};
+
+  /// The references of an image member.
+  [[nodiscard]] std::span<const VideoReference> references_of(size_t image) const {
+    return image < references.size() ? std::span(references[image])
+                                     : std::span<const VideoReference>();
+  }
 
   /// Encodes `count` rows, which `rows` has of every member (checked). The chain does not contain
   /// the scene and the backgrounds.

@@ -17,6 +17,10 @@ std::string image_codec_path(size_t image) {
   return fmt::format("/codec/image{}", image);
 }
 
+std::string references_path(size_t image) {
+  return fmt::format("/codec/references{}", image);
+}
+
 Status write_bytes(h5::File& file, const std::string& path, const std::vector<std::byte>& bytes) {
   const auto* first = reinterpret_cast<const uint8_t*>(bytes.data());
   return write_vector(file, path, std::vector<uint8_t>(first, first + bytes.size()));
@@ -29,6 +33,10 @@ Status write_codec(h5::File& file, const LatentBlockCodec& codec) {
   for (size_t i = 0; i < codec.chain.images.size(); ++i)
     ENGRAM_RETURN_IF_ERROR(
         write_bytes(file, image_codec_path(i), codec.chain.images[i].model().to_bytes()));
+  for (size_t i = 0; i < codec.chain.references.size(); ++i)
+    if (!codec.chain.references[i].empty())
+      ENGRAM_RETURN_IF_ERROR(
+          write_bytes(file, references_path(i), to_bytes(codec.chain.references[i])));
   if (!codec.chain.numbers) return {};
   return write_bytes(file, kNumberCodecPath, codec.chain.numbers->model().to_bytes());
 }
@@ -40,6 +48,14 @@ Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCo
         LatentModel model,
         LatentModel::from_bytes(std::as_bytes(std::span(bytes)), shape.grids(i)));
     codec.chain.images.emplace_back(std::move(model));
+  }
+  codec.chain.references.resize(codec.chain.frames.size());
+  for (size_t i = 0; i < codec.chain.frames.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(const bool has_references, file.exists(references_path(i)));
+    if (!has_references) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, references_path(i)));
+    ENGRAM_ASSIGN_OR_RETURN(codec.chain.references[i],
+                            references_from(std::as_bytes(std::span(bytes))));
   }
   if (shape.numbers == 0) return {};
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes, read_vector<uint8_t>(file, kNumberCodecPath));

@@ -13,7 +13,8 @@ namespace engram::encoders {
 // The records that a model file holds beside its networks. Reading is safe on hostile files.
 // Errors: kDataLoss if numbers are missing or out of range.
 
-/// "/codec": the parameters of the codecs of image latents and numbers.
+/// "/codec": the parameters of the codecs of image latents and numbers, and the references of
+/// videos.
 Status write_codec(h5::File& file, const LatentBlockCodec& codec);
 Status read_codec(const h5::File& file, const NetworkShape& shape, LatentBlockCodec& codec);
 
