@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "ltm/core/log.h"
 #include "training/forms/latent_refinement.h"
 #include "training/forms/view_choice.h"
 #include "training/quality/psnr.h"
@@ -29,14 +30,36 @@ uint64_t background_bytes(const LatentRows& rows) {
   return bytes;
 }
 
-/// What the job knows about these images; else nothing is known.
+/// The references of a model for a member. One that does not decode is not used: videos get key
+/// frames of their own then.
+std::vector<encoders::OpenReference> open_references(const encoders::DeepModel& model,
+                                                     size_t member) {
+  std::vector<encoders::OpenReference> open;
+  const encoders::LatentChainCodec& chain = model.codec.chain;
+  for (const encoders::VideoReference& reference : chain.references_of(member)) {
+    auto opened = encoders::open_reference(reference, chain.frames[member]);
+    if (opened.ok())
+      open.push_back(*std::move(opened));
+    else
+      log::warning("a reference of videos is not used: {}", opened.status().message());
+  }
+  return open;
+}
+
+/// What the job knows about these images; else nothing is known. Videos begin from the references
+/// of the model.
 std::shared_ptr<EntityVideos> videos_for(const encoders::DeepModel& model,
                                          const RepresentationOptions& options) {
   const auto& images = model.plan.images();
-  if (options.videos && options.videos->members() == images.size()) return options.videos;
-  int64_t pixels = 0;
-  for (const auto& image : images) pixels = std::max(pixels, int64_t{image.height} * image.width);
-  return std::make_shared<EntityVideos>(images.size(), options.search(pixels));
+  auto videos = options.videos;
+  if (!videos || videos->members() != images.size()) {
+    int64_t pixels = 0;
+    for (const auto& image : images) pixels = std::max(pixels, int64_t{image.height} * image.width);
+    videos = std::make_shared<EntityVideos>(images.size(), options.search(pixels));
+  }
+  for (size_t i = 0; i < images.size(); ++i)
+    videos->search_of(i).use_references(open_references(model, i));
+  return videos;
 }
 
 constexpr auto kLessBytes = [](const auto& a, const auto& b) { return a.bytes < b.bytes; };
@@ -167,7 +190,7 @@ void BlockChoice::add_videos(VideoSearchResult video, std::vector<Candidate>& ca
   for (auto* found : {&video.lossy, &video.lossless}) {
     if (!*found) continue;
     Candidate& candidate = candidates.emplace_back();
-    candidate.rows.form = *encoders::form_of_codec((*found)->codec);
+    candidate.rows.form = (*found)->form;
     candidate.bytes = (*found)->size();
     candidate.rows.video = std::move((*found)->bytes);
     candidate.rows.residual = std::move((*found)->residual);

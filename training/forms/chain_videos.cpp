@@ -123,7 +123,7 @@ Result<VideoSearchResult> ChainVideos::find(Block chain, size_t image, const std
   std::vector<idf::NdArray> images;
   for (const idf::SplitValue& value : chain)
     images.push_back(value.tensors[plan_.images()[image].member]);
-  if (auto known = videos_->find(images)) return *std::move(known);
+  if (auto known = videos_->find(image, images)) return *std::move(known);
   ENGRAM_ASSIGN_OR_RETURN(VideoSearchResult found, videos_->search_of(image).search(images, stop));
   encodes = static_cast<int>(found.trials.size());
   videos_->add(images, found);

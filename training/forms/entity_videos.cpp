@@ -27,6 +27,26 @@ uint64_t key_of(std::span<const idf::NdArray> images) {
   return ltm::checksum(std::as_bytes(std::span(sums)));
 }
 
+/// Whether a video begins from nothing, or from a reference that the search uses.
+bool has_references(const VideoSearch& search, const std::optional<FoundVideo>& video) {
+  if (!video || video->form != encoders::ImageForm::kPackedAv1) return true;
+  const auto reference = encoders::reference_of_video(video->bytes);
+  return reference.ok() && (!*reference || search.find_reference(**reference) != nullptr);
+}
+
+std::string_view codec_of(encoders::ImageForm form) {
+  return form == encoders::ImageForm::kPackedAv1 ? "av1" : encoders::codec_name(form);
+}
+
+/// The references that a stored video may begin from: the one that it names, if it is in use.
+std::vector<encoders::VideoReference> references_for(const VideoSearch& search,
+                                                     std::span<const std::byte> packed) {
+  const auto name = encoders::reference_of_video(packed);
+  if (!name.ok() || !*name) return {};
+  const encoders::VideoReference* found = search.find_reference(**name);
+  return found != nullptr ? std::vector{*found} : std::vector<encoders::VideoReference>();
+}
+
 uint64_t bytes_of_video(const VideoSearchResult& found) {
   return (found.lossy ? found.lossy->size() : 0) + (found.lossless ? found.lossless->size() : 0);
 }
@@ -52,11 +72,13 @@ std::shared_ptr<EntityVideos> EntityVideos::without_videos() const {
   return copy;
 }
 
-std::optional<VideoSearchResult> EntityVideos::find(std::span<const idf::NdArray> images) const {
+std::optional<VideoSearchResult> EntityVideos::find(size_t member,
+                                                    std::span<const idf::NdArray> images) const {
   const uint64_t key = key_of(images);
   const MutexLock lock(found_->mutex);
   const auto found = found_->of_key.find(key);
-  if (found == found_->of_key.end()) return std::nullopt;
+  if (found == found_->of_key.end() || !has_references(searches_[member], found->second.lossy))
+    return std::nullopt;
   ++found_->reused;
   return found->second;
 }
@@ -70,12 +92,13 @@ void EntityVideos::add(std::span<const idf::NdArray> images, const VideoSearchRe
 }
 
 Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> images,
-                                const std::string& codec, std::span<const std::byte> bytes,
+                                encoders::ImageForm form, std::span<const std::byte> bytes,
                                 std::span<const std::byte> residual) {
-  const ltm::GroupCodec* coder = ltm::find_group_codec(codec);
-  const VideoSearchOptions& options = searches_[member].options();
-  if (coder == nullptr || (!coder->is_lossless() && codec != options.codec)) return {};
-  FoundVideo video{{bytes.begin(), bytes.end()}, {residual.begin(), residual.end()}, codec, 0, {}};
+  const ltm::GroupCodec* coder = ltm::find_group_codec(codec_of(form));
+  const VideoSearch& search = searches_[member];
+  const VideoSearchOptions& options = search.options();
+  if (coder == nullptr || (!coder->is_lossless() && coder->name() != options.codec)) return {};
+  FoundVideo video{{bytes.begin(), bytes.end()}, {residual.begin(), residual.end()}, form, 0, {}};
   VideoSearchResult found;
   if (coder->is_lossless()) {
     video.mse.assign(images.size(), 0.0);
@@ -83,8 +106,10 @@ Status EntityVideos::add_stored(size_t member, std::span<const idf::NdArray> ima
     add(images, found);
     return {};
   }
-  ENGRAM_ASSIGN_OR_RETURN(auto decoded, coder->decode(bytes, images.front().type(),
-                                                      images.front().shape(), images.size()));
+  ENGRAM_ASSIGN_OR_RETURN(
+      auto decoded,
+      encoders::decode_stored_video(form, bytes, {images.front().type(), images.front().shape()},
+                                    images.size(), images.size(), references_for(search, bytes)));
   if (!residual.empty()) ENGRAM_RETURN_IF_ERROR(apply_residuals(residual, decoded));
   double worst = kLargestPsnrDb;
   for (size_t i = 0; i < images.size(); ++i) {

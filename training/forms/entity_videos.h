@@ -28,8 +28,10 @@ class EntityVideos {
   [[nodiscard]] size_t members() const { return searches_.size(); }
   [[nodiscard]] VideoSearch& search_of(size_t member) { return searches_[member]; }
 
-  /// What was found for these images, which are recognised by a hash of 64 bits of their pixels.
-  [[nodiscard]] std::optional<VideoSearchResult> find(std::span<const idf::NdArray> images) const;
+  /// What was found for these images of a member, which are recognised by a hash of 64 bits of
+  /// their pixels; nothing if it begins from a reference that is not in use.
+  [[nodiscard]] std::optional<VideoSearchResult> find(size_t member,
+                                                      std::span<const idf::NdArray> images) const;
 
   /// Keeps what was found for these images, if it is a video and within 256 MiB of all.
   void add(std::span<const idf::NdArray> images, const VideoSearchResult& found);
@@ -37,7 +39,7 @@ class EntityVideos {
   /// Keeps a video that the store holds of these images, with its residuals, if it keeps the bound.
   /// It is decoded for that. The caller knows that it was not made for a much higher bound.
   /// Errors: those of decoding.
-  Status add_stored(size_t member, std::span<const idf::NdArray> images, const std::string& codec,
+  Status add_stored(size_t member, std::span<const idf::NdArray> images, encoders::ImageForm form,
                     std::span<const std::byte> bytes, std::span<const std::byte> residual);
 
   /// Number of videos that find() returned.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ltm/codec/group_codec.h"
+#include "ltm/codec/packed_value.h"
 #include "training/forms/video_correction.h"
 #include "training/quality/psnr.h"
 
@@ -39,6 +40,15 @@ double worst_db(const FoundVideo& video) {
   return worst;
 }
 
+Result<std::vector<double>> errors_of(std::span<const idf::NdArray> images,
+                                      std::span<const idf::NdArray> decoded) {
+  std::vector<double> errors;
+  for (size_t i = 0; i < images.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(errors.emplace_back(), image_mse(images[i], decoded[i]));
+  }
+  return errors;
+}
+
 void keep_smaller(FoundVideo video, VideoSearchResult& result) {
   if (!result.lossy || video.size() < result.lossy->size()) result.lossy = std::move(video);
 }
@@ -61,26 +71,78 @@ Result<VideoSearch::Encoded> VideoSearch::encode(std::span<const idf::NdArray> i
   ENGRAM_ASSIGN_OR_RETURN(const auto coder, ltm::make_group_codec(codec));
   Encoded encoded;
   FoundVideo& video = encoded.video;
-  video.codec = coder->name();
-  ENGRAM_ASSIGN_OR_RETURN(video.bytes, coder->encode(images));
+  ENGRAM_ASSIGN_OR_RETURN(auto group, coder->encode(images));
   if (coder->is_lossless()) {
     video.mse.assign(images.size(), 0.0);
-    return encoded;
+  } else {
+    ENGRAM_ASSIGN_OR_RETURN(encoded.decoded, coder->decode(group, images.front().type(),
+                                                           images.front().shape(), images.size()));
+    ENGRAM_ASSIGN_OR_RETURN(video.mse, errors_of(images, encoded.decoded));
   }
-  ENGRAM_ASSIGN_OR_RETURN(encoded.decoded, coder->decode(video.bytes, images.front().type(),
-                                                         images.front().shape(), images.size()));
-  for (size_t i = 0; i < images.size(); ++i) {
-    ENGRAM_ASSIGN_OR_RETURN(video.mse.emplace_back(), image_mse(images[i], encoded.decoded[i]));
-  }
+  encoders::StoredVideo stored = encoders::to_stored_video(coder->name(), std::move(group));
+  video.form = stored.form;
+  video.bytes = std::move(stored.bytes);
   return encoded;
 }
 
-/// Encodes with the lossy codec and adds the trial to `result`.
-Result<VideoSearch::Encoded> VideoSearch::encode(std::span<const idf::NdArray> images, int crf,
-                                                 VideoSearchResult& result) const {
+/// Nothing if the encoder makes another key frame of the reference now.
+Result<std::optional<VideoSearch::Encoded>> VideoSearch::encode_from_reference(const Chain& chain,
+                                                                               int crf) const {
+  std::optional<Encoded> encoded;
+  const auto& images = chain.images;
+  ENGRAM_ASSIGN_OR_RETURN(auto packed,
+                          encoders::encode_from(*chain.from, images, crf, options_.settings));
+  if (!packed) return encoded;
+  encoded.emplace();
+  encoded->video.bytes = *std::move(packed);
   ENGRAM_ASSIGN_OR_RETURN(
-      Encoded encoded,
-      encode(images, fmt::format("{}:crf={},{}", options_.codec, crf, options_.settings)));
+      encoded->decoded,
+      encoders::unpack_video(encoded->video.bytes, {images.front().type(), images.front().shape()},
+                             images.size(), images.size(), {&chain.from->reference, 1}));
+  ENGRAM_ASSIGN_OR_RETURN(encoded->video.mse, errors_of(images, encoded->decoded));
+  return encoded;
+}
+
+void VideoSearch::use_references(std::vector<encoders::OpenReference> references) {
+  references_ = std::make_shared<const References>(std::move(references));
+}
+
+const encoders::VideoReference* VideoSearch::find_reference(uint64_t hash) const {
+  for (const encoders::OpenReference& one : *references_)
+    if (one.reference.hash() == hash) return &one.reference;
+  return nullptr;
+}
+
+/// The reference that has the most in common with the first image of a chain, if that is enough.
+const encoders::OpenReference* VideoSearch::nearest(const idf::NdArray& image) const {
+  const encoders::OpenReference* best = nullptr;
+  double distance = 0;
+  for (const encoders::OpenReference& one : *references_) {
+    const double found = encoders::reference_distance(one.picture, image);
+    if (found > one.reference.reach || (best != nullptr && found >= distance)) continue;
+    best = &one;
+    distance = found;
+  }
+  return best;
+}
+
+/// Encodes with the lossy codec and adds the trial to `result`.
+Result<VideoSearch::Encoded> VideoSearch::encode(const Chain& chain, int crf,
+                                                 VideoSearchResult& result) const {
+  // The key frame of a reference is the best picture of its videos.
+  const bool has_reference = chain.from != nullptr && crf > chain.from->reference.key &&
+                             chain.images.size() < ltm::kMaxGroupImages;
+  std::optional<Encoded> from_reference;
+  if (has_reference && !result.has_other_key_frame) {
+    ENGRAM_ASSIGN_OR_RETURN(from_reference, encode_from_reference(chain, crf));
+    result.has_other_key_frame = !from_reference;
+  }
+  if (!from_reference) {
+    ENGRAM_ASSIGN_OR_RETURN(
+        from_reference,
+        encode(chain.images, fmt::format("{}:crf={},{}", options_.codec, crf, options_.settings)));
+  }
+  Encoded encoded = *std::move(from_reference);
   encoded.video.quality = crf;
   result.trials.push_back({crf, worst_db(encoded.video), encoded.video.bytes.size()});
   return encoded;
@@ -105,8 +167,9 @@ Result<std::optional<FoundVideo>> VideoSearch::corrected(std::span<const idf::Nd
 
 /// Goes by the line that earlier chains taught, then by that of this chain's trials, and halves
 /// what is left if neither leads there soon.
-Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std::stop_token& stop,
+Status VideoSearch::search_lossy(const Chain& chain, const std::stop_token& stop,
                                  VideoSearchResult& result) const {
+  const auto& images = chain.images;
   const auto coder = ltm::make_group_codec(options_.codec);
   if (!coder.ok() || !(*coder)->accepts(images.front().type(), images.front().shape())) return {};
   int good = -1;           // The largest crf that is known to keep the bound.
@@ -116,7 +179,7 @@ Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std
   while (bad - good > 1) {
     if (stop.stop_requested()) return cancelled("the search for a video was stopped");
     crf = std::clamp(crf, good + 1, bad - 1);
-    ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(images, crf, result));
+    ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(chain, crf, result));
     const double worst = result.trials.back().worst_db;
     const bool is_good = worst >= options_.bound_db;
     (is_good ? good : bad) = crf;
@@ -140,12 +203,12 @@ Status VideoSearch::search_lossy(std::span<const idf::NdArray> images, const std
     crf += is_good ? std::max(static_cast<int>(std::floor(change)), 1)
                    : std::min(static_cast<int>(std::floor(change)), -min_step);
   }
-  return options_.tolerance_db > 0 ? Status() : search_beside(images, stop, result);
+  return options_.tolerance_db > 0 ? Status() : search_beside(chain, stop, result);
 }
 
 /// Tries the qualities beside the best one, first worse and then better ones, as long as they take
 /// fewer bytes with the residuals that they need.
-Status VideoSearch::search_beside(std::span<const idf::NdArray> images, const std::stop_token& stop,
+Status VideoSearch::search_beside(const Chain& chain, const std::stop_token& stop,
                                   VideoSearchResult& result) const {
   for (const int step : {1, -1}) {
     while (result.lossy) {
@@ -154,8 +217,8 @@ Status VideoSearch::search_beside(std::span<const idf::NdArray> images, const st
       if (crf < 0 || crf > max_crf_ ||
           std::ranges::find(result.trials, crf, &VideoTrial::crf) != result.trials.end())
         break;
-      ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(images, crf, result));
-      ENGRAM_ASSIGN_OR_RETURN(auto video, corrected(images, std::move(encoded)));
+      ENGRAM_ASSIGN_OR_RETURN(Encoded encoded, encode(chain, crf, result));
+      ENGRAM_ASSIGN_OR_RETURN(auto video, corrected(chain.images, std::move(encoded)));
       if (!video || video->size() >= result.lossy->size()) break;
       result.lossy = std::move(video);
     }
@@ -193,12 +256,13 @@ Status VideoSearch::search_lossless(std::span<const idf::NdArray> images,
 Result<VideoSearchResult> VideoSearch::search(std::span<const idf::NdArray> images,
                                               const std::stop_token& stop) const {
   VideoSearchResult result;
-  ENGRAM_RETURN_IF_ERROR(search_lossy(images, stop, result));
+  ENGRAM_RETURN_IF_ERROR(search_lossy({images, nearest(images.front())}, stop, result));
   ENGRAM_RETURN_IF_ERROR(search_lossless(images, result));
   return result;
 }
 
 void VideoSearch::learn(const VideoSearchResult& result) {
+  if (result.has_other_key_frame) use_references({});
   if (!result.trials.empty()) history_.learn(result.trials, options_.bound_db);
   if (!result.lossless) {
     ++untried_;

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "encoders/packed_video.h"
 #include "ltm/idf/ndarray.h"
 #include "training/forms/video_history.h"
 
@@ -19,7 +22,7 @@ struct FoundVideo {
   /// Code of the residuals of those images that would miss the bound (video_correction.h); empty if
   /// none would.
   std::vector<std::byte> residual;
-  std::string codec;        ///< Name of the codec.
+  encoders::ImageForm form = encoders::ImageForm::kPackedAv1;
   double quality = 0;       ///< Its crf; 0 if lossless.
   std::vector<double> mse;  ///< Per image, corrected. Unit: grey levels squared.
 
@@ -31,6 +34,8 @@ struct VideoSearchResult {
   std::optional<FoundVideo> lossy;     ///< Empty if no quality keeps the bound.
   std::optional<FoundVideo> lossless;  ///< Empty also if it was not tried.
   std::vector<VideoTrial> trials;      ///< Of the lossy codec, in their order.
+  /// Whether the encoder made another key frame of a reference than it made before.
+  bool has_other_key_frame = false;
 
   /// The smaller one, or null.
   [[nodiscard]] FoundVideo* smallest();
@@ -56,6 +61,13 @@ class VideoSearch {
  public:
   explicit VideoSearch(VideoSearchOptions options);
 
+  /// From now on videos begin from one of these references where their first image is within its
+  /// reach.
+  void use_references(std::vector<encoders::OpenReference> references);
+
+  /// The reference of this name, or null.
+  [[nodiscard]] const encoders::VideoReference* find_reference(uint64_t hash) const;
+
   /// Finds the lossy video, and the lossless one where it could be smaller. It learns nothing, so
   /// that the results of several chains do not depend on their order.
   /// Errors: kCancelled on `stop`, which is looked at before each encode; the errors of the codecs.
@@ -80,20 +92,29 @@ class VideoSearch {
     FoundVideo video;
     std::vector<idf::NdArray> decoded;
   };
+  /// Images, and what their video begins from; null for a key frame of its own.
+  struct Chain {
+    std::span<const idf::NdArray> images;
+    const encoders::OpenReference* from = nullptr;
+  };
+  [[nodiscard]] const encoders::OpenReference* nearest(const idf::NdArray& image) const;
   Result<Encoded> encode(std::span<const idf::NdArray> images, const std::string& codec) const;
-  Result<Encoded> encode(std::span<const idf::NdArray> images, int crf,
-                         VideoSearchResult& result) const;
+  Result<std::optional<Encoded>> encode_from_reference(const Chain& chain, int crf) const;
+  Result<Encoded> encode(const Chain& chain, int crf, VideoSearchResult& result) const;
   Result<std::optional<FoundVideo>> corrected(std::span<const idf::NdArray> images,
                                               Encoded encoded) const;
-  Status search_lossy(std::span<const idf::NdArray> images, const std::stop_token& stop,
+  Status search_lossy(const Chain& chain, const std::stop_token& stop,
                       VideoSearchResult& result) const;
-  Status search_beside(std::span<const idf::NdArray> images, const std::stop_token& stop,
+  Status search_beside(const Chain& chain, const std::stop_token& stop,
                        VideoSearchResult& result) const;
   Status search_lossless(std::span<const idf::NdArray> images, VideoSearchResult& result) const;
   [[nodiscard]] bool is_worth_it(const FoundVideo& corrected, double worst) const;
   [[nodiscard]] bool may_lossless_win(const VideoSearchResult& result, size_t images) const;
 
+  using References = std::vector<encoders::OpenReference>;
+
   VideoSearchOptions options_;
+  std::shared_ptr<const References> references_ = std::make_shared<References>();
   int max_crf_;
   double near_db_;  ///< A video that is so near to its bound ends the first part of the search.
   VideoHistory history_;

@@ -9,6 +9,7 @@
 #include "training/fit/network_width.h"
 #include "training/forms/entity_videos.h"
 #include "training/forms/video_effort.h"
+#include "training/night/access_rows.h"
 #include "training/night/entity_images.h"
 #include "training/quality/psnr.h"
 
@@ -38,14 +39,21 @@ ImageMembers image_members_of(const idf::Layout& layout) {
   return images;
 }
 
-/// The length of a chain whose last row is reached within `access`. Images of 128 x 128 pixels take
-/// 13 % fewer bytes in chains of 64 than of 16, and half of them are reached in 5 ms. Longer chains
-/// save little more.
-int rows_within(Duration access, int64_t pixels) {
-  constexpr double kSecondsPerPixel = 8e-9;  // To decode AV1; the same for images of any size.
-  constexpr int kStep = 8, kMin = 8, kMax = 64;
-  const double rows = to_seconds(access) / (kSecondsPerPixel * static_cast<double>(pixels));
-  return std::clamp(static_cast<int>(std::min(rows, 1e6)) / kStep * kStep, kMin, kMax);
+/// Sets the length of chains so that any moment is reached in the time that was asked for. It is
+/// noted at once, as a job that is killed must find the same length again to go on.
+Status choose_chain(const EntityWork& work, const PlannedEntity& planned,
+                    const ImageMembers& images, ChosenForm& form) {
+  const Duration access = work.options.access;
+  if (images.count == 0 || access <= Duration::zero() || work.options.reuses_models) return {};
+  NightHistory& history = form.history;
+  if (!history.chain || history.chain->access != access) {
+    ENGRAM_ASSIGN_OR_RETURN(const DecodingTime decoding,
+                            measure_decoding(work, planned, form.representation, images.pixels));
+    history.chain = {access, rows_within(access, decoding)};
+    write_history(work.reader.path(), work.entity, history);
+  }
+  form.train.chain_rows = history.chain->rows;
+  return {};
 }
 
 /// Runs of images that are coded to find out what video takes.
@@ -189,8 +197,7 @@ Result<ChosenForm> choose_form(const EntityWork& work, const PlannedEntity& plan
   form.representation = planned.representation;
   if (!work.options.job.is_fresh) form.history = read_history(work.reader.path(), work.entity);
   const ImageMembers images = image_members_of(planned.layout);
-  if (images.count > 0 && work.options.access > Duration::zero())
-    form.train.chain_rows = rows_within(work.options.access, images.pixels);
+  ENGRAM_RETURN_IF_ERROR(choose_chain(work, planned, images, form));
   form.image_members = images.count;
   form.image_pixels = images.largest_pixels;
   form.prepare_videos();

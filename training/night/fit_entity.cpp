@@ -7,6 +7,7 @@
 #include "training/fit/checkpoint.h"
 #include "training/fit/condition_source.h"
 #include "training/fit/entity_source.h"
+#include "training/night/entity_references.h"
 #include "training/night/model_of_latents.h"
 
 namespace engram::training {
@@ -42,7 +43,11 @@ Result<FittedModel> fit_entity(const EntityWork& work, const PlannedEntity& plan
   TrainingSource values = source;
   // The newest snapshot is used, because links of the first one may lead to forgotten snapshots.
   ENGRAM_RETURN_IF_ERROR(add_condition(work.reader, work.entity, planned.entries.back(), values));
-  return fit_model(values, train, work.pace.progress(), work.pace.stop(), control);
+  ENGRAM_ASSIGN_OR_RETURN(FittedModel fitted, fit_model(values, train, work.pace.progress(),
+                                                        work.pace.stop(), control));
+  if (!form.train.has_networks)
+    ENGRAM_RETURN_IF_ERROR(add_references(work, planned, form, time, *fitted.model));
+  return fitted;
 }
 
 std::filesystem::path checkpoint_of(const EntityWork& work, const TrainingSource& source,

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "encoders/latent_block.h"
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
@@ -19,6 +20,9 @@ using Json = nlohmann::json;
 
 /// A history has some hundred bytes. A file with more is not ours.
 constexpr uint64_t kMaxBytes = uint64_t{1} << 20;
+
+/// A chain of more rows was made by nobody.
+constexpr int64_t kMaxChainRows = encoders::kMaxBlockRows;
 
 std::string key_of_search(EntityVideos& videos) {
   const VideoSearchOptions& search = videos.search_of(0).options();
@@ -42,6 +46,11 @@ NightHistory history_of(const Json& json) {
                                       line.at("at_crf").get<double>(),
                                       line.at("at_db").get<double>(),
                                       line.value("bytes_per_db", VideoHistory::kUsualBytesPerDb)});
+  if (const auto chain = json.find("chain"); chain != json.end()) {
+    const auto rows = chain->at("rows").get<int64_t>();
+    if (rows >= 1 && rows <= kMaxChainRows)
+      history.chain = {Duration(chain->at("access_ns").get<int64_t>()), static_cast<int>(rows)};
+  }
   return history;
 }
 
@@ -102,8 +111,10 @@ void write_history(const std::filesystem::path& store, const ltm::MemoryId& enti
   Json videos = Json::object();
   for (const auto& [codec, members] : history.lines)
     for (const VideoHistory::Line& line : members) videos[codec].push_back(json_of(line));
-  const std::string text =
-      Json({{"networks_lost_at", history.networks_lost_at}, {"videos", std::move(videos)}}).dump();
+  Json json = {{"networks_lost_at", history.networks_lost_at}, {"videos", std::move(videos)}};
+  if (history.chain)
+    json["chain"] = {{"access_ns", history.chain->access.count()}, {"rows", history.chain->rows}};
+  const std::string text = json.dump();
   const Status written =
       replace_file(ltm::history_file(store, entity), std::as_bytes(std::span(text)));
   if (!written.ok())

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
 #include "ltm/store/store_reader.h"
 #include "training/forms/entity_videos.h"
@@ -22,6 +24,15 @@ struct NightHistory {
   /// Snapshots that the entity ever had when networks were last trained and lost against video
   /// alone; 0 if they never lost, or won since.
   uint64_t networks_lost_at = 0;
+  /// The length of chains that reaches any moment within `access`, as measured here. A measurement
+  /// varies, and chains of another length need a new model.
+  struct Chain {
+    Duration access{};
+    int rows = 0;
+
+    friend bool operator==(const Chain&, const Chain&) = default;
+  };
+  std::optional<Chain> chain;
   /// How quality followed from crf, by the codec and its settings, as in "av1:effort=7". One for
   /// each image member.
   std::map<std::string, std::vector<VideoHistory::Line>, std::less<>> lines;

@@ -44,11 +44,12 @@ Status add_chain(const std::vector<encoders::ImageCode>& codes, std::span<const 
                  const encoders::TensorPlan& plan, EntityVideos& videos) {
   for (size_t i = 0; i < codes.size(); ++i) {
     // A gist keeps no bound, so it is no video to use again.
-    if (encoders::codec_name(codes[i].form).empty()) continue;
+    if (codes[i].form == encoders::ImageForm::kLatents ||
+        codes[i].form == encoders::ImageForm::kGist)
+      continue;
     ENGRAM_ASSIGN_OR_RETURN(const Images images, images_of(values, plan, i));
-    ENGRAM_RETURN_IF_ERROR(videos.add_stored(i, images,
-                                             std::string(encoders::codec_name(codes[i].form)),
-                                             codes[i].code, codes[i].residual));
+    ENGRAM_RETURN_IF_ERROR(
+        videos.add_stored(i, images, codes[i].form, codes[i].code, codes[i].residual));
   }
   return {};
 }

@@ -26,17 +26,17 @@ const VideoSearchOptions kOptions{.codec = "h264", .settings = "effort=1", .boun
 TEST(EntityVideos, KnowsOnlyTheSameImages) {
   EntityVideos videos(1, kOptions);
   const auto images = images_of(20);
-  EXPECT_FALSE(videos.find(images));
+  EXPECT_FALSE(videos.find(0, images));
   const auto found = videos.search_of(0).search(images);
   ASSERT_TRUE(found.ok() && found->lossy);
   videos.add(images, *found);
-  const auto known = videos.find(images);
+  const auto known = videos.find(0, images);
   ASSERT_TRUE(known);
   EXPECT_EQ(known->lossy->bytes, found->lossy->bytes);
   EXPECT_EQ(videos.reused(), 1U);
-  EXPECT_FALSE(videos.find(images_of(21)));
-  EXPECT_FALSE(videos.find(std::span(images).first(3)));
-  EXPECT_FALSE(videos.without_videos()->find(images));
+  EXPECT_FALSE(videos.find(0, images_of(21)));
+  EXPECT_FALSE(videos.find(0, std::span(images).first(3)));
+  EXPECT_FALSE(videos.without_videos()->find(0, images));
 }
 
 TEST(EntityVideos, TakesStoredVideosThatKeepTheBound) {
@@ -46,15 +46,17 @@ TEST(EntityVideos, TakesStoredVideosThatKeepTheBound) {
     const auto coder = ltm::make_group_codec(fmt::format("h264:crf={},effort=1", crf));
     const auto bytes = (*coder)->encode(images);
     ASSERT_TRUE(bytes.ok());
-    ASSERT_TRUE(videos.add_stored(0, images, "h264", *bytes, {}).ok());
-    EXPECT_EQ(videos.find(images).has_value(), is_taken) << crf;
+    ASSERT_TRUE(videos.add_stored(0, images, encoders::ImageForm::kH264, *bytes, {}).ok());
+    EXPECT_EQ(videos.find(0, images).has_value(), is_taken) << crf;
   }
   EntityVideos videos(1, kOptions);
   const auto found = videos.search_of(0).search(images);
   ASSERT_TRUE(found.ok() && found->lossy);
-  ASSERT_TRUE(
-      videos.add_stored(0, images, "h264", found->lossy->bytes, found->lossy->residual).ok());
-  const auto known = videos.find(images);
+  ASSERT_TRUE(videos
+                  .add_stored(0, images, encoders::ImageForm::kH264, found->lossy->bytes,
+                              found->lossy->residual)
+                  .ok());
+  const auto known = videos.find(0, images);
   ASSERT_TRUE(known);
   EXPECT_EQ(known->lossy->mse, found->lossy->mse);
 }
@@ -68,23 +70,25 @@ TEST(EntityVideos, TakesStoredVideosWithTheirResiduals) {
   ASSERT_TRUE(correction.ok() && *correction);
   ASSERT_FALSE((*correction)->residual.empty());
   EntityVideos videos(1, kOptions);
-  ASSERT_TRUE(videos.add_stored(0, images, "h264", bytes, {}).ok());
-  EXPECT_FALSE(videos.find(images)) << "without its residuals it misses the bound";
-  ASSERT_TRUE(videos.add_stored(0, images, "h264", bytes, (*correction)->residual).ok());
-  const auto known = videos.find(images);
+  ASSERT_TRUE(videos.add_stored(0, images, encoders::ImageForm::kH264, bytes, {}).ok());
+  EXPECT_FALSE(videos.find(0, images)) << "without its residuals it misses the bound";
+  ASSERT_TRUE(
+      videos.add_stored(0, images, encoders::ImageForm::kH264, bytes, (*correction)->residual)
+          .ok());
+  const auto known = videos.find(0, images);
   ASSERT_TRUE(known);
   EXPECT_EQ(known->lossy->residual, (*correction)->residual);
   EXPECT_EQ(known->lossy->mse, (*correction)->mse);
   const std::vector<std::byte> damaged(3, std::byte{255});
-  EXPECT_FALSE(videos.add_stored(0, images, "h264", bytes, damaged).ok());
+  EXPECT_FALSE(videos.add_stored(0, images, encoders::ImageForm::kH264, bytes, damaged).ok());
 }
 
 TEST(EntityVideos, RefusesDamagedVideos) {
   const auto images = images_of(40);
   EntityVideos videos(1, kOptions);
   const std::vector<std::byte> damaged(100);
-  EXPECT_FALSE(videos.add_stored(0, images, "h264", damaged, {}).ok());
-  EXPECT_FALSE(videos.find(images));
+  EXPECT_FALSE(videos.add_stored(0, images, encoders::ImageForm::kH264, damaged, {}).ok());
+  EXPECT_FALSE(videos.find(0, images));
 }
 
 }  // namespace

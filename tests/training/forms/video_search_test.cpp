@@ -42,7 +42,7 @@ TEST(VideoSearch, FindsTheWorstQualityThatKeepsTheBound) {
   const auto found = search.find(run);
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   ASSERT_TRUE(found->has_value());
-  EXPECT_EQ((*found)->codec, "h264");
+  EXPECT_EQ((*found)->form, encoders::ImageForm::kH264);
   EXPECT_GE(lowest_db(**found), 36);
   const auto worse = ltm::make_group_codec(
       fmt::format("h264:crf={},effort=1", static_cast<int>((*found)->quality) + 1));
@@ -104,7 +104,7 @@ TEST(VideoSearch, KeepsWithoutLossWhatNoQualityReaches) {
   const auto found = search.find(images(3));
   ASSERT_TRUE(found.ok()) << found.status().to_string();
   ASSERT_TRUE(found->has_value());
-  EXPECT_EQ((*found)->codec, "ffv1");
+  EXPECT_EQ((*found)->form, encoders::ImageForm::kFfv1);
   EXPECT_EQ((*found)->mse, (std::vector<double>{0, 0, 0}));
 }
 

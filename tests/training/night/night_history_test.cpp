@@ -42,6 +42,7 @@ ConsolidateOptions losing() {
 NightHistory example() {
   NightHistory history;
   history.networks_lost_at = 40;
+  history.chain = {std::chrono::milliseconds(50), 24};
   history.lines["av1:effort=5"] = {{0.25, 31, 36.5, 0.4}, {0.5, 20, 40, 0.125}};
   return history;
 }
@@ -58,12 +59,18 @@ TEST(NightHistory, IsEmptyWhereItsFileIsHostile) {
   const ScratchPath store("hostile_history");
   record(store.path(), kSquare, 0, 2);
   const std::string large(size_t{2} << 20, ' ');
-  for (const std::string& text :
-       std::vector<std::string>{large + R"({"networks_lost_at": 7, "videos": {}})", "", "{", "[]",
-                                "7", R"({"networks_lost_at": "many", "videos": {}})",
-                                R"({"networks_lost_at": 1, "videos": [[1]]})",
-                                R"({"networks_lost_at": 1, "videos": {"av1": [{"slope": 1}]}})",
-                                R"({"networks_lost_at": 1, "videos": {"av1": [[[[[[]]]]]]}})"}) {
+  for (const std::string& text : std::vector<std::string>{
+           large + R"({"networks_lost_at": 7, "videos": {}})", "", "{", "[]", "7",
+           R"({"networks_lost_at": "many", "videos": {}})",
+           R"({"networks_lost_at": 1, "videos": [[1]]})",
+           R"({"networks_lost_at": 1, "videos": {"av1": [{"slope": 1}]}})",
+           R"({"networks_lost_at": 1, "videos": {"av1": [[[[[[]]]]]]}})",
+           R"({"networks_lost_at": 0, "videos": {}, "chain": []})",
+           R"({"networks_lost_at": 0, "videos": {},
+                                    "chain": {"access_ns": 50, "rows": 0}})",
+           R"({"networks_lost_at": 0, "videos": {},
+                                    "chain": {"access_ns": 50, "rows": 4294967312}})",
+           R"({"networks_lost_at": 0, "videos": {}, "chain": {"rows": 16}})"}) {
     ASSERT_TRUE(
         replace_file(ltm::history_file(store.path(), id(kSquare)), std::as_bytes(std::span(text)))
             .ok());

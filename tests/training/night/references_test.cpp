@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Videos that begin from pictures of their model, over whole nights.
+#include <gtest/gtest.h>
+
+#include "encoders/deep_model_file.h"
+#include "encoders/load_model.h"
+#include "encoders/packed_video.h"
+#include "ltm/codec/group_codec.h"
+#include "ltm/recall/recall.h"
+#include "ltm/store/store_check.h"
+#include "ltm/store/store_reader.h"
+#include "tests/training/recorded_scene.h"
+#include "training/night/consolidate.h"
+#include "training/night/drop_raw.h"
+#include "training/quality/psnr.h"
+#include "training/quality/quality_metrics.h"
+
+namespace engram::training {
+namespace {
+
+using engram::testing::id;
+using engram::testing::night;
+using engram::testing::quick_consolidation;
+using engram::testing::ScratchPath;
+
+constexpr const char* kCamera = "Vision/RGB/head/cam";
+constexpr double kBoundDb = 32;
+constexpr int kRows = 4;  ///< Images of a recording.
+
+/// A textured room with a mark that moves.
+idf::Data view_of_room(int moment) {
+  constexpr int kSide = 64;
+  std::vector<uint8_t> pixels;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const bool is_mark = x / 8 == moment % 8 && y / 8 == moment / 8 % 8;
+        const int shade = 50 + (x * x + 3 * y * x + 7 * y) % 61 + 5 * c;
+        pixels.push_back(static_cast<uint8_t>(is_mark ? 240 : shade));
+      }
+  idf::Dict dict;
+  dict.set("image", idf::NdArray::take<uint8_t>({kSide, kSide, 3}, std::move(pixels)));
+  return dict;
+}
+
+Time time_of(int moment) {
+  return Time(std::chrono::hours(1000 + moment / kRows) + std::chrono::seconds(moment % kRows));
+}
+
+/// Short recordings, an hour apart.
+void record_rooms(const std::filesystem::path& store, int first, int recordings) {
+  auto recorder = ltm::Recorder::open(store, {});
+  ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
+  for (int i = first * kRows; i < (first + recordings) * kRows; ++i)
+    ASSERT_TRUE(recorder->commit({{{id(kCamera), time_of(i), {{view_of_room(i), {}}}}}}).ok());
+  ASSERT_TRUE(recorder->close().ok());
+}
+
+ConsolidateOptions as_video() {
+  auto options = quick_consolidation();
+  options.representation.kind = Representation::kVideo;
+  options.representation.bound_db = kBoundDb;
+  return options;
+}
+
+/// References of the newest model.
+std::vector<encoders::VideoReference> references_of(const std::filesystem::path& store) {
+  const auto manifest = ltm::read_manifest(store);
+  const ltm::ModelInfo* newest = manifest->newest_model(id(kCamera));
+  if (newest == nullptr) return {};
+  const auto model = encoders::read_model(store / newest->file);
+  EXPECT_TRUE(model.ok()) << model.status().to_string();
+  if (!model.ok()) return {};
+  const auto references = (*model)->codec.chain.references_of(0);
+  return {references.begin(), references.end()};
+}
+
+/// How many chains begin from a reference, of all.
+std::pair<int, int> chains_from_references(const std::filesystem::path& store) {
+  auto reader = ltm::StoreReader::open(store);
+  EXPECT_TRUE(reader.ok());
+  std::pair<int, int> chains;
+  for (const ltm::SnapshotEntry& entry : **reader->index(id(kCamera))) {
+    if (!entry.latent) continue;
+    const auto latents = reader->read_latent(id(kCamera), entry);
+    EXPECT_TRUE(latents.ok()) << latents.status().to_string();
+    const ltm::Latent& latent = latents->instances.front().latent;
+    if (latent.place.index != 0) continue;
+    const auto block = encoders::describe_block(latent.code.bytes(), latent.place.count, 1);
+    EXPECT_TRUE(block.ok()) << block.status().to_string();
+    for (const auto& codes : block->chains) {
+      EXPECT_EQ(codes.front().form, encoders::ImageForm::kPackedAv1);
+      ++chains.second;
+      if (encoders::reference_of_video(codes.front().code)->has_value()) ++chains.first;
+    }
+  }
+  return chains;
+}
+
+/// All latents decode within the bound, in a fresh reader.
+void expect_within_bound(const std::filesystem::path& store, int moments) {
+  ltm::Recall recall(*ltm::StoreReader::open(store), encoders::load_model);
+  const auto answer =
+      recall.query(*ltm::Query::parse("Vision @ all"), {.prefer = ltm::Recall::Prefer::kLatent});
+  ASSERT_TRUE(answer.ok()) << answer.status().to_string();
+  const auto& found = answer->entities()[0]->snapshots;
+  ASSERT_EQ(found.size(), static_cast<size_t>(moments));
+  for (size_t i = 0; i < found.size(); ++i) {
+    const auto error = compare(view_of_room(static_cast<int>(i)), found[i].instances[0].data);
+    ASSERT_TRUE(error.ok()) << error.status().to_string();
+    EXPECT_GE(psnr_db(error->image_mse), kBoundDb) << i;
+  }
+}
+
+class References : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!ltm::make_group_codec("av1").ok()) GTEST_SKIP() << "no AV1 encoder is installed";
+  }
+};
+
+TEST_F(References, ShortenManyShortRecordings) {
+  const ScratchPath store("references");
+  record_rooms(store.path(), 0, 12);
+  const EntityReport first = night(store.path(), as_video());
+  ASSERT_EQ(references_of(store.path()).size(), 1u);
+  const auto [from, all] = chains_from_references(store.path());
+  EXPECT_EQ(all, 12);
+  EXPECT_GE(from, 10);
+  expect_within_bound(store.path(), 12 * kRows);
+
+  // The next night begins from the same picture, without a new model.
+  record_rooms(store.path(), 12, 4);
+  const EntityReport second = night(store.path(), as_video());
+  EXPECT_FALSE(second.is_model_new);
+  EXPECT_EQ(chains_from_references(store.path()).second, 16);
+  EXPECT_GE(chains_from_references(store.path()).first, from + 3);
+  expect_within_bound(store.path(), 16 * kRows);
+
+  const ltm::CheckOptions deep{.is_deep = true,
+                               .test_model = [](const std::filesystem::path& file) -> Status {
+                                 return encoders::load_model(file).status();
+                               }};
+  const auto checked = ltm::check_store(store.path(), deep);
+  ASSERT_TRUE(checked.ok()) << checked.status().to_string();
+  EXPECT_TRUE(checked->is_clean());
+}
+
+TEST_F(References, AreTakenOverByANewModel) {
+  const ScratchPath store("references_again");
+  record_rooms(store.path(), 0, 12);
+  night(store.path(), as_video());
+  const auto before = references_of(store.path());
+  ASSERT_EQ(before.size(), 1u);
+  ConsolidateOptions options = as_video();
+  options.force = true;
+  const EntityReport again = night(store.path(), options);
+  EXPECT_TRUE(again.is_model_new);
+  ASSERT_EQ(references_of(store.path()).size(), 1u);
+  EXPECT_EQ(references_of(store.path()).front().hash(), before.front().hash());
+  options.starts_anew = true;
+  night(store.path(), options);
+  EXPECT_EQ(references_of(store.path()).size(), 1u);
+  expect_within_bound(store.path(), 12 * kRows);
+}
+
+TEST_F(References, AreNotWorthItInFewRecordings) {
+  const ScratchPath store("no_references");
+  record_rooms(store.path(), 0, 3);
+  ConsolidateOptions options = as_video();
+  options.min_snapshots = 4;
+  night(store.path(), options);
+  EXPECT_TRUE(references_of(store.path()).empty());
+  EXPECT_EQ(chains_from_references(store.path()).first, 0);
+  expect_within_bound(store.path(), 3 * kRows);
+}
+
+}  // namespace
+}  // namespace engram::training
