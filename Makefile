@@ -26,7 +26,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars short-nights fade-bars age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars short-nights group-bars fade-bars age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -51,6 +51,7 @@ help:
 	@echo "make learning-bars   what learning reaches on recordings, hours (RECORDINGS, BARS=options)"
 	@echo "make night-bars      what a night costs an image at three sizes, and a day, hours (RECORDINGS, BARS=options)"
 	@echo "make short-nights    how nights end that are shorter than a day needs, or longer (RECORDINGS, BARS=options)"
+	@echo "make group-bars      what stored videos take, beside libaom without random access (RECORDINGS, BARS=options)"
 	@echo "make fade-bars       what remains of images that fade, and for how many bytes (RECORDINGS, BARS=options)"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
@@ -175,6 +176,12 @@ night-bars: build
 short-nights: build
 	experiments/learning/short_nights.py build/release/bin/engram \
 	  "$(if $(wildcard $(RECORDINGS)),$(abspath $(RECORDINGS)))" --json build/short_nights.json $(BARS)
+
+# Options: experiments/learning/group_bars.py --help
+group-bars: build
+	@cmake/install_packages.sh experiments/packages.txt
+	experiments/learning/group_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" \
+	  --json build/group_bars.json $(BARS)
 
 fade-bars: build
 	experiments/learning/fade_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" $(BARS)
