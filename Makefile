@@ -19,6 +19,8 @@ KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,300)
 # Which part of the experiments' config.json, and more options.
 PAPER ?= full
 PAPER_OPTIONS ?=
+# More options of month.
+MONTH_OPTIONS ?=
 # What training-speed trains on.
 VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
@@ -26,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars short-nights group-bars fade-bars age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars short-nights group-bars month fade-bars age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -52,6 +54,8 @@ help:
 	@echo "make night-bars      what a night costs an image at three sizes, and a day, hours (RECORDINGS, BARS=options)"
 	@echo "make short-nights    how nights end that are shorter than a day needs, or longer (RECORDINGS, BARS=options)"
 	@echo "make group-bars      what stored videos take, beside libaom without random access (RECORDINGS, BARS=options)"
+	@echo "make month   30 nights of two stores: do they stay small, quick and true? up to 3 hours"
+	@echo "             (MONTH_OPTIONS='--form short': 11 small nights, minutes; it goes on where it was)"
 	@echo "make fade-bars       what remains of images that fade, and for how many bytes (RECORDINGS, BARS=options)"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
@@ -182,6 +186,11 @@ group-bars: build
 	@cmake/install_packages.sh experiments/packages.txt
 	experiments/learning/group_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" \
 	  --json build/group_bars.json $(BARS)
+
+# Options: /usr/bin/python3 -m experiments.month --help
+month: build
+	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
+	  /usr/bin/python3 -m experiments.month $(MONTH_OPTIONS)
 
 fade-bars: build
 	experiments/learning/fade_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" $(BARS)

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs programs: what they write, what they cost, and how they are stopped."""
+from __future__ import annotations
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+_running: set[int] = set()
+_lock = threading.Lock()
+
+
+class Failed(Exception):
+    """A program failed, or ended otherwise than a month needs it."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a program ended."""
+
+    code: int  #: Negative: the signal that ended it.
+    out: str
+    err: str
+    processor_seconds: float
+    megabytes: float  #: Max resident.
+
+
+def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
+        watch: Callable[[str, int], None] | None = None) -> Ended:
+    """Runs a program to its end. `watch` gets each line of its stderr, and its process ID.
+
+    Threading: any thread; several at once.
+    """
+    with tempfile.TemporaryFile() as out:
+        process = subprocess.Popen([str(word) for word in words], stdin=subprocess.DEVNULL,
+                                   stdout=out, stderr=subprocess.PIPE, text=True,
+                                   env={**os.environ, **(environment or {})})
+        with _lock:
+            _running.add(process.pid)
+        lines = []
+        assert process.stderr is not None
+        for line in process.stderr:
+            lines.append(line)
+            if watch is not None:
+                watch(line, process.pid)
+        process.stderr.close()
+        _, status, usage = os.wait4(process.pid, 0)
+        with _lock:
+            _running.discard(process.pid)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        return Ended(process.returncode, out.read().decode(), "".join(lines),
+                     usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1000)
+
+
+def needs(ended: Ended, what: str, *codes: int) -> Ended:
+    """Raises Failed where a program ended with another exit code (0 unless some are named)."""
+    if ended.code not in (codes or (0,)):
+        raise Failed(f"{what} ended with {ended.code}: {ended.err[-800:]}")
+    return ended
+
+
+def python(module: str, *arguments: Any) -> str:
+    """What a module of this package prints, run in a process of its own."""
+    words = [sys.executable, "-m", f"experiments.month.{module}", *arguments]
+    return needs(run(words), f"experiments.month.{module}").out
+
+
+def stop_all() -> None:
+    """Stops what runs, so that the month can end."""
+    with _lock:
+        for pid in _running:
+            os.kill(pid, signal.SIGTERM)
+
+
+def build_faulty_files(source: pathlib.Path, library: pathlib.Path) -> None:
+    """Compiles the library that makes a disk full for one process."""
+    needs(run(["cc", "-shared", "-fPIC", "-O1", f"-I{source.parents[2]}", source, "-o", library,
+               "-ldl", "-lpthread"]), "cc")
