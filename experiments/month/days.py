@@ -56,6 +56,7 @@ class Plan:
     late: int
     bytes_from: int  #: From this night on bytes are compared.
     steps: int  #: Of training.
+    kill_after: float  #: From the begin of work on images to the kill. Unit: s.
     short_seconds: float  #: What the short night has.
     #: What the three nights after the short one have, in usual nights; 0: as long as they like.
     catching_up: float
@@ -87,10 +88,10 @@ class Plan:
 PLANS = {
     "full": Plan(nights=30, images=300, side=112, rooms={1: 1, 10: 2, 20: 3}, moved=15, calm=4,
                  events=7, killed=12, short=17, full=22, long=25, early=5, late=30, bytes_from=10,
-                 steps=300, short_seconds=6, catching_up=1.5),
+                 steps=300, kill_after=5, short_seconds=6, catching_up=1.5),
     "short": Plan(nights=11, images=40, side=64, rooms={1: 1, 4: 2, 8: 3}, moved=6, calm=2,
                   events=3, killed=5, short=7, full=9, long=10, early=1, late=11, bytes_from=5,
-                  steps=30, short_seconds=1, catching_up=0)}
+                  steps=30, kill_after=0.2, short_seconds=1, catching_up=0)}
 
 
 @dataclass

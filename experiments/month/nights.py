@@ -8,7 +8,6 @@ between the night and now.
 from __future__ import annotations
 
 import json
-import os
 import pathlib
 import signal
 import time
@@ -16,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from experiments.month import days
-from experiments.month.program import Ended, Failed, needs, python, run
+from experiments.month.program import Ended, Failed, kill_soon, needs, python, run
 
 GRACE_SECONDS = 2 * 24 * 3600
 PSNR_DB = 36.0
@@ -24,7 +23,6 @@ NUMBER_BOUND = 0.001
 # The disk is full from this change of a file on: some of what a night writes is there by then.
 FULL_FROM_CALL = 12
 FULL_KIND = 3  # kFaultFull of tests/faults/faulty_files.h.
-KILL_AT = 0.3  # Share of the first training or encoding of images.
 
 
 @dataclass(frozen=True)
@@ -98,15 +96,20 @@ def words_of(night: Night) -> list[Any]:
             "json"]
 
 
-def kill_in_the_midst(line: str, pid: int) -> None:
-    """Kills a job whose progress says that it is at work on images."""
-    if not line.startswith("{"):
-        return
-    told = json.loads(line)
-    what, total = told["what"], told.get("total")
-    if what.startswith(("train", "encode")) and days.CAMERA in what and total \
-            and told["done"] >= KILL_AT * total:
-        os.kill(pid, signal.SIGKILL)
+class Killer:
+    """Kills a job so long after its progress said first that it is at work on images."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self.is_aiming = False
+
+    def watch(self, line: str, pid: int) -> None:
+        if self.is_aiming or not line.startswith("{"):
+            return
+        what = json.loads(line)["what"]
+        if what.startswith(("train", "encode")) and days.CAMERA in what:
+            self.is_aiming = True
+            kill_soon(pid, self.seconds)
 
 
 def consolidate(night: Night) -> dict[str, Any]:
@@ -118,7 +121,7 @@ def consolidate(night: Night) -> dict[str, Any]:
                        "ENGRAM_FAULTS_CALL": str(FULL_FROM_CALL),
                        "ENGRAM_FAULTS_KIND": str(FULL_KIND)}
     ended = run(words_of(night), environment=environment,
-                watch=kill_in_the_midst if night.number == plan.killed else None)
+                watch=Killer(plan.kill_after).watch if night.number == plan.killed else None)
     return {"seconds": time.monotonic() - began, "processor_seconds": ended.processor_seconds,
             "megabytes": ended.megabytes, **outcome_of(night, ended)}
 

@@ -51,9 +51,10 @@ def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
             if watch is not None:
                 watch(line, process.pid)
         process.stderr.close()
-        _, status, usage = os.wait4(process.pid, 0)
+        # Before it is waited for: until then its ID belongs to nobody else.
         with _lock:
             _running.discard(process.pid)
+        _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
         return Ended(process.returncode, out.read().decode(), "".join(lines),
@@ -78,6 +79,18 @@ def stop_all() -> None:
     with _lock:
         for pid in _running:
             os.kill(pid, signal.SIGTERM)
+
+
+def kill_soon(pid: int, seconds: float) -> None:
+    """Kills a process that was started here in a while, if it still runs then."""
+    def kill() -> None:
+        with _lock:
+            if pid in _running:
+                os.kill(pid, signal.SIGKILL)
+
+    timer = threading.Timer(seconds, kill)
+    timer.daemon = True
+    timer.start()
 
 
 def build_faulty_files(source: pathlib.Path, library: pathlib.Path) -> None:
