@@ -100,7 +100,7 @@ def draw(plan: days.Plan, figures: checks.Figures, file: pathlib.Path) -> None:
         axis.set_title(title)
         axis.set_xlabel("night")
         axis.set_xlim(0.5, max(plan.nights, numbers[-1]) + 0.5)
-        axis.legend(loc="upper right" if axis is sizes else "lower right")
+        axis.legend(loc={sizes: "upper right", models: "upper left"}.get(axis, "lower right"))
     for axis in (sizes, models):
         axis.set_ylim(bottom=0)
     costs.set_yscale("log")
