@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars short-nights group-bars month fade-bars age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars short-nights group-bars month fade-bars ninety-days age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -57,6 +57,7 @@ help:
 	@echo "make month   30 nights of two stores: do they stay small, quick and true? up to 3 hours"
 	@echo "             (MONTH_OPTIONS='--form short': 11 small nights, minutes; it goes on where it was)"
 	@echo "make fade-bars       what remains of images that fade, and for how many bytes (RECORDINGS, BARS=options)"
+	@echo "make ninety-days     what a store answers of 90 simulated days with a tenth of its bytes (BARS=options)"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
@@ -194,6 +195,10 @@ month: build
 
 fade-bars: build
 	experiments/learning/fade_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" $(BARS)
+
+# Options: experiments/forgetting/ninety_days.py --help
+ninety-days: build
+	experiments/forgetting/ninety_days.py build/release/bin/engram --json build/ninety_days.json $(BARS)
 
 # Measured results are kept in build/paper, and used again for as long as nothing changed.
 paper storage loocv transfer: build
