@@ -51,8 +51,8 @@ def entity_bytes(engram, store):
     """Bytes of entities by the first two levels of their names, of models, and of the rest."""
     found = {}
     for one in json.loads(days.run(engram, "info", store, "--json"))["entities"]:
-        name = "/".join(one["entity"].split("/")[:2])
-        found[name] = found.get(name, 0) + one["stored_bytes"]
+        name = "/".join(one["id"].split("/")[:2])
+        found[name] = found.get(name, 0) + one["stored_bytes"] + one["latent_bytes"]
     for model in (store / "models").iterdir():
         found["models"] = found.get("models", 0) + model.stat().st_size
     found["everything else"] = bytes_of(store) - sum(found.values())
