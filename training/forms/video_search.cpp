@@ -33,6 +33,9 @@ constexpr double kMaxCorrectedDb = 1.2;
 /// From this number of encodes on a search halves what is left, because quality did not follow the
 /// line that was expected.
 constexpr size_t kMaxByLine = 4;
+/// With a key that is better by more than this, key frames of their own took fewer bytes.
+/// Source: experiments/learning/LOG.md, "references".
+constexpr int kMaxAboveKey = 10;
 
 double worst_db(const FoundVideo& video) {
   double worst = kLargestPsnrDb;
@@ -129,8 +132,10 @@ const encoders::OpenReference* VideoSearch::nearest(const idf::NdArray& image) c
 /// Encodes with the lossy codec and adds the trial to `result`.
 Result<VideoSearch::Encoded> VideoSearch::encode(const Chain& chain, int crf,
                                                  VideoSearchResult& result) const {
-  // The key frame of a reference is the best picture of its videos.
+  // The key frame of a reference is the best picture of its videos. Far above it they would pay for
+  // a quality that nobody asked for.
   const bool has_reference = chain.from != nullptr && crf > chain.from->reference.key &&
+                             crf <= chain.from->reference.key + kMaxAboveKey &&
                              chain.images.size() < ltm::kMaxGroupImages;
   std::optional<Encoded> from_reference;
   if (has_reference && !result.has_other_key_frame) {

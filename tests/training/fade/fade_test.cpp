@@ -27,7 +27,8 @@ using engram::testing::id;
 using engram::testing::ScratchPath;
 
 constexpr int kCount = 48;
-constexpr int kChainRows = 8;
+/// Too few chains for references, whose key frames are no part of what fades.
+constexpr int kChainRows = 16;
 constexpr double kBoundDb = 42;
 
 /// A scene that moves, with texture that costs bytes, and numbers.
