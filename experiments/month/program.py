@@ -2,6 +2,7 @@
 """Runs programs: what they write, what they cost, and how they are stopped."""
 from __future__ import annotations
 
+import contextlib
 import os
 import pathlib
 import signal
@@ -15,6 +16,7 @@ from typing import Any
 
 _running: set[int] = set()
 _lock = threading.Lock()
+MEMORY_SECONDS = 0.02  # From one look at the memory of a program to the next.
 
 
 class Failed(Exception):
@@ -29,7 +31,39 @@ class Ended:
     out: str
     err: str
     processor_seconds: float
-    megabytes: float  #: Max resident.
+    megabytes: float  #: Max resident, as _PeakMemory saw it.
+
+
+class _PeakMemory(threading.Thread):
+    """Looks at the max resident memory of a program while it runs.
+
+    wait4() does not tell it: its figure begins with the memory of the process that starts the
+    program, and this one has whole days of images. What the kernel knows of the program alone is
+    gone when it ends, so it is read all the time; what the program takes in its last hundredths of
+    a second is not seen.
+    """
+
+    def __init__(self, pid: int) -> None:
+        super().__init__(daemon=True)
+        self._file = pathlib.Path(f"/proc/{pid}/status")
+        self._is_over = threading.Event()
+        self.megabytes = 0.0
+
+    def run(self) -> None:
+        self._look()
+        while not self._is_over.wait(MEMORY_SECONDS):
+            self._look()
+
+    def end(self) -> float:
+        self._is_over.set()
+        self.join()
+        return self.megabytes
+
+    def _look(self) -> None:
+        with contextlib.suppress(OSError):  # The program has just ended.
+            for line in self._file.read_text().splitlines():
+                if line.startswith("VmHWM:"):
+                    self.megabytes = int(line.split()[1]) * 1024 / 1e6
 
 
 def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
@@ -44,6 +78,8 @@ def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
                                    env={**os.environ, **(environment or {})})
         with _lock:
             _running.add(process.pid)
+        memory = _PeakMemory(process.pid)
+        memory.start()
         lines = []
         assert process.stderr is not None
         for line in process.stderr:
@@ -51,6 +87,8 @@ def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
             if watch is not None:
                 watch(line, process.pid)
         process.stderr.close()
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        megabytes = memory.end()
         # Before it is waited for: until then its ID belongs to nobody else.
         with _lock:
             _running.discard(process.pid)
@@ -58,7 +96,7 @@ def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
         process.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
         return Ended(process.returncode, out.read().decode(), "".join(lines),
-                     usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1000)
+                     usage.ru_utime + usage.ru_stime, megabytes)
 
 
 def needs(ended: Ended, what: str, *codes: int) -> Ended:
