@@ -18,7 +18,7 @@ import shutil
 import signal
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from typing import Any
 
@@ -154,15 +154,7 @@ class Month:
             folder.mkdir()
         happenings = ", ".join(self.plan.happenings(number))
         tell(f"night {number} of {self.end}{': ' + happenings if happenings else ''}")
-        with ThreadPoolExecutor(len(STORES)) as pool:
-            passing = {name: pool.submit(nights.pass_night, nights.Night(
-                self.plan, number, self.engram, self.raw, self.faults, folder, name,
-                self.usual_seconds(name))) for name in STORES}
-            try:
-                stores = {name: one.result() for name, one in passing.items()}
-            except BaseException:
-                program.stop_all()
-                raise
+        stores = self.pass_together(number, folder)
         self.figures.append({"night": number, "happenings": self.plan.happenings(number),
                              "stores": stores})
         (folder / "figures.json").write_text(json.dumps(self.figures, indent=1) + "\n")
@@ -170,6 +162,24 @@ class Month:
         if self.done:
             shutil.rmtree(self.night_folder(self.done))
         self.done = number
+
+    def pass_together(self, number: int, folder: pathlib.Path) -> dict[str, dict[str, Any]]:
+        """Lets all stores pass a night at once. Where one fails, the others are stopped."""
+        try:
+            with ThreadPoolExecutor(len(STORES)) as pool:
+                passing = [pool.submit(nights.pass_night, nights.Night(
+                    self.plan, number, self.engram, self.raw, self.faults, folder, name,
+                    self.usual_seconds(name))) for name in STORES]
+                try:
+                    # The first that fails says why: the others fail because they are stopped.
+                    for one in as_completed(passing):
+                        one.result()
+                except BaseException:
+                    program.stop_all()
+                    raise
+                return {name: one.result() for name, one in zip(STORES, passing, strict=True)}
+        finally:
+            program.start_again()
 
     def tell_progress(self, number: int, spent: float, first: int) -> None:
         images = [self.plan.images_of(day) for day in range(1, self.end + 1)]
@@ -199,9 +209,13 @@ def show(month: Month, options: argparse.Namespace) -> bool:
     return all(one.held is not False for one in verdicts)
 
 
+def stop(*_: Any) -> None:
+    """Stops the month as Ctrl-C does, which a program in the background may ignore."""
+    raise KeyboardInterrupt
+
+
 def main() -> int:
-    # What runs is stopped on SIGTERM as on Ctrl-C.
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    signal.signal(signal.SIGTERM, stop)
     options = arguments_of()
     try:
         month = Month(options)

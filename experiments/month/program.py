@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 _running: set[int] = set()
+_is_stopping = threading.Event()
 _lock = threading.Lock()
 MEMORY_SECONDS = 0.02  # From one look at the memory of a program to the next.
 
@@ -73,10 +74,12 @@ def run(words: list[Any], *, environment: Mapping[str, str] | None = None,
     Threading: any thread; several at once.
     """
     with tempfile.TemporaryFile() as out:
-        process = subprocess.Popen([str(word) for word in words], stdin=subprocess.DEVNULL,
-                                   stdout=out, stderr=subprocess.PIPE, text=True,
-                                   env={**os.environ, **(environment or {})})
         with _lock:
+            if _is_stopping.is_set():
+                raise Failed(f"'{words[0]}' was not started: the month is being stopped")
+            process = subprocess.Popen([str(word) for word in words], stdin=subprocess.DEVNULL,
+                                       stdout=out, stderr=subprocess.PIPE, text=True,
+                                       env={**os.environ, **(environment or {})})
             _running.add(process.pid)
         memory = _PeakMemory(process.pid)
         memory.start()
@@ -113,10 +116,16 @@ def python(module: str, *arguments: Any) -> str:
 
 
 def stop_all() -> None:
-    """Stops what runs, so that the month can end."""
+    """Stops what runs, and lets nothing begin until start_again(): the month ends."""
     with _lock:
+        _is_stopping.set()
         for pid in _running:
             os.kill(pid, signal.SIGTERM)
+
+
+def start_again() -> None:
+    """Programs may be run again, after all that were stopped have ended."""
+    _is_stopping.clear()
 
 
 def kill_soon(pid: int, seconds: float) -> None:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs are run, measured and watched."""
+"""Programs are run, measured, watched and stopped."""
 
 import os
 import signal
 import sys
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -36,3 +38,20 @@ def test_a_program_is_killed_by_what_watches_its_lines():
     ended = python("import sys, time; print('go', file=sys.stderr, flush=True); time.sleep(60)",
                    watch=lambda line, pid: os.kill(pid, signal.SIGKILL))
     assert ended.code == -signal.SIGKILL
+
+
+def test_what_runs_is_stopped_and_nothing_new_begins():
+    ended, begin = [], time.monotonic()
+    runs = threading.Thread(target=lambda: ended.append(python("import time; time.sleep(60)")))
+    runs.start()
+    while not program._running:
+        time.sleep(0.01)
+    program.stop_all()
+    try:
+        runs.join()
+        assert ended[0].code == -signal.SIGTERM and time.monotonic() - begin < 30
+        with pytest.raises(program.Failed, match="was not started"):
+            python("pass")
+    finally:
+        program.start_again()
+    assert python("pass").code == 0 and not program._running
