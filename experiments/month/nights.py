@@ -23,6 +23,20 @@ NUMBER_BOUND = 0.001
 # The disk is full from this change of a file on: some of what a night writes is there by then.
 FULL_FROM_CALL = 12
 FULL_KIND = 3  # kFaultFull of tests/faults/faulty_files.h.
+# An event-driven day keeps what changes. Each image links to the joints of its moment, which would be
+# a change by itself.
+EVENTS_CONFIG = """preset: balanced
+entities:
+  - match: Vision
+    filters:
+      - frequency: {rate: 5Hz}
+      - similarity:
+          images: {measure: ssim, bound: 0.98}
+          remainder: ignore
+          max_gap: 2s
+    codecs:
+      - {kind: image, codec: png}
+"""
 
 
 @dataclass(frozen=True)
@@ -53,8 +67,11 @@ def record(night: Night) -> dict[str, Any]:
     import engram
 
     day = days.RawDay.load(days.file_of(night.raw, night.number))
-    preset = "balanced" if night.number == night.plan.events else "recorder"
-    with engram.record(night.store, preset=preset) as recorder:
+    how: dict[str, Any] = {"preset": "recorder"}
+    if night.number == night.plan.events:
+        how = {"config": night.folder / f"{night.representation}.events.yaml"}
+        how["config"].write_text(EVENTS_CONFIG)
+    with engram.record(night.store, **how) as recorder:
         for row, moment in enumerate(day.times):
             recorder.commit_all(
                 [engram.recording.Update(days.JOINTS, {"position": day.joints[row]}, int(moment)),
