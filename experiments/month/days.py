@@ -90,8 +90,11 @@ PLANS = {
                  events=7, killed=12, short=17, full=22, long=25, early=5, late=30, bytes_from=10,
                  steps=300, kill_after=5, short_seconds=6, catching_up=1.5),
     "short": Plan(nights=11, images=40, side=64, rooms={1: 1, 4: 2, 8: 3}, moved=6, calm=2,
-                  events=3, killed=5, short=7, full=9, long=10, early=1, late=11, bytes_from=5,
-                  steps=30, kill_after=0.2, short_seconds=1, catching_up=0)}
+                  events=3, killed=5, short=7, full=9, long=10, early=4, late=11, bytes_from=5,
+                  steps=30, kill_after=0.2, short_seconds=1, catching_up=0),
+    "test": Plan(nights=9, images=20, side=64, rooms={1: 1, 5: 2}, moved=7, calm=3, events=5,
+                 killed=2, short=4, full=6, long=8, early=1, late=9, bytes_from=5, steps=10,
+                 kill_after=0.05, short_seconds=0.2, catching_up=0)}
 
 
 @dataclass
@@ -142,7 +145,8 @@ def drawn_rows(plan: Plan, day: int) -> npt.NDArray[np.int64]:
     if day == plan.events:
         both = MOVING_IMAGES + RESTING_IMAGES
         ticks = np.arange(count * both // MOVING_IMAGES)
-        return first + ticks // both * MOVING_IMAGES + np.minimum(ticks % both, MOVING_IMAGES - 1)
+        moved = ticks // both * MOVING_IMAGES + np.minimum(ticks % both, MOVING_IMAGES - 1)
+        return np.asarray(first + moved, np.int64)
     return first + np.arange(count)
 
 
@@ -177,7 +181,7 @@ def enlarged(image: npt.NDArray[np.float64], size: int, axis: int) -> npt.NDArra
     places = np.linspace(0, image.shape[axis] - 1, size)
     low = np.minimum(places.astype(int), image.shape[axis] - 2)
     share = (places - low).reshape([-1 if one == axis else 1 for one in range(image.ndim)])
-    return image.take(low, axis) * (1 - share) + image.take(low + 1, axis) * share
+    return np.asarray(image.take(low, axis) * (1 - share) + image.take(low + 1, axis) * share)
 
 
 def photographed(plan: Plan, day: int, row: int, drawn: npt.NDArray[np.uint8],

@@ -5,7 +5,6 @@ import pathlib
 import sys
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3]))
@@ -133,38 +132,3 @@ def test_what_was_missed_is_told(month):
     worse = copy.deepcopy(month)
     worse[2]["stores"]["auto"]["damage"] = [str(one) for one in range(99)]
     assert "           and 87 more" in report.verdict_lines(checks.judge(PLAN, worse))
-
-
-@pytest.mark.parametrize("plan", days.PLANS.values(), ids=list(days.PLANS))
-def test_a_plan_has_every_happening_once(plan):
-    told = [name for day in range(1, plan.nights + 1) for name in plan.happenings(day)]
-    assert sorted(told) == sorted(["a new room"] * 2 + [
-        "calm", "event-driven", "camera moved", "killed", "far too short", "full disk",
-        "10 times as long"])
-    assert plan.changes_until(plan.nights) == 3
-    assert plan.is_usual(plan.early) and plan.is_usual(plan.late)
-    assert plan.short + 3 < plan.full or plan.catching_up == 0
-
-
-def test_days_take_the_images_of_their_room_one_after_the_other():
-    plan = PLAN
-    first, calm, events = (days.drawn_rows(plan, day) for day in (1, plan.calm, plan.events))
-    assert first.tolist() == list(range(40))
-    assert set(calm) == {40} and len(calm) == 40
-    assert events[0] == 80 and events.max() == 119 and len(events) == 120
-    assert (np.diff(events) >= 0).all() and (np.diff(events) <= 1).all()
-    assert days.drawn_seconds(plan, 1) == (119 + 2) / days.DRAWN_HZ
-
-
-def test_light_drifts_and_the_camera_moves():
-    drawn = np.random.default_rng(1).integers(0, 256, (128, 128, 3)).astype(np.uint8)
-    before, after = PLAN.moved - 1, PLAN.moved
-    assert np.array_equal(days.seen(PLAN, before, drawn), drawn[32:96, 32:96])
-    assert not np.array_equal(days.seen(PLAN, before, drawn), days.seen(PLAN, after, drawn))
-    shape = (PLAN.side, PLAN.side, 3)
-    assert days.photographed(PLAN, after, 0, drawn).shape == shape
-    same = [days.photographed(PLAN, 1, 3, drawn) for _ in range(2)]
-    assert np.array_equal(*same)
-    nights = range(1, 31)
-    assert all(abs(days.light_of(one) - days.light_of(one + 1)).max() > 0.005 for one in nights)
-    assert all(0.7 < gain < 1.06 for one in nights for gain in days.light_of(one))

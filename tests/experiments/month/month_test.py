@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The short form of a month is lived, stopped in its midst, and goes on. $ENGRAM is the program.
+"""A small month is lived, stopped in its midst, and goes on. $ENGRAM is the program.
 
 What nights cost, how many bytes and models a few small images come to, and how many of a hundred
 bounds hold is measured and not judged here: the first depends on the machine, the others are
@@ -17,21 +17,21 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 ENGRAM = os.environ.get("ENGRAM", "")
-STORES_ARE_TRUE = (0, 1, 2, 7)
-NIGHTS = 11
+STORES_ARE_TRUE = ("0", "1", "2", "7")
+NIGHTS = 9
 
 
 def month(work, *more):
     """The words of the program, and its environment."""
     paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
-    return {"args": [sys.executable, "-m", "experiments.month", "--form", "short", "--engram",
+    return {"args": [sys.executable, "-m", "experiments.month", "--form", "test", "--engram",
                      ENGRAM, "--work", work, *more],
             "env": {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}}
 
 
 def stop_after_the_first_night(work):
     process = subprocess.Popen(**month(work), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    while not (work / "short" / "01").exists() and process.poll() is None:
+    while not (work / "test" / "01").exists() and process.poll() is None:
         time.sleep(0.1)
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=300)
@@ -40,23 +40,22 @@ def stop_after_the_first_night(work):
 
 
 @pytest.mark.skipif(not ENGRAM, reason="$ENGRAM names no program")
-def test_a_short_month_is_lived(tmp_path):
+def test_a_small_month_is_lived(tmp_path):
     stop_after_the_first_night(tmp_path)
-    done = subprocess.run(**month(tmp_path), capture_output=True, text=True)
-    assert done.returncode in (0, 1), done.stderr
+    done = subprocess.run(**month(tmp_path, "--checks", *STORES_ARE_TRUE), capture_output=True,
+                          text=True)
+    print(done.stdout)  # Pytest shows it where something is wrong.
+    assert done.returncode == 0, done.stderr
     assert "goes on after night" in done.stderr and f"night 1 of {NIGHTS}" not in done.stderr
-    found = json.loads((tmp_path / "month-short.json").read_text())
+    found = json.loads((tmp_path / "month-test.json").read_text())
     assert [night["night"] for night in found["nights"]] == list(range(1, NIGHTS + 1))
-    checks = {check["number"]: check for check in found["checks"]}
-    for number in STORES_ARE_TRUE:
-        assert checks[number]["held"], (checks[number]["name"], checks[number]["missed"])
-    assert all(check["held"] is not None for check in checks.values()), "each was measured"
+    assert all(check["held"] is not None for check in found["checks"]), "each was measured"
     last = found["nights"][-1]["stores"]
     for store in last.values():
         camera = store["read"]["Vision/RGB/head/cam"]
         assert camera["dropped"] > camera["images"] / 4
         assert camera["encoded"] == camera["images"]
-    assert (tmp_path / "month-short.png").stat().st_size > 10_000
+    assert (tmp_path / "month-test.png").stat().st_size > 10_000
 
 
 @pytest.mark.skipif(not ENGRAM, reason="$ENGRAM names no program")
