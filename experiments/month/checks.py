@@ -53,19 +53,21 @@ def wholeness(plan: days.Plan, figures: Figures) -> Verdict:
         missed += [f"{where}: {one}" for one in store["damage"]]
         if number == plan.killed and store["job"]["ended"] != "killed":
             missed.append(f"{where}: was to be killed, ended {store['job']['ended']}")
+        if number == plan.full and store["job"]["ended"] != "with 1":
+            missed.append(f"{where}: a full disk is an error, it ended {store['job']['ended']}")
     return Verdict(0, "stores are whole after every night", not missed,
                    f"{len(figures)} nights", tuple(missed))
 
 
 def bounds_kept(plan: days.Plan, figures: Figures) -> Verdict:
     """Every moment that was recorded is read again, and as good as promised."""
-    missed, least, images = [], math.inf, 0
+    missed, worst_db, images = [], math.inf, 0
     recorded: dict[tuple[str, str], int] = {}
     for where, _, name, store in each_store(figures):
         camera, joints = store["read"][days.CAMERA], store["read"][days.JOINTS]
         images += camera["images"]
         if camera["min_psnr_db"] is not None:
-            least = min(least, camera["min_psnr_db"])
+            worst_db = min(worst_db, camera["min_psnr_db"])
             if camera["min_psnr_db"] < PSNR_DB:
                 missed.append(f"{where}: an image with {camera['min_psnr_db']:.2f} dB")
         if camera["unlike_raw"]:
@@ -80,7 +82,7 @@ def bounds_kept(plan: days.Plan, figures: Figures) -> Verdict:
             if found != recorded[key] or store["read"][entity]["missing"]:
                 missed.append(f"{where}: {found} of {recorded[key]} moments of {entity} are there")
     return Verdict(1, f"every stored image keeps {PSNR_DB:g} dB", not missed,
-                   f"min {least:.2f} dB of {images} images that were read", tuple(missed))
+                   f"min {worst_db:.2f} dB of {images} images that were read", tuple(missed))
 
 
 def dropped_unchanged(plan: days.Plan, figures: Figures) -> Verdict:
@@ -171,10 +173,35 @@ def width_ratio(counts: dict[str, Any]) -> float | None:
     return counts["width"] / counts["copy_width"] if counts["copy_width"] else None
 
 
+@dataclass
+class Coverage:
+    """How often bounds held on all days together, and on how many days as often as they should."""
+
+    days: int = 0
+    days_inside: int = 0
+    bounds: int = 0
+    within: int = 0
+    width: float = 0
+    copy_width: float = 0
+
+    def add(self, counts: dict[str, Any], is_inside: bool) -> None:
+        self.days += 1
+        self.days_inside += is_inside
+        self.bounds += counts["bounds"]
+        self.within += counts["within"]
+        self.width += counts["width"]
+        self.copy_width += counts["copy_width"]
+
+    def told(self) -> str:
+        width = f", {self.width / self.copy_width:.2f} as wide" if self.copy_width else ""
+        return (f"{100 * self.within / self.bounds:.1f} % of all days together{width}, "
+                f"{self.days_inside} of {self.days} days inside")
+
+
 def predictions_bounded(plan: days.Plan, figures: Figures) -> Verdict:
     """Bounds of predictions of a day that no model has seen."""
-    missed, judged = [], 0
-    totals: dict[str, list[int]] = {}
+    missed: list[str] = []
+    totals: dict[str, Coverage] = {}
     for where, number, name, store in each_store(figures):
         if number == 1:
             continue  # There is no model yet.
@@ -184,19 +211,15 @@ def predictions_bounded(plan: days.Plan, figures: Figures) -> Verdict:
             if share is None:
                 missed.append(f"{where}: no bounds of {short}")
                 continue
-            judged += 1
-            total = totals.setdefault(f"{name} {short}", [0, 0])
-            total[0] += counts["within"]
-            total[1] += counts["bounds"]
-            if not MIN_WITHIN <= share <= MAX_WITHIN:
+            is_inside = MIN_WITHIN <= share <= MAX_WITHIN
+            totals.setdefault(f"{name} {short}", Coverage()).add(counts, is_inside)
+            if not is_inside:
                 missed.append(f"{where}: {100 * share:.1f} % of {counts['bounds']} {short} within")
             if ratio is not None and ratio > ROUNDING:
                 missed.append(f"{where}: bounds of {short} are {ratio:.3f} as wide as copying's")
-    shares = ", ".join(f"{name} {100 * within / bounds:.1f} %"
-                       for name, (within, bounds) in totals.items())
+    found = "; ".join(f"{name} {total.told()}" for name, total in totals.items())
     return Verdict(6, "bounds hold for 87 to 95 % of the next day, no wider than copying's",
-                   not missed if judged else None,
-                   f"all days together: {shares}" if judged else "no such night yet",
+                   not missed if totals or missed else None, found or "no such night yet",
                    tuple(missed))
 
 
@@ -212,8 +235,8 @@ def caught_up(plan: days.Plan, figures: Figures) -> Verdict:
             waits = {later: waiting_in(by_night[later][name]) for later in range(
                 number, number + MAX_NIGHTS_TO_CATCH_UP + 1) if later in by_night}
             found.append(f"{what} {name} {', '.join(map(str, waits.values()))}")
-            if waits[number] == 0 and what == "short":
-                missed.append(f"night {number}, {name}: it was to be too short, and nothing waits")
+            if waits[number] == 0:
+                missed.append(f"night {number}, {name}: {what}, and yet nothing waits")
             is_over = number + MAX_NIGHTS_TO_CATCH_UP in waits
             if is_over and 0 not in list(waits.values())[1:]:
                 missed.append(f"night {number}, {name}: {what}, and {waits} wait")

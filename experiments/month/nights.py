@@ -23,8 +23,8 @@ NUMBER_BOUND = 0.001
 # The disk is full from this change of a file on: some of what a night writes is there by then.
 FULL_FROM_CALL = 12
 FULL_KIND = 3  # kFaultFull of tests/faults/faulty_files.h.
-# An event-driven day keeps what changes. Each image links to the joints of its moment, which would be
-# a change by itself.
+# An event-driven day keeps what changes. Each image links to the joints of its moment, which would
+# be a change by itself.
 EVENTS_CONFIG = """preset: balanced
 entities:
   - match: Vision
@@ -178,7 +178,8 @@ def sizes_of(store: pathlib.Path) -> dict[str, Any]:
     images = sum(entity["stored_bytes"] for one in manifest["segments"] if one["kind"] == "latent"
                  for entity in one["entities"] if entity["id"] == days.CAMERA)
     images += sum(one["bytes"] for one in manifest["models"] if one["entity"] == days.CAMERA)
-    return {"image_bytes": images, "latent_bytes": sum(one["bytes"] for one in manifest["segments"]
+    return {"image_bytes": images,
+            "latent_bytes": sum(one["bytes"] for one in manifest["segments"]
                                 if one["kind"] == "latent"),
             "recorded_bytes": sum(one["bytes"] for one in manifest["segments"]
                                   if one["kind"] == "recorded"),

@@ -51,7 +51,7 @@ def measure(entity: Any, raw: days.RawDay) -> dict[str, Any]:
     for moment in chosen:
         predicted = entity.predict(ahead, at=int(moment))
         copied = entity.predict(ahead, at=int(moment), engine="copy-last")
-        for step, one, copy in zip(STEPS_AHEAD, predicted, copied):
+        for step, one, copy in zip(STEPS_AHEAD, predicted, copied, strict=True):
             row = raw.places[int(moment) + step * days.STEP_NS]
             error = error_of(entity.name, one, raw, row)
             bound, copy_bound = bound_of(entity.name, one), bound_of(entity.name, copy)

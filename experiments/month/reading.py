@@ -146,7 +146,8 @@ def read_joints(store: str, raw: Raw, seen: Seen) -> dict[str, Any]:
     max_error = 0.0
     waiting = dropped = 0
     with engram.open(store) as recorded, engram.open(store, prefer="latent") as encoded:
-        for one, other in zip(recorded[days.JOINTS].snapshots(), encoded[days.JOINTS].snapshots()):
+        for one, other in zip(recorded[days.JOINTS].snapshots(),
+                              encoded[days.JOINTS].snapshots(), strict=True):
             data, row = raw.row(one.time)
             for snapshot in (one, other):
                 apart = np.abs(data.joints[row].astype(np.float64) - snapshot.value["position"])

@@ -38,7 +38,7 @@ def night_table(plan: days.Plan, figures: checks.Figures) -> str:
     for night in figures:
         for name, store in night["stores"].items():
             camera, each = store["read"][days.CAMERA], bytes_an_image(store)
-            least = camera["min_psnr_db"]
+            worst_db = camera["min_psnr_db"]
             rows.append(
                 [str(night["night"]), name, str(store["recorded"]["kept"]),
                  f"{store['job']['processor_seconds']:.1f} s",
@@ -46,7 +46,7 @@ def night_table(plan: days.Plan, figures: checks.Figures) -> str:
                  *(f"{ratio:.4f}" if name == "auto" and ratio else ""
                    for ratio in (checks.bytes_ratio(night), checks.images_ratio(night))),
                  "+".join(str(count) for count in store["sizes"]["models"].values()) or "0",
-                 "-" if least is None else f"{least:.2f} dB",
+                 "-" if worst_db is None else f"{worst_db:.2f} dB",
                  *(percent(checks.within_share(store["predicted"][entity]))
                    for entity in (days.CAMERA, days.JOINTS)),
                  str(checks.waiting_in(store)), ", ".join(plan.happenings(night["night"]))])
