@@ -51,10 +51,10 @@ def wholeness(plan: days.Plan, figures: Figures) -> Verdict:
     missed = []
     for where, number, _, store in each_store(figures):
         missed += [f"{where}: {one}" for one in store["damage"]]
-        if number == plan.killed and store["job"]["ended"] != "killed":
-            missed.append(f"{where}: was to be killed, ended {store['job']['ended']}")
-        if number == plan.full and store["job"]["ended"] != "with 1":
-            missed.append(f"{where}: a full disk is an error, it ended {store['job']['ended']}")
+        wanted = {plan.killed: "killed", plan.full: "with 1"}.get(number, "well")
+        if store["job"]["ended"] != wanted:
+            said = "".join(f": {line[-120:]}" for line in store["job"].get("said", []))
+            missed.append(f"{where}: was to end {wanted}, ended {store['job']['ended']}{said}")
     return Verdict(0, "stores are whole after every night", not missed,
                    f"{len(figures)} nights", tuple(missed))
 

@@ -68,7 +68,8 @@ def test_damage_is_found(figures):
     assert missed(figures) == [0]
 
 
-@pytest.mark.parametrize("number, ended", [(PLAN.killed, "with 0"), (PLAN.full, "with -11")])
+@pytest.mark.parametrize("number, ended", [(PLAN.killed, "well"), (PLAN.full, "well"),
+                                           (PLAN.full, "with -11"), (3, "with -6")])
 def test_a_night_that_ends_otherwise_than_planned_is_found(figures, number, ended):
     auto(figures, number)["job"]["ended"] = ended
     assert missed(figures) == [0]
