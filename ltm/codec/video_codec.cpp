@@ -103,6 +103,9 @@ void configure(const VideoKind& kind, const VideoOptions& options, AVCodecContex
   set(encoder, "crf", std::to_string(options.crf));
   if (kind.name == "av1") {
     encoder.bit_rate = 0;
+    // No key frame but the first: where libaom 3.6 looks for cuts, it ends the process with an
+    // assertion if a cut follows some 18 still pictures.
+    encoder.keyint_min = encoder.gop_size;
     set(encoder, "cpu-used", std::to_string(std::clamp(9 - options.effort, 0, 8)));
     set(encoder, "row-mt", "0");
     // Without lookahead, libaom encodes all frames with much the same quality, regardless of crf.

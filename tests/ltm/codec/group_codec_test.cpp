@@ -266,6 +266,34 @@ TEST(GroupCodecs, CodeAFirstImageOfAv1WithAKeyWhateverFollows) {
   EXPECT_NE(packet, first_packet("av1:crf=36,effort=3,key=29", moving, 16));
 }
 
+/// Blocks of random colours, with a little noise.
+NdArray noisy_blocks(uint32_t place, RandomValues& noise) {
+  constexpr size_t kSide = 64, kBlock = 8;
+  std::vector<uint8_t> pixels;
+  for (size_t y = 0; y < kSide; ++y)
+    for (size_t x = 0; x < kSide; ++x)
+      for (size_t c = 0; c < 3; ++c) {
+        RandomValues block(place * 1000 + (y / kBlock * kSide + x / kBlock) * 3 + c);
+        pixels.push_back(static_cast<uint8_t>(60 + block.bits() % 120 + noise.bits() % 3));
+      }
+  return NdArray::take({kSide, kSide, 3}, std::move(pixels));
+}
+
+// libaom 3.6 ended the process here while it looked for cuts.
+TEST(GroupCodecs, CodeACutAfterAStillWithAv1) {
+  if (!make_group_codec("av1").ok()) GTEST_SKIP() << "no AV1";
+  const auto codec = *make_group_codec("av1:crf=30,effort=5,depth=10,spread=2");
+  for (const size_t still : {18, 19, 37}) {
+    RandomValues noise(3);
+    Group group;
+    for (size_t i = 0; i < still + 12; ++i) group.push_back(noisy_blocks(i < still ? 1 : 2, noise));
+    const auto bytes = codec->encode(group);
+    ASSERT_TRUE(bytes.ok()) << bytes.status().to_string();
+    EXPECT_EQ(codec->decode(*bytes, ElementType::kUInt8, {64, 64, 3}, group.size())->size(),
+              group.size());
+  }
+}
+
 TEST(GroupCodecs, GiveBackPureColoursThroughTenBits) {
   if (!make_group_codec("av1").ok()) GTEST_SKIP() << "no AV1";
   const auto codec = *make_group_codec("av1:crf=1,effort=2,depth=10");
