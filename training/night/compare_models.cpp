@@ -86,8 +86,7 @@ Result<ComparedModels> compare_models(const EntityWork& work, const PlannedEntit
                                       uint64_t model_bytes, const EncodingLimits& limits) {
   ComparedModels compared;
   const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
-  if (work.options.representation.kind != Representation::kAuto || newest == nullptr)
-    return compared;
+  if (!planned.compares_models(work.options) || newest == nullptr) return compared;
   const auto previous = usable_model(work, planned, form, *newest, compared.notes);
   if (!previous) return compared;
   const auto no_time = [&] {

@@ -136,7 +136,7 @@ Result<ExpectedEncoding> measure_encoding(const EntityWork& work, const PlannedE
   const bool may_repeat =
       form.representation.kind == Representation::kAuto && form.train.has_networks;
   const bool has_previous =
-      work.options.representation.kind == Representation::kAuto && planned.plan.newest_version > 0;
+      planned.compares_models(work.options) && planned.plan.newest_version > 0;
   const auto news = static_cast<double>(has_previous ? planned.plan.new_snapshots : 0);
   const auto measured = static_cast<double>(std::min(entries.size(), kMaxMeasured));
   return ExpectedEncoding{

@@ -62,6 +62,10 @@ bool PlannedEntity::has_images_alone() const {
   });
 }
 
+bool PlannedEntity::compares_models(const ConsolidateOptions& options) const {
+  return options.representation.kind == Representation::kAuto || !has_images(layout);
+}
+
 double PlannedEntity::weight() const {
   return is_skipped() ? 0 : std::sqrt(plain_bytes);
 }

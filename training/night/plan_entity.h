@@ -26,6 +26,9 @@ struct PlannedEntity {
 
   /// Whether all members are images, so that nothing is trained where they are kept as video.
   [[nodiscard]] bool has_images_alone() const;
+  /// Whether a new model is compared with the newest one, and published only if it is cheaper. A
+  /// representation that was asked for, other than auto, is made of images whatever it takes.
+  [[nodiscard]] bool compares_models(const ConsolidateOptions& options) const;
   [[nodiscard]] bool is_skipped() const { return !plan.skipped_reason.empty(); }
 
   /// Weight of this entity in the division of the time of training. Larger entities need more time,

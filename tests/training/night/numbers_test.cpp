@@ -9,6 +9,7 @@
 #include "ltm/recall/recall.h"
 #include "ltm/recording/recorder.h"
 #include "tests/training/recorded_scene.h"
+#include "training/night/drop_raw.h"
 
 namespace engram::training {
 namespace {
@@ -202,6 +203,23 @@ TEST(NumberPredictions, GoOnFromJointsThatStoodStillInTraining) {
     EXPECT_LT(std::abs(joints[0]), 1.5) << "what swings goes on swinging";
     EXPECT_EQ(joints[1], 0.9);
     EXPECT_NEAR(joints[2], 0.4, 1e-9);
+  }
+}
+
+// A night of video said nothing of numbers, and yet each published a model of them.
+TEST(Numbers, GetANewModelOnlyWhereItPaysWhateverImagesAreKeptAs) {
+  for (const Representation kind : {Representation::kAuto, Representation::kVideo}) {
+    const ScratchPath store("numbers_again");
+    record_cups(store.path(), true);
+    auto chosen = quick_consolidation();
+    chosen.representation.kind = kind;
+    EXPECT_TRUE(engram::testing::night(store.path(), chosen).is_model_new);
+    ASSERT_TRUE(drop_raw(store.path(), id("Test/Objects/sim/cup"), {}, {}, {}).ok());
+    record_cups(store.path(), true, kCount);
+    const EntityReport again = engram::testing::night(store.path(), chosen);
+    EXPECT_FALSE(again.is_model_new) << to_string(kind);
+    EXPECT_EQ(again.choice.previous_version, 1) << to_string(kind);
+    EXPECT_EQ(ltm::read_manifest(store.path())->models.size(), 1u);
   }
 }
 
