@@ -23,8 +23,7 @@ enum class ImageForm : uint8_t {
   kPackedAv1 = 6,  ///< AV1 in a shorter code (encoders/packed_video.h); never of a background.
 };
 
-/// The group codec of a form (ltm/codec/group_codec.h); empty for
-/// latents, gists and packed videos.
+/// The group codec of a form (ltm/codec/group_codec.h); empty for latents, gists and packed videos.
 [[nodiscard]] std::string_view codec_name(ImageForm form);
 
 /// The form for a group codec's name; empty if blocks do not accept that codec.

@@ -22,9 +22,8 @@ struct ImageRows {
   std::vector<int32_t> latents;  ///< [rows, latents]; empty in other forms.
   /// Code of all rows by ResidualEncoder; empty if the latents or the video keep the bound alone.
   std::vector<std::byte> residual;
-  ResidualRows residuals;  ///< Decoded from `residual`; not needed to encode.
-  std::vector<std::byte>
-      video;  ///< Code of all rows by the codec of `form`, packed, or their gist.
+  ResidualRows residuals;            ///< Decoded from `residual`; not needed to encode.
+  std::vector<std::byte> video;      ///< Code of all rows in another form than latents.
   std::vector<idf::NdArray> frames;  ///< Decoded from `video`; not needed to encode.
 
   friend bool operator==(const ImageRows&, const ImageRows&) = default;

@@ -51,7 +51,7 @@ Result<PackedHead> read_packed_head(ByteReader& reader) {
   return head;
 }
 
-/// The thumbnail of an image: its grey levels in small.
+/// The image in small.
 cv::Mat thumbnail_of(const idf::NdArray& image) {
   const auto& shape = image.shape();
   const auto side = [](int64_t length) {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "ltm/core/log.h"
 #include "training/forms/latent_refinement.h"
+#include "training/forms/reference_choice.h"
 #include "training/forms/view_choice.h"
 #include "training/quality/psnr.h"
 
@@ -30,22 +30,6 @@ uint64_t background_bytes(const LatentRows& rows) {
   return bytes;
 }
 
-/// The references of a model for a member. One that does not decode is not used: videos get key
-/// frames of their own then.
-std::vector<encoders::OpenReference> open_references(const encoders::DeepModel& model,
-                                                     size_t member) {
-  std::vector<encoders::OpenReference> open;
-  const encoders::LatentChainCodec& chain = model.codec.chain;
-  for (const encoders::VideoReference& reference : chain.references_of(member)) {
-    auto opened = encoders::open_reference(reference, chain.frames[member]);
-    if (opened.ok())
-      open.push_back(*std::move(opened));
-    else
-      log::warning("a reference of videos is not used: {}", opened.status().message());
-  }
-  return open;
-}
-
 /// What the job knows about these images; else nothing is known. Videos begin from the references
 /// of the model.
 std::shared_ptr<EntityVideos> videos_for(const encoders::DeepModel& model,
@@ -58,7 +42,7 @@ std::shared_ptr<EntityVideos> videos_for(const encoders::DeepModel& model,
     videos = std::make_shared<EntityVideos>(images.size(), options.search(pixels));
   }
   for (size_t i = 0; i < images.size(); ++i)
-    videos->search_of(i).use_references(open_references(model, i));
+    videos->search_of(i).use_references(open_references(model.codec.chain, i));
   return videos;
 }
 

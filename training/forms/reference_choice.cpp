@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "ltm/codec/group_codec.h"
+#include "ltm/core/log.h"
 
 namespace engram::training {
 
@@ -64,7 +64,7 @@ class ReferenceChoice {
       served[i].bytes = static_cast<double>(packed->size());
       order.push_back(i);
     }
-    if (order.empty()) return false;
+    if (order.empty() || chosen_.size() == encoders::kMaxReferences) return false;
     std::ranges::sort(order, {}, [&](size_t i) { return served[i].distance; });
     // The reach that saves the most: beyond it more is lost than saved.
     double saved = 0, best = 0, reach = 0;
@@ -134,6 +134,18 @@ class ReferenceChoice {
 };
 
 }  // namespace
+
+std::vector<OpenReference> open_references(const encoders::LatentChainCodec& chain, size_t member) {
+  std::vector<OpenReference> open;
+  for (const encoders::VideoReference& reference : chain.references_of(member)) {
+    auto opened = encoders::open_reference(reference, chain.frames[member]);
+    if (opened.ok())
+      open.push_back(*std::move(opened));
+    else
+      log::warning("a reference of videos is not used: {}", opened.status().message());
+  }
+  return open;
+}
 
 Result<std::vector<OpenReference>> choose_references(std::span<const ReferenceSample> samples,
                                                      std::vector<OpenReference> known,

@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "encoders/latent_chain.h"
 #include "encoders/packed_video.h"
 #include "ltm/core/time.h"
 #include "training/forms/video_search.h"
@@ -37,5 +38,10 @@ struct ReferenceChoiceOptions {
 Result<std::vector<encoders::OpenReference>> choose_references(
     std::span<const ReferenceSample> samples, std::vector<encoders::OpenReference> known,
     const ReferenceChoiceOptions& options, const std::stop_token& stop);
+
+/// Opens the references of an image member. One that does not decode is left out with a warning:
+/// videos get key frames of their own then.
+[[nodiscard]] std::vector<encoders::OpenReference> open_references(
+    const encoders::LatentChainCodec& chain, size_t member);
 
 }  // namespace engram::training

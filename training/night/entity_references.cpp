@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "encoders/deep_model_file.h"
-#include "ltm/core/log.h"
 #include "training/fit/sequences.h"
 #include "training/forms/entity_videos.h"
 #include "training/forms/reference_choice.h"
@@ -16,6 +16,8 @@
 namespace engram::training {
 
 namespace {
+
+using References = std::vector<encoders::OpenReference>;
 
 /// With fewer chains nothing is left after what a reference takes.
 constexpr double kMinChains = 4;
@@ -72,24 +74,15 @@ Result<std::vector<std::vector<ReferenceSample>>> samples_of(const EntityWork& w
   return samples;
 }
 
-/// The references of the newest model, where videos of such images begin from them.
-std::vector<encoders::OpenReference> known_references(const EntityWork& work,
-                                                      const encoders::DeepModel& model,
-                                                      size_t member) {
-  std::vector<encoders::OpenReference> known;
+/// The codec of the newest model, whose references may be taken over; nothing without one of this
+/// layout.
+std::optional<encoders::LatentChainCodec> newest_codec(const EntityWork& work,
+                                                       const idf::Layout& layout) {
   const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
-  if (newest == nullptr || work.options.starts_anew) return known;
-  const auto previous = encoders::read_model(work.reader.path() / newest->file);
-  if (!previous.ok() || !((*previous)->plan.layout() == model.plan.layout())) return known;
-  for (const auto& reference : (*previous)->codec.chain.references_of(member)) {
-    auto open = encoders::open_reference(reference, model.codec.chain.frames[member]);
-    if (open.ok())
-      known.push_back(*std::move(open));
-    else
-      log::warning("{}: a reference of v{} is not used: {}", work.entity.to_string(),
-                   newest->version, open.status().message());
-  }
-  return known;
+  if (newest == nullptr || work.options.starts_anew) return std::nullopt;
+  const auto model = encoders::read_model(work.reader.path() / newest->file);
+  if (!model.ok() || !((*model)->plan.layout() == layout)) return std::nullopt;
+  return (*model)->codec.chain;
 }
 
 bool has_time(const EntityWork& work, const Allotment& time, const ChosenForm& form,
@@ -119,6 +112,7 @@ Status add_references(const EntityWork& work, const PlannedEntity& planned, cons
       (static_cast<double>(samples) * (1 + 2 * tried) + 5.0 * tried + 4.0 * kFirstRun);
   if (!has_time(work, time, form, encodes)) return {};
   ENGRAM_ASSIGN_OR_RETURN(const auto images, samples_of(work, planned, samples));
+  const auto newest = newest_codec(work, planned.layout);
   auto& references = model.codec.chain.references;
   references.assign(members, {});
   for (size_t i = 0; i < members; ++i) {
@@ -127,14 +121,15 @@ Status add_references(const EntityWork& work, const PlannedEntity& planned, cons
     const VideoSearch& search = videos->search_of(i);
     if (search.history().is_empty()) continue;
     const VideoSearchOptions& options = search.options();
-    ENGRAM_ASSIGN_OR_RETURN(const auto chosen,
-                            choose_references(images[i], known_references(work, model, i),
-                                              {.chains = chains,
-                                               .crf = search.history().first_guess(
-                                                   options.bound_db, options.tolerance_db),
-                                               .settings = options.settings,
-                                               .max_tried = tried},
-                                              work.pace.stop()));
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto chosen,
+        choose_references(
+            images[i], newest ? open_references(*newest, i) : References(),
+            {.chains = chains,
+             .crf = search.history().first_guess(options.bound_db, options.tolerance_db),
+             .settings = options.settings,
+             .max_tried = tried},
+            work.pace.stop()));
     for (const encoders::OpenReference& one : chosen) references[i].push_back(one.reference);
   }
   return {};
