@@ -74,15 +74,25 @@ Result<std::vector<std::vector<ReferenceSample>>> samples_of(const EntityWork& w
   return samples;
 }
 
-/// The codec of the newest model, whose references may be taken over; nothing without one of this
-/// layout.
-std::optional<encoders::LatentChainCodec> newest_codec(const EntityWork& work,
-                                                       const idf::Layout& layout) {
+/// The codec of the newest model, with those references that may be taken over; nothing without one
+/// of this layout.
+Result<std::optional<encoders::LatentChainCodec>> newest_codec(const EntityWork& work,
+                                                               const idf::Layout& layout) {
+  using Codec = std::optional<encoders::LatentChainCodec>;
   const ltm::ModelInfo* newest = work.reader.manifest().newest_model(work.entity);
-  if (newest == nullptr || work.options.starts_anew) return std::nullopt;
+  if (newest == nullptr || work.options.starts_anew) return Codec();
   const auto model = encoders::read_model(work.reader.path() / newest->file);
-  if (!model.ok() || !((*model)->plan.layout() == layout)) return std::nullopt;
-  return (*model)->codec.chain;
+  if (!model.ok() || !((*model)->plan.layout() == layout)) return Codec();
+  Codec codec = (*model)->codec.chain;
+  for (auto& references : codec->references) {
+    std::vector<encoders::VideoReference> remembered;
+    for (encoders::VideoReference& reference : references) {
+      ENGRAM_ASSIGN_OR_RETURN(const bool is_there, is_remembered(work, reference));
+      if (is_there) remembered.push_back(std::move(reference));
+    }
+    references = std::move(remembered);
+  }
+  return codec;
 }
 
 bool has_time(const EntityWork& work, const Allotment& time, const ChosenForm& form,
@@ -95,6 +105,12 @@ bool has_time(const EntityWork& work, const Allotment& time, const ChosenForm& f
 }
 
 }  // namespace
+
+Result<bool> is_remembered(const EntityWork& work, const encoders::VideoReference& reference) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* index, work.reader.index(work.entity));
+  return std::ranges::binary_search(*index, time_from_ns(reference.time), {},
+                                    &ltm::SnapshotEntry::time);
+}
 
 Status add_references(const EntityWork& work, const PlannedEntity& planned, const ChosenForm& form,
                       const Allotment& time, encoders::DeepModel& model) {
@@ -112,7 +128,7 @@ Status add_references(const EntityWork& work, const PlannedEntity& planned, cons
       (static_cast<double>(samples) * (1 + 2 * tried) + 5.0 * tried + 4.0 * kFirstRun);
   if (!has_time(work, time, form, encodes)) return {};
   ENGRAM_ASSIGN_OR_RETURN(const auto images, samples_of(work, planned, samples));
-  const auto newest = newest_codec(work, planned.layout);
+  ENGRAM_ASSIGN_OR_RETURN(const auto newest, newest_codec(work, planned.layout));
   auto& references = model.codec.chain.references;
   references.assign(members, {});
   for (size_t i = 0; i < members; ++i) {

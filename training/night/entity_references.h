@@ -10,6 +10,11 @@
 
 namespace engram::training {
 
+/// Whether the snapshot that a reference was made of is still there, in any form. A picture of what
+/// was forgotten must not serve new videos.
+/// Errors: the errors of the store.
+Result<bool> is_remembered(const EntityWork& work, const encoders::VideoReference& reference);
+
 /// Adds references to a new model that keeps images as AV1 video: those of the newest model that
 /// are still worth their bytes, and new ones. Nothing happens where there are too few chains, or
 /// where the time does not suffice.

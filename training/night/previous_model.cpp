@@ -8,6 +8,7 @@
 
 #include "encoders/deep_model_file.h"
 #include "ltm/idf/binary.h"
+#include "training/night/entity_references.h"
 #include "training/night/model_of_latents.h"
 #include "training/quality/psnr.h"
 
@@ -44,6 +45,19 @@ Model usable_model(const EntityWork& work, const PlannedEntity& planned, const C
   return *std::move(model);
 }
 
+namespace {
+
+/// Whether all pictures from which the model's videos begin are still remembered. A store that
+/// cannot tell is no reason for a new model.
+bool are_references_remembered(const EntityWork& work, const encoders::DeepModel& model) {
+  for (const auto& references : model.codec.chain.references)
+    for (const encoders::VideoReference& reference : references)
+      if (!is_remembered(work, reference).value_or(true)) return false;
+  return true;
+}
+
+}  // namespace
+
 Model model_of_more_video(const EntityWork& work, const PlannedEntity& planned,
                           const ChosenForm& form) {
   // Snapshots below the bound are encoded again, which is known of single images alone. A model of
@@ -58,6 +72,7 @@ Model model_of_more_video(const EntityWork& work, const PlannedEntity& planned,
   const double spare_db = model->provenance.forms.bound_db - planned.representation.bound_db;
   if (spare_db > kMaxSpareDb || (spare_db < 0 && model->plan.images().size() > 1)) return nullptr;
   if (static_cast<int>(model->codec.chain_rows) != form.train.chain_rows) return nullptr;
+  if (!are_references_remembered(work, *model)) return nullptr;
   return model;
 }
 

@@ -7,6 +7,7 @@
 #include "encoders/packed_video.h"
 #include "ltm/codec/group_codec.h"
 #include "ltm/recall/recall.h"
+#include "ltm/store/rewrite.h"
 #include "ltm/store/store_check.h"
 #include "ltm/store/store_reader.h"
 #include "tests/training/recorded_scene.h"
@@ -163,6 +164,22 @@ TEST_F(References, AreTakenOverByANewModel) {
   night(store.path(), options);
   EXPECT_EQ(references_of(store.path()).size(), 1u);
   expect_within_bound(store.path(), 12 * kRows);
+}
+
+TEST_F(References, GoWithWhatWasForgottenInTheNextNight) {
+  const ScratchPath store("references_forgotten");
+  record_rooms(store.path(), 0, 12);
+  night(store.path(), as_video());
+  const auto before = references_of(store.path());
+  ASSERT_EQ(before.size(), 1u);
+  const ltm::ForgetSet gone{{id(kCamera), {time_from_ns(before.front().time)}}};
+  ASSERT_TRUE(ltm::forget_snapshots(store.path(), gone).ok());
+  record_rooms(store.path(), 12, 1);
+  EXPECT_TRUE(night(store.path(), as_video()).is_model_new);
+  for (const encoders::VideoReference& reference : references_of(store.path()))
+    EXPECT_NE(reference.hash(), before.front().hash());
+  // What began from it was still recorded and is coded anew, so that its model went, too.
+  EXPECT_EQ(ltm::read_manifest(store.path())->models.size(), 1u);
 }
 
 TEST_F(References, AreNotWorthItInFewRecordings) {
