@@ -57,16 +57,17 @@ def psnr(recorded, decoded):
     return math.inf if worst == 0 else 10 * math.log10(255 * 255 / worst)
 
 
+PIXELS = {8: "yuv444p", 10: "yuv444p10le"}
+
+
 def rival_of(bits):
     """A crf is given as libaom counts it."""
-    coder = dataclasses.replace(video_coders.av1("best"), largest_crf=51)
-    return coder, {8: "yuv444p", 10: "yuv444p10le"}[bits]
+    return dataclasses.replace(video_coders.av1("best"), largest_crf=51, pixels=PIXELS[bits])
 
 
 def search_rival(images, bound, bits):
     """The fewest bytes of one group in which every image keeps the bound."""
-    coder, pixels = rival_of(bits)
-    video_coders.PIXELS = pixels
+    coder = rival_of(bits)
     tried = {}
 
     def measure(crf):

@@ -30,13 +30,15 @@ PLAIN = ("-f", "rawvideo", "-pix_fmt", "rgb24")
 @dataclass(frozen=True)
 class Coder:
     """`title` as tables and plots name it; `options` of FFmpeg; `suffix` of a stream without a
-    container; `largest_crf`: qualities are given in 0 to 51 and scaled to that."""
+    container; `largest_crf`: qualities are given in 0 to 51 and scaled to that; `pixels`: FFmpeg's
+    format of what is coded."""
 
     title: str
     encoder: str
     options: tuple[str, ...]
     suffix: str
     largest_crf: int = 51
+    pixels: str = PIXELS
 
 
 def coders(effort: str) -> list[Coder]:
@@ -83,7 +85,7 @@ def write_stream(images: Images, coder: Coder, crf: int, group: int, rate_hz: fl
     scaled_crf = round(crf * coder.largest_crf / 51)
     _ffmpeg([*PLAIN, "-s", f"{width}x{height}", "-r", f"{rate_hz}", "-i", "-",
              "-vf", "scale=out_color_matrix=bt601:out_range=full:"
-                    f"flags=accurate_rnd+full_chroma_int,format={PIXELS}",
+                    f"flags=accurate_rnd+full_chroma_int,format={coder.pixels}",
              "-color_range", "pc", "-colorspace", "smpte170m", "-c:v", coder.encoder,
              *coder.options, "-crf", str(scaled_crf), "-g", str(group or len(images)),
              "-threads", "1", str(stream)], images.tobytes())
