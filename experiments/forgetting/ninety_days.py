@@ -27,7 +27,8 @@ import scores
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 CONSOLIDATION = ["--representation", "video", "--drop-raw", "--progress", "none", "--json"]
-OLDEST = "forget:\n  quota: {{max_bytes: {bytes}B}}\n"
+# Without "newest: 0" a model of each entity stays, and that is more than a small quota.
+OLDEST = "forget:\n  quota: {{max_bytes: {bytes}B}}\n  protect: {{newest: 0}}\n"
 EMPTY = "forget:\n  rules: [{older_than: 0s}]\n  protect: {newest: 0}\n"
 SMALL = ["fading", "oldest", "empty", "constant", "chance"]
 NEEDED = 0.9
@@ -59,9 +60,20 @@ def entity_bytes(engram, store):
     return found
 
 
+def made_whole(path, make):
+    """Makes a file or folder unless it is there. One that was half made is not taken for whole."""
+    if path.exists():
+        return
+    part = path.with_name(path.name + ".part")
+    if part.is_dir():
+        shutil.rmtree(part)
+    part.unlink(missing_ok=True)
+    make(part)
+    part.rename(path)
+
+
 def make_full(options, recorded, full):
     """The recordings, consolidated as well as Engram can without further loss, and compacted."""
-    shutil.rmtree(full, ignore_errors=True)
     shutil.copytree(recorded, full)
     days.tell("consolidates all days")
     days.run(options.engram, "consolidate", full, *CONSOLIDATION, "--steps", options.steps,
@@ -106,17 +118,14 @@ def measure(options):
     sys.path.insert(0, str(options.package))
     import engram as package
 
-    if not truth.exists():
-        if not recorded.exists():
-            days.record(options.engram, plan, recorded, options.work)
-        days.write_truth(package, plan, recorded, truth)
+    made_whole(recorded, lambda part: days.record(options.engram, plan, part, options.work))
+    made_whole(truth, lambda part: days.write_truth(package, plan, recorded, part))
     truths = days.read_truth(truth)
     for number in range(options.verify):
         day = number * (plan.days - 1) // max(options.verify - 1, 1)
         days.verify_truth(options.engram, plan, day, truths[day], options.work)
         days.tell(f"day {day}: the simulator writes the same again")
-    if not full.exists():
-        make_full(options, recorded, full)
+    made_whole(full, lambda part: make_full(options, recorded, part))
     quota = int(bytes_of(full) * options.share)
     result = {"days": plan.days, "seed": plan.seed, "today": str(plan.today),
               "quota_bytes": quota, "recorded_bytes": bytes_of(recorded), "stores": {}}
