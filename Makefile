@@ -41,7 +41,7 @@ help:
 	@echo "make bench-build     processor time of a fresh release build, per room and of the dearest sources"
 	@echo "             (BENCH=--json, or BENCH='--report build/release' for a build that is there)"
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
-	@echo "make crash-night     kill nightly jobs at random moments, look for what they lost (KILLS=100)"
+	@echo "make crash-night     kill nightly jobs and fading at random moments, look for what they lost (KILLS=100)"
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
 	@echo "make soak    kill servers, clients and the name system at random moments (SECONDS=600)"
 	@echo "make server-cut      cut a server off the network: how soon do clients go on? (needs root)"

@@ -2,9 +2,12 @@
 // crash_night KILLS [SEED]: runs `engram consolidate` on a small rendered scene and kills it at
 // random moments (SIGKILL). After each kill: `engram check` finds nothing wrong, and every recorded
 // snapshot is there bit for bit. Jobs that come through make the very model that one makes which
-// was never killed. Prints a table; exit code 1 where anything is not so.
+// was never killed. Then what was consolidated fades, in three steps with as many kills: nothing is
+// wrong, every moment is there, and in the end all of it has faded. Prints a table; exit code 1
+// where anything is not so.
 #include <charconv>
 #include <chrono>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -22,6 +25,8 @@ namespace engram::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+/// Longer than a step of fading takes.
+constexpr int kLongestFadeMs = 3000;
 /// What a store holds, by name: checksums of recorded snapshots, or of model files.
 using Content = std::map<std::string, uint64_t>;
 
@@ -55,6 +60,7 @@ class Night {
       look_at(result);
     }
     look_at(run_engram(consolidate_));
+    for (const char* step : {"psnr: 34", "psnr: 28", "form: gist"}) fade(step, (kills + 2) / 3);
     print(kills, std::chrono::duration<double>(Clock::now() - start).count());
     return failures_ == 0 ? 0 : 1;
   }
@@ -114,6 +120,59 @@ class Night {
     Row& row = rows_[phase_of(result)];
     ++row.kills;
     row.failures += problems.empty() ? 0 : 1;
+  }
+
+  /// Every moment of the camera, whatever form it has.
+  [[nodiscard]] std::vector<Time> moments() const {
+    std::vector<Time> found;
+    auto reader = *ltm::StoreReader::open(store_);
+    for (const ltm::SnapshotEntry& entry : **reader->index(*ltm::MemoryId::parse(kCamera)))
+      found.push_back(entry.time);
+    return found;
+  }
+
+  /// Lets all images fade by one step, with so many kills before one job comes through.
+  void fade(const std::string& step, int kills) {
+    const std::string config = scratch_.path() / "fade.yaml";
+    std::ofstream(config)
+        << "forget:\n  protect: {newest: 0}\n  fade:\n    - {match: Vision, after: 0s, " << step
+        << "}\n";
+    const std::vector<std::string> forget{"forget", store_, "--config", config, "--yes"};
+    const std::vector<Time> before = moments();
+    int longest_ms = kLongestFadeMs;
+    for (int killed = 0; killed < kills;) {
+      const RunResult result =
+          run_engram_and_kill(forget, std::uniform_int_distribution(0, longest_ms)(random_));
+      look_at_faded(result, before, step);
+      if (result.exit_code < 0) {
+        ++killed;
+      } else {
+        // What has faded is not coded again, so later jobs are quick.
+        longest_ms /= 2;
+        if (longest_ms == 0) break;
+      }
+    }
+    const RunResult last = run_engram(forget);
+    look_at_faded(last, before, step);
+    if (last.exit_code != 0 || recorded().size() != recorded_.size() - before.size())
+      fail(step, "not everything has faded: " + last.err);
+  }
+
+  void look_at_faded(const RunResult& result, const std::vector<Time>& before,
+                     const std::string& step) {
+    Row& row = rows_["fade, " + step];
+    row.kills += result.exit_code < 0 ? 1 : 0;
+    if (result.exit_code != 0 && result.exit_code != -9)
+      fail(step, fmt::format("exit code {}: {}", result.exit_code, result.err));
+    const RunResult check = run_engram({"check", store_});
+    if (check.exit_code != 0) fail(step, "check: " + check.out + check.err);
+    if (moments() != before) fail(step, "a moment is gone");
+  }
+
+  void fail(const std::string& step, const std::string& what) {
+    fmt::print(stderr, "fade, {}: {}\n", step, what);
+    ++failures_;
+    ++rows_["fade, " + step].failures;
   }
 
   void print(int kills, double seconds) const {
