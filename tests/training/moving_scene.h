@@ -13,9 +13,10 @@
 
 namespace engram::testing {
 
+inline constexpr int kHeight = 40, kWidth = 48;
+
 /// A bright square that moves over a shaded ground, 48 x 40 (no multiple of 16), and two joints.
 inline idf::Data scene_at(int i, bool has_image = true, bool has_numbers = true) {
-  constexpr int kHeight = 40, kWidth = 48;
   idf::Dict dict;
   if (has_image) {
     const int left = (i * 2) % (kWidth - 12);

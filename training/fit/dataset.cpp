@@ -1,12 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/fit/dataset.h"
 
+#include <algorithm>
+
+#include "ltm/core/check.h"
+
 namespace engram::training {
 
 using torch::Tensor;
 
 int Dataset::scenes() const {
   return backgrounds.empty() ? 1 : static_cast<int>(backgrounds.front().size(0));
+}
+
+Tensor normalised(const Tensor& plain, std::span<const double> mean,
+                  std::span<const double> deviation) {
+  Tensor values = torch::zeros(plain.sizes());
+  for (size_t i = 0; i < mean.size(); ++i)
+    if (deviation[i] > 0)
+      values.select(1, static_cast<int64_t>(i))
+          .copy_(torch::nan_to_num(
+              (plain.select(1, static_cast<int64_t>(i)) - mean[i]) / deviation[i], 0, 0, 0));
+  return values;
+}
+
+void Dataset::replace(size_t sequence, const DatasetRows& rows) {
+  const Sequence& place = sequences[sequence];
+  ENGRAM_CHECK(rows.times.size() == place.size(), "{} rows in the place of {}", rows.times.size(),
+               place.size());
+  const auto of_place = [&](const Tensor& all) {
+    return all.slice(0, static_cast<int64_t>(place.first), static_cast<int64_t>(place.end));
+  };
+  std::ranges::copy(rows.times, times.begin() + static_cast<ptrdiff_t>(place.first));
+  for (size_t i = 0; i < images.size(); ++i) of_place(images[i]).copy_(rows.images[i]);
+  of_place(plain_numbers).copy_(rows.plain_numbers);
+  if (numbers.defined()) of_place(numbers).copy_(normalised(rows.plain_numbers, mean, deviation));
+  if (conditions.defined())
+    of_place(conditions)
+        .copy_(normalised(rows.plain_conditions, condition->mean, condition->deviation));
 }
 
 encoders::Parts Dataset::batch(const encoders::NetworkShape& shape, const Tensor& indices) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "encoders/deep_model.h"
@@ -23,7 +24,16 @@ struct AugmentedRows {
   [[nodiscard]] size_t size() const { return static_cast<size_t>(sequence.size(0)); }
 };
 
-/// The decoded values that a model is trained on, in memory and in the order of time.
+/// Decoded values of consecutive snapshots.
+struct DatasetRows {
+  std::vector<Time> times;
+  std::vector<torch::Tensor> images;  ///< As of Dataset.
+  torch::Tensor plain_numbers;        ///< As of Dataset.
+  torch::Tensor plain_conditions;     ///< As they were recorded, float64 [n, K]; NaN if unknown.
+};
+
+/// The decoded values that a model is trained on, in memory. Sequences are in the order of time
+/// until RowRotation replaces some.
 ///
 /// Threading: one thread.
 struct Dataset {
@@ -35,6 +45,8 @@ struct Dataset {
   /// Per sequence: first row of the held-out end of its recording, which prediction is not trained
   /// on.
   std::vector<size_t> first_held_out;
+  std::vector<Sequence> source_rows;    ///< Per sequence: its rows of the source.
+  std::vector<Sequence> left_out_runs;  ///< Rows of the source to train on without room in memory.
   size_t left_out_sequences = 0;
   std::vector<torch::Tensor> images;  ///< Per image member: pixels [n, H, W, C].
   torch::Tensor numbers;              ///< Normalised [n, N]; undefined without numbers.
@@ -55,6 +67,10 @@ struct Dataset {
   [[nodiscard]] size_t size() const { return times.size(); }
   [[nodiscard]] int scenes() const;
 
+  /// Replaces the values of a sequence by others of the same number, normalised as the old ones
+  /// were. Scenes stay.
+  void replace(size_t sequence, const DatasetRows& rows);
+
   /// Returns rows as input of the networks.
   /// Shape: indices int64 [B].
   [[nodiscard]] encoders::Parts batch(const encoders::NetworkShape& shape,
@@ -64,5 +80,10 @@ struct Dataset {
   [[nodiscard]] encoders::Parts augmented_batch(const encoders::NetworkShape& shape,
                                                 const torch::Tensor& indices) const;
 };
+
+/// Numbers by their means and deviations. What never changed, or is not finite, becomes 0.
+/// Shape: plain [n, N] of float64 -> [n, N] of float32.
+[[nodiscard]] torch::Tensor normalised(const torch::Tensor& plain, std::span<const double> mean,
+                                       std::span<const double> deviation);
 
 }  // namespace engram::training

@@ -9,6 +9,7 @@
 #include "training/fit/gradients.h"
 #include "training/fit/image_units.h"
 #include "training/fit/latent_regulariser.h"
+#include "training/fit/row_rotation.h"
 #include "training/fit/row_sampler.h"
 #include "training/fit/view_change.h"
 
@@ -254,8 +255,9 @@ void start_from_new_backgrounds(encoders::DeepModel& model, const Dataset& data)
 
 }  // namespace
 
-Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                const TrainOptions& options, FitLoop& loop, FitSpeed& speed) {
+Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const TrainingSource& source,
+                                Dataset& data, const TrainOptions& options, FitLoop& loop,
+                                FitSpeed& speed) {
   FitStep now;
   if (model.autoencoder->images.empty()) return now;
   start_from_new_backgrounds(model, data);
@@ -279,8 +281,10 @@ Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
   if (augmented_sampler)
     for (double* number : augmented_sampler->state()) state.numbers.push_back(number);
   ENGRAM_RETURN_IF_ERROR(loop.begin(state));
+  RowRotation rotation(source, data, options.seed);
   for (;; ++now.step) {
     ENGRAM_ASSIGN_OR_RETURN(const double share, loop.next(state));
+    ENGRAM_RETURN_IF_ERROR(rotation.advance(now.step, real_sampler));
     if (share >= 1.0) break;
     const std::clock_t start = std::clock();
     set_rate(optimiser, share);

@@ -7,6 +7,7 @@
 #include "training/fit/dataset.h"
 #include "training/fit/fit_loop.h"
 #include "training/fit/train_options.h"
+#include "training/fit/training_source.h"
 
 // Internal to the learning rooms: includes LibTorch.
 
@@ -27,8 +28,10 @@ struct FitSpeed {
 /// Trains the autoencoder and the prior of its latents together, for the fewest bits at the
 /// requested PSNR. It adds to `speed`, and does nothing without images. The prior does not learn
 /// from the held-out parts of sequences (held_out_from).
-/// Errors: the errors of the loop.
-Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const Dataset& data,
-                                const TrainOptions& options, FitLoop& loop, FitSpeed& speed);
+/// Rows that are not in memory take the places of others in `data` (RowRotation).
+/// Errors: the errors of the loop and of the source.
+Result<FitStep> fit_autoencoder(encoders::DeepModel& model, const TrainingSource& source,
+                                Dataset& data, const TrainOptions& options, FitLoop& loop,
+                                FitSpeed& speed);
 
 }  // namespace engram::training

@@ -57,26 +57,60 @@ Scale scale_of(const Tensor& column) {
   return {mean, spread};
 }
 
-/// Normalises by means and deviations. Given ones are kept if the columns have a normal size in
-/// them, else they are replaced by those of the columns. Values that are not finite become 0.
-/// Shape: plain [n, N] of float64 -> [n, N] of float32.
-Tensor scaled(const Tensor& plain, std::vector<double>& mean, std::vector<double>& deviation) {
+/// Chooses means and deviations. Given ones are kept if the columns have a normal size in them,
+/// else they are replaced by those of the columns. Shape: plain [n, N] of float64.
+void choose_scales(const Tensor& plain, std::vector<double>& mean, std::vector<double>& deviation) {
   const auto count = static_cast<size_t>(plain.size(1));
   mean.resize(count);
   deviation.resize(count);
-  Tensor values = torch::zeros(plain.sizes());
   for (size_t i = 0; i < count; ++i) {
-    const Tensor column = plain.select(1, static_cast<int64_t>(i));
-    const Scale found = scale_of(column);
+    const Scale found = scale_of(plain.select(1, static_cast<int64_t>(i)));
     const Scale known{mean[i], deviation[i]};
     const Scale scale = known.holds(found) ? known : found;
     mean[i] = scale.mean;
     deviation[i] = scale.deviation;
-    if (scale.deviation > 0)
-      values.select(1, static_cast<int64_t>(i))
-          .copy_(torch::nan_to_num((column - scale.mean) / scale.deviation, 0, 0, 0));
   }
-  return values;
+}
+
+DatasetRows empty_rows(const encoders::TensorPlan& plan, int64_t rows) {
+  DatasetRows empty;
+  for (const auto& image : plan.images())
+    empty.images.push_back(torch::empty({rows, image.height, image.width, image.channels},
+                                        image.is_depth ? torch::kInt16 : torch::kUInt8));
+  empty.plain_numbers =
+      torch::empty({rows, static_cast<int64_t>(plan.number_count())}, torch::kFloat64);
+  return empty;
+}
+
+/// Reads a value of the source into a row.
+Status read_row(const TrainingSource& source, size_t index, const encoders::TensorPlan& plan,
+                int64_t row, DatasetRows& rows) {
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Data value, source.read(index));
+  ENGRAM_ASSIGN_OR_RETURN(const auto split, plan.layout().split(value));
+  for (size_t i = 0; i < rows.images.size(); ++i) {
+    const auto bytes = split.tensors[plan.images()[i].member].bytes();
+    std::memcpy(rows.images[i].select(0, row).data_ptr(), bytes.data(), bytes.size());
+  }
+  const std::vector<double> numbers = plan.read_numbers(split);
+  std::copy(numbers.begin(), numbers.end(), rows.plain_numbers.select(0, row).data_ptr<double>());
+  rows.times.push_back(source.times[index]);
+  return {};
+}
+
+/// The numbers of a condition; none if it has another layout.
+std::vector<double> condition_numbers(const encoders::Condition& condition,
+                                      const idf::Data& value) {
+  const auto split = condition.plan.layout().split(value);
+  return split.ok() ? condition.plan.read_numbers(*split) : std::vector<double>();
+}
+
+/// Rows of which those without numbers are NaN. Shape: [n, count].
+Tensor conditions_tensor(const std::vector<std::vector<double>>& rows, size_t count) {
+  Tensor plain = torch::full({static_cast<int64_t>(rows.size()), static_cast<int64_t>(count)},
+                             std::numeric_limits<double>::quiet_NaN(), torch::kFloat64);
+  for (size_t row = 0; row < rows.size(); ++row)
+    std::ranges::copy(rows[row], plain.select(0, static_cast<int64_t>(row)).data_ptr<double>());
+  return plain;
 }
 
 class Loader {
@@ -89,12 +123,17 @@ class Loader {
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data first, source_.read(sequences.front().first));
     ENGRAM_ASSIGN_OR_RETURN(
         data_.plan, encoders::TensorPlan::create(source_.layout.value_or(idf::Layout::of(first))));
-    const std::vector<SnapshotRun> runs =
+    ThinnedRuns thin =
         thinned(sequences, memory_bytes / std::max<uint64_t>(value_bytes(data_.plan), 1));
-    allocate(static_cast<int64_t>(total_size(runs)));
-    for (const SnapshotRun& run : runs) ENGRAM_RETURN_IF_ERROR(read(run));
+    const std::vector<SnapshotRun>& runs = thin.read;
+    data_.left_out_runs = std::move(thin.left_out);
+    DatasetRows rows = empty_rows(data_.plan, static_cast<int64_t>(total_size(runs)));
+    for (const SnapshotRun& run : runs) ENGRAM_RETURN_IF_ERROR(read(run, rows));
+    data_.times = std::move(rows.times);
+    data_.images = std::move(rows.images);
+    data_.plain_numbers = std::move(rows.plain_numbers);
     ENGRAM_RETURN_IF_ERROR(read_conditions(runs));
-    choose_scales();
+    choose_depth_scales();
     normalise();
     data_.scene = torch::zeros({static_cast<int64_t>(data_.size())}, torch::kLong);
     // Backgrounds are for networks alone, and coding them takes seconds where images are large.
@@ -104,38 +143,20 @@ class Loader {
   }
 
  private:
-  void allocate(int64_t rows) {
-    for (const auto& image : data_.plan.images())
-      data_.images.push_back(torch::empty({rows, image.height, image.width, image.channels},
-                                          image.is_depth ? torch::kInt16 : torch::kUInt8));
-    data_.plain_numbers =
-        torch::empty({rows, static_cast<int64_t>(data_.plan.number_count())}, torch::kFloat64);
-  }
-
-  Status read(size_t index, int64_t row) {
-    if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
-    ENGRAM_ASSIGN_OR_RETURN(const idf::Data value, source_.read(index));
-    ENGRAM_ASSIGN_OR_RETURN(const auto split, data_.plan.layout().split(value));
-    for (size_t i = 0; i < data_.images.size(); ++i) {
-      const auto bytes = split.tensors[data_.plan.images()[i].member].bytes();
-      std::memcpy(data_.images[i].select(0, row).data_ptr(), bytes.data(), bytes.size());
+  Status read(const SnapshotRun& run, DatasetRows& rows) {
+    const auto& [source_rows, first_held_out] = run;
+    const size_t row = rows.times.size();
+    for (size_t i = 0; i < source_rows.size(); ++i) {
+      if (stop_.stop_requested()) return cancelled("training of {} was stopped", source_.entity);
+      const size_t index = source_rows.first + i;
+      ENGRAM_RETURN_IF_ERROR(
+          read_row(source_, index, data_.plan, static_cast<int64_t>(row + i), rows));
+      data_.is_known.push_back(start_ != nullptr && !source_.is_known.empty() &&
+                               source_.is_known[index]);
     }
-    const std::vector<double> numbers = data_.plan.read_numbers(split);
-    std::copy(numbers.begin(), numbers.end(),
-              data_.plain_numbers.select(0, row).data_ptr<double>());
-    data_.times.push_back(source_.times[index]);
-    data_.is_known.push_back(start_ != nullptr && !source_.is_known.empty() &&
-                             source_.is_known[index]);
-    return {};
-  }
-
-  Status read(const SnapshotRun& run) {
-    const auto& [rows, first_held_out] = run;
-    const size_t row = data_.times.size();
-    for (size_t i = 0; i < rows.size(); ++i)
-      ENGRAM_RETURN_IF_ERROR(read(rows.first + i, static_cast<int64_t>(row + i)));
-    data_.sequences.push_back({row, row + rows.size()});
-    data_.first_held_out.push_back(row + (first_held_out - rows.first));
+    data_.sequences.push_back({row, row + source_rows.size()});
+    data_.first_held_out.push_back(row + (first_held_out - source_rows.first));
+    data_.source_rows.push_back(source_rows);
     return {};
   }
 
@@ -157,27 +178,23 @@ class Loader {
           if (!plan.ok() || plan->number_count() == 0) return {};
           condition.plan = *std::move(plan);
         }
-        if (const auto split = condition.plan.layout().split(*value); split.ok())
-          row = condition.plan.read_numbers(*split);
+        row = condition_numbers(condition, *value);
       }
     const size_t count = condition.plan.number_count();
     if (count == 0) return {};
-    const double unknown = std::numeric_limits<double>::quiet_NaN();
-    const auto rows_count = static_cast<int64_t>(rows.size());
-    Tensor plain = torch::full({rows_count, static_cast<int64_t>(count)}, unknown, torch::kFloat64);
-    for (int64_t row = 0; row < rows_count; ++row)
-      std::ranges::copy(rows[static_cast<size_t>(row)], plain.select(0, row).data_ptr<double>());
+    const Tensor plain = conditions_tensor(rows, count);
     if (start_ != nullptr && start_->condition &&
         start_->condition->plan.layout() == condition.plan.layout()) {
       condition.mean = start_->condition->mean;
       condition.deviation = start_->condition->deviation;
     }
-    data_.conditions = scaled(plain, condition.mean, condition.deviation);
+    choose_scales(plain, condition.mean, condition.deviation);
+    data_.conditions = normalised(plain, condition.mean, condition.deviation);
     data_.condition = std::move(condition);
     return {};
   }
 
-  void choose_scales() {
+  void choose_depth_scales() {
     for (size_t i = 0; i < data_.images.size(); ++i) {
       auto& image = data_.plan.images()[i];
       if (!image.is_depth) continue;
@@ -195,8 +212,9 @@ class Loader {
       data_.mean = start_->mean;
       data_.deviation = start_->deviation;
     }
-    const Tensor numbers = scaled(data_.plain_numbers, data_.mean, data_.deviation);
-    if (numbers.size(1) > 0) data_.numbers = numbers;
+    choose_scales(data_.plain_numbers, data_.mean, data_.deviation);
+    if (!data_.mean.empty())
+      data_.numbers = normalised(data_.plain_numbers, data_.mean, data_.deviation);
   }
 
   const TrainingSource& source_;
@@ -224,6 +242,23 @@ Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& o
                           read_augmented(source, data, options.memory_bytes, stop));
   if (rows.size() > 0) data.augmented = std::move(rows);
   return data;
+}
+
+Result<DatasetRows> read_rows(const TrainingSource& source, const Dataset& data,
+                              const Sequence& run) {
+  DatasetRows rows = empty_rows(data.plan, static_cast<int64_t>(run.size()));
+  std::vector<std::vector<double>> conditions;
+  for (size_t i = 0; i < run.size(); ++i) {
+    const size_t index = run.first + i;
+    ENGRAM_RETURN_IF_ERROR(read_row(source, index, data.plan, static_cast<int64_t>(i), rows));
+    if (!data.condition) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const auto value, source.read_condition(index));
+    conditions.push_back(value ? condition_numbers(*data.condition, *value)
+                               : std::vector<double>());
+  }
+  if (data.condition)
+    rows.plain_conditions = conditions_tensor(conditions, data.condition->plan.number_count());
+  return rows;
 }
 
 }  // namespace engram::training

@@ -18,4 +18,9 @@ namespace engram::training {
 Result<Dataset> load_dataset(const TrainingSource& source, const TrainOptions& options,
                              const encoders::DeepModel* start, const std::stop_token& stop);
 
+/// Reads consecutive rows of the source as the dataset holds them.
+/// Errors: those of the source; kInvalidArgument for a value of another layout.
+Result<DatasetRows> read_rows(const TrainingSource& source, const Dataset& data,
+                              const Sequence& run);
+
 }  // namespace engram::training

@@ -94,6 +94,11 @@ void RowSampler::told(int64_t row, double cost) {
   known = known > 0 ? known + kRecent * (cost - known) : cost;
 }
 
+void RowSampler::forget(const Sequence& rows) {
+  std::fill(costs_.begin() + static_cast<ptrdiff_t>(rows.first),
+            costs_.begin() + static_cast<ptrdiff_t>(rows.end), 0.0);
+}
+
 std::vector<double*> RowSampler::state() {
   std::vector<double*> all;
   for (double& cost : costs_) all.push_back(&cost);

@@ -35,6 +35,9 @@ class RowSampler {
   /// Stores the cost of a row that was drawn.
   void told(int64_t row, double cost);
 
+  /// Rows now hold other values, whose cost is not known.
+  void forget(const Sequence& rows);
+
   [[nodiscard]] bool is_held_out(int64_t row) const;
   /// First row of the sequence that contains `row`.
   [[nodiscard]] int64_t first_of(int64_t row) const;

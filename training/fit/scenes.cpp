@@ -124,4 +124,16 @@ void find_scenes(Dataset& data, const encoders::DeepModel* start) {
   code_backgrounds(data, shape);
 }
 
+int64_t nearest_scene(const Dataset& data, const Sequence& sequence) {
+  const std::vector<Tensor> medians =
+      medians_of(data, encoders::network_shape(data.plan, {}), sequence);
+  std::vector<double> differences;
+  for (int64_t scene = 0; scene < data.scenes(); ++scene) {
+    std::vector<Tensor> background;
+    for (const Tensor& all : data.backgrounds) background.push_back(all.slice(0, scene, scene + 1));
+    differences.push_back(difference(background, medians));
+  }
+  return std::ranges::min_element(differences) - differences.begin();
+}
+
 }  // namespace engram::training

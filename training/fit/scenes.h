@@ -13,4 +13,7 @@ namespace engram::training {
 /// `scene`, `backgrounds` and `known_scenes`.
 void find_scenes(Dataset& data, const encoders::DeepModel* start);
 
+/// The background that the median image of a sequence is nearest to. The dataset must have some.
+[[nodiscard]] int64_t nearest_scene(const Dataset& data, const Sequence& sequence);
+
 }  // namespace engram::training

@@ -40,14 +40,14 @@ std::vector<Sequence> chosen(const std::vector<Sequence>& parts, double share) {
 
 }  // namespace
 
-std::vector<SnapshotRun> thinned(const std::vector<Sequence>& recordings, size_t max_rows) {
+ThinnedRuns thinned(const std::vector<Sequence>& recordings, size_t max_rows) {
   size_t total = 0;
   for (const Sequence& recording : recordings) total += recording.size();
   std::vector<SnapshotRun> runs;
   if (total <= max_rows) {
     for (const Sequence& recording : recordings)
       runs.push_back({recording, held_out_from(recording)});
-    return runs;
+    return {std::move(runs), {}};
   }
   std::vector<Sequence> training, held_out;
   for (const Sequence& recording : recordings) {
@@ -56,10 +56,14 @@ std::vector<SnapshotRun> thinned(const std::vector<Sequence>& recordings, size_t
     cut({limit, recording.end}, held_out);
   }
   const double share = static_cast<double>(max_rows) / static_cast<double>(total);
-  for (const Sequence& part : chosen(training, share)) runs.push_back({part, part.end});
+  const std::vector<Sequence> trained = chosen(training, share);
+  for (const Sequence& part : trained) runs.push_back({part, part.end});
   for (const Sequence& part : chosen(held_out, share)) runs.push_back({part, part.first});
   std::ranges::sort(runs, {}, [](const SnapshotRun& run) { return run.rows.first; });
-  return runs;
+  std::erase_if(training, [&](const Sequence& part) {
+    return std::ranges::binary_search(trained, part.first, {}, &Sequence::first);
+  });
+  return {std::move(runs), std::move(training)};
 }
 
 }  // namespace engram::training

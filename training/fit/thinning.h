@@ -16,11 +16,16 @@ struct SnapshotRun {
   friend bool operator==(const SnapshotRun&, const SnapshotRun&) = default;
 };
 
+/// What is read of recordings, in their order.
+struct ThinnedRuns {
+  std::vector<SnapshotRun> read;
+  std::vector<Sequence> left_out;  ///< Of what is trained on.
+};
+
 /// Chooses what is read of recordings: all if they have at most `max_rows` snapshots. Otherwise
 /// runs of at most 32 snapshots, evenly spaced over all recordings, and at least one run each of
 /// what is trained on and of what is held out. What is held out stays the end of a recording, so
-/// that it is as far from training as without thinning. The result is in the order of recordings.
-[[nodiscard]] std::vector<SnapshotRun> thinned(const std::vector<Sequence>& recordings,
-                                               size_t max_rows);
+/// that it is as far from training as without thinning.
+[[nodiscard]] ThinnedRuns thinned(const std::vector<Sequence>& recordings, size_t max_rows);
 
 }  // namespace engram::training

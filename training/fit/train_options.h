@@ -47,9 +47,9 @@ struct TrainOptions {
   /// Threads of the networks. parallel_speed.h measures whether two processes of one thread are
   /// faster.
   int threads = 2;
-  /// Max bytes of decoded values in memory. If there are more, evenly spaced runs of snapshots are
-  /// used.
-  uint64_t memory_bytes = uint64_t{2} << 30;
+  /// Max bytes of decoded values in memory. If there are more, evenly spaced runs of snapshots take
+  /// turns (RowRotation). A job that trains shall stay below 1.5 GB with all that it needs.
+  uint64_t memory_bytes = uint64_t{512} << 20;
   /// Number of last recordings that are left out of training.
   int hold_out_recordings = 0;
 

@@ -129,8 +129,10 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
     report.notes.push_back(
         fmt::format("{} recordings were left out of training", data.left_out_sequences));
   else if (data.size() < source.times.size())
-    report.notes.push_back(fmt::format("{} of {} snapshots fit into memory, in evenly spaced runs",
-                                       data.size(), source.times.size()));
+    report.notes.push_back(
+        fmt::format("{} of {} snapshots fit into memory; evenly spaced runs of them took turns in "
+                    "memory while the autoencoder was trained",
+                    data.size(), source.times.size()));
   if (source.augmented) {
     const size_t used = data.augmented ? data.augmented->size() : 0;
     size_t others = source.augmented->left_out;
@@ -157,7 +159,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   torch::manual_seed(options.seed);
 
   // The data is read first: it decides the sizes of the networks.
-  ENGRAM_ASSIGN_OR_RETURN(const Dataset data,
+  ENGRAM_ASSIGN_OR_RETURN(Dataset data,
                           load_dataset(source, options, start.model.get(), pace.stop()));
 
   // The model starts from random weights, or from those of the previous model.
@@ -180,7 +182,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
       step_sink(pace.progress(), source.entity, options, control, coding, epoch, coding_time));
   FitSpeed speed;
   ENGRAM_ASSIGN_OR_RETURN(checkpoints.coded,
-                          fit_autoencoder(model, data, options, coding_loop, speed));
+                          fit_autoencoder(model, source, data, options, coding_loop, speed));
   encoders::round_weights(*model.autoencoder);
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));

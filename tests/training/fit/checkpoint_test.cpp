@@ -46,7 +46,7 @@ class Training {
       if (steps >= stop_at) stop.request_stop();
     };
     const auto report =
-        train_model(scene_source(40, 2), options, file, sink, stop.get_token(), control_);
+        train_model(scene_source(count, 2), options, file, sink, stop.get_token(), control_);
     if (!report.ok()) {
       EXPECT_EQ(report.status().code(), StatusCode::kCancelled) << report.status().to_string();
       return "";
@@ -56,8 +56,9 @@ class Training {
   }
 
   [[nodiscard]] const std::filesystem::path& kept() const { return control_.checkpoint; }
-  [[nodiscard]] uint64_t key() const { return checkpoint_key(scene_source(40, 2), options); }
+  [[nodiscard]] uint64_t key() const { return checkpoint_key(scene_source(count, 2), options); }
 
+  int count = 40;
   TrainOptions options = quick_options(kSteps);
   std::vector<std::string> notes;
   uint64_t first_done = 0;
@@ -90,6 +91,24 @@ TEST(Checkpoint, AnInterruptedTrainingMakesTheSameModelAsOneThatWasNot) {
     EXPECT_EQ(done->share, 1.0);
     EXPECT_TRUE(training.run() == whole);
   }
+}
+
+TEST(Checkpoint, AnInterruptedTrainingSeesTheSameRowsWhereMemoryIsShort) {
+  const auto make = [](Training& training, uint64_t snapshots) {
+    training.count = 160;
+    training.options.memory_bytes =
+        snapshots * (engram::testing::kWidth * engram::testing::kHeight * 3 + 3 * sizeof(double));
+  };
+  Training one("short_memory"), other("shorter_memory"), interrupted("short_interrupted");
+  make(one, 90);
+  make(other, 60);
+  make(interrupted, 90);
+  const std::string whole = one.run();
+  ASSERT_GT(whole.size(), 10000u);
+  EXPECT_NE(one.notes.front().find("took turns in memory"), std::string::npos) << one.notes.front();
+  EXPECT_FALSE(other.run() == whole);
+  for (const int stop : {6, 13}) EXPECT_EQ(interrupted.run(stop), "") << stop;
+  EXPECT_TRUE(interrupted.run() == whole);
 }
 
 TEST(Checkpoint, OfOtherOptionsIsNotGoneOnFrom) {
