@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars short-nights group-bars month fade-bars ninety-days age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month fade-bars ninety-days age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -52,6 +52,7 @@ help:
 	@echo "make number-bars     what joint positions cost within an error bound (RECORDINGS)"
 	@echo "make learning-bars   what learning reaches on recordings, hours (RECORDINGS, BARS=options)"
 	@echo "make night-bars      what a night costs an image at three sizes, and a day, hours (RECORDINGS, BARS=options)"
+	@echo "make day-bars        consolidate a day of two cameras whole, hours (RECORDINGS, BARS='--budget 1h')"
 	@echo "make short-nights    how nights end that are shorter than a day needs, or longer (RECORDINGS, BARS=options)"
 	@echo "make group-bars      what stored videos take, beside libaom without random access (RECORDINGS, BARS=options)"
 	@echo "make month   30 nights of two stores: do they stay small, quick and true? up to 3 hours"
@@ -176,6 +177,12 @@ learning-bars: build
 night-bars: build
 	experiments/learning/night_bars.py build/release/bin/engram \
 	  "$(if $(wildcard $(RECORDINGS)),$(abspath $(RECORDINGS)))" --json build/night_bars.json $(BARS)
+
+# Options: experiments/learning/day_bars.py --help
+day-bars: build
+	@cmake/install_packages.sh experiments/packages.txt
+	experiments/learning/day_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" \
+	  --work build/day --json build/day_bars.json $(BARS)
 
 # Options: experiments/learning/short_nights.py --help
 short-nights: build

@@ -120,7 +120,7 @@ void describe(const TrainingSource& source, const Dataset& data, const WarmStart
 }
 
 void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoints& checkpoints,
-               const WarmStart& start, TrainReport& report) {
+               const WarmStart& start, bool has_networks, TrainReport& report) {
   if (!start.note.empty()) report.notes.push_back(start.note);
   if (const Checkpoint* found = checkpoints.found())
     report.notes.push_back(fmt::format("training went on where it was interrupted: {:.0f} % of {}",
@@ -130,9 +130,12 @@ void add_notes(const TrainingSource& source, const Dataset& data, const Checkpoi
         fmt::format("{} recordings were left out of training", data.left_out_sequences));
   else if (data.size() < source.times.size())
     report.notes.push_back(
-        fmt::format("{} of {} snapshots fit into memory; evenly spaced runs of them took turns in "
-                    "memory while the autoencoder was trained",
-                    data.size(), source.times.size()));
+        has_networks
+            ? fmt::format("{} of {} snapshots fit into memory; evenly spaced runs of them took "
+                          "turns while the autoencoder was trained",
+                          data.size(), source.times.size())
+            : fmt::format("predictions were measured on {} of {} snapshots, in evenly spaced runs",
+                          data.size(), source.times.size()));
   if (source.augmented) {
     const size_t used = data.augmented ? data.augmented->size() : 0;
     size_t others = source.augmented->left_out;
@@ -217,7 +220,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   report.final_loss = coded.loss;
   report.training_psnr_db = coded.psnr_db;
   report.started_from = start.model ? source.previous->version : 0;
-  add_notes(source, data, checkpoints, start, report);
+  add_notes(source, data, checkpoints, start, options.has_networks, report);
   report.seconds = checkpoints.seconds();
   report.images_per_second = speed.images_per_second();
   auto& provenance = model.provenance;
