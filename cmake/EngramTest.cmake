@@ -9,9 +9,10 @@ endif()
 #
 # One GoogleTest program of a room is one ctest, so that LibTorch and OpenCV are loaded once for all
 # of its tests, not for each: that took a third of the time of 2,500. Where they take minutes, SHARDS
-# ctests run a share of them each, beside each other. LABELS default to fast.
+# ctests run a share of them each, beside each other. LABELS default to fast. What takes longest has a
+# COST in seconds, so that it starts first and no core waits for the last of them.
 function(engram_add_test name)
-  cmake_parse_arguments(ARG "" "SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "SHARDS;COST" "SOURCES;LINK;LABELS" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "engram_add_test(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
   endif()
@@ -37,8 +38,11 @@ function(engram_add_test name)
       string(APPEND test _${shard})
     endif()
     add_test(NAME ${test} COMMAND ${name})
+    if(ARG_COST)
+      set_tests_properties(${test} PROPERTIES COST ${ARG_COST})
+    endif()
     # Tests run beside each other: waiting threads must not spin for long (cli/learning_environment.h).
-    set_tests_properties(${test} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900
+    set_tests_properties(${test} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 1800
       ENVIRONMENT "GOMP_SPINCOUNT=10000;GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${shard}")
   endforeach()
 endfunction()
