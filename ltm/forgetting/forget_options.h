@@ -90,6 +90,9 @@ struct ForgetOptions {
   /// snapshots fade, in the order of the steps and whatever their age.
   bool fades_by_rule = true;
 
+  /// Whether these are of a round after another one (quota_after).
+  bool is_later_round = false;
+
   [[nodiscard]] Status validate() const;
 };
 

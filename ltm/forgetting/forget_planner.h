@@ -41,7 +41,7 @@ class ForgetPlanner {
   /// the quotas are met.
   Status fade_for_quota(const ForgetOptions& options);
 
-  /// Takes more snapshots until, by the careful estimate, the quotas are met. It takes none if some
+  /// Takes more snapshots until, by what is expected, the quotas are met. It takes none if some
   /// fade for a quota, because only then is it known how much is missing.
   Status take_for_quota(const ForgetOptions& options);
 
@@ -100,6 +100,8 @@ class ForgetPlanner {
   /// Lets what the policies of a step propose of an entity fade.
   Status fade_entity(Entity& entity, size_t step);
   /// A low estimate of what fading frees.
+  /// What a quota counts of the bytes that go.
+  [[nodiscard]] static uint64_t quota_bytes(const FreedBytes& going, const ForgetOptions& options);
   [[nodiscard]] double careful_faded_bytes() const;
   Status follow_links(std::vector<std::pair<size_t, size_t>>& waiting);
   Result<SnapshotEntry> entry(const Entity& entity, size_t snapshot);

@@ -7,14 +7,8 @@ namespace engram::ltm {
 
 namespace {
 
-/// The part of the shares in a rewritten segment that the careful estimate counts, and the bytes
-/// that each such file may grow by (its headers, a worse dictionary).
+/// The part of the shares in a rewritten segment that the careful estimate counts.
 constexpr double kCarefulShare = 0.7;
-constexpr double kCarefulBytes = 8192;
-
-double careful_part(double shares) {
-  return std::max(0.0, kCarefulShare * shares - kCarefulBytes);
-}
 
 }  // namespace
 
@@ -50,6 +44,10 @@ void FreedBytes::count(const MemoryId& entity, const SnapshotPlaces& places) {
   if (places.has_latents()) count_in(places.latent, entity);
 }
 
+uint64_t FreedBytes::careful() const {
+  return exact_ + static_cast<uint64_t>(kCarefulShare * shares_);
+}
+
 double FreedBytes::share_in(uint32_t segment, const MemoryId& entity) const {
   const auto part = segments_[segment].parts.find(entity);
   return part == segments_[segment].parts.end() || !part->second.counts() ? 0 : part->second.each;
@@ -73,7 +71,6 @@ void FreedBytes::take_from(uint32_t number, const MemoryId& entity) {
   segment.shares = --segment.left == 0 ? 0 : before + part.shares() - part_before;
   if (segment.left == 0) exact_ += segment.bytes;
   shares_ = std::max(0.0, shares_ + segment.shares - before);
-  careful_ = std::max(0.0, careful_ + careful_part(segment.shares) - careful_part(before));
 }
 
 void FreedBytes::take(const MemoryId& entity, const SnapshotPlaces& places) {

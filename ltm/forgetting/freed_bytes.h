@@ -54,7 +54,7 @@ class FreedBytes {
   /// A low estimate: shares in segments that stay in part count less, because columns and blocks
   /// of fewer rows compress worse and a part of each file does not shrink. It assumes that blocks
   /// of latents go whole; a block that is only cut frees no bytes.
-  [[nodiscard]] uint64_t careful() const { return exact_ + static_cast<uint64_t>(careful_); }
+  [[nodiscard]] uint64_t careful() const;
 
   /// The present share of one snapshot that was taken.
   [[nodiscard]] double share(const MemoryId& entity, const SnapshotPlaces& places) const;
@@ -86,7 +86,6 @@ class FreedBytes {
   HasGroups has_groups_;
   std::vector<Segment> segments_;
   double shares_ = 0;   ///< Expected bytes in segments that stay in part.
-  double careful_ = 0;  ///< Low estimate of the same bytes.
   uint64_t exact_ = 0;  ///< Bytes of segments that go whole.
 };
 

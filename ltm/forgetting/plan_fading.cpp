@@ -128,7 +128,7 @@ double ForgetPlanner::careful_faded_bytes() const {
 
 Status ForgetPlanner::fade_for_quota(const ForgetOptions& options) {
   const auto wanted = static_cast<double>(wanted_bytes(options));
-  const auto going = static_cast<double>(freed().careful());
+  const auto going = static_cast<double>(quota_bytes(freed(), options));
   std::vector<std::vector<bool>> is_queued(entities_.size());
   for (size_t step = 0; step < steps_.size() && going + careful_faded_bytes() < wanted; ++step) {
     // Its policies but the age decide what fades for a quota, the oldest first.

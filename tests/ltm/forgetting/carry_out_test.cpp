@@ -64,6 +64,27 @@ class CarryOut : public ForgetFixture {
   }
 };
 
+TEST_F(CarryOut, AQuotaLeavesAsMuchAsItAllows) {
+  // Everything in one segment, as a night leaves it, and a part of the file that does not shrink.
+  std::vector<Snapshot> snapshots;
+  for (int64_t i = 0; i < 200; ++i)
+    snapshots.push_back(noisy(i % 2 == 0 ? "cam" : "other", i, 8000));
+  append(snapshots);
+  for (const uint64_t percent : {80, 40, 15}) {
+    SCOPED_TRACE(percent);
+    ForgetOptions options;
+    options.protection.newest = 0;
+    options.max_bytes = context().store_bytes * percent / 100;
+    const auto made = plan(options);
+    ASSERT_TRUE(made.ok()) << made.status().to_string();
+    const auto report = carry_out(store_, *made, again(options, *made));
+    ASSERT_TRUE(report.ok()) << report.status().to_string();
+    EXPECT_LE(context().store_bytes, *options.max_bytes);
+    EXPECT_GE(context().store_bytes, *options.max_bytes * 4 / 5) << "what may stay, stays";
+    EXPECT_LE(report->rounds, 5);
+  }
+}
+
 TEST_F(CarryOut, ForgetsExactlyThePlan) {
   std::mt19937 random(7);
   for (int round = 0; round < 25; ++round) {
