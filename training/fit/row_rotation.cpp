@@ -14,14 +14,6 @@ namespace {
 /// Steps after which a run makes room for another. Eight rows of a step and 32 of a run mean that a
 /// row is drawn once on average before it goes.
 constexpr int64_t kStepsOfSwap = 4;
-/// Bytes of runs that are read ahead.
-constexpr size_t kReadAheadBytes = size_t{16} << 20;
-
-size_t bytes_of(const DatasetRows& rows) {
-  size_t bytes = rows.plain_numbers.nbytes();
-  for (const torch::Tensor& images : rows.images) bytes += images.nbytes();
-  return bytes;
-}
 
 }  // namespace
 
@@ -55,8 +47,11 @@ RowRotation::Swap RowRotation::next_swap() {
   return {place, run};
 }
 
-Result<DatasetRows> RowRotation::read(const Sequence& run) const {
-  return read_rows(source_, data_, run);
+void RowRotation::read_next() {
+  const Swap swap = next_swap();
+  ahead_ = Ahead{swap, std::async(std::launch::async, [this, run = swap.run] {
+                   return read_rows(source_, data_, run);
+                 })};
 }
 
 void RowRotation::put(const Swap& swap, const DatasetRows& rows) {
@@ -72,29 +67,30 @@ Status RowRotation::catch_up(int64_t swaps) {
   for (; done_ < swaps; ++done_) next_swap();
   for (size_t i = 0; i < in_place_.size(); ++i) {
     if (in_place_[i] == data_.source_rows[i]) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const DatasetRows rows, read(in_place_[i]));
+    ENGRAM_ASSIGN_OR_RETURN(const DatasetRows rows, read_rows(source_, data_, in_place_[i]));
     put({i, in_place_[i]}, rows);
   }
   return {};
 }
 
 Status RowRotation::advance(int64_t step, RowSampler& sampler) {
-  if (waiting_.empty() && reader_ == nullptr) return {};
+  if (waiting_.empty()) return {};
   const int64_t due = step / kStepsOfSwap;
-  if (reader_ == nullptr) {
+  if (!has_begun_) {
     ENGRAM_RETURN_IF_ERROR(catch_up(due));
-    reader_ = std::make_unique<ReadAhead<Read>>(
-        [this]() -> ReadAhead<Read>::Item {
-          const Swap swap = next_swap();
-          ENGRAM_ASSIGN_OR_RETURN(DatasetRows rows, read(swap.run));
-          return std::optional<Read>({swap, std::move(rows)});
-        },
-        [](const Read& one) { return bytes_of(one.second); }, kReadAheadBytes);
+    has_begun_ = true;
+    read_next();
   }
   for (; done_ < due; ++done_) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto next, reader_->next());
-    put(next->first, next->second);
-    sampler.forget(data_.sequences[next->first.place]);
+    const Swap swap = ahead_->swap;
+    const Result<DatasetRows> rows = ahead_->rows.get();
+    if (!rows.ok()) {
+      waiting_.clear();
+      return rows.status();
+    }
+    put(swap, *rows);
+    sampler.forget(data_.sequences[swap.place]);
+    read_next();
   }
   return {};
 }

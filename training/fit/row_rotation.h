@@ -2,12 +2,12 @@
 #pragma once
 
 #include <deque>
+#include <future>
 #include <map>
-#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "ltm/core/read_ahead.h"
 #include "training/fit/dataset.h"
 #include "training/fit/row_sampler.h"
 #include "training/fit/training_source.h"
@@ -46,9 +46,15 @@ class RowRotation {
     Sequence run;      ///< Rows of the source.
   };
 
+  /// A swap whose rows are read meanwhile.
+  struct Ahead {
+    Swap swap;
+    std::future<Result<DatasetRows>> rows;
+  };
+
   [[nodiscard]] Kind kind_of(const Sequence& run) const;
   Swap next_swap();
-  [[nodiscard]] Result<DatasetRows> read(const Sequence& run) const;
+  void read_next();
   void put(const Swap& swap, const DatasetRows& rows);
   /// Reads what is in memory after so many swaps. The costs of its rows came with the checkpoint.
   Status catch_up(int64_t swaps);
@@ -59,8 +65,9 @@ class RowRotation {
   std::deque<Sequence> waiting_;
   std::vector<Sequence> in_place_;  ///< Per sequence of the dataset: its rows of the source.
   int64_t done_ = 0;                ///< Swaps.
-  using Read = std::pair<Swap, DatasetRows>;
-  std::unique_ptr<ReadAhead<Read>> reader_;  ///< The last member: its thread uses the others.
+  bool has_begun_ = false;
+  /// What comes next. The last member: its thread uses the others.
+  std::optional<Ahead> ahead_;
 };
 
 }  // namespace engram::training
