@@ -86,11 +86,8 @@ struct ForgetOptions {
 
   ForgetProtection protection;
 
-  /// Whether steps of fading take what their policies propose. If not, only a quota makes
+  /// Whether these are of a round after another one (quota_after). Then only a quota makes
   /// snapshots fade, in the order of the steps and whatever their age.
-  bool fades_by_rule = true;
-
-  /// Whether these are of a round after another one (quota_after).
   bool is_later_round = false;
 
   [[nodiscard]] Status validate() const;

@@ -49,7 +49,7 @@ struct ForgetPlan {
   uint64_t freed_bytes = 0;
   uint64_t store_bytes = 0;      ///< Bytes of the store's directory before.
   uint64_t free_disk_bytes = 0;  ///< Free bytes on its disk before.
-  /// Bytes that a quota demands beyond this plan, by a careful estimate. Protected snapshots keep
+  /// Bytes that a quota demands beyond what this plan is expected to free. Protected snapshots keep
   /// the plan from freeing them.
   uint64_t missing_bytes = 0;
 

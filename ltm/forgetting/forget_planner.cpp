@@ -255,7 +255,7 @@ Result<std::vector<ForgetPlanner::Candidate>> ForgetPlanner::candidates_of(
 // The first round takes what is expected to suffice, and what it frees is measured: what goes too
 // much cannot come back. The rest is little, so later rounds are careful, since each of them
 // rewrites segments.
-uint64_t ForgetPlanner::quota_bytes(const FreedBytes& going, const ForgetOptions& options) {
+uint64_t ForgetPlanner::counted_bytes(const FreedBytes& going, const ForgetOptions& options) {
   return options.is_later_round ? going.careful() : going.expected();
 }
 
@@ -263,25 +263,25 @@ Status ForgetPlanner::take_for_quota(const ForgetOptions& options) {
   const uint64_t wanted = wanted_bytes(options);
   FreedBytes going = freed();
   if (fades_for_quota_) {
-    const auto careful = static_cast<uint64_t>(careful_faded_bytes());
-    missing_bytes_ = wanted - std::min(wanted, careful);
+    const auto faded = static_cast<uint64_t>(counted_faded_bytes(options));
+    missing_bytes_ = wanted - std::min(wanted, faded);
     return {};
   }
   std::vector<std::vector<bool>> is_queued;
   for (const Entity& entity : entities_) is_queued.emplace_back(entity.reason.size(), false);
   std::vector<ForgetRule> order = options.first;
   order.emplace_back().age = AgePolicy::Options{};
-  for (size_t rank = 0; rank < order.size() && quota_bytes(going, options) < wanted; ++rank) {
+  for (size_t rank = 0; rank < order.size() && counted_bytes(going, options) < wanted; ++rank) {
     ENGRAM_ASSIGN_OR_RETURN(const uint16_t reason, reason_of(order[rank], "quota: "));
     ENGRAM_ASSIGN_OR_RETURN(const auto candidates, candidates_of(order[rank], is_queued));
     for (const Candidate& each : candidates) {
-      if (quota_bytes(going, options) >= wanted) break;
+      if (counted_bytes(going, options) >= wanted) break;
       Entity& entity = entities_[each.entity];
       entity.reason[each.snapshot] = reason;
       going.take(entity.id, entity.places[each.snapshot]);
     }
   }
-  missing_bytes_ = wanted - std::min(wanted, quota_bytes(going, options));
+  missing_bytes_ = wanted - std::min(wanted, counted_bytes(going, options));
   return {};
 }
 

@@ -37,8 +37,8 @@ class ForgetPlanner {
   /// Makes those staying snapshots fade that the steps of fading propose, if they do so by rule.
   Status fade_by(const ForgetOptions& options);
 
-  /// Makes more snapshots fade, step by step and whatever their age, until by a careful estimate
-  /// the quotas are met.
+  /// Makes more snapshots fade, step by step and whatever their age, until by what is
+  /// expected the quotas are met.
   Status fade_for_quota(const ForgetOptions& options);
 
   /// Takes more snapshots until, by what is expected, the quotas are met. It takes none if some
@@ -99,10 +99,10 @@ class ForgetPlanner {
   Status fade(Entity& entity, size_t snapshot, size_t step, uint16_t reason);
   /// Lets what the policies of a step propose of an entity fade.
   Status fade_entity(Entity& entity, size_t step);
-  /// A low estimate of what fading frees.
-  /// What a quota counts of the bytes that go.
-  [[nodiscard]] static uint64_t quota_bytes(const FreedBytes& going, const ForgetOptions& options);
-  [[nodiscard]] double careful_faded_bytes() const;
+  /// What a quota counts of the bytes that go, and of those that fading frees.
+  [[nodiscard]] static uint64_t counted_bytes(const FreedBytes& going,
+                                              const ForgetOptions& options);
+  [[nodiscard]] double counted_faded_bytes(const ForgetOptions& options) const;
   Status follow_links(std::vector<std::pair<size_t, size_t>>& waiting);
   Result<SnapshotEntry> entry(const Entity& entity, size_t snapshot);
   bool has_groups(uint32_t segment, const MemoryId& entity);

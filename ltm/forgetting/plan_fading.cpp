@@ -20,7 +20,7 @@ constexpr double kMinFadeDb = 1;
 constexpr double kBytesPerDb = 0.25;
 /// The part that a gist leaves of an image's bytes, roughly.
 constexpr double kGistShare = 0.1;
-/// The part of the estimate on which a quota relies.
+/// The part of the estimate on which later rounds for a quota rely.
 constexpr double kCarefulFading = 0.7;
 
 /// How far one snapshot may still fade.
@@ -112,7 +112,7 @@ Status ForgetPlanner::fade_by(const ForgetOptions& options) {
   steps_ = options.fade;
   if (steps_.empty()) return {};
   for (Entity& entity : entities_) entity.fading.resize(entity.times.size());
-  if (!options.fades_by_rule) return {};
+  if (options.is_later_round) return {};
   for (size_t i = 0; i < entities_.size(); ++i) {
     ENGRAM_RETURN_IF_ERROR(check_stop("plan fading", i));
     for (size_t step = 0; step < steps_.size(); ++step)
@@ -122,15 +122,16 @@ Status ForgetPlanner::fade_by(const ForgetOptions& options) {
   return {};
 }
 
-double ForgetPlanner::careful_faded_bytes() const {
-  return kCarefulFading * faded_bytes_;
+double ForgetPlanner::counted_faded_bytes(const ForgetOptions& options) const {
+  return options.is_later_round ? kCarefulFading * faded_bytes_ : faded_bytes_;
 }
 
 Status ForgetPlanner::fade_for_quota(const ForgetOptions& options) {
   const auto wanted = static_cast<double>(wanted_bytes(options));
-  const auto going = static_cast<double>(quota_bytes(freed(), options));
+  const auto going = static_cast<double>(counted_bytes(freed(), options));
   std::vector<std::vector<bool>> is_queued(entities_.size());
-  for (size_t step = 0; step < steps_.size() && going + careful_faded_bytes() < wanted; ++step) {
+  for (size_t step = 0; step < steps_.size() && going + counted_faded_bytes(options) < wanted;
+       ++step) {
     // Its policies but the age decide what fades for a quota, the oldest first.
     ForgetRule rule = steps_[step].rule;
     rule.age.emplace();
@@ -141,7 +142,7 @@ Status ForgetPlanner::fade_for_quota(const ForgetOptions& options) {
     ENGRAM_ASSIGN_OR_RETURN(const auto candidates, candidates_of(rule, is_queued));
     const double before = faded_bytes_;
     for (const Candidate& each : candidates) {
-      if (going + careful_faded_bytes() >= wanted) break;
+      if (going + counted_faded_bytes(options) >= wanted) break;
       ENGRAM_RETURN_IF_ERROR(fade(entities_[each.entity], each.snapshot, step, reason));
     }
     fades_for_quota_ = fades_for_quota_ || faded_bytes_ != before;

@@ -33,7 +33,6 @@ Result<ForgetPlan> plan_forgetting(ForgetSource& source, const ForgetOptions& op
 ForgetOptions quota_after(const ForgetOptions& options, const ForgetPlan& first) {
   ForgetOptions later = options;
   later.rules.clear();
-  later.fades_by_rule = false;
   later.is_later_round = true;
   later.min_free_disk_bytes.reset();
   const uint64_t min = options.min_free_disk_bytes.value_or(0);
