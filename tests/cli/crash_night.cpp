@@ -25,8 +25,6 @@ namespace engram::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-/// Longer than a step of fading takes.
-constexpr int kLongestFadeMs = 3000;
 /// What a store holds, by name: checksums of recorded snapshots, or of model files.
 using Content = std::map<std::string, uint64_t>;
 
@@ -44,8 +42,7 @@ class Night {
     const auto start = Clock::now();
     const RunResult whole = run_engram(consolidate_);
     ENGRAM_CHECK(whole.exit_code == 0, "consolidate failed: {}", whole.err);
-    longest_ms_ = static_cast<int>(
-        std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count());
+    longest_ms_ = milliseconds_since(start);
     models_ = models();
     ENGRAM_CHECK(recorded_.size() == 80 && models_.size() == 2, "an unexpected scene");
   }
@@ -60,6 +57,7 @@ class Night {
       look_at(result);
     }
     look_at(run_engram(consolidate_));
+    keep();
     for (const char* step : {"psnr: 34", "psnr: 28", "form: gist"}) fade(step, (kills + 2) / 3);
     print(kills, std::chrono::duration<double>(Clock::now() - start).count());
     return failures_ == 0 ? 0 : 1;
@@ -131,7 +129,8 @@ class Night {
     return found;
   }
 
-  /// Lets all images fade by one step, with so many kills before one job comes through.
+  /// Lets all images fade by one step, with so many kills. Where a job comes through, all that it
+  /// did is undone, so that the next kills find work.
   void fade(const std::string& step, int kills) {
     const std::string config = scratch_.path() / "fade.yaml";
     std::ofstream(config)
@@ -139,23 +138,38 @@ class Night {
         << "}\n";
     const std::vector<std::string> forget{"forget", store_, "--config", config, "--yes"};
     const std::vector<Time> before = moments();
-    int longest_ms = kLongestFadeMs;
-    for (int killed = 0; killed < kills;) {
+    const auto start = Clock::now();
+    for (int killed = 0, longest_ms = 0; killed < kills;) {
       const RunResult result =
-          run_engram_and_kill(forget, std::uniform_int_distribution(0, longest_ms)(random_));
+          longest_ms == 0
+              ? run_engram(forget)
+              : run_engram_and_kill(forget, std::uniform_int_distribution(0, longest_ms)(random_));
+      if (longest_ms == 0) longest_ms = milliseconds_since(start);
       look_at_faded(result, before, step);
-      if (result.exit_code < 0) {
-        ++killed;
-      } else {
-        // What has faded is not coded again, so later jobs are quick.
-        longest_ms /= 2;
-        if (longest_ms == 0) break;
-      }
+      killed += result.exit_code < 0 ? 1 : 0;
+      if (result.exit_code == 0) restore();
     }
     const RunResult last = run_engram(forget);
     look_at_faded(last, before, step);
     if (last.exit_code != 0 || recorded().size() != recorded_.size() - before.size())
       fail(step, "not everything has faded: " + last.err);
+    keep();
+  }
+
+  /// Keeps the store as it is, for restore().
+  void keep() const {
+    std::filesystem::remove_all(kept_);
+    std::filesystem::copy(store_, kept_, std::filesystem::copy_options::recursive);
+  }
+
+  void restore() const {
+    std::filesystem::remove_all(store_);
+    std::filesystem::copy(kept_, store_, std::filesystem::copy_options::recursive);
+  }
+
+  static int milliseconds_since(Clock::time_point start) {
+    return static_cast<int>(
+        std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count());
   }
 
   void look_at_faded(const RunResult& result, const std::vector<Time>& before,
@@ -187,6 +201,7 @@ class Night {
 
   ScratchDirectory scratch_;
   std::string store_ = scratch_.path() / "robot.engram";
+  std::string kept_ = scratch_.path() / "kept.engram";
   std::vector<std::string> consolidate_{"consolidate", store_,       "--representation",
                                         "latents",     "--steps",    "60",
                                         "--threads",   "1",          "--force",
