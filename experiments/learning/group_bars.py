@@ -133,8 +133,9 @@ def consolidated(package, options, recorded, bound, pace, work):
                     bound, "--progress", "none"])
     with package.open(str(store)) as memory:
         everything = memory[ENTITY].summary()["latent_bytes"]
-        worst = min(10 * math.log10(255 * 255 / max(snapshot.instances[0].error.image_mse, 1e-9))
-                    for snapshot in memory[ENTITY].snapshots())
+        decoded = memory[ENTITY].snapshots()
+        worst = min(psnr(image[np.newaxis], next(decoded).image)
+                    for group in recorded.groups for image in group)
     if worst < bound:
         raise night_bars.Failed(f"{recorded.name}: found an image of {worst:.2f} dB, needs {bound}")
     kept = report["images"]["kept_bytes"]

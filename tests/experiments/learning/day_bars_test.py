@@ -2,6 +2,7 @@
 """A made day varies, is the same for the same seed, and what a night made of it is judged."""
 
 import importlib.util
+import math
 import pathlib
 import sys
 
@@ -57,4 +58,5 @@ def test_a_night_is_judged(bars, capsys):
     assert "40.0 ms for each of the 100 images" in capsys.readouterr().out
     assert not bars.show(night(lowest_psnr_db=34.9))
     assert not bars.show(night(megabytes=1501))
+    assert not bars.show(night(found=0, lowest_psnr_db=math.inf)), "nothing was compared"
     assert not bars.show(night(entities=[{"entity": "a", "skipped": "nothing new"}]))
