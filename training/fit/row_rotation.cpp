@@ -31,7 +31,8 @@ RowRotation::RowRotation(const TrainingSource& source, Dataset& data, uint64_t s
   waiting_.assign(runs.begin(), runs.end());
 }
 
-// A run that is partly known counts as what its first row is, as it does for backgrounds.
+// Known rows weigh less (RowSampler), so that a known run takes the place of a known one. A run
+// that is partly known counts as what its first row is, as it does for backgrounds.
 RowRotation::Kind RowRotation::kind_of(const Sequence& run) const {
   return {run.size(), !source_.is_known.empty() && source_.is_known[run.first]};
 }

@@ -37,8 +37,7 @@ class RowRotation {
   Status advance(int64_t step, RowSampler& sampler);
 
  private:
-  /// Places in memory, and runs outside of it, that have the same length and are all known to the
-  /// previous model or all new to it.
+  /// Length of a run, and whether the previous model has latents of its first row.
   using Kind = std::pair<size_t, bool>;
   /// The run that comes into a place.
   struct Swap {

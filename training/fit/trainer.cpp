@@ -102,7 +102,7 @@ std::vector<Sequence> trained_recordings(const TrainingSource& source, const Dat
 }
 
 /// Writes the description of the data for the report and the model file. Spans are those of whole
-/// recordings, even if only runs of them fit into memory: a snapshot between two runs is seconds
+/// recordings, even if only runs of them were in memory: a snapshot between two runs is seconds
 /// from what was trained on, and does not count as never seen.
 void describe(const TrainingSource& source, const Dataset& data, const WarmStart& start,
               encoders::Provenance& provenance) {
