@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "datasets/export_names.h"
+#include "ltm/core/utf8.h"
 #include "ltm/idf/json.h"
 #include "ltm/memory/augmentation_json.h"
-#include "ltm/memory/utf8.h"
 
 namespace engram::datasets {
 
@@ -22,11 +22,11 @@ Json error_json(const ltm::MeasuredError& error) {
 
 /// Recursion is safe, because values from a store are nested at most idf::kMaxDepth deep.
 bool is_all_utf8(const idf::Data& data) {
-  if (const auto* text = data.get_if<std::string>()) return ltm::is_utf8(*text);
+  if (const auto* text = data.get_if<std::string>()) return is_utf8(*text);
   if (const auto* list = data.get_if<idf::List>()) return std::ranges::all_of(*list, is_all_utf8);
   const auto* dict = data.get_if<idf::Dict>();
   return dict == nullptr || std::ranges::all_of(*dict, [](const idf::DictEntry& entry) {
-           return ltm::is_utf8(entry.key) && is_all_utf8(entry.value);
+           return is_utf8(entry.key) && is_all_utf8(entry.value);
          });
 }
 
@@ -51,7 +51,7 @@ Json data_json(const ltm::InstanceResult& instance, const std::vector<ImageFile>
 }
 
 std::string provider_of(const ltm::InstanceMetadata& metadata, ExportReport& report) {
-  if (ltm::is_utf8(metadata.provider)) return metadata.provider;
+  if (is_utf8(metadata.provider)) return metadata.provider;
   ++report.not_carried["names of providers that are no UTF-8"];
   return "";
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "datasets/hdf5/row_value.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets {
 
@@ -28,7 +28,7 @@ std::optional<idf::Data> to_value(const h5::Attribute& attribute) {
     const idf::Data row = row_value(as_row(attribute), RowRole::kValues, attribute.bytes);
     return row.get<idf::Dict>().begin()->value;
   }
-  if (!std::ranges::all_of(attribute.texts, ltm::is_utf8) || attribute.shape.size() > 1)
+  if (!std::ranges::all_of(attribute.texts, is_utf8) || attribute.shape.size() > 1)
     return std::nullopt;
   if (attribute.shape.empty())
     return attribute.texts.empty() ? std::string() : attribute.texts.front();
@@ -69,7 +69,7 @@ idf::Dict read_attributes(const h5::File& file, const std::string& object, Readi
   for (const std::string& name : names.value_or({})) {
     const auto attribute = file.attribute(object, name);
     const auto value = attribute.ok() ? to_value(*attribute) : std::nullopt;
-    if (value && ltm::is_utf8(name))
+    if (value && is_utf8(name))
       values.set(name, *value);
     else
       ++report.not_carried["attributes that cannot be read"];

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "datasets/hdf5/attributes.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets {
 
@@ -92,7 +92,7 @@ Status EpisodesReader::list_arrays(const h5::File& file, Episode& episode, const
   for (const std::string& one : found) {
     const std::string name = below.empty() ? one : below + "/" + one;
     const auto is_group = file.is_group(episode.group.group + "/" + name);
-    if (!is_group.ok() || !ltm::is_utf8(one)) {
+    if (!is_group.ok() || !is_utf8(one)) {
       ++report_.not_carried["links that lead nowhere"];
     } else if (*is_group) {
       episode.groups.push_back(name);

@@ -7,7 +7,7 @@
 
 #include "datasets/hdf5/attributes.h"
 #include "datasets/hdf5/dialect.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets {
 
@@ -149,7 +149,7 @@ class Robomimic final : public Dialect {
                              ? file.read_array_texts(path, 0, info->rows())
                              : Result<std::vector<std::string>>(
                                    info.status().ok() ? data_loss("too many") : info.status());
-      if (names.ok() && std::ranges::all_of(*names, ltm::is_utf8))
+      if (names.ok() && std::ranges::all_of(*names, is_utf8))
         masks.set(name, idf::List(names->begin(), names->end()));
       else
         ++report.not_carried["masks that are no lists of names"];

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets {
 
@@ -63,7 +63,7 @@ std::optional<idf::Data> RowBlocks::value(const h5::File& file, uint64_t row,
   if (is_damaged_) return damaged();
   if (!info_.element.is_number() && role_ != RowRole::kCompressed) {
     const std::string& text = texts_[row - first_];
-    if (!ltm::is_utf8(text)) return damaged();
+    if (!is_utf8(text)) return damaged();
     return idf::Dict{{"text", text}};
   }
   const auto bytes = info_.element.is_number()

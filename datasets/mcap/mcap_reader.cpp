@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "datasets/recordings/text_value.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets::mcap {
 
@@ -16,7 +16,7 @@ constexpr uint64_t kMaxTime = std::numeric_limits<int64_t>::max();
 idf::Dict texts_value(const std::map<std::string, std::string>& texts, ReadingReport& report) {
   idf::Dict value;
   for (const auto& [key, text] : texts) {
-    if (ltm::is_utf8(key))
+    if (is_utf8(key))
       value.set(key, text_value(text));
     else
       ++report.not_carried["keys of metadata that are no UTF-8"];
@@ -84,7 +84,7 @@ void McapReader::describe(const ChannelRecord& channel, const SchemaRecord* sche
   RecordingStream stream;
   stream.entity = channels_.at(channel.id).entity;
   stream.name = channel.topic;
-  if (!ltm::is_utf8(channel.topic)) {
+  if (!is_utf8(channel.topic)) {
     stream.name = fmt::format("channel_{}", channel.id);
     ++report_.not_carried["topics that are no UTF-8, renamed"];
   }
@@ -99,7 +99,7 @@ void McapReader::describe(const ChannelRecord& channel, const SchemaRecord* sche
                                               {"encoding", text_value(schema->encoding)},
                                               {"data", text_value(schema->data)}});
   const std::string& problem = channels_.at(channel.id).coder.problem();
-  if (!problem.empty() && ltm::is_utf8(problem)) stream.attributes.set("kept_as_bytes", problem);
+  if (!problem.empty() && is_utf8(problem)) stream.attributes.set("kept_as_bytes", problem);
   streams_.push_back(std::move(stream));
 }
 

@@ -15,14 +15,15 @@ class MadeFormat final : public RecordingFormat {
   [[nodiscard]] std::string_view about() const override { return parts_.about; }
 
   [[nodiscard]] bool recognises(const std::filesystem::path& path) const override {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return false;
     std::ifstream file(path, std::ios::binary);
     std::string start(parts_.start.size(), '\0');
     file.read(start.data(), static_cast<std::streamsize>(start.size()));
     start.resize(static_cast<size_t>(file.gcount()));
     // A file that is cut off is recognised here; opening it reports what is wrong.
     if (!start.empty()) return parts_.start.starts_with(start);
-    std::error_code error;
-    return path.extension() == parts_.extension && std::filesystem::is_regular_file(path, error);
+    return path.extension() == parts_.extension;
   }
 
   [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open(

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets {
 
@@ -66,7 +66,7 @@ Result<ltm::MemoryId> FreeEntities::take_own(std::string_view own, const std::st
 
 std::string name_of_topic(std::string_view topic, std::string_view other) {
   if (topic.starts_with('/')) topic.remove_prefix(1);
-  std::string name(topic.empty() || !ltm::is_utf8(topic) ? other : topic);
+  std::string name(topic.empty() || !is_utf8(topic) ? other : topic);
   std::ranges::replace(name, '/', '.');
   return name;
 }

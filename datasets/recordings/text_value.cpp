@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/recordings/text_value.h"
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets {
 
 idf::Data text_value(std::string_view text) {
-  if (ltm::is_utf8(text)) return text;
+  if (is_utf8(text)) return text;
   return idf::NdArray::take<uint8_t>({static_cast<int64_t>(text.size())},
                                      {text.begin(), text.end()});
 }

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "datasets/ros/message_coding.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets::ros {
 
@@ -192,7 +192,7 @@ class Decoder {
     auto text = as_text(bytes_.subspan(at_, length));
     at_ += length;
     if (is_cdr_ && text.ends_with('\0')) text.remove_suffix(1);
-    if (ltm::is_utf8(text)) return idf::Data(text);
+    if (is_utf8(text)) return idf::Data(text);
     return idf::Data(idf::NdArray::take<uint8_t>({static_cast<int64_t>(text.size())},
                                                  {text.begin(), text.end()}));
   }

@@ -5,7 +5,7 @@
 
 #include "datasets/recordings/text_value.h"
 #include "datasets/ros/message_digest.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::datasets::rosbag {
 
@@ -66,14 +66,14 @@ void BagReader::describe(const Connection& connection, const Topic& topic) {
   RecordingStream stream;
   stream.entity = topic.entity;
   stream.name = connection.topic;
-  if (!ltm::is_utf8(connection.topic)) {
+  if (!is_utf8(connection.topic)) {
     stream.name = fmt::format("connection_{}", connection.id);
     ++report_.not_carried["topics that are no UTF-8, renamed"];
   }
   stream.values = map_.messages[connection.id];
   idf::Dict others;
   for (const auto& [name, value] : connection.others) {
-    if (ltm::is_utf8(name))
+    if (is_utf8(name))
       others.set(name, text_value(value));
     else
       ++report_.not_carried["fields of connections whose names are no UTF-8"];
@@ -83,7 +83,7 @@ void BagReader::describe(const Connection& connection, const Topic& topic) {
                        {"definition", text_value(connection.definition)},
                        {"connection", std::move(others)}};
   const std::string& problem = topic.coder.problem();
-  if (!problem.empty() && ltm::is_utf8(problem)) stream.attributes.set("kept_as_bytes", problem);
+  if (!problem.empty() && is_utf8(problem)) stream.attributes.set("kept_as_bytes", problem);
   streams_.push_back(std::move(stream));
 }
 

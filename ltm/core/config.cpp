@@ -127,6 +127,12 @@ Result<Duration> ConfigValue::duration() const {
   return needs("a duration, as in 200ms, 10s or 5min");
 }
 
+Result<Duration> ConfigValue::duration_or_never() const {
+  if (is_text() && *text() == "never") return Duration::max();
+  const auto found = duration();
+  return found.ok() ? found : found.status().with_context("(or 'never')");
+}
+
 Result<uint64_t> ConfigValue::bytes() const {
   static constexpr std::array<NumberUnit, 9> kUnits{{{"B", 1},
                                                      {"kB", 1e3},

@@ -49,6 +49,9 @@ class ConfigValue {
   [[nodiscard]] Result<int64_t> integer() const;
   /// As parse_duration, for example "200ms"; not negative.
   [[nodiscard]] Result<Duration> duration() const;
+
+  /// The same, or the longest duration for the word `never`.
+  [[nodiscard]] Result<Duration> duration_or_never() const;
   /// "64MiB"; units are B kB MB GB TB KiB MiB GiB TiB.
   [[nodiscard]] Result<uint64_t> bytes() const;
   /// "5Hz", "1kHz"; more than zero.

@@ -18,29 +18,64 @@ Status system_error(const std::filesystem::path& path, std::string_view what, in
   const std::string message =
       fmt::format("'{}': {}: {}", path.string(), what, std::generic_category().message(error));
   switch (error) {
-    case ENOENT: return Status(StatusCode::kNotFound, message);
-    case EEXIST: return Status(StatusCode::kAlreadyExists, message);
+    case ENOENT:
+      return Status(StatusCode::kNotFound, message);
+    case EEXIST:
+      return Status(StatusCode::kAlreadyExists, message);
     case ENOSPC:
-    case EDQUOT: return Status(StatusCode::kResourceExhausted, message);
-    default: return Status(StatusCode::kUnavailable, message);
+    case EDQUOT:
+      return Status(StatusCode::kResourceExhausted, message);
+    default:
+      return Status(StatusCode::kUnavailable, message);
   }
 }
 
+/// Opening must not wait for the other end of a named pipe. Regular files are read and written all
+/// the same.
+constexpr int kEvery = O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+
 int flags_of(File::Mode mode) {
   switch (mode) {
-    case File::Mode::kRead: return O_RDONLY | O_CLOEXEC;
-    case File::Mode::kCreate: return O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC;
-    case File::Mode::kAppend: break;
+    case File::Mode::kRead:
+      return O_RDONLY | kEvery;
+    case File::Mode::kCreate:
+      return O_RDWR | O_CREAT | O_EXCL | O_APPEND | kEvery;
+    case File::Mode::kWrite:
+      return O_RDWR | O_CREAT | kEvery;
+    case File::Mode::kAppend:
+      break;
   }
-  return O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC;
+  return O_RDWR | O_CREAT | O_APPEND | kEvery;
+}
+
+std::string_view kind_of(mode_t mode) {
+  if (S_ISDIR(mode)) return "a directory";
+  if (S_ISFIFO(mode)) return "a named pipe";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+Status not_regular(const std::filesystem::path& path, mode_t mode) {
+  return unavailable("'{}': found {}, needs a regular file", path.string(), kind_of(mode));
 }
 
 }  // namespace
 
 Result<File> File::open(const std::filesystem::path& path, Mode mode) {
   const int fd = ::open(path.c_str(), flags_of(mode), 0644);
-  if (fd < 0) return system_error(path, "cannot open", errno);
-  return File(path, fd);
+  if (fd < 0) {
+    const int error = errno;
+    // A socket, or a pipe that nobody reads, cannot even be opened.
+    struct stat other {};
+    if (error == ENXIO && ::stat(path.c_str(), &other) == 0)
+      return not_regular(path, other.st_mode);
+    return system_error(path, "cannot open", error);
+  }
+  File file(path, fd);
+  struct stat info {};
+  if (::fstat(fd, &info) != 0) return system_error(path, "cannot inspect", errno);
+  if (!S_ISREG(info.st_mode)) return not_regular(path, info.st_mode);
+  return file;
 }
 
 File& File::operator=(File&& other) noexcept {
@@ -59,6 +94,17 @@ Status File::append(std::span<const std::byte> bytes) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return system_error(path_, "cannot write", errno);
     bytes = bytes.subspan(static_cast<size_t>(written));
+  }
+  return {};
+}
+
+Status File::write_at(uint64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return system_error(path_, "cannot write", errno);
+    bytes = bytes.subspan(static_cast<size_t>(written));
+    offset += static_cast<uint64_t>(written);
   }
   return {};
 }
@@ -94,8 +140,9 @@ Result<uint64_t> File::size() const {
   return static_cast<uint64_t>(info.st_size);
 }
 
-Result<bool> File::lock(bool should_wait) {
-  while (::flock(fd_, should_wait ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
+Result<bool> File::lock(bool should_wait, LockKind kind) {
+  const int how = kind == LockKind::kShared ? LOCK_SH : LOCK_EX;
+  while (::flock(fd_, should_wait ? how : how | LOCK_NB) != 0) {
     if (errno == EINTR) continue;
     if (errno == EWOULDBLOCK) return false;
     return system_error(path_, "cannot lock", errno);

@@ -18,10 +18,12 @@ namespace engram {
 /// Threading: read_at is const-parallel, sync may run beside append; everything else one thread.
 class File {
  public:
-  enum class Mode { kRead, kCreate, kAppend };
+  enum class Mode { kRead, kCreate, kAppend, kWrite };
 
-  /// kCreate fails where the file exists. kAppend creates it where it does not exist.
-  /// Errors: kNotFound, kAlreadyExists, kUnavailable naming the path and the system's reason.
+  /// kCreate fails where the file exists. kAppend and kWrite create it where it does not exist, and
+  /// kWrite is for write_at. Pipes,
+  /// devices and directories are refused at once: they never end, or wait for somebody. Errors:
+  /// kNotFound, kAlreadyExists, kUnavailable naming the path and the system's reason.
   static Result<File> open(const std::filesystem::path& path, Mode mode);
 
   File(File&& other) noexcept : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)) {}
@@ -31,6 +33,10 @@ class File {
   /// Writes all of `bytes` at the end.
   /// Errors: kResourceExhausted where the disk is full, otherwise kUnavailable.
   Status append(std::span<const std::byte> bytes);
+
+  /// Writes all of `bytes` at `offset`; the file must have been opened with kWrite.
+  /// Errors: as of append.
+  Status write_at(uint64_t offset, std::span<const std::byte> bytes);
 
   /// Reads exactly `out.size()` bytes from `offset`.
   /// Errors: kDataLoss where the file ends earlier, kUnavailable.
@@ -44,9 +50,11 @@ class File {
 
   Result<uint64_t> size() const;
 
-  /// Takes an exclusive lock, which is released with this object or its process. Returns false
-  /// where another holds it and `should_wait` is false.
-  Result<bool> lock(bool should_wait);
+  enum class LockKind { kExclusive, kShared };
+
+  /// Takes a lock, which is released with this object or its process. Any number of shared ones
+  /// exclude exclusive ones. Returns false where another holds one and `should_wait` is false.
+  Result<bool> lock(bool should_wait, LockKind kind = LockKind::kExclusive);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 

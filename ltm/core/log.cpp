@@ -7,6 +7,7 @@
 #include <atomic>
 #include <string>
 
+#include "ltm/core/printable.h"
 #include "ltm/core/time.h"
 
 namespace engram::log {
@@ -26,11 +27,16 @@ spdlog::logger& logger() {
 
 spdlog::level::level_enum spdlog_level(Level level) {
   switch (level) {
-    case Level::kDebug: return spdlog::level::debug;
-    case Level::kInfo: return spdlog::level::info;
-    case Level::kWarning: return spdlog::level::warn;
-    case Level::kError: return spdlog::level::err;
-    case Level::kOff: break;
+    case Level::kDebug:
+      return spdlog::level::debug;
+    case Level::kInfo:
+      return spdlog::level::info;
+    case Level::kWarning:
+      return spdlog::level::warn;
+    case Level::kError:
+      return spdlog::level::err;
+    case Level::kOff:
+      break;
   }
   return spdlog::level::off;
 }
@@ -62,6 +68,15 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+/// Names in a message come from anywhere. What looks like another message is not one: all lines but
+/// the first are indented.
+std::string text_lines(std::string_view message) {
+  std::string text = printable_lines(message);
+  for (size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1))
+    text.insert(at + 1, "  ");
+  return text;
+}
+
 std::string json_line(Level level, std::string_view message) {
   std::string time = to_string(system_now());
   time[time.find(' ')] = 'T';
@@ -76,16 +91,23 @@ void set_form(Form wanted) {
   logger().set_pattern(wanted == Form::kJson ? "%v" : "%^%l%$: %v");
 }
 
-void set_level(Level level) { logger().set_level(spdlog_level(level)); }
+void set_level(Level level) {
+  logger().set_level(spdlog_level(level));
+}
 
 Level level() {
   switch (logger().level()) {
     case spdlog::level::trace:
-    case spdlog::level::debug: return Level::kDebug;
-    case spdlog::level::info: return Level::kInfo;
-    case spdlog::level::warn: return Level::kWarning;
-    case spdlog::level::err: return Level::kError;
-    default: return Level::kOff;
+    case spdlog::level::debug:
+      return Level::kDebug;
+    case spdlog::level::info:
+      return Level::kInfo;
+    case spdlog::level::warn:
+      return Level::kWarning;
+    case spdlog::level::err:
+      return Level::kError;
+    default:
+      return Level::kOff;
   }
 }
 
@@ -93,7 +115,7 @@ void write(Level level, std::string_view message) {
   if (form == Form::kJson)
     logger().log(spdlog_level(level), "{}", json_line(level, message));
   else
-    logger().log(spdlog_level(level), "{}", message);
+    logger().log(spdlog_level(level), "{}", text_lines(message));
 }
 
 }  // namespace engram::log

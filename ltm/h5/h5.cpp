@@ -5,6 +5,21 @@
 
 namespace engram::h5 {
 
+namespace {
+
+/// HDF5 would wait for ever for the other end of a named pipe.
+Status check_is_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto found = std::filesystem::status(path, error);
+  if (found.type() == std::filesystem::file_type::not_found)
+    return not_found("HDF5 file '{}' does not exist", path.string());
+  if (!std::filesystem::is_regular_file(found))
+    return data_loss("'{}': found no regular file, needs an HDF5 file", path.string());
+  return {};
+}
+
+}  // namespace
+
 size_t size_bytes(Type type) {
   switch (type) {
     case Type::kInt8:
@@ -59,8 +74,7 @@ Result<File> File::create(const std::filesystem::path& path, Audience audience) 
 }
 
 Result<File> File::open(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
-    return not_found("HDF5 file '{}' does not exist", path.string());
+  ENGRAM_RETURN_IF_ERROR(check_is_file(path));
   // Created before the lock, so that it is destroyed after it: its destructor takes the lock
   // itself.
   auto state = std::make_unique<State>();
@@ -72,8 +86,7 @@ Result<File> File::open(const std::filesystem::path& path) {
 }
 
 Result<File> File::change(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
-    return not_found("HDF5 file '{}' does not exist", path.string());
+  ENGRAM_RETURN_IF_ERROR(check_is_file(path));
   auto state = std::make_unique<State>();
   state->path = path;
   const LibraryLock lock;

@@ -9,6 +9,7 @@
 
 #include "ltm/idf/base64.h"
 #include "ltm/idf/binary.h"
+#include "ltm/idf/strict_json.h"
 
 namespace engram::idf {
 
@@ -56,16 +57,26 @@ Json float_to_json(double value) {
 template <typename F>
 auto with_element_type(ElementType type, F function) {
   switch (type) {
-    case ElementType::kInt8: return function(int8_t{});
-    case ElementType::kInt16: return function(int16_t{});
-    case ElementType::kInt32: return function(int32_t{});
-    case ElementType::kInt64: return function(int64_t{});
-    case ElementType::kUInt8: return function(uint8_t{});
-    case ElementType::kUInt16: return function(uint16_t{});
-    case ElementType::kUInt32: return function(uint32_t{});
-    case ElementType::kUInt64: return function(uint64_t{});
-    case ElementType::kFloat32: return function(float{});
-    case ElementType::kFloat64: break;
+    case ElementType::kInt8:
+      return function(int8_t{});
+    case ElementType::kInt16:
+      return function(int16_t{});
+    case ElementType::kInt32:
+      return function(int32_t{});
+    case ElementType::kInt64:
+      return function(int64_t{});
+    case ElementType::kUInt8:
+      return function(uint8_t{});
+    case ElementType::kUInt16:
+      return function(uint16_t{});
+    case ElementType::kUInt32:
+      return function(uint32_t{});
+    case ElementType::kUInt64:
+      return function(uint64_t{});
+    case ElementType::kFloat32:
+      return function(float{});
+    case ElementType::kFloat64:
+      break;
   }
   return function(double{});
 }
@@ -120,7 +131,9 @@ struct JsonWriter {
   }
 };
 
-Json to_json_checked(const Data& data) { return std::visit(JsonWriter{}, data.value()); }
+Json to_json_checked(const Data& data) {
+  return std::visit(JsonWriter{}, data.value());
+}
 
 bool fits_depth(const Data& data, int levels) {
   if (const List* list = data.get_if<List>()) {
@@ -139,17 +152,25 @@ class JsonReader {
 
   Result<Data> read(const Json& json, const std::string& path, int depth) {
     switch (json.type()) {
-      case Json::value_t::null: return Data();
-      case Json::value_t::boolean: return Data(json.get<bool>());
-      case Json::value_t::number_float: return Data(json.get<double>());
-      case Json::value_t::string: return Data(json.get<std::string>());
-      case Json::value_t::number_integer: return Data(json.get<int64_t>());
+      case Json::value_t::null:
+        return Data();
+      case Json::value_t::boolean:
+        return Data(json.get<bool>());
+      case Json::value_t::number_float:
+        return Data(json.get<double>());
+      case Json::value_t::string:
+        return Data(json.get<std::string>());
+      case Json::value_t::number_integer:
+        return Data(json.get<int64_t>());
       case Json::value_t::number_unsigned:
         if (json.get<uint64_t>() > INT64_MAX) return broken(path, "an integer beyond int64");
         return Data(json.get<int64_t>());
-      case Json::value_t::array: return read_list(json, path, depth);
-      case Json::value_t::object: return read_object(json, path, depth);
-      default: return broken(path, "binary JSON");
+      case Json::value_t::array:
+        return read_list(json, path, depth);
+      case Json::value_t::object:
+        return read_object(json, path, depth);
+      default:
+        return broken(path, "binary JSON");
     }
   }
 
@@ -173,7 +194,8 @@ class JsonReader {
   Result<Data> read_object(const Json& json, const std::string& path, int depth) {
     if (json.size() == 1) {
       const std::string& key = json.begin().key();
-      if (key.starts_with('$') && !key.starts_with("$$")) return read_typed(key, *json.begin(), path);
+      if (key.starts_with('$') && !key.starts_with("$$"))
+        return read_typed(key, *json.begin(), path);
     }
     if (depth >= max_depth_) return broken(path, fmt::format("more than {} levels", max_depth_));
     Dict dict;
@@ -300,19 +322,9 @@ Result<Data> from_json(const Json& json, int max_depth) {
 }
 
 Result<Data> from_json_text(std::string_view text, int max_depth) {
-  // Stops before deep nesting, because the parser would exhaust the stack.
-  int deepest = 0;
-  const auto limit_depth = [&](int depth, Json::parse_event_t, Json&) {
-    deepest = std::max(deepest, depth);
-    return depth <= 4 * max_depth;
-  };
-  try {
-    const Json json = Json::parse(text, limit_depth);
-    if (deepest > 4 * max_depth) return invalid_argument("JSON nests {} levels deep", deepest);
-    return from_json(json, max_depth);
-  } catch (const Json::exception& error) {
-    return invalid_argument("no JSON: {}", error.what());
-  }
+  // A typed value nests in levels of its own.
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, parse_json(text, 4 * max_depth));
+  return from_json(json, max_depth);
 }
 
 }  // namespace engram::idf

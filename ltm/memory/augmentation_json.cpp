@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::ltm {
 

@@ -4,7 +4,8 @@
 #include <charconv>
 #include <functional>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/printable.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::ltm {
 
@@ -128,6 +129,10 @@ std::string MemoryId::to_string() const {
   if (time_) text += "/" + engram::to_string(*time_);
   if (index_) text += fmt::format("/{}", *index_);
   return text;
+}
+
+std::string MemoryId::printable() const {
+  return engram::printable(to_string());
 }
 
 size_t MemoryId::hash() const {

@@ -75,6 +75,10 @@ class MemoryId {
 
   [[nodiscard]] std::string to_string() const;
 
+  /// The same for a person to read, who must not mistake a name for more than that
+  /// (ltm/core/printable.h). It cannot always be parsed.
+  [[nodiscard]] std::string printable() const;
+
   /// Equal for all copies of an ID within one process; allocates nothing.
   [[nodiscard]] size_t hash() const;
 

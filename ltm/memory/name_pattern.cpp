@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::ltm {
 

@@ -123,6 +123,10 @@ Result<Selector> parse_any(std::string_view text) {
   if (take_prefix(text, "last:")) return parse_last(text);
   if (take_prefix(text, "nearest:")) return parse_nearest(text);
   if (take_prefix(text, "index:")) return parse_index_range(text);
+  if (take_prefix(text, "until:")) {
+    ENGRAM_ASSIGN_OR_RETURN(const Time last, parse_time(trim(text)));
+    return Selector(select::TimeRange{Time::min(), last});
+  }
   if (text.starts_with('+')) {
     ENGRAM_ASSIGN_OR_RETURN(const Duration offset, parse_duration(text));
     return Selector(select::Ahead{offset});
@@ -151,6 +155,7 @@ struct Printing {
     return "after:" + engram::to_string(s.time);
   }
   std::string operator()(const select::TimeRange& s) const {
+    if (s.first == Time::min()) return "until:" + engram::to_string(s.last);
     return engram::to_string(s.first) + ".." + engram::to_string(s.last);
   }
   std::string operator()(const select::LastDuration& s) const {

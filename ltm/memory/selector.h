@@ -78,7 +78,7 @@ using Selector = std::variant<select::All, select::Latest, select::At, select::A
 [[nodiscard]] Status validate(const Selector& selector);
 
 /// Reads `all`, `latest`, `latest:3`, `T`, `+200ms`, `nearest:T`, `nearest:T~50ms`, `before:T`,
-/// `at-or-before:T`, `after:T`, `T1..T2`, `last:10s`, `-3..-1`. Two bare integers below 10^9 are
+/// `at-or-before:T`, `after:T`, `until:T`, `T1..T2`, `last:10s`, `-3..-1`. Two bare integers below 10^9 are
 /// indices; the prefixes `time:` and `index:` decide explicitly.
 /// Errors: kInvalidArgument naming the text and what was needed.
 Result<Selector> parse_selector(std::string_view text);

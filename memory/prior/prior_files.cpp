@@ -10,7 +10,7 @@
 #include <optional>
 #include <system_error>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::memory {
 
@@ -193,7 +193,7 @@ Result<std::string> prior_name(std::string_view file_name) {
     i += 2;
   }
   if (name.empty()) return invalid_argument("its name is empty");
-  if (!ltm::is_utf8(name)) return invalid_argument("its name is no UTF-8");
+  if (!is_utf8(name)) return invalid_argument("its name is no UTF-8");
   return name;
 }
 

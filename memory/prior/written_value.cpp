@@ -4,8 +4,8 @@
 #include <charconv>
 #include <set>
 
+#include "ltm/core/utf8.h"
 #include "ltm/idf/json.h"
-#include "ltm/memory/utf8.h"
 
 namespace engram::memory {
 
@@ -230,7 +230,7 @@ Result<WrittenValue> WrittenValue::parse_json(std::string text, std::string file
 }
 
 Result<WrittenValue> WrittenValue::parse_yaml(std::string_view text, std::string file) {
-  if (!ltm::is_utf8(text)) return invalid_argument("{}: is no UTF-8", file);
+  if (!is_utf8(text)) return invalid_argument("{}: is no UTF-8", file);
   WrittenValue value;
   value.file_ = std::move(file);
   ENGRAM_ASSIGN_OR_RETURN(value.config_, ConfigValue::parse(text, value.file_));

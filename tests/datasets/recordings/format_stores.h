@@ -46,7 +46,8 @@ class FormatStores {
   static void record(const std::filesystem::path& store, std::string_view entity,
                      const std::vector<idf::Data>& values,
                      Time start = time_from_ns(1'700'000'000'000'000'000)) {
-    auto recorder = ltm::Recorder::open(store, {});
+    // Formats are asked for times of the far future, too.
+    auto recorder = ltm::Recorder::open(store, {.max_ahead = ltm::AheadLimits::kNone});
     ASSERT_OK(recorder);
     Time time = start;
     for (const idf::Data& value : values) {

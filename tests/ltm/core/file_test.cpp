@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/core/file.h"
 
+#include <sys/stat.h>
+
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 
@@ -40,6 +42,16 @@ TEST(File, NamesWhatItCannotOpen) {
   EXPECT_FAILS(File::open(scratch / "a/b", File::Mode::kAppend), StatusCode::kUnavailable, "a/b");
   auto read_only = File::open(scratch / "a", File::Mode::kRead);
   EXPECT_FAILS(read_only->append(as_bytes("x")), StatusCode::kUnavailable, "cannot write");
+}
+
+TEST(File, RefusesAtOnceWhatIsNoRegularFile) {
+  const ScratchDirectory scratch;
+  ASSERT_EQ(::mkfifo((scratch / "pipe").c_str(), 0600), 0);
+  for (const auto mode : {File::Mode::kRead, File::Mode::kAppend})
+    EXPECT_FAILS(File::open(scratch / "pipe", mode), StatusCode::kUnavailable,
+                 "found a named pipe, needs a regular file");
+  EXPECT_FAILS(read_file("/dev/zero"), StatusCode::kUnavailable, "found a device");
+  EXPECT_FAILS(read_file(scratch.path()), StatusCode::kUnavailable, "found a directory");
 }
 
 TEST(File, LocksOutOthersUntilItGoes) {

@@ -107,6 +107,21 @@ TEST(Json, NestsSixtyFourLevelsDeep) {
   }
 }
 
+TEST(Json, RefusesWhatWouldBeGuessed) {
+  EXPECT_FAILS(from_json_text(R"({"a": 1, "b": {"c": 2, "c": 3}})"), StatusCode::kInvalidArgument,
+               "the key 'c' twice");
+  EXPECT_OK(from_json_text(R"([{"a": 1}, {"a": {"a": 2}}])"));
+  for (const char* text : {"18446744073709551616", "-9223372036854775809",
+                           "[1, 1"
+                           "00000000000000000000000]"})
+    EXPECT_FAILS(from_json_text(text), StatusCode::kInvalidArgument, "needs one of 64 bits");
+  EXPECT_FAILS(from_json_text("18446744073709551615"), StatusCode::kInvalidArgument, "int64");
+  EXPECT_OK(from_json_text("-9223372036854775808"));
+  EXPECT_OK(from_json_text("1e300"));
+  for (const char* text : {R"({"$int32": 2147483648})", R"({"$int64": "9223372036854775808"})"})
+    EXPECT_FAILS(from_json_text(text), StatusCode::kInvalidArgument, "unfitting value");
+}
+
 TEST(Json, RefusesStringsThatAreNoUtf8) {
   EXPECT_FAILS(to_json_text(Data("\xff")), StatusCode::kInvalidArgument, "UTF-8");
 }

@@ -32,6 +32,13 @@ TEST(Selector, RefusesWhatSelectsNothing) {
   }
 }
 
+TEST(Selector, UntilIsEverythingUpToATime) {
+  const Selector until(select::TimeRange{Time::min(), time_from_ns(5)});
+  EXPECT_EQ(parse_selector("until:5").value(), until);
+  EXPECT_EQ(parse_selector(to_string(until)).value(), until);
+  EXPECT_FAILS(parse_selector("until:soon"), StatusCode::kInvalidArgument, "soon");
+}
+
 TEST(Selector, TakesSpacesAroundTimes) {
   EXPECT_EQ(parse_selector(" nearest: 5 ~ 1s ").value(),
             Selector(select::Nearest{time_from_ns(5), std::chrono::seconds(1)}));

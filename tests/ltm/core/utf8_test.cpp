@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 #include <gtest/gtest.h>
 
-namespace engram::ltm {
+namespace engram {
 namespace {
 
 TEST(Utf8, IsWhatUnicodeSays) {
@@ -17,4 +17,4 @@ TEST(Utf8, IsWhatUnicodeSays) {
 }
 
 }  // namespace
-}  // namespace engram::ltm
+}  // namespace engram
