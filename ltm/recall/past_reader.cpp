@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/recall/past_reader.h"
 
+#include "ltm/core/log.h"
+
 namespace engram::ltm {
 
 namespace {
@@ -14,16 +16,33 @@ bool uses_latent(const SnapshotEntry& entry, Prefer prefer) {
 Result<const LoadedModel*> LoadedModels::load(const std::filesystem::path& store,
                                               const ModelInfo& info) {
   if (const auto known = models_.find(info.file); known != models_.end()) return &known->second;
+  if (const auto failed = failed_.find(info.file); failed != failed_.end()) return failed->second;
   if (!loader_)
     return failed_precondition("model {}: this program was built without learning", info.name());
   auto model = loader_(store / info.file);
-  if (!model.ok()) return model.status().with_context("model " + info.name());
+  if (!model.ok()) {
+    Status status = model.status().with_context("model " + info.name());
+    if (!is_damage(status)) return status;
+    log::warning("{}; what was recorded and copies of the last snapshot answer without it",
+                 status.message());
+    ++damaged_;
+    failed_.emplace(info.file, status);
+    return status;
+  }
   return &models_.emplace(info.file, std::move(model).value()).first->second;
+}
+
+bool is_damage(const Status& status) {
+  return status.code() == StatusCode::kDataLoss || status.code() == StatusCode::kNotFound;
 }
 
 Result<SnapshotResult> PastReader::read(const MemoryId& entity, const SnapshotEntry& entry,
                                         Prefer prefer) {
-  return uses_latent(entry, prefer) ? reconstruct(entity, entry) : read_recorded(entity, entry);
+  if (!uses_latent(entry, prefer)) return read_recorded(entity, entry);
+  auto found = reconstruct(entity, entry);
+  if (!entry.recorded || !is_damage(found.status())) return found;
+  models_->note_substituted();
+  return read_recorded(entity, entry);
 }
 
 Result<SnapshotResult> PastReader::name(const MemoryId& entity, const SnapshotEntry& entry,

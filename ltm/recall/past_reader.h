@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,7 +16,7 @@ namespace engram::ltm {
 /// The models of one store. Each is opened when it is first needed and stays open as long as this
 /// object, so pointers to its parts stay valid.
 ///
-/// Threading: one thread.
+/// Threading: one thread; counts may be read by others.
 class LoadedModels {
  public:
   /// With an empty `loader` no model can be loaded.
@@ -23,13 +24,27 @@ class LoadedModels {
 
   [[nodiscard]] bool has_loader() const { return loader_ != nullptr; }
 
+  /// A model that is damaged or missing is tried once, and warned of.
   /// Errors: kFailedPrecondition without a loader; those of the loader.
   Result<const LoadedModel*> load(const std::filesystem::path& store, const ModelInfo& info);
+
+  /// Models that are damaged or missing.
+  [[nodiscard]] uint64_t damaged() const { return damaged_; }
+
+  /// Counts a snapshot that was answered as it was recorded, because its latents are of no use.
+  void note_substituted() { ++substituted_; }
+  [[nodiscard]] uint64_t substituted() const { return substituted_; }
 
  private:
   ModelLoader loader_;
   std::map<std::string, LoadedModel> models_;  ///< The key is the model's file.
+  std::map<std::string, Status> failed_;       ///< The same.
+  std::atomic<uint64_t> damaged_{0};
+  std::atomic<uint64_t> substituted_{0};
 };
+
+/// Whether data is damaged or gone, so that asking again would give the same.
+[[nodiscard]] bool is_damage(const Status& status);
 
 /// Reads snapshots of one generation of a store, from their recorded form or from their latents.
 ///
@@ -47,6 +62,7 @@ class PastReader {
     return models_->load(store_->path(), info);
   }
 
+  /// Where latents are preferred and damaged, or their model is, what was recorded is the answer.
   /// Errors: kDataLoss; those of load().
   Result<SnapshotResult> read(const MemoryId& entity, const SnapshotEntry& entry, Prefer prefer);
 

@@ -106,7 +106,10 @@ Result<std::vector<Engine>> StorePast::models(const MemoryId& entity) {
   std::vector<Engine> engines;
   const ModelInfo* newest = store().manifest().newest_model(entity);
   if (newest == nullptr || !models_->has_loader()) return engines;
-  ENGRAM_ASSIGN_OR_RETURN(const LoadedModel* model, reader_->load(*newest));
+  const auto loaded = reader_->load(*newest);
+  if (is_damage(loaded.status())) return engines;
+  ENGRAM_RETURN_IF_ERROR(loaded.status());
+  const LoadedModel* model = *loaded;
   if (model->predictor) engines.push_back({model->predictor.get(), newest->name()});
   if (model->copy_last) engines.push_back({model->copy_last.get(), ""});
   return engines;
@@ -144,7 +147,8 @@ void StorePast::forget_decoded() {
 }
 
 StorePast::Counters StorePast::counters() const {
-  return {opened_, decodings_, from_decoded_, decoded_bytes_};
+  return {opened_,        decodings_,         from_decoded_,
+          decoded_bytes_, models_->damaged(), models_->substituted()};
 }
 
 }  // namespace engram::ltm

@@ -31,6 +31,9 @@ class StorePast final : public KnownPast {
     uint64_t decoded = 0;        ///< Snapshots that were decoded.
     uint64_t from_decoded = 0;   ///< Snapshots that came from the cache.
     uint64_t decoded_bytes = 0;  ///< Plain bytes in the cache.
+    uint64_t damaged_models = 0;
+    /// Snapshots that were answered as they were recorded, although latents were preferred.
+    uint64_t substituted = 0;
   };
 
   /// Without a `loader` latents cannot be decoded and no model predicts.

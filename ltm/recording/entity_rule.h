@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ltm/codec/packed_value.h"
 #include "ltm/filter/entity_pattern.h"
 #include "ltm/filter/registry.h"
+#include "ltm/memory/ahead_limits.h"
 
 namespace engram::ltm {
 
@@ -15,6 +17,8 @@ struct EntityRule {
   std::string name;  ///< Its name in reports.
   EntityPattern match;
   std::vector<FilterOptions> filters;  ///< Applied in this order. Empty: everything is kept.
+  /// How far ahead of the clock times may lie; empty: as for all entities. AheadLimits::kNone: any.
+  std::optional<Duration> max_ahead;
   PackOptions pack;
 };
 

@@ -69,6 +69,17 @@ struct Recorder::State {
     return {};
   }
 
+  /// Those of working memory were checked when they came, by its limits.
+  static Status check_time(const CheckedSnapshot&) { return {}; }
+  Status check_time(const Snapshot& snapshot) const {
+    const Time now = clock();
+    if (snapshot.time <= now) return {};
+    const auto rule = std::ranges::find_if(
+        options.rules, [&](const EntityRule& each) { return each.match.matches(snapshot.entity); });
+    const auto of_rule = rule == options.rules.end() ? std::nullopt : rule->max_ahead;
+    return check_ahead(snapshot.entity, snapshot.time, now, of_rule.value_or(options.max_ahead));
+  }
+
   /// Checks the whole commit before any of it reaches a filter, so that a refused commit has no
   /// effect.
   template <typename Update>
@@ -79,6 +90,7 @@ struct Recorder::State {
     all.reserve(updates.size());
     for (const Update* update : updates) {
       ENGRAM_RETURN_IF_ERROR(check_order(*update));
+      ENGRAM_RETURN_IF_ERROR(check_time(*update));
       ENGRAM_ASSIGN_OR_RETURN(auto offered, OfferedSnapshot::of(*update, writer->types()));
       all.push_back(std::move(offered));
     }
@@ -305,24 +317,6 @@ struct Recorder::State {
       log::warning("counts of dropped snapshots are not stored yet: {}", status.to_string());
   }
 };
-
-Status Recorder::Options::validate() const {
-  if (max_rate_hz) ENGRAM_RETURN_IF_ERROR(FrequencyFilter::Options{*max_rate_hz}.validate());
-  ENGRAM_RETURN_IF_ERROR(pack.validate());
-  for (const EntityRule& rule : rules) {
-    for (const FilterOptions& filter : rule.filters)
-      if (Status status = ltm::validate(filter); !status.ok())
-        return status.with_context(fmt::format("rule '{}'", rule.name));
-    if (const Status status = rule.pack.validate(); !status.ok())
-      return status.with_context(fmt::format("rule '{}'", rule.name));
-  }
-  if (threads < 1 || threads > kMaxThreads)
-    return invalid_argument("recorder: found {} threads, needs 1 to {}", threads, kMaxThreads);
-  if (drop_note_interval < Duration(0))
-    return invalid_argument("recorder: drop_note_interval is {}, needs 0s or more",
-                            to_string(drop_note_interval));
-  return {};
-}
 
 Recorder::Recorder(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Recorder::Recorder(Recorder&&) noexcept = default;

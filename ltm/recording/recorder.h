@@ -65,6 +65,8 @@ class Recorder {
     /// The first rule that matches an entity is used.
     std::vector<EntityRule> rules;
     LateSnapshots late = LateSnapshots::kKeep;
+    /// How far ahead of the clock the times of snapshots may lie, unless their rule says it.
+    Duration max_ahead = AheadLimits().all;
     /// Threads that encode the snapshots of one commit, including the caller's. 1 to kMaxThreads.
     int threads = 2;
     /// Interval at which counts of dropped snapshots are stored if no snapshot is kept. `kill -9`
@@ -94,13 +96,14 @@ class Recorder {
   /// Filters and stores the snapshots of a commit. After this returns ok, every snapshot that
   /// counts as kept survives `kill -9`. A snapshot that a filter holds does not, until a later
   /// commit or close() releases it.
-  /// Errors: those of Commit::check; kInvalidArgument if a late snapshot is refused, or if values
+  /// Errors: those of Commit::check; kInvalidArgument if a late snapshot is refused, if a time lies
+  /// too far ahead of the clock, or if values
   /// are not of their segment's type (it names every path); kResourceExhausted or kUnavailable if
   /// the disk fails: then nothing of the commit was acknowledged, and it may be tried again.
   Status commit(const Commit& commit);
 
-  /// The same for snapshots that were checked before, such as those of working memory. Their values
-  /// are checked again only if their segment's type has changed since.
+  /// The same for snapshots that were checked before, such as those of working memory: their times
+  /// are not checked again, and their values only if their segment's type has changed since.
   Status commit_checked(std::span<const CheckedSnapshot* const> updates);
 
   /// The types of all segments, declared in this session or earlier ones.

@@ -63,6 +63,9 @@ Result<EntityRule> read_rule(const ConfigValue& value) {
   if (const auto filters = map.find("filters")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.filters, read_filters(*filters));
   }
+  if (const auto ahead = map.find("max_ahead")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.max_ahead, ahead->duration_or_never());
+  }
   ENGRAM_RETURN_IF_ERROR(read_codecs(map, rule.pack));
   ENGRAM_RETURN_IF_ERROR(map.finish());
   return rule;
@@ -114,6 +117,7 @@ Status read_recording(ConfigMap& top, Recorder::Options& options) {
       read_choice(map, "late", options.late,
                   std::array<Choice<LateSnapshots>, 2>{
                       {{"keep", LateSnapshots::kKeep}, {"refuse", LateSnapshots::kRefuse}}}));
+  ENGRAM_RETURN_IF_ERROR(map.read("max_ahead", options.max_ahead, &ConfigValue::duration_or_never));
   ENGRAM_RETURN_IF_ERROR(
       map.read("drop_note_interval", options.drop_note_interval, &ConfigValue::duration));
   return map.finish();

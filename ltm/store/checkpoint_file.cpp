@@ -53,6 +53,10 @@ bool is_checkpoint(const std::string& name) {
   return name.ends_with(kSuffix);
 }
 
+bool is_checkpoint_of(const std::string& name, const MemoryId& entity) {
+  return is_of_checkpoint(name) && name.starts_with(prefix_of(entity));
+}
+
 bool is_history(const std::string& name) {
   return name.ends_with(kHistory);
 }
@@ -61,8 +65,7 @@ Status remove_checkpoints(const std::filesystem::path& store, const MemoryId& en
                           std::span<const std::filesystem::path> kept) {
   for (const auto& file : temporary_files(store)) {
     const std::string name = file.filename().string();
-    if (is_of_checkpoint(name) && name.starts_with(prefix_of(entity)) &&
-        std::ranges::find(kept, file) == kept.end())
+    if (is_checkpoint_of(name, entity) && std::ranges::find(kept, file) == kept.end())
       ENGRAM_RETURN_IF_ERROR(remove_file(file));
   }
   return {};

@@ -27,7 +27,9 @@ namespace engram::ltm {
 
 /// Whether `name`, of a file in `tmp/`, is that of a checkpoint.
 [[nodiscard]] bool is_checkpoint(const std::string& name);
-/// The same for a history.
+/// Whether it is that of one of `entity`, finished or not.
+[[nodiscard]] bool is_checkpoint_of(const std::string& name, const MemoryId& entity);
+/// Whether `name` is that of a history.
 [[nodiscard]] bool is_history(const std::string& name);
 
 /// Removes the checkpoints of `entity` except those in `kept`.

@@ -2,10 +2,12 @@
 #include "ltm/store/journal.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
 #include <string_view>
 
+#include "ltm/core/log.h"
 #include "ltm/store/checksum.h"
 
 namespace engram::ltm {
@@ -70,6 +72,36 @@ bool is_damaged_frame(std::span<const std::byte> bytes, uint64_t at) {
 
 using FrameVisit = std::function<Status(uint64_t offset, const Buffer& payload)>;
 
+/// What lies beside a journal, and is replaced as a whole.
+struct Mark {
+  std::array<char, 8> magic{};
+  uint64_t bytes = 0;
+  uint64_t checksum = 0;
+};
+constexpr std::string_view kMarkMagic = "ENGRAMA1";
+
+Mark mark_of(uint64_t bytes) {
+  Mark mark;
+  std::ranges::copy(kMarkMagic, mark.magic.begin());
+  mark.bytes = bytes;
+  mark.checksum = checksum(std::as_bytes(std::span(&mark.bytes, 1)));
+  return mark;
+}
+
+/// Counts what was forced to the disk and is not there.
+JournalScan with_mark(JournalScan scan, uint64_t file_bytes, std::optional<uint64_t> mark) {
+  scan.acknowledged_bytes = mark;
+  if (!mark) return scan;
+  // A cut in the zeros behind the last frame cost nothing.
+  const uint64_t whole = padded(file_bytes - scan.torn_bytes);
+  if (*mark > whole) {
+    scan.missing_bytes = *mark - whole;
+    ++scan.damaged;
+    scan.torn_may_be_damage = false;  // It was, and is counted.
+  }
+  return scan;
+}
+
 /// Visits the frames from byte `at` on.
 Result<JournalScan> walk_frames(const Buffer& content, uint64_t at, JournalScan scan,
                                 const FrameVisit& visit) {
@@ -112,7 +144,47 @@ Result<Journal> Journal::create(const std::filesystem::path& store, uint64_t num
   ENGRAM_RETURN_IF_ERROR(file.append(as_bytes(kFileMagic)));
   ENGRAM_RETURN_IF_ERROR(file.sync());
   ENGRAM_RETURN_IF_ERROR(sync_directory(path.parent_path()));
-  return Journal(std::move(file), number, kFileMagic.size());
+  Journal journal(std::move(file), number, kFileMagic.size());
+  // Opened now, because a late note must not make the file again once the journal was removed.
+  auto mark = File::open(acknowledged_mark_of(path), File::Mode::kWrite);
+  if (mark.ok())
+    journal.mark_ = std::move(mark).value();
+  else
+    log::warning("'{}': what is forced to the disk cannot be noted beside it", path.string());
+  return journal;
+}
+
+Status Journal::sync(uint64_t bytes) {
+  ENGRAM_RETURN_IF_ERROR(file_.sync());
+  // The note is advice: what is acknowledged does not depend on it.
+  if (!mark_) return {};
+  const Mark mark = mark_of(bytes);
+  if (mark_->write_at(0, std::as_bytes(std::span(&mark, 1))).ok()) return {};
+  mark_.reset();
+  log::warning("'{}': what is forced to the disk cannot be noted beside it any more",
+               file_.path().string());
+  return {};
+}
+
+Status Journal::remove(const std::filesystem::path& store, uint64_t number) {
+  const std::filesystem::path file = store / file_name(number);
+  // The note goes first: alone it would tell of a journal that is missing.
+  ENGRAM_RETURN_IF_ERROR(remove_file(acknowledged_mark_of(file)));
+  return remove_file(file);
+}
+
+std::filesystem::path acknowledged_mark_of(const std::filesystem::path& journal) {
+  return std::filesystem::path(journal).replace_extension(".acked");
+}
+
+std::optional<uint64_t> acknowledged_bytes(const std::filesystem::path& journal) {
+  const auto content = read_file(acknowledged_mark_of(journal));
+  Mark mark;
+  if (!content.ok() || content->size() != sizeof(mark)) return std::nullopt;
+  std::memcpy(&mark, content->data(), sizeof(mark));
+  const Mark wanted = mark_of(mark.bytes);
+  if (mark.magic != wanted.magic || mark.checksum != wanted.checksum) return std::nullopt;
+  return mark.bytes;
 }
 
 Status Journal::append(std::span<const std::vector<std::byte>> payloads) {
@@ -148,22 +220,36 @@ Result<std::vector<std::byte>> encode_journal_frames(
 }
 
 Result<JournalScan> scan_journal(const std::filesystem::path& file, const FrameVisit& visit) {
+  // Read first: a writer beside may append meanwhile.
+  const auto mark = acknowledged_bytes(file);
   ENGRAM_ASSIGN_OR_RETURN(const Buffer content, read_file(file));
   const std::string_view text = as_text(content.bytes());
-  if (is_unfinished(text)) return JournalScan{0, text.size(), false, 0};
-  if (!text.starts_with(kFileMagic))
-    return data_loss("'{}' is no journal: needs '{}' at its start", file.string(), kFileMagic);
-  return walk_frames(content, kFileMagic.size(), {}, visit);
+  JournalScan scan;
+  if (is_unfinished(text)) {
+    scan.torn_bytes = text.size();
+  } else {
+    if (!text.starts_with(kFileMagic))
+      return data_loss("'{}' is no journal: needs '{}' at its start", file.string(), kFileMagic);
+    ENGRAM_ASSIGN_OR_RETURN(scan, walk_frames(content, kFileMagic.size(), scan, visit));
+  }
+  return with_mark(scan, text.size(), mark);
 }
 
 Result<JournalScan> salvage_journal(const std::filesystem::path& file, const FrameVisit& visit) {
+  const auto mark = acknowledged_bytes(file);
   ENGRAM_ASSIGN_OR_RETURN(const Buffer content, read_file(file));
   const std::string_view text = as_text(content.bytes());
-  if (is_unfinished(text)) return JournalScan{0, text.size(), false, 0};
   JournalScan scan;
-  if (text.starts_with(kFileMagic)) return walk_frames(content, kFileMagic.size(), scan, visit);
-  scan.damaged = 1;
-  return walk_frames(content, next_frame(content.bytes(), 0).value_or(text.size()), scan, visit);
+  if (is_unfinished(text)) {
+    scan.torn_bytes = text.size();
+    return with_mark(scan, text.size(), mark);
+  }
+  const bool has_magic = text.starts_with(kFileMagic);
+  scan.damaged = has_magic ? 0 : 1;
+  const uint64_t first =
+      has_magic ? kFileMagic.size() : next_frame(content.bytes(), 0).value_or(text.size());
+  ENGRAM_ASSIGN_OR_RETURN(scan, walk_frames(content, first, scan, visit));
+  return with_mark(scan, text.size(), mark);
 }
 
 Result<Buffer> read_journal_frame(const File& file, uint64_t offset) {
@@ -181,7 +267,10 @@ Result<Buffer> read_journal_frame(const File& file, uint64_t offset) {
   return Buffer::take(std::move(payload));
 }
 
-Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store) {
+namespace {
+
+Result<std::vector<uint64_t>> list_numbers(const std::filesystem::path& store,
+                                           std::string_view extension) {
   std::vector<uint64_t> numbers;
   std::error_code error;
   // Some copies of a store omit empty folders.
@@ -190,11 +279,21 @@ Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store) 
     const std::string name = entry.path().filename().string();
     uint64_t number = 0;
     const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), number);
-    if (problem == std::errc() && std::string_view(end) == ".log") numbers.push_back(number);
+    if (problem == std::errc() && std::string_view(end) == extension) numbers.push_back(number);
   }
   if (error) return unavailable("'{}': {}", (store / "journal").string(), error.message());
   std::ranges::sort(numbers);
   return numbers;
+}
+
+}  // namespace
+
+Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store) {
+  return list_numbers(store, ".log");
+}
+
+Result<std::vector<uint64_t>> list_acknowledged_marks(const std::filesystem::path& store) {
+  return list_numbers(store, ".acked");
 }
 
 }  // namespace engram::ltm

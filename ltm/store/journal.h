@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -28,8 +29,13 @@ class Journal {
   /// Errors: kResourceExhausted, kUnavailable.
   Status append(std::span<const std::vector<std::byte>> payloads);
 
-  /// Forces all appended frames to the disk (fdatasync).
-  Status sync() { return file_.sync(); }
+  /// Forces all appended frames to the disk (fdatasync), and then notes beside the file that its
+  /// first `bytes` bytes are there, so that somebody who finds it shorter knows that it was cut.
+  /// Threading: one thread, which may be another than that of append.
+  Status sync(uint64_t bytes);
+
+  /// Removes a journal and its note.
+  static Status remove(const std::filesystem::path& store, uint64_t number);
 
   [[nodiscard]] uint64_t size_bytes() const { return size_; }
   [[nodiscard]] uint64_t number() const { return number_; }
@@ -42,10 +48,18 @@ class Journal {
       : file_(std::move(file)), number_(number), size_(size) {}
 
   File file_;
+  std::optional<File> mark_;  ///< The note of what was forced to the disk.
   uint64_t number_;
   uint64_t size_;
   bool is_broken_ = false;
 };
+
+/// The note of what was forced to the disk of a journal: "journal/000001.acked".
+[[nodiscard]] std::filesystem::path acknowledged_mark_of(const std::filesystem::path& journal);
+
+/// How many bytes of a journal were forced to the disk for certain; nothing where no note says it.
+/// There may be more: the note is written afterwards, and is not forced to the disk itself.
+[[nodiscard]] std::optional<uint64_t> acknowledged_bytes(const std::filesystem::path& journal);
 
 /// The first bytes of every file of frames.
 inline constexpr std::string_view kJournalMagic = "ENGRAMJ1";
@@ -58,13 +72,18 @@ Result<std::vector<std::byte>> encode_journal_frames(
 /// What a scan of a journal found besides whole frames.
 struct JournalScan {
   uint64_t frames = 0;
-  /// Bytes at the end of the file that are not a whole frame, from an append that was never
-  /// acknowledged.
+  /// Bytes at the end of the file that are not a whole frame: of an append that was cut off, or of
+  /// a file that was.
   uint64_t torn_bytes = 0;
+  /// How many bytes were forced to the disk for certain, where that is known.
+  std::optional<uint64_t> acknowledged_bytes;
+  /// How many of these are missing at the end. They count as a damaged place.
+  uint64_t missing_bytes = 0;
   /// The torn bytes contain a frame of full size whose content does not match its checksum. Either
   /// an append did not reach the disk completely, or acknowledged data was damaged.
   bool torn_may_be_damage = false;
-  /// Number of damaged places that are followed by a whole frame. Each contained acknowledged data.
+  /// Number of damaged places that are followed by a whole frame, or that were forced to the disk.
+  /// Each contained acknowledged data.
   uint64_t damaged = 0;
 };
 
@@ -87,5 +106,8 @@ Result<Buffer> read_journal_frame(const File& file, uint64_t offset);
 
 /// Lists the numbers of the journals in a store, in ascending order.
 Result<std::vector<uint64_t>> list_journals(const std::filesystem::path& store);
+
+/// Lists the numbers of the journals of which a note tells what was forced to the disk.
+Result<std::vector<uint64_t>> list_acknowledged_marks(const std::filesystem::path& store);
 
 }  // namespace engram::ltm

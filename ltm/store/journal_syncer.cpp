@@ -18,18 +18,22 @@ void JournalSyncer::run(const std::stop_token& stop) {
     const auto journals = std::exchange(dirty_, {});
     lock.unlock();
     Status status;
-    for (const auto& journal : journals)
-      if (Status each = journal->sync(); !each.ok()) status = std::move(each);
+    for (const auto& [journal, bytes] : journals)
+      if (Status each = journal->sync(bytes); !each.ok()) status = std::move(each);
     lock.lock();
     if (!status.ok()) error_ = std::move(status);
     changed_.wait_for(mutex_, stop, interval_, [] { return false; });
   }
 }
 
-void JournalSyncer::note_append(const std::shared_ptr<Journal>& journal) {
+void JournalSyncer::note_append(const std::shared_ptr<Journal>& journal, uint64_t bytes) {
   const MutexLock lock(mutex_);
-  if (std::ranges::find(dirty_, journal) != dirty_.end()) return;
-  dirty_.push_back(journal);
+  const auto known = std::ranges::find(dirty_, journal, &Dirty::journal);
+  if (known != dirty_.end()) {
+    known->bytes = bytes;
+    return;
+  }
+  dirty_.push_back({journal, bytes});
   changed_.notify_all();
 }
 

@@ -21,7 +21,8 @@ class JournalSyncer {
   ~JournalSyncer();
 
   /// Records that data was appended to `journal`. It is forced to the disk at the next interval.
-  void note_append(const std::shared_ptr<Journal>& journal);
+  /// `bytes` is its size now.
+  void note_append(const std::shared_ptr<Journal>& journal, uint64_t bytes);
 
   /// Returns ok if everything appended before the last interval is on the disk. Each error is
   /// returned once.
@@ -30,11 +31,16 @@ class JournalSyncer {
  private:
   void run(const std::stop_token& stop);
 
+  struct Dirty {
+    std::shared_ptr<Journal> journal;
+    uint64_t bytes = 0;  ///< Its size after the last append.
+  };
+
   const Duration interval_;
   Mutex mutex_;
   StoppableCondition changed_;
   /// Journals that were appended to since they were last forced to the disk.
-  std::vector<std::shared_ptr<Journal>> dirty_ ENGRAM_GUARDED_BY(mutex_);
+  std::vector<Dirty> dirty_ ENGRAM_GUARDED_BY(mutex_);
   Status error_ ENGRAM_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< Last: it uses all the others.
 };

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <limits>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "ltm/codec/packed_value.h"
@@ -55,12 +53,5 @@ struct LatentSnapshot {
   int model_version = 0;
   std::vector<LatentInstance> instances;
 };
-
-/// Codes the remaining rows of a block again when its other rows are forgotten, so that the bytes
-/// no longer contain information about those. It receives latents of one block in block order and
-/// returns one latent for each, which decodes to the same value. Only `code` and `place` of the
-/// results are used; the remainders stay as they are.
-using LatentRecoder = std::function<Result<std::vector<Latent>>(
-    const MemoryId& entity, int model_version, std::span<const Latent> kept)>;
 
 }  // namespace engram::ltm

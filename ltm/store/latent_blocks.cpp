@@ -2,7 +2,6 @@
 #include "ltm/store/latent_blocks.h"
 
 #include <algorithm>
-#include <map>
 
 namespace engram::ltm {
 
@@ -21,24 +20,6 @@ Status check_place(const Latent& latent, uint64_t row) {
 
 bool is_same(const Buffer& a, const Buffer& b) {
   return a.size() == b.size() && (a.data() == b.data() || std::ranges::equal(a.bytes(), b.bytes()));
-}
-
-/// The remaining latents of one block.
-using Block = std::vector<Latent*>;
-
-Status recode_block(const MemoryId& entity, int version, const Block& block,
-                    const LatentRecoder& recode) {
-  std::vector<Latent> kept;
-  for (const Latent* latent : block) kept.push_back(*latent);
-  ENGRAM_ASSIGN_OR_RETURN(auto made, recode(entity, version, kept));
-  if (made.size() != kept.size())
-    return invalid_argument("entity '{}': a recoder made {} latents of v{}, needs {}",
-                            entity.to_string(), made.size(), version, kept.size());
-  for (size_t i = 0; i < block.size(); ++i) {
-    block[i]->code = std::move(made[i].code);
-    block[i]->place = made[i].place;
-  }
-  return {};
 }
 
 }  // namespace
@@ -61,22 +42,6 @@ Result<uint64_t> LatentBlocks::add(const Latent& latent) {
   }
   open_.push_back({latent.code, row, row, latent.place});
   return row;
-}
-
-Status recode_cut_blocks(const MemoryId& entity, std::vector<LatentSnapshot>& snapshots,
-                         const LatentRecoder& recode) {
-  LatentBlocks blocks;
-  std::map<uint64_t, Block> rows_of;
-  for (LatentSnapshot& snapshot : snapshots) {
-    for (LatentInstance& instance : snapshot.instances) {
-      ENGRAM_ASSIGN_OR_RETURN(const uint64_t first, blocks.add(instance.latent));
-      if (instance.latent.place.count > 1) rows_of[first].push_back(&instance.latent);
-    }
-  }
-  for (const auto& [first, block] : rows_of)
-    if (block.size() < block.front()->place.count)
-      ENGRAM_RETURN_IF_ERROR(recode_block(entity, snapshots.front().model_version, block, recode));
-  return {};
 }
 
 }  // namespace engram::ltm

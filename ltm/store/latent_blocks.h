@@ -35,14 +35,4 @@ class LatentBlocks {
   uint64_t rows_ = 0;
 };
 
-/// Calls `recode` for each block of an entity that has lost some of its rows, and stores the
-/// result.
-///
-/// `snapshots` are the remaining snapshots of a part, in order. Their blocks must not be shared
-/// with any other snapshot.
-/// Errors: those of `recode`; kInvalidArgument if it returns a different number of latents than it
-/// received.
-Status recode_cut_blocks(const MemoryId& entity, std::vector<LatentSnapshot>& snapshots,
-                         const LatentRecoder& recode);
-
 }  // namespace engram::ltm

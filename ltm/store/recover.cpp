@@ -9,8 +9,10 @@
 #include "ltm/store/journal.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/rebuild.h"
+#include "ltm/store/rewrite.h"
 #include "ltm/store/salvage.h"
 #include "ltm/store/segment_format.h"
+#include "ltm/store/store_reader.h"
 
 namespace engram::ltm {
 
@@ -55,8 +57,10 @@ class Recovery {
     for (const ModelInfo& model : old_.models) ENGRAM_RETURN_IF_ERROR(save(model));
     for (const SegmentInfo& segment : old_.segments) ENGRAM_RETURN_IF_ERROR(save(segment));
     for (const uint64_t number : journals_) ENGRAM_RETURN_IF_ERROR(save_journal(number));
+    ENGRAM_RETURN_IF_ERROR(find_missing_journals());
     ENGRAM_RETURN_IF_ERROR(check_unchanged());
     ENGRAM_RETURN_IF_ERROR(finish());
+    if (options_.latest) ENGRAM_RETURN_IF_ERROR(leave_out_after(*options_.latest));
     return std::move(report_);
   }
 
@@ -242,10 +246,28 @@ class Recovery {
   Status save_journal(uint64_t number) {
     const std::string file = Journal::file_name(number).string();
     ENGRAM_RETURN_IF_ERROR(begin(file, 0));
-    ENGRAM_ASSIGN_OR_RETURN(const SalvagedJournal saved, copy_journal(source_, target_, number));
+    ENGRAM_ASSIGN_OR_RETURN(const SalvagedJournal saved,
+                            copy_journal(source_, target_, number, options_.latest));
+    for (const auto& [id, snapshots] : saved.too_late) report_.entities[id].too_late += snapshots;
     for (const auto& [id, snapshots] : saved.snapshots) report_.entities[id].unsealed += snapshots;
     ++report_.journals;
     tell(file, saved.scan, saved.undecodable);
+    return {};
+  }
+
+  Status find_missing_journals() {
+    ENGRAM_ASSIGN_OR_RETURN(const auto marks, list_acknowledged_marks(source_));
+    for (const uint64_t number : marks) {
+      const auto forced = acknowledged_bytes(source_ / Journal::file_name(number));
+      if (!forced || number < old_.first_journal ||
+          std::ranges::find(journals_, number) != journals_.end())
+        continue;
+      ++report_.damaged_places;
+      ++new_.damaged;
+      add_fault(Journal::file_name(number).string(), "",
+                fmt::format("is missing; {} bytes of it were forced to the disk", *forced),
+                "none: nothing else holds it");
+    }
     return {};
   }
 
@@ -259,9 +281,10 @@ class Recovery {
     else if (scan.torn_bytes > 0)
       report_.findings.push_back(
           {Severity::kNote, file, "",
-           fmt::format("its last {} bytes are no whole frame: an append that was cut off",
-                       scan.torn_bytes),
-           "nothing: it was never acknowledged"});
+           fmt::format("its last {} bytes are no whole frame: an append that was cut off{}",
+                       scan.torn_bytes, scan.acknowledged_bytes ? "" : ", or a file that was"),
+           scan.acknowledged_bytes ? "nothing: all that was forced to the disk is whole"
+                                   : "nothing, if the process that wrote it was killed"});
   }
 
   /// Checks that the source did not change. Consolidation does not take the writer's lock, so it
@@ -283,6 +306,23 @@ class Recovery {
     for (const char* folder : {"segments", "models", "journal"})
       ENGRAM_RETURN_IF_ERROR(sync_directory(target_ / folder));
     return {};
+  }
+
+  /// Segments are copied first and then rewritten, as when something is forgotten.
+  Status leave_out_after(Time latest) {
+    ForgetSet gone;
+    {
+      ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(target_));
+      for (const MemoryId& entity : reader->entities()) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto* entries, reader->index(entity));
+        for (auto entry = entries->rbegin(); entry != entries->rend() && entry->time > latest;
+             ++entry)
+          gone[entity].insert(entry->time);
+      }
+    }
+    if (gone.empty()) return {};
+    for (const auto& [entity, times] : gone) report_.entities[entity].too_late += times.size();
+    return forget_snapshots(target_, gone, progress_, stop_).status();
   }
 
   const std::filesystem::path& source_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "ltm/memory/memory_id.h"
 #include "ltm/store/store_check.h"
@@ -9,6 +10,9 @@
 namespace engram::ltm {
 
 struct RecoverOptions {
+  /// Leaves out what lies after this time, in every form. A snapshot from the far future, which a
+  /// wrong clock made, is the latest of its entity for ever.
+  std::optional<Time> latest;
   /// Tests a model file. If empty, a model whose checksum is unknown is copied without a test.
   ModelTest test_model;
 };
@@ -21,6 +25,7 @@ struct RecoveredEntity {
   uint64_t latent_lost = 0;
   /// Snapshots saved from journals. Lost frames cannot be attributed to an entity.
   uint64_t unsealed = 0;
+  uint64_t too_late = 0;  ///< Snapshots that were left out: see RecoverOptions::latest.
 };
 
 struct RecoverReport {

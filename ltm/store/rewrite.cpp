@@ -6,7 +6,6 @@
 
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
-#include "ltm/store/latent_blocks.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_rewriter.h"
@@ -67,8 +66,7 @@ Result<ForgottenSums> count_latent_only(StoreReader& reader, uint32_t number, co
 /// Rewrites a latent segment without the snapshots to be forgotten. Returns false if it contains
 /// none of them.
 Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& reader,
-                             uint32_t number, const ForgetSet& gone,
-                             const ForgetRewriteOptions& options, RewriteReport& report) {
+                             uint32_t number, const ForgetSet& gone, RewriteReport& report) {
   const SegmentInfo& old = reader.manifest().segments[number];
   const SegmentEntity& part = old.entities.front();
   const auto forget = gone.find(part.id);
@@ -86,8 +84,6 @@ Result<bool> rewrite_latents(const std::filesystem::path& store, StoreReader& re
     kept.push_back(std::move(snapshot));
   }
   if (kept.size() == spans.size()) return false;
-  if (options.recode_latents)
-    ENGRAM_RETURN_IF_ERROR(recode_cut_blocks(part.id, kept, options.recode_latents));
   std::optional<MadeSegment> made;
   if (!kept.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(TemporaryFile file, TemporaryFile::create(store, ".h5"));
@@ -199,8 +195,7 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
 }
 
 Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
-                                       const ProgressSink& progress, const std::stop_token& stop,
-                                       const ForgetRewriteOptions& options) {
+                                       const ProgressSink& progress, const std::stop_token& stop) {
   RewriteReport report;
   ENGRAM_ASSIGN_OR_RETURN(const Manifest before, read_manifest(store));
   const FateOf fate_of = [&gone](const MemoryId& id, const SnapshotEntry& entry) {
@@ -217,7 +212,7 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
       ENGRAM_ASSIGN_OR_RETURN(const OpenedSegment opened, open_for(store, segment.file));
       if (kind == SegmentKind::kLatent)
         ENGRAM_RETURN_IF_ERROR(
-            rewrite_latents(store, *opened.reader, opened.number, gone, options, report).status());
+            rewrite_latents(store, *opened.reader, opened.number, gone, report).status());
       else
         ENGRAM_RETURN_IF_ERROR(
             SegmentRewriter(store, *opened.reader, fate_of).rewrite({opened.number}, report));

@@ -62,21 +62,14 @@ using ForgetSet = std::map<MemoryId, TimeSet>;
 Result<RewriteReport> compact(const std::filesystem::path& store, const CompactOptions& options,
                               const ProgressSink& progress = {}, const std::stop_token& stop = {});
 
-struct ForgetRewriteOptions {
-  /// If set, each block that loses rows in a rewritten segment is coded again from its remaining
-  /// rows. If empty, the bytes of the block are kept until its last row is forgotten. The removed
-  /// rows can no longer be read through the store, but could still be decoded from the file.
-  LatentRecoder recode_latents = {};
-};
-
 /// Removes sealed snapshots from the store in every form, recorded and latent, and counts them in
 /// the manifest. Snapshots in journals are not removed. Models that no latent uses any more are
-/// removed.
-/// Errors: those of compact and of the recoder; the segment at hand is then unchanged.
+/// removed. A block of latents that keeps some of its rows keeps its bytes, from which the others
+/// could still be decoded: see remove_latents().
+/// Errors: those of compact; the segment at hand is then unchanged.
 /// Threading: like compact.
 Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const ForgetSet& gone,
                                        const ProgressSink& progress = {},
-                                       const std::stop_token& stop = {},
-                                       const ForgetRewriteOptions& options = {});
+                                       const std::stop_token& stop = {});
 
 }  // namespace engram::ltm

@@ -242,7 +242,8 @@ Result<SalvagedSegment> salvage_segment(const std::filesystem::path& source,
 }
 
 Result<SalvagedJournal> copy_journal(const std::filesystem::path& source,
-                                     const std::filesystem::path& target, uint64_t number) {
+                                     const std::filesystem::path& target, uint64_t number,
+                                     std::optional<Time> latest) {
   SalvagedJournal result;
   ENGRAM_ASSIGN_OR_RETURN(Journal journal, Journal::create(target, number));
   std::vector<std::vector<std::byte>> frames;
@@ -254,6 +255,8 @@ Result<SalvagedJournal> copy_journal(const std::filesystem::path& source,
   const auto add = [&](uint64_t, const Buffer& payload) -> Status {
     const auto packed = decode_frame(payload);
     if (!packed.ok()) return ++result.undecodable, Status();
+    if (latest && !packed->instances.empty() && packed->time > *latest)
+      return ++result.too_late[packed->entity], Status();
     if (!packed->instances.empty()) ++result.snapshots[packed->entity];
     frames.emplace_back(payload.bytes().begin(), payload.bytes().end());
     bytes += payload.size();
@@ -261,7 +264,7 @@ Result<SalvagedJournal> copy_journal(const std::filesystem::path& source,
   };
   ENGRAM_ASSIGN_OR_RETURN(result.scan, salvage_journal(source / Journal::file_name(number), add));
   ENGRAM_RETURN_IF_ERROR(append());
-  ENGRAM_RETURN_IF_ERROR(journal.sync());
+  ENGRAM_RETURN_IF_ERROR(journal.sync(journal.size_bytes()));
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -43,11 +44,14 @@ struct SalvagedJournal {
   JournalScan scan;
   uint64_t undecodable = 0;  ///< Whole frames whose payload does not decode.
   std::map<MemoryId, uint64_t> snapshots;
+  std::map<MemoryId, uint64_t> too_late;  ///< Snapshots after `latest`.
 };
 
-/// Copies the whole frames of a journal into a journal of the same number below `target`.
+/// Copies the whole frames of a journal into a journal of the same number below `target`, but for
+/// snapshots after `latest`.
 /// Errors: kAlreadyExists, kUnavailable, kResourceExhausted.
 Result<SalvagedJournal> copy_journal(const std::filesystem::path& source,
-                                     const std::filesystem::path& target, uint64_t number);
+                                     const std::filesystem::path& target, uint64_t number,
+                                     std::optional<Time> latest = {});
 
 }  // namespace engram::ltm

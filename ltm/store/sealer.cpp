@@ -84,9 +84,12 @@ Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job)
   // next opened. Damaged journals are kept so that the lost places can be inspected.
   for (const uint64_t number : job.journals) {
     const std::filesystem::path file = store / Journal::file_name(number);
-    ENGRAM_RETURN_IF_ERROR(content.damaged_journals.contains(number)
-                               ? publish_file(file, file.string() + ".damaged")
-                               : remove_file(file));
+    if (!content.damaged_journals.contains(number)) {
+      ENGRAM_RETURN_IF_ERROR(Journal::remove(store, number));
+      continue;
+    }
+    ENGRAM_RETURN_IF_ERROR(publish_file(file, file.string() + ".damaged"));
+    ENGRAM_RETURN_IF_ERROR(remove_file(acknowledged_mark_of(file)));
   }
   return {};
 }

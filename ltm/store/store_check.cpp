@@ -50,6 +50,7 @@ class StoreCheck {
     for (const SegmentInfo& segment : manifest_.segments) ENGRAM_RETURN_IF_ERROR(check(segment));
     for (const ModelInfo& model : manifest_.models) ENGRAM_RETURN_IF_ERROR(check(model));
     for (const uint64_t number : journals_) ENGRAM_RETURN_IF_ERROR(check_journal(number));
+    ENGRAM_RETURN_IF_ERROR(find_missing_journals());
     ENGRAM_RETURN_IF_ERROR(add_orphans());
     std::ranges::move(links_.findings(), std::back_inserter(report_.findings));
     report_.entities = links_.entities().size();
@@ -218,17 +219,59 @@ class StoreCheck {
 
   void tell(const std::string& file, const JournalScan& scan) {
     report_.frames += scan.frames;
-    if (scan.damaged > 0)
+    const uint64_t places = scan.damaged - (scan.missing_bytes > 0 ? 1 : 0);
+    if (places > 0)
       add_fault(file, "",
-                fmt::format("{} places are damaged; acknowledged data was there", scan.damaged));
+                fmt::format("{} places are damaged; acknowledged data was there", places));
+    if (scan.missing_bytes > 0) {
+      add_fault(
+          file, "",
+          fmt::format("is whole up to byte {}, but {} bytes were forced to the disk: the last "
+                      "{} are lost",
+                      *scan.acknowledged_bytes - scan.missing_bytes, *scan.acknowledged_bytes,
+                      scan.missing_bytes));
+      return;
+    }
     if (scan.torn_may_be_damage)
       add_fault(file, "last frame",
                 "fails its checksum: damage, or a torn append that a power cut left");
     else if (scan.torn_bytes > 0)
+      tell_torn(file, scan);
+  }
+
+  void tell_torn(const std::string& file, const JournalScan& scan) {
+    const std::string what =
+        fmt::format("ends in {} bytes that are no whole frame", scan.torn_bytes);
+    if (scan.acknowledged_bytes) {
       add_note(file,
-               fmt::format("ends in {} bytes that are no whole frame: an append that was cut off",
-                           scan.torn_bytes),
-               "nothing: it was never acknowledged");
+               fmt::format("{}: an append that was cut off. All {} bytes that were forced to the "
+                           "disk are whole",
+                           what, *scan.acknowledged_bytes),
+               "nothing");
+      return;
+    }
+    ++report_.unknown_ends;
+    add_note(file,
+             what +
+                 ": an append that was cut off, or a file that was. Nobody noted how much of it "
+                 "was acknowledged",
+             "nothing, if the process that wrote it was killed or lost its power");
+  }
+
+  Status find_missing_journals() {
+    ENGRAM_ASSIGN_OR_RETURN(const auto marks, list_acknowledged_marks(store_));
+    for (const uint64_t number : marks) {
+      const std::filesystem::path file = Journal::file_name(number);
+      const auto forced = acknowledged_bytes(store_ / file);
+      const auto now = read_manifest(store_);
+      // A writer beside this may seal a journal at any moment, and removes the note first.
+      if (!forced || !now.ok() || number < now->first_journal ||
+          std::filesystem::exists(store_ / file))
+        continue;
+      add_fault(file.string(), "",
+                fmt::format("is missing; {} bytes of it were forced to the disk", *forced));
+    }
+    return {};
   }
 
   [[nodiscard]] bool is_sealed_meanwhile(uint64_t number) const {

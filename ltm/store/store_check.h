@@ -33,6 +33,8 @@ struct CheckReport {
   uint64_t models = 0;
   uint64_t journals = 0;
   uint64_t frames = 0;  ///< Whole frames in journals.
+  /// Journals that end in the middle of a frame, of which nobody noted how much was acknowledged.
+  uint64_t unknown_ends = 0;
   uint64_t entities = 0;
   uint64_t snapshots = 0;  ///< Snapshots in segments; one with several forms counts once for each.
   uint64_t instances = 0;  ///< Instances of these snapshots.

@@ -26,6 +26,24 @@ std::string_view text_with_zero_byte(const InstanceMetadata& metadata) {
   return metadata.origin.to_string().find('\0') != std::string::npos ? "origin" : "";
 }
 
+/// Removes notes whose journal is gone. Where nobody sealed it, what it held is lost.
+Status remove_marks(const std::filesystem::path& store, const std::vector<uint64_t>& journals,
+                    Manifest& manifest) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto marks, list_acknowledged_marks(store));
+  for (const uint64_t number : marks) {
+    const bool is_sealed = number < manifest.first_journal;
+    if (!is_sealed && std::ranges::binary_search(journals, number)) continue;
+    const auto forced = acknowledged_bytes(store / Journal::file_name(number));
+    if (!is_sealed && forced) {
+      ++manifest.damaged;
+      log::warning("store '{}': journal {} is missing; {} bytes of it were forced to the disk",
+                   store.string(), number, *forced);
+    }
+    ENGRAM_RETURN_IF_ERROR(Journal::remove(store, number));
+  }
+  return {};
+}
+
 /// Removes files that killed processes left: temporary files, and published files that the manifest
 /// does not name.
 Status remove_leftovers(const std::filesystem::path& store) {
@@ -46,9 +64,8 @@ Status remove_leftovers(const std::filesystem::path& store) {
           ENGRAM_RETURN_IF_ERROR(remove_file(entry.path()));
     ENGRAM_ASSIGN_OR_RETURN(const auto journals, list_journals(store));
     for (const uint64_t number : journals)
-      if (number < manifest.first_journal)
-        ENGRAM_RETURN_IF_ERROR(remove_file(store / Journal::file_name(number)));
-    return {};
+      if (number < manifest.first_journal) ENGRAM_RETURN_IF_ERROR(Journal::remove(store, number));
+    return remove_marks(store, journals, manifest);
   });
 }
 
@@ -129,6 +146,14 @@ struct StoreWriter::State {
                               path.string(), free, options.min_free_bytes);
   }
 
+  /// Says at the start what would come as a surprise later.
+  void tell_of_disk() const {
+    const auto free = free_disk_bytes(path);
+    if (free.ok() && *free < 2 * options.min_free_bytes)
+      log::warning("store '{}': the disk has {} bytes left; nothing is recorded below {}",
+                   path.string(), *free, options.min_free_bytes);
+  }
+
   Status open_journal() {
     if (journal) return {};
     ENGRAM_ASSIGN_OR_RETURN(Journal made, Journal::create(path, next_journal));
@@ -144,9 +169,9 @@ struct StoreWriter::State {
     ENGRAM_RETURN_IF_ERROR(journal->append(payloads));
     for (const auto& payload : payloads) unsealed_bytes += payload.size();
     if (!oldest_unsealed) oldest_unsealed = clock();
-    if (options.durability == Durability::kEvery) return journal->sync();
+    if (options.durability == Durability::kEvery) return journal->sync(journal->size_bytes());
     has_unforced = true;
-    if (syncer) syncer->note_append(journal);
+    if (syncer) syncer->note_append(journal, journal->size_bytes());
     return {};
   }
 
@@ -240,6 +265,7 @@ Result<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::filesystem::pa
     return failed_precondition("store '{}': another process is writing to it", store.string());
   auto state = std::make_unique<State>(store, options, std::move(clock), std::move(lock));
   ENGRAM_RETURN_IF_ERROR(state->take_over());
+  state->tell_of_disk();
   return std::unique_ptr<StoreWriter>(new StoreWriter(std::move(state)));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/superseded.h"
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -13,42 +14,52 @@ namespace engram::ltm {
 
 namespace {
 
-/// The rows of a segment that are the newest latents of their times.
-struct NewestRows {
+/// The rows of a segment that stay.
+struct StayingRows {
   std::vector<LatentSnapshot> snapshots;
-  uint64_t superseded = 0;
+  uint64_t removed = 0;
 };
 
-Result<NewestRows> newest_rows(StoreReader& reader, SegmentReader& segment, uint32_t number,
-                               const MemoryId& entity) {
+/// Whether latents stay in segment `number`.
+using Stays = std::function<Result<bool>(const std::optional<SnapshotEntry>& entry, Time time,
+                                         uint32_t number)>;
+
+/// Latents that a recorded form made obsolete are not replaced by latents, and stay.
+Result<bool> is_not_superseded(const std::optional<SnapshotEntry>& entry, Time time,
+                               uint32_t number) {
+  return !entry || entry->time != time || !entry->latent || entry->latent->source == number;
+}
+
+Result<StayingRows> staying_rows(StoreReader& reader, SegmentReader& segment, uint32_t number,
+                                 const MemoryId& entity, const Stays& stays) {
   ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader.timeline(entity));
   ENGRAM_ASSIGN_OR_RETURN(const auto spans, segment.index(entity));
-  NewestRows rows;
-  std::vector<RowSpan> newest;
+  StayingRows rows;
+  std::vector<RowSpan> staying;
   for (const RowSpan& span : spans) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_after(span.time));
-    // Latents that a recorded form made obsolete are not replaced by latents, and stay.
-    const bool is_superseded =
-        entry && entry->time == span.time && entry->latent && entry->latent->source != number;
-    if (is_superseded)
-      ++rows.superseded;
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_staying, stays(entry, span.time, number));
+    if (is_staying)
+      staying.push_back(span);
     else
-      newest.push_back(span);
+      ++rows.removed;
   }
-  if (rows.superseded == 0) return rows;
-  for (const RowSpan& span : newest) {
+  if (rows.removed == 0) return rows;
+  for (const RowSpan& span : staying) {
     ENGRAM_ASSIGN_OR_RETURN(rows.snapshots.emplace_back(), segment.read_latent(entity, span));
   }
   return rows;
 }
 
-/// Rewrites one segment if it has superseded rows. Returns false if it has none.
-Result<bool> rewrite_newest(const std::filesystem::path& store, StoreReader& reader,
-                            uint32_t number, const MemoryId& entity, RewriteReport& report) {
+/// Rewrites one segment if rows of it go. Returns false if none do.
+Result<bool> rewrite_staying(const std::filesystem::path& store, StoreReader& reader,
+                             uint32_t number, const MemoryId& entity, const Stays& stays,
+                             RewriteReport& report) {
   const SegmentInfo& old = reader.manifest().segments[number];
   ENGRAM_ASSIGN_OR_RETURN(const auto segment, SegmentReader::open(store / old.file));
-  ENGRAM_ASSIGN_OR_RETURN(const NewestRows rows, newest_rows(reader, *segment, number, entity));
-  if (rows.superseded == 0) return false;
+  ENGRAM_ASSIGN_OR_RETURN(const StayingRows rows,
+                          staying_rows(reader, *segment, number, entity, stays));
+  if (rows.removed == 0) return false;
   std::optional<MadeSegment> made;
   if (!rows.snapshots.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(TemporaryFile file, TemporaryFile::create(store, ".h5"));
@@ -57,7 +68,7 @@ Result<bool> rewrite_newest(const std::filesystem::path& store, StoreReader& rea
     made.emplace(MadeSegment{std::move(file), std::move(info)});
   }
   ENGRAM_RETURN_IF_ERROR(replace_segments(store, {old}, made, [](Manifest&) {}));
-  report.snapshots += rows.superseded;
+  report.snapshots += rows.removed;
   report.bytes_before += old.bytes;
   report.bytes_after += made ? made->info.bytes : 0;
   ++report.segments_before;
@@ -65,10 +76,8 @@ Result<bool> rewrite_newest(const std::filesystem::path& store, StoreReader& rea
   return true;
 }
 
-}  // namespace
-
-Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& store,
-                                                const MemoryId& entity) {
+Result<RewriteReport> keep_staying(const std::filesystem::path& store, const MemoryId& entity,
+                                   const Stays& stays) {
   RewriteReport report;
   uint32_t done = 0;  // Segments of the entity that need nothing.
   for (bool is_at_end = false; !is_at_end;) {
@@ -83,11 +92,33 @@ Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& sto
       done = number;
       if (!is_of_entity) continue;
       ENGRAM_ASSIGN_OR_RETURN(const bool is_rewritten,
-                              rewrite_newest(store, *reader, number, entity, report));
+                              rewrite_staying(store, *reader, number, entity, stays, report));
       is_at_end = !is_rewritten;
     }
   }
   return report;
+}
+
+}  // namespace
+
+Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& store,
+                                                const MemoryId& entity) {
+  return keep_staying(store, entity, is_not_superseded);
+}
+
+Result<RewriteReport> remove_latents(const std::filesystem::path& store, const MemoryId& entity,
+                                     const TimeSet& unwanted) {
+  const Stays stays = [&](const std::optional<SnapshotEntry>& entry, Time time,
+                          uint32_t number) -> Result<bool> {
+    const bool is_newest =
+        entry && entry->time == time && entry->latent && entry->latent->source == number;
+    if (!is_newest || !unwanted.contains(time)) return is_newest;
+    if (!entry->recorded || entry->recorded->rows == 0)
+      return failed_precondition("'{}': has no other form than its latents",
+                                 entity.at(time).to_string());
+    return false;
+  };
+  return keep_staying(store, entity, stays);
 }
 
 }  // namespace engram::ltm

@@ -16,4 +16,10 @@ namespace engram::ltm {
 Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& store,
                                                 const MemoryId& entity);
 
+/// The same, and removes the latents of `unwanted`, whose snapshots stay in their recorded form,
+/// and those of older recorded forms. Nothing of a block is left if all its rows go. Errors: as
+/// above; kFailedPrecondition if a snapshot has no other form: its latents then stay.
+Result<RewriteReport> remove_latents(const std::filesystem::path& store, const MemoryId& entity,
+                                     const TimeSet& unwanted);
+
 }  // namespace engram::ltm

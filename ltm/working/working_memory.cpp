@@ -32,6 +32,7 @@ Status WorkingMemory::Options::validate() const {
                               segment.segment.to_string());
     ENGRAM_RETURN_IF_ERROR(segment.limits.validate());
   }
+  ENGRAM_RETURN_IF_ERROR(ahead.validate());
   if (store_interval <= Duration(0))
     return invalid_argument("store_interval: found {}, needs more than zero",
                             to_string(store_interval));
@@ -67,6 +68,11 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
   ENGRAM_CHECK(encoded.empty() || encoded.size() == commit.updates.size(),
                "bytes of {} updates came with {}", encoded.size(), commit.updates.size());
   const Time now = state.clock();
+  const AheadLimits& ahead = state.options.ahead;
+  for (const Snapshot& update : commit.updates)
+    if (Status status = check_ahead(update.entity, update.time, now, ahead.of(update.entity));
+        !status.ok())
+      return refuse(std::move(status));
   std::vector<ArrivingSnapshot> arrivals;
   arrivals.reserve(commit.updates.size());
   uint64_t reinterpreted = 0;

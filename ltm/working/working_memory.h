@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "ltm/memory/ahead_limits.h"
 #include "ltm/memory/commit.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
@@ -85,6 +86,7 @@ class WorkingMemory {
   struct Options {
     MemoryLimits all{{}, size_t{512} << 20, {}};
     std::vector<SegmentLimits> segments;
+    AheadLimits ahead;
     StoreMode mode = StoreMode::kWhatLeaves;
     Duration store_interval = std::chrono::seconds(1);  ///< For StoreMode::kLatest.
     /// The bound of bytes that wait for the online phase in excess of the limits. Beyond it commits
@@ -110,8 +112,9 @@ class WorkingMemory {
   Status declare(const MemoryId& segment, const idf::Type& type);
 
   /// Commits all updates or none. `arrived` of every instance becomes the current time.
-  /// Errors: those of Commit::check and SegmentTypes::reinterpret; kResourceExhausted where too
-  /// many bytes wait for the online phase.
+  /// Errors: those of Commit::check and SegmentTypes::reinterpret; kInvalidArgument where a time
+  /// lies too far ahead of the clock; kResourceExhausted where too many bytes wait for the online
+  /// phase.
   Status commit(Commit commit) { return admit(std::move(commit)).status(); }
 
   /// Commits all updates or none, see commit(). `encoded` holds the data of each instance of each

@@ -206,31 +206,6 @@ TEST_F(CarryOut, StopsBetweenSegmentsAndCanGoOn) {
   expect_content_without(made->to_set());
 }
 
-TEST_F(CarryOut, HasBlocksOfLatentsCodedAnewThatAreCut) {
-  std::vector<PackedSnapshot> recorded;
-  for (int64_t i = 0; i < 12; ++i) recorded.push_back(packed_example(i));
-  {
-    const auto writer = *StoreWriter::open(store_, {});
-    ASSERT_OK(writer->append(recorded, nullptr));
-    ASSERT_OK(writer->seal());
-  }
-  const auto model = *temporary_file(store_, ".model");
-  overwrite_file(model, as_bytes("weights"));
-  ASSERT_OK(publish_model(store_, example_entity(), 1, model, example_block_latents(0, 12, 1)));
-  std::vector<size_t> kept;
-  const LatentRecoder recoder = [&kept](const MemoryId&, int, std::span<const Latent> latents) {
-    kept.push_back(latents.size());
-    return std::vector<Latent>(latents.begin(), latents.end());
-  };
-  now_ = example_time(13) + std::chrono::milliseconds(100);
-  ForgetOptions options;
-  options.rules = {older_than(Seconds(2))};  // Leaves 4 to 11: five snapshots a second.
-  const auto made = plan(options);
-  ASSERT_OK(made);
-  ASSERT_OK(carry_out(store_, *made, {}, {}, {}, {recoder}));
-  EXPECT_EQ(kept, std::vector<size_t>{2});
-}
-
 TEST_F(CarryOut, KilledAtAnyMomentNothingElseIsLost) {
   seal_noise(10, 3000);
   std::mt19937 random(3);

@@ -94,7 +94,7 @@ class PlanFading : public ForgetFixture {
       if (!may_fade) quota.fade.clear();
       return plan(quota);
     };
-    return carry_out(store_, first, again, {}, {}, {}, marker());
+    return carry_out(store_, first, again, {}, {}, {.fade = marker()});
   }
 
   int calls_ = 0;

@@ -168,6 +168,33 @@ TEST_F(RecallTest, NamesTheModelThatCannotBeLoaded) {
   EXPECT_FAILS(recall.query(ask("all")), StatusCode::kDataLoss, "model Vision/RGB/head/cam v1");
 }
 
+TEST_F(RecallTest, AnswersWithoutADamagedModelWhereThatCan) {
+  make_store(6, false);
+  int tried = 0;
+  StorePast past(*StoreReader::open(store_), [&tried](const auto&) -> Result<LoadedModel> {
+    ++tried;
+    return data_loss("it is damaged");
+  });
+  const auto entity = *past.of(example_entity());
+  for (int64_t i = 0; i < 10; ++i) {
+    const auto read = entity->read(example_time(i), Prefer::kLatent);
+    ASSERT_OK(read);
+    EXPECT_EQ(read->answer.source, Source::kRecorded);
+    EXPECT_EQ(snapshot_of(read->answer), example_snapshot(example_entity(), i));
+  }
+  const auto models = past.models(example_entity());
+  ASSERT_OK(models);
+  EXPECT_TRUE(models->empty());
+  EXPECT_EQ(tried, 1);
+  EXPECT_EQ(past.counters().damaged_models, 1u);
+  EXPECT_EQ(past.counters().substituted, 6u);
+
+  Recall recall = open([](const auto&) -> Result<LoadedModel> { return data_loss("is damaged"); });
+  const auto ahead = recall.query(ask("+200ms"));
+  ASSERT_OK(ahead);
+  EXPECT_EQ(ahead->entities()[0]->snapshots[0].predictor, "copy-last");
+}
+
 TEST_F(RecallTest, NamesTheEntitiesThatThereAre) {
   make_store(0, false);
   Recall recall = open({});

@@ -56,6 +56,11 @@ class JournalTest : public ::testing::Test {
     return {content->bytes().begin(), content->bytes().end()};
   }
 
+  /// Where the last payload ends; zeros follow up to `size`.
+  [[nodiscard]] uint64_t end_of_last_payload(uint64_t size) const {
+    return size - (8 - payloads_.back().size() % 8) % 8;
+  }
+
   ScratchDirectory scratch_;
   std::vector<Payload> payloads_;
 };
@@ -64,7 +69,7 @@ TEST_F(JournalTest, GivesBackEveryFrameInOrder) {
   auto journal = Journal::create(scratch_.path(), 1);
   ASSERT_OK(journal);
   for (const Payload& payload : payloads_) ASSERT_OK(journal->append({&payload, 1}));
-  ASSERT_OK(journal->sync());
+  ASSERT_OK(journal->sync(journal->size_bytes()));
   const auto scanned = scan(file());
   ASSERT_OK(scanned);
   EXPECT_EQ(scanned->payloads, payloads_);
@@ -112,6 +117,50 @@ TEST_F(JournalTest, SurvivesEveryTruncation) {
     EXPECT_LE(scanned->scan.frames, payloads_.size());
     for (size_t i = 0; i < scanned->payloads.size(); ++i)
       EXPECT_EQ(scanned->payloads[i], payloads_[i]);
+  }
+}
+
+TEST_F(JournalTest, TellsWhatWasForcedToTheDiskAndIsMissing) {
+  auto journal = Journal::create(scratch_.path(), 1);
+  ASSERT_OK(journal);
+  for (const Payload& payload : payloads_) ASSERT_OK(journal->append({&payload, 1}));
+  const uint64_t forced = journal->size_bytes();
+  ASSERT_OK(journal->sync(forced));
+  const Payload more = payload_of(40, 7);
+  ASSERT_OK(journal->append({&more, 1}));
+  const Buffer whole = *read_file(file());
+  const uint64_t padding = forced - end_of_last_payload(forced);
+  for (uint64_t size = 0; size <= whole.size(); ++size) {
+    SCOPED_TRACE(size);
+    overwrite_file(file(), whole.bytes().subspan(0, size));
+    const auto scanned = scan(file());
+    ASSERT_OK(scanned);
+    EXPECT_EQ(scanned->scan.acknowledged_bytes, forced);
+    EXPECT_EQ(scanned->scan.missing_bytes > 0, size + padding < forced);
+    EXPECT_EQ(scanned->scan.damaged, size + padding < forced ? 1u : 0u);
+    EXPECT_EQ(salvage_journal(file(), [](auto, const auto&) { return Status(); })->missing_bytes,
+              scanned->scan.missing_bytes);
+  }
+  ASSERT_OK(Journal::remove(scratch_.path(), 1));
+  EXPECT_TRUE(std::filesystem::is_empty(scratch_ / "journal"));
+}
+
+TEST_F(JournalTest, IgnoresANoteThatIsDamaged) {
+  auto journal = Journal::create(scratch_.path(), 1);
+  ASSERT_OK(journal->append(payloads_));
+  ASSERT_OK(journal->sync(journal->size_bytes()));
+  const auto note = acknowledged_mark_of(file());
+  const Buffer whole = *read_file(note);
+  for (uint64_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    std::vector<std::byte> damaged(whole.bytes().begin(), whole.bytes().end());
+    damaged[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+    overwrite_file(note, damaged);
+    EXPECT_EQ(acknowledged_bytes(file()), std::nullopt) << bit;
+    overwrite_file(note, whole.bytes());
+  }
+  for (uint64_t size = 0; size < whole.size(); ++size) {
+    overwrite_file(note, whole.bytes().subspan(0, size));
+    EXPECT_EQ(acknowledged_bytes(file()), std::nullopt) << size;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "ltm/store/segment_format.h"
 #include "ltm/store/segment_rows.h"
 #include "ltm/store/store_check.h"
+#include "ltm/store/superseded.h"
 #include "tests/ltm/store/full_store.h"
 #include "tests/ltm/store/publish_fixture.h"
 
@@ -24,11 +25,10 @@ class LatentBlocksTest : public PublishFixture {
     ASSERT_OK(drop_recorded(store_, example_entity(), {}));
   }
 
-  Result<RewriteReport> forget(std::initializer_list<int64_t> indices,
-                               const ForgetRewriteOptions& options = {}) {
+  Result<RewriteReport> forget(std::initializer_list<int64_t> indices) {
     TimeSet times;
     for (const int64_t index : indices) times.insert(example_time(index));
-    return forget_snapshots(store_, {{example_entity(), times}}, {}, {}, options);
+    return forget_snapshots(store_, {{example_entity(), times}});
   }
 
   std::map<int64_t, Latent> read() {
@@ -82,36 +82,6 @@ class LatentBlocksTest : public PublishFixture {
   }
 };
 
-/// Codes what stays as one block of their old places, and notes what it was asked.
-class FakeRecoder {
- public:
-  struct Call {
-    MemoryId entity;
-    int version = 0;
-    std::vector<uint32_t> places;
-  };
-
-  ForgetRewriteOptions options() {
-    return {[this](const MemoryId& entity, int version, std::span<const Latent> kept) {
-      return recode(entity, version, kept);
-    }};
-  }
-
-  std::vector<Call> calls;
-
- private:
-  Result<std::vector<Latent>> recode(const MemoryId& entity, int version,
-                                     std::span<const Latent> kept) {
-    Call& call = calls.emplace_back(Call{entity, version, {}});
-    for (const Latent& latent : kept) call.places.push_back(latent.place.index);
-    const Buffer code = Buffer::take(call.places);
-    std::vector<Latent> made;
-    for (uint32_t i = 0; i < kept.size(); ++i)
-      made.push_back({code, {}, {i, static_cast<uint32_t>(kept.size())}});
-    return made;
-  }
-};
-
 TEST_F(LatentBlocksTest, AreReadAsTheyWerePublished) {
   make(20);
   expect_as_published({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19});
@@ -140,69 +110,26 @@ TEST_F(LatentBlocksTest, GoWithTheirLastRow) {
   expect_as_published({6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17});
 }
 
-TEST_F(LatentBlocksTest, AreCodedAnewFromWhatStays) {
-  make(18);
-  FakeRecoder recoder;
-  ASSERT_OK(forget({2, 3, 7}, recoder.options()));
-  ASSERT_EQ(recoder.calls.size(), 2u);
-  EXPECT_EQ(recoder.calls[0].entity, example_entity());
-  EXPECT_EQ(recoder.calls[0].version, 1);
-  EXPECT_EQ(recoder.calls[0].places, (std::vector<uint32_t>{0, 1, 4, 5}));
-  EXPECT_EQ(recoder.calls[1].places, (std::vector<uint32_t>{0, 2, 3, 4, 5}));
-  for (const int64_t index : {0, 6})
-    EXPECT_FALSE(is_in_store(example_block_latent(index, 1).instances[0].latent.code));
-  const auto found = read();
-  ASSERT_EQ(found.size(), 15u);
-  EXPECT_EQ(found.at(4).place.index, 2u);
-  EXPECT_EQ(found.at(4).place.count, 4u);
-  EXPECT_EQ(found.at(4).code.size(), 4 * sizeof(uint32_t));
-  EXPECT_EQ(found.at(8).place.index, 1u);
-  for (const auto& [index, latent] : found)
-    EXPECT_EQ(latent.remainder, example_latent(index, 1).instances[0].latent.remainder);
-  // What loses nothing stays as it is.
-  EXPECT_TRUE(is_equal(found.at(13), example_block_latent(13, 1).instances[0].latent));
+TEST_F(LatentBlocksTest, GoWhereTheyAreUnwanted) {
+  record(0, 18);
+  ASSERT_OK(publish(1, example_block_latents(0, 18, 1)));
+  TimeSet unwanted;
+  for (const int64_t index : {0, 1, 2, 3, 4, 5, 7}) unwanted.insert(example_time(index));
+  const auto report = remove_latents(store_, example_entity(), unwanted);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->snapshots, 7u);
+  EXPECT_FALSE(is_in_store(example_block_latent(0, 1).instances[0].latent.code));
+  // Its other rows need the bytes of the second one.
+  EXPECT_TRUE(is_in_store(example_block_latent(6, 1).instances[0].latent.code));
+  expect_as_published({6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17});
   EXPECT_TRUE(check_store(store_)->is_clean());
 }
 
-TEST_F(LatentBlocksTest, ThatWereCutBeforeAreCodedAnewToo) {
-  make(12);
-  FakeRecoder recoder;
-  ASSERT_OK(forget({2}));
-  ASSERT_OK(forget({7}, recoder.options()));
-  ASSERT_EQ(recoder.calls.size(), 2u);
-  EXPECT_EQ(recoder.calls[0].places, (std::vector<uint32_t>{0, 1, 3, 4, 5}));
-  // Now they are whole.
-  ASSERT_OK(forget({11}, recoder.options()));
-  ASSERT_EQ(recoder.calls.size(), 3u);
-  EXPECT_EQ(recoder.calls[2].places, (std::vector<uint32_t>{0, 1, 2, 3}));
-}
-
-TEST_F(LatentBlocksTest, MayBeCodedAnewAsLatentsThatAreAlone) {
-  make(12);
-  const LatentRecoder apart = [](const MemoryId&, int, std::span<const Latent> kept) {
-    std::vector<Latent> made;
-    for (const Latent& latent : kept)
-      made.push_back({Buffer::take(std::vector<uint32_t>{latent.place.index}), {}});
-    return made;
-  };
-  ASSERT_OK(forget({6}, {apart}));
-  EXPECT_EQ(read().at(8).place.count, 1u);
-  EXPECT_EQ(read().at(8).code.bytes()[0], std::byte{2});
-  EXPECT_EQ(read().at(0).place.count, 6u);
-}
-
-TEST_F(LatentBlocksTest, AreAsBeforeWhereTheRecoderFails) {
-  make(12);
-  const LatentRecoder fails = [](const MemoryId&, int,
-                                 std::span<const Latent>) -> Result<std::vector<Latent>> {
-    return data_loss("a model that forgot");
-  };
-  EXPECT_FAILS(forget({2}, {fails}), StatusCode::kDataLoss, "a model that forgot");
-  const LatentRecoder loses = [](const MemoryId&, int, std::span<const Latent> kept) {
-    return std::vector<Latent>(kept.begin(), kept.end() - 1);
-  };
-  EXPECT_FAILS(forget({2}, {loses}), StatusCode::kInvalidArgument, "made 4 latents of v1, needs 5");
-  expect_as_published({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+TEST_F(LatentBlocksTest, StayWhereSnapshotsHaveNoOtherForm) {
+  make(6);
+  EXPECT_FAILS(remove_latents(store_, example_entity(), {example_time(2)}),
+               StatusCode::kFailedPrecondition, "has no other form than its latents");
+  expect_as_published({0, 1, 2, 3, 4, 5});
 }
 
 TEST_F(LatentBlocksTest, ArePublishedWithoutWhatWasForgottenMeanwhile) {

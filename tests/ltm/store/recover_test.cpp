@@ -187,12 +187,50 @@ TEST_F(RecoverTest, SavesWholeFramesOfADamagedJournal) {
 
 TEST_F(RecoverTest, TakesATornTailForWhatItIs) {
   const auto file = store_.path / Journal::file_name(3);
+  std::filesystem::remove(acknowledged_mark_of(file));
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 50);
   const RecoverReport report = recover();
   EXPECT_FALSE(report.has_loss());
   ASSERT_EQ(report.findings.size(), 1u);
   EXPECT_THAT(report.findings[0].what, HasSubstr("no whole frame"));
   expect_content(kFullRecorded - 1, kFullLatent);
+}
+
+TEST_F(RecoverTest, CountsWhatWasForcedToTheDiskAndIsMissing) {
+  const auto file = store_.path / Journal::file_name(3);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 50);
+  EXPECT_EQ(recover().damaged_places, 1u);
+  EXPECT_EQ(read_manifest(copy_)->damaged, 1u);
+  std::filesystem::remove_all(copy_);
+  std::filesystem::remove(file);
+  const RecoverReport report = recover();
+  EXPECT_TRUE(report.has_loss());
+  ASSERT_EQ(report.findings.size(), 1u);
+  EXPECT_THAT(report.findings[0].what, HasSubstr("is missing"));
+}
+
+TEST_F(RecoverTest, LeavesOutWhatLiesInTheFuture) {
+  const auto entity = example_entity();
+  Time last{};
+  {
+    auto reader = *StoreReader::open(store_.path);
+    last = (*reader->index(entity))->back().time;
+  }
+  // The last five are in the journal; some before them are sealed.
+  const Time latest = last - (last - example_time(0)) / 4 * 3;
+  const auto report = recover_store(store_.path, copy_, {.latest = latest, .test_model = {}});
+  ASSERT_OK(report);
+  EXPECT_FALSE(report->has_loss());
+  auto reader = *StoreReader::open(copy_);
+  uint64_t kept = 0;
+  for (const SnapshotEntry& entry : **reader->index(entity)) {
+    EXPECT_LE(entry.time, latest);
+    ++kept;
+  }
+  EXPECT_GT(kept, 0u);
+  auto source = *StoreReader::open(store_.path);
+  EXPECT_EQ(kept + report->entities.at(entity).too_late, (*source->index(entity))->size());
+  EXPECT_TRUE(check_store(copy_, {true, {}})->is_clean());
 }
 
 TEST_F(RecoverTest, IsNeverInPlaceAndOverwritesNothing) {

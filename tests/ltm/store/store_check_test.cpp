@@ -144,9 +144,19 @@ TEST_F(CheckTest, TellsATornTailFromDamage) {
   ASSERT_TRUE(std::filesystem::exists(store_.path / file));
   const auto size = std::filesystem::file_size(store_.path / file);
   const Buffer whole = *read_file(store_.path / file);
+  // It was forced to the disk, and that was noted.
+  std::filesystem::resize_file(store_.path / file, size - 100);
+  expect_fault(file, "bytes were forced to the disk: the last");
+  std::filesystem::remove(store_.path / file);
+  expect_fault(file, "is missing");
+  overwrite_file(store_.path / file, whole.bytes());
+  EXPECT_TRUE(check().is_clean());
+
+  std::filesystem::remove(acknowledged_mark_of(store_.path / file));
   std::filesystem::resize_file(store_.path / file, size - 100);
   const CheckReport torn = check();
   EXPECT_TRUE(torn.is_clean());
+  EXPECT_EQ(torn.unknown_ends, 1u);
   ASSERT_EQ(findings(torn, file, Severity::kNote).size(), 1u);
   EXPECT_THAT(findings(torn, file, Severity::kNote)[0].what, HasSubstr("no whole frame"));
   overwrite_file(store_.path / file, whole.bytes());
