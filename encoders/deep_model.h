@@ -103,6 +103,8 @@ struct DeepModel {
   /// networks, as videos of default quality.
   /// Errors: kInvalidArgument if an image is too small for a video.
   Result<std::vector<ltm::Latent>> encode(std::span<const idf::Data> values);
+  /// The same of values that were split by `plan`.
+  Result<std::vector<ltm::Latent>> encode(std::vector<idf::SplitValue> split);
 
   /// Codes consecutive values as one block of one chain. Of 8-bit images that a gist takes
   /// (gist_video.h) the gist is kept, of others a video as by encode().

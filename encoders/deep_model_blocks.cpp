@@ -93,6 +93,10 @@ Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> va
   for (const idf::Data& value : values) {
     ENGRAM_ASSIGN_OR_RETURN(split.emplace_back(), plan.split(value));
   }
+  return encode(std::move(split));
+}
+
+Result<std::vector<ltm::Latent>> DeepModel::encode(std::vector<idf::SplitValue> split) {
   ENGRAM_ASSIGN_OR_RETURN(const LatentRows rows, to_rows(split));
   std::vector<LatentRows> chains = cut_chains(rows, split.size(), codec.chain_rows);
   if (autoencoder->images.empty())
@@ -101,7 +105,8 @@ Result<std::vector<ltm::Latent>> DeepModel::encode(std::span<const idf::Data> va
       ENGRAM_RETURN_IF_ERROR(
           add_videos(rest.first(std::min(codec.chain_rows, rest.size())), chains[i]));
     }
-  return latents_of(codec.encode(chains, values.size()), std::move(split));
+  const size_t count = split.size();
+  return latents_of(codec.encode(chains, count), std::move(split));
 }
 
 }  // namespace engram::encoders

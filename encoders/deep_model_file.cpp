@@ -39,7 +39,7 @@ Result<NetworkSizes> read_sizes(const h5::File& file) {
   return sizes;
 }
 
-Status write_model(DeepModel& model, const idf::Data& example, const std::filesystem::path& path) {
+Status write_model(DeepModel& model, const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format", kModelFormat));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "version", int64_t{kModelFormatVersion}));
@@ -68,7 +68,7 @@ Status write_model(DeepModel& model, const idf::Data& example, const std::filesy
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/planned", model.planned));
   ENGRAM_RETURN_IF_ERROR(write_prediction(file, "/copied", model.copied));
   ENGRAM_RETURN_IF_ERROR(write_provenance(file, model.provenance));
-  ENGRAM_RETURN_IF_ERROR(write_self_test(file, model, example));
+  ENGRAM_RETURN_IF_ERROR(write_self_test(file, model));
   return file.close();
 }
 
@@ -121,8 +121,8 @@ Result<std::shared_ptr<DeepModel>> read_checked(const h5::File& file) {
 
 }  // namespace
 
-Status save_model(DeepModel& model, const idf::Data& example, const std::filesystem::path& path) {
-  return guarded("save model", [&] { return write_model(model, example, path); });
+Status save_model(DeepModel& model, const std::filesystem::path& path) {
+  return guarded("save model", [&] { return write_model(model, path); });
 }
 
 Status note_choice(const ModelChoice& choice, const std::filesystem::path& path) {

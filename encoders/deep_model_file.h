@@ -11,9 +11,9 @@
 
 namespace engram::encoders {
 
-/// Writes a model whose weights were rounded by round_weights, with `example` as its self test.
-/// Errors: kAlreadyExists; kUnavailable; the errors of encoding `example`.
-Status save_model(DeepModel& model, const idf::Data& example, const std::filesystem::path& path);
+/// Writes a model whose weights were rounded by round_weights, with a self test.
+/// Errors: kAlreadyExists; kUnavailable; the errors of encoding.
+Status save_model(DeepModel& model, const std::filesystem::path& path);
 
 /// Writes the choice between models into an existing model file, as save_model would have, without
 /// coding the weights again. The size of the file does not change, because the choice contains that

@@ -214,6 +214,14 @@ Result<std::vector<std::byte>> encode_gist(std::span<const idf::NdArray> images,
   return gist;
 }
 
+Result<std::vector<size_t>> kept_rows_of_gist(std::span<const std::byte> gist,
+                                              const FrameShape& frame, size_t count) {
+  if (!can_be_gist(frame) || count == 0)
+    return data_loss("{}: found {} images {}", kGist, count, idf::to_string(frame.shape));
+  ENGRAM_ASSIGN_OR_RETURN(GistPart part, read_part(gist, frame, count, count));
+  return std::move(part.rows);
+}
+
 Result<std::vector<idf::NdArray>> decode_gist(std::span<const std::byte> gist,
                                               const FrameShape& frame, size_t count,
                                               size_t wanted) {

@@ -45,6 +45,11 @@ struct GistOptions {
 Result<std::vector<std::byte>> encode_gist(std::span<const idf::NdArray> images,
                                            const GistOptions& options);
 
+/// The rows of a gist of `count` images that are kept; the others are told from the two beside
+/// them. It is safe on hostile bytes. Errors: kDataLoss.
+Result<std::vector<size_t>> kept_rows_of_gist(std::span<const std::byte> gist,
+                                              const FrameShape& frame, size_t count);
+
 /// Decodes the first `wanted` of `count` images, at most all (checked). Kept images after the first
 /// one that they need are not decoded, and damage there is not found. The images are the same on
 /// every machine. It is safe on hostile bytes, but most flipped bits give other images: the bytes

@@ -8,10 +8,11 @@
 
 namespace engram::encoders {
 
-/// Writes the code of `example` and the value that the model decodes from it, as "/self_test" of a
-/// model file.
+/// Writes the code of an example and the value that the model decodes from it, as "/self_test" of a
+/// model file. The example is made up: a recorded one would stay in the model after it was
+/// forgotten.
 /// Errors: the errors of DeepModel::encode.
-Status write_self_test(h5::File& file, DeepModel& model, const idf::Data& example);
+Status write_self_test(h5::File& file, DeepModel& model);
 
 /// Decodes that code again and compares the values. It is safe on hostile files.
 /// Errors: kDataLoss if they differ by more than machines may differ.

@@ -112,6 +112,10 @@ struct Provenance {
   int64_t snapshots = 0;  ///< Snapshots that the autoencoder was trained on.
   /// Version of the model whose weights training started from; 0 for none.
   int64_t started_from = 0;
+  /// Snapshots of the entity, and of one that conditions it, that had been forgotten when the first
+  /// of the models that it started from was trained; -1 in files that do not tell. If more are
+  /// forgotten now, it may have learned from them.
+  int64_t forgotten = -1;
   /// Recordings that the autoencoder was trained on, including those of the model that it started
   /// from.
   std::vector<TimeSpan> autoencoder_spans;

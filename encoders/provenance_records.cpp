@@ -185,6 +185,7 @@ Status write_provenance(h5::File& file, const Provenance& from) {
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "prior_bytes", from.prior_bytes));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "snapshots", from.snapshots));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "started_from", from.started_from));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(group, "forgotten", from.forgotten));
   ENGRAM_RETURN_IF_ERROR(write_forms(file, from.forms));
   ENGRAM_RETURN_IF_ERROR(write_choice(file, from.choice));
   ENGRAM_RETURN_IF_ERROR(write_spans(file, group + "/autoencoder_spans", from.autoencoder_spans));
@@ -209,6 +210,8 @@ Result<Provenance> read_provenance(const h5::File& file) {
   ENGRAM_ASSIGN_OR_RETURN(from.prior_bytes, file.double_attribute(group, "prior_bytes"));
   ENGRAM_ASSIGN_OR_RETURN(from.snapshots, file.int_attribute(group, "snapshots"));
   ENGRAM_ASSIGN_OR_RETURN(from.started_from, file.int_attribute(group, "started_from"));
+  if (const auto forgotten = file.int_attribute(group, "forgotten"); forgotten.ok())
+    from.forgotten = *forgotten;
   ENGRAM_ASSIGN_OR_RETURN(from.forms, read_forms(file));
   ENGRAM_ASSIGN_OR_RETURN(from.choice, read_choice(file));
   ENGRAM_ASSIGN_OR_RETURN(from.autoencoder_spans, read_spans(file, group + "/autoencoder_spans"));

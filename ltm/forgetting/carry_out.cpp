@@ -2,6 +2,7 @@
 #include "ltm/forgetting/carry_out.h"
 
 #include "ltm/forgetting/plan_forgetting.h"
+#include "ltm/store/night_lock.h"
 
 namespace engram::ltm {
 
@@ -20,37 +21,63 @@ void add(const RewriteReport& round, RewriteReport& sum) {
 struct Round {
   RewriteReport rewritten;
   FadeReport faded;
+  Erasures erased;
 
   [[nodiscard]] bool is_cancelled() const { return rewritten.is_cancelled || faded.is_cancelled; }
 };
 
 Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPlan& plan,
-                              const Fade& fade, const ProgressSink& progress,
-                              const std::stop_token& stop, const ForgetRewriteOptions& options) {
+                              const ForgetTools& tools, const ProgressSink& progress,
+                              const std::stop_token& stop) {
   Round round;
+  if (tools.code_anew) {
+    // What stays comes first: if the process is killed in between, the next run finds what is to
+    // go.
+    auto coded = tools.code_anew(store, plan.to_set(), progress, stop);
+    round.rewritten.is_cancelled = coded.status().code() == StatusCode::kCancelled;
+    if (round.rewritten.is_cancelled) return round;
+    ENGRAM_RETURN_IF_ERROR(coded.status());
+    round.erased = *std::move(coded);
+  }
   if (plan.snapshots() > 0) {
     ENGRAM_ASSIGN_OR_RETURN(round.rewritten,
-                            forget_snapshots(store, plan.to_set(), progress, stop, options));
+                            forget_snapshots(store, plan.to_set(), progress, stop));
   }
   if (plan.fading() == 0 || round.rewritten.is_cancelled) return round;
-  if (!fade)
+  if (!tools.fade)
     return failed_precondition("{} snapshots are to fade, which needs models", plan.fading());
-  ENGRAM_ASSIGN_OR_RETURN(round.faded, fade(store, plan.to_fade(), progress, stop));
+  ENGRAM_ASSIGN_OR_RETURN(round.faded, tools.fade(store, plan.to_fade(), progress, stop));
   return round;
+}
+
+Status finish_erasure(const std::filesystem::path& store, ErasureReport& report) {
+  ENGRAM_ASSIGN_OR_RETURN(report.files, remove_side_files(store, report.entities));
+  return write_erasure_report(store, system_now(), report);
 }
 
 }  // namespace
 
 Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan plan,
                                const PlanAgain& plan_again, const ProgressSink& progress,
-                               const std::stop_token& stop, const ForgetRewriteOptions& options,
-                               const Fade& fade) {
+                               const std::stop_token& stop, const ForgetTools& tools) {
   ForgetReport report;
   ENGRAM_ASSIGN_OR_RETURN(report.bytes_before, directory_bytes(store));
-  while (plan.snapshots() + plan.fading() > 0) {
-    ENGRAM_ASSIGN_OR_RETURN(const Round round,
-                            carry_out_round(store, plan, fade, progress, stop, options));
+  std::optional<NightLock> lock;
+  if (tools.code_anew) {
+    ENGRAM_ASSIGN_OR_RETURN(NightLock taken, NightLock::of_erasing(store));
+    lock.emplace(std::move(taken));
+    report.erased.emplace();
+  }
+  // What was forgotten before is looked for even if nothing goes now.
+  for (bool is_first = true; (is_first && tools.code_anew) || plan.snapshots() + plan.fading() > 0;
+       is_first = false) {
+    ENGRAM_ASSIGN_OR_RETURN(const Round round, carry_out_round(store, plan, tools, progress, stop));
     add(round.rewritten, report.rewritten);
+    if (report.erased) {
+      report.erased->add(round.erased);
+      for (const auto& [id, times] : plan.to_set())
+        report.erased->entities[id].erased += times.size();
+    }
     report.faded.add(round.faded);
     ++report.rounds;
     // If a round did nothing, because others were faster or nothing was to be gained, the next one
@@ -61,6 +88,8 @@ Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan pl
     ENGRAM_ASSIGN_OR_RETURN(plan, plan_again(has_faded));
   }
   report.missing_bytes = plan.missing_bytes;
+  if (report.erased && !report.rewritten.is_cancelled)
+    ENGRAM_RETURN_IF_ERROR(finish_erasure(store, *report.erased));
   ENGRAM_ASSIGN_OR_RETURN(report.bytes_after, directory_bytes(store));
   return report;
 }

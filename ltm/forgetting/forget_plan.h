@@ -53,6 +53,9 @@ struct ForgetPlan {
   /// the plan from freeing them.
   uint64_t missing_bytes = 0;
 
+  /// What a reader may have understood otherwise, in words.
+  std::vector<std::string> notes;
+
   /// An estimate of what fading frees beyond `freed_bytes`.
   uint64_t faded_bytes = 0;
   /// Whether some snapshots fade for a quota. How much that frees shows afterwards, so the quota

@@ -31,7 +31,35 @@ Status add_answers(Recall& recall, const Query& query, ForgetSet& chosen) {
   return {};
 }
 
+/// The selectors `before:` and `at-or-before:` of a query.
+std::vector<select::Before> before_selectors(const Query& query) {
+  std::vector<select::Before> found;
+  for (const MemoryQuery& memory : query.memories())
+    for (const CoreSegmentQuery& core : memory.below)
+      for (const ProviderSegmentQuery& provider : core.below)
+        for (const EntityQuery& entity : provider.below)
+          for (const SnapshotQuery& snapshots : entity.below)
+            if (const auto* before = std::get_if<select::Before>(&snapshots.selector))
+              found.push_back(*before);
+  return found;
+}
+
 }  // namespace
+
+std::vector<std::string> notes_on_targets(const std::vector<std::string>& texts) {
+  std::vector<std::string> notes;
+  for (const std::string& text : texts) {
+    const auto query = Query::parse(text);
+    if (!query.ok() || text.find('@') == std::string::npos) continue;
+    for (const select::Before& before : before_selectors(*query))
+      notes.push_back(
+          fmt::format("'{}' takes one snapshot of each entity, the last one {} that time; "
+                      "'until:{}' takes everything up to it",
+                      to_string(Selector(before)), before.is_inclusive ? "before or at" : "before",
+                      engram::to_string(before.time)));
+  }
+  return notes;
+}
 
 Result<ForgetSet> find_forget_targets(Recall& recall, const std::vector<std::string>& texts) {
   ForgetSet chosen;

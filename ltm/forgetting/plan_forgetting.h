@@ -40,6 +40,9 @@ Result<ForgetPlan> plan_forgetting(ForgetSource& source, const ForgetOptions& op
 /// Errors: kInvalidArgument if a text is neither; kNotFound if one names nothing.
 Result<ForgetSet> find_forget_targets(Recall& recall, const std::vector<std::string>& texts);
 
+/// Says of such texts what a reader may have understood otherwise.
+[[nodiscard]] std::vector<std::string> notes_on_targets(const std::vector<std::string>& texts);
+
 /// Plans what an explicit choice takes. Only protected entities and, if `protection` asks for it,
 /// linked snapshots are kept from it; new snapshots are not. Changes nothing.
 /// Errors: those of plan_forgetting.

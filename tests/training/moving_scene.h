@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/core/file.h"
 #include "ltm/idf/data.h"
 #include "training/fit/trainer.h"
 
@@ -79,5 +80,11 @@ class ScratchPath {
  private:
   std::filesystem::path path_;
 };
+
+/// The bytes of a file; empty if there is none.
+inline std::string content_of(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  return bytes.ok() ? std::string(as_text(bytes->bytes())) : std::string();
+}
 
 }  // namespace engram::testing

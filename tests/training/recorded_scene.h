@@ -9,6 +9,9 @@
 
 namespace engram::testing {
 
+/// The entity of most stores.
+inline constexpr const char* kSquare = "Test/Scene/sim/square";
+
 inline ltm::MemoryId id(const std::string& text) {
   return *ltm::MemoryId::parse(text);
 }

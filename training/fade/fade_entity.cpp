@@ -5,15 +5,12 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <thread>
 #include <utility>
 
-#include "encoders/deep_model_file.h"
 #include "ltm/forgetting/forget_options.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/superseded.h"
 #include "training/fade/fade_error.h"
-#include "training/fade/gist_quality.h"
 #include "training/quality/psnr.h"
 #include "training/quality/quality_metrics.h"
 
@@ -23,9 +20,6 @@ namespace {
 
 /// Latents that would not become smaller by so much keep their bytes.
 constexpr double kMinSaving = 0.05;
-/// Bounds of videos are multiples of this, so that groups of about equal quality share what is
-/// learned about their videos. Unit: dB.
-constexpr double kBoundStep = 0.25;
 /// A killed job loses at most about so much work.
 constexpr Duration kPublishInterval = std::chrono::minutes(2);
 
@@ -70,44 +64,17 @@ bool has_faded(const FadingGroup& group, std::optional<double> psnr_db) {
 
 }  // namespace
 
-struct EntityFading::Coder {
-  int version = 0;
-  std::shared_ptr<encoders::DeepModel> model;
-  std::unique_ptr<ltm::Encoder> decoder;
-  /// By the bound in multiples of kBoundStep. Each learns how quality follows from crf.
-  std::map<int, std::unique_ptr<BlockChoice>> of_bound;
-  GistQuality gist;
-
-  BlockChoice& choice(double bound_db) {
-    const int key = static_cast<int>(std::ceil(bound_db / kBoundStep));
-    auto& found = of_bound[key];
-    if (found) return *found;
-    RepresentationOptions options;
-    options.kind = Representation::kAuto;
-    options.bound_db = key * kBoundStep;
-    options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    found = std::make_unique<BlockChoice>(*model, options);
-    return *found;
-  }
-};
-
 EntityFading::EntityFading(const std::filesystem::path& store, const ltm::MemoryId& entity,
                            const ProgressSink& progress, const std::stop_token& stop)
     : store_(store), entity_(entity), progress_(progress), stop_(stop) {}
 
 EntityFading::~EntityFading() = default;
 
-Result<EntityFading::Coder*> EntityFading::coder_of(int version) {
+Result<EntityCoder*> EntityFading::coder_of(int version) {
   if (const auto known = coders_.find(version); known != coders_.end()) return known->second.get();
-  for (const ltm::ModelInfo& info : reader_->manifest().models) {
-    if (info.entity != entity_ || info.version != version) continue;
-    auto coder = std::make_unique<Coder>();
-    coder->version = version;
-    ENGRAM_ASSIGN_OR_RETURN(coder->model, encoders::read_model(store_ / info.file));
-    coder->decoder = encoders::make_encoder(coder->model);
-    return coders_.emplace(version, std::move(coder)).first->second.get();
-  }
-  return data_loss("{}: latents of model v{}, which is missing", entity_.to_string(), version);
+  ENGRAM_ASSIGN_OR_RETURN(auto model, model_of_version(*reader_, entity_, version));
+  auto coder = std::make_unique<EntityCoder>(version, std::move(model));
+  return coders_.emplace(version, std::move(coder)).first->second.get();
 }
 
 Status EntityFading::run(const ltm::FadingSnapshots& what) {
@@ -141,7 +108,7 @@ Status EntityFading::visit(FadingGroup group, std::optional<double> psnr_db) {
     return {};
   }
   if (psnr_db) return fade(group, psnr_db);
-  ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.model_version()));
+  ENGRAM_ASSIGN_OR_RETURN(EntityCoder * coder, coder_of(group.model_version()));
   const bool is_full =
       !gist_.entries.empty() && (gist_.model_version() != coder->version ||
                                  gist_.rows() + group.rows() > coder->model->max_rows());
@@ -156,7 +123,7 @@ Status EntityFading::fade_waiting() {
 }
 
 Status EntityFading::fade(const FadingGroup& group, std::optional<double> psnr_db) {
-  ENGRAM_ASSIGN_OR_RETURN(Coder * coder, coder_of(group.model_version()));
+  ENGRAM_ASSIGN_OR_RETURN(EntityCoder * coder, coder_of(group.model_version()));
   Qualities before;
   ENGRAM_ASSIGN_OR_RETURN(const auto values, best_values(group, *coder, before));
   ENGRAM_ASSIGN_OR_RETURN(auto latents, psnr_db ? encode(*coder, values, before, *psnr_db)
@@ -191,7 +158,7 @@ Status EntityFading::fade(const FadingGroup& group, std::optional<double> psnr_d
 
 // What was recorded goes, so latents that stay have to be as good as they promise, and as good as
 // what they would be replaced by.
-bool EntityFading::may_stay(const FadingGroup& group, Coder& coder,
+bool EntityFading::may_stay(const FadingGroup& group, EntityCoder& coder,
                             const std::vector<idf::Data>& values, const Qualities& before,
                             std::optional<double> psnr_db) {
   const auto is_latent = [](const auto& quality) { return quality.has_value(); };
@@ -211,8 +178,8 @@ bool EntityFading::may_stay(const FadingGroup& group, Coder& coder,
   return true;
 }
 
-Result<std::vector<idf::Data>> EntityFading::best_values(const FadingGroup& group, Coder& coder,
-                                                         Qualities& qualities) {
+Result<std::vector<idf::Data>> EntityFading::best_values(const FadingGroup& group,
+                                                         EntityCoder& coder, Qualities& qualities) {
   std::vector<idf::Data> values;
   for (size_t i = 0; i < group.entries.size(); ++i) {
     const ltm::LatentSnapshot& latents = group.latents[i];
@@ -241,7 +208,7 @@ Result<std::vector<idf::Data>> EntityFading::best_values(const FadingGroup& grou
   return values;
 }
 
-Result<std::vector<ltm::Latent>> EntityFading::encode(Coder& coder,
+Result<std::vector<ltm::Latent>> EntityFading::encode(EntityCoder& coder,
                                                       const std::vector<idf::Data>& values,
                                                       const Qualities& before, double psnr_db) {
   const double target = mse_of_psnr(psnr_db);
@@ -251,20 +218,11 @@ Result<std::vector<ltm::Latent>> EntityFading::encode(Coder& coder,
       max_mse = std::min(max_mse, max_step_mse(quality->error.image_mse, target));
   // More than this is no lower quality than what there is.
   if (max_mse < mse_of_psnr(ltm::FadeStep::kMaxPsnrDb)) return std::vector<ltm::Latent>();
-  BlockChoice& choice = coder.choice(training::psnr_db(max_mse));
-  std::vector<ltm::Latent> latents;
-  const size_t max_rows = coder.model->block_rows();
-  for (auto rest = std::span(values); !rest.empty();) {
-    const auto block = rest.first(std::min(max_rows, rest.size()));
-    ENGRAM_ASSIGN_OR_RETURN(auto coded, choice.encode(block, stop_));
-    std::ranges::move(coded, std::back_inserter(latents));
-    rest = rest.subspan(block.size());
-  }
-  return latents;
+  return coder.encode(values, max_mse, stop_);
 }
 
 Result<std::vector<ltm::Latent>> EntityFading::encode_as_gist(
-    Coder& coder, const std::vector<idf::Data>& values) {
+    EntityCoder& coder, const std::vector<idf::Data>& values) {
   const size_t images = values.size() * std::max<size_t>(1, coder.model->plan.images().size());
   return coder.gist.find(images, [&](const encoders::GistOptions& options) {
     using Latents = std::vector<ltm::Latent>;

@@ -12,8 +12,8 @@
 #include "ltm/core/progress.h"
 #include "ltm/forgetting/fade_report.h"
 #include "ltm/recall/model.h"
+#include "training/fade/entity_coder.h"
 #include "training/fade/fading_group.h"
-#include "training/forms/block_choice.h"
 
 // Internal to the learning rooms: includes LibTorch.
 
@@ -38,26 +38,24 @@ class EntityFading {
   [[nodiscard]] const ltm::EntityFadeReport& report() const { return report_; }
 
  private:
-  /// A model of the entity, and what encodes with it.
-  struct Coder;
   /// Per instance of a group: how good its value is; nothing where it was recorded.
   using Qualities = std::vector<std::optional<ltm::LatentQuality>>;
 
-  Result<Coder*> coder_of(int version);
+  Result<EntityCoder*> coder_of(int version);
   Status visit(FadingGroup group, std::optional<double> psnr_db);
   Status fade(const FadingGroup& group, std::optional<double> psnr_db);
   /// Lets the groups that wait for more of them fade to one gist.
   Status fade_waiting();
   /// The best values that are there, of all instances, and how good they are.
-  Result<std::vector<idf::Data>> best_values(const FadingGroup& group, Coder& coder,
+  Result<std::vector<idf::Data>> best_values(const FadingGroup& group, EntityCoder& coder,
                                              Qualities& qualities);
   /// Codes values anew. The result is empty if no lower quality is allowed.
-  Result<std::vector<ltm::Latent>> encode(Coder& coder, const std::vector<idf::Data>& values,
+  Result<std::vector<ltm::Latent>> encode(EntityCoder& coder, const std::vector<idf::Data>& values,
                                           const Qualities& qualities, double psnr_db);
-  Result<std::vector<ltm::Latent>> encode_as_gist(Coder& coder,
+  Result<std::vector<ltm::Latent>> encode_as_gist(EntityCoder& coder,
                                                   const std::vector<idf::Data>& values);
   /// Whether the latents of a group may stay as they are although what is recorded of it goes.
-  bool may_stay(const FadingGroup& group, Coder& coder, const std::vector<idf::Data>& values,
+  bool may_stay(const FadingGroup& group, EntityCoder& coder, const std::vector<idf::Data>& values,
                 const Qualities& before, std::optional<double> psnr_db);
   void tell(const std::string& detail = {}) const;
   /// Keeps the group as `made`, with other latents or its own, and marks it as faded.
@@ -73,7 +71,7 @@ class EntityFading {
   const ProgressSink& progress_;
   const std::stop_token& stop_;
   std::unique_ptr<ltm::StoreReader> reader_;
-  std::map<int, std::unique_ptr<Coder>> coders_;          ///< By version of the model.
+  std::map<int, std::unique_ptr<EntityCoder>> coders_;    ///< By version of the model.
   std::map<int, std::vector<ltm::LatentSnapshot>> made_;  ///< Not published yet, by version.
   /// Groups that become one gist: the longer it is, the fewer bytes an image takes.
   FadingGroup gist_;

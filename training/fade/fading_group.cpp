@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -94,6 +95,11 @@ size_t FadingGroup::rows() const {
   return rows;
 }
 
+void FadingGroup::add_to(FadingGroup& part, size_t snapshot) const {
+  part.entries.push_back(entries[snapshot]);
+  part.latents.push_back(latents[snapshot]);
+}
+
 void FadingGroup::add(FadingGroup later) {
   std::ranges::move(later.entries, std::back_inserter(entries));
   std::ranges::move(later.latents, std::back_inserter(latents));
@@ -121,6 +127,22 @@ void FadingGroup::replace(std::vector<ltm::Latent> codes,
       instance.quality = qualities[at++];
     }
   }
+}
+
+bool is_cut(const FadingGroup& group) {
+  struct Block {
+    uint32_t rows = 0, count = 0;
+  };
+  std::map<const std::byte*, Block> blocks;
+  for (const ltm::LatentSnapshot& snapshot : group.latents) {
+    for (const ltm::LatentInstance& instance : snapshot.instances) {
+      Block& block = blocks[instance.latent.code.data()];
+      ++block.rows;
+      block.count = instance.latent.place.count;
+    }
+  }
+  return std::ranges::any_of(
+      blocks, [](const auto& block) { return block.second.rows < block.second.count; });
 }
 
 Result<uint64_t> for_each_group(ltm::StoreReader& reader, const ltm::MemoryId& entity,

@@ -23,6 +23,8 @@ struct FadingGroup {
   [[nodiscard]] size_t rows() const;
   /// Version of the model that made the latents.
   [[nodiscard]] int model_version() const { return latents.front().model_version; }
+  /// Adds one of its own snapshots to a part of this group.
+  void add_to(FadingGroup& part, size_t snapshot) const;
   /// Adds the snapshots of a later group of the same model.
   void add(FadingGroup later);
   /// Bytes of the blocks.
@@ -31,6 +33,9 @@ struct FadingGroup {
   /// (checked).
   void replace(std::vector<ltm::Latent> codes, std::span<const ltm::LatentQuality> qualities);
 };
+
+/// Whether a block of a group has lost rows: they were forgotten, replaced, or recorded again.
+[[nodiscard]] bool is_cut(const FadingGroup& group);
 
 /// Calls `visit` with each group of which all snapshots are in `times`, in the order of time.
 /// Returns the number of those snapshots in `times` that are in a group with others.

@@ -24,6 +24,12 @@ Tensor normalised(const Tensor& plain, std::span<const double> mean,
   return values;
 }
 
+Tensor Dataset::coded_background(const encoders::NetworkShape& shape, size_t image,
+                                 int64_t index) const {
+  return encoders::to_grey_levels(plan.images()[image], shape.images[image],
+                                  coded_backgrounds[image].slice(0, index, index + 1));
+}
+
 void Dataset::replace(size_t sequence, const DatasetRows& rows) {
   const Sequence& place = sequences[sequence];
   ENGRAM_CHECK(rows.times.size() == place.size(), "{} rows in the place of {}", rows.times.size(),

@@ -56,7 +56,8 @@ struct Dataset {
   torch::Tensor scene;                     ///< Background of each row, int64 [n].
   std::vector<torch::Tensor> backgrounds;  ///< Per image member [scenes, C, H, W], grey levels.
   /// The same after coding in each quality (code_background), as a block would carry them:
-  /// [qualities * scenes, C, H, W]; empty if there is only one scene or no codec accepts them.
+  /// pixels [qualities * scenes, H, W, C]; empty if there is only one scene or no codec accepts
+  /// them. As floats they would take four times as much.
   std::vector<torch::Tensor> coded_backgrounds;
   /// The first scenes, which are those of the model that training starts from.
   int64_t known_scenes = 0;
@@ -66,6 +67,11 @@ struct Dataset {
 
   [[nodiscard]] size_t size() const { return times.size(); }
   [[nodiscard]] int scenes() const;
+
+  /// Returns one of `coded_backgrounds`, which must not be empty, in grey levels.
+  /// Shape: [1, C, H, W].
+  [[nodiscard]] torch::Tensor coded_background(const encoders::NetworkShape& shape, size_t image,
+                                               int64_t index) const;
 
   /// Replaces the values of a sequence by others of the same number, normalised as the old ones
   /// were. Scenes stay.

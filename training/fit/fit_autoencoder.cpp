@@ -149,15 +149,17 @@ class ChunkViews {
       // Numbers beside the images, such as joints, would not fit mirrored images.
       const ViewChange change = ViewChange::draw(!values.numbers.defined());
       const Tensor scene = scenes.slice(0, chunk, chunk + 1);
-      const Tensor coded =
-          scene + torch::randint(encoders::kBackgroundQualities, {1}, torch::kLong) * data.scenes();
+      const int64_t coded =
+          (scene +
+           torch::randint(encoders::kBackgroundQualities, {1}, torch::kLong) * data.scenes())
+              .item<int64_t>();
       if (is_varied) scene_.slice(0, chunk, chunk + 1).fill_(-1);
       for (size_t i = 0; i < values.images.size(); ++i) {
         Tensor rows = chunk_of(values.images[i], chunk);
         const Tensor learned = model.autoencoder->images[i]->background;
-        backgrounds[i].push_back(is_varied
-                                     ? change.of(data.coded_backgrounds[i].index_select(0, coded))
-                                     : learned.index_select(0, scene) * encoders::kGreyLevels);
+        backgrounds[i].push_back(
+            is_varied ? change.of(data.coded_background(model.autoencoder->shape, i, coded))
+                      : learned.index_select(0, scene) * encoders::kGreyLevels);
         if (is_varied) rows.copy_(change.of(rows));
       }
     }

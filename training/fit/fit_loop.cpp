@@ -3,9 +3,17 @@
 
 #include <algorithm>
 
+#include "ltm/core/free_memory.h"
 #include "ltm/core/log.h"
 
 namespace engram::training {
+
+namespace {
+
+/// Much more than a step of small images needs: they would pay for each page that is given back.
+constexpr size_t kMaxFreeBytes = size_t{192} << 20;
+
+}  // namespace
 
 FitLoop::FitLoop(FitPhase phase, Schedule& schedule, JobPace& pace, Checkpoints& checkpoints,
                  StepSink sink)
@@ -37,6 +45,8 @@ Status FitLoop::begin(FitState& state) {
 
 Result<double> FitLoop::next(const FitState& state) {
   if (is_over_) return 1.0;
+  // Tensors of each step come and go among those that stay.
+  give_back_memory_above(kMaxFreeBytes);
   const double share = schedule_.share(state.now.step);
   ENGRAM_RETURN_IF_ERROR(pause(state, share));
   if (share >= 1.0 || checkpoints_.is_due()) keep(state, share);

@@ -28,13 +28,18 @@ encoders::Latents LatentTable::rows(const Tensor& indices) const {
 }
 
 LatentTable encode_all(encoders::DeepModel& model, const Dataset& data) {
-  constexpr int64_t kTogether = 16;
+  // Bounds the memory of activations: of images of 640 x 480, one at a time.
+  constexpr int64_t kTogetherPixels = 16 * 128 * 128;
   torch::NoGradGuard no_grad;
   const size_t images = model.autoencoder->images.size();
+  int64_t pixels = 1;
+  for (const auto& image : model.autoencoder->shape.images)
+    pixels = std::max(pixels, int64_t{image.height} * image.width);
+  const int64_t together = std::clamp<int64_t>(kTogetherPixels / pixels, 1, 16);
   std::vector<std::vector<Tensor>> coarse(images), fine(images);
   const auto rows = static_cast<int64_t>(images == 0 ? 0 : data.size());
-  for (int64_t first = 0; first < rows; first += kTogether) {
-    const Tensor indices = torch::arange(first, std::min(first + kTogether, rows), torch::kLong);
+  for (int64_t first = 0; first < rows; first += together) {
+    const Tensor indices = torch::arange(first, std::min(first + together, rows), torch::kLong);
     const auto z =
         encoders::round(model.autoencoder->encode(data.batch(model.autoencoder->shape, indices)));
     for (size_t i = 0; i < z.images.size(); ++i) {

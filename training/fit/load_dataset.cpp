@@ -137,7 +137,8 @@ class Loader {
     normalise();
     data_.scene = torch::zeros({static_cast<int64_t>(data_.size())}, torch::kLong);
     // Backgrounds are for networks alone, and coding them takes seconds where images are large.
-    if (has_networks_ && !data_.images.empty()) find_scenes(data_, start_);
+    if (has_networks_ && !data_.images.empty())
+      ENGRAM_RETURN_IF_ERROR(find_scenes(data_, start_, stop_));
     if (start_ != nullptr) data_.error_price = start_->provenance.error_price;
     return std::move(data_);
   }

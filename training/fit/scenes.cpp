@@ -2,6 +2,7 @@
 #include "training/fit/scenes.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace engram::training {
 
@@ -9,8 +10,11 @@ using torch::Tensor;
 
 namespace {
 
-/// Max number of evenly spaced images of a median.
+/// Max number of evenly spaced images of a median, and of those of large images.
 constexpr size_t kMaxMedianImages = 64;
+constexpr size_t kMaxLargeMedianImages = 15;
+/// Max pixels of the images of a median, which are in memory twice as floats.
+constexpr size_t kMaxMedianPixels = size_t{1} << 21;
 /// Recordings whose medians differ by less on average share a background. Unit: grey levels.
 constexpr double kAlike = 3.0;
 constexpr size_t kMaxScenes = 16;
@@ -18,7 +22,12 @@ constexpr size_t kMaxScenes = 16;
 /// The median image of a sequence per member. Shape: [1, C, H, W].
 std::vector<Tensor> medians_of(const Dataset& data, const encoders::NetworkShape& shape,
                                const Sequence& sequence) {
-  const size_t step = (sequence.size() + kMaxMedianImages - 1) / kMaxMedianImages;
+  size_t pixels = 1;
+  for (const auto& image : shape.images)
+    pixels = std::max(pixels, static_cast<size_t>(image.height * image.width));
+  const size_t max_images =
+      std::clamp(kMaxMedianPixels / pixels, kMaxLargeMedianImages, kMaxMedianImages);
+  const size_t step = (sequence.size() + max_images - 1) / max_images;
   const auto rows =
       torch::arange(static_cast<int64_t>(sequence.first), static_cast<int64_t>(sequence.end),
                     static_cast<int64_t>(step), torch::kLong);
@@ -40,32 +49,36 @@ double difference(const std::vector<Tensor>& a, const std::vector<Tensor>& b) {
 }
 
 /// All scenes of a member after coding in each quality; undefined if no codec accepts them.
-Tensor coded(const encoders::ImageMember& member, const encoders::ImageShape& shape,
-             const Tensor& backgrounds) {
-  if (member.is_depth) return {};
-  std::vector<Tensor> all;
+Result<Tensor> coded(const encoders::ImageMember& member, const Tensor& backgrounds,
+                     const std::stop_token& stop) {
+  if (member.is_depth) return Tensor();
+  const auto scenes = backgrounds.size(0);
+  Tensor all = torch::empty({static_cast<int64_t>(encoders::kBackgroundQualities) * scenes,
+                             member.height, member.width, member.channels},
+                            torch::kUInt8);
+  int64_t at = 0;
   for (size_t quality = 0; quality < encoders::kBackgroundQualities; ++quality)
-    for (int64_t scene = 0; scene < backgrounds.size(0); ++scene) {
+    for (int64_t scene = 0; scene < scenes; ++scene, ++at) {
+      if (stop.stop_requested()) return cancelled("training was stopped");
       const auto image = encoders::to_image_array(member, backgrounds.slice(0, scene, scene + 1));
       const auto one = encoders::code_background(image, quality);
-      if (!one.ok() || !*one) return {};
-      const Tensor pixels =
-          torch::from_blob(const_cast<std::byte*>((*one)->pixels.bytes().data()),
-                           {1, member.height, member.width, member.channels}, torch::kUInt8);
-      all.push_back(encoders::to_grey_levels(member, shape, pixels));
+      if (!one.ok() || !*one) return Tensor();
+      const auto pixels = (*one)->pixels.bytes();
+      std::memcpy(all.select(0, at).data_ptr(), pixels.data(), pixels.size());
     }
-  return torch::cat(all);
+  return all;
 }
 
-void code_backgrounds(Dataset& data, const encoders::NetworkShape& shape) {
-  if (data.scenes() < 2) return;
+Status code_backgrounds(Dataset& data, const std::stop_token& stop) {
+  if (data.scenes() < 2) return {};
   for (size_t i = 0; i < data.backgrounds.size(); ++i) {
-    data.coded_backgrounds.push_back(
-        coded(data.plan.images()[i], shape.images[i], data.backgrounds[i]));
+    ENGRAM_ASSIGN_OR_RETURN(Tensor all, coded(data.plan.images()[i], data.backgrounds[i], stop));
+    data.coded_backgrounds.push_back(std::move(all));
     if (data.coded_backgrounds.back().defined()) continue;
     data.coded_backgrounds.clear();
-    return;
+    return {};
   }
+  return {};
 }
 
 /// One appearance of a scene.
@@ -89,7 +102,7 @@ std::vector<std::vector<Tensor>> scenes_of(const encoders::DeepModel& model) {
 
 }  // namespace
 
-void find_scenes(Dataset& data, const encoders::DeepModel* start) {
+Status find_scenes(Dataset& data, const encoders::DeepModel* start, const std::stop_token& stop) {
   const auto shape = encoders::network_shape(data.plan, {});
   size_t max_scenes = kMaxScenes;
   for (const auto& image : shape.images)
@@ -100,6 +113,7 @@ void find_scenes(Dataset& data, const encoders::DeepModel* start) {
   std::vector<Look> looks;
   for (const auto& scene : scenes) looks.push_back({static_cast<int64_t>(looks.size()), scene});
   for (const Sequence& sequence : data.sequences) {
+    if (stop.stop_requested()) return cancelled("training was stopped");
     const std::vector<Tensor> medians = medians_of(data, shape, sequence);
     std::vector<double> differences;
     for (const Look& look : looks) differences.push_back(difference(look.image, medians));
@@ -121,7 +135,7 @@ void find_scenes(Dataset& data, const encoders::DeepModel* start) {
     for (const auto& scene : scenes) of_member.push_back(scene[i]);
     data.backgrounds.push_back(torch::cat(of_member));
   }
-  code_backgrounds(data, shape);
+  return code_backgrounds(data, stop);
 }
 
 int64_t nearest_scene(const Dataset& data, const Sequence& sequence) {

@@ -49,7 +49,7 @@ struct TrainOptions {
   int threads = 2;
   /// Max bytes of decoded values in memory. If there are more, evenly spaced runs of snapshots take
   /// turns (RowRotation). A job that trains shall stay below 1.5 GB with all that it needs.
-  uint64_t memory_bytes = uint64_t{512} << 20;
+  uint64_t memory_bytes = uint64_t{256} << 20;
   /// Number of last recordings that are left out of training.
   int hold_out_recordings = 0;
 

@@ -7,6 +7,7 @@
 #include "encoders/deep_model_file.h"
 #include "encoders/threads.h"
 #include "encoders/weight_rounding.h"
+#include "ltm/core/free_memory.h"
 #include "training/fit/checkpoint.h"
 #include "training/fit/fit_autoencoder.h"
 #include "training/fit/fit_codec.h"
@@ -164,6 +165,7 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   // The data is read first: it decides the sizes of the networks.
   ENGRAM_ASSIGN_OR_RETURN(Dataset data,
                           load_dataset(source, options, start.model.get(), pace.stop()));
+  give_back_memory();
 
   // The model starts from random weights, or from those of the previous model.
   const auto made = std::make_shared<encoders::DeepModel>(
@@ -187,9 +189,11 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   ENGRAM_ASSIGN_OR_RETURN(checkpoints.coded,
                           fit_autoencoder(model, source, data, options, coding_loop, speed));
   encoders::round_weights(*model.autoencoder);
+  give_back_memory();
   const LatentTable latents = encode_all(model, data);
   ENGRAM_RETURN_IF_ERROR(fit_codec(model, data, latents, options));
   fit_global_code(model, data, latents);
+  give_back_memory();
   const double moving_share = has_networks ? kMotionShare : 0;
   const Part predicting{name_of(FitPhase::kDynamics), coding.share,
                         1 - coding.share - moving_share};
@@ -199,12 +203,14 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
                                     epoch, predicting_time));
   ENGRAM_ASSIGN_OR_RETURN(checkpoints.predicted,
                           fit_dynamics(model, data, latents, options, predicting_loop));
+  give_back_memory();
   const Part moving{name_of(FitPhase::kMotion), 1 - moving_share, moving_share};
   Schedule moving_time = schedule_of(options, control, moving);
   FitLoop moving_loop(
       FitPhase::kMotion, moving_time, pace, checkpoints,
       step_sink(pace.progress(), source.entity, options, control, moving, epoch, moving_time));
   ENGRAM_ASSIGN_OR_RETURN(const FitStep motion, fit_motion(model, data, options, moving_loop));
+  give_back_memory();
   encoders::round_weights(*model.dynamics);
   measure_prediction(model, data);
 
@@ -237,6 +243,8 @@ Result<FittedModel> fit_checked(const TrainingSource& source, const TrainOptions
   provenance.prior_bytes = coded.bytes;
   provenance.number_bound = options.number_bound;
   provenance.started_from = report.started_from;
+  provenance.forgotten = start.model ? std::min(source.forgotten, start.model->provenance.forgotten)
+                                     : source.forgotten;
   provenance.curve = checkpoints.curve.points();
   if (options.steps)
     for (encoders::CurvePoint& point : provenance.curve) point.seconds = 0;
@@ -269,8 +277,7 @@ Result<TrainReport> train_model(const TrainingSource& source, const TrainOptions
                                 const std::filesystem::path& file, const ProgressSink& progress,
                                 const std::stop_token& stop, const TrainControl& control) {
   ENGRAM_ASSIGN_OR_RETURN(FittedModel fitted, fit_model(source, options, progress, stop, control));
-  ENGRAM_ASSIGN_OR_RETURN(const idf::Data example, source.read(0));
-  ENGRAM_RETURN_IF_ERROR(encoders::save_model(*fitted.model, example, file));
+  ENGRAM_RETURN_IF_ERROR(encoders::save_model(*fitted.model, file));
   return std::move(fitted.training);
 }
 

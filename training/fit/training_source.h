@@ -54,6 +54,9 @@ struct TrainingSource {
   /// are replayed, see RowSampler. Empty if there are none.
   std::vector<bool> is_known;
 
+  /// Snapshots of the entity and of the condition that are forgotten; -1 if unknown.
+  int64_t forgotten = -1;
+
   /// Augmented values that are trained on with a share of TrainOptions::augmented_share.
   std::optional<AugmentedValues> augmented;
 };

@@ -13,6 +13,7 @@
 #include "ltm/core/local_time.h"
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
+#include "ltm/store/night_lock.h"
 #include "ltm/store/store_reader.h"
 #include "training/fit/matching.h"
 #include "training/night/choose_form.h"
@@ -185,6 +186,25 @@ class TimeTable {
   std::vector<size_t> order_;
 };
 
+/// Consolidates an entity. Another process of the job may have replaced a segment that has more
+/// entities than its own. Then the entity is planned and read again as the store is now, and
+/// training goes on from its checkpoint.
+Result<EntityReport> consolidate_job(const std::filesystem::path& store, const EntityJob& job,
+                                     const Allotment& allotment) {
+  constexpr int kTries = 3;
+  auto done = consolidate_entity(job.work, job.planned, job.form, allotment);
+  for (int tries = 1; tries < kTries && done.status().code() == StatusCode::kUnavailable; ++tries) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(store));
+    if (reader->manifest().generation == job.work.reader.manifest().generation) break;
+    log::info("{}: the store was changed meanwhile, so it is read again",
+              job.work.entity.to_string());
+    const EntityWork work{*reader, job.work.entity, job.work.options, job.work.pace, *job.costs};
+    ENGRAM_ASSIGN_OR_RETURN(const PlannedEntity planned, plan_entity(work));
+    done = consolidate_entity(work, planned, job.form, allotment);
+  }
+  return done;
+}
+
 }  // namespace
 
 Result<ConsolidatePlan> plan_consolidation(const std::filesystem::path& store,
@@ -204,6 +224,7 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
   if (const auto& yield = options.job.yield; !yield.file.empty() || !yield.command.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(busy, RobotBusy::create(yield));
   }
+  ENGRAM_ASSIGN_OR_RETURN(const auto lock, ltm::NightLock::of_learning(store));
   JobPace pace(busy.get(), progress, stop, options.job.until);
   ENGRAM_ASSIGN_OR_RETURN(Jobs jobs, Jobs::make(store, options, pace));
   if (const Status removed = ltm::remove_checkpoints_of_others(store, jobs.reader->entities());
@@ -221,7 +242,7 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
     if (!allotment) {
       one = skip_entity(job.work, job.planned, nothing_encoded());
     } else {
-      ENGRAM_ASSIGN_OR_RETURN(one, consolidate_entity(job.work, job.planned, job.form, *allotment));
+      ENGRAM_ASSIGN_OR_RETURN(one, consolidate_job(store, job, *allotment));
     }
     one.expected_encoding_seconds = job.encoding.seconds;
     one.costs = *job.costs;

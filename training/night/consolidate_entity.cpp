@@ -57,7 +57,7 @@ Result<OrSkipped<MadeModel>> make(const EntityWork& work, const PlannedEntity& p
   auto& snapshots = std::get<EncodedEntity>(encoded);
   if (snapshots.snapshots == 0) return Made(nothing_encoded());
   model.model->provenance.forms = snapshots.quality.forms;
-  ENGRAM_ASSIGN_OR_RETURN(ModelFile file, write_model_file(work, planned, *model.model));
+  ENGRAM_ASSIGN_OR_RETURN(ModelFile file, write_model_file(work, *model.model));
   const double seconds = snapshots.seconds;
   return Made(MadeModel{std::move(model), std::move(snapshots), std::move(file),
                         planned.entries.size(), seconds});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/night/fit_entity.h"
 
+#include "ltm/core/free_memory.h"
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
 #include "training/fit/augmented_source.h"
@@ -11,6 +12,19 @@
 #include "training/night/model_of_latents.h"
 
 namespace engram::training {
+
+namespace {
+
+int64_t forgotten_of(const ltm::Manifest& manifest, const ltm::MemoryId& entity,
+                     const std::string& condition) {
+  int64_t forgotten = 0;
+  for (const auto& [id, sums] : manifest.forgotten)
+    if (id == entity || id.to_string() == condition)
+      forgotten += static_cast<int64_t>(sums.snapshots);
+  return forgotten;
+}
+
+}  // namespace
 
 Result<TrainingSource> find_training_source(const EntityWork& work, const PlannedEntity& planned) {
   const auto stage = work.stage(Stage::kTraining);
@@ -43,8 +57,10 @@ Result<FittedModel> fit_entity(const EntityWork& work, const PlannedEntity& plan
   TrainingSource values = source;
   // The newest snapshot is used, because links of the first one may lead to forgotten snapshots.
   ENGRAM_RETURN_IF_ERROR(add_condition(work.reader, work.entity, planned.entries.back(), values));
+  values.forgotten = forgotten_of(work.reader.manifest(), work.entity, values.condition_entity);
   ENGRAM_ASSIGN_OR_RETURN(FittedModel fitted, fit_model(values, train, work.pace.progress(),
                                                         work.pace.stop(), control));
+  give_back_memory();
   if (!form.train.has_networks)
     ENGRAM_RETURN_IF_ERROR(add_references(work, planned, form, time, *fitted.model));
   return fitted;

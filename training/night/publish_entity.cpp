@@ -9,13 +9,10 @@
 
 namespace engram::training {
 
-Result<ModelFile> write_model_file(const EntityWork& work, const PlannedEntity& planned,
-                                   encoders::DeepModel& model) {
+Result<ModelFile> write_model_file(const EntityWork& work, encoders::DeepModel& model) {
   const auto stage = work.stage(Stage::kPublishing);
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Snapshot example,
-                          work.reader.read_recorded(work.entity, planned.entries.front()));
   ENGRAM_ASSIGN_OR_RETURN(auto file, ltm::TemporaryFile::create(work.reader.path(), ".model.h5"));
-  ENGRAM_RETURN_IF_ERROR(encoders::save_model(model, example.instances.front().data, file.path()));
+  ENGRAM_RETURN_IF_ERROR(encoders::save_model(model, file.path()));
   std::error_code failed;
   const uint64_t bytes = std::filesystem::file_size(file.path(), failed);
   if (failed) return unavailable("model '{}': {}", file.path().string(), failed.message());

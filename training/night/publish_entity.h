@@ -30,8 +30,7 @@ struct ModelFile {
 /// Writes a model with the forms in which its snapshots were kept. It is written before the
 /// comparison of models, which needs its size; publish_new_model then adds the result.
 /// Errors: the errors of the store and of save_model.
-Result<ModelFile> write_model_file(const EntityWork& work, const PlannedEntity& planned,
-                                   encoders::DeepModel& model);
+Result<ModelFile> write_model_file(const EntityWork& work, encoders::DeepModel& model);
 
 /// Publishes a new model with its latents and the choice between models, after its file was read
 /// back and passed its self test.

@@ -25,9 +25,8 @@ using Model = std::shared_ptr<encoders::DeepModel>;
 /// Publishes a new model with the first group of latents, and then more of them.
 class ModelPublisher {
  public:
-  /// All references must outlive this object.
-  ModelPublisher(const EntityWork& work, const PlannedEntity& planned, Model model)
-      : work_(work), planned_(planned), model_(std::move(model)) {}
+  /// `work` must outlive this object.
+  ModelPublisher(const EntityWork& work, Model model) : work_(work), model_(std::move(model)) {}
 
   [[nodiscard]] int version() const { return version_; }
   /// Bytes of the model; 0 before it is published.
@@ -37,7 +36,7 @@ class ModelPublisher {
     if (model_bytes_ > 0) return publish_more_latents(work_, version_, latents);
     // The model tells the forms of the first group. The others are like it.
     model_->provenance.forms = quality.forms;
-    ENGRAM_ASSIGN_OR_RETURN(const ModelFile file, write_model_file(work_, planned_, *model_));
+    ENGRAM_ASSIGN_OR_RETURN(const ModelFile file, write_model_file(work_, *model_));
     ENGRAM_RETURN_IF_ERROR(publish_new_model(work_, version_, file, {}, latents));
     model_bytes_ = file.bytes;
     return {};
@@ -45,7 +44,6 @@ class ModelPublisher {
 
  private:
   const EntityWork& work_;
-  const PlannedEntity& planned_;
   Model model_;
   int version_ = ltm::next_model_version(work_.reader.manifest(), work_.entity);
   uint64_t model_bytes_ = 0;
@@ -79,7 +77,7 @@ Result<OrSkipped<EntityReport>> begin(const EntityWork& work, const PlannedEntit
   auto& made = std::get<FittedModel>(fitted);
   EntityReport report = report_of(planned);
   report.notes = form.notes;
-  ModelPublisher publisher(work, planned, made.model);
+  ModelPublisher publisher(work, made.model);
   const auto publish = [&](const auto& latents, const KeptQuality& quality) {
     return publisher.publish(latents, quality);
   };

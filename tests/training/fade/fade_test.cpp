@@ -277,7 +277,7 @@ TEST_F(FadeTest, APlanOfItIsCarriedOutOnce) {
   };
   const ltm::ForgetPlan first = plan();
   EXPECT_EQ(first.fading(), kCount);
-  const auto report = ltm::carry_out(store_.path(), first, {}, {}, {}, {}, fade);
+  const auto report = ltm::carry_out(store_.path(), first, {}, {}, {}, {.fade = fade});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   EXPECT_EQ(report->faded.faded(), kCount);
   EXPECT_LT(report->bytes_after, report->bytes_before / 2);

@@ -13,16 +13,12 @@
 namespace engram::training {
 namespace {
 
+using engram::testing::content_of;
 using engram::testing::quick_options;
 using engram::testing::scene_source;
 using engram::testing::ScratchPath;
 
 constexpr int kSteps = 20;  // 17 of the autoencoder, 3 of the dynamics.
-
-std::string content_of(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
-  return bytes.ok() ? std::string(as_text(bytes->bytes())) : std::string();
-}
 
 /// Trains on a scene of two recordings; keeps its state before every step.
 class Training {

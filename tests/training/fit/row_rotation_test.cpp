@@ -14,7 +14,7 @@ namespace {
 using engram::testing::quick_options;
 using engram::testing::scene_source;
 
-constexpr int kCount = 500;
+constexpr int kRowCount = 500;
 
 class RowRotationTest : public ::testing::Test {
  protected:
@@ -44,7 +44,7 @@ class RowRotationTest : public ::testing::Test {
     }
   }
 
-  TrainingSource source_ = scene_source(kCount, 2);
+  TrainingSource source_ = scene_source(kRowCount, 2);
   TrainOptions options_ = quick_options(1);
 };
 

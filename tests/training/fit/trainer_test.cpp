@@ -13,6 +13,7 @@
 namespace engram::training {
 namespace {
 
+using engram::testing::content_of;
 using engram::testing::quick_options;
 using engram::testing::scene_source;
 using engram::testing::ScratchPath;
@@ -47,11 +48,6 @@ TEST(Trainer, OverfitsOneBatch) {
   RecordProperty("psnr_db", std::to_string(psnr));
 }
 
-std::string content_of(const ScratchPath& path) {
-  const auto bytes = read_file(path.path());
-  return bytes.ok() ? std::string(as_text(bytes->bytes())) : std::string();
-}
-
 TEST(Trainer, WritesTheSameModelForTheSameSeedAndSteps) {
   const ScratchPath a("seed_a"), b("seed_b"), c("seed_c");
   const auto source = scene_source(24);
@@ -60,9 +56,9 @@ TEST(Trainer, WritesTheSameModelForTheSameSeedAndSteps) {
   ASSERT_TRUE(train_model(source, options, b.path(), {}, {}).ok());
   options.seed = 2;
   ASSERT_TRUE(train_model(source, options, c.path(), {}, {}).ok());
-  EXPECT_GT(content_of(a).size(), 10000u);
-  EXPECT_TRUE(content_of(a) == content_of(b));
-  EXPECT_FALSE(content_of(a) == content_of(c));
+  EXPECT_GT(content_of(a.path()).size(), 10000u);
+  EXPECT_TRUE(content_of(a.path()) == content_of(b.path()));
+  EXPECT_FALSE(content_of(a.path()) == content_of(c.path()));
 }
 
 class TrainerOfVariant : public ::testing::TestWithParam<encoders::TrainingVariant> {};
@@ -93,8 +89,9 @@ TEST_P(TrainerOfVariant, WritesTheSameModelForTheSameSeedAndSteps) {
   options.variant = GetParam();
   ASSERT_TRUE(train_model(source, options, a.path(), {}, {}).ok());
   ASSERT_TRUE(train_model(source, options, b.path(), {}, {}).ok());
-  EXPECT_TRUE(content_of(a) == content_of(b));
-  EXPECT_EQ(content_of(a) == content_of(rate), GetParam() == encoders::TrainingVariant::kRateAware);
+  EXPECT_TRUE(content_of(a.path()) == content_of(b.path()));
+  EXPECT_EQ(content_of(a.path()) == content_of(rate.path()),
+            GetParam() == encoders::TrainingVariant::kRateAware);
 }
 
 INSTANTIATE_TEST_SUITE_P(Variants, TrainerOfVariant,

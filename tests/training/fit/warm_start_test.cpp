@@ -16,16 +16,12 @@
 namespace engram::training {
 namespace {
 
+using engram::testing::content_of;
 using engram::testing::quick_options;
 using engram::testing::scene_at;
 using engram::testing::scene_source;
 using engram::testing::ScratchPath;
 using torch::Tensor;
-
-std::string content_of(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
-  return bytes.ok() ? std::string(as_text(bytes->bytes())) : std::string();
-}
 
 /// The same scene in a room of another colour.
 idf::Data recoloured(int i) {

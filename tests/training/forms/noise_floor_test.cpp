@@ -10,7 +10,7 @@
 namespace engram::training {
 namespace {
 
-constexpr int kSide = 96;
+constexpr int kNoiseSide = 96;
 
 using Scene = std::function<double(int x, int y)>;
 
@@ -19,13 +19,13 @@ idf::NdArray seen(const Scene& scene, double deviation, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, deviation > 0 ? deviation : 1);
   std::vector<uint8_t> pixels;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
+  for (int y = 0; y < kNoiseSide; ++y)
+    for (int x = 0; x < kNoiseSide; ++x)
       for (int c = 0; c < 3; ++c) {
         const double value = scene(x, y) + 5 * c + (deviation > 0 ? noise(random) : 0);
         pixels.push_back(static_cast<uint8_t>(std::clamp(std::round(value), 0.0, 255.0)));
       }
-  return idf::NdArray::take<uint8_t>({kSide, kSide, 3}, std::move(pixels));
+  return idf::NdArray::take<uint8_t>({kNoiseSide, kNoiseSide, 3}, std::move(pixels));
 }
 
 double shading(int x, int y) {
@@ -68,7 +68,7 @@ TEST(NoiseFloor, FindsNextToNoneInWhatACodecSmoothed) {
 }
 
 TEST(NoiseFloor, LooksPastPixelsThatAreCutOff) {
-  const Scene bright = [](int x, int y) { return x < kSide / 2 ? 400.0 : shading(x, y); };
+  const Scene bright = [](int x, int y) { return x < kNoiseSide / 2 ? 400.0 : shading(x, y); };
   EXPECT_NEAR(measured(bright, bright, 4), 4, 0.3);
   EXPECT_EQ(measured([](int, int) { return 400.0; }, [](int, int) { return 400.0; }, 4), 0);
 }

@@ -16,10 +16,10 @@ using engram::testing::scene_at;
 using engram::testing::ScratchPath;
 
 constexpr Duration kStep = std::chrono::milliseconds(200);
-const char* const kEntity = "Test/Scene/sim/square";
+const char* const kScene = "Test/Scene/sim/square";
 
 ltm::MemoryId entity() {
-  return engram::testing::id(kEntity);
+  return engram::testing::id(kScene);
 }
 
 Time time_at(int index) {
@@ -36,7 +36,7 @@ Result<PredictedMoment> predicted(ltm::Recall& recall, const ltm::PredictionRequ
 
 TEST(PredictedMoment, StandsBesideWhatReallyCame) {
   const ScratchPath store("predicted_moment");
-  engram::testing::record(store.path(), kEntity, 0, 20);
+  engram::testing::record(store.path(), kScene, 0, 20);
   ltm::Recall recall = open(store.path());
   const auto moment = predicted(recall, {time_at(16), {kStep, 3 * kStep, 4 * kStep}, ""});
   ASSERT_TRUE(moment.ok()) << moment.status().to_string();
@@ -58,7 +58,7 @@ TEST(PredictedMoment, StandsBesideWhatReallyCame) {
 
 TEST(PredictedMoment, TakesNothingThatIsHalfAStepAwayForWhatCame) {
   const ScratchPath store("predicted_between");
-  engram::testing::record(store.path(), kEntity, 0, 20);
+  engram::testing::record(store.path(), kScene, 0, 20);
   ltm::Recall recall = open(store.path());
   const auto actual_after = [&](Duration horizon) {
     return predicted(recall, {time_at(10), {horizon}, ""})->horizons[0].actual;
@@ -88,7 +88,7 @@ TEST(PredictedMoment, IsWithinItsBoundInEveryKindThatHasOne) {
 
 TEST(PredictedMoment, FindsTheLastMomentWhoseFutureIsKnown) {
   const ScratchPath store("predicted_last");
-  engram::testing::record(store.path(), kEntity, 0, 20);
+  engram::testing::record(store.path(), kScene, 0, 20);
   ltm::Recall recall = open(store.path());
   const PredictionSource source = source_of(recall, entity());
   EXPECT_EQ(*last_known_from(source, entity(), 3 * kStep), time_at(16));
@@ -100,7 +100,7 @@ TEST(PredictedMoment, FindsTheLastMomentWhoseFutureIsKnown) {
 
 TEST(PredictedMoment, IsToldByAModelWithItsBound) {
   const ScratchPath store("predicted_model");
-  engram::testing::record(store.path(), kEntity, 0, 130);
+  engram::testing::record(store.path(), kScene, 0, 130);
   const auto report = consolidate(store.path(), engram::testing::quick_consolidation(), {}, {});
   ASSERT_TRUE(report.ok()) << report.status().to_string();
   ltm::Recall recall = open(store.path());
@@ -133,7 +133,7 @@ TEST(PredictedMoment, IsToldByAModelWithItsBound) {
 
 TEST(Sweep, MeasuresEveryMomentThatHasAPastAndAFuture) {
   const ScratchPath store("sweep");
-  engram::testing::record(store.path(), kEntity, 0, 20);
+  engram::testing::record(store.path(), kScene, 0, 20);
   ltm::Recall recall = open(store.path());
   const ltm::Recall::PredictionRequest request{{}, {kStep, 2 * kStep}, ""};
   const auto all = sweep(recall, entity(), request, {}, {}, {});

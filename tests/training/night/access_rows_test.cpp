@@ -12,13 +12,12 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::kSquare;
 using engram::testing::night;
 using engram::testing::quick_consolidation;
 using engram::testing::record;
 using engram::testing::ScratchPath;
 using std::chrono::milliseconds;
-
-constexpr const char* kSquare = "Test/Scene/sim/square";
 
 TEST(AccessRows, LeaveAQuarterOfTheTime) {
   EXPECT_EQ(rows_within(milliseconds(50), {.once = 0, .per_row = 1e-3}), 32);

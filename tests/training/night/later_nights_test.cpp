@@ -17,6 +17,7 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::kSquare;
 using engram::testing::night;
 using engram::testing::quick_consolidation;
 using engram::testing::quick_options;
@@ -25,7 +26,6 @@ using engram::testing::scene_at;
 using engram::testing::scene_source;
 using engram::testing::ScratchPath;
 
-constexpr const char* kSquare = "Test/Scene/sim/square";
 constexpr double kBoundDb = 24;
 
 /// A second room: the scene in other colours, an hour later.

@@ -16,6 +16,7 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::kSquare;
 using engram::testing::night;
 using engram::testing::quick_consolidation;
 using engram::testing::quick_options;
@@ -23,8 +24,6 @@ using engram::testing::record;
 using engram::testing::ScratchPath;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-constexpr const char* kSquare = "Test/Scene/sim/square";
 
 /// Networks are tried, because over so many nights their bytes are nothing, and lose, because two
 /// steps teach them nothing.

@@ -10,7 +10,7 @@
 #include "ltm/store/rewrite.h"
 #include "ltm/store/store_check.h"
 #include "ltm/store/store_reader.h"
-#include "tests/training/recorded_scene.h"
+#include "tests/training/textured_room.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
 #include "training/quality/psnr.h"
@@ -20,55 +20,23 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::kRoomCamera;
+using engram::testing::kRoomRows;
 using engram::testing::night;
-using engram::testing::quick_consolidation;
+using engram::testing::record_rooms;
 using engram::testing::ScratchPath;
+using engram::testing::view_of_room;
 
-constexpr const char* kCamera = "Vision/RGB/head/cam";
-constexpr double kBoundDb = 32;
-/// Images of a recording. With fewer the gaps between recordings would not be unusual.
-constexpr int kRows = 16;
-
-/// A textured room with a mark that moves.
-idf::Data view_of_room(int moment) {
-  constexpr int kSide = 64;
-  std::vector<uint8_t> pixels;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      for (int c = 0; c < 3; ++c) {
-        const bool is_mark = x / 8 == moment % 8 && y / 8 == moment / 8 % 8;
-        const int shade = 50 + (x * x + 3 * y * x + 7 * y) % 61 + 5 * c;
-        pixels.push_back(static_cast<uint8_t>(is_mark ? 240 : shade));
-      }
-  idf::Dict dict;
-  dict.set("image", idf::NdArray::take<uint8_t>({kSide, kSide, 3}, std::move(pixels)));
-  return dict;
-}
-
-Time time_of(int moment) {
-  return Time(std::chrono::hours(1000 + moment / kRows) + std::chrono::seconds(moment % kRows));
-}
-
-/// Short recordings, an hour apart.
-void record_rooms(const std::filesystem::path& store, int first, int recordings) {
-  auto recorder = ltm::Recorder::open(store, {});
-  ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
-  for (int i = first * kRows; i < (first + recordings) * kRows; ++i)
-    ASSERT_TRUE(recorder->commit({{{id(kCamera), time_of(i), {{view_of_room(i), {}}}}}}).ok());
-  ASSERT_TRUE(recorder->close().ok());
-}
+constexpr double kReferenceBoundDb = 32;
 
 ConsolidateOptions as_video() {
-  auto options = quick_consolidation();
-  options.representation.kind = Representation::kVideo;
-  options.representation.bound_db = kBoundDb;
-  return options;
+  return engram::testing::as_video(kReferenceBoundDb);
 }
 
 /// References of the newest model.
 std::vector<encoders::VideoReference> references_of(const std::filesystem::path& store) {
   const auto manifest = ltm::read_manifest(store);
-  const ltm::ModelInfo* newest = manifest->newest_model(id(kCamera));
+  const ltm::ModelInfo* newest = manifest->newest_model(id(kRoomCamera));
   if (newest == nullptr) return {};
   const auto model = encoders::read_model(store / newest->file);
   EXPECT_TRUE(model.ok()) << model.status().to_string();
@@ -82,9 +50,9 @@ std::pair<int, int> chains_from_references(const std::filesystem::path& store) {
   auto reader = ltm::StoreReader::open(store);
   EXPECT_TRUE(reader.ok());
   std::pair<int, int> chains;
-  for (const ltm::SnapshotEntry& entry : **(*reader)->index(id(kCamera))) {
+  for (const ltm::SnapshotEntry& entry : **(*reader)->index(id(kRoomCamera))) {
     if (!entry.latent) continue;
-    const auto latents = (*reader)->read_latent(id(kCamera), entry);
+    const auto latents = (*reader)->read_latent(id(kRoomCamera), entry);
     EXPECT_TRUE(latents.ok()) << latents.status().to_string();
     const ltm::Latent& latent = latents->instances.front().latent;
     if (latent.place.index != 0) continue;
@@ -110,7 +78,7 @@ void expect_within_bound(const std::filesystem::path& store, int moments) {
   for (size_t i = 0; i < found.size(); ++i) {
     const auto error = compare(view_of_room(static_cast<int>(i)), found[i].instances[0].data);
     ASSERT_TRUE(error.ok()) << error.status().to_string();
-    EXPECT_GE(psnr_db(error->image_mse), kBoundDb) << i;
+    EXPECT_GE(psnr_db(error->image_mse), kReferenceBoundDb) << i;
   }
 }
 
@@ -129,7 +97,7 @@ TEST_F(References, ShortenManyShortRecordings) {
   const auto [from, all] = chains_from_references(store.path());
   EXPECT_EQ(all, 12);
   EXPECT_GE(from, 6);
-  expect_within_bound(store.path(), 12 * kRows);
+  expect_within_bound(store.path(), 12 * kRoomRows);
 
   // The next night begins from the same picture, without a new model.
   record_rooms(store.path(), 12, 4);
@@ -137,7 +105,7 @@ TEST_F(References, ShortenManyShortRecordings) {
   EXPECT_FALSE(second.is_model_new);
   EXPECT_EQ(chains_from_references(store.path()).second, 16);
   EXPECT_GE(chains_from_references(store.path()).first, from + 1);
-  expect_within_bound(store.path(), 16 * kRows);
+  expect_within_bound(store.path(), 16 * kRoomRows);
 
   const ltm::CheckOptions deep{.is_deep = true,
                                .test_model = [](const std::filesystem::path& file) -> Status {
@@ -163,7 +131,7 @@ TEST_F(References, AreTakenOverByANewModel) {
   options.starts_anew = true;
   night(store.path(), options);
   EXPECT_EQ(references_of(store.path()).size(), 1u);
-  expect_within_bound(store.path(), 12 * kRows);
+  expect_within_bound(store.path(), 12 * kRoomRows);
 }
 
 TEST_F(References, GoWithWhatWasForgottenInTheNextNight) {
@@ -172,7 +140,7 @@ TEST_F(References, GoWithWhatWasForgottenInTheNextNight) {
   night(store.path(), as_video());
   const auto before = references_of(store.path());
   ASSERT_EQ(before.size(), 1u);
-  const ltm::ForgetSet gone{{id(kCamera), {time_from_ns(before.front().time)}}};
+  const ltm::ForgetSet gone{{id(kRoomCamera), {time_from_ns(before.front().time)}}};
   ASSERT_TRUE(ltm::forget_snapshots(store.path(), gone).ok());
   record_rooms(store.path(), 12, 1);
   EXPECT_TRUE(night(store.path(), as_video()).is_model_new);
@@ -190,7 +158,7 @@ TEST_F(References, AreNotWorthItInFewRecordings) {
   night(store.path(), options);
   EXPECT_TRUE(references_of(store.path()).empty());
   EXPECT_EQ(chains_from_references(store.path()).first, 0);
-  expect_within_bound(store.path(), 3 * kRows);
+  expect_within_bound(store.path(), 3 * kRoomRows);
 }
 
 }  // namespace

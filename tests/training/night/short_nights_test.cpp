@@ -16,6 +16,7 @@ namespace engram::training {
 namespace {
 
 using engram::testing::id;
+using engram::testing::kSquare;
 using engram::testing::night;
 using engram::testing::ScratchPath;
 using std::chrono::seconds;
@@ -24,8 +25,6 @@ using std::chrono::seconds;
 void record_images(const std::filesystem::path& store, int first, int count) {
   engram::testing::record(store, "Test/Scene/sim/square", first, count, false);
 }
-
-constexpr const char* kSquare = "Test/Scene/sim/square";
 
 /// Video alone in short chains, of which each is published at once.
 ConsolidateOptions video() {
