@@ -15,10 +15,19 @@ struct Identity::Grant {
   Role role = Role::kRead;
   std::vector<MemoryId> memories;  ///< The empty ID covers all memories.
   mutable std::optional<RateLimit> rate;
+  std::optional<Time> expires;
 
   [[nodiscard]] bool covers(const MemoryId& id) const {
     return std::ranges::any_of(memories,
                                [&](const MemoryId& prefix) { return prefix.is_prefix_of(id); });
+  }
+
+  [[nodiscard]] bool is_expired() const { return expires && system_now() >= *expires; }
+
+  [[nodiscard]] Status check_time() const {
+    if (!is_expired()) return {};
+    return failed_precondition("access: the token of '{}' expired at {}", name,
+                               engram::to_string(*expires));
   }
 };
 
@@ -58,6 +67,13 @@ Result<TokenHash> read_hash(ConfigMap& map, const std::filesystem::path& directo
   // The text may be the token itself, put there by mistake, so the message does not repeat it.
   return hash->error(
       fmt::format("found a text of {} bytes, needs 64 hexadecimal digits", text.size()));
+}
+
+Result<Time> read_time(const ConfigValue& config) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
+  auto time = parse_time(text);
+  if (!time.ok()) return config.error(time.status());
+  return time;
 }
 
 Result<MemoryId> read_prefix(const ConfigValue& config) {
@@ -108,6 +124,7 @@ Role Identity::role() const {
 }
 
 Status Identity::check(Role needed, const MemoryId& id) const {
+  ENGRAM_RETURN_IF_ERROR(grant_->check_time());
   const std::string what =
       id.names().empty() ? "all memories" : fmt::format("'{}'", id.to_string());
   if (grant_->role < needed)
@@ -118,10 +135,11 @@ Status Identity::check(Role needed, const MemoryId& id) const {
 }
 
 bool Identity::may_read(const MemoryId& id) const {
-  return grant_->covers(id);
+  return !grant_->is_expired() && grant_->covers(id);
 }
 
 Status Identity::take_request(SteadyTime now) const {
+  ENGRAM_RETURN_IF_ERROR(grant_->check_time());
   if (!grant_->rate || grant_->rate->take(now)) return {};
   return resource_exhausted("'{}' makes more requests per second than its token may", name());
 }
@@ -179,6 +197,9 @@ Result<std::shared_ptr<const Identity::Grant>> AccessPolicy::read_grant(
   std::optional<double> rate_hz;
   ENGRAM_RETURN_IF_ERROR(map.read("rate", rate_hz, &ConfigValue::rate_hz));
   if (rate_hz) grant->rate.emplace(*rate_hz, now);
+  if (const auto expires = map.find("expires")) {
+    ENGRAM_ASSIGN_OR_RETURN(grant->expires, read_time(*expires));
+  }
   ENGRAM_RETURN_IF_ERROR(map.finish());
   return std::shared_ptr<const Identity::Grant>(std::move(grant));
 }
@@ -195,6 +216,7 @@ Result<Identity> AccessPolicy::authenticate(std::string_view token) const {
   for (const auto& grant : grants_)
     if (equal_in_constant_time(grant->hash, hash)) found = grant;
   if (found == nullptr) return failed_precondition("access: the token is not known");
+  ENGRAM_RETURN_IF_ERROR(found->check_time());
   return Identity(std::move(found));
 }
 

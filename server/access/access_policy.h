@@ -35,16 +35,16 @@ class Identity {
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] Role role() const;
 
-  /// Checks that the holder has a role for an ID.
+  /// Checks that the holder has a role for an ID, and that the token has not expired.
   /// Errors: kFailedPrecondition naming the holder, the role and the ID, never the token.
   [[nodiscard]] Status check(Role needed, const ltm::MemoryId& id) const;
 
   /// Filters the answers of queries with patterns: whether the holder may read this entity, or what
-  /// lies below this ID.
+  /// lies below this ID. Nothing once the token has expired.
   [[nodiscard]] bool may_read(const ltm::MemoryId& id) const;
 
   /// Counts a request against the rate of the token.
-  /// Errors: kResourceExhausted if the rate is exceeded.
+  /// Errors: kResourceExhausted if the rate is exceeded; kFailedPrecondition if it has expired.
   [[nodiscard]] Status take_request(SteadyTime now) const;
 
  private:
@@ -85,7 +85,7 @@ class AccessPolicy {
   [[nodiscard]] bool is_everyone() const { return everyone_ != nullptr; }
 
   /// Returns the holder of a token.
-  /// Errors: kFailedPrecondition if the token is unknown.
+  /// Errors: kFailedPrecondition if the token is unknown or has expired.
   Result<Identity> authenticate(std::string_view token) const;
 
  private:

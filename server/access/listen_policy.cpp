@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "server/access/certificate.h"
 #include "server/access/private_file.h"
 
 namespace engram::server {
@@ -40,6 +41,19 @@ std::vector<std::string> ListenPolicy::missing() const {
     note_missing(missing, "CA of clients", options_.client_ca, check_public_file);
   note_missing(missing, "tokens file", options_.tokens, check_private_file);
   return missing;
+}
+
+Status ListenPolicy::check_files() const {
+  if (!options_.certificate.empty())
+    ENGRAM_RETURN_IF_ERROR(check_certificates(options_.certificate));
+  if (!options_.client_ca.empty()) ENGRAM_RETURN_IF_ERROR(check_certificates(options_.client_ca));
+  if (!options_.key.empty()) {
+    ENGRAM_RETURN_IF_ERROR(check_private_file(options_.key));
+    if (options_.certificate.empty())
+      return invalid_argument("key '{}': is named without its certificate", options_.key.string());
+    ENGRAM_RETURN_IF_ERROR(check_key_of(options_.certificate, options_.key));
+  }
+  return options_.tokens.empty() ? Status() : check_private_file(options_.tokens);
 }
 
 Status ListenPolicy::check(const Endpoint& endpoint) const {

@@ -35,6 +35,10 @@ class ListenPolicy {
   /// Checks all endpoints; the message has a line for each one that is refused.
   [[nodiscard]] Status check(const std::vector<Endpoint>& endpoints) const;
 
+  /// Checks the files that are named, whether or not an endpoint needs them: who names a file wants
+  /// it to count. Errors: those of check_certificates, check_key_of and check_private_file.
+  [[nodiscard]] Status check_files() const;
+
   /// Whether servers and clients use TLS at an endpoint.
   [[nodiscard]] static bool needs_tls(const Endpoint& endpoint) { return !endpoint.is_local(); }
 

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "ltm/core/file.h"
+
 namespace engram::server {
 
 namespace {
@@ -77,6 +79,21 @@ Result<std::string> read_private_file(const std::filesystem::path& path, size_t 
                             max_bytes);
   text.resize(size);
   return text;
+}
+
+Status create_private_file(const std::filesystem::path& path, std::string_view text) {
+  constexpr mode_t kOwnerAlone = 0600;
+  // The permissions are those of the first moment: nobody can open it before they are set.
+  const int made = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerAlone);
+  if (made < 0 && errno == EEXIST) return already_exists("'{}' is there already", path.string());
+  if (made < 0)
+    return unavailable("'{}': cannot make it: {}", path.string(),
+                       std::generic_category().message(errno));
+  ::close(made);
+  ENGRAM_ASSIGN_OR_RETURN(File file, File::open(path, File::Mode::kAppend));
+  ENGRAM_RETURN_IF_ERROR(file.append(as_bytes(text)));
+  ENGRAM_RETURN_IF_ERROR(file.sync());
+  return sync_directory(path.has_parent_path() ? path.parent_path() : ".");
 }
 
 }  // namespace engram::server

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "ltm/core/status.h"
 
@@ -20,5 +21,9 @@ Status check_private_file(const std::filesystem::path& path);
 /// be exchanged between check and read.
 /// Errors: those of check_private_file; kInvalidArgument if it is longer.
 Result<std::string> read_private_file(const std::filesystem::path& path, size_t max_bytes);
+
+/// Writes a new file that its owner alone can read, and forces it to disk.
+/// Errors: kAlreadyExists, kResourceExhausted, kUnavailable.
+Status create_private_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace engram::server

@@ -11,15 +11,15 @@ RateLimit::RateLimit(double rate_hz, SteadyTime now)
   ENGRAM_CHECK(std::isfinite(rate_hz) && rate_hz > 0, "rate is {} Hz", rate_hz);
 }
 
-bool RateLimit::take(SteadyTime now) {
+bool RateLimit::take(SteadyTime now, double count) {
   const MutexLock lock(mutex_);
   // Threads read the clock before they take the lock, so times may arrive out of order.
   if (now > filled_) {
     tokens_ = std::min(max_tokens_, tokens_ + rate_hz_ * to_seconds(now - filled_));
     filled_ = now;
   }
-  if (tokens_ < 1) return false;
-  tokens_ -= 1;
+  if (tokens_ < count) return false;
+  tokens_ -= count;
   return true;
 }
 

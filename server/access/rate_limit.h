@@ -16,8 +16,8 @@ class RateLimit {
   /// still come at once.
   RateLimit(double rate_hz, SteadyTime now);
 
-  /// Accepts a request, or refuses it; a refused request costs nothing.
-  [[nodiscard]] bool take(SteadyTime now);
+  /// Accepts a request, or `count` of them at once, or refuses them; refused requests cost nothing.
+  [[nodiscard]] bool take(SteadyTime now, double count = 1);
 
  private:
   const double rate_hz_;

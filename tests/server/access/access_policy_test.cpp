@@ -102,6 +102,32 @@ TEST(AccessPolicy, LimitsHowOftenATokenIsUsed) {
   for (int i = 0; i < 1000; ++i) EXPECT_OK(policy->authenticate("w")->take_request(kStart));
 }
 
+TEST(AccessPolicy, TakesNoTokenThatHasExpired) {
+  const auto at = [](Time time) {
+    return rules("admin", "all") + "\n    expires: '" + engram::to_string(time) + "'";
+  };
+  const auto policy =
+      parse("tokens:\n" + entry("guest", "token-g", at(system_now() - seconds(1))) +
+            entry("visitor", "token-v", at(system_now() + std::chrono::milliseconds(300))));
+  ASSERT_OK(policy);
+  EXPECT_FAILS(policy->authenticate("token-g"), StatusCode::kFailedPrecondition,
+               "token of 'guest' expired at");
+  // One that expires while its holder is connected is of no use from then on.
+  const auto visitor = policy->authenticate("token-v");
+  ASSERT_OK(visitor);
+  EXPECT_OK(visitor->check(Role::kWrite, id("Vision")));
+  EXPECT_OK(visitor->take_request(kStart));
+  EXPECT_TRUE(visitor->may_read(id("Vision")));
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  EXPECT_FAILS(visitor->check(Role::kRead, id("Vision")), StatusCode::kFailedPrecondition,
+               "expired");
+  EXPECT_FAILS(visitor->take_request(kStart), StatusCode::kFailedPrecondition, "expired");
+  EXPECT_FALSE(visitor->may_read(id("Vision")));
+  EXPECT_FAILS(
+      parse("tokens:\n" + entry("a", "token-a", rules("read", "all") + "\n    expires: soon")),
+      StatusCode::kInvalidArgument, "soon");
+}
+
 TEST(AccessPolicy, LetsEverybodyInWhereThereIsNoTokensFile) {
   const auto policy = AccessPolicy::everyone();
   for (const char* token : {"", "anything"}) {

@@ -37,6 +37,16 @@ TEST(RateLimit, LetsOneThroughOfLessThanOnePerSecond) {
   EXPECT_EQ(takes(limit, start + seconds(11)), 1);
 }
 
+TEST(RateLimit, TakesManyAtOnceOrNone) {
+  const SteadyTime start{std::chrono::seconds(7)};
+  RateLimit limit(50, start);
+  EXPECT_FALSE(limit.take(start, 51));
+  EXPECT_TRUE(limit.take(start, 40));
+  EXPECT_FALSE(limit.take(start, 11));
+  EXPECT_TRUE(limit.take(start, 10));
+  EXPECT_TRUE(limit.take(start + std::chrono::seconds(1), 50));
+}
+
 TEST(RateLimit, GivesNothingForTimesThatComeLate) {
   const SteadyTime start{seconds(100)};
   RateLimit limit(10, start);
