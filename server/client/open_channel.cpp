@@ -5,6 +5,7 @@
 #include <grpcpp/security/credentials.h>
 
 #include "ltm/core/file.h"
+#include "server/access/certificate.h"
 #include "server/access/listen_policy.h"
 #include "server/wire/polling_threads.h"
 
@@ -30,6 +31,7 @@ Result<std::shared_ptr<grpc::Channel>> open_channel(const Endpoint& endpoint,
   // Each client has its own connection, so that a call that waits does not hold up another client.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   std::shared_ptr<grpc::ChannelCredentials> credentials = grpc::InsecureChannelCredentials();
+  if (!options.ca.empty()) ENGRAM_RETURN_IF_ERROR(check_certificates(options.ca));
   if (ListenPolicy::needs_tls(endpoint)) {
     grpc::SslCredentialsOptions tls;
     if (!options.ca.empty()) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::server {
 
@@ -19,7 +19,7 @@ Status check_text(std::string_view what, std::string_view text, size_t max_bytes
   if (text.empty()) return invalid_argument("{} is empty", what);
   if (text.size() > max_bytes)
     return invalid_argument("{} has {} bytes, at most {} are taken", what, text.size(), max_bytes);
-  if (!ltm::is_utf8(text)) return invalid_argument("{} is no UTF-8", what);
+  if (!is_utf8(text)) return invalid_argument("{} is no UTF-8", what);
   return {};
 }
 

@@ -39,14 +39,22 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
   state->context =
       std::make_unique<RpcContext>(*state->service, std::move(access), options.threads);
   state->context->durability = options.durability;
+  state->context->audit = options.audit;
   for (const Endpoint& endpoint : options.rpc.endpoints) {
     if (!options.sharing || endpoint.kind() != Endpoint::Kind::kUnix) continue;
-    ENGRAM_ASSIGN_OR_RETURN(state->context->sharing,
-                            SharedSessions::start(endpoint.path() + ".memory", *options.sharing));
+    ENGRAM_ASSIGN_OR_RETURN(
+        state->context->sharing,
+        SharedSessions::start(
+            endpoint.path() + ".memory", *options.sharing,
+            [context = state->context.get()](const std::string& who, const std::string& memory) {
+              return context->audited(who, "share", memory, {});
+            }));
     break;
   }
   state->rpc = make_memory_rpc(*state->context);
   ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
+  ENGRAM_RETURN_IF_ERROR(state->context->audited(
+      "", "serve", fmt::format("{}", fmt::join(state->server->endpoints(), " ")), {}));
   auto server = std::unique_ptr<MemoryServer>(new MemoryServer(std::move(state)));
   if (names != nullptr)
     server->state_->registrar = std::make_unique<Registrar>(*names, server->registration());
@@ -82,6 +90,9 @@ Status MemoryServer::stop() {
   state_->registrar.reset();
   state_->server->stop(std::chrono::milliseconds(200));
   state_->server.reset();
+  // A store is closed even where the log cannot tell of it.
+  if (const Status noted = state_->context->audited("", "stop", "", {}); !noted.ok())
+    log::warning("audit log: {}", noted.message());
   return state_->service->close();
 }
 

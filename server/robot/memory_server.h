@@ -25,7 +25,8 @@ class MemoryServer {
     memory::MemoryService::Options service;
     RpcServer::Options rpc;
     memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
-    std::filesystem::path tokens;  ///< Empty: every client that can connect may do everything.
+    std::filesystem::path tokens;     ///< Empty: every client that can connect may do everything.
+    std::shared_ptr<AuditLog> audit;  ///< Where it is noted who asked what; null: nowhere.
     /// The endpoints that the name system gives to clients; empty: the endpoints it listens on.
     std::vector<Endpoint> reached_at;
     int threads = 2;  ///< Number of threads that decode and predict.

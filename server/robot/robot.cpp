@@ -42,6 +42,7 @@ struct Robot::State {
   Options robot_options;
   std::unique_ptr<NamesServer> names_server;
   std::unique_ptr<NamesClient> names_client;
+  std::shared_ptr<AuditLog> audit;
   std::vector<std::unique_ptr<MemoryServer>> servers;
   std::optional<HostWatch> watch;
   Mutex mutex;  ///< `wake` needs a mutex; this one guards no member.
@@ -68,7 +69,9 @@ struct Robot::State {
     const std::string& name = server.options.service.name;
     for (const Endpoint& endpoint : server.options.rpc.endpoints)
       ENGRAM_RETURN_IF_ERROR(prepare_folder(endpoint));
-    auto started = MemoryServer::start(server.options, robot_options.loader, names_client.get());
+    MemoryServer::Options options = server.options;
+    options.audit = audit;
+    auto started = MemoryServer::start(options, robot_options.loader, names_client.get());
     if (!started.ok()) return started.status().with_context(fmt::format("server '{}'", name));
     servers.push_back(*std::move(started));
     if (const auto store = servers.back()->service().counters().store;
@@ -150,6 +153,9 @@ Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Options r
   auto state = std::make_unique<State>();
   state->config = config;
   state->robot_options = std::move(robot_options);
+  if (!config.audit.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(state->audit, AuditLog::open(config.audit));
+  }
   ENGRAM_RETURN_IF_ERROR(state->start_names());
   for (const ServerConfig& server : config.servers)
     ENGRAM_RETURN_IF_ERROR(state->start_server(server));
@@ -185,6 +191,7 @@ std::vector<Robot::StoppedServer> Robot::stop() {
   state_->servers.clear();
   state_->watch.reset();
   state_->names_server.reset();
+  state_->audit.reset();
   return all;
 }
 

@@ -102,6 +102,7 @@ class RobotReader {
     ENGRAM_RETURN_IF_ERROR(read_path(map, "key", security.key));
     ENGRAM_RETURN_IF_ERROR(read_path(map, "client_ca", security.client_ca));
     ENGRAM_RETURN_IF_ERROR(read_path(map, "tokens", security.tokens));
+    ENGRAM_RETURN_IF_ERROR(read_path(map, "audit", robot_.audit));
     return map.finish();
   }
 
@@ -127,7 +128,7 @@ class RobotReader {
     return {};
   }
 
-  static Status read_segments(ConfigMap& map, std::vector<ltm::SegmentLimits>& segments) {
+  static Status read_segments(ConfigMap& map, ltm::WorkingMemory::Options& memory) {
     const auto value = map.find("segments");
     if (!value) return {};
     ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
@@ -141,17 +142,23 @@ class RobotReader {
         return match.error(fmt::format("found '{}', needs a memory, segment or entity", text));
       ltm::SegmentLimits segment{*std::move(id), {}};
       ENGRAM_RETURN_IF_ERROR(read_limits(entry, segment.limits));
+      const auto ahead = entry.find("max_ahead");
+      if (ahead) {
+        ENGRAM_ASSIGN_OR_RETURN(const Duration max, ahead->duration_or_never());
+        memory.ahead.parts.emplace_back(segment.segment, max);
+      }
       ENGRAM_RETURN_IF_ERROR(entry.finish());
-      if (!segment.limits.snapshots && !segment.limits.bytes && !segment.limits.age)
-        return each.error("has no limit, needs bytes, snapshots or age");
-      segments.push_back(std::move(segment));
+      const bool has_limit = segment.limits.snapshots || segment.limits.bytes || segment.limits.age;
+      if (!has_limit && !ahead)
+        return each.error("has no limit, needs bytes, snapshots, age or max_ahead");
+      if (has_limit) memory.segments.push_back(std::move(segment));
     }
     return {};
   }
 
   static Status read_working_memory(ConfigMap& map, ServerConfig& server) {
     ltm::WorkingMemory::Options& memory = server.options.service.memory;
-    ENGRAM_RETURN_IF_ERROR(read_segments(map, memory.segments));
+    ENGRAM_RETURN_IF_ERROR(read_segments(map, memory));
     const auto value = map.find("working_memory");
     if (value) {
       ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, value->map());
@@ -160,6 +167,8 @@ class RobotReader {
       if (min_bytes) {
         ENGRAM_ASSIGN_OR_RETURN(server.min_bytes, min_bytes->bytes());
       }
+      ENGRAM_RETURN_IF_ERROR(
+          entry.read("max_ahead", memory.ahead.all, &ConfigValue::duration_or_never));
       ENGRAM_RETURN_IF_ERROR(entry.read("waiting", memory.max_waiting_bytes, &ConfigValue::bytes));
       ENGRAM_RETURN_IF_ERROR(
           entry.read("read_half_life", memory.read_half_life, &ConfigValue::duration));

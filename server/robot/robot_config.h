@@ -36,6 +36,8 @@ struct RobotConfig {
   std::optional<NamesConfig> names;
   /// Applies to all servers, and to the name system in this process.
   ListenPolicy::Options security;
+  /// The log of who asked what of the servers; empty: there is none. See AuditLog.
+  std::filesystem::path audit;
   /// Index of the server that has the memory SystemState; empty: no server stores the state of the
   /// host.
   std::optional<size_t> system_state;

@@ -64,12 +64,23 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
 Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
   if (Status status = who_.take_request(steady_now()); !status.ok()) {
     context_.metrics.refused_rates.add();
-    return status;
+    return context_.audited(who_.name(), "commit", "", std::move(status));
   }
   ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take(message));
   for (const ltm::EntityUpdate& update : taken.commit.updates)
-    ENGRAM_RETURN_IF_ERROR(who_.check(Role::kWrite, update.entity));
+    ENGRAM_RETURN_IF_ERROR(check(update.entity));
   return context_.service.commit(std::move(taken.commit), std::move(taken.encoded), durability);
+}
+
+Status CommitStream::check(const ltm::MemoryId& entity) {
+  Status status = who_.check(Role::kWrite, entity);
+  if (!context_.audit) return status;
+  // What is committed is in the memory itself, so only who begins to write an entity is noted.
+  std::string name = entity.to_string();
+  if (status.ok() && noted_.contains(name)) return status;
+  ENGRAM_RETURN_IF_ERROR(context_.audited(who_.name(), "commit", name, std::move(status)));
+  noted_.insert(std::move(name));
+  return {};
 }
 
 Result<WireCommit> CommitStream::take(v1::CommitRequest& message) {

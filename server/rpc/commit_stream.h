@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <unordered_set>
+
 #include "server/rpc/reply_stream.h"
 #include "server/rpc/rpc_context.h"
 #include "server/wire/wire_snapshot.h"
@@ -21,6 +24,8 @@ class CommitStream final : public ReplyStream {
   Result<ltm::Admission> commit(v1::CommitRequest& message,
                                 memory::MemoryService::Durability durability);
   Result<WireCommit> take(v1::CommitRequest& message);
+  /// Whether the writer may write this entity.
+  Status check(const ltm::MemoryId& entity);
   void reply(uint64_t number, const Status& status, const std::optional<BlockRef>& leased = {});
   std::optional<BlockRef> lease(const v1::CommitRequest& message);
   void publish(const ltm::Admission& admission);
@@ -28,6 +33,8 @@ class CommitStream final : public ReplyStream {
   RpcContext& context_;
   const Identity who_;
   const ClientId sharing_;  ///< kServerItself if it shares no memory.
+  /// Entities whose first commit the audit log has; empty without one. Requests come one at a time.
+  std::unordered_set<std::string> noted_;
   const StreamSlot slot_{context_, who_};
 };
 

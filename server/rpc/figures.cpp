@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/rpc/connection_guard.h"
+
 namespace engram::server {
 
 namespace {
@@ -42,6 +44,10 @@ std::vector<Figure> figures(const memory::MemoryService::Counters& counters) {
   all.push_back({"store_decoded", "Snapshots decoded from the store.", number(reading.decoded)});
   all.push_back({"store_from_decoded", "Found decoded already.", number(reading.from_decoded)});
   all.push_back({"store_decoded_bytes", "Bytes kept decoded.", number(reading.decoded_bytes)});
+  all.push_back(
+      {"store_damaged_models", "Models that are damaged.", number(reading.damaged_models)});
+  all.push_back({"store_substituted", "Answered as recorded, since latents are damaged.",
+                 number(reading.substituted)});
   all.push_back({"store_lost_frames", "Damaged before this start.", number(store.lost_frames)});
   return all;
 }
@@ -51,6 +57,8 @@ std::vector<Figure> all_figures(RpcContext& context,
   std::vector<Figure> all = figures(counters);
   const auto number = [](auto value) { return static_cast<double>(value); };
   all.push_back({"subscribers", "Subscriptions.", number(context.hub.size())});
+  all.push_back({"connections_cut", "That opened too many streams which came to no end.",
+                 number(ConnectionGuard::of_process()->cut())});
   if (!context.sharing) return all;
   const PoolCounters pool = context.sharing->pool().counters();
   all.push_back({"shared_clients", "That share memory with the server.", number(pool.clients)});

@@ -109,7 +109,8 @@ class MemoryRpc final : public ServiceBase {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, ltm::MemoryId::parse(request.entity()));
     if (!entity.is_entity())
       return invalid_argument("found ID '{}', needs that of an entity", request.entity());
-    ENGRAM_RETURN_IF_ERROR(who.check(Role::kRead, entity));
+    ENGRAM_RETURN_IF_ERROR(
+        context_.audited(who.name(), "engines", request.entity(), who.check(Role::kRead, entity)));
     if (request.horizons_ns_size() > kMaxListedHorizons)
       return invalid_argument("found {} horizons, needs at most {}", request.horizons_ns_size(),
                               kMaxListedHorizons);
@@ -132,8 +133,8 @@ class MemoryRpc final : public ServiceBase {
     auto who = caller(context_.access, *call);
     if (!who.ok()) {
       context_.metrics.refused_streams.add();
-      return new RefusedStream(
-          grpc::Status(grpc::StatusCode::UNAUTHENTICATED, who.status().message()));
+      const Status refused = context_.audited("", "connect", call->peer(), who.status());
+      return new RefusedStream(grpc::Status(grpc::StatusCode::UNAUTHENTICATED, refused.message()));
     }
     if (Status status = check_room(*who); !status.ok()) {
       context_.metrics.refused_streams.add();
@@ -172,7 +173,7 @@ class MemoryRpc final : public ServiceBase {
     auto who = caller(context_.access, call);
     if (!who.ok()) {
       context_.metrics.refused_calls.add();
-      return who.status();
+      return context_.audited("", "connect", call.peer(), who.status());
     }
     if (Status status = who->take_request(steady_now()); !status.ok()) {
       context_.metrics.refused_rates.add();
@@ -184,7 +185,9 @@ class MemoryRpc final : public ServiceBase {
   Status declare(const grpc::CallbackServerContext& call, const v1::DeclareRequest& request) {
     ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId segment, ltm::MemoryId::parse(request.segment()));
-    if (Status status = who.check(Role::kWrite, segment); !status.ok()) {
+    if (Status status = context_.audited(who.name(), "declare", request.segment(),
+                                         who.check(Role::kWrite, segment));
+        !status.ok()) {
       context_.metrics.refused_calls.add();
       return status;
     }

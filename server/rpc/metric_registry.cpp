@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "ltm/core/check.h"
-#include "ltm/memory/utf8.h"
+#include "ltm/core/utf8.h"
 
 namespace engram::server {
 
@@ -40,7 +40,7 @@ bool is_metric_name(std::string_view name) {
 
 void check_info(const MetricInfo& info) {
   ENGRAM_CHECK(is_metric_name(info.name), "'{}' is no name of a metric", info.name);
-  ENGRAM_CHECK(ltm::is_utf8(info.help), "help of '{}' is no UTF-8", info.name);
+  ENGRAM_CHECK(is_utf8(info.help), "help of '{}' is no UTF-8", info.name);
   std::set<std::string_view> seen;
   for (const std::string& label : info.labels) {
     ENGRAM_CHECK(is_label_name(label), "'{}' is no name of a label of '{}'", label, info.name);
@@ -52,9 +52,9 @@ std::string bounded_value(std::string value, size_t max_bytes) {
   if (value.size() > max_bytes) {
     value.resize(max_bytes);
     // Cuts no UTF-8 character in half: a character has up to four bytes.
-    for (int i = 0; i < 3 && !ltm::is_utf8(value); ++i) value.pop_back();
+    for (int i = 0; i < 3 && !is_utf8(value); ++i) value.pop_back();
   }
-  if (!ltm::is_utf8(value))
+  if (!is_utf8(value))
     std::ranges::replace_if(
         value, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
   return value;

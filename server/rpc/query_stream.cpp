@@ -39,7 +39,7 @@ Status QueryStream::on_request(grpc::ByteBuffer& request) {
   context_.metrics.queries.add();
   if (Status status = who_.take_request(steady_now()); !status.ok()) {
     context_.metrics.refused_rates.add();
-    answer(number, std::move(status));
+    answer(number, context_.audited(who_.name(), "query", "", std::move(status)));
     return {};
   }
   if (message.has_prediction())
@@ -55,6 +55,11 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
     answer(message.number(), query.status());
     return;
   }
+  // What the answer leaves out because it may not be read is not told to who asks.
+  if (Status status = context_.audited(who_.name(), "query", message.query(), {}); !status.ok()) {
+    answer(message.number(), std::move(status));
+    return;
+  }
   if (message.engine().empty()) {
     if (auto known = context_.service.query_memory(*query)) {
       answer(message.number(), *std::move(known));
@@ -68,8 +73,11 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
 
 void QueryStream::on_prediction(const v1::QueryRequest& message) {
   auto asked = asked_of(message);
-  if (!asked.ok()) {
-    answer(message.number(), asked.status());
+  const v1::PredictionRequest& told = message.prediction();
+  const std::string on =
+      told.entity() + (told.plan().empty() ? "" : fmt::format(", by the plan {}", told.plan()));
+  if (Status status = context_.audited(who_.name(), "predict", on, asked.status()); !status.ok()) {
+    answer(message.number(), std::move(status));
     return;
   }
   answer_later({message.number(), [this, asked = *std::move(asked)]() -> Result<ltm::Answer> {

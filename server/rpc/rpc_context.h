@@ -10,6 +10,7 @@
 #include "memory/live/event_hub.h"
 #include "memory/live/memory_service.h"
 #include "server/access/access_policy.h"
+#include "server/access/audit_log.h"
 #include "server/rpc/rpc_metrics.h"
 #include "server/rpc/shared_sessions.h"
 #include "server/rpc/work_queue.h"
@@ -25,6 +26,7 @@ struct RpcContext {
 
   memory::MemoryService& service;
   const AccessPolicy access;
+  std::shared_ptr<AuditLog> audit;  ///< Null: nobody keeps one.
   memory::EventHub hub;
   std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
   RpcMetrics metrics;
@@ -38,6 +40,18 @@ struct RpcContext {
   memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
   /// Runs work that takes too long for a stream's thread. Declared last, so that it ends first.
   WorkQueue work;
+
+  /// Notes what somebody asked, and whether `outcome` lets them. Returns `outcome`.
+  /// Errors: kFailedPrecondition if it cannot be noted; then nothing may be given out.
+  Status audited(const std::string& who, std::string_view did, std::string on, Status outcome) {
+    if (!audit) return outcome;
+    const Status noted = audit->add({service.options().name, who, std::string(did), std::move(on),
+                                     std::string(outcome.message())});
+    // No client should wait and try again, as it does where a server is not there for a moment.
+    if (!noted.ok())
+      return failed_precondition("what cannot be noted is refused: {}", noted.message());
+    return outcome;
+  }
 };
 
 /// Counts a stream while it lives.

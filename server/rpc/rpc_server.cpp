@@ -14,6 +14,7 @@
 #include <mutex>
 
 #include "ltm/core/file.h"
+#include "server/rpc/connection_guard.h"
 #include "server/wire/polling_threads.h"
 
 namespace engram::server {
@@ -64,6 +65,7 @@ struct RpcServer::State {
   Options options;
   std::unique_ptr<grpc::Server> server;
   std::vector<int> ports;
+  std::shared_ptr<ConnectionGuard> guard = ConnectionGuard::of_process();
 };
 
 RpcServer::RpcServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -78,6 +80,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
     return invalid_argument("server: found no endpoint to listen on, needs one");
   const ListenPolicy policy(options.security);
   ENGRAM_RETURN_IF_ERROR(policy.check(options.endpoints));
+  ENGRAM_RETURN_IF_ERROR(policy.check_files());
   static std::once_flag once;
   std::call_once(once, [] {
     grpc::EnableDefaultHealthCheckService(true);
@@ -99,6 +102,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.max_streams_per_connection);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // ConnectionGuard reads its counts, whatever GRPC_ENABLE_CHANNELZ says.
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_CHANNELZ, 1);
   // A peer that connects and stays silent costs a descriptor; this limits for how long.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);

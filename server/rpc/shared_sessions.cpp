@@ -16,8 +16,9 @@ constexpr size_t kMaxBlockBytes = size_t{256} << 20;
 }  // namespace
 
 Result<std::unique_ptr<SharedSessions>> SharedSessions::start(const std::filesystem::path& socket,
-                                                              const SharedPool::Options& options) {
-  std::unique_ptr<SharedSessions> sessions(new SharedSessions(socket));
+                                                              const SharedPool::Options& options,
+                                                              NoteReader note_reader) {
+  std::unique_ptr<SharedSessions> sessions(new SharedSessions(socket, std::move(note_reader)));
   ENGRAM_ASSIGN_OR_RETURN(sessions->pool_, SharedPool::create(options));
   SharingServer::Options serving;
   serving.socket = socket;
@@ -74,12 +75,15 @@ Status SharedSessions::share(const BlockRef& block, const std::string& memory, C
   Status status = pool_->share(block, reader);
   if (status.code() != StatusCode::kFailedPrecondition) return status;
   ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
+  std::string who;
   {
     const MutexLock lock(mutex_);
     const auto session = sessions_.find(reader);
     if (session == sessions_.end()) return status;
     ENGRAM_RETURN_IF_ERROR(session->second.who.check(Role::kRead, id));
+    who = session->second.who.name();
   }
+  ENGRAM_RETURN_IF_ERROR(note_reader_(who, memory));
   ENGRAM_RETURN_IF_ERROR(pool_->grant_read(reader, group_of(memory)));
   return pool_->share(block, reader);
 }

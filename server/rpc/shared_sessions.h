@@ -3,6 +3,7 @@
 
 #include <engram/v1/memory.pb.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -22,10 +23,15 @@ namespace engram::server {
 /// Source: docs/sharing.md.
 class SharedSessions {
  public:
+  /// Notes that somebody may read a whole memory from now on.
+  /// Errors: why it cannot be noted; the memory is not shared then.
+  using NoteReader = std::function<Status(const std::string& who, const std::string& memory)>;
+
   /// Starts sharing. Clients fetch the memory at `socket`, in a folder that only the server owns.
   /// Errors: those of SharedPool::create and SharingServer::start.
   static Result<std::unique_ptr<SharedSessions>> start(const std::filesystem::path& socket,
-                                                       const SharedPool::Options& options);
+                                                       const SharedPool::Options& options,
+                                                       NoteReader note_reader);
   ~SharedSessions();
 
   /// Returns what a client needs to start a session.
@@ -51,11 +57,13 @@ class SharedSessions {
     Identity who;
   };
 
-  explicit SharedSessions(std::filesystem::path socket) : socket_(std::move(socket)) {}
+  SharedSessions(std::filesystem::path socket, NoteReader note_reader)
+      : socket_(std::move(socket)), note_reader_(std::move(note_reader)) {}
   GroupId group_of(const std::string& memory) ENGRAM_EXCLUDES(mutex_);
   void forget(ClientId client) ENGRAM_EXCLUDES(mutex_);
 
   const std::filesystem::path socket_;
+  const NoteReader note_reader_;
   std::unique_ptr<SharedPool> pool_;
   mutable Mutex mutex_;
   ClientId last_client_ ENGRAM_GUARDED_BY(mutex_) = 0;

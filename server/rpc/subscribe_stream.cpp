@@ -26,6 +26,8 @@ void SubscribeStream::begin() {
 Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Query names,
                           subscribed_names({request.names().begin(), request.names().end()}));
+  ENGRAM_RETURN_IF_ERROR(context_.audited(who_.name(), "subscribe",
+                                          fmt::format("{}", fmt::join(request.names(), " ")), {}));
   memory::EventQueue<memory::SharedEvent>::Bounds bounds;
   if (request.queue_bound() > 0)
     bounds.events = std::min<size_t>(request.queue_bound(), kMaxQueuedEvents);

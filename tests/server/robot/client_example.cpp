@@ -12,8 +12,7 @@ Status remember_a_cup(const std::string& endpoint) {
   // What the robot sees from now on, told by a thread of the client.
   SubscriptionHandlers handlers;
   handlers.on_snapshots = [](std::vector<ToldSnapshot> told) {
-    for (const ToldSnapshot& one : told)
-      fmt::print("new: {}\n", one.snapshot.id().to_string());
+    for (const ToldSnapshot& one : told) fmt::print("new: {}\n", one.snapshot.id().to_string());
   };
   ENGRAM_ASSIGN_OR_RETURN(const auto subscription,
                           memory->subscribe({.names = {"Objects"}}, handlers));

@@ -3,6 +3,7 @@
 
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -50,6 +51,14 @@ class RawSocket {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  }
+  /// To a port of this machine.
+  explicit RawSocket(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
   }
   ~RawSocket() { ::close(socket_); }
@@ -151,6 +160,13 @@ class HostileClient : public ::testing::Test {
     EXPECT_OK(text);
     const auto at = text->find("\n" + name + " ");
     return at == std::string::npos ? -1 : std::stod(text->substr(at + name.size() + 2));
+  }
+
+  /// Waits up to 2 s until a figure is `value` or more.
+  bool reaches(const std::string& name, double value) {
+    for (int i = 0; i < 40 && metric(name) < value; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return metric(name) >= value;
   }
 
   void write_tokens(const std::string& rest_of_bad) {

@@ -66,16 +66,68 @@ TEST_F(HostileClient, SendsEndlessHeaders) {
   expect_served();
 }
 
+/// Says that it opens `streams` streams and resets each at once; false where it was hung up on.
+bool flood(RawSocket& socket, uint32_t streams) {
+  constexpr uint32_t kAtOnce = 500;
+  // A call that a server takes: POST, http, path, authority, content type and te.
+  const std::string call = std::string("\x83\x86\x44\x06/a/b/c\x41\x01") + "a\x5f\x10" +
+                           "application/grpc\x40\x02" + "te\x08" + "trailers";
+  bool goes_on = socket.say(kPreface + frame(4, 0, 0, ""));
+  for (uint32_t done = 0; goes_on && done < streams; done += kAtOnce) {
+    std::string resets;
+    for (uint32_t i = 0; i < kAtOnce; ++i) {
+      const uint32_t stream = 2 * (done + i) + 1;
+      resets += frame(1, 4, stream, call);
+      resets += frame(3, 0, stream, std::string("\0\0\0\x08", 4));
+    }
+    goes_on = socket.say(resets);
+  }
+  return goes_on;
+}
+
 TEST_F(HostileClient, OpensAndForgetsStreamsAtOnce) {
   start();
   RawSocket socket(socket_path());
-  socket.say(kPreface + frame(4, 0, 0, ""));
-  std::string resets;
-  for (uint32_t stream = 1; stream < 20'000; stream += 2) {
-    resets += frame(1, 4, stream, "\x83\x86\x44\x05/a/b/c");
-    resets += frame(3, 0, stream, std::string("\0\0\0\x08", 4));
+  flood(socket, 10'000);
+}
+
+TEST_F(HostileClient, FloodsAPortWithStreams) {
+  running.options.rpc.endpoints.push_back(*Endpoint::parse("127.0.0.1:0"));
+  start();
+  const int port = Endpoint::parse(running.server->endpoints().back())->port();
+  const size_t before = resident_bytes();
+  for (int round = 0; round < 3; ++round) {
+    RawSocket socket(port);
+    EXPECT_FALSE(flood(socket, 120'000)) << round;
+    expect_served();
   }
-  socket.say(resets);
+  // One is counted just after it was shut down.
+  EXPECT_TRUE(reaches("engram_connections_cut", 3));
+  EXPECT_EQ(metric("engram_connections_cut"), 3);
+  // It would be gigabytes.
+  EXPECT_LT(resident_bytes(), before + 300 * kMiB);
+}
+
+TEST_F(HostileClient, MayCallAsOftenAsItLikes) {
+  start();
+  const auto busy = running.client();
+  const auto until = std::chrono::steady_clock::now() + seconds(3);
+  int calls = 0;
+  for (; std::chrono::steady_clock::now() < until; ++calls) ASSERT_OK(busy->metrics());
+  EXPECT_GT(calls, 1000) << "more than may stay without an end";
+  EXPECT_EQ(metric("engram_connections_cut"), 0);
+}
+
+TEST_F(HostileClient, FloodsASocketWithStreams) {
+  start();
+  const size_t before = resident_bytes();
+  for (int round = 0; round < 2; ++round) {
+    RawSocket socket(socket_path());
+    EXPECT_FALSE(flood(socket, 120'000)) << round;
+    expect_served();
+  }
+  EXPECT_TRUE(reaches("engram_connections_cut", 2));
+  EXPECT_LT(resident_bytes(), before + 300 * kMiB);
 }
 
 TEST_F(HostileClient, SendsMessagesThatAreTooLarge) {

@@ -16,8 +16,8 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::SizeIs;
 using testing::RunningServer;
+using ::testing::SizeIs;
 
 constexpr const char* kCam = "Vision/RGB/head/cam";
 
@@ -92,7 +92,8 @@ TEST(MemoryServer, TellsSubscribersOfWhatTheyAskedFor) {
   const std::scoped_lock lock(told.mutex);
   ASSERT_THAT(told.snapshots, SizeIs(1));
   EXPECT_TRUE(told.snapshots[0].has_data);
-  EXPECT_EQ(told.snapshots[0].snapshot.id().to_string(), ltm::MemoryId::parse(kCam)->at(time_from_ns(2)).to_string());
+  EXPECT_EQ(told.snapshots[0].snapshot.id().to_string(),
+            ltm::MemoryId::parse(kCam)->at(time_from_ns(2)).to_string());
   EXPECT_EQ(told.snapshots[0].snapshot.instances[0].data, idf::Data(int64_t{5}));
 }
 
@@ -116,8 +117,7 @@ TEST(MemoryServer, TellsLargePayloadsThroughSharedMemory) {
   const auto producer = running.client();
   const auto consumer = running.client();
   Told told;
-  const auto subscription =
-      consumer->subscribe({.names = {}, .with_data = true}, told.handlers());
+  const auto subscription = consumer->subscribe({.names = {}, .with_data = true}, told.handlers());
   ASSERT_TRUE(subscription.ok());
   std::vector<uint8_t> pixels(1 << 20);
   for (int i = 1; i <= 20; ++i) {
@@ -132,8 +132,7 @@ TEST(MemoryServer, TellsLargePayloadsThroughSharedMemory) {
     const std::scoped_lock lock(told.mutex);
     ASSERT_THAT(told.snapshots, SizeIs(40));
     for (size_t i = 0; i < 20; ++i) {
-      const auto* array =
-          told.snapshots[2 * i].snapshot.instances[0].data.get_if<idf::NdArray>();
+      const auto* array = told.snapshots[2 * i].snapshot.instances[0].data.get_if<idf::NdArray>();
       ASSERT_NE(array, nullptr);
       ASSERT_EQ(array->bytes().size(), size_t{1} << 20);
       EXPECT_EQ(array->bytes()[1000], static_cast<std::byte>(i + 1));
@@ -250,7 +249,8 @@ TEST(MemoryServer, AnswersFromMemoryAndStoreAsIfTheyWereOne) {
   EXPECT_THAT(*ask(*client, std::string(kCam) + " @ latest:5"), ElementsAre(60, 70, 80, 90, 100));
   EXPECT_THAT(*ask(*client, std::string(kCam) + " @ 0..1"), ElementsAre(10, 20));
   EXPECT_THAT(*ask(*client, std::string(kCam) + " @ -9..-8"), ElementsAre(20, 30));
-  EXPECT_THAT(*ask(*client, std::string(kCam) + " @ nearest:52, at-or-before:29"), ElementsAre(20, 50));
+  EXPECT_THAT(*ask(*client, std::string(kCam) + " @ nearest:52, at-or-before:29"),
+              ElementsAre(20, 50));
   EXPECT_THAT(*ask(*client, ".* @ latest"), ElementsAre(100));
   EXPECT_EQ(ask(*client, "No/such/thing/here").status().code(), StatusCode::kNotFound);
 }

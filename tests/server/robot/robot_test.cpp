@@ -138,7 +138,8 @@ TEST_F(RobotTest, TellsHowTheMachineIs) {
 }
 
 TEST_F(RobotTest, MakesRoomWhereRamIsTight) {
-  start("servers: [{store: a.engram, working_memory: {min_bytes: 1MiB}, listen: '" + at("s") + "'}]");
+  start("servers: [{store: a.engram, working_memory: {min_bytes: 1MiB}, listen: '" + at("s") +
+        "'}]");
   const auto client = MemoryClient::connect(at("s"));
   const idf::Data large = idf::NdArray::take({1 << 20}, std::vector<uint8_t>(1 << 20));
   for (int i = 1; i <= 8; ++i) {
