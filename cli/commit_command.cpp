@@ -114,7 +114,7 @@ void tell(const CommitArguments& arguments, const ltm::MemoryId& id) {
   if (arguments.is_json)
     print_json({{"committed", 1}, {"id", id.to_string()}});
   else
-    print(id.to_string());
+    print(id.printable());
 }
 
 ExitCode commit_one(const CommitArguments& arguments) {

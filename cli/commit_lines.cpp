@@ -6,6 +6,7 @@
 #include <string>
 
 #include "ltm/idf/json.h"
+#include "ltm/idf/strict_json.h"
 #include "ltm/memory/augmentation_json.h"
 
 namespace engram::cli {
@@ -15,6 +16,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr size_t kMaxAtOnce = 500;
+constexpr int kMaxLevels = 300;
 constexpr size_t kMaxBytesAtOnce = size_t{4} << 20;
 constexpr size_t kMaxLineBytes = size_t{256} << 20;
 
@@ -24,7 +26,8 @@ const Json* find(const Json& object, const char* key) {
 }
 
 Result<Time> read_time(const Json& value) {
-  if (value.is_number_integer()) return time_from_ns(value.get<int64_t>());
+  const bool is_beyond = value.is_number_unsigned() && value.get<uint64_t>() > INT64_MAX;
+  if (value.is_number_integer() && !is_beyond) return time_from_ns(value.get<int64_t>());
   if (value.is_string()) return parse_time(value.get<std::string>());
   return invalid_argument("time: found {}, needs a text or nanoseconds", value.dump());
 }
@@ -78,7 +81,7 @@ Result<ltm::EntityUpdate> read_head(const Json& json, Time now) {
 }  // namespace
 
 Result<ltm::EntityUpdate> parse_commit_line(std::string_view line, Time now) {
-  const Json json = Json::parse(line, nullptr, false);
+  ENGRAM_ASSIGN_OR_RETURN(const Json json, idf::parse_json(line, kMaxLevels));
   if (!json.is_object()) return invalid_argument("needs one object of JSON in each line");
   ENGRAM_ASSIGN_OR_RETURN(ltm::EntityUpdate update, read_head(json, now));
   if (json.contains("data")) {

@@ -29,7 +29,13 @@ Examples:
   engram forget robot.engram --config robot.yaml --dry-run
   engram forget robot.engram --config robot.yaml --yes
   engram forget robot.engram 'Vision/RGB/head/cam/2022-02-18 13:06:56.492182'
-  engram forget robot.engram 'Grasp/.*/.*/blue-cup @ before:2022-01-01T00:00:00Z' --dry-run)";
+  engram forget robot.engram 'Grasp/.*/.*/blue-cup @ until:2022-01-01T00:00:00Z' --dry-run
+  engram forget robot.engram 'Vision @ 2022-02-18T13:06:00Z..2022-02-18T13:07:00Z' --erase
+  engram forget robot.engram --erase --yes   # what earlier forgetting left
+
+Without --erase no answer has what was forgotten, but parts of files may still hold it: the plan says
+what, and for how long. With it every byte goes: blocks of latents are coded anew from what stays,
+models that learned from it are removed, and a report without the content stays in erasures/.)";
 
 struct ForgetArguments {
   std::string store;
@@ -38,6 +44,7 @@ struct ForgetArguments {
   bool is_dry_run = false;
   bool is_json = false;
   bool is_confirmed = false;
+  bool erases = false;
 };
 
 /// Loads what codes images only if something fades.
@@ -47,7 +54,19 @@ Result<ltm::FadeReport> fade(const std::filesystem::path& store, const ltm::Fade
   return module->fade(store, what, progress, stop);
 }
 
-std::string question_text(const ltm::ForgetPlan& plan) {
+/// Loads what codes latents anew only if the store has any.
+Result<ltm::Erasures> code_anew(const std::filesystem::path& store, const ltm::ForgetSet& gone,
+                                const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Manifest manifest, ltm::read_manifest(store));
+  if (manifest.models.empty()) return ltm::Erasures();
+  ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
+  return module->code_anew(store, gone, progress, stop);
+}
+
+std::string question_text(const ltm::ForgetPlan& plan, bool erases) {
+  if (erases)
+    return fmt::format("Erase {} snapshots, so that no file holds anything of them?",
+                       plan.snapshots());
   if (plan.fading() == 0)
     return fmt::format("Forget {} snapshots? They cannot be brought back.", plan.snapshots());
   if (plan.snapshots() == 0)
@@ -58,8 +77,8 @@ std::string question_text(const ltm::ForgetPlan& plan) {
 }
 
 /// Asks on the terminal. Returns false unless the answer is yes, or if Ctrl-C comes first.
-bool is_agreed(const ltm::ForgetPlan& plan) {
-  fmt::print(stderr, "{} [y/N] ", question_text(plan));
+bool is_agreed(const ltm::ForgetPlan& plan, bool erases) {
+  fmt::print(stderr, "{} [y/N] ", question_text(plan, erases));
   std::fflush(stderr);
   constexpr int kLook_ms = 100;
   pollfd input{STDIN_FILENO, POLLIN, 0};
@@ -72,7 +91,7 @@ bool is_agreed(const ltm::ForgetPlan& plan) {
 }
 
 Status check(const ForgetArguments& arguments) {
-  if (arguments.targets.empty() && arguments.config.empty())
+  if (arguments.targets.empty() && arguments.config.empty() && !arguments.erases)
     return invalid_argument("forget: found nothing to forget, needs IDs, queries or --config");
   if (arguments.is_dry_run || arguments.is_confirmed) return {};
   if (arguments.is_json) return invalid_argument("forget: --json needs --yes or --dry-run");
@@ -115,14 +134,10 @@ ExitCode run(const ForgetArguments& arguments) {
     options = *std::move(config);
   }
   ProgressLine progress;
-  const reports::ForgetJob job{arguments.store,
-                               arguments.targets,
-                               std::move(options),
-                               model_loader(),
-                               progress.sink(),
-                               interrupt_token(),
-                               fade};
-  auto plan = job.plan();
+  const reports::ForgetJob job{arguments.store,   arguments.targets, std::move(options),
+                               model_loader(),    progress.sink(),   interrupt_token(),
+                               {fade, code_anew}, arguments.erases};
+  auto plan = arguments.is_dry_run ? job.plan() : job.final_plan();
   progress.finish();
   if (!plan.ok()) return fail(plan.status());
   if (!arguments.is_json) reports::print_plan(*plan);
@@ -133,8 +148,10 @@ ExitCode run(const ForgetArguments& arguments) {
                    plan->missing_bytes);
     return ExitCode::kDone;
   }
-  const bool needs_answer = plan->snapshots() + plan->fading() > 0 && !arguments.is_confirmed;
-  if (needs_answer && !is_agreed(*plan)) return fail(cancelled("forget: nothing was changed"));
+  const bool is_work = arguments.erases || plan->snapshots() + plan->fading() > 0;
+  const bool needs_answer = is_work && !arguments.is_confirmed;
+  if (needs_answer && !is_agreed(*plan, arguments.erases))
+    return fail(cancelled("forget: nothing was changed"));
   return carry_out(arguments, job, *std::move(plan), progress);
 }
 
@@ -147,6 +164,8 @@ void add_forget_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("store", arguments->store, "Store")->required();
   command->add_option("what", arguments->targets, "IDs, or queries NAMES @ SELECTOR");
   command->add_option("--config", arguments->config, "YAML file with a section 'forget'");
+  command->add_flag("--erase", arguments->erases,
+                    "Leave nothing of it in any file, also of what was forgotten before");
   command->add_flag("--dry-run", arguments->is_dry_run, "Only say what would go");
   command->add_flag("--json", arguments->is_json, "The plan and what was done as JSON");
   command->add_flag("-y,--yes", arguments->is_confirmed, "Do not ask");

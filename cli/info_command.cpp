@@ -3,7 +3,9 @@
 
 #include "cli/command.h"
 #include "cli/remote.h"
+#include "ltm/core/disk_encryption.h"
 #include "ltm/core/log.h"
+#include "ltm/core/printable.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/store/store_reader.h"
 #include "reports/plain/store_text.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr const char* kInfoFooter = R"(Examples:
   engram info robot.engram
+  engram info robot.engram --security
   engram info robot.engram --json | jq '.entities[].stored_bytes'
   engram info --server 127.0.0.1:50051
   engram info --server unix:/run/engram/vision.sock --metrics
@@ -51,17 +54,56 @@ struct InfoArguments {
   RemoteArguments remote;
   bool is_json = false;
   bool is_metrics = false;
+  bool is_security = false;
 };
+
+/// Who may read the files of a store, in words; empty if only its owner and group may.
+std::string readers_text(const std::filesystem::path& store) {
+  std::error_code failed;
+  const auto mode = std::filesystem::status(store, failed).permissions();
+  constexpr auto kOthers =
+      std::filesystem::perms::others_read | std::filesystem::perms::others_exec;
+  if (failed || (mode & kOthers) == std::filesystem::perms::none) return {};
+  return "everybody on this machine who reaches its folder may read it: chmod o-rwx " +
+         store.string();
+}
+
+/// Whether somebody who gets hold of the disk, or of the machine, reads the store.
+ExitCode show_security(const InfoArguments& arguments) {
+  if (const auto manifest = ltm::read_manifest(arguments.store); !manifest.ok())
+    return fail(manifest.status());
+  const auto disk = find_disk_state(arguments.store);
+  if (!disk.ok()) return fail(disk.status());
+  const std::string readers = readers_text(arguments.store);
+  if (arguments.is_json) {
+    print_json({{"store", arguments.store},
+                {"device", disk->device},
+                {"filesystem", disk->filesystem},
+                {"disk", to_string(disk->encryption)},
+                {"reason", disk->reason},
+                {"others_may_read", !readers.empty()}});
+    return ExitCode::kDone;
+  }
+  print(fmt::format("disk     {} ({}): {}, as {}", printable(disk->device), disk->filesystem,
+                    to_string(disk->encryption), disk->reason));
+  print("readers  " + (readers.empty() ? "its owner and group" : printable(readers)));
+  if (disk->encryption != DiskEncryption::kEncrypted)
+    print("A store is not encrypted by itself: whoever gets hold of the disk reads it.");
+  return ExitCode::kDone;
+}
 
 ExitCode run(const InfoArguments& arguments) {
   const std::string& store = arguments.store;
   const bool is_json = arguments.is_json;
   if (const Status named = check_source(store, arguments.remote); !named.ok())
     return wrong_usage(named);
+  if (store.empty() && arguments.is_security)
+    return wrong_usage(invalid_argument("--security is of a store, not of a server"));
   if (store.empty())
     return show_server(arguments.remote, arguments.is_metrics ? ServerFigures::kMetrics
                                          : is_json            ? ServerFigures::kJson
                                                               : ServerFigures::kText);
+  if (arguments.is_security) return show_security(arguments);
   if (arguments.is_metrics)
     return wrong_usage(invalid_argument("--metrics is of a server, not of a store"));
   auto reader = ltm::StoreReader::open(store);
@@ -116,6 +158,8 @@ void add_info_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kInfoFooter);
   command->add_option("store", arguments->store, "Store; none where a server is asked");
   add_remote_options(*command, arguments->remote);
+  command->add_flag("--security", arguments->is_security,
+                    "Is its disk encrypted, and who may read it");
   command->add_flag("--json", arguments->is_json, "As JSON");
   if (has_servers())
     command->add_flag("--metrics", arguments->is_metrics, "Of a server, as text for Prometheus")

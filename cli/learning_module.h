@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "ltm/forgetting/erasure.h"
 #include "ltm/forgetting/fade_report.h"
 #include "ltm/recall/model.h"
 
@@ -30,6 +31,9 @@ struct LearningModule {
   /// An ltm::Fade.
   Result<ltm::FadeReport> (*fade)(const std::filesystem::path& store, const ltm::FadeSet& what,
                                   const ProgressSink& progress, const std::stop_token& stop);
+  /// An ltm::CodeAnew.
+  Result<ltm::Erasures> (*code_anew)(const std::filesystem::path& store, const ltm::ForgetSet& gone,
+                                     const ProgressSink& progress, const std::stop_token& stop);
 };
 
 /// What LearningModule::build has to be.

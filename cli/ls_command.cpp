@@ -148,7 +148,7 @@ class Listing {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(auto cursor, datasets::SnapshotCursor::create(*timeline, queries));
     Json times = Json::array();
-    text_ += (text_.empty() ? "" : "\n") + entity.to_string();
+    text_ += (text_.empty() ? "" : "\n") + entity.printable();
     bool has_more = false;
     while (true) {
       ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
@@ -195,7 +195,7 @@ class Listing {
     for (size_t i = 0; i < rows; ++i) {
       const ltm::MemoryId instance = id.entity().at(entry->time).instance(static_cast<int32_t>(i));
       if (id.index() && instance != id) continue;
-      text_ += (text_.empty() ? "" : "\n") + instance.to_string();
+      text_ += (text_.empty() ? "" : "\n") + instance.printable();
       json_["instances"].push_back(instance.to_string());
     }
     return json_["instances"].empty() ? nothing(id.to_string()) : Status();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "cli/command.h"
 #include "cli/help_texts.h"
@@ -38,7 +40,8 @@ constexpr const char* kMainFooter = R"(Examples:
   engram watch Vision Objects
 
 Results go to stdout, messages and progress to stderr.
-Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss.)";
+Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss, 130 ended
+by Ctrl-C, 143 by SIGTERM (serve, mns and watch: 0).)";
 
 /// The parser of the program.
 struct Program {
@@ -92,8 +95,33 @@ struct Program {
   }
 };
 
+/// What stays where a command is cut off; the others change nothing.
+constexpr std::array<std::pair<std::string_view, const char*>, 10> kInterruptNotes{{
+    {"augment", "what was stored of the new store is whole"},
+    {"commit", "what was acknowledged is stored"},
+    {"compact", "each step is whole or was not begun; the same command goes on"},
+    {"consolidate", "what was published stays; the same command goes on from the last checkpoint"},
+    {"crossval", "no result was finished"},
+    {"export", "what it began to write is not whole"},
+    {"forget", "each step is whole or was not begun; the same command goes on"},
+    {"import", "what was acknowledged is in the store"},
+    {"recover", "the copy is unfinished; the source is as it was"},
+    {"simulate", "what was acknowledged is in the store"},
+}};
+
+void note_what_stays(std::span<char*> words) {
+  for (const std::string_view word : words.subspan(std::min<size_t>(1, words.size()))) {
+    if (word.starts_with('-')) continue;
+    const auto note =
+        std::ranges::find(kInterruptNotes, word, &std::pair<std::string_view, const char*>::first);
+    if (note != kInterruptNotes.end()) set_interrupt_note(note->second);
+    return;
+  }
+}
+
 ExitCode run(int argc, char** argv) {
   const std::span<char*> all(argv, static_cast<size_t>(argc));
+  note_what_stays(all);
   if (Program program(nullptr); program.has_command(all.subspan(std::min<size_t>(1, all.size()))))
     return run_command(program.app, argc, argv, program.exit_code);
   const auto learning = learning_module();
@@ -112,5 +140,6 @@ ExitCode run(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (engram::cli::is_learning(argc, argv)) engram::cli::prepare_to_learn(argv);
   engram::cli::watch_for_interrupts();
-  return engram::cli::exit_code_of([&] { return engram::cli::run(argc, argv); });
+  return engram::cli::end_interrupted_or(
+      engram::cli::exit_code_of([&] { return engram::cli::run(argc, argv); }));
 }

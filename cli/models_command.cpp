@@ -85,7 +85,7 @@ Status print_snapshots(ltm::StoreReader& reader, const std::vector<reports::Stor
         return {};
       }));
   for (const auto& [entity, table] : tables) {
-    print(entity.to_string());
+    print(entity.printable());
     print(table.to_string("  "));
   }
   return {};

@@ -11,6 +11,7 @@
 
 #include "cli/command.h"
 #include "ltm/core/log.h"
+#include "ltm/core/printable.h"
 #include "ltm/core/time.h"
 #include "reports/plain/text.h"
 
@@ -31,7 +32,7 @@ size_t terminal_width() {
 }
 
 std::string line_of(const Progress& progress, bool has_bar) {
-  std::string line = progress.what;
+  std::string line = printable(progress.what);
   if (progress.total > 0) {
     const double share =
         std::min(1.0, static_cast<double>(progress.done) / static_cast<double>(progress.total));
@@ -43,7 +44,7 @@ std::string line_of(const Progress& progress, bool has_bar) {
   } else {
     line += fmt::format(" {}", reports::count_text(progress.done));
   }
-  if (!progress.detail.empty()) line += "  " + progress.detail;
+  if (!progress.detail.empty()) line += "  " + printable(progress.detail);
   if (progress.seconds_left >= 0)
     line += fmt::format("  {} left", reports::seconds_text(progress.seconds_left));
   return line;
@@ -51,6 +52,7 @@ std::string line_of(const Progress& progress, bool has_bar) {
 
 /// Returns a line that fits the width: first the bar is dropped, then the beginning of the name.
 std::string fitting_line(Progress progress, size_t width) {
+  progress.what = printable(progress.what);
   if (std::string line = line_of(progress, true); line.size() <= width) return line;
   const size_t needed = line_of(progress, false).size();
   if (needed > width && progress.what.size() > needed - width + kEllipsis.size())
@@ -66,7 +68,7 @@ std::string json_line_of(const Progress& progress) {
   json["seconds_left"] = progress.seconds_left >= 0
                              ? Json(std::round(progress.seconds_left * 10) / 10)
                              : Json(nullptr);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return printable_json(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace

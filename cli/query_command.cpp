@@ -17,7 +17,7 @@ expression; missing ones match all. Without a selector: latest.
                          the entity's own past (engram predict --list), with the error to expect
                          and the bound that it keeps with a probability of 90 %
   nearest:TIME~50ms      the closest within a tolerance (without ~: any)
-  before:TIME  at-or-before:TIME  after:TIME
+  before:TIME  at-or-before:TIME  after:TIME  until:TIME
   TIME..TIME             from and to, both included
   last:10s               the last ten seconds
   -3..-1                 by index, negative from the end

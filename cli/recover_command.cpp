@@ -18,17 +18,25 @@ until it is whole. Exit code: 0 where nothing was lost, 3 where something was, 1
 
 Examples:
   engram recover robot.engram -o robot-recovered.engram
+  engram recover robot.engram -o robot-mended.engram --future   # a wrong clock had made snapshots
   engram recover robot.engram -o robot-recovered.engram --json | jq .entities)";
 
 struct RecoverArguments {
   std::string source;
   std::string target;
+  std::string future;  ///< How far ahead of the clock is too far; empty: nothing is.
   bool is_json = false;
 };
 
 ExitCode run(const RecoverArguments& arguments) {
   if (const Status ready = ready_for_models(arguments.source); !ready.ok()) return fail(ready);
-  const ltm::RecoverOptions options{test_model};
+  ltm::RecoverOptions options;
+  options.test_model = test_model;
+  if (!arguments.future.empty()) {
+    const auto ahead = parse_duration(arguments.future);
+    if (!ahead.ok()) return fail(ahead.status());
+    options.latest = system_now() + *ahead;
+  }
   ProgressLine progress;
   const auto report = ltm::recover_store(arguments.source, arguments.target, options,
                                          progress.sink(), interrupt_token());
@@ -50,6 +58,11 @@ void add_recover_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kRecoverFooter);
   command->add_option("store", arguments->source, "Store that is damaged")->required();
   command->add_option("-o,--out", arguments->target, "New store; must not exist")->required();
+  command
+      ->add_flag(
+          "--future{1h}", arguments->future,
+          "Leave out what lies more than 1h ahead of the clock; --future=5min: more than that")
+      ->check(duration_text());
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cli/remote_client.h"
+#include "ltm/core/printable.h"
 #include "reports/plain/text.h"
 
 namespace engram::cli {
@@ -83,7 +84,7 @@ ExitCode show_server(const RemoteArguments& arguments, ServerFigures form) {
   if (form == ServerFigures::kMetrics) {
     const auto metrics = (*client)->metrics();
     if (!metrics.ok()) return fail(metrics.status());
-    fmt::print("{}", *metrics);
+    fmt::print("{}", printable_lines(*metrics));
     return ExitCode::kDone;
   }
   const auto info = (*client)->info();

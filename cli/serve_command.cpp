@@ -5,6 +5,7 @@
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
+#include "ltm/core/printable.h"
 #include "memory/model_loader.h"
 #include "reports/plain/text.h"
 #include "server/robot/robot.h"
@@ -54,6 +55,7 @@ struct ServeArguments {
   std::string preset;
   std::string prior;
   server::ListenPolicy::Options security;
+  std::filesystem::path audit;
   bool has_no_system_state = false;
   bool is_json = false;
 };
@@ -71,7 +73,8 @@ std::string quoted(const std::vector<std::string>& texts) {
   return "[" + out + "]";
 }
 
-std::string security_yaml(const server::ListenPolicy::Options& security) {
+std::string security_yaml(const server::ListenPolicy::Options& security,
+                          const std::filesystem::path& audit) {
   std::string text;
   const auto add = [&text](const char* key, const std::filesystem::path& value) {
     if (!value.empty()) text += fmt::format("  {}: {}\n", key, quoted(value.string()));
@@ -80,12 +83,13 @@ std::string security_yaml(const server::ListenPolicy::Options& security) {
   add("key", security.key);
   add("client_ca", security.client_ca);
   add("tokens", security.tokens);
+  add("audit", audit);
   return text.empty() ? "" : "security:\n" + text;
 }
 
 /// Returns the arguments as the text of a robot.yaml, so that both are checked by the same parser.
 std::string yaml_of(const ServeArguments& arguments) {
-  std::string text = security_yaml(arguments.security);
+  std::string text = security_yaml(arguments.security, arguments.audit);
   if (arguments.has_no_system_state) text += "system_state: false\n";
   text += "servers:\n  - name: " + quoted(arguments.name) + "\n";
   const auto add = [&text](const char* key, const std::string& value) {
@@ -116,7 +120,7 @@ Json served_json(const Robot& robot) {
 
 void tell_served(const Robot& robot, bool is_json) {
   if (is_json) {
-    print_now(served_json(robot).dump());
+    print_now(printable_json(served_json(robot).dump()));
     return;
   }
   if (!robot.names().empty())
@@ -152,6 +156,7 @@ bool tell_ended(const Robot::StoppedServer& ended) {
 }
 
 ExitCode run_robot(const RobotConfig& config, bool is_json) {
+  finish_after_interrupt();
   Robot::Options options;
   options.loader = model_loader();
   auto robot = Robot::start(config, std::move(options));
@@ -177,7 +182,7 @@ ExitCode serve(const ServeArguments& arguments) {
 
 ExitCode serve_names(const ServeArguments& arguments) {
   const auto config = server::parse_robot_config(
-      security_yaml(arguments.security) + "names: {listen: " + quoted(arguments.listen) + "}",
+      security_yaml(arguments.security, "") + "names: {listen: " + quoted(arguments.listen) + "}",
       "arguments", "");
   if (!config.ok()) return wrong_usage(config.status());
   return run_robot(*config, arguments.is_json);
@@ -248,6 +253,8 @@ void add_serve_command(CLI::App& app, ExitCode& exit_code) {
   command->add_flag("--no-system-state", arguments->has_no_system_state,
                     "Do not note how busy the machine is");
   add_security_options(*command, arguments->security);
+  add("--audit", arguments->audit,
+      "Log of who asked what, which 'engram audit create' makes (docs/access.md)");
   add_log_option(*command);
   command->add_flag("--json", arguments->is_json, "Tell as JSON where it listens");
   command->callback([arguments, command, &exit_code] {

@@ -75,7 +75,10 @@ Result<std::vector<uint64_t>> read_seeds(const std::string& text) {
 Result<ltm::Recorder::Options> recorder_options(const KitchenArguments& arguments) {
   if (!arguments.config.empty()) return ltm::read_recording_config(arguments.config);
   ENGRAM_ASSIGN_OR_RETURN(const std::string_view yaml, ltm::recording_preset(arguments.preset));
-  return ltm::parse_recording_config(yaml, "preset " + arguments.preset);
+  ENGRAM_ASSIGN_OR_RETURN(auto options,
+                          ltm::parse_recording_config(yaml, "preset " + arguments.preset));
+  options.max_ahead = ltm::AheadLimits::kNone;  // Its days may be any.
+  return options;
 }
 
 std::string store_of(const KitchenArguments& arguments, uint64_t seed) {

@@ -6,6 +6,7 @@
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
+#include "ltm/core/printable.h"
 #include "ltm/idf/json.h"
 #include "ltm/memory/augmentation_json.h"
 #include "reports/plain/result_text.h"
@@ -61,10 +62,10 @@ Result<Json> line_json(const ltm::Snapshot& snapshot, bool with_data) {
 Result<std::string> line_of(const ltm::Snapshot& snapshot, const WatchArguments& arguments) {
   if (arguments.is_json) {
     ENGRAM_ASSIGN_OR_RETURN(const Json json, line_json(snapshot, arguments.with_data));
-    return json.dump();
+    return printable_json(json.dump());
   }
-  std::string text = snapshot.id().to_string();
-  if (arguments.with_data) text += "  " + reports::content_text(snapshot);
+  std::string text = snapshot.id().printable();
+  if (arguments.with_data) text += "  " + printable(reports::content_text(snapshot));
   return text;
 }
 
@@ -116,6 +117,7 @@ class Inbox {
 };
 
 ExitCode print_all(Inbox& inbox, const WatchArguments& arguments) {
+  finish_after_interrupt();
   for (uint64_t shown = 0; arguments.count == 0 || shown < arguments.count; ++shown) {
     const auto snapshot = inbox.next(interrupt_token());
     if (!snapshot) break;

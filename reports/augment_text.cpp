@@ -39,7 +39,7 @@ Json augment_json(const training::AugmentReport& report, const std::string& stor
 void print_augmented(const training::AugmentReport& report, const std::string& out) {
   print(fmt::format("Augmented store {}", out));
   for (const training::AugmentedEntity& entity : report.entities) {
-    print("\n" + entity.entity.to_string());
+    print("\n" + entity.entity.printable());
     if (!entity.skipped_reason.empty()) {
       print("  skipped    " + entity.skipped_reason);
       continue;

@@ -80,7 +80,7 @@ void print_plan(const training::ConsolidatePlan& plan) {
   std::vector<std::string> skipped;
   for (const training::EntityPlan& entity : plan.entities) {
     if (!entity.skipped_reason.empty()) {
-      skipped.push_back(entity.entity.to_string() + ": will be skipped: " + entity.skipped_reason);
+      skipped.push_back(entity.entity.printable() + ": will be skipped: " + entity.skipped_reason);
       continue;
     }
     table.add({entity.entity.to_string(), count_text(entity.snapshots),
@@ -93,7 +93,7 @@ void print_plan(const training::ConsolidatePlan& plan) {
   if (skipped.size() < plan.entities.size()) print(table.to_string());
   for (const training::EntityPlan& entity : plan.entities)
     if (entity.bound.bound_db > 0)
-      print(fmt::format("{}: bound {}", entity.entity.to_string(),
+      print(fmt::format("{}: bound {}", entity.entity.printable(),
                         bound_text(entity.bound.bound_db, entity.bound.noise_images)));
   for (const std::string& line : skipped) print(line);
 }
@@ -125,10 +125,10 @@ Json plan_json(const training::ConsolidatePlan& plan) {
 void print_report(const training::ConsolidateReport& report) {
   for (const training::EntityReport& entity : report.entities) {
     if (!entity.skipped_reason.empty()) {
-      print(fmt::format("{}: skipped: {}", entity.entity.to_string(), entity.skipped_reason));
+      print(fmt::format("{}: skipped: {}", entity.entity.printable(), entity.skipped_reason));
       continue;
     }
-    print(fmt::format("{} v{}: {} snapshots in {}", entity.entity.to_string(), entity.model_version,
+    print(fmt::format("{} v{}: {} snapshots in {}", entity.entity.printable(), entity.model_version,
                       count_text(entity.snapshots), seconds_text(entity.seconds)));
     print(fmt::format("  raw {}, stored {}, latents {} + model {}",
                       bytes_text(static_cast<double>(entity.raw_bytes)),
@@ -168,7 +168,7 @@ void print_report(const training::ConsolidateReport& report) {
 void print_dropped(const std::vector<DroppedRaw>& dropped) {
   for (const DroppedRaw& drop : dropped)
     print(fmt::format("{}: {} recorded snapshots dropped, {} freed, {} kept, in {}",
-                      drop.entity.to_string(), count_text(drop.report.snapshots),
+                      drop.entity.printable(), count_text(drop.report.snapshots),
                       bytes_text(static_cast<double>(drop.report.freed_bytes)),
                       count_text(drop.report.kept), seconds_text(drop.time.seconds)));
 }

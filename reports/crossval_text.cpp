@@ -184,7 +184,7 @@ std::string ahead_table(const CrossvalFold& all) {
 }  // namespace
 
 std::string crossval_text(const CrossvalReport& report) {
-  std::string text = report.entity.to_string() + "\n";
+  std::string text = report.entity.printable() + "\n";
   for (size_t i = 0; i < report.all.variants.size(); ++i) {
     const VariantQuality& variant = report.all.variants[i];
     text += fmt::format("{}, a model takes {} beside the bytes\n", to_string(variant.variant),

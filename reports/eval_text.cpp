@@ -91,7 +91,7 @@ std::string code_text(const training::CodeLength& code) {
 }  // namespace
 
 void print_evaluation(const training::EntityEvaluation& entity) {
-  print(fmt::format("\n{} v{}: {} snapshots as latents{}", entity.entity.to_string(),
+  print(fmt::format("\n{} v{}: {} snapshots as latents{}", entity.entity.printable(),
                     entity.model_version, count_text(entity.snapshots),
                     entity.not_evaluated == 0
                         ? ""

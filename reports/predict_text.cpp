@@ -155,7 +155,7 @@ std::string moment_text(const MemoryId& entity, const PredictedMoment& moment) {
   }
   const ltm::SnapshotResult& first = moment.horizons.front().predicted;
   std::string text =
-      fmt::format("{} from {}, predicted by {}{}\n{}", entity.to_string(),
+      fmt::format("{} from {}, predicted by {}{}\n{}", entity.printable(),
                   to_string(moment.last.time), is_one ? engine_of(first) : "the best engines",
                   first.plan.empty() ? "" : ", told the plan " + first.plan, table.to_string("  "));
   for (const PredictedHorizon& horizon : moment.horizons)
@@ -204,7 +204,7 @@ std::string sweep_text(const MemoryId& entity, const std::string& engine,
       table.add({to_string(horizons[i]) + ", RMSE of what moves", count_text(moving.numbers), "",
                  "", number_text(moving.rmse), number_text(moving_copy.rmse), "", "", ""});
   }
-  return fmt::format("{}, predicted by {}\n{}", entity.to_string(),
+  return fmt::format("{}, predicted by {}\n{}", entity.printable(),
                      engine.empty() ? "the best engine of each moment" : engine,
                      table.to_string("  "));
 }
@@ -231,7 +231,7 @@ std::string engines_text(const MemoryId& entity, Duration step,
                  count_text(record.predictions), error_text(record.mean), error_text(record.bound),
                  &record == &one.records.front() ? "answers" : ""});
   std::string text = fmt::format("{}, steps of {}, measured on its own past\n{}",
-                                 entity.to_string(), to_string(step), table.to_string("  "));
+                                 entity.printable(), to_string(step), table.to_string("  "));
   TextTable told({"engine", "conditions", "ahead", "measured predictions", "error"});
   bool is_any = false;
   for_each_record(models, [&](const Recall::Engine& engine, const char* conditions,

@@ -11,6 +11,7 @@
 #include "reports/plain/findings.h"
 #include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
+#include "training/fade/erase.h"
 #include "training/fade/fade.h"
 #include "training/night/consolidate.h"
 
@@ -91,14 +92,21 @@ std::string check(const std::string& store, bool is_deep, const py::object& prog
 }
 
 std::string forget(const std::string& store, const std::vector<std::string>& targets,
-                   const std::string& config, bool is_dry_run, const py::object& progress) {
+                   const std::string& config, bool is_dry_run, bool erases,
+                   const py::object& progress) {
   PythonProgress told(progress);
   ltm::ForgetOptions options;
   if (!config.empty()) options = value_or_raise(ltm::read_forget_config(config));
-  const reports::ForgetJob job{store,       targets,     std::move(options), encoders::load_model,
-                               told.sink(), told.stop(), training::fade};
+  const reports::ForgetJob job{store,
+                               targets,
+                               std::move(options),
+                               encoders::load_model,
+                               told.sink(),
+                               told.stop(),
+                               {training::fade, training::code_anew},
+                               erases};
   // The plan's JSON is made before it is carried out, which consumes the plan.
-  ltm::ForgetPlan plan = told.run([&] { return job.plan(); });
+  ltm::ForgetPlan plan = told.run([&] { return is_dry_run ? job.plan() : job.final_plan(); });
   reports::Json json{{"plan", reports::plan_json(plan)}};
   if (is_dry_run) return json.dump();
   const ltm::ForgetReport report = told.run([&] { return job.carry_out(std::move(plan)); });

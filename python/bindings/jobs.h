@@ -19,7 +19,8 @@ std::string check(const std::string& store, bool is_deep, const pybind11::object
 
 /// Forgets snapshots; returns the report of `engram forget --json`. `config` is a file, or empty.
 std::string forget(const std::string& store, const std::vector<std::string>& targets,
-                   const std::string& config, bool is_dry_run, const pybind11::object& progress);
+                   const std::string& config, bool is_dry_run, bool erases,
+                   const pybind11::object& progress);
 
 /// Consolidates a store; returns the report of `engram consolidate --json`. `options` are named
 /// like the command's options, with underscores; durations and times are in ns.

@@ -87,6 +87,7 @@ def forget(
     targets: list[str],
     config: str,
     is_dry_run: bool,
+    erases: bool,
     progress: Callable[..., None] | None,
 ) -> str: ...
 def consolidate(

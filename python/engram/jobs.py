@@ -100,6 +100,7 @@ def forget(
     *,
     config: str | os.PathLike[str] | None = None,
     dry_run: bool = True,
+    erase: bool = False,
     progress: ProgressLike = None,
 ) -> Report:
     """Takes snapshots out of a store for good; with `dry_run`, the default, only says which.
@@ -107,14 +108,21 @@ def forget(
     `names`: IDs of any level or queries with a selector. `config`: a YAML file with a section
     `forget` (docs/forgetting.md): its policies decide where no names are given, else its protection
     counts. Its steps of fading leave old images with less quality (`report["done"]["faded"]`).
+    `erase`: nothing of it is left in any file, also of what was forgotten before
+    (`report["done"]["erased"]`).
     """
     targets = [names] if isinstance(names, str) else list(names)
-    if not targets and config is None:
+    if not targets and config is None and not erase:
         raise InvalidArgumentError("forget: found nothing to forget, needs names or a config")
     tell, finish = sink_of(progress)
     try:
         report = _core.forget(
-            _path_of(store), targets, "" if config is None else os.fspath(config), dry_run, tell
+            _path_of(store),
+            targets,
+            "" if config is None else os.fspath(config),
+            dry_run,
+            erase,
+            tell,
         )
     finally:
         finish()

@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "ltm/core/printable.h"
 #include "reports/plain/text.h"
 
 namespace engram::reports {
@@ -14,10 +15,10 @@ std::string_view name_of(ltm::Severity severity) {
 }
 
 void print_finding(const ltm::Finding& finding) {
-  print(fmt::format("{}: {}{}{}", name_of(finding.severity), finding.file,
-                    finding.object.empty() ? "" : ": ", finding.object));
-  print("  what    " + finding.what);
-  print("  to do   " + finding.advice + "\n");
+  print(fmt::format("{}: {}{}{}", name_of(finding.severity), printable(finding.file),
+                    finding.object.empty() ? "" : ": ", printable(finding.object)));
+  print("  what    " + printable(finding.what));
+  print("  to do   " + printable(finding.advice) + "\n");
 }
 
 }  // namespace
@@ -46,6 +47,7 @@ Json check_json(const ltm::CheckReport& report, const std::string& store) {
           {"instances", report.instances},
           {"media", report.media},
           {"bytes", report.bytes},
+          {"unknown_ends", report.unknown_ends},
           {"findings", findings_json(report.findings)}};
 }
 
@@ -63,8 +65,13 @@ void print_check(const ltm::CheckReport& report, const std::string& store) {
                   store, report.segments, report.models, report.journals, report.entities,
                   count_text(report.snapshots), count_text(report.media), count_text(report.frames),
                   bytes_text(static_cast<double>(report.bytes))));
-  print(report.is_clean() ? "It is whole."
-                          : fmt::format("{} faults: data is damaged or lost.", report.faults()));
+  if (!report.is_clean())
+    print(fmt::format("{} faults: data is damaged or lost.", report.faults()));
+  else if (report.unknown_ends > 0)
+    print(
+        "What is there is whole. Whether something is missing at the end is not known: see above.");
+  else
+    print("It is whole.");
 }
 
 }  // namespace engram::reports

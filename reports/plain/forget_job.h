@@ -22,8 +22,14 @@ struct ForgetJob {
   ltm::ModelLoader loader;
   ProgressSink progress;
   std::stop_token stop;
-  /// Lets snapshots fade.
-  ltm::Fade fade;
+  /// Lets snapshots fade, and codes anew what stays where `erases`.
+  ltm::ForgetTools tools;
+  /// Whether nothing of what is forgotten may be left in any file.
+  bool erases = false;
+
+  /// Plans what is to be carried out: before anything is erased, it seals what is in journals.
+  /// Errors: those of plan() and of ltm::seal_before_erasing.
+  [[nodiscard]] Result<ltm::ForgetPlan> final_plan() const;
 
   /// Plans without changing anything.
   /// Errors: those of find_forget_targets and plan_forgetting.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "ltm/core/printable.h"
 #include "reports/plain/text.h"
 
 namespace engram::reports {
@@ -67,7 +68,7 @@ Json faded_json(const ltm::FadeReport& report) {
 
 void print_faded(const ltm::FadeReport& report) {
   for (const auto& [id, entity] : report.entities) {
-    print(id.to_string());
+    print(id.printable());
     if (entity.faded > 0)
       print(
           fmt::format("  faded  {} snapshots, latents {} before, {} after; the worst {:.1f} dB, "
@@ -83,6 +84,34 @@ void print_faded(const ltm::FadeReport& report) {
   }
 }
 
+void print_erased(const ltm::ErasureReport& report) {
+  for (const auto& [id, entity] : report.entities) {
+    print(id.printable());
+    print(fmt::format("  erased {} snapshots", count_text(entity.erased)));
+    if (entity.recoded > 0)
+      print(fmt::format("  anew   {} snapshots whose recorded form is gone{}",
+                        count_text(entity.recoded),
+                        std::isfinite(entity.certain_db)
+                            ? fmt::format("; the worst {:.1f} dB, certainly {:.1f} dB",
+                                          entity.expected_db, entity.certain_db)
+                            : ""));
+    if (entity.uncoded > 0)
+      print(fmt::format("  waits  {} snapshots, which the next night codes anew",
+                        count_text(entity.uncoded)));
+    for (const std::string& model : entity.models) print("  model  " + model + " is replaced");
+    if (entity.is_waiting && entity.uncoded == 0) print("  waits  the next night learns again");
+  }
+  if (!report.files.empty())
+    print(fmt::format("{} side files removed", count_text(report.files.size())));
+  print("The report is in " + report.report);
+}
+
+Json erased_json(const ltm::ErasureReport& report) {
+  Json json = report.to_json();
+  json["report"] = report.report;
+  return json;
+}
+
 std::string stays_text(const ltm::EntityForgetPlan& plan) {
   std::string text = count_text(plan.stays);
   if (plan.shielded > 0) text += ", " + count_text(plan.shielded) + " of them protected";
@@ -91,7 +120,7 @@ std::string stays_text(const ltm::EntityForgetPlan& plan) {
 }
 
 void print_entity(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
-  print(id.to_string());
+  print(id.printable());
   if (!plan.gone.empty())
     print(fmt::format("  goes   {} snapshots, {} to {}, about {}", count_text(plan.gone.size()),
                       to_string(plan.gone.front()), to_string(plan.gone.back()),
@@ -132,6 +161,7 @@ void print_plan(const ltm::ForgetPlan& plan) {
                       plan.fades_for_quota ? "; then the quota is looked at again" : ""));
   if (plan.unsealed() > 0)
     print(fmt::format("{} snapshots are not sealed yet and stay", count_text(plan.unsealed())));
+  for (const std::string& note : plan.notes) print("Note: " + printable(note));
 }
 
 Json plan_json(const ltm::ForgetPlan& plan) {
@@ -146,11 +176,13 @@ Json plan_json(const ltm::ForgetPlan& plan) {
           {"free_disk_bytes", plan.free_disk_bytes},
           {"quota_missing_bytes", plan.missing_bytes},
           {"not_sealed_yet", plan.unsealed()},
+          {"notes", plan.notes},
           {"entities", std::move(entities)}};
 }
 
 void print_report(const ltm::ForgetReport& report) {
   print_faded(report.faded);
+  if (report.erased) print_erased(*report.erased);
   print(fmt::format(
       "{} snapshots forgotten, {} freed: {} before, {} after{}",
       count_text(report.rewritten.snapshots),
@@ -161,6 +193,7 @@ void print_report(const ltm::ForgetReport& report) {
 
 Json report_json(const ltm::ForgetReport& report) {
   return {{"snapshots", report.rewritten.snapshots},
+          {"erased", report.erased ? erased_json(*report.erased) : Json()},
           {"faded", faded_json(report.faded)},
           {"rounds", report.rounds},
           {"segments_before", report.rewritten.segments_before},

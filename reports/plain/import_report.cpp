@@ -59,17 +59,17 @@ std::string dropped_text(const ltm::RecordingCounters& counters) {
 
 void print_filters(const ltm::MemoryId& id, const ltm::RecordingCounters& counters) {
   if (!counters.rule.empty())
-    print(fmt::format("{}: rule '{}', dropped by {}", id.to_string(), counters.rule,
+    print(fmt::format("{}: rule '{}', dropped by {}", id.printable(), counters.rule,
                       dropped_text(counters)));
   if (counters.held.snapshots > 0)
-    print(fmt::format("{}: {} snapshots ({}) were still held by filters", id.to_string(),
+    print(fmt::format("{}: {} snapshots ({}) were still held by filters", id.printable(),
                       count_text(counters.held.snapshots),
                       bytes_text(static_cast<double>(counters.held.bytes))));
   if (counters.late > 0)
-    print(fmt::format("{}: {} snapshots came late, past the filters", id.to_string(),
+    print(fmt::format("{}: {} snapshots came late, past the filters", id.printable(),
                       count_text(counters.late)));
   if (counters.failed > 0)
-    print(fmt::format("{}: {} snapshots could not be stored", id.to_string(),
+    print(fmt::format("{}: {} snapshots could not be stored", id.printable(),
                       count_text(counters.failed)));
 }
 
@@ -89,7 +89,7 @@ void print_recorder(const ltm::Recorder& recorder) {
   for (const auto& [id, counters] : recorder.counters()) print_filters(id, counters);
   for (const auto& [id, counters] : recorder.counters())
     if (counters.reinterpreted > 0)
-      print(fmt::format("{}: {} values were cast to their segment's type ({})", id.to_string(),
+      print(fmt::format("{}: {} values were cast to their segment's type ({})", id.printable(),
                         count_text(counters.reinterpreted), counters.last_reinterpretation));
 }
 

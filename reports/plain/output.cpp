@@ -3,14 +3,16 @@
 
 #include <fmt/format.h>
 
+#include "ltm/core/printable.h"
+
 namespace engram::reports {
 
 void print(const std::string& text) {
-  fmt::print("{}\n", text);
+  fmt::print("{}\n", printable_lines(text));
 }
 
 void print_json(const Json& json) {
-  print(json.dump(2));
+  fmt::print("{}\n", printable_json(json.dump(2)));
 }
 
 }  // namespace engram::reports

@@ -16,7 +16,8 @@ Json entities_json(const ltm::RecoverReport& report) {
                         {"recorded_lost", counts.recorded_lost},
                         {"latent_saved", counts.latent},
                         {"latent_lost", counts.latent_lost},
-                        {"unsealed_saved", counts.unsealed}});
+                        {"unsealed_saved", counts.unsealed},
+                        {"left_out_of_future", counts.too_late}});
   return entities;
 }
 
@@ -47,6 +48,10 @@ void print_recovered(const ltm::RecoverReport& report, const std::string& target
                count_text(counts.latent), count_text(counts.latent_lost),
                count_text(counts.unsealed)});
   print(table.to_string());
+  for (const auto& [id, counts] : report.entities)
+    if (counts.too_late > 0)
+      print(fmt::format("{}: {} snapshots from the future were left out", id.printable(),
+                        count_text(counts.too_late)));
   print(
       fmt::format("{}: {} segments copied, {} rewritten, {} lost; {} models, {} lost; {} journals "
                   "with {} damaged places",

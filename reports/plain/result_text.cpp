@@ -101,14 +101,14 @@ void print_ids(const ltm::QueryResult& result, bool is_json) {
     if (is_json)
       ids.push_back(id.to_string());
     else
-      print(id.to_string());
+      print(id.printable());
   }
   if (is_json) print_json({{"ids", std::move(ids)}});
 }
 
 void print_result(const ltm::QueryResult& result) {
   for (const ltm::EntityResult* entity : result.entities()) {
-    print(entity->id.to_string());
+    print(entity->id.printable());
     if (entity->snapshots.empty()) {
       print("  no snapshot matches");
       continue;

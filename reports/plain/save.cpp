@@ -9,6 +9,7 @@
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "ltm/memory/augmentation_json.h"
+#include "ltm/store/checksum.h"
 #include "ltm/store/segment_format.h"
 #include "training/quality/psnr.h"
 #include "training/quality/quality_metrics.h"
@@ -43,6 +44,28 @@ std::string file_name(Time time) {
   std::ranges::replace(name, ' ', 'T');
   std::ranges::replace(name, ':', '-');
   return name;
+}
+
+/// Most file systems take names of 255 bytes. A longer one keeps its beginning, and a checksum
+/// tells it from others; the JSON has it whole.
+std::string short_name(std::string name) {
+  constexpr size_t kMaxBytes = 120;
+  constexpr size_t kKeptBytes = 100;
+  if (name.size() <= kMaxBytes) return name;
+  size_t end = kKeptBytes;
+  while ((static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
+  // Nor may an escape like "%2F" be cut.
+  if (const size_t escape = name.rfind('%', end); escape != std::string::npos && escape + 3 > end)
+    end = std::min(end, escape);
+  return fmt::format("{}~{:016x}", std::string_view(name).substr(0, end),
+                     ltm::checksum(as_bytes(name)));
+}
+
+std::filesystem::path folder_of(const ltm::MemoryId& entity,
+                                const std::filesystem::path& directory) {
+  std::filesystem::path folder = directory;
+  for (const std::string& name : entity.names()) folder /= short_name(ltm::segment_name(name));
+  return folder;
 }
 
 Status write_image(const std::filesystem::path& path, const idf::Data& image) {
@@ -122,7 +145,7 @@ Result<Json> snapshot_json(const ltm::MemoryId& entity, const ltm::SnapshotResul
 Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& entity,
                                                          const ltm::SnapshotResult& recalled,
                                                          const std::filesystem::path& directory) {
-  const std::filesystem::path folder = directory.string() + ltm::segment_group(entity);
+  const std::filesystem::path folder = folder_of(entity, directory);
   ENGRAM_RETURN_IF_ERROR(make_directories(folder));
   const std::string base = file_name(recalled.time);
   std::vector<std::filesystem::path> written;
@@ -131,8 +154,10 @@ Result<std::vector<std::filesystem::path>> save_snapshot(const ltm::MemoryId& en
     const idf::Data& data = recalled.instances[i].data;
     auto& files = image_files.emplace_back();
     for (const std::string& path : image_paths(data)) {
-      std::string member = path;
-      std::ranges::replace(member, '/', '.');
+      std::string member;
+      for (const std::string& name : idf::split_path(path))
+        member += (member.empty() ? "" : ".") + ltm::segment_name(name);
+      member = short_name(std::move(member));
       files.push_back(recalled.instances.size() == 1
                           ? fmt::format("{}.{}.png", base, member)
                           : fmt::format("{}.{}.{}.png", base, i, member));

@@ -82,7 +82,7 @@ Json stored_entity_json(const ltm::EntitySummary& summary, const ltm::StoredForm
 
 void print_stored_entity(const ltm::EntitySummary& summary, const ltm::StoredForms& forms,
                          double rate_hz) {
-  print("\n" + summary.id.to_string());
+  print("\n" + summary.id.printable());
   print(fmt::format("  snapshots  {} of {} offered: {} recorded, {} as latents",
                     count_text(summary.snapshots), count_text(summary.offered),
                     count_text(summary.recorded_snapshots), count_text(summary.latent_snapshots)));
@@ -124,7 +124,7 @@ Json types_json(const ltm::SegmentTypes& types) {
 void print_types(const ltm::SegmentTypes& types) {
   if (!types.all().empty()) print("\nTypes of segments");
   for (const auto& [segment, type] : types.all())
-    print(fmt::format("  {}  {}", segment.to_string(), to_string(type)));
+    print(fmt::format("  {}  {}", segment.printable(), to_string(type)));
 }
 
 }  // namespace engram::reports

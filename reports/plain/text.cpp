@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "ltm/core/printable.h"
 #include "training/quality/psnr.h"
 
 namespace engram::reports {
@@ -46,6 +47,11 @@ std::string error_text(const ltm::MeasuredError& error) {
   if (!std::isnan(error.number_mse))
     text += (text.empty() ? "" : ", ") + ("RMSE " + number_text(std::sqrt(error.number_mse)));
   return text.empty() ? "-" : text;
+}
+
+void TextTable::add(std::vector<std::string> row) {
+  for (std::string& cell : row) cell = printable(cell);
+  rows_.push_back(std::move(row));
 }
 
 std::string TextTable::to_string(std::string_view indent) const {

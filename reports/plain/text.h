@@ -29,12 +29,13 @@ namespace engram::reports {
 /// Such as "0.0123"; "-" for NaN.
 [[nodiscard]] std::string number_text(double number);
 
-/// A table of text. The first column is aligned to the left, the others to the right.
+/// A table of text. The first column is aligned to the left, the others to the right. Each cell is
+/// one line, whatever is in it.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
 
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  void add(std::vector<std::string> row);
   [[nodiscard]] std::string to_string(std::string_view indent = "") const;
 
  private:

@@ -98,7 +98,8 @@ TEST_F(Errors, ColumnThatIsNotNumericIsNamedWithItsLine) {
   write(path("t.csv"), "timestamp,left,right\n0,1,2\n0.1,1,apple\n");
   const RunResult result = import(recording.video, path("t.csv"));
   EXPECT_EQ(result.exit_code, kFailed);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("t.csv"), HasSubstr("right"), HasSubstr("apple"), HasSubstr("3")));
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("t.csv"), HasSubstr("right"), HasSubstr("apple"), HasSubstr("3")));
 }
 
 TEST_F(Errors, TimeThatRunsBackwardsIsNamedWithItsLine) {
@@ -134,6 +135,21 @@ TEST_F(Errors, EmptyStoreIsShownAndHasNothingToAnswer) {
   EXPECT_THAT(info.out, HasSubstr("empty"));
   EXPECT_EQ(run_engram({"query", path("store"), "@ latest"}).exit_code, kFailed);
   EXPECT_EQ(run_engram({"consolidate", path("store")}).exit_code, kFailed);
+}
+
+TEST_F(Errors, InfoTellsWhoMayReadAStore) {
+  ASSERT_TRUE(ltm::create_store(path("store")).ok());
+  for (const bool others : {true, false}) {
+    std::filesystem::permissions(path("store"), std::filesystem::perms(others ? 0755 : 0750));
+    const RunResult info = run_engram({"info", path("store"), "--security", "--json"});
+    ASSERT_EQ(info.exit_code, 0) << info.err;
+    const auto json = nlohmann::ordered_json::parse(info.out);
+    EXPECT_EQ(json["others_may_read"], others);
+    EXPECT_THAT(json["disk"], ::testing::AnyOf("encrypted", "not encrypted", "unknown"));
+    EXPECT_NE(json["reason"], "");
+  }
+  EXPECT_EQ(run_engram({"info", path("none"), "--security"}).exit_code, kFailed);
+  EXPECT_EQ(run_engram({"info", "--security"}).exit_code, kWrongUsage);
 }
 
 TEST_F(Errors, StoreOfANewerFormatIsRefused) {
@@ -193,8 +209,9 @@ TEST_F(Errors, WordsOfEarlierVersionsAreTakenWithAWarning) {
   EXPECT_TRUE(std::filesystem::exists(path("old/MANIFEST.json")));
   const RunResult quiet = run_engram({"-q", "recover", path("store"), "--output", path("quiet")});
   EXPECT_EQ(quiet.err, "");
-  EXPECT_EQ(run_engram({"recover", path("store"), "--output", path("a"), "--out", path("b")}).exit_code,
-            kWrongUsage);
+  EXPECT_EQ(
+      run_engram({"recover", path("store"), "--output", path("a"), "--out", path("b")}).exit_code,
+      kWrongUsage);
 }
 
 TEST_F(Errors, HelpAndVersionSucceed) {
@@ -214,7 +231,8 @@ TEST_F(Errors, DamagedJournalOfAnEarlierSessionIsReportedAsLoss) {
     ASSERT_TRUE(recorder.ok()) << recorder.status().to_string();
     const auto entity = ltm::MemoryId::parse(kCamera).value();
     for (int i = 1; i <= 3; ++i)
-      ASSERT_TRUE(recorder->commit({{{entity, time_from_ns(i), {{std::string(500, 'x'), {}}}}}}).ok());
+      ASSERT_TRUE(
+          recorder->commit({{{entity, time_from_ns(i), {{std::string(500, 'x'), {}}}}}}).ok());
   }
   const std::string journal = path("store/journal/000001.log");
   std::string bytes = read(journal);

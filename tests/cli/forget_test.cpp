@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "ltm/store/checkpoint_file.h"
 #include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
 #include "tests/cli/run_program.h"
@@ -73,6 +74,68 @@ TEST_F(Forget, TakesNamedSnapshots) {
   const RunResult again = run_engram({"forget", store_, id, "--yes"});
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_THAT(again.err, HasSubstr("names no snapshot"));
+}
+
+TEST_F(Forget, ErasesWhatIsInJournalsAndMadeOfItToo) {
+  // One that was made of the third, and one of that.
+  const auto made_of = [](int64_t index, int64_t origin) {
+    ltm::PackedSnapshot made = ltm::packed_example(index);
+    for (ltm::PackedInstance& instance : made.instances)
+      instance.metadata.origin = ltm::example_entity().at(ltm::example_time(origin));
+    return made;
+  };
+  {
+    const auto writer = *ltm::StoreWriter::open(store_, {});
+    ASSERT_OK(writer->append({made_of(11, 2), made_of(12, 11)}, nullptr));
+    ASSERT_OK(writer->append({ltm::packed_example(13)}, nullptr));
+  }
+  const std::string id = ltm::example_entity().at(ltm::example_time(2)).to_string();
+  const std::string unsealed = ltm::example_entity().at(ltm::example_time(10)).to_string();
+  const RunResult done = run_engram({"forget", store_, id, unsealed, "--erase", "--yes", "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const Json report = Json::parse(done.out);
+  EXPECT_EQ(report["plan"]["entities"][0]["reasons"]["made of what goes"], 2);
+  EXPECT_EQ(report["done"]["snapshots"], 4);
+  EXPECT_EQ(snapshots(), 10u);
+  const std::string file = report["done"]["erased"]["report"];
+  std::ifstream kept(std::filesystem::path(store_) / file);
+  const Json told = Json::parse(kept)["entities"];
+  EXPECT_EQ(told, report["done"]["erased"]["entities"]);
+  EXPECT_EQ(told[0]["id"], ltm::example_entity().to_string());
+  EXPECT_EQ(told[0]["erased"], 4);
+  EXPECT_EQ(run_engram({"check", store_}).exit_code, 0);
+}
+
+TEST_F(Forget, ErasesCheckpointsOfTheSameEntityAlone) {
+  const auto other = *ltm::MemoryId::parse(ltm::example_entity().to_string() + "2");
+  const auto own_file = ltm::checkpoint_file(store_, ltm::example_entity(), 7);
+  const auto other_file = ltm::checkpoint_file(store_, other, 7);
+  for (const auto& file : {own_file, other_file}) std::ofstream(file) << "weights";
+  const std::string id = ltm::example_entity().at(ltm::example_time(2)).to_string();
+  const RunResult done = run_engram({"forget", store_, id, "--erase", "--yes", "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_FALSE(std::filesystem::exists(own_file));
+  EXPECT_TRUE(std::filesystem::exists(other_file));
+  const Json files = Json::parse(done.out)["done"]["erased"]["files_removed"];
+  EXPECT_EQ(files, Json({"tmp/" + own_file.filename().string()}));
+}
+
+TEST_F(Forget, ErasesNothingWhereItIsBeingRecorded) {
+  const auto writer = *ltm::StoreWriter::open(store_, {});
+  const RunResult done = run_engram({"forget", store_, "Vision", "--erase", "--yes"});
+  EXPECT_EQ(done.exit_code, 1);
+  EXPECT_THAT(done.err, HasSubstr("another process is writing to it"));
+}
+
+TEST_F(Forget, ErasesWhatKilledProcessesAndDamageLeft) {
+  const auto in_store = [this](const char* file) { return std::filesystem::path(store_) / file; };
+  for (const char* file : {"journal/000001.log.damaged", "segments/000099.h5", "tmp/1.x.h5"})
+    std::ofstream(in_store(file)) << "a face";
+  const RunResult done = run_engram({"forget", store_, "--erase", "--yes"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  for (const char* file : {"journal/000001.log.damaged", "segments/000099.h5"})
+    EXPECT_FALSE(std::filesystem::exists(in_store(file))) << file;
+  EXPECT_EQ(snapshots(), 11u);
 }
 
 TEST_F(Forget, RefusesWhereNobodyCanBeAsked) {

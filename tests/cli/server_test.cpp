@@ -225,6 +225,36 @@ TEST_F(Server, IsNotNeededByAStore) {
   EXPECT_THAT(held.err, HasSubstr("robot.engram"));
 }
 
+TEST_F(Server, NotesWhoAskedWhat) {
+  const std::string log = path("audit.log");
+  const std::vector<std::string> serve{"serve", path("robot.engram"), "--no-system-state",
+                                       "--audit", log};
+  const RunResult none = run_engram(serve);
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("engram audit create"));
+  ASSERT_EQ(run_engram({"audit", "create", log}).exit_code, 0);
+  EXPECT_EQ(run_engram({"audit", "create", log}).exit_code, 1);
+  EXPECT_THAT(run_engram({"audit", "verify", log}).out, HasSubstr("no records yet"));
+  {
+    RunningEngram server(serve);
+    ASSERT_TRUE(server.wait_for("listens at"));
+    EXPECT_EQ(commit(kCup, "{\"height\": 1}", "1000").exit_code, 0);
+    EXPECT_EQ(run_engram({"query", kCup}).exit_code, 0);
+    // It may be verified while it is written, and what is noted survives a kill.
+    EXPECT_EQ(json_of(run_engram({"audit", "verify", log, "--json"})).at("lines"), 3);
+    EXPECT_EQ(server.end(SIGKILL).exit_code, -SIGKILL);
+  }
+  const Json report = json_of(run_engram({"audit", "verify", log, "--json"}));
+  EXPECT_EQ(report.at("whole_records"), 3);
+  EXPECT_TRUE(report.at("flaws").empty());
+  std::filesystem::rename(log + ".key", path("elsewhere"));
+  EXPECT_EQ(run_engram({"audit", "verify", log}).exit_code, 1);
+  std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
+  const RunResult cut = run_engram({"audit", "verify", log, "--key", path("elsewhere")});
+  EXPECT_EQ(cut.exit_code, 3) << cut.err;
+  EXPECT_THAT(cut.out, HasSubstr("line 3: record 2 is missing at the end"));
+}
+
 TEST_F(Server, SaysWhatIsWrongWithArgumentsAndLines) {
   for (const char* command : {"serve", "mns", "commit", "watch"})
     EXPECT_THAT(run_engram({command, "--help"}).out, HasSubstr("Examples:")) << command;

@@ -42,7 +42,7 @@ class Committing:
     def test_a_time_is_now_unless_it_is_said(self):
         before = time.time_ns()
         self.memory.commit(CUP, 1.5, durability="memory")
-        self.memory.commit("Speech/Text/human/said", "Hi", np.datetime64("2030-01-01"),
+        self.memory.commit("Speech/Text/human/said", "Hi", np.datetime64("2020-01-01"),
                            durability="journal")
         self.assertTrue(before <= self.memory[CUP].last <= time.time_ns())
         self.assertEqual(self.memory.entities, [CUP, "Speech/Text/human/said"])

@@ -18,15 +18,16 @@ FOLDER = Path(__file__).parents[2] / "golden" / "store"
 STORES = sorted(FOLDER.glob("format_*"))
 
 
-def made() -> Any:
-    spec = importlib.util.spec_from_file_location("make_store", FOLDER / "make_store.py")
+def made(script: str) -> Any:
+    spec = importlib.util.spec_from_file_location(script, FOLDER / f"{script}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-GOLDEN = made()
+GOLDEN = made("make_store")
+FADED = made("make_faded")
 # As it was stored.
 FIRST_POSITION = ["0x1.0000000000000p+0", "0x1.14a280fb5068bp-1", "-0x1.aa22657537205p-2"]
 ALL = range(GOLDEN.COUNT + GOLDEN.UNSEALED)
@@ -94,3 +95,49 @@ def test_it_goes_on(store: Path) -> None:
         newest = memory[GOLDEN.CAMERA].latest()[0]
         assert (newest.time, newest.source) == (GOLDEN.time_at(i), "reconstructed")
     assert engram.check(store, deep=True)["clean"]
+
+
+@pytest.fixture
+def faded(tmp_path: Path) -> Path:
+    shutil.copytree(FOLDER / "faded_1", tmp_path / "robot.engram")
+    return tmp_path / "robot.engram"
+
+
+def test_videos_that_have_faded_are_as_good_as_was_measured(faded: Path) -> None:
+    assert engram.check(faded, deep=True)["clean"]
+    worst = {"gist": 0.0, "faded": 0.0, "kept": 0.0}
+    with engram.open(faded) as memory:
+        found = list(memory[FADED.CAMERA])
+        assert [one.time for one in found] == [
+            FADED.time_at(i) for i in range(FADED.ALL * FADED.ROWS)
+        ]
+        for i, one in enumerate(found):
+            assert one.source == "reconstructed" and one.error is not None
+            assert one.value["number"] == pytest.approx(i, abs=1)
+            mse = np.square(one.image.astype(float) - FADED.image_at(i)).mean()
+            recording = i // FADED.ROWS
+            bound = one.instances[0].bound
+            form = "gist" if recording < FADED.GISTS else "faded" if bound else "kept"
+            assert recording < FADED.FADED or form == "kept"
+            worst[form] = max(worst[form], mse)
+            if bound:  # It faded from latents.
+                assert mse <= bound.image_mse
+            else:
+                assert mse == pytest.approx(one.error.image_mse, rel=1e-6)
+    psnr = {form: 10 * np.log10(255**2 / mse) for form, mse in worst.items()}
+    assert psnr["kept"] >= FADED.PSNR_DB
+    assert psnr["faded"] >= FADED.FADED_DB
+    assert 15 < psnr["gist"] < psnr["faded"]
+
+
+def test_a_night_begins_from_the_picture_that_is_there(faded: Path) -> None:
+    first = FADED.ALL * FADED.ROWS
+    with engram.record(faded) as recorder:
+        for i in range(first, first + FADED.ROWS):
+            value = {"image": FADED.image_at(i), "number": np.float64(i)}
+            recorder.commit(FADED.CAMERA, value, FADED.time_at(i))
+    engram.consolidate(faded, psnr=FADED.PSNR_DB, representation="video", training=1)
+    with engram.open(faded, prefer="latent") as memory:
+        newest = memory[FADED.CAMERA].latest()[0]
+        assert (newest.time, newest.source) == (FADED.time_at(first + FADED.ROWS - 1), "reconstructed")
+    assert engram.check(faded, deep=True)["clean"]

@@ -108,6 +108,17 @@ def test_forgetting_says_first_and_then_does(copied: Path) -> None:
             engram.forget(memory)
 
 
+def test_erasing_tells_what_it_did(copied: Path) -> None:
+    with engram.open(copied) as memory:
+        plan = engram.forget(memory, f"{CAMERA} @ latest:3")["plan"]
+    report = engram.forget(copied, f"{CAMERA} @ latest:3", dry_run=False, erase=True)
+    assert plan["snapshots"] == report["done"]["snapshots"] == 3
+    (erased,) = report["done"]["erased"]["entities"]
+    assert erased["id"] == CAMERA and erased["erased"] == 3
+    assert (copied / report["done"]["erased"]["report"]).is_file()
+    assert engram.check(copied)["clean"]
+
+
 def test_policies_of_a_file_decide_what_goes(copied: Path, tmp_path: Path) -> None:
     config = tmp_path / "forget.yaml"
     config.write_text("forget:\n  rules:\n    - {match: Vision/.*, older_than: 1d}\n")
