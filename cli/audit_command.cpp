@@ -31,16 +31,18 @@ struct AuditArguments {
 ExitCode create(const AuditArguments& arguments) {
   if (const Status status = server::AuditLog::create(arguments.log); !status.ok())
     return fail(status);
-  const std::string log = arguments.log.string();
+  const std::string log = arguments.log.string(),
+                    state = server::AuditLog::state_path(log).string(),
+                    key = server::AuditLog::key_path(log).string();
   if (arguments.is_json) {
-    print_json({{"log", log}, {"state", log + ".state"}, {"key", log + ".key"}});
+    print_json({{"log", log}, {"state", state}, {"key", key}});
     return ExitCode::kDone;
   }
-  print(fmt::format("Made {}, with {}.state for servers.", log, log));
+  print(fmt::format("Made {}, with {} for servers.", log, state));
   print(
-      fmt::format("{}.key verifies it, and lets who has it write the log anew: move it to "
-                  "another machine.",
-                  log));
+      fmt::format("{} verifies it, and lets who has it write the log anew: move it to another "
+                  "machine.",
+                  key));
   return ExitCode::kDone;
 }
 
@@ -74,7 +76,8 @@ void print_report(const server::AuditReport& report, const std::filesystem::path
 }
 
 ExitCode verify(const AuditArguments& arguments) {
-  const auto key = arguments.key.empty() ? arguments.log.string() + ".key" : arguments.key.string();
+  const auto key =
+      arguments.key.empty() ? server::AuditLog::key_path(arguments.log) : arguments.key;
   ProgressLine progress;
   const auto report =
       server::check_audit_log(arguments.log, key, progress.sink(), interrupt_token());

@@ -90,15 +90,9 @@ std::optional<AuditLine> parse_audit_line(std::string_view line) {
   const size_t comma = line.find(',');
   const auto record = number_from(line.substr(kRecord.size(), comma - kRecord.size()));
   if (!before || !seal || !record) return std::nullopt;
+  // Servers write small digits. The seal covers all of the line but itself.
+  if (!end.ends_with(fmt::format("{}{}", to_hex(*seal), kEnd))) return std::nullopt;
   return AuditLine{*record, *before, *seal};
-}
-
-std::filesystem::path audit_state_path(const std::filesystem::path& path) {
-  return path.string() + ".state";
-}
-
-std::filesystem::path audit_key_path(const std::filesystem::path& path) {
-  return path.string() + ".key";
 }
 
 std::string to_text(const AuditLink& link) {

@@ -59,10 +59,6 @@ struct AuditLine {
 /// Splits a line, without its line break; nothing if it is none of an audit log.
 [[nodiscard]] std::optional<AuditLine> parse_audit_line(std::string_view line);
 
-/// The files of a log at `path`: where it goes on, and the secret that verifies it.
-[[nodiscard]] std::filesystem::path audit_state_path(const std::filesystem::path& path);
-[[nodiscard]] std::filesystem::path audit_key_path(const std::filesystem::path& path);
-
 /// The text of the state of a log, with a checksum. It always has the same length.
 [[nodiscard]] std::string to_text(const AuditLink& link);
 

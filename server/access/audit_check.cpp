@@ -9,6 +9,7 @@
 #include "ltm/core/buffer.h"
 #include "ltm/core/file.h"
 #include "server/access/audit_chain.h"
+#include "server/access/audit_log.h"
 #include "server/access/private_file.h"
 
 namespace engram::server {
@@ -28,8 +29,8 @@ std::string records_text(uint64_t first, uint64_t end) {
 
 class AuditVerifier {
  public:
-  AuditVerifier(AuditLink first, std::optional<AuditLink> state)
-      : next_(first), state_(std::move(state)) {}
+  AuditVerifier(AuditLink first, std::optional<AuditLink> state, std::stop_token stop)
+      : next_(first), state_(std::move(state)), stop_(std::move(stop)) {}
 
   void add_line(std::string_view line) {
     ++report_.lines;
@@ -77,7 +78,7 @@ class AuditVerifier {
     AuditLink later = next_;
     if (told.record <= bound && skips_ + gap <= kMaxSkips) {
       skips_ += gap;
-      while (later.record < told.record) later.skip();
+      while (later.record < told.record && !stop_.stop_requested()) later.skip();
     }
     if (later.record != told.record || !later.fits(line)) {
       add_flaw(fmt::format("says it is record {}, which it is not", told.record));
@@ -112,6 +113,7 @@ class AuditVerifier {
 
   AuditLink next_;
   const std::optional<AuditLink> state_;
+  const std::stop_token stop_;
   bool is_after_gap_ = false;
   uint64_t skips_ = 0;
   AuditReport report_;
@@ -135,8 +137,10 @@ Result<size_t> for_each_line(const File& file, const ProgressSink& progress,
                              const std::function<void(std::string_view)>& visit) {
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, file.size());
   std::string text;
+  const auto interrupted = [&file] {
+    return cancelled("'{}' was not read whole", file.path().string());
+  };
   for (uint64_t at = 0; at < size;) {
-    if (stop.stop_requested()) return cancelled("'{}' was not read whole", file.path().string());
     const size_t kept = text.size();
     text.resize(kept + std::min<uint64_t>(kChunkBytes, size - at));
     ENGRAM_RETURN_IF_ERROR(file.read_at(at, std::as_writable_bytes(std::span(text).subspan(kept))));
@@ -145,6 +149,8 @@ Result<size_t> for_each_line(const File& file, const ProgressSink& progress,
     for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
       visit(std::string_view(text).substr(begin, end - begin));
       begin = end + 1;
+      // Hostile lines may take long.
+      if (stop.stop_requested()) return interrupted();
     }
     text.erase(0, begin);
     // A line without an end must not fill the RAM.
@@ -152,6 +158,7 @@ Result<size_t> for_each_line(const File& file, const ProgressSink& progress,
       visit(text);
       text.clear();
     }
+    if (stop.stop_requested()) return interrupted();
     if (progress && size > kChunkBytes)
       progress({"verify " + file.path().string(), at, size, "", -1});
   }
@@ -166,9 +173,9 @@ Result<AuditReport> check_audit_log(const std::filesystem::path& path,
   ENGRAM_ASSIGN_OR_RETURN(std::string secret, read_private_file(key, kMaxKeyBytes));
   secret.resize(secret.find_last_not_of("\r\n") + 1);
   // The state before the log: what a server adds between the two is behind what the state says.
-  ENGRAM_ASSIGN_OR_RETURN(const auto state, whole_state(audit_state_path(path)));
+  ENGRAM_ASSIGN_OR_RETURN(const auto state, whole_state(AuditLog::state_path(path)));
   ENGRAM_ASSIGN_OR_RETURN(const File file, File::open(path, File::Mode::kRead));
-  AuditVerifier verifier(AuditLink::first(secret), state);
+  AuditVerifier verifier(AuditLink::first(secret), state, stop);
   ENGRAM_ASSIGN_OR_RETURN(const size_t rest,
                           for_each_line(file, progress, stop, [&verifier](std::string_view line) {
                             verifier.add_line(line);

@@ -22,8 +22,6 @@ namespace {
 
 constexpr size_t kMaxTextBytes = size_t{4} << 10;
 constexpr auto kSyncInterval = std::chrono::seconds(1), kRefusalInterval = std::chrono::seconds(1);
-/// Kinds of refusals that are counted apart.
-constexpr size_t kMaxKinds = 1000;
 
 /// JSON of a text, in ASCII, so that a terminal may show it.
 std::string quoted_ascii(const std::string& text) {
@@ -60,7 +58,7 @@ struct AuditLog::State {
   /// Used with the mutex held, but for sync(), which may run beside the rest.
   File log, state;
   AuditLink link ENGRAM_GUARDED_BY(mutex);
-  /// Keyed by holder and what was asked.
+  /// Keyed by holder and what was asked: as many as a file of tokens has, times a few.
   std::map<std::pair<std::string, std::string>, Refusals> refusals ENGRAM_GUARDED_BY(mutex);
   bool is_synced ENGRAM_GUARDED_BY(mutex) = true;
   StoppableCondition wake;
@@ -95,6 +93,8 @@ Status AuditLog::State::go_on() {
       link.advance(std::string_view(rest).substr(0, end + 1));
     } else if (end == std::string::npos) {
       // A record that was not written whole was not acknowledged.
+      log::warning("audit log '{}': {} bytes of a record that was not written whole are removed",
+                   name, size - link.bytes);
       ENGRAM_RETURN_IF_ERROR(log.truncate(link.bytes));
     }
     if (const auto now = log.size(); now.ok() && *now != link.bytes)
@@ -144,6 +144,14 @@ void AuditLog::State::run(const std::stop_token& stop) {
 
 AuditLog::AuditLog(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
+std::filesystem::path AuditLog::state_path(const std::filesystem::path& path) {
+  return path.string() + ".state";
+}
+
+std::filesystem::path AuditLog::key_path(const std::filesystem::path& path) {
+  return path.string() + ".key";
+}
+
 AuditLog::~AuditLog() {
   state_->thread = {};
   Status status;
@@ -160,8 +168,8 @@ AuditLog::~AuditLog() {
 Status AuditLog::create(const std::filesystem::path& path) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string secret, make_token());
   const std::vector<std::pair<std::filesystem::path, std::string>> files{
-      {audit_key_path(path), secret + "\n"},
-      {audit_state_path(path), to_text(AuditLink::first(secret))},
+      {key_path(path), secret + "\n"},
+      {state_path(path), to_text(AuditLink::first(secret))},
       {path, ""}};
   for (const auto& [file, text] : files)
     if (std::filesystem::exists(std::filesystem::symlink_status(file)))
@@ -171,18 +179,18 @@ Status AuditLog::create(const std::filesystem::path& path) {
 }
 
 Result<std::unique_ptr<AuditLog>> AuditLog::open(const std::filesystem::path& path) {
-  auto link = read_audit_state(audit_state_path(path));
+  auto link = read_audit_state(state_path(path));
   if (link.status().code() == StatusCode::kNotFound)
     return not_found("audit log '{}': '{}' is not there: make it with 'engram audit create {}'",
-                     path.string(), audit_state_path(path).string(), path.string());
+                     path.string(), state_path(path).string(), path.string());
   ENGRAM_RETURN_IF_ERROR(link.status());
   ENGRAM_ASSIGN_OR_RETURN(File file, File::open(path, File::Mode::kAppend));
-  ENGRAM_ASSIGN_OR_RETURN(File state, File::open(audit_state_path(path), File::Mode::kWrite));
+  ENGRAM_ASSIGN_OR_RETURN(File state, File::open(state_path(path), File::Mode::kWrite));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, state.lock(false));
   if (!is_locked)
     return failed_precondition("audit log '{}': another process adds to it", path.string());
   // Whoever held the lock until now may have gone on.
-  ENGRAM_ASSIGN_OR_RETURN(link, read_audit_state(audit_state_path(path)));
+  ENGRAM_ASSIGN_OR_RETURN(link, read_audit_state(state_path(path)));
   auto opened = std::make_unique<State>(std::move(file), std::move(state), *link);
   {
     const MutexLock lock(opened->mutex);
@@ -196,7 +204,6 @@ Result<std::unique_ptr<AuditLog>> AuditLog::open(const std::filesystem::path& pa
 Status AuditLog::add(const AuditEvent& event) {
   const MutexLock lock(state_->mutex);
   if (event.refused.empty()) return state_->write(event, 1);
-  if (state_->refusals.size() > kMaxKinds) state_->refusals.clear();
   const SteadyTime now = steady_now();
   const auto [kind, is_new] = state_->refusals.try_emplace({event.who, event.did});
   State::Refusals& refusals = kind->second;

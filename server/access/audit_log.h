@@ -43,6 +43,10 @@ class AuditLog {
   /// to it, or if others can read its state; kDataLoss if the state is damaged; kUnavailable.
   static Result<std::unique_ptr<AuditLog>> open(const std::filesystem::path& path);
 
+  /// The files of a log at `path`: where it goes on, and the secret that verifies it.
+  [[nodiscard]] static std::filesystem::path state_path(const std::filesystem::path& path);
+  [[nodiscard]] static std::filesystem::path key_path(const std::filesystem::path& path);
+
   /// Writes what is still counted.
   ~AuditLog();
 

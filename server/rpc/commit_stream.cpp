@@ -79,6 +79,8 @@ Status CommitStream::check(const ltm::MemoryId& entity) {
   std::string name = entity.to_string();
   if (status.ok() && noted_.contains(name)) return status;
   ENGRAM_RETURN_IF_ERROR(context_.audited(who_.name(), "commit", name, std::move(status)));
+  // Those of a stream must not fill the RAM; some are noted again then.
+  if (noted_.size() >= kMaxNoted) noted_.clear();
   noted_.insert(std::move(name));
   return {};
 }

@@ -33,7 +33,9 @@ class CommitStream final : public ReplyStream {
   RpcContext& context_;
   const Identity who_;
   const ClientId sharing_;  ///< kServerItself if it shares no memory.
-  /// Entities whose first commit the audit log has; empty without one. Requests come one at a time.
+  /// Entities whose first commit the audit log has: up to kMaxNoted of them, none without a log.
+  /// Requests come one at a time.
+  static constexpr size_t kMaxNoted = 100'000;
   std::unordered_set<std::string> noted_;
   const StreamSlot slot_{context_, who_};
 };

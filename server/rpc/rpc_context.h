@@ -43,9 +43,10 @@ struct RpcContext {
 
   /// Notes what somebody asked, and whether `outcome` lets them. Returns `outcome`.
   /// Errors: kFailedPrecondition if it cannot be noted; then nothing may be given out.
-  Status audited(const std::string& who, std::string_view did, std::string on, Status outcome) {
+  Status audited(const std::string& who, std::string_view did, std::string_view on,
+                 Status outcome) {
     if (!audit) return outcome;
-    const Status noted = audit->add({service.options().name, who, std::string(did), std::move(on),
+    const Status noted = audit->add({service.options().name, who, std::string(did), std::string(on),
                                      std::string(outcome.message())});
     // No client should wait and try again, as it does where a server is not there for a moment.
     if (!noted.ok())

@@ -6,6 +6,7 @@
 #include <signal.h>
 
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include "tests/cli/run_program.h"
@@ -34,6 +35,18 @@ class Interrupt : public ::testing::TestWithParam<std::vector<std::string>> {
     ASSERT_EQ(run_engram({"consolidate", made_, "--representation", "video", "--training", "1s"})
                   .exit_code,
               0);
+    make_audit_log();
+  }
+
+  /// A log that no server wrote, with keys to make for each of its records, and for gaps.
+  static void make_audit_log() {
+    const std::string log = folder_->path() / "audit.log";
+    ASSERT_EQ(run_engram({"audit", "create", log}).exit_code, 0);
+    std::ofstream file(log);
+    const std::string zeros(64, '0');
+    for (int i = 0; i < 400'000; ++i)
+      file << R"({"record":)" << i + i / 1000 * 1000 << R"(,"before":")" << zeros << R"(","seal":")"
+           << zeros << "\"}\n";
   }
 
   static void TearDownTestSuite() { folder_.reset(); }
@@ -45,6 +58,7 @@ class Interrupt : public ::testing::TestWithParam<std::vector<std::string>> {
       if (word == "STORE") word = store;
       if (word == "NEW") word = store + ".new" + std::to_string(round);
       if (word == "VIDEO") word = folder_->path() / "scene.mp4";
+      if (word == "LOG") word = folder_->path() / "audit.log";
       all.push_back(std::move(word));
     }
     return all;
@@ -74,7 +88,9 @@ TEST_P(Interrupt, EndsTheCommandSoonAndLeavesTheStoreWhole) {
   renew();
   const auto begin = WallClock::now();
   const RunResult whole = run_engram(arguments(store, -1));
-  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  // Something is wrong with that log.
+  const int done = GetParam().front() == "audit" ? 3 : 0;
+  EXPECT_EQ(whole.exit_code, done) << whole.err;
   const auto lasts = std::min<WallClock::duration>(WallClock::now() - begin, kLongest);
   int interrupted = 0;
   for (int round = 0; round < kMoments; ++round) {
@@ -87,8 +103,8 @@ TEST_P(Interrupt, EndsTheCommandSoonAndLeavesTheStoreWhole) {
     const RunResult result = running.end(signal);
     EXPECT_LT(WallClock::now() - told, kSoon);
     // Before it is set up, the signal itself ends it; or it was done already.
-    EXPECT_THAT(result.exit_code, ::testing::AnyOf(128 + signal, -signal, 0)) << result.err;
-    interrupted += result.exit_code != 0 ? 1 : 0;
+    EXPECT_THAT(result.exit_code, ::testing::AnyOf(128 + signal, -signal, done)) << result.err;
+    interrupted += result.exit_code != done ? 1 : 0;
     if (!writes() && round + 1 < kMoments) continue;
     const RunResult check = run_engram({"check", store});
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
@@ -117,6 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"forget", "STORE", "Vision @ until:2022-02-18T13:00:05Z", "--erase", "--yes"},
         {"compact", "STORE"},
         {"recover", "STORE", "-o", "NEW"},
+        {"audit", "verify", "LOG"},
     }),
     [](const auto& command) {
       std::string name = command.param.front();

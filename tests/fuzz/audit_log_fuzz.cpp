@@ -50,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const EmptyLog log;
   const Status written = replace_file(log.path(), as_bytes(fuzzed_text(data, size)));
   ENGRAM_CHECK(written.ok(), "{}", written.message());
-  const auto report = check_audit_log(log.path(), log.path().string() + ".key", {}, {});
+  const auto report = check_audit_log(log.path(), AuditLog::key_path(log.path()), {}, {});
   ENGRAM_CHECK(report.ok(), "{}", report.status().message());
   ENGRAM_CHECK(report->is_whole() == (size == 0), "{} of {} lines are whole", report->whole,
                report->lines);

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server/access/audit_check.h"
 #include "tests/ltm/expect_status.h"
@@ -93,7 +95,7 @@ class AuditedServer : public ::testing::Test {
   }
 
   void expect_whole() const {
-    const auto report = check_audit_log(log_path(), log_path().string() + ".key", {}, {});
+    const auto report = check_audit_log(log_path(), AuditLog::key_path(log_path()), {}, {});
     ASSERT_OK(report);
     EXPECT_TRUE(report->is_whole()) << report->flaws.front().what;
   }
@@ -131,6 +133,36 @@ TEST_F(AuditedServer, NotesWhoAskedWhat) {
                           "!guest commit Bedroom/b/c/bed", "guest subscribe Bedroom"})
     EXPECT_THAT(noted, Contains(one));
   EXPECT_THAT(noted, Contains(::testing::StartsWith("! connect unix:")));
+  expect_whole();
+}
+
+TEST_F(AuditedServer, NotesWhoReadsSharedMemory) {
+  const auto owner = client("owner");
+  const auto guest = client("guest");
+  std::atomic<int> told = 0;
+  const auto subscribe = [&told](MemoryClient& by) {
+    SubscriptionHandlers handlers;
+    handlers.on_snapshots = [&told](const std::vector<ToldSnapshot>& snapshots) {
+      told += static_cast<int>(snapshots.size());
+    };
+    return by.subscribe({.names = {}, .with_data = true}, std::move(handlers));
+  };
+  const auto of_owner = subscribe(*owner);
+  const auto of_guest = subscribe(*guest);
+  ASSERT_OK(of_owner);
+  ASSERT_OK(of_guest);
+  const idf::Data large = idf::NdArray::take({1 << 20}, std::vector<uint8_t>(1 << 20));
+  // The guest may see one of them.
+  ASSERT_OK(owner->commit(RunningServer::commit("Bedroom/b/c/bed", 1, large)));
+  ASSERT_OK(owner->commit(RunningServer::commit("Hall/b/c/door", 2, large)));
+  for (int i = 0; i < 1000 && told < 3; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(told, 3);
+  stop();
+  const auto noted = records();
+  for (const char* one : {"owner share Bedroom", "owner share Hall", "guest share Hall"})
+    EXPECT_EQ(std::ranges::count(noted, one), 1) << one;
+  EXPECT_EQ(std::ranges::count(noted, "guest share Bedroom"), 0);
   expect_whole();
 }
 
