@@ -65,9 +65,9 @@ class RawSocket {
   RawSocket(const RawSocket&) = delete;
   RawSocket& operator=(const RawSocket&) = delete;
 
-  /// False where the server has hung up, or reads no more.
-  bool say(const std::string& bytes) {
-    const timeval patience{1, 0};
+  /// False where the server has hung up, or has read nothing for so many seconds.
+  bool say(const std::string& bytes, int seconds = 1) {
+    const timeval patience{seconds, 0};
     ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof(patience));
     size_t sent = 0;
     while (sent < bytes.size()) {

@@ -66,9 +66,11 @@ TEST_F(HostileClient, SendsEndlessHeaders) {
   expect_served();
 }
 
-/// Says that it opens `streams` streams and resets each at once; false where it was hung up on.
+/// Says that it opens `streams` streams and resets each at once; false where it was hung up on. A
+/// server that is busy with the flood before may read nothing for seconds, which is no end of it.
 bool flood(RawSocket& socket, uint32_t streams) {
   constexpr uint32_t kAtOnce = 500;
+  constexpr int kPatience = 60;  // Seconds.
   // A call that a server takes: POST, http, path, authority, content type and te.
   const std::string call = std::string("\x83\x86\x44\x06/a/b/c\x41\x01") + "a\x5f\x10" +
                            "application/grpc\x40\x02" + "te\x08" + "trailers";
@@ -80,7 +82,7 @@ bool flood(RawSocket& socket, uint32_t streams) {
       resets += frame(1, 4, stream, call);
       resets += frame(3, 0, stream, std::string("\0\0\0\x08", 4));
     }
-    goes_on = socket.say(resets);
+    goes_on = socket.say(resets, kPatience);
   }
   return goes_on;
 }
