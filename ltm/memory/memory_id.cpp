@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/memory/memory_id.h"
 
+#include <algorithm>
 #include <charconv>
 #include <functional>
 
@@ -27,6 +28,8 @@ size_t mixed(size_t hash, uint64_t value) {
 }
 
 }  // namespace
+
+const MemoryId::Names MemoryId::kNoNames;
 
 Result<MemoryId> MemoryId::parse(std::string_view text) {
   if (text.empty()) return MemoryId();
@@ -65,8 +68,12 @@ Result<MemoryId> MemoryId::from_names(std::vector<std::string> names) {
   for (size_t i = 0; i < names.size(); ++i)
     ENGRAM_RETURN_IF_ERROR(check_name(names[i], i + 1, names.size()));
   MemoryId id;
-  id.names_ = std::move(names);
+  id.set_names(std::move(names));
   return id;
+}
+
+void MemoryId::set_names(Names names) {
+  names_ = names.empty() ? nullptr : std::make_shared<const Names>(std::move(names));
 }
 
 Result<MemoryId> MemoryId::from_data(const idf::Data& data) {
@@ -82,15 +89,17 @@ MemoryId MemoryId::parent() const {
   else if (time_)
     id.time_.reset();
   else
-    id.names_.pop_back();
+    id.set_names({names().begin(), names().end() - 1});
   return id;
 }
 
 Result<MemoryId> MemoryId::child(std::string_view name) const {
   ENGRAM_CHECK(!has_entity(), "'{}' has snapshots below it, no names", to_string());
-  ENGRAM_RETURN_IF_ERROR(check_name(name, names_.size() + 1, names_.size() + 1));
+  ENGRAM_RETURN_IF_ERROR(check_name(name, names().size() + 1, names().size() + 1));
   MemoryId id = *this;
-  id.names_.emplace_back(name);
+  Names all = names();
+  all.emplace_back(name);
+  id.set_names(std::move(all));
   return id;
 }
 
@@ -116,16 +125,17 @@ MemoryId MemoryId::entity() const {
 }
 
 bool MemoryId::is_prefix_of(const MemoryId& other) const {
-  if (names_.size() > other.names_.size()) return false;
-  for (size_t i = 0; i < names_.size(); ++i)
-    if (names_[i] != other.names_[i]) return false;
+  const Names& own = names();
+  const Names& others = other.names();
+  if (own.size() > others.size()) return false;
+  if (names_ != other.names_ && !std::equal(own.begin(), own.end(), others.begin())) return false;
   if (time_ && time_ != other.time_) return false;
   return !index_ || index_ == other.index_;
 }
 
 std::string MemoryId::to_string() const {
   std::string text;
-  for (const std::string& name : names_) text = idf::join_path(text, name);
+  for (const std::string& name : names()) text = idf::join_path(text, name);
   if (time_) text += "/" + engram::to_string(*time_);
   if (index_) text += fmt::format("/{}", *index_);
   return text;
@@ -137,7 +147,7 @@ std::string MemoryId::printable() const {
 
 size_t MemoryId::hash() const {
   size_t hash = depth();
-  for (const std::string& name : names_) hash = mixed(hash, std::hash<std::string>()(name));
+  for (const std::string& name : names()) hash = mixed(hash, std::hash<std::string>()(name));
   if (time_) hash = mixed(hash, static_cast<uint64_t>(to_ns(*time_)));
   if (index_) hash = mixed(hash, static_cast<uint64_t>(*index_));
   return hash;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <compare>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,14 +61,18 @@ class MemoryId {
   /// The ID of the entity that this belongs to. Needs an entity or deeper (checked).
   [[nodiscard]] MemoryId entity() const;
 
-  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] const std::vector<std::string>& names() const {
+    return names_ == nullptr ? kNoNames : *names_;
+  }
   [[nodiscard]] std::optional<Time> time() const { return time_; }
   [[nodiscard]] std::optional<int32_t> index() const { return index_; }
 
   /// The number of levels that are set: 0 (empty) to 6 (an instance).
-  [[nodiscard]] size_t depth() const { return names_.size() + (time_ ? 1 : 0) + (index_ ? 1 : 0); }
+  [[nodiscard]] size_t depth() const {
+    return names().size() + (time_ ? 1 : 0) + (index_ ? 1 : 0);
+  }
 
-  [[nodiscard]] bool has_entity() const { return names_.size() == kNameLevels; }
+  [[nodiscard]] bool has_entity() const { return names().size() == kNameLevels; }
   [[nodiscard]] bool is_entity() const { return has_entity() && !time_; }
 
   /// True where `other` is this ID or lies below it.
@@ -82,10 +87,27 @@ class MemoryId {
   /// Equal for all copies of an ID within one process; allocates nothing.
   [[nodiscard]] size_t hash() const;
 
-  friend auto operator<=>(const MemoryId&, const MemoryId&) = default;
+  friend bool operator==(const MemoryId& a, const MemoryId& b) {
+    return (a.names_ == b.names_ || a.names() == b.names()) && a.time_ == b.time_ &&
+           a.index_ == b.index_;
+  }
+
+  friend std::strong_ordering operator<=>(const MemoryId& a, const MemoryId& b) {
+    if (a.names_ != b.names_)
+      if (const auto order = a.names() <=> b.names(); order != 0) return order;
+    if (const auto order = a.time_ <=> b.time_; order != 0) return order;
+    return a.index_ <=> b.index_;
+  }
 
  private:
-  std::vector<std::string> names_;
+  using Names = std::vector<std::string>;
+  static const Names kNoNames;
+
+  void set_names(Names names);
+
+  /// Null: none. Copies share them, since a memory of 100,000 entities has each ID several times,
+  /// and names take 180 bytes.
+  std::shared_ptr<const Names> names_;
   std::optional<Time> time_;
   std::optional<int32_t> index_;
 };
