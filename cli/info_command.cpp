@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 
 #include "cli/command.h"
 #include "cli/remote.h"
@@ -55,7 +56,63 @@ struct InfoArguments {
   bool is_json = false;
   bool is_metrics = false;
   bool is_security = false;
+  bool is_all = false;
 };
+
+/// Entities of a store that are told one by one, unless somebody wants all of them.
+constexpr size_t kMaxToldEntities = 200;
+
+/// What is told of an entity.
+struct ToldEntity {
+  ltm::EntitySummary summary;
+  double rate_hz = 0;
+  ltm::StoredForms forms;
+};
+
+Result<ToldEntity> read_told(ltm::StoreReader& reader, const ltm::MemoryId& entity) {
+  ToldEntity told;
+  ENGRAM_ASSIGN_OR_RETURN(told.summary, reader.summary(entity));
+  ENGRAM_ASSIGN_OR_RETURN(told.rate_hz, typical_rate_hz(reader, entity));
+  ENGRAM_ASSIGN_OR_RETURN(told.forms, reader.newest_forms(entity));
+  return told;
+}
+
+/// Writes the entities behind `head` one by one, because the JSON of a hundred thousand of them
+/// would take some GB of RAM.
+Status print_entities_json(ltm::StoreReader& reader, const Json& head,
+                           const std::vector<ltm::MemoryId>& entities) {
+  std::string text = head.dump(2);
+  text.erase(text.rfind("\n}"));
+  fmt::print("{},\n  \"entities\": [", printable_json(text));
+  for (size_t i = 0; i < entities.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(const ToldEntity told, read_told(reader, entities[i]));
+    const Json json = reports::stored_entity_json(told.summary, told.forms, told.rate_hz);
+    fmt::print("{}\n    {}", i == 0 ? "" : ",", printable_json(json.dump()));
+  }
+  fmt::print("\n  ]\n}}\n");
+  return {};
+}
+
+/// Sums of each provider segment.
+Status print_segments(ltm::StoreReader& reader, const std::vector<ltm::MemoryId>& entities) {
+  std::map<ltm::MemoryId, reports::StoredSegment> segments;
+  for (const ltm::MemoryId& entity : entities) {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::EntitySummary summary, reader.summary(entity));
+    segments[entity.parent()].add(summary);
+  }
+  for (const auto& [segment, sums] : segments) reports::print_stored_segment(segment, sums);
+  print(fmt::format("\nOf {} entities: --all tells of each, 'engram ls' lists them.",
+                    reports::count_text(entities.size())));
+  return {};
+}
+
+Status print_entities(ltm::StoreReader& reader, const std::vector<ltm::MemoryId>& entities) {
+  for (const ltm::MemoryId& entity : entities) {
+    ENGRAM_ASSIGN_OR_RETURN(const ToldEntity told, read_told(reader, entity));
+    reports::print_stored_entity(told.summary, told.forms, told.rate_hz);
+  }
+  return {};
+}
 
 /// Who may read the files of a store, in words; empty if only its owner and group may.
 std::string readers_text(const std::filesystem::path& store) {
@@ -111,35 +168,24 @@ ExitCode run(const InfoArguments& arguments) {
   const ltm::Manifest& manifest = (*reader)->manifest();
   const uint64_t damaged = (*reader)->damaged_places();
   const std::vector<ltm::MemoryId> entities = (*reader)->entities();
-  Json json{{"store", store},
-            {"id", manifest.store_id},
-            {"format_version", ltm::kStoreFormatVersion},
-            {"generation", manifest.generation},
-            {"segments", manifest.segments.size()},
-            {"damaged_journal_places", damaged},
-            {"types", reports::types_json(manifest.types)},
-            {"entities", Json::array()}};
+  const Json json{{"store", store},
+                  {"id", manifest.store_id},
+                  {"format_version", manifest.format_version()},
+                  {"generation", manifest.generation},
+                  {"segments", manifest.segments.size()},
+                  {"damaged_journal_places", damaged},
+                  {"types", reports::types_json(manifest.types)}};
   if (!is_json)
     print(fmt::format("Store {}: {} entities, {} segments, {} models, generation {}", store,
                       entities.size(), manifest.segments.size(), manifest.models.size(),
                       manifest.generation));
   if (!is_json && entities.empty()) print("It is empty.");
-  for (const ltm::MemoryId& entity : entities) {
-    const auto summary = (*reader)->summary(entity);
-    if (!summary.ok()) return fail(summary.status());
-    const auto rate_hz = typical_rate_hz(**reader, entity);
-    if (!rate_hz.ok()) return fail(rate_hz.status());
-    const auto forms = (*reader)->newest_forms(entity);
-    if (!forms.ok()) return fail(forms.status());
-    if (is_json)
-      json["entities"].push_back(reports::stored_entity_json(*summary, *forms, *rate_hz));
-    else
-      reports::print_stored_entity(*summary, *forms, *rate_hz);
-  }
-  if (is_json)
-    print_json(json);
-  else
-    reports::print_types(manifest.types);
+  const bool is_each = arguments.is_all || entities.size() <= kMaxToldEntities;
+  const Status told = is_json   ? print_entities_json(**reader, json, entities)
+                      : is_each ? print_entities(**reader, entities)
+                                : print_segments(**reader, entities);
+  if (!told.ok()) return fail(told);
+  if (!is_json) reports::print_types(manifest.types);
   // The store may be read-only, so a failure is no warning.
   if (const Status status = ltm::merge_grown_accesses(store); !status.ok())
     log::debug("store '{}': {}", store, status.to_string());
@@ -160,6 +206,7 @@ void add_info_command(CLI::App& app, ExitCode& exit_code) {
   add_remote_options(*command, arguments->remote);
   command->add_flag("--security", arguments->is_security,
                     "Is its disk encrypted, and who may read it");
+  command->add_flag("--all", arguments->is_all, "Tell of each entity, however many there are");
   command->add_flag("--json", arguments->is_json, "As JSON");
   if (has_servers())
     command->add_flag("--metrics", arguments->is_metrics, "Of a server, as text for Prometheus")

@@ -10,6 +10,7 @@
 #include "ltm/core/file.h"
 #include "ltm/idf/json.h"
 #include "ltm/store/checksum.h"
+#include "ltm/store/packed_entities.h"
 
 namespace engram::ltm {
 
@@ -19,6 +20,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifestFile = "MANIFEST.json";
 constexpr const char* kManifestLock = "MANIFEST.lock";
+constexpr const char* kPackedEntities = "packed_entities";
 constexpr std::string_view kUnfinishedManifest = "MANIFEST.json.new";
 constexpr std::array<std::string_view, 4> kFolders{"journal", "segments", "models", "tmp"};
 
@@ -96,16 +98,34 @@ SegmentEntity segment_entity_from(const Json& json) {
   return entity;
 }
 
+/// A list of many entities is packed, because JSON takes 240 bytes for each, and seconds to read.
+bool is_packed(const SegmentInfo& segment) {
+  constexpr size_t kMaxListed = 1000;
+  return segment.kind == SegmentKind::kRecorded && segment.entities.size() > kMaxListed;
+}
+
 Json to_json(const SegmentInfo& segment) {
   Json entities = Json::array();
-  for (const SegmentEntity& entity : segment.entities)
-    entities.push_back(to_json(entity, segment.kind));
-  return {{"file", segment.file},
-          {"kind", segment.kind == SegmentKind::kLatent ? "latent" : "recorded"},
-          {"bytes", segment.bytes},
-          {"checksum", to_hex(segment.checksum)},
-          {"last_journal", segment.last_journal},
-          {"entities", std::move(entities)}};
+  if (!is_packed(segment))
+    for (const SegmentEntity& entity : segment.entities)
+      entities.push_back(to_json(entity, segment.kind));
+  Json json{{"file", segment.file},
+            {"kind", segment.kind == SegmentKind::kLatent ? "latent" : "recorded"},
+            {"bytes", segment.bytes},
+            {"checksum", to_hex(segment.checksum)},
+            {"last_journal", segment.last_journal},
+            {"entities", std::move(entities)}};
+  if (is_packed(segment)) {
+    auto packed = pack_entities(segment.entities);
+    if (!packed.ok()) throw std::invalid_argument(packed.status().message());
+    json[kPackedEntities] = *std::move(packed);
+  }
+  return json;
+}
+
+void sort_entities(SegmentInfo& segment) {
+  if (!std::ranges::is_sorted(segment.entities, {}, &SegmentEntity::id))
+    std::ranges::stable_sort(segment.entities, {}, &SegmentEntity::id);
 }
 
 SegmentInfo segment_from(const Json& json) {
@@ -120,6 +140,12 @@ SegmentInfo segment_from(const Json& json) {
   segment.last_journal = json.value("last_journal", uint64_t{0});
   for (const Json& entity : json.at("entities"))
     segment.entities.push_back(segment_entity_from(entity));
+  if (json.contains(kPackedEntities)) {
+    auto packed = unpack_entities(json.at(kPackedEntities).get_ref<const std::string&>());
+    if (!packed.ok()) throw std::invalid_argument(packed.status().message());
+    std::ranges::move(*packed, std::back_inserter(segment.entities));
+  }
+  sort_entities(segment);
   return segment;
 }
 
@@ -187,7 +213,7 @@ Json to_json(const Manifest& manifest) {
   Json models = Json::array();
   for (const ModelInfo& model : manifest.models) models.push_back(to_json(model));
   return {{"format", "engram store"},
-          {"format_version", kStoreFormatVersion},
+          {"format_version", manifest.format_version()},
           {"store_id", manifest.store_id},
           {"generation", manifest.generation},
           {"next_segment", manifest.next_segment},
@@ -212,8 +238,7 @@ Manifest manifest_from(const Json& json) {
                     {},
                     {}};
   if (json.contains("types")) manifest.types = types_from(json.at("types"));
-  if (json.contains("dropped_by"))
-    manifest.dropped_by = dropped_by_from(json.at("dropped_by"));
+  if (json.contains("dropped_by")) manifest.dropped_by = dropped_by_from(json.at("dropped_by"));
   if (json.contains("forgotten")) manifest.forgotten = forgotten_from(json.at("forgotten"));
   for (const Json& segment : json.at("segments"))
     manifest.segments.push_back(segment_from(segment));
@@ -264,8 +289,12 @@ std::string random_store_id() {
 }  // namespace
 
 const SegmentEntity* SegmentInfo::find(const MemoryId& entity) const {
-  const auto found = std::ranges::find(entities, entity, &SegmentEntity::id);
-  return found == entities.end() ? nullptr : &*found;
+  const auto found = std::ranges::lower_bound(entities, entity, {}, &SegmentEntity::id);
+  return found == entities.end() || found->id != entity ? nullptr : &*found;
+}
+
+int Manifest::format_version() const {
+  return std::ranges::any_of(segments, is_packed) ? kStoreFormatVersion : kFirstStoreFormatVersion;
 }
 
 const ModelInfo* Manifest::newest_model(const MemoryId& entity) const {
@@ -312,6 +341,7 @@ Status edit_manifest(const std::filesystem::path& store,
   ENGRAM_CHECK(is_locked, "a waiting lock returned without one");
   ENGRAM_ASSIGN_OR_RETURN(Manifest manifest, read_manifest(store));
   ENGRAM_RETURN_IF_ERROR(change(manifest));
+  for (SegmentInfo& segment : manifest.segments) sort_entities(segment);
   ++manifest.generation;
   return write_manifest(store, manifest);
 }

@@ -12,8 +12,10 @@
 
 namespace engram::ltm {
 
-/// Newest store format that this program reads and writes. Source: docs/format.md.
-inline constexpr int kStoreFormatVersion = 1;
+/// Newest store format that this program reads and writes, and that of stores without segments of
+/// many entities. Source: docs/format.md.
+inline constexpr int kStoreFormatVersion = 2;
+inline constexpr int kFirstStoreFormatVersion = 1;
 
 enum class SegmentKind { kRecorded, kLatent };
 
@@ -51,9 +53,9 @@ struct SegmentInfo {
   /// Number of the last journal whose data is in this segment; 0 if unknown. Only recorded segments
   /// have it.
   uint64_t last_journal = 0;
-  std::vector<SegmentEntity> entities;
+  std::vector<SegmentEntity> entities;  ///< In the order of their IDs, once published.
 
-  /// Null if the segment contains nothing of `entity`.
+  /// Null if the segment contains nothing of `entity`. Needs entities in order.
   [[nodiscard]] const SegmentEntity* find(const MemoryId& entity) const;
 };
 
@@ -95,6 +97,9 @@ struct Manifest {
   std::map<MemoryId, DropReasons> dropped_by;
   std::vector<SegmentInfo> segments;
   std::vector<ModelInfo> models;
+
+  /// The format version that a program needs to read it.
+  [[nodiscard]] int format_version() const;
 
   /// The model with the highest version, or null if the entity has no model.
   [[nodiscard]] const ModelInfo* newest_model(const MemoryId& entity) const;

@@ -11,8 +11,10 @@
 
 namespace engram::ltm {
 
-/// Format of segment files. Source: docs/format.md, section "Segment".
-inline constexpr int kSegmentFormatVersion = 1;
+/// Newest format of segment files, and that of files without shared groups.
+/// Source: docs/format.md, section "Segment".
+inline constexpr int kSegmentFormatVersion = 2;
+inline constexpr int kFirstSegmentFormatVersion = 1;
 
 /// Path of the dataset with the types of a file's entities. No memory can have this name.
 inline constexpr const char* kSegmentTypes = "/#types";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/segment_reader.h"
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -11,6 +13,7 @@
 #include "ltm/store/segment_media_reader.h"
 #include "ltm/store/segment_source.h"
 #include "ltm/store/segment_value_reader.h"
+#include "ltm/store/shared_directory.h"
 
 namespace engram::ltm {
 
@@ -28,10 +31,38 @@ struct SegmentReader::State {
   SegmentValueReader values{source};
   SegmentMediaReader media{source};
   LatentCodeReader codes{source};
+  SharedDirectory shared{source};
+  /// The entity that was asked for last, and where its rows lie.
+  MemoryId last_entity;
+  EntityPlace last_place;
+  std::map<std::string, uint64_t> bytes_of_shared;  ///< Keyed by shared group.
   /// Whether any row is augmented, by the path of the metadata.
   std::map<std::string, bool> augmented;
 
   State(h5::File file, File raw) : source(std::move(file), std::move(raw)) {}
+
+  /// The group of an entity, and which of its rows are the entity's.
+  Result<const EntityPlace*> place_of(const MemoryId& entity) {
+    if (!last_place.group.empty() && last_entity == entity) return &last_place;
+    last_place.group.clear();
+    ENGRAM_ASSIGN_OR_RETURN(auto found, shared.find(entity));
+    if (!found) {
+      found = EntityPlace{segment_group(entity), 0, 0};
+      ENGRAM_ASSIGN_OR_RETURN(const SegmentColumn* times,
+                              source.column_if_there(found->group + "/timestamp"));
+      if (times == nullptr)
+        return not_found("{}", source.broken(found->group + "/timestamp", "is missing").message());
+      found->rows = times->rows();
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t bytes, source.size_bytes());
+    if (found->rows / kMaxRowsPerByte > bytes)
+      return source.broken(
+          found->group + "/timestamp",
+          fmt::format("tells of {} rows in a file of {} bytes", found->rows, bytes));
+    last_entity = entity;
+    last_place = *std::move(found);
+    return &last_place;
+  }
 
   /// A time of the metadata, or the time of the snapshot if the column is missing.
   Result<Time> row_time(const std::string& path, uint64_t row, Time otherwise) {
@@ -92,6 +123,21 @@ struct SegmentReader::State {
     return {};
   }
 
+  /// The time of a row of an entity.
+  Result<int64_t> time_ns(const MemoryId& entity, uint64_t row) {
+    ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, place_of(entity));
+    if (row >= place->rows)
+      return data_loss("'{}' has {} rows, needs row {}", place->group, place->rows, row);
+    return source.number<int64_t>(place->group + "/timestamp", place->first + row);
+  }
+
+  /// The times of all rows of an entity, as bytes.
+  Result<std::vector<std::byte>> times_of(const EntityPlace& place) {
+    if (place.rows == 0) return std::vector<std::byte>();
+    return source.file().read_rows(place.group + "/timestamp", h5::Type::kInt64, place.first,
+                                   place.rows);
+  }
+
   Result<PackedInstance> instance(const std::string& group, uint64_t row, Time time) {
     PackedInstance result;
     ENGRAM_ASSIGN_OR_RETURN(result.metadata, metadata(group, row, time));
@@ -117,7 +163,7 @@ struct SegmentReader::State {
     if (!names.ok()) return contents.damaged.push_back(names.status());
     for (const std::string& name : *names) {
       if (contents.entities.size() + contents.damaged.size() >= kMaxEntities) return;
-      // No memory name starts with '#'; this is the dataset of types.
+      // No memory name starts with '#'; these are the types and the shared groups.
       if (!name.starts_with('#')) add_entities(group + "/" + name, levels - 1, contents);
     }
   }
@@ -165,35 +211,46 @@ Result<SegmentContents> SegmentReader::contents() const {
   SegmentContents contents;
   contents.kind = kind == "latent" ? SegmentKind::kLatent : SegmentKind::kRecorded;
   state_->add_entities("", MemoryId::kNameLevels, contents);
+  auto damaged = state_->shared.for_each([&contents](const MemoryId& entity) {
+    if (contents.entities.size() < kMaxEntities) contents.entities.push_back(entity);
+  });
+  if (!damaged.ok())
+    contents.damaged.push_back(damaged.status());
+  else
+    std::ranges::move(*damaged, std::back_inserter(contents.damaged));
   return contents;
 }
 
 Result<uint64_t> SegmentReader::row_count(const MemoryId& entity) {
-  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times,
-                          state_->source.column(segment_group(entity) + "/timestamp"));
-  ENGRAM_ASSIGN_OR_RETURN(const uint64_t bytes, state_->source.size_bytes());
-  if (times->rows() / kMaxRowsPerByte > bytes)
-    return state_->source.broken(
-        times->path(), fmt::format("tells of {} rows in a file of {} bytes", times->rows(), bytes));
-  return times->rows();
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  return place->rows;
 }
 
-Result<uint64_t> SegmentReader::stored_bytes(const MemoryId& entity) const {
-  return state_->source.file().storage_bytes(segment_group(entity));
+Result<uint64_t> SegmentReader::stored_bytes(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto shared, state_->shared.find(entity));
+  if (!shared) return state_->source.file().storage_bytes(segment_group(entity));
+  auto known = state_->bytes_of_shared.find(shared->group);
+  if (known == state_->bytes_of_shared.end()) {
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t bytes,
+                            state_->source.file().storage_bytes(shared->group));
+    known = state_->bytes_of_shared.emplace(shared->group, bytes).first;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const SegmentColumn* times,
+                          state_->source.column(shared->group + "/timestamp"));
+  return share_of(known->second, shared->rows, times->rows());
 }
 
 Result<StoredForms> SegmentReader::forms(const MemoryId& entity) {
-  const std::string group = segment_group(entity);
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
   StoredForms forms;
-  ENGRAM_ASSIGN_OR_RETURN(forms.media_codecs, state_->media.codecs(group));
-  ENGRAM_ASSIGN_OR_RETURN(forms.has_groups, state_->media.has_groups(group));
-  ENGRAM_ASSIGN_OR_RETURN(forms.columns, state_->values.columns(group));
+  ENGRAM_ASSIGN_OR_RETURN(forms.media_codecs, state_->media.codecs(place->group));
+  ENGRAM_ASSIGN_OR_RETURN(forms.has_groups, state_->media.has_groups(place->group));
+  ENGRAM_ASSIGN_OR_RETURN(forms.columns, state_->values.columns(place->group));
   return forms;
 }
 
 Result<Time> SegmentReader::time_at(const MemoryId& entity, uint64_t row) {
-  ENGRAM_ASSIGN_OR_RETURN(
-      const int64_t ns, state_->source.number<int64_t>(segment_group(entity) + "/timestamp", row));
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, state_->time_ns(entity, row));
   return time_from_ns(ns);
 }
 
@@ -207,8 +264,9 @@ Result<int> SegmentReader::model_version(const MemoryId& entity) const {
 }
 
 Result<std::vector<RowSpan>> SegmentReader::index(const MemoryId& entity) {
-  const std::string path = segment_group(entity) + "/timestamp";
-  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, state_->source.file().read(path, h5::Type::kInt64));
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  const std::string path = place->group + "/timestamp";
+  ENGRAM_ASSIGN_OR_RETURN(const auto bytes, state_->times_of(*place));
   std::vector<RowSpan> spans;
   const std::vector<int64_t> times = h5::as_vector<int64_t>(bytes);
   for (uint64_t row = 0; row < times.size(); ++row) {
@@ -224,13 +282,11 @@ Result<std::vector<RowSpan>> SegmentReader::index(const MemoryId& entity) {
 }
 
 Result<uint64_t> SegmentReader::lower_bound(const MemoryId& entity, Time time) {
-  const std::string path = segment_group(entity) + "/timestamp";
-  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times, state_->source.column(path));
-  uint64_t first = 0, count = times->rows();
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  uint64_t first = 0, count = place->rows;
   while (count > 0) {
     const uint64_t half = count / 2;
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t middle,
-                            state_->source.number<int64_t>(path, first + half));
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t middle, state_->time_ns(entity, first + half));
     if (time_from_ns(middle) < time) {
       first += half + 1;
       count -= half + 1;
@@ -242,35 +298,38 @@ Result<uint64_t> SegmentReader::lower_bound(const MemoryId& entity, Time time) {
 }
 
 Result<std::optional<RowSpan>> SegmentReader::snapshot_at(const MemoryId& entity, uint64_t row) {
-  const std::string path = segment_group(entity) + "/timestamp";
-  ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * times, state_->source.column(path));
-  if (row >= times->rows()) return std::optional<RowSpan>();
-  ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, state_->source.number<int64_t>(path, row));
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  if (row >= place->rows) return std::optional<RowSpan>();
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, state_->time_ns(entity, row));
   RowSpan span{time_from_ns(ns), row, 1};
-  for (; span.first + span.rows < times->rows(); ++span.rows) {
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t next,
-                            state_->source.number<int64_t>(path, span.first + span.rows));
+  for (; span.first + span.rows < place->rows; ++span.rows) {
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t next, state_->time_ns(entity, span.first + span.rows));
     if (next < ns)
-      return state_->source.broken(path, fmt::format("row {} runs backwards in time", span.first));
+      return state_->source.broken(place->group + "/timestamp",
+                                   fmt::format("row {} runs backwards in time", span.first));
     if (next != ns) break;
   }
   return std::optional(span);
 }
 
 Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, const RowSpan& span) {
-  const std::string group = segment_group(entity);
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  if (span.rows > place->rows || span.first > place->rows - span.rows)
+    return state_->source.broken(
+        place->group, fmt::format("'{}' has {} rows, needs {} from {} on", entity.to_string(),
+                                  place->rows, span.rows, span.first));
   PackedSnapshot snapshot;
   snapshot.entity = entity;
   snapshot.time = span.time;
-  const std::string accounting = group + "/accounting";
-  ENGRAM_ASSIGN_OR_RETURN(snapshot.raw_bytes,
-                          state_->accounting(accounting + "/raw_bytes", span.first));
-  ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped,
-                          state_->accounting(accounting + "/dropped", span.first));
+  const std::string accounting = place->group + "/accounting";
+  const uint64_t first = place->first + span.first;
+  ENGRAM_ASSIGN_OR_RETURN(snapshot.raw_bytes, state_->accounting(accounting + "/raw_bytes", first));
+  ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped, state_->accounting(accounting + "/dropped", first));
   ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped_bytes,
-                          state_->accounting(accounting + "/dropped_bytes", span.first));
-  for (uint64_t row = span.first; row < span.first + span.rows; ++row) {
-    ENGRAM_ASSIGN_OR_RETURN(PackedInstance instance, state_->instance(group, row, span.time));
+                          state_->accounting(accounting + "/dropped_bytes", first));
+  for (uint64_t row = first; row < first + span.rows; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(PackedInstance instance,
+                            state_->instance(place->group, row, span.time));
     snapshot.instances.push_back(std::move(instance));
   }
   return snapshot;

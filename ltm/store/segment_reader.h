@@ -69,8 +69,8 @@ class SegmentReader {
   Result<Time> time_at(const MemoryId& entity, uint64_t row);
   Result<int> model_version(const MemoryId& entity) const;
 
-  /// Bytes of the file that the entity's datasets occupy.
-  Result<uint64_t> stored_bytes(const MemoryId& entity) const;
+  /// Bytes of the file that the entity's datasets occupy, or its share of those that it shares.
+  Result<uint64_t> stored_bytes(const MemoryId& entity);
 
   /// How the entity is stored. Only for recorded segments. Errors: kNotFound, kDataLoss.
   Result<StoredForms> forms(const MemoryId& entity);

@@ -17,6 +17,8 @@
 #include "ltm/store/segment_media.h"
 #include "ltm/store/segment_rows.h"
 #include "ltm/store/segment_tensors.h"
+#include "ltm/store/shared_directory.h"
+#include "ltm/store/shared_groups.h"
 
 namespace engram::ltm {
 
@@ -33,14 +35,16 @@ Status write_entity_header(h5::File& file, const std::string& group, const Memor
   return file.write_attribute(group, "memory_id", entity.to_string());
 }
 
-Status write_recorded_entity(h5::File& file, const MemoryId& entity,
-                             const RecordedEntity& recorded) {
+/// Writes the rows of entities, one after the other, to a group.
+Status write_recorded_rows(h5::File& file, const std::string& group,
+                           std::span<const EntityRef> entities) {
   std::vector<SegmentRow> rows;
-  for (const PackedSnapshot& snapshot : recorded.snapshots)
-    for (size_t i = 0; i < snapshot.instances.size(); ++i) rows.push_back({&snapshot, i});
-  const std::string group = segment_group(entity);
+  for (const auto& [id, recorded] : entities)
+    for (const PackedSnapshot& snapshot : recorded->snapshots)
+      for (size_t i = 0; i < snapshot.instances.size(); ++i) rows.push_back({&snapshot, i});
+  // Those that share a group have the same rules for what it holds.
+  const SealRules& rules = entities.front().second->rules;
   const idf::Layout layout = most_common_layout(rows);
-  ENGRAM_RETURN_IF_ERROR(write_entity_header(file, group, entity));
   ENGRAM_ASSIGN_OR_RETURN(const auto layout_bytes,
                           idf::encode(layout.to_data(), idf::kMaxDepth + idf::kContainerDepth));
   const uint64_t layout_size = layout_bytes.size();
@@ -48,9 +52,9 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
                                     layout_bytes, Storage::kCompressed));
   RowColumns columns;
   AccountingColumns accounting;
-  TensorColumns tensors(layout, rows.size(), recorded.rules);
+  TensorColumns tensors(layout, rows.size(), rules);
   RemainderColumn remainder;
-  MediaSorter media(recorded.rules);
+  MediaSorter media(rules);
   for (size_t i = 0; i < rows.size(); ++i) {
     const PackedInstance& packed = rows[i].packed();
     columns.append(rows[i].snapshot->time, rows[i].instance, packed.metadata);
@@ -73,6 +77,29 @@ Status write_recorded_entity(h5::File& file, const MemoryId& entity,
   return write_media(file, group, sorted, rows.size());
 }
 
+Status write_alone(h5::File& file, const EntityRef& entity) {
+  const std::string group = segment_group(*entity.first);
+  ENGRAM_RETURN_IF_ERROR(write_entity_header(file, group, *entity.first));
+  return write_recorded_rows(file, group, {&entity, 1});
+}
+
+/// Writes the shared groups and the directory that tells where entities lie in them.
+Status write_shared(h5::File& file, const std::vector<std::vector<EntityRef>>& groups) {
+  std::vector<SharedEntity> all;
+  for (size_t number = 0; number < groups.size(); ++number) {
+    ENGRAM_RETURN_IF_ERROR(file.make_group(shared_group(number)));
+    ENGRAM_RETURN_IF_ERROR(write_recorded_rows(file, shared_group(number), groups[number]));
+    uint64_t first = 0;
+    for (const auto& [id, recorded] : groups[number]) {
+      const uint64_t rows = row_count_of(*recorded);
+      all.push_back({*id, static_cast<int32_t>(number), first, rows});
+      first += rows;
+    }
+  }
+  std::ranges::sort(all, {}, &SharedEntity::id);
+  return write_shared_directory(file, all);
+}
+
 /// Writes the types of the segment's entities, so that the file is self-describing.
 Status write_types(h5::File& file, const SegmentInfo& info, const SegmentTypes& types) {
   std::vector<MemoryId> entities;
@@ -83,22 +110,36 @@ Status write_types(h5::File& file, const SegmentInfo& info, const SegmentTypes& 
   return file.write_strings(kSegmentTypes, {&text, 1});
 }
 
-Result<h5::File> create_segment(const std::filesystem::path& path, std::string_view kind) {
+Result<h5::File> create_segment(const std::filesystem::path& path, std::string_view kind,
+                                int version = kFirstSegmentFormatVersion) {
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format", "engram segment"));
-  ENGRAM_RETURN_IF_ERROR(
-      file.write_attribute("/", "format_version", int64_t{kSegmentFormatVersion}));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "format_version", int64_t{version}));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute("/", "kind", kind));
   return file;
+}
+
+/// Gives each entity its share of the bytes of the groups.
+Status share_bytes(const h5::File& file, const GroupPlan& plan, SegmentInfo& info) {
+  std::map<MemoryId, uint64_t> bytes;
+  for (const auto& [id, recorded] : plan.alone) {
+    ENGRAM_ASSIGN_OR_RETURN(bytes[*id], file.storage_bytes(segment_group(*id)));
+  }
+  for (size_t number = 0; number < plan.shared.size(); ++number) {
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t all, file.storage_bytes(shared_group(number)));
+    uint64_t rows = 0;
+    for (const auto& [id, recorded] : plan.shared[number]) rows += row_count_of(*recorded);
+    for (const auto& [id, recorded] : plan.shared[number])
+      bytes[*id] = share_of(all, row_count_of(*recorded), rows);
+  }
+  for (SegmentEntity& entity : info.entities) entity.stored_bytes = bytes[entity.id];
+  return {};
 }
 
 /// Closes the file and fills in sizes and checksum. The bytes of all entities add up to the size of
 /// the file.
 Status finish_segment(h5::File file, SegmentInfo& info) {
   const std::filesystem::path path = file.path();
-  for (SegmentEntity& entity : info.entities) {
-    ENGRAM_ASSIGN_OR_RETURN(entity.stored_bytes, file.storage_bytes(segment_group(entity.id)));
-  }
   // HDF5 writes its last metadata on closing, so the size and checksum of the file are known only
   // then.
   ENGRAM_RETURN_IF_ERROR(file.close());
@@ -161,11 +202,16 @@ Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
                                            const SegmentTypes& types) {
   SegmentInfo info;
   info.kind = SegmentKind::kRecorded;
-  ENGRAM_ASSIGN_OR_RETURN(h5::File segment, create_segment(file, "recorded"));
-  for (const auto& [id, recorded] : entities) {
-    ENGRAM_RETURN_IF_ERROR(write_recorded_entity(segment, id, recorded));
-    info.entities.push_back(summarise(id, recorded));
-  }
+  const GroupPlan plan = plan_groups(entities);
+  // Older programs read what they understand.
+  const bool is_shared = !plan.shared.empty();
+  ENGRAM_ASSIGN_OR_RETURN(h5::File segment, create_segment(file, "recorded",
+                                                           is_shared ? kSegmentFormatVersion
+                                                                     : kFirstSegmentFormatVersion));
+  for (const EntityRef& entity : plan.alone) ENGRAM_RETURN_IF_ERROR(write_alone(segment, entity));
+  if (is_shared) ENGRAM_RETURN_IF_ERROR(write_shared(segment, plan.shared));
+  for (const auto& [id, recorded] : entities) info.entities.push_back(summarise(id, recorded));
+  ENGRAM_RETURN_IF_ERROR(share_bytes(segment, plan, info));
   ENGRAM_RETURN_IF_ERROR(write_types(segment, info, types));
   ENGRAM_RETURN_IF_ERROR(finish_segment(std::move(segment), info));
   return info;
@@ -207,6 +253,7 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
   ENGRAM_RETURN_IF_ERROR(errors.write(segment, group));
   summary.snapshots = snapshots.size();
   summary.rows = columns.rows();
+  ENGRAM_ASSIGN_OR_RETURN(summary.stored_bytes, segment.storage_bytes(group));
   ENGRAM_RETURN_IF_ERROR(finish_segment(std::move(segment), info));
   return info;
 }

@@ -31,6 +31,13 @@ struct JournalEntry {
   FrameHead head;
 };
 
+/// What the manifest says of an entity.
+struct StoredEntity {
+  std::vector<TimelinePart> parts;  ///< Of segments with snapshots.
+  /// Its entry in each segment that names it, with the index of the segment.
+  std::vector<std::pair<uint32_t, const SegmentEntity*>> entries;
+};
+
 }  // namespace
 
 struct StoreReader::State {
@@ -43,7 +50,8 @@ struct StoreReader::State {
   uint64_t journal_damaged = 0;
   /// Most recently used first.
   std::list<std::pair<uint32_t, std::unique_ptr<SegmentReader>>> segments;
-  std::map<MemoryId, std::vector<TimelinePart>> parts;
+  std::map<MemoryId, StoredEntity> stored;
+  std::map<MemoryId, std::vector<const ModelInfo*>> models;
   std::map<MemoryId, Timeline> timelines;
   std::map<MemoryId, std::vector<SnapshotEntry>> indices;
   MediumDecoder decoder;
@@ -51,6 +59,7 @@ struct StoreReader::State {
   Status load() {
     ENGRAM_ASSIGN_OR_RETURN(manifest, read_manifest(path));
     for (uint32_t i = 0; i < manifest.segments.size(); ++i) add_parts(i);
+    for (const ModelInfo& model : manifest.models) models[model.entity].push_back(&model);
     ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
     for (const uint64_t number : numbers) {
       if (number < manifest.first_journal) continue;
@@ -72,10 +81,11 @@ struct StoreReader::State {
   void add_parts(uint32_t segment) {
     const SegmentInfo& info = manifest.segments[segment];
     for (const SegmentEntity& entity : info.entities) {
-      auto& of_entity = parts[entity.id];
+      StoredEntity& of_entity = stored[entity.id];
+      of_entity.entries.emplace_back(segment, &entity);
       if (entity.snapshots > 0)
-        of_entity.push_back({segment, info.kind == SegmentKind::kLatent, entity.first, entity.last,
-                             entity.snapshots, entity.rows});
+        of_entity.parts.push_back({segment, info.kind == SegmentKind::kLatent, entity.first,
+                                   entity.last, entity.snapshots, entity.rows});
     }
   }
 
@@ -128,13 +138,24 @@ struct StoreReader::State {
     return data_loss("store '{}': segment '{}' is missing", path.string(), file);
   }
 
+  /// What the manifest says of an entity, in the order of segments.
+  [[nodiscard]] const std::vector<std::pair<uint32_t, const SegmentEntity*>>& entries_of(
+      const MemoryId& entity) const {
+    static const std::vector<std::pair<uint32_t, const SegmentEntity*>> kNone;
+    const auto known = stored.find(entity);
+    return known == stored.end() ? kNone : known->second.entries;
+  }
+
   [[nodiscard]] bool has(const MemoryId& entity) const {
-    return parts.contains(entity) || journal_entries.contains(entity);
+    return stored.contains(entity) || journal_entries.contains(entity);
   }
 
   Status no_such_entity(const MemoryId& entity, const std::vector<MemoryId>& known) const {
+    constexpr size_t kMaxNamed = 20;
     std::string names;
-    for (const MemoryId& id : known) names += (names.empty() ? "" : ", ") + id.to_string();
+    for (size_t i = 0; i < known.size() && i < kMaxNamed; ++i)
+      names += (names.empty() ? "" : ", ") + known[i].to_string();
+    if (known.size() > kMaxNamed) names += fmt::format(" and {} more", known.size() - kMaxNamed);
     return not_found("store '{}' has no entity '{}'; it has: {}", path.string(), entity.to_string(),
                      names.empty() ? "none" : names);
   }
@@ -142,10 +163,10 @@ struct StoreReader::State {
   /// The timeline of the entity's recorded form, its latents, or both.
   Timeline make_timeline(const MemoryId& entity, bool is_recorded, bool is_latent) {
     std::vector<TimelinePart> some;
-    if (const auto known = parts.find(entity); known != parts.end())
-      std::ranges::copy_if(known->second, std::back_inserter(some), [&](const TimelinePart& part) {
-        return part.is_latent ? is_latent : is_recorded;
-      });
+    if (const auto known = stored.find(entity); known != stored.end())
+      std::ranges::copy_if(
+          known->second.parts, std::back_inserter(some),
+          [&](const TimelinePart& part) { return part.is_latent ? is_latent : is_recorded; });
     return {entity, std::move(some),
             is_recorded ? journal_snapshots(entity) : std::vector<SnapshotEntry>(),
             [this](uint32_t number) { return segment(number); }};
@@ -188,9 +209,9 @@ uint64_t StoreReader::damaged_places() const {
 
 std::vector<MemoryId> StoreReader::entities() const {
   std::vector<MemoryId> ids;
-  for (const auto& [id, parts] : state_->parts) ids.push_back(id);
+  for (const auto& [id, known] : state_->stored) ids.push_back(id);
   for (const auto& [id, frames] : state_->journal_entries)
-    if (!state_->parts.contains(id)) ids.push_back(id);
+    if (!state_->stored.contains(id)) ids.push_back(id);
   std::ranges::sort(ids);
   return ids;
 }
@@ -208,23 +229,20 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(summary.latent_snapshots, state_->count(entity, true));
   summary.first = moments->first().value_or(Time{});
   summary.last = moments->last().value_or(Time{});
-  for (const SegmentInfo& segment : state_->manifest.segments) {
-    for (const SegmentEntity& part : segment.entities) {
-      if (part.id != entity) continue;
-      (segment.kind == SegmentKind::kLatent ? summary.latent_bytes : summary.stored_bytes) +=
-          part.stored_bytes;
-      summary.raw_bytes += part.raw_bytes;
-      summary.augmented_snapshots += part.augmented;
-      summary.offered += part.dropped;
-      summary.offered_bytes += part.dropped_bytes;
-      summary.latent.model_version =
-          std::max(summary.latent.model_version, part.latent.model_version);
-      summary.latent.image_rows += part.latent.image_rows;
-      summary.latent.psnr_db += part.latent.psnr_db;
-      summary.latent.image_mse += part.latent.image_mse;
-      summary.latent.number_rows += part.latent.number_rows;
-      summary.latent.number_mse += part.latent.number_mse;
-    }
+  for (const auto& [segment, part] : state_->entries_of(entity)) {
+    const bool is_latent = state_->manifest.segments[segment].kind == SegmentKind::kLatent;
+    (is_latent ? summary.latent_bytes : summary.stored_bytes) += part->stored_bytes;
+    summary.raw_bytes += part->raw_bytes;
+    summary.augmented_snapshots += part->augmented;
+    summary.offered += part->dropped;
+    summary.offered_bytes += part->dropped_bytes;
+    summary.latent.model_version =
+        std::max(summary.latent.model_version, part->latent.model_version);
+    summary.latent.image_rows += part->latent.image_rows;
+    summary.latent.psnr_db += part->latent.psnr_db;
+    summary.latent.image_mse += part->latent.image_mse;
+    summary.latent.number_rows += part->latent.number_rows;
+    summary.latent.number_mse += part->latent.number_mse;
   }
   if (const auto frames = state_->journal_entries.find(entity);
       frames != state_->journal_entries.end()) {
@@ -252,10 +270,11 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
     summary.dropped_by = reasons->second;
   summary.offered += summary.snapshots;
   summary.offered_bytes += summary.raw_bytes;
-  for (const ModelInfo& model : state_->manifest.models) {
-    if (model.entity != entity) continue;
-    summary.models.push_back(model);
-    summary.model_bytes += model.bytes;
+  const auto models = state_->models.find(entity);
+  if (models == state_->models.end()) return summary;
+  for (const ModelInfo* model : models->second) {
+    summary.models.push_back(*model);
+    summary.model_bytes += model->bytes;
   }
   return summary;
 }
@@ -303,14 +322,15 @@ Result<StoredForms> StoreReader::forms(const MemoryId& entity, uint32_t segment)
 
 Result<StoredForms> StoreReader::newest_forms(const MemoryId& entity) {
   StoredForms all;
-  const std::vector<SegmentInfo>& segments = state_->manifest.segments;
   int looked_at = 0;
-  for (size_t i = segments.size(); i-- > 0 && looked_at < kSegmentsForForms;) {
-    const SegmentEntity* part = segments[i].find(entity);
-    if (segments[i].kind != SegmentKind::kRecorded || part == nullptr || part->snapshots == 0)
+  const auto& entries = state_->entries_of(entity);
+  for (auto entry = entries.rbegin(); entry != entries.rend() && looked_at < kSegmentsForForms;
+       ++entry) {
+    const auto& [segment, part] = *entry;
+    if (state_->manifest.segments[segment].kind != SegmentKind::kRecorded || part->snapshots == 0)
       continue;
     ++looked_at;
-    ENGRAM_ASSIGN_OR_RETURN(const StoredForms found, forms(entity, static_cast<uint32_t>(i)));
+    ENGRAM_ASSIGN_OR_RETURN(const StoredForms found, forms(entity, segment));
     all.add(found);
   }
   return all;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reports/plain/store_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "reports/plain/text.h"
@@ -113,6 +114,27 @@ void print_stored_entity(const ltm::EntitySummary& summary, const ltm::StoredFor
   for (const ltm::ModelInfo& model : summary.models)
     models += fmt::format("{}v{}", models.empty() ? "" : ", ", model.version);
   print("  models     " + models + quality_text(summary.latent));
+}
+
+void StoredSegment::add(const ltm::EntitySummary& summary) {
+  ++entities;
+  if (summary.snapshots > 0) {
+    first = snapshots == 0 ? summary.first : std::min(first, summary.first);
+    last = snapshots == 0 ? summary.last : std::max(last, summary.last);
+  }
+  snapshots += summary.snapshots;
+  raw_bytes += summary.raw_bytes;
+  stored_bytes += summary.stored_bytes + summary.latent_bytes;
+}
+
+void print_stored_segment(const ltm::MemoryId& segment, const StoredSegment& sums) {
+  print("\n" + segment.printable());
+  print(fmt::format("  entities   {}", count_text(sums.entities)));
+  print(fmt::format("  snapshots  {}", count_text(sums.snapshots)));
+  if (sums.snapshots > 0)
+    print(fmt::format("  span       {} to {}", to_string(sums.first), to_string(sums.last)));
+  print("  raw        " + bytes_each(sums.raw_bytes, sums.snapshots));
+  print("  stored     " + bytes_each(sums.stored_bytes, sums.snapshots));
 }
 
 Json types_json(const ltm::SegmentTypes& types) {

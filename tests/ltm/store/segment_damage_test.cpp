@@ -48,10 +48,10 @@ TEST(SegmentDamage, RefusesANewerFormat) {
   const ScratchDirectory scratch;
   {
     auto file = h5::File::create(scratch / "s.h5");
-    ASSERT_OK(file->write_attribute("/", "format_version", int64_t{2}));
+    ASSERT_OK(file->write_attribute("/", "format_version", int64_t{3}));
     ASSERT_OK(file->close());
   }
-  EXPECT_FAILS(SegmentReader::open(scratch / "s.h5"), StatusCode::kFailedPrecondition, "up to 1");
+  EXPECT_FAILS(SegmentReader::open(scratch / "s.h5"), StatusCode::kFailedPrecondition, "up to 2");
 }
 
 TEST(SegmentDamage, IsNoOtherHdf5File) {
