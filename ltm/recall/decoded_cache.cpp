@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/recall/decoded_cache.h"
 
-#include "ltm/idf/binary.h"
+#include "ltm/idf/held_bytes.h"
 
 namespace engram::ltm {
+
+namespace {
+
+/// The nodes of the list and of the index. Unit: bytes.
+constexpr size_t kIndexBytes = 200;
+
+}  // namespace
 
 std::optional<SnapshotResult> DecodedCache::find(const MemoryId& id, Prefer prefer) {
   if (entries_.empty()) return std::nullopt;
@@ -15,9 +22,10 @@ std::optional<SnapshotResult> DecodedCache::find(const MemoryId& id, Prefer pref
 
 void DecodedCache::put(const MemoryId& id, Prefer prefer, const SnapshotResult& snapshot) {
   if (max_bytes_ == 0) return;
-  size_t bytes = sizeof(Entry);
+  // Small snapshots take several times their plain bytes.
+  size_t bytes = sizeof(Entry) + kIndexBytes;
   for (const InstanceResult& instance : snapshot.instances)
-    bytes += idf::encoded_size(instance.data);
+    bytes += sizeof(instance) + idf::element_bytes(instance.data) + idf::held_bytes(instance.data);
   if (bytes > max_bytes_) return;
   if (const auto known = by_key_.find({id, prefer}); known != by_key_.end()) drop(known->second);
   entries_.push_front({{id, prefer}, snapshot, bytes});

@@ -3,11 +3,24 @@
 
 #include <algorithm>
 
+#include "ltm/idf/held_bytes.h"
+#include "ltm/working/memory_limits.h"
+
 namespace engram::ltm {
 
 SharedSnapshot hold_untyped(Snapshot snapshot, std::vector<Buffer> encoded) {
   auto held = CheckedSnapshot::check<HeldSnapshot>(std::move(snapshot), {}, std::move(encoded));
   return held.value().snapshot;
+}
+
+size_t HeldSnapshot::ram_bytes() const {
+  size_t bytes = kSnapshotOverhead;
+  // Arrays lie in the bytes in which they came.
+  for (const Buffer& data : encoded) bytes += data.size();
+  for (const Instance& instance : instances)
+    bytes +=
+        idf::held_bytes(instance.data) + (encoded.empty() ? idf::element_bytes(instance.data) : 0);
+  return bytes;
 }
 
 SnapshotResult result_of(const HeldSnapshot& held, const std::vector<int32_t>& instances,

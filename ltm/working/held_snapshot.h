@@ -20,6 +20,10 @@ struct HeldSnapshot : CheckedSnapshot {
   /// The data of each instance in IDF's binary form; empty where it did not come in this form.
   std::vector<Buffer> encoded;
 
+  /// What it takes in RAM: the bytes in which it came or the elements of its arrays, the values
+  /// made of them, and kSnapshotOverhead. Unit: bytes.
+  [[nodiscard]] size_t ram_bytes() const;
+
   /// The size of its data: of the bytes in which it came, otherwise of its values. Unit: bytes.
   [[nodiscard]] size_t plain_bytes() const {
     if (encoded.empty()) return raw_bytes();

@@ -86,7 +86,7 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
       ENGRAM_ASSIGN_OR_RETURN(auto checked, CheckedSnapshot::check<HeldSnapshot>(
                                                 std::move(update), state.types, std::move(came)));
       reinterpreted += checked.cast.notes.size();
-      const size_t bytes = checked.snapshot->plain_bytes() + kSnapshotOverhead;
+      const size_t bytes = checked.snapshot->ram_bytes();
       arrivals.push_back({std::move(checked.snapshot), bytes, {}, false});
       note_links(arrivals.back(), state.types.of_entity(arrivals.back().snapshot->entity));
     }

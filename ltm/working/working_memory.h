@@ -129,6 +129,10 @@ class WorkingMemory {
   /// The newest snapshot of an entity, or the one of exactly this time; null where there is none.
   [[nodiscard]] SharedSnapshot find(const MemoryId& id) const;
 
+  /// Whether it has snapshots of an entity, and the number of such entities.
+  [[nodiscard]] bool has(const MemoryId& entity) const;
+  [[nodiscard]] size_t entity_count() const;
+
   /// The selected snapshots that are here. It also holds entities that match but have no selected
   /// snapshot. With `elsewhere`, entities are marked whose snapshots here are not enough to answer
   /// the query.

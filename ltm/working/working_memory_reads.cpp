@@ -10,6 +10,16 @@ uint64_t WorkingMemory::taken() const {
   return state_->queued - state_->waiting.size();
 }
 
+bool WorkingMemory::has(const MemoryId& entity) const {
+  const SharedLock lock(state_->mutex);
+  return state_->find(entity) != nullptr;
+}
+
+size_t WorkingMemory::entity_count() const {
+  const SharedLock lock(state_->mutex);
+  return state_->entities.size();
+}
+
 SharedSnapshot WorkingMemory::find(const MemoryId& id) const {
   const SharedLock lock(state_->mutex);
   if (!id.has_entity()) return nullptr;

@@ -93,6 +93,7 @@ struct WorkingMemory::State {
     if (is_member == entity.is_member) return;
     entity.is_member = is_member;
     for (KeptEntity::Membership& place : entity.parts) {
+      place.part->bytes += is_member ? kEntityOverhead : 0 - kEntityOverhead;
       auto& members = place.part->members;
       if (is_member) {
         place.index = members.size();

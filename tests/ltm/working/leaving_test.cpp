@@ -109,10 +109,31 @@ TEST(Leaving, KeepsWhatSomethingThatIsReadLinksTo) {
   EXPECT_EQ(memory->counters().entities, 0u);
 }
 
+/// What an entity with so many snapshots of 500 bytes takes.
+size_t bytes_of_snapshots(int64_t count) {
+  PlainMemory memory({});
+  for (int64_t at = 0; at < count; ++at) memory.commit("Robot/joints/arm/left", at, bytes(500));
+  return memory->counters().bytes;
+}
+
+TEST(Leaving, CountsWhatIsInRam) {
+  const size_t one = bytes_of_snapshots(1), two = bytes_of_snapshots(2);
+  EXPECT_GE(two - one, kSnapshotOverhead + 500);
+  EXPECT_EQ(one, two - one + kEntityOverhead) << "an entity counts, too";
+  PlainMemory memory({});
+  memory.commit("A/b/c/d", 1, idf::Dict{{"a number", 1.0}, {"another number", 2.0}});
+  EXPECT_GT(memory->counters().bytes,
+            kSnapshotOverhead + kEntityOverhead + 2 * sizeof(idf::DictEntry))
+      << "small values take more than their plain bytes";
+  memory->release_all();
+  memory.store();
+  EXPECT_EQ(memory->counters().bytes, 0u);
+}
+
 TEST(Leaving, FollowsTheLimitsOfSegments) {
   WorkingMemory::Options options;
   options.segments = {{*MemoryId::parse("Vision"), {.snapshots = 1}},
-                      {*MemoryId::parse("Robot/joints"), {.bytes = 2500}}};
+                      {*MemoryId::parse("Robot/joints"), {.bytes = bytes_of_snapshots(2)}}};
   PlainMemory memory(options);
   for (const int64_t at : {1, 2, 3}) {
     memory.commit("Vision/RGB/head/cam", at);
