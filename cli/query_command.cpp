@@ -60,9 +60,12 @@ ExitCode run(QueryArguments arguments) {
                             .notes_reads = !arguments.is_unnoted};
   const auto memory = open_memory(arguments.store, options, arguments.remote);
   if (!memory.ok()) return fail(memory.status());
-  const auto result = (*memory)->query(*query);
-  if (!result.ok()) return fail(result.status());
-  return done_or_failed(reports::show_result(*result, arguments.save, arguments.is_json));
+  reports::ResultWriter writer(arguments.save, arguments.is_json);
+  const Status status = (*memory)->query_parts(
+      *query, [&writer](const ltm::QueryResult& part) { return writer.add(part); });
+  if (!status.ok()) return fail(status);
+  writer.finish(query->is_ids_only());
+  return ExitCode::kDone;
 }
 
 }  // namespace

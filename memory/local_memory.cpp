@@ -19,6 +19,20 @@ ltm::PredictionRequest request_of(std::span<const Duration> horizons,
   return {options.at, {horizons.begin(), horizons.end()}, options.engine, options.plan};
 }
 
+/// Values take several times their bytes in RAM.
+constexpr size_t kPartBytes = size_t{256} << 10;
+
+/// Visits the parts of an answer, see Memory::query_parts.
+template <typename Begin, typename Next>
+Status visit_parts(const Begin& begin, const Next& next, const Memory::PartVisit& visit) {
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Recall::AnswerCursor cursor, begin());
+  while (!cursor.is_done()) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Answer part, next(cursor));
+    ENGRAM_RETURN_IF_ERROR(visit(std::move(part).to_result()));
+  }
+  return {};
+}
+
 /// A store that is read beside its writer. Each answer shows the store as it is at that moment.
 class ReadMemory final : public Memory {
  public:
@@ -49,6 +63,20 @@ class ReadMemory final : public Memory {
     return recall_->query(query, options);
   }
 
+  Status query_parts(const ltm::Query& query, const PartVisit& visit,
+                     const std::string& engine) override {
+    ltm::Recall::Options options = options_;
+    options.engine = engine;
+    return visit_parts(
+        [&] {
+          return with_recall([&](ltm::Recall& recall) { return recall.begin(query, options); });
+        },
+        [&](ltm::Recall::AnswerCursor& cursor) {
+          return with_recall([&](ltm::Recall& recall) { return recall.next(cursor, kPartBytes); });
+        },
+        visit);
+  }
+
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
                                                  std::optional<Time> at) override {
     const MutexLock lock(mutex_);
@@ -69,6 +97,14 @@ class ReadMemory final : public Memory {
     const MutexLock lock(mutex_);
     if (!recall_) return is_closed();
     return recall_->predict(entity, request_of(horizons, options), options_);
+  }
+
+  /// Asks the recall, if it is open. Others take their turn between calls.
+  template <typename Ask>
+  auto with_recall(const Ask& ask) -> decltype(ask(std::declval<ltm::Recall&>())) {
+    const MutexLock lock(mutex_);
+    if (!recall_) return is_closed();
+    return ask(*recall_);
   }
 
   [[nodiscard]] Status is_read_only() const {
@@ -112,6 +148,14 @@ class WrittenMemory final : public Memory {
     ENGRAM_RETURN_IF_ERROR(check_open());
     ENGRAM_ASSIGN_OR_RETURN(ltm::Answer answer, service_->query(query, engine));
     return std::move(answer).to_result();
+  }
+
+  Status query_parts(const ltm::Query& query, const PartVisit& visit,
+                     const std::string& engine) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
+    return visit_parts([&] { return service_->begin_query(query, engine); },
+                       [&](auto& cursor) { return service_->next_part(cursor, kPartBytes); },
+                       visit);
   }
 
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,

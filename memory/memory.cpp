@@ -8,6 +8,12 @@ Result<ltm::QueryResult> Memory::query(std::string_view query, const std::string
   return this->query(parsed, engine);
 }
 
+Status Memory::query_parts(const ltm::Query& query, const PartVisit& visit,
+                           const std::string& engine) {
+  ENGRAM_ASSIGN_OR_RETURN(ltm::QueryResult whole, this->query(query, engine));
+  return visit(std::move(whole));
+}
+
 Result<std::vector<ltm::SnapshotResult>> Memory::predict(const ltm::MemoryId& entity,
                                                          std::span<const Duration> horizons,
                                                          const std::string& engine) {

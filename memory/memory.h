@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -130,6 +131,15 @@ class Memory {
   /// kResourceExhausted where the answer would be too large; kDataLoss.
   virtual Result<ltm::QueryResult> query(const ltm::Query& query,
                                          const std::string& engine = {}) = 0;
+
+  /// The same in parts of about a quarter of a megabyte, so that neither this program nor a server
+  /// has to hold all of a large answer. Entities come in order; one with much comes in several
+  /// parts, one after the other. `visit` is called by this thread, and must not ask this memory.
+  /// Its error ends the answer and is returned. The servers of a name system answer in one part.
+  /// Errors: those of query() and of `visit`. Parts may have been visited before an error.
+  using PartVisit = std::function<Status(ltm::QueryResult part)>;
+  virtual Status query_parts(const ltm::Query& query, const PartVisit& visit,
+                             const std::string& engine = {});
 
   /// Parses a query in its text form (docs/query.md) and answers it.
   Result<ltm::QueryResult> query(std::string_view query, const std::string& engine = {});

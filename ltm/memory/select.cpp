@@ -143,6 +143,19 @@ void unite(SelectedSnapshot& one, const SelectedSnapshot& other) {
   one.instances = std::move(united);
 }
 
+/// Sorts by time, and unites those of the same moment.
+std::vector<SelectedSnapshot> in_order(std::vector<SelectedSnapshot> selected) {
+  std::ranges::stable_sort(selected, {}, &SelectedSnapshot::time);
+  std::vector<SelectedSnapshot> united;
+  for (SelectedSnapshot& next : selected) {
+    if (united.empty() || united.back().time < next.time)
+      united.push_back(std::move(next));
+    else
+      unite(united.back(), next);
+  }
+  return united;
+}
+
 }  // namespace
 
 Result<Selection> select_times(const Selector& selector, Moments& moments) {
@@ -156,15 +169,41 @@ Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQ
     ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, moments));
     ENGRAM_RETURN_IF_ERROR(append(selection, query.instances, moments, selected));
   }
-  std::ranges::stable_sort(selected, {}, &SelectedSnapshot::time);
-  std::vector<SelectedSnapshot> united;
-  for (SelectedSnapshot& next : selected) {
-    if (united.empty() || united.back().time < next.time)
-      united.push_back(std::move(next));
-    else
-      unite(united.back(), next);
+  return in_order(std::move(selected));
+}
+
+Result<SelectedMoments> SelectedMoments::create(std::span<const SnapshotQuery> queries,
+                                                Moments& moments) {
+  SelectedMoments made;
+  for (const SnapshotQuery& query : queries) {
+    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, moments));
+    if (selection.snapshots) made.parts_.push_back({*selection.snapshots, query.instances});
+    if (selection.future) made.future_.push_back({*selection.future, true, query.instances});
   }
-  return united;
+  made.future_ = in_order(std::move(made.future_));
+  return made;
+}
+
+Result<std::optional<SelectedSnapshot>> SelectedMoments::after(std::optional<Time> time,
+                                                               Moments& moments) const {
+  std::optional<SelectedSnapshot> next;
+  for (const Part& part : parts_) {
+    if (time && *time >= part.span.last) continue;
+    std::optional<Time> found;
+    if (time && *time >= part.span.first) {
+      ENGRAM_ASSIGN_OR_RETURN(found, ltm::after(moments, *time));
+    } else {
+      // It may have gone since it was selected.
+      ENGRAM_ASSIGN_OR_RETURN(found, moments.at_or_after(part.span.first));
+    }
+    if (!found || *found > part.span.last || (next && *found > next->time)) continue;
+    SelectedSnapshot one{*found, false, part.instances};
+    if (next && next->time == *found)
+      unite(*next, one);
+    else
+      next = std::move(one);
+  }
+  return next;
 }
 
 }  // namespace engram::ltm

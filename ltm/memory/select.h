@@ -67,4 +67,32 @@ Result<Selection> select_times(const Selector& selector, Moments& moments);
 Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQuery> queries,
                                                        Moments& moments);
 
+/// What select_snapshots() lists, without the list: there may be millions of snapshots. What is
+/// selected is settled when it is created; snapshots that come later count where they lie between
+/// others.
+///
+/// Threading: immutable.
+class SelectedMoments {
+ public:
+  /// Errors: those of Moments.
+  static Result<SelectedMoments> create(std::span<const SnapshotQuery> queries, Moments& moments);
+
+  /// The first selected snapshot of the past after `time`, or the first one of all.
+  /// Errors: those of Moments.
+  /// Complexity: a search for each selector.
+  Result<std::optional<SelectedSnapshot>> after(std::optional<Time> time, Moments& moments) const;
+
+  /// Moments after the last snapshot, to be predicted: ordered by time, each once.
+  [[nodiscard]] const std::vector<SelectedSnapshot>& future() const { return future_; }
+
+ private:
+  struct Part {
+    Selection::Span span;
+    std::vector<int32_t> instances;
+  };
+
+  std::vector<Part> parts_;
+  std::vector<SelectedSnapshot> future_;
+};
+
 }  // namespace engram::ltm

@@ -34,6 +34,9 @@ class JoinedPast final : public KnownPast {
   Result<std::unique_ptr<EntityPast>> of(const MemoryId& entity) override;
   [[nodiscard]] std::optional<idf::Type> type_of(const MemoryId& entity) const override;
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
+  void keep_decoded(bool keeps) override {
+    if (store_) store_->keep_decoded(keeps);
+  }
   Status renew() override;
   /// Follows what a consolidation publishes, above all models. Recordings are followed without it.
   Status follow() override;

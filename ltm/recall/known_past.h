@@ -65,6 +65,10 @@ class KnownPast {
   /// Errors: those of the loader.
   virtual Result<std::vector<Engine>> models(const MemoryId& entity) = 0;
 
+  /// Whether what is decoded from now on is kept for who asks next. A large answer would push out
+  /// everything else.
+  virtual void keep_decoded(bool keeps) = 0;
+
   /// Opens the newest state of the store.
   virtual Status renew() = 0;
 

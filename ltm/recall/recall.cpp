@@ -41,6 +41,18 @@ auto retried(KnownPast& past, const Ask& ask) -> decltype(ask()) {
   return ask();
 }
 
+/// Of an answer of many parts only the first one is kept decoded.
+class KeepDecoded {
+ public:
+  KeepDecoded(KnownPast& past, bool keeps) : past_(past) { past_.keep_decoded(keeps); }
+  ~KeepDecoded() { past_.keep_decoded(true); }
+  KeepDecoded(const KeepDecoded&) = delete;
+  KeepDecoded& operator=(const KeepDecoded&) = delete;
+
+ private:
+  KnownPast& past_;
+};
+
 }  // namespace
 
 struct Recall::State {
@@ -117,11 +129,47 @@ struct Recall::State {
     const auto future = std::ranges::find(selection, true, &SelectedSnapshot::is_future);
     for (auto selected = selection.begin(); selected != future; ++selected)
       ENGRAM_RETURN_IF_ERROR(add_past(*entity, *selected, query, options, bytes, result));
-    const std::span<const SelectedSnapshot> ahead(future, selection.end());
-    if (ahead.empty()) return result;
-    ENGRAM_RETURN_IF_ERROR(query.is_ids_only() ? name_future(*entity, ahead, options, result)
-                                               : predict_future(*entity, ahead, options, result));
+    ENGRAM_RETURN_IF_ERROR(add_future(*entity, {future, selection.end()}, query, options, result));
     return result;
+  }
+
+  /// Adds what follows of the entity at `position` until the part has `max_bytes`, and counts them.
+  /// Returns the position behind it.
+  Result<AnswerCursor::Position> add_next(const AnswerCursor& cursor,
+                                          AnswerCursor::Position position, size_t max_bytes,
+                                          size_t& bytes, RecalledEntity& result) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto entity, past->of(result.id));
+    if (entity && !position.selected) {
+      ENGRAM_ASSIGN_OR_RETURN(
+          position.selected,
+          SelectedMoments::create(cursor.query.snapshots_of(result.id), *entity));
+    }
+    Options options = cursor.options;
+    options.max_answer_bytes = SIZE_MAX;
+    while (entity) {
+      if (bytes >= max_bytes) return position;
+      ENGRAM_ASSIGN_OR_RETURN(const auto next, position.selected->after(position.last, *entity));
+      if (!next) break;
+      size_t decoded = 0;
+      const size_t count = result.snapshots.size();
+      ENGRAM_RETURN_IF_ERROR(add_past(*entity, *next, cursor.query, options, decoded, result));
+      position.last = next->time;
+      if (result.snapshots.size() == count) continue;
+      const SharedSnapshot& held = result.snapshots.back().held;
+      bytes += held && !cursor.query.is_ids_only() ? kMomentBytes + held->plain_bytes() : decoded;
+    }
+    if (entity)
+      ENGRAM_RETURN_IF_ERROR(
+          add_future(*entity, position.selected->future(), cursor.query, options, result));
+    bytes += kMomentBytes;  // An entity without moments is in the answer, too.
+    return AnswerCursor::Position{position.entity + 1};
+  }
+
+  Status add_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
+                    const Query& query, const Options& options, RecalledEntity& result) {
+    if (future.empty()) return {};
+    return query.is_ids_only() ? name_future(entity, future, options, result)
+                               : predict_future(entity, future, options, result);
   }
 
   void note_reads(const RecalledEntity& entity) const {
@@ -214,6 +262,36 @@ Result<Answer> Recall::answer(const Query& query, const Options& options) {
     answer.entities.push_back(std::move(one));
   }
   return answer;
+}
+
+Result<Recall::AnswerCursor> Recall::begin(const Query& query, const Options& options) {
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
+  AnswerCursor cursor{query, options, state_->past->matching(query)};
+  if (cursor.entities.empty()) return state_->no_match(query);
+  return cursor;
+}
+
+Result<Answer> Recall::next(AnswerCursor& cursor, size_t bytes) {
+  ENGRAM_CHECK(!cursor.is_done(), "'{}' is answered", cursor.query.to_string());
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
+  Answer part{cursor.query.is_ids_only(), {}};
+  AnswerCursor::Position position = cursor.position;
+  const KeepDecoded keep(*state_->past, position.entity == 0 && !position.selected);
+  for (size_t filled = 0; position.entity < cursor.entities.size() && filled < bytes;) {
+    RecalledEntity one{cursor.entities[position.entity], {}};
+    size_t counted = filled;
+    ENGRAM_ASSIGN_OR_RETURN(position, retried(*state_->past, [&] {
+                              // A failed attempt has no effect.
+                              one.snapshots.clear();
+                              counted = filled;
+                              return state_->add_next(cursor, position, bytes, counted, one);
+                            }));
+    filled = counted;
+    if (state_->accesses && !part.is_ids_only) state_->note_reads(one);
+    part.entities.push_back(std::move(one));
+  }
+  cursor.position = std::move(position);
+  return part;
 }
 
 Result<QueryResult> Recall::query(const Query& query, const Options& options) {

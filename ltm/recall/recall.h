@@ -20,6 +20,7 @@ namespace engram::ltm {
 /// Source: docs/query.md, section "Answers".
 class Recall {
  public:
+  struct AnswerCursor;
   using Prefer = ltm::Prefer;
   using Engine = ltm::Engine;
   using PredictionRequest = ltm::PredictionRequest;
@@ -58,6 +59,16 @@ class Recall {
   /// the answer would be too large; kDataLoss.
   Result<Answer> answer(const Query& query, const Options& options);
 
+  /// Begins an answer that comes in parts, so that nobody has to hold all of it.
+  /// Errors: kNotFound if no entity matches.
+  Result<AnswerCursor> begin(const Query& query, const Options& options);
+
+  /// The next part, of about `bytes` of data: entities in order, the last of which may go on in the
+  /// next part. `options.max_answer_bytes` does not count. Each part shows the store as it is then.
+  /// Needs a cursor that is not done (checked).
+  /// Errors: those of answer(). The cursor stays where it was.
+  Result<Answer> next(AnswerCursor& cursor, size_t bytes);
+
   /// Returns the same answer as a tree.
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
@@ -91,6 +102,23 @@ class Recall {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// Where an answer in parts goes on.
+struct Recall::AnswerCursor {
+  struct Position {
+    size_t entity = 0;  ///< The index of the next entity.
+    /// What is selected of it, and the last moment that was answered, once it was begun.
+    std::optional<SelectedMoments> selected{};
+    std::optional<Time> last{};
+  };
+
+  Query query;
+  Options options;
+  std::vector<MemoryId> entities;  ///< All that match.
+  Position position{};
+
+  [[nodiscard]] bool is_done() const { return position.entity == entities.size(); }
 };
 
 }  // namespace engram::ltm

@@ -48,6 +48,16 @@ std::optional<Time> RecordedEntities::known_until(const MemoryId& entity) const 
   return found == entities_.end() ? std::nullopt : found->second.until;
 }
 
+bool RecordedEntities::contains(const MemoryId& entity) const {
+  const SharedLock lock(mutex_);
+  return entities_.contains(entity);
+}
+
+size_t RecordedEntities::size() const {
+  const SharedLock lock(mutex_);
+  return entities_.size();
+}
+
 uint64_t RecordedEntities::recorded_at(const MemoryId& entity) const {
   const SharedLock lock(mutex_);
   const auto found = entities_.find(entity);

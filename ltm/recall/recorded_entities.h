@@ -30,6 +30,9 @@ class RecordedEntities {
   /// Complexity: O(log n).
   [[nodiscard]] std::optional<Time> known_until(const MemoryId& entity) const;
 
+  [[nodiscard]] bool contains(const MemoryId& entity) const;
+  [[nodiscard]] size_t size() const;
+
   /// Number of the last recording that changed the entity. Recordings of a store count from one.
   [[nodiscard]] uint64_t recorded_at(const MemoryId& entity) const;
 

@@ -32,7 +32,7 @@ class StorePast::Entity final : public EntityPast {
     }
     ENGRAM_ASSIGN_OR_RETURN(const SnapshotEntry entry, entry_at(moment));
     ENGRAM_ASSIGN_OR_RETURN(SnapshotResult decoded, reader_->read(id_, entry, prefer));
-    past_.decoded_.put(id, prefer, decoded);
+    if (past_.keeps_decoded_) past_.decoded_.put(id, prefer, decoded);
     ++past_.decodings_;
     past_.decoded_bytes_ = past_.decoded_.bytes();
     return RecalledSnapshot{std::move(decoded)};

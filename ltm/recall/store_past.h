@@ -55,6 +55,7 @@ class StorePast final : public KnownPast {
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
   /// Models stay loaded.
   /// Errors: those of StoreReader::open; then nothing changes.
+  void keep_decoded(bool keeps) override { keeps_decoded_ = keeps; }
   Status renew() override;
   Status follow() override;
 
@@ -76,6 +77,7 @@ class StorePast final : public KnownPast {
   std::shared_ptr<LoadedModels> models_;
   std::shared_ptr<PastReader> reader_;  ///< Shared with the entity pasts of this generation.
   DecodedCache decoded_;
+  bool keeps_decoded_ = true;
   std::atomic<uint64_t> opened_{1};
   std::atomic<uint64_t> decodings_{0};
   std::atomic<uint64_t> from_decoded_{0};

@@ -211,6 +211,34 @@ struct MemoryService::State {
     return [this](const MemoryId& entity) { return store->recorded().known_until(entity); };
   }
 
+  /// Whether the entities of a commit are known, or may become so. Those in working memory that the
+  /// store has, too, count twice; they are few where there are many.
+  [[nodiscard]] Status check_room(const ltm::Commit& commit) const {
+    const ltm::RecordedEntities& recorded = store ? store->recorded() : nothing_recorded;
+    const size_t known = memory->entity_count() + recorded.size();
+    if (known + commit.updates.size() <= options.max_entities) return {};
+    size_t more = 0;
+    for (const ltm::EntityUpdate& update : commit.updates) {
+      if (memory->has(update.entity) || recorded.contains(update.entity)) continue;
+      if (known + ++more > options.max_entities)
+        return resource_exhausted(
+            "'{}' would be a new entity, and server '{}' has {} already, of at most {} "
+            "(max_entities)",
+            update.entity.to_string(), options.name, known, options.max_entities);
+    }
+    return {};
+  }
+
+  /// About what an answer with these moments takes. Unit: bytes.
+  static size_t bytes_of(const ltm::SelectedEntity& selected, bool is_ids_only) {
+    constexpr size_t kMoment = 256;
+    size_t bytes = kMoment * (1 + selected.snapshots.size());
+    if (!is_ids_only)
+      for (const ltm::SharedSnapshot& snapshot : selected.snapshots)
+        bytes += snapshot->plain_bytes();
+    return bytes;
+  }
+
   static ltm::RecalledEntity recalled(ltm::SelectedEntity& selected, bool is_ids_only) {
     ltm::RecalledEntity entity{std::move(selected.entity), {}};
     entity.snapshots.reserve(selected.snapshots.size());
@@ -267,6 +295,7 @@ Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
   if (state_->is_closed) return unavailable("server '{}' is stopping", state_->options.name);
   for (const ltm::EntityUpdate& update : commit.updates)
     ENGRAM_RETURN_IF_ERROR(owns(update.entity));
+  ENGRAM_RETURN_IF_ERROR(state_->check_room(commit));
   return state_->memory->admit(std::move(commit), std::move(encoded),
                                durability == Durability::kJournal);
 }
@@ -301,12 +330,16 @@ Status MemoryService::wait_stored(const ltm::Admission& admission) {
   return promise.get_future().get();
 }
 
-std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query) {
+std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, size_t max_bytes) {
   State& state = *state_;
   ltm::Answer answer{query.is_ids_only(), {}};
   auto selected = state.memory->select(query, state.elsewhere());
+  size_t bytes = 0;
   for (ltm::SelectedEntity& entity : selected) {
     if (entity.reaches_elsewhere || !entity.future.empty()) return std::nullopt;
+    // Reading the sizes takes long where nobody wants to know.
+    if (max_bytes != SIZE_MAX) bytes += State::bytes_of(entity, query.is_ids_only());
+    if (bytes > max_bytes) return std::nullopt;
     answer.entities.push_back(State::recalled(entity, query.is_ids_only()));
   }
   if (answer.entities.empty()) return std::nullopt;
@@ -331,6 +364,24 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
   auto answer = state.recall->answer(query, options);
   if (answer.ok()) state.count_answer(*answer);
   return answer;
+}
+
+Result<ltm::Recall::AnswerCursor> MemoryService::begin_query(const ltm::Query& query,
+                                                             const std::string& engine) {
+  State& state = *state_;
+  ++state.queries;
+  ++state.queries_of_store;
+  ltm::Recall::Options options = state.recalling_options;
+  options.engine = engine;
+  const MutexLock lock(state.recalling);
+  return state.recall->begin(query, options);
+}
+
+Result<ltm::Answer> MemoryService::next_part(ltm::Recall::AnswerCursor& cursor, size_t bytes) {
+  const MutexLock lock(state_->recalling);
+  auto part = state_->recall->next(cursor, bytes);
+  if (part.ok()) state_->count_answer(*part);
+  return part;
 }
 
 Result<std::vector<ltm::SnapshotResult>> MemoryService::predict(

@@ -31,6 +31,9 @@ class MemoryService {
     std::optional<LongTerm::Options> store;
     /// How often waiting snapshots are handed over. Durable commits do not wait for it.
     Duration store_interval = std::chrono::milliseconds(200);
+    /// Max number of entities that the memory knows, those of the store included: each costs RAM as
+    /// long as the server runs, wherever its snapshots are. Commits of further ones are refused.
+    size_t max_entities = 1'000'000;
     /// How far after the last snapshot predictions may reach.
     Duration max_horizon = std::chrono::minutes(1);
 
@@ -71,7 +74,7 @@ class MemoryService {
   /// See ltm::WorkingMemory::declare and ltm::Recorder::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
 
-  /// See ltm::WorkingMemory::admit. After ok the commit can be read; with Durability::kJournal it
+  /// See ltm::WorkingMemory::admit; kResourceExhausted also beyond `max_entities`. After ok the commit can be read; with Durability::kJournal it
   /// is durable once when_stored() says so.
   Result<ltm::Admission> commit(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded = {},
                                 Durability durability = Durability::kMemory);
@@ -84,13 +87,19 @@ class MemoryService {
   /// Waits for the status of when_stored().
   Status wait_stored(const ltm::Admission& admission);
 
-  /// The answer, if working memory alone can give it. Takes microseconds.
-  [[nodiscard]] std::optional<ltm::Answer> query_memory(const ltm::Query& query);
+  /// The answer, if working memory alone can give it and it has at most `max_bytes`. Takes
+  /// microseconds.
+  [[nodiscard]] std::optional<ltm::Answer> query_memory(const ltm::Query& query,
+                                                        size_t max_bytes = SIZE_MAX);
 
   /// Answers any query. May take as long as decoding takes. `engine` names the engine of
   /// predictions; empty: the best.
   /// Errors: those of ltm::Recall::answer.
   Result<ltm::Answer> query(const ltm::Query& query, const std::string& engine = {});
+
+  /// The same in parts, see ltm::Recall::begin and next. Other questions are answered in between.
+  Result<ltm::Recall::AnswerCursor> begin_query(const ltm::Query& query, const std::string& engine);
+  Result<ltm::Answer> next_part(ltm::Recall::AnswerCursor& cursor, size_t bytes);
 
   /// Predicts from a moment on, or with a plan.
   /// Errors: those of ltm::Recall::predict.

@@ -3,11 +3,11 @@
 
 #include <numeric>
 
+#include "ltm/core/printable.h"
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "reports/plain/members_text.h"
 #include "reports/plain/save.h"
-#include "reports/plain/text.h"
 
 namespace engram::reports {
 
@@ -82,63 +82,6 @@ std::string source_text(const ltm::SnapshotResult& recalled) {
   return text;
 }
 
-Result<Json> result_json(const ltm::QueryResult& result) {
-  Json entities = Json::array();
-  for (const ltm::EntityResult* entity : result.entities()) {
-    Json snapshots = Json::array();
-    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
-      ENGRAM_ASSIGN_OR_RETURN(Json snapshot, snapshot_json(entity->id, recalled));
-      snapshots.push_back(std::move(snapshot));
-    }
-    entities.push_back({{"id", entity->id.to_string()}, {"snapshots", std::move(snapshots)}});
-  }
-  return Json{{"entities", std::move(entities)}};
-}
-
-void print_ids(const ltm::QueryResult& result, bool is_json) {
-  Json ids = Json::array();
-  for (const ltm::MemoryId& id : result.ids()) {
-    if (is_json)
-      ids.push_back(id.to_string());
-    else
-      print(id.printable());
-  }
-  if (is_json) print_json({{"ids", std::move(ids)}});
-}
-
-void print_result(const ltm::QueryResult& result) {
-  for (const ltm::EntityResult* entity : result.entities()) {
-    print(entity->id.printable());
-    if (entity->snapshots.empty()) {
-      print("  no snapshot matches");
-      continue;
-    }
-    TextTable table({"time", "source", "model", "error", "content"});
-    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
-      const size_t space = recalled.model.rfind(' ');
-      table.add({to_string(recalled.time), source_text(recalled),
-                 space == std::string::npos ? "-" : recalled.model.substr(space + 1),
-                 first_error_text(recalled), content_text(recalled)});
-    }
-    print(table.to_string("  "));
-    for (const ltm::SnapshotResult& recalled : entity->snapshots)
-      if (const std::string members = members_text(recalled); !members.empty())
-        print(fmt::format("  {} ahead: {}", to_string(recalled.horizon), members));
-  }
-}
-
-Status save_result(const ltm::QueryResult& result, const std::string& directory, bool is_json) {
-  size_t count = 0;
-  for (const ltm::EntityResult* entity : result.entities()) {
-    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
-      ENGRAM_ASSIGN_OR_RETURN(const auto files, save_snapshot(entity->id, recalled, directory));
-      count += files.size();
-    }
-  }
-  if (!is_json) print(fmt::format("{} files written below {}", count, directory));
-  return {};
-}
-
 }  // namespace
 
 std::string content_text(const ltm::Snapshot& snapshot) {
@@ -148,16 +91,100 @@ std::string content_text(const ltm::Snapshot& snapshot) {
   return text;
 }
 
-Status show_result(const ltm::QueryResult& result, const std::string& save, bool is_json) {
-  if (result.is_ids_only()) {
-    print_ids(result, is_json);
-  } else if (is_json) {
-    ENGRAM_ASSIGN_OR_RETURN(const Json json, result_json(result));
-    print_json(json);
-  } else {
-    print_result(result);
+ResultWriter::ResultWriter(std::string save, bool is_json)
+    : save_(std::move(save)), is_json_(is_json) {}
+
+Status ResultWriter::add(const ltm::QueryResult& part) {
+  if (part.is_ids_only()) {
+    for (const ltm::MemoryId& id : part.ids()) add_id(id);
+    return {};
   }
-  return save.empty() ? Status() : save_result(result, save, is_json);
+  for (const ltm::EntityResult* entity : part.entities()) {
+    if (!entity_ || *entity_ != entity->id) begin(entity->id);
+    ENGRAM_RETURN_IF_ERROR(is_json_ ? add_json(*entity) : add_rows(*entity));
+    snapshots_ += entity->snapshots.size();
+    if (save_.empty()) continue;
+    for (const ltm::SnapshotResult& recalled : entity->snapshots) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto files, save_snapshot(entity->id, recalled, save_));
+      files_ += files.size();
+    }
+  }
+  return {};
+}
+
+void ResultWriter::finish(bool is_ids_only) {
+  end();
+  if (is_json_) {
+    if (is_begun_)
+      fmt::print("\n  ]\n}}\n");
+    else
+      print_json({{is_ids_only ? "ids" : "entities", Json::array()}});
+  } else if (!save_.empty()) {
+    print(fmt::format("{} files written below {}", files_, save_));
+  }
+}
+
+void ResultWriter::begin(const ltm::MemoryId& entity) {
+  end();
+  entity_ = entity;
+  snapshots_ = 0;
+  table_ = TextTable({"time", "source", "model", "error", "content"});
+  if (is_json_)
+    add_text("entities", fmt::format("{{\n      \"id\": {},\n      \"snapshots\": [",
+                                     Json(entity.to_string()).dump()));
+  else
+    print(entity.printable());
+}
+
+void ResultWriter::end() {
+  if (!entity_) return;
+  if (is_json_)
+    fmt::print("{}]\n    }}", snapshots_ == 0 ? "" : "\n      ");
+  else if (snapshots_ == 0)
+    print("  no snapshot matches");
+  entity_.reset();
+}
+
+/// Adds an element of the outermost list.
+void ResultWriter::add_text(const char* list, const std::string& json) {
+  if (!is_begun_) fmt::print("{{\n  \"{}\": [", list);
+  fmt::print("{}\n    {}", is_begun_ ? "," : "", printable_json(json));
+  is_begun_ = true;
+}
+
+void ResultWriter::add_id(const ltm::MemoryId& id) {
+  if (is_json_)
+    add_text("ids", Json(id.to_string()).dump());
+  else
+    print(id.printable());
+}
+
+Status ResultWriter::add_json(const ltm::EntityResult& entity) {
+  constexpr const char* kIndent = "\n        ";
+  bool is_first = snapshots_ == 0;
+  for (const ltm::SnapshotResult& recalled : entity.snapshots) {
+    ENGRAM_ASSIGN_OR_RETURN(const Json json, snapshot_json(entity.id, recalled));
+    std::string text;
+    for (const char c : json.dump(2)) text += c == '\n' ? kIndent : std::string(1, c);
+    fmt::print("{}{}{}", is_first ? "" : ",", kIndent, printable_json(text));
+    is_first = false;
+  }
+  return {};
+}
+
+Status ResultWriter::add_rows(const ltm::EntityResult& entity) {
+  if (entity.snapshots.empty()) return {};
+  for (const ltm::SnapshotResult& recalled : entity.snapshots) {
+    const size_t space = recalled.model.rfind(' ');
+    table_.add({to_string(recalled.time), source_text(recalled),
+                space == std::string::npos ? "-" : recalled.model.substr(space + 1),
+                first_error_text(recalled), content_text(recalled)});
+  }
+  print(table_.take("  "));
+  for (const ltm::SnapshotResult& recalled : entity.snapshots)
+    if (const std::string members = members_text(recalled); !members.empty())
+      print(fmt::format("  {} ahead: {}", to_string(recalled.horizon), members));
+  return {};
 }
 
 }  // namespace engram::reports

@@ -54,12 +54,24 @@ void TextTable::add(std::vector<std::string> row) {
   rows_.push_back(std::move(row));
 }
 
-std::string TextTable::to_string(std::string_view indent) const {
-  std::vector<size_t> widths;
+std::vector<size_t> TextTable::widths() const {
+  std::vector<size_t> widths = min_widths_;
   for (const auto& row : rows_) {
     widths.resize(std::max(widths.size(), row.size()));
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
+  return widths;
+}
+
+std::string TextTable::take(std::string_view indent) {
+  std::string text = to_string(indent);
+  min_widths_ = widths();
+  rows_.clear();
+  return text;
+}
+
+std::string TextTable::to_string(std::string_view indent) const {
+  const std::vector<size_t> widths = this->widths();
   std::string text;
   for (const auto& row : rows_) {
     std::string line(indent);

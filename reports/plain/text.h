@@ -38,8 +38,14 @@ class TextTable {
   void add(std::vector<std::string> row);
   [[nodiscard]] std::string to_string(std::string_view indent = "") const;
 
+  /// The rows so far. Those that are added later line up with them, if they are no longer.
+  [[nodiscard]] std::string take(std::string_view indent = "");
+
  private:
+  [[nodiscard]] std::vector<size_t> widths() const;
+
   std::vector<std::vector<std::string>> rows_;
+  std::vector<size_t> min_widths_;
 };
 
 }  // namespace engram::reports

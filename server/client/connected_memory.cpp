@@ -36,6 +36,16 @@ class ConnectedMemory final : public Memory {
     return client->query(query, engine);
   }
 
+  Status query_parts(const ltm::Query& query, const PartVisit& visit,
+                     const std::string& engine) override {
+    const auto client = this->client();
+    if (!client) return is_closed();
+    if constexpr (requires { client->query_parts(query, visit, engine); })
+      return client->query_parts(query, visit, engine);
+    else
+      return Memory::query_parts(query, visit, engine);
+  }
+
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
                                                  std::optional<Time> at) override {
     const auto client = this->client();

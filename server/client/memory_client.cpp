@@ -13,6 +13,7 @@
 #include "server/client/calls.h"
 #include "server/client/messages.h"
 #include "server/client/open_channel.h"
+#include "server/client/part_queue.h"
 #include "server/client/remote_subscription.h"
 #include "server/client/shared_lane.h"
 #include "server/wire/byte_message.h"
@@ -198,6 +199,41 @@ struct MemoryClient::State {
     return answer.ok() ? std::move(answer) : Answer(answer.status().with_context(endpoint));
   }
 
+  /// Asks on a stream of its own, because who takes parts slowly holds it up. Sets `is_visited`
+  /// once a part was.
+  Status ask_in_parts(v1::QueryRequest request, bool is_ids_only, const Memory::PartVisit& visit,
+                      bool& is_visited) {
+    const auto parts = std::make_shared<PartQueue>();
+    const auto calls = std::make_shared<Calls<v1::QueryReply>>(
+        channel, "/engram.v1.MemoryServer/Query", options.token);
+    calls->call(
+        [&request](uint64_t number) {
+          request.set_number(number);
+          return to_bytes(request);
+        },
+        {[parts, is_ids_only](v1::QueryReply& reply) {
+           ltm::QueryResult part(is_ids_only);
+           const Status taken = take_part(reply, part);
+           const bool is_last = reply.is_last() || !taken.ok();
+           parts->put(taken.ok() ? Result<ltm::QueryResult>(std::move(part)) : taken, is_last);
+           return is_last;
+         },
+         [parts](const Status& status) { parts->put(status, true); }});
+    const auto finish = [&](Status status) {
+      // The stream may wait for room.
+      parts->close();
+      calls->close();
+      return status;
+    };
+    while (true) {
+      auto part = parts->take(steady_now() + options.timeout);
+      if (!part.ok()) return finish(part.status());
+      if (!*part) return finish({});
+      is_visited = true;
+      if (Status status = visit(**std::move(part)); !status.ok()) return finish(std::move(status));
+    }
+  }
+
   /// The time until which a call is retried.
   [[nodiscard]] SteadyTime last_try(SteadyTime deadline) const {
     return options.tries_again ? deadline : steady_now();
@@ -297,6 +333,26 @@ Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durabili
 void MemoryClient::query(const ltm::Query& query, const std::string& engine,
                          std::function<void(Result<ltm::QueryResult>)> done) {
   state_->ask(to_request(query, engine), query.is_ids_only(), done);
+}
+
+Status MemoryClient::query_parts(const ltm::Query& query, const Memory::PartVisit& visit,
+                                 const std::string& engine) {
+  const auto last_try = state_->last_try(steady_now() + state_->options.timeout);
+  bool is_visited = false;
+  Status refused;  // By the visitor.
+  Status failed;   // After a part was visited.
+  const auto noting = [&](ltm::QueryResult part) { return refused = visit(std::move(part)); };
+  const Status status = retried(last_try, [&]() -> Status {
+    Status outcome =
+        state_->ask_in_parts(to_request(query, engine), query.is_ids_only(), noting, is_visited);
+    if (!is_visited) return outcome;
+    // What was visited cannot be taken back, so this is not tried again.
+    failed = std::move(outcome);
+    return {};
+  });
+  if (!refused.ok()) return refused;
+  if (!failed.ok()) return failed.with_context(state_->endpoint);
+  return status.ok() ? status : status.with_context(state_->endpoint);
 }
 
 Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine) {

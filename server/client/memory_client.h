@@ -71,6 +71,10 @@ class MemoryClient {
   /// Answers a query. `engine` names the engine of predictions; empty chooses the best one.
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
 
+  /// The same in parts, see Memory::query_parts. `options.timeout` is for each part.
+  Status query_parts(const ltm::Query& query, const Memory::PartVisit& visit,
+                     const std::string& engine = {});
+
   /// The same without waiting or trying again; `done` is called by a thread of the client.
   void query(const ltm::Query& query, const std::string& engine,
              std::function<void(Result<ltm::QueryResult>)> done);

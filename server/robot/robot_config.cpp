@@ -10,6 +10,7 @@
 #include "ltm/recording/presets.h"
 #include "ltm/recording/recording_config.h"
 #include "server/access/default_endpoint.h"
+#include "server/robot/working_memory_config.h"
 
 namespace engram::server {
 
@@ -21,7 +22,6 @@ namespace {
 
 constexpr const char* kSystemState = "SystemState";
 
-constexpr DeprecatedWord kMinBytesKey{"least", "min_bytes", "0.3"};
 constexpr DeprecatedWord kMaxHorizonKey{"furthest_prediction", "max_horizon", "0.3"};
 
 constexpr std::array<Choice<ltm::StoreMode>, 3> kModes{
@@ -56,24 +56,6 @@ class RobotReader {
     ENGRAM_RETURN_IF_ERROR(map.read(key, text, &ConfigValue::text));
     if (!text.empty()) out = directory_ / text;
     return {};
-  }
-
-  /// Reads a count of at least one.
-  static Status read_count(ConfigMap& map, std::string_view key, std::optional<size_t>& out) {
-    const auto value = map.find(key);
-    if (!value) return {};
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t count, value->integer());
-    if (count < 1) return value->error(fmt::format("found {}, needs at least 1", count));
-    out = static_cast<size_t>(count);
-    return {};
-  }
-
-  static Status read_limits(ConfigMap& map, ltm::MemoryLimits& limits) {
-    ENGRAM_RETURN_IF_ERROR(read_count(map, "snapshots", limits.snapshots));
-    ENGRAM_RETURN_IF_ERROR(map.read("bytes", limits.bytes, &ConfigValue::bytes));
-    ENGRAM_RETURN_IF_ERROR(map.read("age", limits.age, &ConfigValue::duration));
-    const Status status = limits.validate();
-    return status.ok() ? status : map.value().error(status);
   }
 
   static Status read_endpoints(ConfigMap& map, std::string_view key, std::vector<Endpoint>& out) {
@@ -125,61 +107,6 @@ class RobotReader {
     if (at.empty() && (!names.token.empty() || !names.ca.empty()))
       return value->error("'token' and 'ca' are for a name system elsewhere ('at')");
     robot_.names = std::move(names);
-    return {};
-  }
-
-  static Status read_segments(ConfigMap& map, ltm::WorkingMemory::Options& memory) {
-    const auto value = map.find("segments");
-    if (!value) return {};
-    ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
-    for (const ConfigValue& each : values) {
-      ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, each.map());
-      ENGRAM_ASSIGN_OR_RETURN(const ConfigValue match, entry.require("match"));
-      ENGRAM_ASSIGN_OR_RETURN(const std::string text, match.text());
-      auto id = MemoryId::parse(text);
-      if (!id.ok()) return match.error(id.status());
-      if (id->names().empty() || id->time())
-        return match.error(fmt::format("found '{}', needs a memory, segment or entity", text));
-      ltm::SegmentLimits segment{*std::move(id), {}};
-      ENGRAM_RETURN_IF_ERROR(read_limits(entry, segment.limits));
-      const auto ahead = entry.find("max_ahead");
-      if (ahead) {
-        ENGRAM_ASSIGN_OR_RETURN(const Duration max, ahead->duration_or_never());
-        memory.ahead.parts.emplace_back(segment.segment, max);
-      }
-      ENGRAM_RETURN_IF_ERROR(entry.finish());
-      const bool has_limit = segment.limits.snapshots || segment.limits.bytes || segment.limits.age;
-      if (!has_limit && !ahead)
-        return each.error("has no limit, needs bytes, snapshots, age or max_ahead");
-      if (has_limit) memory.segments.push_back(std::move(segment));
-    }
-    return {};
-  }
-
-  static Status read_working_memory(ConfigMap& map, ServerConfig& server) {
-    ltm::WorkingMemory::Options& memory = server.options.service.memory;
-    ENGRAM_RETURN_IF_ERROR(read_segments(map, memory));
-    const auto value = map.find("working_memory");
-    if (value) {
-      ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, value->map());
-      ENGRAM_RETURN_IF_ERROR(read_limits(entry, memory.all));
-      ENGRAM_ASSIGN_OR_RETURN(const auto min_bytes, entry.find(kMinBytesKey));
-      if (min_bytes) {
-        ENGRAM_ASSIGN_OR_RETURN(server.min_bytes, min_bytes->bytes());
-      }
-      ENGRAM_RETURN_IF_ERROR(
-          entry.read("max_ahead", memory.ahead.all, &ConfigValue::duration_or_never));
-      ENGRAM_RETURN_IF_ERROR(entry.read("waiting", memory.max_waiting_bytes, &ConfigValue::bytes));
-      ENGRAM_RETURN_IF_ERROR(
-          entry.read("read_half_life", memory.read_half_life, &ConfigValue::duration));
-      if (min_bytes && (server.min_bytes == 0 || server.min_bytes > *memory.all.bytes))
-        return min_bytes->error(
-            fmt::format("found {} bytes, needs more than 0 and at most the {} of 'bytes'",
-                        server.min_bytes, *memory.all.bytes));
-      ENGRAM_RETURN_IF_ERROR(entry.finish());
-    }
-    // The default of min_bytes must not exceed a small limit that was configured.
-    server.min_bytes = std::min<uint64_t>(server.min_bytes, *memory.all.bytes);
     return {};
   }
 
@@ -298,9 +225,12 @@ class RobotReader {
     ENGRAM_RETURN_IF_ERROR(read_choice(map, "durability", options.durability, kDurabilities));
     if (options.durability == memory::MemoryService::Durability::kJournal && !service.store)
       return map.find("durability")->error("needs a 'store' beside it");
-    ENGRAM_RETURN_IF_ERROR(read_working_memory(map, server));
+    ENGRAM_RETURN_IF_ERROR(read_working_memory(map, options.service.memory, server.min_bytes));
     ENGRAM_RETURN_IF_ERROR(read_path(map, "prior", server.prior));
     ENGRAM_RETURN_IF_ERROR(map.read(kMaxHorizonKey, service.max_horizon, &ConfigValue::duration));
+    std::optional<size_t> max_entities;
+    ENGRAM_RETURN_IF_ERROR(read_count(map, "max_entities", max_entities));
+    service.max_entities = max_entities.value_or(service.max_entities);
     ENGRAM_RETURN_IF_ERROR(read_threads(map, options.threads));
     ENGRAM_RETURN_IF_ERROR(map.finish());
     if (const Status status = service.validate(); !status.ok()) return value.error(status);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ltm/core/free_memory.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_answer.h"
 #include "server/wire/wire_snapshot.h"
@@ -13,6 +14,12 @@ namespace {
 
 /// The size at which an answer is split into parts. A part with one snapshot may be larger.
 constexpr size_t kPartBytes = size_t{1} << 20;
+
+/// Larger answers are made in steps of so many bytes, as long as few are not read by the client.
+/// Values take several times their bytes before they are written.
+constexpr size_t kAtOnceBytes = size_t{4} << 20;
+constexpr size_t kStepBytes = size_t{256} << 10;
+constexpr size_t kWaitingBytes = size_t{2} << 20;
 
 /// As many as a query may have selectors.
 constexpr int kMaxHorizons = 1024;
@@ -61,13 +68,21 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
     return;
   }
   if (message.engine().empty()) {
-    if (auto known = context_.service.query_memory(*query)) {
+    if (auto known = context_.service.query_memory(*query, kAtOnceBytes)) {
       answer(message.number(), *std::move(known));
       return;
     }
   }
-  answer_later({message.number(), [this, query = *std::move(query), engine = message.engine()] {
-                  return context_.service.query(query, engine);
+  auto cursor = std::make_shared<std::optional<ltm::Recall::AnswerCursor>>();
+  answer_later({message.number(),
+                [this, query = *std::move(query), engine = message.engine(),
+                 cursor](bool& is_last) -> Result<ltm::Answer> {
+                  if (!*cursor) {
+                    ENGRAM_ASSIGN_OR_RETURN(*cursor, context_.service.begin_query(query, engine));
+                  }
+                  auto part = context_.service.next_part(**cursor, kStepBytes);
+                  is_last = (*cursor)->is_done();
+                  return part;
                 }});
 }
 
@@ -80,12 +95,13 @@ void QueryStream::on_prediction(const v1::QueryRequest& message) {
     answer(message.number(), std::move(status));
     return;
   }
-  answer_later({message.number(), [this, asked = *std::move(asked)]() -> Result<ltm::Answer> {
-                  const auto& [entity, request] = asked;
-                  ENGRAM_ASSIGN_OR_RETURN(auto predicted,
-                                          context_.service.predict(entity, request));
-                  return answer_of(entity, std::move(predicted));
-                }});
+  answer_later(
+      {message.number(), [this, asked = *std::move(asked)](bool& is_last) -> Result<ltm::Answer> {
+         is_last = true;
+         const auto& [entity, request] = asked;
+         ENGRAM_ASSIGN_OR_RETURN(auto predicted, context_.service.predict(entity, request));
+         return answer_of(entity, std::move(predicted));
+       }});
 }
 
 /// Reads and checks what is to be predicted. The reader needs to be let read the plan too: an
@@ -123,29 +139,36 @@ void QueryStream::answer_later(Asked asked) {
 
 void QueryStream::answer_next() {
   // Called without the lock, because senders take the two locks in the other order.
-  if (!has_room()) return;
+  if (!has_room(kWaitingBytes)) return;
   const MutexLock lock(asking_);
   if (is_answering_ || asked_.empty()) return;
   is_answering_ = true;
-  context_.work.add([kept = shared_from_this(), this, asked = std::move(asked_.front())] {
-    answer(asked.number, asked.answer());
+  context_.work.add([kept = shared_from_this(), this, asked = std::move(asked_.front())]() mutable {
+    bool is_last = true;
+    auto part = asked.next_part(is_last);
+    is_last = is_last || !part.ok();
+    answer(asked.number, std::move(part), is_last);
+    // What a large answer took would stay with this process otherwise.
+    if (is_last && asked.parts > 0) give_back_memory();
+    ++asked.parts;
     {
       const MutexLock answered(asking_);
       is_answering_ = false;
+      if (!is_last) asked_.push_front(std::move(asked));
     }
-    fulfil();
+    if (is_last) fulfil();
     answer_next();
   });
   asked_.pop_front();
 }
 
-void QueryStream::answer(uint64_t number, Result<ltm::Answer> answer) {
+void QueryStream::answer(uint64_t number, Result<ltm::Answer> answer, bool is_last) {
   if (answer.ok())
     std::erase_if(answer->entities,
                   [this](const ltm::RecalledEntity& entity) { return !who_.may_read(entity.id); });
   Status status = answer.status();
   if (answer.ok())
-    status = write_answer(number, *answer, kPartBytes,
+    status = write_answer(number, *answer, kPartBytes, is_last,
                           [this](const WireBytes& part) { send(part.to_byte_buffer()); });
   if (status.ok()) return;
   context_.metrics.failed_queries.add();

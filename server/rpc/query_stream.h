@@ -11,7 +11,8 @@ namespace engram::server {
 
 /// The query stream of one reader. Queries that working memory can answer are answered at once. The
 /// others are answered by other threads, one after the other and as fast as the client reads the
-/// answers, so answers may come in another order than their queries.
+/// answers, so answers may come in another order than their queries. Large answers are made part by
+/// part, so they cost as little memory as small ones, and other streams get their turn in between.
 class QueryStream final : public ReplyStream {
  public:
   QueryStream(RpcContext& context, Identity who, ClientId /*sharing*/)
@@ -28,7 +29,7 @@ class QueryStream final : public ReplyStream {
   void on_sent() override { answer_next(); }
   void on_query(const v1::QueryRequest& message);
   void on_prediction(const v1::QueryRequest& message);
-  void answer(uint64_t number, Result<ltm::Answer> answer);
+  void answer(uint64_t number, Result<ltm::Answer> answer, bool is_last = true);
   [[nodiscard]] Result<Predicted> asked_of(const v1::QueryRequest& message) const;
   /// Hands the next waiting query to another thread, if none is being answered and the client keeps
   /// up with reading.
@@ -36,7 +37,10 @@ class QueryStream final : public ReplyStream {
 
   struct Asked {
     uint64_t number = 0;
-    std::function<Result<ltm::Answer>()> answer;  ///< Called by another thread.
+    /// Makes the next part of the answer, and says whether it is the last one. Called by another
+    /// thread.
+    std::function<Result<ltm::Answer>(bool& is_last)> next_part;
+    int parts = 0;  ///< That were made.
   };
 
   void answer_later(Asked asked) ENGRAM_EXCLUDES(asking_);

@@ -66,10 +66,10 @@ void ReplyStream::send(grpc::ByteBuffer reply) {
   go_on();
 }
 
-bool ReplyStream::has_room() {
+bool ReplyStream::has_room(size_t max_bytes) {
   const MutexLock lock(mutex_);
   return !is_broken_ && !is_finished_ && waiting_.size() < kMaxReplies &&
-         waiting_bytes_ < kMaxReplyBytes;
+         waiting_bytes_ < max_bytes;
 }
 
 void ReplyStream::end(const Status& status) {

@@ -41,8 +41,8 @@ class ReplyStream : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   /// Called after a reply was written; has_room() may be true now.
   virtual void on_sent() {}
 
-  /// Whether few enough replies wait that more should be made.
-  [[nodiscard]] bool has_room() ENGRAM_EXCLUDES(mutex_);
+  /// Whether few enough replies wait, of less than `max_bytes`, that more should be made.
+  [[nodiscard]] bool has_room(size_t max_bytes = kMaxReplyBytes) ENGRAM_EXCLUDES(mutex_);
 
   /// Adds or removes one reply that will come later. The stream does not end while replies are
   /// promised.

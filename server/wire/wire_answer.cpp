@@ -21,7 +21,7 @@ Result<WireBytes> snapshot_bytes(const ltm::RecalledSnapshot& served, bool with_
 }  // namespace
 
 Status write_answer(uint64_t number, const ltm::Answer& answer, size_t part_bytes,
-                    const std::function<void(const WireBytes&)>& send) {
+                    bool is_last, const std::function<void(const WireBytes&)>& send) {
   WireWriter part;
   WireWriter entity;
   const auto begin_part = [&] { part.field(v1::QueryReply::kNumberFieldNumber, number); };
@@ -43,7 +43,7 @@ Status write_answer(uint64_t number, const ltm::Answer& answer, size_t part_byte
     }
     part.field(v1::QueryReply::kEntitiesFieldNumber, entity.take());
   }
-  part.field(v1::QueryReply::kIsLastFieldNumber, uint64_t{1});
+  if (is_last) part.field(v1::QueryReply::kIsLastFieldNumber, uint64_t{1});
   send(part.take());
   return {};
 }

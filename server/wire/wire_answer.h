@@ -9,9 +9,9 @@
 namespace engram::server {
 
 /// Writes an answer as v1::QueryReply messages of about `part_bytes` each and passes each to
-/// `send`. The last one is marked as such.
+/// `send`. If `is_last`, the last one is marked as that of the whole answer.
 /// Errors: kInvalidArgument if a value nests too deep; no message is marked as the last then.
 Status write_answer(uint64_t number, const ltm::Answer& answer, size_t part_bytes,
-                    const std::function<void(const WireBytes&)>& send);
+                    bool is_last, const std::function<void(const WireBytes&)>& send);
 
 }  // namespace engram::server

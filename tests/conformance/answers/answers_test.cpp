@@ -99,6 +99,38 @@ std::string text_of(const Result<std::vector<ltm::EngineRecord>>& told, const st
 
 using Answers = std::map<std::string, std::string>;
 
+void add_part(ltm::QueryResult part, ltm::QueryResult& whole) {
+  for (const ltm::EntityResult* entity : part.entities()) {
+    ltm::EntityResult& known = whole.add_entity(entity->id);
+    for (const ltm::SnapshotResult& snapshot : entity->snapshots) {
+      EXPECT_TRUE(known.snapshots.empty() || known.snapshots.back().time < snapshot.time);
+      known.add(snapshot);
+    }
+  }
+}
+
+/// The answer that comes in parts of one snapshot each. `begin` and `next` are those of
+/// ltm::Recall.
+template <typename Begin, typename Next>
+Result<ltm::QueryResult> in_parts(const ltm::Query& query, const Begin& begin, const Next& next) {
+  ltm::QueryResult whole(query.is_ids_only());
+  ENGRAM_ASSIGN_OR_RETURN(ltm::Recall::AnswerCursor cursor, begin(query));
+  while (!cursor.is_done()) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Answer part, next(cursor));
+    add_part(std::move(part).to_result(), whole);
+  }
+  return whole;
+}
+
+Result<ltm::QueryResult> in_parts(const ltm::Query& query, server::MemoryClient& client) {
+  ltm::QueryResult whole(query.is_ids_only());
+  ENGRAM_RETURN_IF_ERROR(client.query_parts(query, [&whole](ltm::QueryResult part) {
+    add_part(std::move(part), whole);
+    return Status();
+  }));
+  return whole;
+}
+
 /// Asks a lived memory everywhere where it can be asked.
 class Answering : public ::testing::Test {
  protected:
@@ -147,6 +179,12 @@ class Answering : public ::testing::Test {
           answer.ok() ? Result<ltm::QueryResult>(std::move(*answer).to_result()) : answer.status(),
           "server 'robot'");
       wired_[question] = text_of((*client)->query(*query), "server 'robot'", endpoint);
+      served_in_parts_[question] = text_of(
+          in_parts(
+              *query, [&](const ltm::Query& asked) { return service.begin_query(asked, {}); },
+              [&](auto& cursor) { return service.next_part(cursor, 1); }),
+          "server 'robot'");
+      wired_in_parts_[question] = text_of(in_parts(*query, **client), "server 'robot'", endpoint);
     }
     for (const FutureQuestion& asked : future_questions()) {
       const ltm::MemoryId id = *ltm::MemoryId::parse(asked.entity);
@@ -197,8 +235,15 @@ class Answering : public ::testing::Test {
     ASSERT_OK(reader);
     ltm::Recall recall(*std::move(reader), lived_models());
     const std::string place = "store '" + store.string() + "'";
-    for (const std::string& question : questions())
-      stored_[question] = text_of(recall.query(*ltm::Query::parse(question)), place);
+    for (const std::string& question : questions()) {
+      const ltm::Query query = *ltm::Query::parse(question);
+      stored_[question] = text_of(recall.query(query), place);
+      stored_in_parts_[question] =
+          text_of(in_parts(
+                      query, [&](const ltm::Query& asked) { return recall.begin(asked, {}); },
+                      [&](auto& cursor) { return recall.next(cursor, 1); }),
+                  place);
+    }
     // In another order than the server was asked: what was asked before changes no answer.
     auto asked = future_questions();
     std::ranges::reverse(asked);
@@ -219,7 +264,14 @@ class Answering : public ::testing::Test {
 
   static const std::string& stored(const std::string& question) { return stored_.at(question); }
 
+  static void expect_same_queries(const Answers& found) {
+    ASSERT_EQ(found.size(), questions().size());
+    for (const auto& [question, text] : found)
+      EXPECT_EQ(text, stored(question)) << "asked: " << question;
+  }
+
   static inline Answers served_, wired_, stored_, wired_latents_, stored_latents_;
+  static inline Answers served_in_parts_, wired_in_parts_, stored_in_parts_;
 };
 
 TEST_F(Answering, AServerAndTheStoreThatItLeavesSayTheSame) {
@@ -228,6 +280,12 @@ TEST_F(Answering, AServerAndTheStoreThatItLeavesSayTheSame) {
 
 TEST_F(Answering, TheWireChangesNothing) {
   expect_same(wired_, stored_);
+}
+
+TEST_F(Answering, PartsMakeTheSameAnswers) {
+  expect_same_queries(stored_in_parts_);
+  expect_same_queries(served_in_parts_);
+  expect_same_queries(wired_in_parts_);
 }
 
 TEST_F(Answering, AServerThatPrefersLatentsSaysWhatTheStoreSays) {

@@ -159,5 +159,43 @@ TEST(SelectSnapshots, OfOneSelectorAreItsOwn) {
             (std::vector<SelectedSnapshot>{{t(20), false, {4}}, {t(30), false, {4}}}));
 }
 
+TEST(SelectedMoments, AreThoseOfTheList) {
+  ListedMoments times({t(10), t(20), t(30), t(40)});
+  const std::vector<SnapshotQuery> queries{{select::Latest{2}, {1}},
+                                           {select::IndexRange{0, 2}, {}},
+                                           {select::TimeRange{t(15), t(30)}, {0}},
+                                           {select::At{t(45)}, {2}},
+                                           {select::Ahead{Duration(1)}, {}},
+                                           {select::Before{t(5), false}, {}}};
+  for (size_t first = 0; first < queries.size(); ++first)
+    for (size_t count = 0; first + count <= queries.size(); ++count) {
+      const auto some = std::span(queries).subspan(first, count);
+      const auto moments = SelectedMoments::create(some, times);
+      ASSERT_TRUE(moments.ok());
+      std::vector<SelectedSnapshot> found;
+      std::optional<Time> last;
+      while (true) {
+        const auto next = moments->after(last, times);
+        ASSERT_TRUE(next.ok());
+        if (!*next) break;
+        last = (*next)->time;
+        found.push_back(**next);
+      }
+      found.insert(found.end(), moments->future().begin(), moments->future().end());
+      EXPECT_EQ(found, *select_snapshots(some, times)) << first << " " << count;
+    }
+}
+
+TEST(SelectedMoments, AreSettledWhenTheyAreCreated) {
+  ListedMoments times({t(10), t(20), t(30)});
+  const std::vector<SnapshotQuery> queries{{select::Latest{2}, {}}};
+  const auto moments = SelectedMoments::create(queries, times);
+  ASSERT_TRUE(moments.ok());
+  ListedMoments later({t(10), t(25), t(30), t(40), t(50)});
+  EXPECT_EQ((*moments->after({}, later))->time, t(25)) << "the one at 20 has gone";
+  EXPECT_EQ((*moments->after(t(25), later))->time, t(30));
+  EXPECT_FALSE(moments->after(t(30), later)->has_value());
+}
+
 }  // namespace
 }  // namespace engram::ltm

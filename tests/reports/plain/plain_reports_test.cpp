@@ -86,6 +86,48 @@ TEST(ForgetText, TellsWhatGoesWhyAndWhatStays) {
   EXPECT_EQ(json["entities"][0]["protected"], 1);
 }
 
+Status show_result(const ltm::QueryResult& result, const std::string& save, bool is_json) {
+  ResultWriter writer(save, is_json);
+  ENGRAM_RETURN_IF_ERROR(writer.add(result));
+  writer.finish(result.is_ids_only());
+  return {};
+}
+
+TEST(ResultText, ShowsPartsAsOneAnswer) {
+  const ltm::MemoryId plate = *ltm::MemoryId::parse("Objects/Things/kitchen/plate");
+  ltm::QueryResult whole;
+  whole.add_entity(kCup);
+  whole.add_entity(plate);
+  std::vector<ltm::QueryResult> parts(4);
+  parts[0].add_entity(kCup);
+  for (int i = 0; i < 5; ++i) {
+    ltm::SnapshotResult snapshot;
+    snapshot.time = kTime + milliseconds(i);
+    snapshot.instances.push_back({});
+    snapshot.instances.back().data = idf::Dict{{"height", 0.25 * i}};
+    whole.add_entity(plate).add(snapshot);
+    parts[static_cast<size_t>(i) / 2].add_entity(plate).add(snapshot);
+  }
+  parts[3].add_entity(plate);  // Nothing more of it.
+  for (const bool is_json : {false, true}) {
+    const std::string at_once = printed([&] { EXPECT_TRUE(show_result(whole, "", is_json).ok()); });
+    const std::string one_by_one = printed([&] {
+      ResultWriter writer("", is_json);
+      for (const ltm::QueryResult& part : parts) EXPECT_TRUE(writer.add(part).ok());
+      writer.finish(false);
+    });
+    EXPECT_EQ(one_by_one, at_once);
+    if (!is_json) continue;
+    const Json json = Json::parse(at_once);
+    EXPECT_EQ(json.dump(2) + "\n", at_once) << "as one JSON is printed";
+    EXPECT_EQ(json["entities"][0]["snapshots"].size(), 0u);
+    EXPECT_EQ(json["entities"][1]["snapshots"].size(), 5u);
+  }
+  const std::string nothing =
+      printed([&] { EXPECT_TRUE(show_result(ltm::QueryResult(), "", true).ok()); });
+  EXPECT_EQ(nothing, "{\n  \"entities\": []\n}\n");
+}
+
 TEST(ResultText, ShowsAnAnswerAsATableAndAsJson) {
   const ltm::QueryResult result = answer();
   const std::string text = printed([&] { EXPECT_TRUE(show_result(result, "", false).ok()); });

@@ -89,6 +89,7 @@ servers:
     prefer: latent
     prior: prior
     max_horizon: 5s
+    max_entities: 5000
     threads: 3
   - name: scratch
     memories: [Scratch]
@@ -113,6 +114,7 @@ servers:
   const memory::MemoryService::Options& service = vision.options.service;
   EXPECT_THAT(service.memories, ElementsAre("Vision", "SystemState"));
   EXPECT_EQ(service.max_horizon, std::chrono::seconds(5));
+  EXPECT_EQ(service.max_entities, 5000U);
   EXPECT_TRUE(service.store->prefers_latents);
   EXPECT_EQ(service.store->max_decoded_bytes, size_t{32} << 20);
   EXPECT_THAT(service.store->recording.rules, SizeIs(1));

@@ -37,7 +37,7 @@ std::vector<v1::QueryReply> parts(const ltm::Answer& answer, size_t part_bytes) 
     auto buffer = bytes.to_byte_buffer();
     EXPECT_OK(read_message(buffer, all.emplace_back()));
   };
-  EXPECT_OK(write_answer(7, answer, part_bytes, take));
+  EXPECT_OK(write_answer(7, answer, part_bytes, true, take));
   return all;
 }
 
