@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile fade-bars ninety-days age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars fade-bars ninety-days age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -43,6 +43,7 @@ help:
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
 	@echo "make crash-night     kill nightly jobs and fading at random moments, look for what they lost (KILLS=100)"
 	@echo "make faults  let every file operation of a session fail, cut the power after each"
+	@echo "make many-bars   100,000 entities, answers of any size: time, disk and RAM (BARS=options)"
 	@echo "make hostile attack stores and the programs that open them, on this machine (BARS=options)"
 	@echo "make soak    kill servers, clients and the name system at random moments (SECONDS=600)"
 	@echo "make server-cut      cut a server off the network: how soon do clients go on? (needs root)"
@@ -205,6 +206,11 @@ month: build
 hostile: build
 	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
 	  /usr/bin/python3 -m experiments.hostile $(BARS)
+
+# Options: /usr/bin/python3 -m experiments.many --help
+many-bars: build
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m experiments.many --engram build/release/bin/engram \
+	  $(BARS)
 
 fade-bars: build
 	experiments/learning/fade_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" $(BARS)

@@ -1,0 +1,186 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Many entities, and answers of any size: what a store and a server take for them.
+
+100,000 entities of one snapshot each are told to a server, which is then ended: how long that takes,
+what the store takes on the disk beside its journal, and how long `info` and `check` take. All of
+450,000 snapshots are asked for at once: what clients and the server take in RAM, and what the server
+keeps. A million entities go through a working memory of 64 MiB.
+
+RAM is what a process has beside what it had before it was asked (server), or beside that of
+`engram --version` (client): libraries take 70 to 80 MB.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+EXAMPLES = """Examples:
+  make many-bars
+  python3 -m experiments.many --engram build/release/bin/engram --only entities
+"""
+START = 1_600_000_000 * 10**9
+MB = 1e6
+
+
+def resident(pid: int, what: str = "VmRSS") -> float:
+    """MB of RAM of a process, or of its peak (VmHWM)."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(status.split(what + ":")[1].split()[0]) * 1024 / MB
+
+
+def size_of(folder: Path) -> float:
+    return sum(f.stat().st_size for f in folder.rglob("*") if f.is_file()) / MB
+
+
+class Bars:
+    def __init__(self, program: Path, folder: Path) -> None:
+        self.program, self.folder = program, folder
+        self.missed = 0
+        self.rows: list[dict[str, object]] = []
+
+    def told(self, what: str, found: float, bar: float | None, unit: str) -> None:
+        is_missed = bar is not None and found > bar
+        self.missed += is_missed
+        self.rows.append({"what": what, "found": round(found, 3), "bar": bar, "unit": unit})
+        said = "" if bar is None else f"   bar {bar:g}: {'MISSED' if is_missed else 'reached'}"
+        print(f"{what:<58} {found:9.2f} {unit}{said}", flush=True)
+
+    def run(self, *words: object, out: Path | None = None) -> tuple[float, float]:
+        """Seconds and MB of RAM of a command that succeeds."""
+        taken = self.folder / "time"
+        with open(out or "/dev/null", "w") as stdout:
+            begun = time.monotonic()
+            done = subprocess.run(
+                ["/usr/bin/time", "-o", taken, "-f", "%M", self.program, *map(str, words)],
+                stdout=stdout, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL)
+        if done.returncode != 0:
+            sys.exit(f"engram {words[0]} failed: {done.stderr[-500:]}")
+        return time.monotonic() - begun, int(taken.read_text()) * 1024 / MB
+
+    def serve(self, store: Path, *options: str) -> tuple[subprocess.Popen[bytes], str]:
+        socket = self.folder / "socket"
+        socket.unlink(missing_ok=True)
+        with open(self.folder / "server.log", "w") as log:
+            server = subprocess.Popen(
+                [self.program, "serve", store, "--listen", f"unix:{socket}", "--no-system-state",
+                 *options], stdout=subprocess.DEVNULL, stderr=log)
+        while not socket.exists():
+            if server.poll() is not None:
+                sys.exit((self.folder / "server.log").read_text())
+            time.sleep(0.05)
+        return server, f"unix:{socket}"
+
+    @staticmethod
+    def end(server: subprocess.Popen[bytes]) -> float:
+        begun = time.monotonic()
+        server.send_signal(signal.SIGTERM)
+        server.wait()
+        return time.monotonic() - begun
+
+    def things(self, count: int) -> Path:
+        """One snapshot each of so many things."""
+        path = self.folder / "things"
+        with open(path, "w") as lines:
+            for i in range(count):
+                data = {"name": f"thing {i}", "height": i * 0.25, "pose": [i * 0.5, 1.0, 2.0]}
+                name = f"Objects/Things/kitchen{i % 50}/thing{i:07}"
+                lines.write(json.dumps({"entity": name, "data": data}) + "\n")
+        return path
+
+    def entities(self, count: int) -> None:
+        store = self.folder / "entities.engram"
+        server, at = self.serve(store, "--durability", "journal")
+        self.run("commit", "--server", at, "--lines", self.things(count))
+        journal = size_of(store / "journal")
+        self.told(f"{count:,} entities: end of a server", self.end(server), 10, "s")
+        self.told("store beside its journal", size_of(store) / journal, 3, "times")
+        self.told("info", self.run("info", store)[0], 1, "s")
+        self.told("info --json", self.run("info", store, "--json")[0], None, "s")
+        seconds, ram = self.run("check", store)
+        self.told("check", seconds, 10, "s")
+        self.told("RAM of check", ram, None, "MB")
+        query = "Objects/Things/kitchen7/thing0000007 @ latest"
+        self.told("query of one of them", self.run("query", store, query)[0], None, "s")
+
+    def history(self, count: int) -> None:
+        store = self.folder / "history.engram"
+        with open(self.folder / "history", "w") as lines:
+            for i in range(count):
+                lines.write(json.dumps({
+                    "entity": f"Robot/State/arm/joint{i % 10}", "time": START + i * 1_000_000,
+                    "data": {"name": f"state {i % 7}", "height": i * 0.25,
+                             "pose": [i * 0.5, 1.0, 2.0]}}) + "\n")
+        self.run("commit", "--db", store, "--lines", self.folder / "history")
+        libraries = self.run("--version")[1]
+        answer = self.folder / "answer"
+        for form in ((), ("--json",)):
+            seconds, ram = self.run("query", store, "Robot @ all", *form, out=answer)
+            name = " ".join(("query of a store", *form))
+            self.told(f"{count:,} snapshots, {name}", ram - libraries, 100, "MB")
+            self.told(f"  its {answer.stat().st_size / MB:.0f} MB", seconds, None, "s")
+        server, at = self.serve(store)
+        self.run("query", "--server", at, "Robot @ latest")
+        before = resident(server.pid)
+        seconds, ram = self.run("query", "--server", at, "Robot @ all", "--json", out=answer)
+        self.told(f"{count:,} snapshots, query of a server: client", ram - libraries, 100, "MB")
+        self.told("  server, at most", resident(server.pid, "VmHWM") - before, 100, "MB")
+        time.sleep(1)
+        self.told("  server, afterwards", resident(server.pid) - before, 100, "MB")
+        self.told("  its time", seconds, None, "s")
+        self.end(server)
+
+    def memory(self, count: int) -> None:
+        limit = 64
+        store = self.folder / "memory.engram"
+        server, at = self.serve(store, "--bytes", f"{limit}MiB")
+        before = resident(server.pid)
+        # The last ones are refused: a server knows a million entities at most.
+        self.run("commit", "--server", at, "--lines", self.things(count))
+        time.sleep(2)
+        after = resident(server.pid)
+        info = self.folder / "info"
+        self.run("info", "--server", at, "--json", out=info)
+        held = json.loads(info.read_text())["working_memory"]
+        self.told(f"{count:,} entities: told working memory", held["bytes"] / MB, None, "MB")
+        self.told("entities in it", held["entities"], None, "")
+        self.told("RAM of the server", after - before, None, "MB")
+        self.told("RAM besides working memory, an entity",
+                  (after - before - held["bytes"] / MB) * MB / count, None, "bytes")
+        self.told("end of the server", self.end(server), None, "s")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, epilog=EXAMPLES,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parts = {"entities": 100_000, "history": 450_000, "memory": 990_000}
+    parser.add_argument("--engram", type=Path, required=True, help="the program")
+    parser.add_argument("--only", nargs="+", choices=list(parts), default=list(parts))
+    parser.add_argument("--share", type=float, default=1.0, help="of the numbers above")
+    parser.add_argument("--work", type=Path, help="folder to work in; else a temporary one")
+    parser.add_argument("--json", action="store_true", help="the figures as JSON, too")
+    options = parser.parse_args()
+    folder = options.work or Path(tempfile.mkdtemp(prefix="engram-many-"))
+    folder.mkdir(parents=True, exist_ok=True)
+    bars = Bars(options.engram.resolve(), folder)
+    try:
+        for part in options.only:
+            getattr(bars, part)(max(int(parts[part] * options.share), 2000))
+    finally:
+        if options.work is None:
+            shutil.rmtree(folder)
+    if options.json:
+        print(json.dumps(bars.rows, indent=2))
+    return 1 if bars.missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
