@@ -25,6 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.hostile.membership import area_under_curve, networks_of, psnr_db, squares
+
 EXAMPLES = """Examples:
   make hostile
   python3 -m experiments.hostile --engram build/release/bin/engram --only names interrupts
@@ -207,6 +209,42 @@ class Attacks:
                       f"{erased} erased, {len(found)} stay, the most alike has {max(alike):.1f} dB",
                       erased == len(canaries) and len(found) == 150 - erased
                       and max(alike) < 12 and is_whole)
+
+    def membership(self) -> None:
+        """Models are asked for images that were erased, beside one that never saw them."""
+        random = np.random.default_rng(7)
+        seen, others = squares(random, 100), squares(random, 1000)
+        ordinary, repeats = 60, 3
+        times = [START + (ordinary + i) * STEP for i in range(repeats * len(seen))]
+        night = ["--representation", "latents", "--training", "60s", "--psnr", "20", "--force"]
+        import engram
+
+        stores = {name: self.store(name, ordinary) for name in ("saw", "never-saw")}
+        with engram.record(stores["saw"]) as recorder:
+            for at, image in zip(times, np.tile(seen, (repeats, 1, 1, 1)), strict=True):
+                recorder.commit(CAMERA, {"image": image}, at)
+        for store in stores.values():
+            self.run("consolidate", store, *night, seconds=600)
+        control = networks_of(stores["saw"], CAMERA)
+        if not control:
+            self.told("membership", "a network is trained", "none was", False)
+            return
+        before = area_under_curve(psnr_db(control[-1], seen), psnr_db(control[-1], others))
+        span = f"{_text_of(times[0])}..{_text_of(times[-1])}"
+        done = self.run("forget", stores["saw"], f"{CAMERA} @ {span}",
+                        "--erase", "--yes", seconds=600)
+        kept = [f"v{model.version}" for model in networks_of(stores["saw"], CAMERA)]
+        self.told("models that saw what is erased", "none stays", f"{kept or 'none'}",
+                  done.returncode == 0 and not kept)
+        self.run("consolidate", stores["saw"], *night, seconds=600)
+        trained, never = (networks_of(stores[name], CAMERA)[-1] for name in ("saw", "never-saw"))
+        found, wanted = psnr_db(trained, seen), psnr_db(never, seen)
+        area = area_under_curve(found, psnr_db(trained, others))
+        self.told("membership in the next model", "area under the curve at most 0.55",
+                  f"{area:.3f}; of the model that saw them {before:.3f}", area <= 0.55)
+        self.told("erased images in the next model", "within 0.5 dB of one that never saw them",
+                  f"{found.mean():.2f} and {wanted.mean():.2f} dB",
+                  abs(found.mean() - wanted.mean()) <= 0.5)
 
     def interrupts(self) -> None:
         """Ctrl-C in the middle of each command, on a store that keeps it busy."""
