@@ -212,7 +212,8 @@ Result<SegmentContents> SegmentReader::contents() const {
   contents.kind = kind == "latent" ? SegmentKind::kLatent : SegmentKind::kRecorded;
   state_->add_entities("", MemoryId::kNameLevels, contents);
   auto damaged = state_->shared.for_each([&contents](const MemoryId& entity) {
-    if (contents.entities.size() < kMaxEntities) contents.entities.push_back(entity);
+    // Each name is in the file, so a file bounds them itself.
+    contents.entities.push_back(entity);
   });
   if (!damaged.ok())
     contents.damaged.push_back(damaged.status());

@@ -28,6 +28,7 @@ def made(script: str) -> Any:
 
 GOLDEN = made("make_store")
 FADED = made("make_faded")
+MANY = made("make_many")
 # As it was stored.
 FIRST_POSITION = ["0x1.0000000000000p+0", "0x1.14a280fb5068bp-1", "-0x1.aa22657537205p-2"]
 ALL = range(GOLDEN.COUNT + GOLDEN.UNSEALED)
@@ -141,3 +142,20 @@ def test_a_night_begins_from_the_picture_that_is_there(faded: Path) -> None:
         newest = memory[FADED.CAMERA].latest()[0]
         assert (newest.time, newest.source) == (FADED.time_at(first + FADED.ROWS - 1), "reconstructed")
     assert engram.check(faded, deep=True)["clean"]
+
+
+def test_many_entities_read_as_they_were_and_go_on(tmp_path: Path) -> None:
+    store = tmp_path / "robot.engram"
+    shutil.copytree(FOLDER / "many_1", store)
+    assert engram.check(store, deep=True)["clean"]
+    with engram.record(store) as recorder:
+        for i in range(0, MANY.COUNT, 10):
+            recorder.commit(MANY.entity_at(i), MANY.value_at(i, 2), MANY.time_at(i, 2))
+    with engram.open(store) as memory:
+        for i in range(MANY.COUNT):
+            rounds = MANY.ROUNDS + (i % 10 == 0)
+            found = list(memory[MANY.entity_at(i)])
+            assert [one.time for one in found] == [MANY.time_at(i, at) for at in range(rounds)]
+            for at, one in enumerate(found):
+                assert idf.equal(one.value, MANY.value_at(i, at)), (i, at)
+    assert engram.check(store, deep=True)["clean"]
