@@ -331,6 +331,26 @@ Result<Manifest> read_manifest(const std::filesystem::path& store) {
   }
 }
 
+Result<uint64_t> read_generation(const std::filesystem::path& store) {
+  // Manifests are replaced as a whole, and begin with a few short members.
+  constexpr size_t kHead = 512;
+  constexpr std::string_view kKey = "\n \"generation\": ";
+  ENGRAM_ASSIGN_OR_RETURN(const File file, File::open(store / kManifestFile, File::Mode::kRead));
+  ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, file.size());
+  std::string head(std::min<uint64_t>(size, kHead), '\0');
+  ENGRAM_RETURN_IF_ERROR(file.read_at(0, std::as_writable_bytes(std::span(head))));
+  const size_t key = head.find(kKey);
+  uint64_t generation = 0;
+  if (key != std::string::npos) {
+    const char* const begin = head.data() + key + kKey.size();
+    const auto [end, error] = std::from_chars(begin, head.data() + head.size(), generation);
+    if (error == std::errc() && end != head.data() + head.size() && *end == ',') return generation;
+  }
+  // Somebody else wrote it in another form.
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(store));
+  return manifest.generation;
+}
+
 Status edit_manifest(const std::filesystem::path& store,
                      const std::function<Status(Manifest&)>& change) {
   // Read before locking, because taking the lock creates a file, even in a directory that is not a

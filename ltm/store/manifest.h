@@ -110,6 +110,11 @@ struct Manifest {
 /// format is newer than this program's; kDataLoss if the manifest is damaged.
 Result<Manifest> read_manifest(const std::filesystem::path& store);
 
+/// Reads the generation of a manifest that was read a moment ago, without the rest: that of many
+/// entities takes long.
+/// Errors: those of read_manifest.
+Result<uint64_t> read_generation(const std::filesystem::path& store);
+
 /// Reads the manifest under the store's manifest lock, lets `change` edit it, and replaces it
 /// atomically with the next generation.
 /// Errors: those of read_manifest, of `change`, and kUnavailable, kResourceExhausted.

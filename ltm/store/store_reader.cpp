@@ -186,10 +186,11 @@ Result<std::unique_ptr<StoreReader>> StoreReader::open(const std::filesystem::pa
     auto state = std::make_unique<State>();
     state->path = store;
     last = state->load();
-    const auto now = read_manifest(store);
-    if (!now.ok()) return now.status();
+    if (!last.ok())
+      if (const auto manifest = read_manifest(store); !manifest.ok()) return manifest.status();
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t now, read_generation(store));
     // The journals may belong to another generation and may have been missing or partly removed.
-    if (now->generation != state->manifest.generation) continue;
+    if (now != state->manifest.generation) continue;
     if (!last.ok()) return last;
     return std::unique_ptr<StoreReader>(new StoreReader(std::move(state)));
   }

@@ -87,6 +87,22 @@ TEST_F(ManifestTest, RefusesANewerFormat) {
   EXPECT_FAILS(read_manifest(store_), StatusCode::kFailedPrecondition, "reads up to 2");
 }
 
+TEST_F(ManifestTest, TellsItsGenerationAlone) {
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(read_generation(store_).value_or(99), read_manifest(store_)->generation);
+    ASSERT_OK(edit_manifest(store_, [](Manifest&) { return Status(); }));
+  }
+  // As another program would write it.
+  Json json = read_json();
+  json.erase("checksum");
+  write_text(json.dump());
+  EXPECT_EQ(read_generation(store_).value_or(99), 12U);
+  write_text("{");
+  EXPECT_FAILS(read_generation(store_), StatusCode::kDataLoss, "MANIFEST.json");
+  std::filesystem::remove(store_ / "MANIFEST.json");
+  EXPECT_FALSE(read_generation(store_).ok());
+}
+
 TEST_F(ManifestTest, RefusesWhatIsBroken) {
   const std::string whole = read_json().dump();
   for (size_t size = 0; size < whole.size(); ++size) {
