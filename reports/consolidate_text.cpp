@@ -83,7 +83,7 @@ void print_plan(const training::ConsolidatePlan& plan) {
       skipped.push_back(entity.entity.printable() + ": will be skipped: " + entity.skipped_reason);
       continue;
     }
-    table.add({entity.entity.to_string(), count_text(entity.snapshots),
+    table.add({entity.entity.printable(), count_text(entity.snapshots),
                count_text(entity.new_snapshots),
                bytes_text(static_cast<double>(entity.plain_bytes)),
                bytes_text(static_cast<double>(entity.stored_bytes)),

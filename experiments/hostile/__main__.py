@@ -70,7 +70,8 @@ class Attacks:
         """Names that give orders to a terminal, or look like lines of the program."""
         store = self.store("names", 3, f"Vision/RGB/head/{EVIL}")
         for words in (["info"], ["ls"], ["check"], ["query", "@ all"], ["models"],
-                      ["forget", "Vision", "--dry-run"]):
+                      ["forget", "Vision", "--dry-run"], ["consolidate", "--dry-run"], ["eval"],
+                      ["recover", "-o", self.folder / "recovered.engram"]):
             done = self.run(words[0], store, *words[1:])
             text = done.stdout + done.stderr
             bad = [c for c in text if (ord(c) < 32 and c not in "\n\t") or 127 <= ord(c) < 160

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reports/plain/import_report.h"
 
+#include "ltm/core/printable.h"
 #include "reports/plain/text.h"
 
 namespace engram::reports {
@@ -80,7 +81,7 @@ void print_recorder(const ltm::Recorder& recorder) {
     for (const auto& [filter, count] : counters.dropped_by) total += count;
     std::string dropped = count_text(total);
     for (const auto& [filter, count] : counters.dropped_by) dropped += " " + filter;
-    table.add({id.to_string(), count_text(counters.offered), count_text(counters.kept), dropped,
+    table.add({id.printable(), count_text(counters.offered), count_text(counters.kept), dropped,
                bytes_text(static_cast<double>(counters.offered_bytes)),
                bytes_text(static_cast<double>(counters.kept_bytes)),
                bytes_text(static_cast<double>(counters.stored_bytes))});
@@ -112,7 +113,7 @@ void show_streams(std::string_view format, const std::vector<datasets::Recording
   }
   TextTable table({fmt::format("in the {}", format), "becomes", "values"});
   for (const datasets::RecordingStream& stream : streams)
-    table.add({stream.name, stream.entity.to_string(),
+    table.add({printable(stream.name), stream.entity.printable(),
                stream.values > 0 ? count_text(stream.values) : "-"});
   print(table.to_string());
 }

@@ -42,12 +42,21 @@ Json recover_json(const ltm::RecoverReport& report, const std::string& source,
 
 void print_recovered(const ltm::RecoverReport& report, const std::string& target) {
   print_findings(report.findings);
+  // Of many entities people want to read of those that lost something.
+  constexpr size_t kMaxTold = 200;
+  const bool is_each = report.entities.size() <= kMaxTold;
   TextTable table({"snapshots", "recorded", "lost", "latent", "lost", "unsealed"});
-  for (const auto& [id, counts] : report.entities)
-    table.add({id.to_string(), count_text(counts.recorded), count_text(counts.recorded_lost),
-               count_text(counts.latent), count_text(counts.latent_lost),
-               count_text(counts.unsealed)});
-  print(table.to_string());
+  size_t whole = 0;
+  for (const auto& [id, counts] : report.entities) {
+    const bool has_loss = counts.recorded_lost + counts.latent_lost > 0;
+    whole += has_loss ? 0 : 1;
+    if (is_each || has_loss)
+      table.add({id.printable(), count_text(counts.recorded), count_text(counts.recorded_lost),
+                 count_text(counts.latent), count_text(counts.latent_lost),
+                 count_text(counts.unsealed)});
+  }
+  if (is_each || whole < report.entities.size()) print(table.to_string());
+  if (!is_each) print(fmt::format("{} entities lost nothing", count_text(whole)));
   for (const auto& [id, counts] : report.entities)
     if (counts.too_late > 0)
       print(fmt::format("{}: {} snapshots from the future were left out", id.printable(),
