@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ltm/idf/binary.h"
+#include "ltm/recall/seen_past.h"
 
 namespace engram::ltm {
 
@@ -67,6 +68,47 @@ struct Recall::State {
         predictor(*past, std::move(make_choice)),
         accesses(std::move(notes)) {}
 
+  /// The past of an entity, as the view sees it; null if it sees none.
+  Result<std::unique_ptr<EntityPast>> seen(const MemoryId& entity, const Options& options) const {
+    if (!options.view) return past->of(entity);
+    const Sight sight = options.view->of(entity);
+    if (sight.times.empty()) return std::unique_ptr<EntityPast>();
+    ENGRAM_ASSIGN_OR_RETURN(auto all, past->of(entity));
+    return seen_past(std::move(all), sight.times);
+  }
+
+  /// Whether the view sees any snapshot of an entity that has some. One that cannot be read is
+  /// told of by who reads it.
+  [[nodiscard]] bool sees_any(const MemoryId& entity, const Options& options) const {
+    const TimeWindows times = sight_of(options.view.get(), entity).times;
+    if (times.empty() || times.is_all()) return !times.empty();
+    const auto found = seen(entity, options);
+    return !found.ok() || *found != nullptr;
+  }
+
+  [[nodiscard]] std::vector<MemoryId> matching(const Query& query, const Options& options) const {
+    std::vector<MemoryId> entities = past->matching(query);
+    if (options.view)
+      std::erase_if(entities, [&](const MemoryId& entity) { return !sees_any(entity, options); });
+    return entities;
+  }
+
+  /// Whether the view may see predictions of an entity, which also tell of the entities that its
+  /// models start from. The error names none of these.
+  Status check_predicts(const MemoryId& entity, const Options& options) {
+    if (!options.view) return {};
+    if (!options.view->of(entity).predictions)
+      return failed_precondition("'{}': its predictions may not be seen", entity.to_string());
+    ENGRAM_ASSIGN_OR_RETURN(const auto models, past->models(entity));
+    for (const Engine& model : models)
+      if (const auto condition = model.predictor->condition();
+          condition && !options.view->of(*condition).is_all())
+        return failed_precondition(
+            "'{}': its predictions tell of another entity, which may not be seen",
+            entity.to_string());
+    return {};
+  }
+
   /// Adds future moments without their data. They have the instances of the last snapshot.
   Status name_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
                      const Options& options, RecalledEntity& result) const {
@@ -122,7 +164,7 @@ struct Recall::State {
   Result<RecalledEntity> answer(const MemoryId& id, const Query& query, const Options& options,
                                 size_t& bytes) {
     RecalledEntity result{id, {}};
-    ENGRAM_ASSIGN_OR_RETURN(const auto entity, past->of(id));
+    ENGRAM_ASSIGN_OR_RETURN(const auto entity, seen(id, options));
     if (!entity) return result;
     ENGRAM_ASSIGN_OR_RETURN(const auto selection,
                             select_snapshots(query.snapshots_of(id), *entity));
@@ -138,7 +180,7 @@ struct Recall::State {
   Result<AnswerCursor::Position> add_next(const AnswerCursor& cursor,
                                           AnswerCursor::Position position, size_t max_bytes,
                                           size_t& bytes, RecalledEntity& result) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto entity, past->of(result.id));
+    ENGRAM_ASSIGN_OR_RETURN(const auto entity, seen(result.id, cursor.options));
     if (entity && !position.selected) {
       ENGRAM_ASSIGN_OR_RETURN(
           position.selected,
@@ -168,6 +210,8 @@ struct Recall::State {
   Status add_future(EntityPast& entity, std::span<const SelectedSnapshot> future,
                     const Query& query, const Options& options, RecalledEntity& result) {
     if (future.empty()) return {};
+    if (const Status seen = check_predicts(result.id, options); !seen.ok())
+      return seen.code() == StatusCode::kFailedPrecondition ? Status() : seen;
     return query.is_ids_only() ? name_future(entity, future, options, result)
                                : predict_future(entity, future, options, result);
   }
@@ -178,17 +222,23 @@ struct Recall::State {
         accesses->note(entity.id, snapshot.answer.time);
   }
 
-  [[nodiscard]] Status no_match(const Query& query) const {
+  [[nodiscard]] Status no_match(const Query& query, const Options& options) const {
     std::string names;
-    size_t more = 0;
+    size_t named = 0;
     const auto every_entity = Query::parse(".*");
     if (every_entity.ok()) {
       const std::vector<MemoryId> entities = past->matching(*every_entity);
-      more = entities.size() - std::min(entities.size(), kMaxNamed);
-      for (const MemoryId& entity : std::span(entities).first(entities.size() - more))
-        names += (names.empty() ? "" : ", ") + entity.to_string();
+      for (const MemoryId& entity : entities) {
+        if (named == kMaxNamed) break;
+        if (!sees_any(entity, options)) continue;
+        names += (named == 0 ? "" : ", ") + entity.to_string();
+        ++named;
+      }
+      // How many more may be seen would take a look at all of them.
+      if (named == kMaxNamed && entities.size() > named)
+        names += options.view ? " and maybe more"
+                              : " and " + std::to_string(entities.size() - named) + " more";
     }
-    if (more > 0) names += " and " + std::to_string(more) + " more";
     return not_found("{}: no entity matches '{}'; it has: {}", past->name(), query.to_string(),
                      names.empty() ? "none" : names);
   }
@@ -229,6 +279,7 @@ Result<Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
 Result<std::vector<EngineRecord>> Recall::records(const MemoryId& entity, std::optional<Time> from,
                                                   Duration ahead, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
+  ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
   return retried(*state_->past, [&] {
     return state_->predictor.records(entity, from, ahead, {options.prefer, options.max_horizon});
   });
@@ -241,6 +292,9 @@ Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity,
     return invalid_argument("entity '{}': found no horizon to predict, needs one",
                             entity.to_string());
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
+  ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
+  if (request.plan && !sight_of(options.view.get(), *request.plan).times.is_all())
+    return failed_precondition("'{}': not all of this plan may be seen", request.plan->to_string());
   return retried(*state_->past, [&] {
     return state_->predictor.predict(entity, request, {options.prefer, options.max_horizon});
   });
@@ -248,8 +302,8 @@ Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity,
 
 Result<Answer> Recall::answer(const Query& query, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
-  const std::vector<MemoryId> entities = state_->past->matching(query);
-  if (entities.empty()) return state_->no_match(query);
+  const std::vector<MemoryId> entities = state_->matching(query, options);
+  if (entities.empty()) return state_->no_match(query, options);
   Answer answer{query.is_ids_only(), {}};
   size_t bytes = 0;
   for (const MemoryId& entity : entities) {
@@ -266,8 +320,8 @@ Result<Answer> Recall::answer(const Query& query, const Options& options) {
 
 Result<Recall::AnswerCursor> Recall::begin(const Query& query, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
-  AnswerCursor cursor{query, options, state_->past->matching(query)};
-  if (cursor.entities.empty()) return state_->no_match(query);
+  AnswerCursor cursor{query, options, state_->matching(query, options)};
+  if (cursor.entities.empty()) return state_->no_match(query, options);
   return cursor;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "ltm/memory/query.h"
+#include "ltm/memory/sight.h"
 #include "ltm/prediction/entity_predictor.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/recall/answer.h"
@@ -34,6 +35,9 @@ class Recall {
     /// Max plain bytes that are decoded for one answer; a larger answer is an error. Values of
     /// working memory are shared and do not count.
     size_t max_answer_bytes = SIZE_MAX;
+    /// What may be seen by who asks; null: everything. Predictions that may not be seen are left
+    /// out of answers to queries.
+    SharedView view{};
   };
 
   /// If `accesses` is given, it notes each past snapshot whose data an answer has and that was not
@@ -91,8 +95,9 @@ class Recall {
 
   /// Returns one prediction per horizon, in their order. `request.engine` names the engine;
   /// `options.engine` is ignored. If the plan has no snapshot after that moment, the prediction is
-  /// made without it and names no plan.
-  /// Errors: kNotFound if there is no such entity, engine, or snapshot at or before `from`;
+  /// made without it and names no plan. Also kFailedPrecondition if the view may not see
+  /// predictions of the entity, or not all of the plan or of another entity that a model starts
+  /// from. Errors: kNotFound if there is no such entity, engine, or snapshot at or before `from`;
   /// kInvalidArgument if a horizon is too far ahead, if a plan is given to an engine that has no
   /// condition, or if the plan has another layout; those of query().
   Result<std::vector<SnapshotResult>> predict(const MemoryId& entity,
