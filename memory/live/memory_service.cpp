@@ -330,12 +330,17 @@ Status MemoryService::wait_stored(const ltm::Admission& admission) {
   return promise.get_future().get();
 }
 
-std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, size_t max_bytes) {
+std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, size_t max_bytes,
+                                                       const ltm::View* view) {
   State& state = *state_;
   ltm::Answer answer{query.is_ids_only(), {}};
   auto selected = state.memory->select(query, state.elsewhere());
   size_t bytes = 0;
   for (ltm::SelectedEntity& entity : selected) {
+    const ltm::TimeWindows seen = ltm::sight_of(view, entity.entity).times;
+    if (seen.empty()) continue;
+    // What was selected of all moments is not what would be of some.
+    if (!seen.is_all()) return std::nullopt;
     if (entity.reaches_elsewhere || !entity.future.empty()) return std::nullopt;
     // Reading the sizes takes long where nobody wants to know.
     if (max_bytes != SIZE_MAX) bytes += State::bytes_of(entity, query.is_ids_only());
@@ -345,7 +350,8 @@ std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, 
   if (answer.entities.empty()) return std::nullopt;
   if (state.store)
     for (const MemoryId& entity : state.store->recorded().matching(query))
-      if (!std::ranges::binary_search(answer.entities, entity, {}, &ltm::RecalledEntity::id))
+      if (!std::ranges::binary_search(answer.entities, entity, {}, &ltm::RecalledEntity::id) &&
+          !ltm::sight_of(view, entity).times.empty())
         return std::nullopt;
   ++state.queries;
   state.count_answer(answer);
@@ -367,12 +373,14 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
 }
 
 Result<ltm::Recall::AnswerCursor> MemoryService::begin_query(const ltm::Query& query,
-                                                             const std::string& engine) {
+                                                             const std::string& engine,
+                                                             ltm::SharedView view) {
   State& state = *state_;
   ++state.queries;
   ++state.queries_of_store;
   ltm::Recall::Options options = state.recalling_options;
   options.engine = engine;
+  options.view = std::move(view);
   const MutexLock lock(state.recalling);
   return state.recall->begin(query, options);
 }
@@ -385,21 +393,26 @@ Result<ltm::Answer> MemoryService::next_part(ltm::Recall::AnswerCursor& cursor, 
 }
 
 Result<std::vector<ltm::SnapshotResult>> MemoryService::predict(
-    const MemoryId& entity, const ltm::PredictionRequest& request) {
+    const MemoryId& entity, const ltm::PredictionRequest& request, ltm::SharedView view) {
   State& state = *state_;
   ++state.queries;
   ++state.queries_of_store;
+  ltm::Recall::Options options = state.recalling_options;
+  options.view = std::move(view);
   const MutexLock lock(state.recalling);
-  auto predicted = state.recall->predict(entity, request, state.recalling_options);
+  auto predicted = state.recall->predict(entity, request, options);
   if (predicted.ok()) state.counts_of_predictions += predicted->size();
   return predicted;
 }
 
 Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& entity,
                                                               Duration ahead,
-                                                              std::optional<Time> at) {
+                                                              std::optional<Time> at,
+                                                              ltm::SharedView view) {
+  ltm::Recall::Options options = state_->recalling_options;
+  options.view = std::move(view);
   const MutexLock lock(state_->recalling);
-  return state_->recall->records(entity, at, ahead, state_->recalling_options);
+  return state_->recall->records(entity, at, ahead, options);
 }
 
 MemoryService::Counters MemoryService::counters() const {

@@ -74,8 +74,8 @@ class MemoryService {
   /// See ltm::WorkingMemory::declare and ltm::Recorder::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
 
-  /// See ltm::WorkingMemory::admit; kResourceExhausted also beyond `max_entities`. After ok the commit can be read; with Durability::kJournal it
-  /// is durable once when_stored() says so.
+  /// See ltm::WorkingMemory::admit; kResourceExhausted also beyond `max_entities`. After ok the
+  /// commit can be read; with Durability::kJournal it is durable once when_stored() says so.
   Result<ltm::Admission> commit(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded = {},
                                 Durability durability = Durability::kMemory);
 
@@ -90,7 +90,10 @@ class MemoryService {
   /// The answer, if working memory alone can give it and it has at most `max_bytes`. Takes
   /// microseconds.
   [[nodiscard]] std::optional<ltm::Answer> query_memory(const ltm::Query& query,
-                                                        size_t max_bytes = SIZE_MAX);
+                                                        size_t max_bytes = SIZE_MAX,
+                                                        const ltm::View* view = nullptr);
+
+  // Here and below, `view` is what may be seen by who asks; null: everything.
 
   /// Answers any query. May take as long as decoding takes. `engine` names the engine of
   /// predictions; empty: the best.
@@ -98,18 +101,20 @@ class MemoryService {
   Result<ltm::Answer> query(const ltm::Query& query, const std::string& engine = {});
 
   /// The same in parts, see ltm::Recall::begin and next. Other questions are answered in between.
-  Result<ltm::Recall::AnswerCursor> begin_query(const ltm::Query& query, const std::string& engine);
+  Result<ltm::Recall::AnswerCursor> begin_query(const ltm::Query& query, const std::string& engine,
+                                                ltm::SharedView view = {});
   Result<ltm::Answer> next_part(ltm::Recall::AnswerCursor& cursor, size_t bytes);
 
   /// Predicts from a moment on, or with a plan.
   /// Errors: those of ltm::Recall::predict.
   Result<std::vector<ltm::SnapshotResult>> predict(const ltm::MemoryId& entity,
-                                                   const ltm::PredictionRequest& request);
+                                                   const ltm::PredictionRequest& request,
+                                                   ltm::SharedView view = {});
 
   /// The engines that can predict an entity, measured at this horizon; the one that answers is
   /// first. With `at` as of that moment.
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
-                                                 std::optional<Time> at);
+                                                 std::optional<Time> at, ltm::SharedView view = {});
 
   [[nodiscard]] Counters counters() const;
 
