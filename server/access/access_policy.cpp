@@ -3,44 +3,49 @@
 
 #include <algorithm>
 
+#include "server/access/grants.h"
 #include "server/access/private_file.h"
 
 namespace engram::server {
 
 using ltm::MemoryId;
 
-struct Identity::Grant {
+class Identity::Holder final : public ltm::View {
+ public:
   std::string name;
   TokenHash hash{};
-  Role role = Role::kRead;
-  std::vector<MemoryId> memories;  ///< The empty ID covers all memories.
+  Grants grants;
   mutable std::optional<RateLimit> rate;
   std::optional<Time> expires;
 
-  [[nodiscard]] bool covers(const MemoryId& id) const {
-    return std::ranges::any_of(memories,
-                               [&](const MemoryId& prefix) { return prefix.is_prefix_of(id); });
+  [[nodiscard]] ltm::Sight of(const MemoryId& entity) const override {
+    const Time now = system_now();
+    return is_expired(now) ? ltm::Sight{} : grants.sight_of(entity, now);
   }
 
-  [[nodiscard]] bool is_expired() const { return expires && system_now() >= *expires; }
+  [[nodiscard]] bool is_expired(Time now) const { return expires && now >= *expires; }
 
   [[nodiscard]] Status check_time() const {
-    if (!is_expired()) return {};
+    if (!is_expired(system_now())) return {};
     return failed_precondition("access: the token of '{}' expired at {}", name,
                                engram::to_string(*expires));
+  }
+
+  [[nodiscard]] Status refused(Right right, const MemoryId& id, std::string_view when) const {
+    const std::string what =
+        id.names().empty() ? "all memories" : fmt::format("'{}'", id.to_string());
+    return failed_precondition("'{}' may not {} {}{}", name, verb_of(right), what, when);
+  }
+
+ private:
+  static std::string_view verb_of(Right right) {
+    return right == Right::kRead     ? "read"
+           : right == Right::kModels ? "ask for predictions of"
+                                     : "write";
   }
 };
 
 namespace {
-
-constexpr std::string_view kAllMemories = "all";
-
-Result<Role> read_role(const ConfigValue& config) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
-  for (const Role role : {Role::kRead, Role::kWrite, Role::kAdmin})
-    if (text == to_string(role)) return role;
-  return config.error(fmt::format("found '{}', needs read, write or admin", text));
-}
 
 Result<TokenHash> read_token_file(const ConfigValue& config, std::filesystem::path path) {
   auto text = read_private_file(path, AccessPolicy::kMaxTokenBytes);
@@ -69,88 +74,44 @@ Result<TokenHash> read_hash(ConfigMap& map, const std::filesystem::path& directo
       fmt::format("found a text of {} bytes, needs 64 hexadecimal digits", text.size()));
 }
 
-Result<Time> read_time(const ConfigValue& config) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
-  auto time = parse_time(text);
-  if (!time.ok()) return config.error(time.status());
-  return time;
-}
-
-Result<MemoryId> read_prefix(const ConfigValue& config) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
-  auto id = MemoryId::parse(text);
-  if (!id.ok()) return config.error(id.status());
-  if (id->names().empty() || id->time())
-    return config.error(fmt::format("found '{}', needs a memory, segment or entity", text));
-  return id;
-}
-
-Result<std::vector<MemoryId>> read_memories(const ConfigValue& config) {
-  if (config.is_text()) {
-    ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
-    if (text == kAllMemories) return std::vector{MemoryId()};
-    return config.error(fmt::format("found '{}', needs a list of IDs, or 'all'", text));
-  }
-  std::vector<MemoryId> memories;
-  ENGRAM_ASSIGN_OR_RETURN(const auto list, config.list());
-  for (const ConfigValue& value : list) {
-    ENGRAM_ASSIGN_OR_RETURN(MemoryId prefix, read_prefix(value));
-    memories.push_back(std::move(prefix));
-  }
-  if (memories.empty()) return config.error("found an empty list, needs IDs, or 'all'");
-  return memories;
-}
-
 }  // namespace
 
-std::string_view to_string(Role role) {
-  switch (role) {
-    case Role::kRead:
-      return "read";
-    case Role::kWrite:
-      return "write";
-    case Role::kAdmin:
-      break;
-  }
-  return "admin";
-}
-
 const std::string& Identity::name() const {
-  return grant_->name;
+  return holder_->name;
 }
 
-Role Identity::role() const {
-  return grant_->role;
+Status Identity::check(Right needed, const MemoryId& id) const {
+  ENGRAM_RETURN_IF_ERROR(holder_->check_time());
+  return holder_->grants.give(needed, id) ? Status() : holder_->refused(needed, id, "");
 }
 
-Status Identity::check(Role needed, const MemoryId& id) const {
-  ENGRAM_RETURN_IF_ERROR(grant_->check_time());
-  const std::string what =
-      id.names().empty() ? "all memories" : fmt::format("'{}'", id.to_string());
-  if (grant_->role < needed)
-    return failed_precondition("'{}' has the role {}, {} needs {}", name(), to_string(role()), what,
-                               to_string(needed));
-  if (!grant_->covers(id)) return failed_precondition("'{}' has no access to {}", name(), what);
-  return {};
+Status Identity::check(Right needed, const MemoryId& id, Time time) const {
+  ENGRAM_RETURN_IF_ERROR(check(needed, id));
+  if (holder_->grants.times(needed, id, system_now()).contains(time)) return {};
+  return holder_->refused(needed, id, " at " + engram::to_string(time));
 }
 
-bool Identity::may_read(const MemoryId& id) const {
-  return !grant_->is_expired() && grant_->covers(id);
+bool Identity::may_read_all(const MemoryId& id) const {
+  return holder_->of(id).times.is_all();
+}
+
+ltm::SharedView Identity::view() const {
+  const bool sees_all = !holder_->expires && holder_->of(MemoryId()).is_all();
+  return sees_all ? nullptr : ltm::SharedView(holder_);
 }
 
 Status Identity::take_request(SteadyTime now) const {
-  ENGRAM_RETURN_IF_ERROR(grant_->check_time());
-  if (!grant_->rate || grant_->rate->take(now)) return {};
+  ENGRAM_RETURN_IF_ERROR(holder_->check_time());
+  if (!holder_->rate || holder_->rate->take(now)) return {};
   return resource_exhausted("'{}' makes more requests per second than its token may", name());
 }
 
 AccessPolicy AccessPolicy::everyone() {
-  AccessPolicy policy{Grants{}};
-  auto grant = std::make_shared<Identity::Grant>();
-  grant->name = "everyone";
-  grant->role = Role::kAdmin;
-  grant->memories = {MemoryId()};
-  policy.everyone_ = std::move(grant);
+  AccessPolicy policy{std::vector<SharedHolder>{}};
+  auto holder = std::make_shared<Identity::Holder>();
+  holder->name = "everyone";
+  holder->grants = Grants::all();
+  policy.everyone_ = std::move(holder);
   return policy;
 }
 
@@ -168,40 +129,38 @@ Result<AccessPolicy> AccessPolicy::parse(const ConfigValue& config,
   ENGRAM_ASSIGN_OR_RETURN(const auto list, tokens.list());
   if (list.empty() || list.size() > kMaxTokens)
     return tokens.error(fmt::format("found {} tokens, needs 1 to {}", list.size(), kMaxTokens));
-  Grants grants;
+  std::vector<SharedHolder> holders;
   for (const ConfigValue& value : list) {
-    ENGRAM_ASSIGN_OR_RETURN(auto grant, read_grant(value, directory, now));
-    for (const auto& other : grants) {
-      if (other->name == grant->name)
-        return value.error(fmt::format("the name '{}' is there twice", grant->name));
-      if (other->hash == grant->hash)
+    ENGRAM_ASSIGN_OR_RETURN(auto holder, read_holder(value, directory, now));
+    for (const auto& other : holders) {
+      if (other->name == holder->name)
+        return value.error(fmt::format("the name '{}' is there twice", holder->name));
+      if (other->hash == holder->hash)
         return value.error(fmt::format("has the token of '{}'", other->name));
     }
-    grants.push_back(std::move(grant));
+    holders.push_back(std::move(holder));
   }
-  return AccessPolicy(std::move(grants));
+  return AccessPolicy(std::move(holders));
 }
 
-Result<std::shared_ptr<const Identity::Grant>> AccessPolicy::read_grant(
-    const ConfigValue& config, const std::filesystem::path& directory, SteadyTime now) {
-  auto grant = std::make_shared<Identity::Grant>();
+Result<AccessPolicy::SharedHolder> AccessPolicy::read_holder(const ConfigValue& config,
+                                                             const std::filesystem::path& directory,
+                                                             SteadyTime now) {
+  auto holder = std::make_shared<Identity::Holder>();
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, config.map());
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue name, map.require("name"));
-  ENGRAM_ASSIGN_OR_RETURN(grant->name, name.text());
-  if (grant->name.empty()) return name.error("is empty");
-  ENGRAM_ASSIGN_OR_RETURN(grant->hash, read_hash(map, directory));
-  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue role, map.require("role"));
-  ENGRAM_ASSIGN_OR_RETURN(grant->role, read_role(role));
-  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue memories, map.require("memories"));
-  ENGRAM_ASSIGN_OR_RETURN(grant->memories, read_memories(memories));
+  ENGRAM_ASSIGN_OR_RETURN(holder->name, name.text());
+  if (holder->name.empty()) return name.error("is empty");
+  ENGRAM_ASSIGN_OR_RETURN(holder->hash, read_hash(map, directory));
+  ENGRAM_ASSIGN_OR_RETURN(holder->grants, Grants::read(map));
   std::optional<double> rate_hz;
   ENGRAM_RETURN_IF_ERROR(map.read("rate", rate_hz, &ConfigValue::rate_hz));
-  if (rate_hz) grant->rate.emplace(*rate_hz, now);
+  if (rate_hz) holder->rate.emplace(*rate_hz, now);
   if (const auto expires = map.find("expires")) {
-    ENGRAM_ASSIGN_OR_RETURN(grant->expires, read_time(*expires));
+    ENGRAM_ASSIGN_OR_RETURN(holder->expires, read_time(*expires));
   }
   ENGRAM_RETURN_IF_ERROR(map.finish());
-  return std::shared_ptr<const Identity::Grant>(std::move(grant));
+  return SharedHolder(std::move(holder));
 }
 
 Result<Identity> AccessPolicy::authenticate(std::string_view token) const {
@@ -211,10 +170,10 @@ Result<Identity> AccessPolicy::authenticate(std::string_view token) const {
     return failed_precondition("access: found a token of {} bytes, there is none above {}",
                                token.size(), kMaxTokenBytes);
   const TokenHash hash = hash_token(token);
-  std::shared_ptr<const Identity::Grant> found;
+  SharedHolder found;
   // No early exit: the time must not tell at which entry a token matched.
-  for (const auto& grant : grants_)
-    if (equal_in_constant_time(grant->hash, hash)) found = grant;
+  for (const auto& holder : holders_)
+    if (equal_in_constant_time(holder->hash, hash)) found = holder;
   if (found == nullptr) return failed_precondition("access: the token is not known");
   ENGRAM_RETURN_IF_ERROR(found->check_time());
   return Identity(std::move(found));

@@ -11,37 +11,36 @@
 #include "ltm/core/config.h"
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
+#include "ltm/memory/sight.h"
 #include "server/access/rate_limit.h"
+#include "server/access/right.h"
 #include "server/access/token.h"
 
 namespace engram::server {
-
-/// What a caller may do. Each role includes the ones before it.
-enum class Role : uint8_t {
-  kRead,   ///< Query and subscribe.
-  kWrite,  ///< Commit and declare types.
-  kAdmin,  ///< Forget, change limits and stop the server.
-};
-
-/// "read", "write", "admin".
-[[nodiscard]] std::string_view to_string(Role role);
 
 /// The holder of a token, and what that holder may do.
 ///
 /// Owns: a share of the policy's entry, which stays unchanged if the policy is replaced.
 /// Threading: thread-safe.
+/// Source: docs/access.md, "Grants".
 class Identity {
  public:
   [[nodiscard]] const std::string& name() const;
-  [[nodiscard]] Role role() const;
 
-  /// Checks that the holder has a role for an ID, and that the token has not expired.
-  /// Errors: kFailedPrecondition naming the holder, the role and the ID, never the token.
-  [[nodiscard]] Status check(Role needed, const ltm::MemoryId& id) const;
+  /// Checks that the holder may do something with an ID and what lies below it, at some time at
+  /// least, and that the token has not expired.
+  /// Errors: kFailedPrecondition naming the holder, the right and the ID, never the token.
+  [[nodiscard]] Status check(Right needed, const ltm::MemoryId& id) const;
 
-  /// Filters the answers of queries with patterns: whether the holder may read this entity, or what
-  /// lies below this ID. Nothing once the token has expired.
-  [[nodiscard]] bool may_read(const ltm::MemoryId& id) const;
+  /// The same for a snapshot of this time.
+  [[nodiscard]] Status check(Right needed, const ltm::MemoryId& id, Time time) const;
+
+  /// Whether the holder may read all that lies below an ID, of all times.
+  [[nodiscard]] bool may_read_all(const ltm::MemoryId& id) const;
+
+  /// What the holder sees: nothing once the token has expired. Null for who sees everything for
+  /// ever.
+  [[nodiscard]] ltm::SharedView view() const;
 
   /// Counts a request against the rate of the token.
   /// Errors: kResourceExhausted if the rate is exceeded; kFailedPrecondition if it has expired.
@@ -49,10 +48,10 @@ class Identity {
 
  private:
   friend class AccessPolicy;
-  struct Grant;
-  explicit Identity(std::shared_ptr<const Grant> grant) : grant_(std::move(grant)) {}
+  class Holder;
+  explicit Identity(std::shared_ptr<const Holder> holder) : holder_(std::move(holder)) {}
 
-  std::shared_ptr<const Grant> grant_;
+  std::shared_ptr<const Holder> holder_;
 };
 
 /// Decides who may do what, from the tokens file of docs/access.md.
@@ -89,14 +88,14 @@ class AccessPolicy {
   Result<Identity> authenticate(std::string_view token) const;
 
  private:
-  using Grants = std::vector<std::shared_ptr<const Identity::Grant>>;
-  explicit AccessPolicy(Grants grants) : grants_(std::move(grants)) {}
+  using SharedHolder = std::shared_ptr<const Identity::Holder>;
+  explicit AccessPolicy(std::vector<SharedHolder> holders) : holders_(std::move(holders)) {}
 
-  static Result<std::shared_ptr<const Identity::Grant>> read_grant(
-      const ConfigValue& config, const std::filesystem::path& directory, SteadyTime now);
+  static Result<SharedHolder> read_holder(const ConfigValue& config,
+                                          const std::filesystem::path& directory, SteadyTime now);
 
-  Grants grants_;
-  std::shared_ptr<const Identity::Grant> everyone_;  ///< Set only for everyone().
+  std::vector<SharedHolder> holders_;
+  SharedHolder everyone_;  ///< Set only for everyone().
 };
 
 }  // namespace engram::server

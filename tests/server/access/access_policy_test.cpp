@@ -43,7 +43,7 @@ TEST(AccessPolicy, KnowsWhoHasAToken) {
                             entry("robot", "token-r", rules("write", "[Robot]")));
   ASSERT_OK(policy);
   EXPECT_EQ(policy->authenticate("token-r")->name(), "robot");
-  EXPECT_EQ(policy->authenticate("token-r")->role(), Role::kWrite);
+  EXPECT_OK(policy->authenticate("token-r")->check(Right::kWrite, id("Robot/Arm")));
   EXPECT_EQ(policy->authenticate("token-v")->name(), "viewer");
 }
 
@@ -63,14 +63,16 @@ TEST(AccessPolicy, GivesRolesWhatTheyMayAndNothingMore) {
   const auto policy =
       parse("tokens:\n" + entry("r", "r", rules("read", "all")) +
             entry("w", "w", rules("write", "all")) + entry("a", "a", rules("admin", "all")));
-  const std::vector<Role> roles{Role::kRead, Role::kWrite, Role::kAdmin};
-  const std::vector<std::string> tokens{"r", "w", "a"};
-  for (size_t holder = 0; holder < 3; ++holder)
-    for (size_t needed = 0; needed < 3; ++needed)
-      EXPECT_EQ(policy->authenticate(tokens[holder])->check(roles[needed], id("Vision")).ok(),
-                holder >= needed);
-  EXPECT_FAILS(policy->authenticate("r")->check(Role::kAdmin, id("")),
-               StatusCode::kFailedPrecondition, "'r' has the role read, all memories needs admin");
+  for (const std::string token : {"r", "w", "a"}) {
+    const auto holder = policy->authenticate(token);
+    EXPECT_OK(holder->check(Right::kRead, id("Vision")));
+    EXPECT_OK(holder->check(Right::kModels, id("Vision")));
+    EXPECT_EQ(holder->check(Right::kWrite, id("Vision")).ok(), token != "r");
+    EXPECT_TRUE(holder->may_read_all(id("")));
+    EXPECT_EQ(holder->view(), nullptr);
+  }
+  EXPECT_FAILS(policy->authenticate("r")->check(Right::kWrite, id("")),
+               StatusCode::kFailedPrecondition, "'r' may not write all memories");
 }
 
 TEST(AccessPolicy, KeepsToTheMemoriesThatAreNamed) {
@@ -78,15 +80,100 @@ TEST(AccessPolicy, KeepsToTheMemoriesThatAreNamed) {
       "tokens:\n" + entry("v", "v", rules("write", "[Vision/RGB, 'Robot/Arm\\/left/imu/x']")));
   ASSERT_OK(policy);
   const Identity identity = *policy->authenticate("v");
-  EXPECT_OK(identity.check(Role::kWrite, id("Vision/RGB/head/cam")));
-  EXPECT_OK(identity.check(Role::kRead, id("Vision/RGB")));
-  EXPECT_TRUE(identity.may_read(id("Vision/RGB/head/cam").at(time_from_ns(5)).instance(0)));
-  EXPECT_TRUE(identity.may_read(id("Robot/Arm\\/left/imu/x")));
+  EXPECT_OK(identity.check(Right::kWrite, id("Vision/RGB/head/cam")));
+  EXPECT_OK(identity.check(Right::kRead, id("Vision/RGB")));
+  const auto view = identity.view();
+  ASSERT_NE(view, nullptr);
+  EXPECT_TRUE(view->of(id("Vision/RGB/head/cam").at(time_from_ns(5)).instance(0)).is_all());
+  EXPECT_TRUE(view->of(id("Robot/Arm\\/left/imu/x")).is_all());
   for (const char* other : {"", "Vision", "Vision/RGBD", "Vision/RGBD/head/cam", "Robot", "Grasp",
-                            "Robot/Arm/left/imu"})
-    EXPECT_FALSE(identity.may_read(id(other))) << other;
-  EXPECT_FAILS(identity.check(Role::kRead, id("Vision")), StatusCode::kFailedPrecondition,
-               "'v' has no access to 'Vision'");
+                            "Robot/Arm/left/imu"}) {
+    EXPECT_TRUE(view->of(id(other)).times.empty()) << other;
+    EXPECT_FALSE(view->of(id(other)).predictions) << other;
+    for (const Right right : {Right::kRead, Right::kModels, Right::kWrite})
+      EXPECT_FALSE(identity.check(right, id(other)).ok()) << other;
+  }
+  EXPECT_FAILS(identity.check(Right::kRead, id("Vision")), StatusCode::kFailedPrecondition,
+               "'v' may not read 'Vision'");
+}
+
+std::string grants(std::string_view list) {
+  return fmt::format("grants: [{}]", list);
+}
+
+TEST(AccessPolicy, GivesEachGrantItsOwnRightsAndTimes) {
+  const auto policy =
+      parse("tokens:\n" +
+            entry("v", "v",
+                  grants("{ids: [Vision], may: [read], from: '1970-01-01T00:00:10Z', until: "
+                         "'1970-01-01T00:00:20Z'}, {ids: [Vision/RGB], may: [read, write], from: "
+                         "'1970-01-01T00:00:30Z'}, {ids: [Robot], may: [read, models]}")));
+  ASSERT_OK(policy);
+  const Identity identity = *policy->authenticate("v");
+  const auto at = [](int64_t s) { return time_from_ns(s * 1'000'000'000); };
+  const auto reads = [&](const char* entity, int64_t s) {
+    const bool may = identity.check(Right::kRead, id(entity), at(s)).ok();
+    EXPECT_EQ(identity.view()->of(id(entity)).times.contains(at(s)), may);
+    return may;
+  };
+  for (const auto& [s, depth, rgb] :
+       std::vector<std::tuple<int64_t, bool, bool>>{{9, false, false},
+                                                    {10, true, true},
+                                                    {20, true, true},
+                                                    {21, false, false},
+                                                    {29, false, false},
+                                                    {30, false, true},
+                                                    {99, false, true}}) {
+    EXPECT_EQ(reads("Vision/Depth/head/cam", s), depth) << s;
+    EXPECT_EQ(reads("Vision/RGB/head/cam", s), rgb) << s;
+    EXPECT_TRUE(reads("Robot/Arm/left/imu", s)) << s;
+    EXPECT_EQ(identity.check(Right::kWrite, id("Vision/RGB/head/cam"), at(s)).ok(), s >= 30) << s;
+    EXPECT_FALSE(identity.check(Right::kWrite, id("Vision/Depth/head/cam"), at(s)).ok()) << s;
+  }
+  EXPECT_FAILS(identity.check(Right::kRead, id("Vision/Depth/head/cam"), at(21)),
+               StatusCode::kFailedPrecondition,
+               "'v' may not read 'Vision/Depth/head/cam' at 1970-01-01 00:00:21");
+  EXPECT_OK(identity.check(Right::kModels, id("Robot/Arm/left/imu")));
+  EXPECT_FALSE(identity.check(Right::kModels, id("Vision/RGB/head/cam")).ok());
+  EXPECT_FALSE(identity.may_read_all(id("Vision")));
+  EXPECT_FALSE(identity.may_read_all(id("Vision/RGB")));
+  EXPECT_TRUE(identity.may_read_all(id("Robot")));
+}
+
+TEST(AccessPolicy, LetsAWindowMoveWithTheClock) {
+  const auto policy =
+      parse("tokens:\n" + entry("v", "v", grants("{ids: all, may: [read], last: 1h}")));
+  ASSERT_OK(policy);
+  const Identity identity = *policy->authenticate("v");
+  const auto minutes = [](int64_t n) { return std::chrono::minutes(n); };
+  EXPECT_OK(identity.check(Right::kRead, id("Vision"), system_now() - minutes(59)));
+  EXPECT_FALSE(identity.check(Right::kRead, id("Vision"), system_now() - minutes(61)).ok());
+  EXPECT_OK(identity.check(Right::kRead, id("Vision"), system_now() + minutes(5)));
+}
+
+TEST(AccessPolicy, RefusesGrantsThatContradictThemselves) {
+  const auto refuses = [](const std::string& rest, const std::string& why) {
+    EXPECT_FAILS(parse("tokens:\n" + entry("x", "x", rest)), StatusCode::kInvalidArgument, why);
+  };
+  refuses("grants: []", "found 0 grants");
+  refuses(grants("{ids: all}"), "no key 'may'");
+  refuses(grants("{may: [read]}"), "no key 'ids'");
+  refuses(grants("{ids: all, may: []}"), "empty list");
+  refuses(grants("{ids: all, may: [forget]}"), "found 'forget', needs read, models or write");
+  refuses(grants("{ids: [], may: [read]}"), "empty list");
+  refuses(grants("{ids: all, may: [models]}"), "models without read");
+  refuses(grants("{ids: all, may: [read, models], last: 1h}"), "models beside");
+  refuses(grants("{ids: all, may: [read, models], until: '2026-01-01T00:00:00Z'}"),
+          "models beside");
+  refuses(grants("{ids: all, may: [read], last: 1h, from: '2026-01-01T00:00:00Z'}"),
+          "needs to stand alone");
+  refuses(grants("{ids: all, may: [read], from: '2026-01-02T00:00:00Z', until: "
+                 "'2026-01-01T00:00:00Z'}"),
+          "needs it after");
+  refuses(grants("{ids: all, may: [read], from: soon}"), "soon");
+  refuses(grants("{ids: all, may: [read], for: 1h}"), "for");
+  refuses(grants("{ids: all, may: [read]}") + "\n    role: read", "stands beside 'grants'");
+  refuses(grants("{ids: all, may: [read]}") + "\n    memories: all", "stands beside 'grants'");
 }
 
 TEST(AccessPolicy, LimitsHowOftenATokenIsUsed) {
@@ -115,14 +202,18 @@ TEST(AccessPolicy, TakesNoTokenThatHasExpired) {
   // One that expires while its holder is connected is of no use from then on.
   const auto visitor = policy->authenticate("token-v");
   ASSERT_OK(visitor);
-  EXPECT_OK(visitor->check(Role::kWrite, id("Vision")));
+  EXPECT_OK(visitor->check(Right::kWrite, id("Vision")));
   EXPECT_OK(visitor->take_request(kStart));
-  EXPECT_TRUE(visitor->may_read(id("Vision")));
+  const auto view = visitor->view();
+  ASSERT_NE(view, nullptr);
+  EXPECT_TRUE(view->of(id("Vision")).is_all());
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
-  EXPECT_FAILS(visitor->check(Role::kRead, id("Vision")), StatusCode::kFailedPrecondition,
+  EXPECT_FAILS(visitor->check(Right::kRead, id("Vision")), StatusCode::kFailedPrecondition,
                "expired");
   EXPECT_FAILS(visitor->take_request(kStart), StatusCode::kFailedPrecondition, "expired");
-  EXPECT_FALSE(visitor->may_read(id("Vision")));
+  EXPECT_FALSE(visitor->may_read_all(id("Vision")));
+  EXPECT_TRUE(view->of(id("Vision")).times.empty());
+  EXPECT_FALSE(view->of(id("Vision")).predictions);
   EXPECT_FAILS(
       parse("tokens:\n" + entry("a", "token-a", rules("read", "all") + "\n    expires: soon")),
       StatusCode::kInvalidArgument, "soon");
@@ -133,8 +224,9 @@ TEST(AccessPolicy, LetsEverybodyInWhereThereIsNoTokensFile) {
   for (const char* token : {"", "anything"}) {
     const auto identity = policy.authenticate(token);
     ASSERT_OK(identity);
-    EXPECT_OK(identity->check(Role::kAdmin, id("Vision")));
-    EXPECT_OK(identity->check(Role::kAdmin, id("")));
+    for (const Right right : {Right::kRead, Right::kModels, Right::kWrite})
+      EXPECT_OK(identity->check(right, id("")));
+    EXPECT_EQ(identity->view(), nullptr);
     EXPECT_OK(identity->take_request(kStart));
   }
 }
@@ -232,7 +324,7 @@ TEST(AccessPolicy, ReadsTheExampleOfTheDocumentation) {
   const auto policy = parse(text.substr(at, text.find("```", at) - at), scratch.path());
   ASSERT_OK(policy);
   EXPECT_EQ(policy->authenticate("example")->name(), "kitchen-robot");
-  EXPECT_EQ(policy->authenticate(token)->role(), Role::kAdmin);
+  EXPECT_OK(policy->authenticate(token)->check(Right::kWrite, id("")));
 }
 
 TEST(AccessPolicy, AnswersManyThreadsAtOnce) {
@@ -245,7 +337,7 @@ TEST(AccessPolicy, AnswersManyThreadsAtOnce) {
       threads.emplace_back([&] {
         for (int i = 0; i < 500; ++i) {
           const auto identity = policy->authenticate("v");
-          EXPECT_OK(identity->check(Role::kRead, id("Vision/RGB")));
+          EXPECT_OK(identity->check(Right::kRead, id("Vision/RGB")));
           if (identity->take_request(kStart).ok()) ++taken;
         }
       });

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace engram::server {
+
+/// What the holder of a token may do.
+enum class Right : uint8_t {
+  kRead,    ///< Query the past, and subscribe.
+  kModels,  ///< Ask what models and engines predict; they learned from all times.
+  kWrite,   ///< Commit and declare types.
+};
+
+/// "read", "models", "write".
+[[nodiscard]] std::string_view to_string(Right right);
+
+}  // namespace engram::server
