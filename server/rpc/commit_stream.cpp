@@ -68,12 +68,12 @@ Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durabili
   }
   ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take(message));
   for (const ltm::EntityUpdate& update : taken.commit.updates)
-    ENGRAM_RETURN_IF_ERROR(check(update.entity));
+    ENGRAM_RETURN_IF_ERROR(check(update.entity, update.time));
   return context_.service.commit(std::move(taken.commit), std::move(taken.encoded), durability);
 }
 
-Status CommitStream::check(const ltm::MemoryId& entity) {
-  Status status = who_.check(Role::kWrite, entity);
+Status CommitStream::check(const ltm::MemoryId& entity, Time time) {
+  Status status = who_.check(Right::kWrite, entity, time);
   if (!context_.audit) return status;
   // What is committed is in the memory itself, so only who begins to write an entity is noted.
   std::string name = entity.to_string();

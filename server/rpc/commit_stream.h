@@ -25,7 +25,7 @@ class CommitStream final : public ReplyStream {
                                 memory::MemoryService::Durability durability);
   Result<WireCommit> take(v1::CommitRequest& message);
   /// Whether the writer may write this entity.
-  Status check(const ltm::MemoryId& entity);
+  Status check(const ltm::MemoryId& entity, Time time);
   void reply(uint64_t number, const Status& status, const std::optional<BlockRef>& leased = {});
   std::optional<BlockRef> lease(const v1::CommitRequest& message);
   void publish(const ltm::Admission& admission);

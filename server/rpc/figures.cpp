@@ -71,12 +71,12 @@ std::vector<Figure> all_figures(RpcContext& context,
 
 }  // namespace
 
-std::string figures_json(RpcContext& context) {
+std::string figures_json(RpcContext& context, const Identity& who) {
   const memory::MemoryService::Counters counters = context.service.counters();
   nlohmann::ordered_json json;
   for (const Figure& figure : all_figures(context, counters))
     json[figure.name] = static_cast<uint64_t>(figure.value);
-  if (!counters.last_store_failure.empty())
+  if (!counters.last_store_failure.empty() && who.may_read_all(ltm::MemoryId()))
     json["last_store_failure"] = counters.last_store_failure;
   return json.dump();
 }

@@ -74,7 +74,7 @@ class MemoryRpc final : public ServiceBase {
     reply->set_server(options.name);
     reply->set_version(ENGRAM_VERSION);
     for (const std::string& memory : options.memories) reply->add_memories(memory);
-    reply->set_figures_json(figures_json(context_));
+    reply->set_figures_json(figures_json(context_, *who));
     if (request->with_shared_memory() && context_.sharing) {
       auto offered = context_.sharing->offer(*who);
       // A client without shared memory sends plain bytes.
@@ -109,8 +109,8 @@ class MemoryRpc final : public ServiceBase {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, ltm::MemoryId::parse(request.entity()));
     if (!entity.is_entity())
       return invalid_argument("found ID '{}', needs that of an entity", request.entity());
-    ENGRAM_RETURN_IF_ERROR(
-        context_.audited(who.name(), "engines", request.entity(), who.check(Role::kRead, entity)));
+    ENGRAM_RETURN_IF_ERROR(context_.audited(who.name(), "engines", request.entity(),
+                                            who.check(Right::kModels, entity)));
     if (request.horizons_ns_size() > kMaxListedHorizons)
       return invalid_argument("found {} horizons, needs at most {}", request.horizons_ns_size(),
                               kMaxListedHorizons);
@@ -121,7 +121,7 @@ class MemoryRpc final : public ServiceBase {
     }
     for (const int64_t horizon : request.horizons_ns()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto records,
-                              context_.service.engines(entity, Duration(horizon), at));
+                              context_.service.engines(entity, Duration(horizon), at, who.view()));
       for (const ltm::EngineRecord& record : records)
         add_record(record, horizon, &record == &records.front(), reply);
     }
@@ -186,7 +186,7 @@ class MemoryRpc final : public ServiceBase {
     ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId segment, ltm::MemoryId::parse(request.segment()));
     if (Status status = context_.audited(who.name(), "declare", request.segment(),
-                                         who.check(Role::kWrite, segment));
+                                         who.check(Right::kWrite, segment));
         !status.ok()) {
       context_.metrics.refused_calls.add();
       return status;

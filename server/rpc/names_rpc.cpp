@@ -210,7 +210,7 @@ class NamesRpc final : public v1::MemoryNameSystem::CallbackService {
   static Status check_writes(const Identity& who, const std::vector<std::string>& memories) {
     for (const std::string& memory : memories) {
       ENGRAM_ASSIGN_OR_RETURN(const auto id, ltm::MemoryId::from_names({memory}));
-      ENGRAM_RETURN_IF_ERROR(who.check(Role::kWrite, id));
+      ENGRAM_RETURN_IF_ERROR(who.check(Right::kWrite, id));
     }
     return {};
   }

@@ -15,7 +15,7 @@ namespace engram::server {
 [[nodiscard]] Registration to_registration(const v1::ServerRecord& message);
 
 /// Makes the gRPC service of the Memory Name System. `names` and `access` must outlive it.
-/// Registering needs Role::kWrite for the memories, asking needs Role::kRead.
+/// Registering needs Right::kWrite for the memories, asking needs a token.
 /// Owns: a thread that notifies clients that watch or wait.
 /// Source: docs/wire.md.
 [[nodiscard]] std::unique_ptr<grpc::Service> make_names_rpc(NameRegistry& names,

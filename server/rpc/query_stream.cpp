@@ -62,13 +62,14 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
     answer(message.number(), query.status());
     return;
   }
-  // What the answer leaves out because it may not be read is not told to who asks.
-  if (Status status = context_.audited(who_.name(), "query", message.query(), {}); !status.ok()) {
+  // What an answer leaves out because it may not be read is not told to who asks.
+  if (Status status = context_.audited(who_.name(), "query", message.query(), check_named(*query));
+      !status.ok()) {
     answer(message.number(), std::move(status));
     return;
   }
   if (message.engine().empty()) {
-    if (auto known = context_.service.query_memory(*query, kAtOnceBytes)) {
+    if (auto known = context_.service.query_memory(*query, kAtOnceBytes, view_.get())) {
       answer(message.number(), *std::move(known));
       return;
     }
@@ -78,12 +79,21 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
                 [this, query = *std::move(query), engine = message.engine(),
                  cursor](bool& is_last) -> Result<ltm::Answer> {
                   if (!*cursor) {
-                    ENGRAM_ASSIGN_OR_RETURN(*cursor, context_.service.begin_query(query, engine));
+                    ENGRAM_ASSIGN_OR_RETURN(*cursor,
+                                            context_.service.begin_query(query, engine, view_));
                   }
                   auto part = context_.service.next_part(**cursor, kStepBytes);
                   is_last = (*cursor)->is_done();
                   return part;
                 }});
+}
+
+/// Checks entities that a query names letter by letter, whether they exist or not.
+Status QueryStream::check_named(const ltm::Query& query) const {
+  if (!view_) return {};
+  for (const ltm::MemoryId& entity : query.named_entities().value_or(std::vector<ltm::MemoryId>{}))
+    ENGRAM_RETURN_IF_ERROR(who_.check(Right::kRead, entity));
+  return {};
 }
 
 void QueryStream::on_prediction(const v1::QueryRequest& message) {
@@ -99,7 +109,7 @@ void QueryStream::on_prediction(const v1::QueryRequest& message) {
       {message.number(), [this, asked = *std::move(asked)](bool& is_last) -> Result<ltm::Answer> {
          is_last = true;
          const auto& [entity, request] = asked;
-         ENGRAM_ASSIGN_OR_RETURN(auto predicted, context_.service.predict(entity, request));
+         ENGRAM_ASSIGN_OR_RETURN(auto predicted, context_.service.predict(entity, request, view_));
          return answer_of(entity, std::move(predicted));
        }});
 }
@@ -109,15 +119,15 @@ void QueryStream::on_prediction(const v1::QueryRequest& message) {
 Result<QueryStream::Predicted> QueryStream::asked_of(const v1::QueryRequest& message) const {
   const v1::PredictionRequest& told = message.prediction();
   Predicted asked;
-  const auto readable = [this](const std::string& text) -> Result<ltm::MemoryId> {
+  const auto checked = [this](const std::string& text, Right needed) -> Result<ltm::MemoryId> {
     ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId id, ltm::MemoryId::parse(text));
     if (!id.is_entity()) return invalid_argument("found ID '{}', needs that of an entity", text);
-    ENGRAM_RETURN_IF_ERROR(who_.check(Role::kRead, id));
+    ENGRAM_RETURN_IF_ERROR(who_.check(needed, id));
     return id;
   };
-  ENGRAM_ASSIGN_OR_RETURN(asked.entity, readable(told.entity()));
+  ENGRAM_ASSIGN_OR_RETURN(asked.entity, checked(told.entity(), Right::kModels));
   if (!told.plan().empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(asked.request.plan, readable(told.plan()));
+    ENGRAM_ASSIGN_OR_RETURN(asked.request.plan, checked(told.plan(), Right::kRead));
   }
   if (told.horizons_ns_size() > kMaxHorizons)
     return invalid_argument("found {} horizons, needs at most {}", told.horizons_ns_size(),
@@ -163,9 +173,6 @@ void QueryStream::answer_next() {
 }
 
 void QueryStream::answer(uint64_t number, Result<ltm::Answer> answer, bool is_last) {
-  if (answer.ok())
-    std::erase_if(answer->entities,
-                  [this](const ltm::RecalledEntity& entity) { return !who_.may_read(entity.id); });
   Status status = answer.status();
   if (answer.ok())
     status = write_answer(number, *answer, kPartBytes, is_last,

@@ -49,7 +49,7 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   }
   context_.hub.subscribe(shared_from_this(),
                          [this, names = std::move(names)](const ltm::MemoryId& entity) {
-                           return names.matches(entity) && who_.may_read(entity);
+                           return names.matches(entity) && who_.check(Right::kRead, entity).ok();
                          });
   const MutexLock lock(mutex_);
   if (!is_finished_) StartWrite(&written_);
@@ -106,13 +106,22 @@ const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& las
   return &shared->bytes;
 }
 
+bool SubscribeStream::may_see(const ltm::HeldSnapshot& snapshot) const {
+  // The hub remembers who wants an entity, but a token may expire, and may be for some times.
+  return !view_ || view_->of(snapshot.entity).times.contains(snapshot.time);
+}
+
 void SubscribeStream::offer(std::span<const memory::SharedEvent> events) {
   const MutexLock lock(mutex_);
   if (is_finished_) return;
   const uint64_t lost = queue_->lost();
-  for (const memory::SharedEvent& event : events)
+  uint64_t offered = 0;
+  for (const memory::SharedEvent& event : events) {
+    if (!may_see(*event->snapshot)) continue;
     queue_->push(event, kept_bytes(static_cast<const WireEvent&>(*event)));
-  context_.metrics.events.add(events.size());
+    ++offered;
+  }
+  context_.metrics.events.add(offered);
   if (queue_->lost() > lost) context_.metrics.lost_events.add(queue_->lost() - lost);
   write_next();
 }

@@ -34,6 +34,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
  private:
   Status start(const v1::SubscribeRequest& request) ENGRAM_EXCLUDES(mutex_);
+  [[nodiscard]] bool may_see(const ltm::HeldSnapshot& snapshot) const;
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
   /// The size of an event in a message.
   [[nodiscard]] size_t told_bytes(WireEvent& event) const;
@@ -47,7 +48,8 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
   RpcContext& context_;
   const Identity who_;
-  const ClientId sharing_;  ///< kServerItself if it shares no memory.
+  const ltm::SharedView view_ = who_.view();  ///< Null: everything.
+  const ClientId sharing_;                    ///< kServerItself if it shares no memory.
   const StreamSlot slot_{context_, who_};
   std::shared_ptr<SubscribeStream> self_;
   grpc::ByteBuffer request_;

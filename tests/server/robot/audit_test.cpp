@@ -112,7 +112,8 @@ TEST_F(AuditedServer, NotesWhoAskedWhat) {
     ASSERT_OK(owner->commit(RunningServer::commit("Bedroom/b/c/bed", at)));
   ASSERT_OK(owner->declare(*ltm::MemoryId::parse("Bedroom/b"), idf::Type::int64()));
   const auto guest = client("guest");
-  ASSERT_OK(guest->query(*ltm::Query::parse(".* @ latest")));
+  EXPECT_FAILS(guest->query(*ltm::Query::parse(".* @ latest")), StatusCode::kNotFound,
+               "it has: none");
   const auto predicted = guest->predict(kBed, kHorizons, {});
   EXPECT_FALSE(predicted.ok());
   EXPECT_FALSE(guest->engines(kBed, kHorizons).ok());

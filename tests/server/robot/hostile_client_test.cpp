@@ -311,9 +311,9 @@ TEST_F(HostileClient, HasNoTokenOrAWrongOne) {
   const std::vector<Duration> ahead{seconds(1)}, none, many(1025, seconds(1));
   const PredictOptions from{.at = time_from_ns(1)};
   EXPECT_FAILS(foreign->predict(good, ahead, from), StatusCode::kFailedPrecondition,
-               "no access to 'Good");
+               "may not ask for predictions of 'Good");
   EXPECT_FAILS(foreign->predict(bad, ahead, {.plan = good}), StatusCode::kFailedPrecondition,
-               "no access to 'Good");
+               "may not read 'Good");
   EXPECT_OK(foreign->predict(bad, ahead, from));
   EXPECT_FAILS(foreign->predict(bad, none, from), StatusCode::kInvalidArgument, "no horizon");
   EXPECT_FAILS(foreign->predict(bad, many, from), StatusCode::kInvalidArgument, "at most 1024");
