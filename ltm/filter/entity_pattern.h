@@ -27,6 +27,11 @@ class EntityPattern {
   /// Needs an entity or deeper (checked).
   [[nodiscard]] bool matches(const MemoryId& entity) const;
 
+  /// Whether it may match an entity of this memory.
+  [[nodiscard]] bool may_match_in(std::string_view memory) const {
+    return levels_.front().matches(memory);
+  }
+
   /// The text as it was parsed.
   [[nodiscard]] const std::string& to_string() const { return text_; }
 

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/redaction/redactor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "ltm/core/mutex.h"
+#include "ltm/redaction/held_boxes.h"
+#include "ltm/redaction/image_members.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr double kMaxGrow = 10;
+/// Entities whose boxes are held; beyond that some boxes hold no longer.
+constexpr size_t kMaxHeldEntities = 20'000;
+
+/// An image of a snapshot, and what is to be redacted in it.
+struct LookedImage {
+  ImagePlace place;
+  const ImageMember* member = nullptr;
+  std::vector<RelativeBox> boxes;
+};
+
+/// A box with its margins, cut to the image. Nothing where it lies outside.
+std::optional<RelativeBox> grown(const Box& box, double grow, const ImageLayout& layout) {
+  const auto width = static_cast<double>(layout.width);
+  const auto height = static_cast<double>(layout.height);
+  const auto part = [](double pixels, double side) { return std::clamp(pixels / side, 0.0, 1.0); };
+  const RelativeBox relative{
+      part(box.x - grow * box.width, width), part(box.y - grow * box.height, height),
+      part(box.x + (1 + grow) * box.width, width), part(box.y + (1 + grow) * box.height, height)};
+  if (relative.left >= relative.right || relative.top >= relative.bottom) return std::nullopt;
+  return relative;
+}
+
+/// The pixels that a box touches.
+ImagePart part_of(const RelativeBox& box, const ImageLayout& layout, int64_t image) {
+  const auto low = [](double share, int64_t side) {
+    return std::clamp(static_cast<int64_t>(std::floor(share * static_cast<double>(side))),
+                      int64_t{0}, side - 1);
+  };
+  const auto high = [](double share, int64_t side, int64_t begin) {
+    return std::clamp(static_cast<int64_t>(std::ceil(share * static_cast<double>(side))), begin + 1,
+                      side);
+  };
+  ImagePart part{image, low(box.left, layout.width), low(box.top, layout.height), 0, 0};
+  part.right = high(box.right, layout.width, part.left);
+  part.bottom = high(box.bottom, layout.height, part.top);
+  return part;
+}
+
+bool is_same_size(const LookedImage& a, const LookedImage& b) {
+  return a.place.instance == b.place.instance && a.member->layout.width == b.member->layout.width &&
+         a.member->layout.height == b.member->layout.height;
+}
+
+/// Puts what was found in one image of an instance into all its images of the same size.
+void share_boxes(std::vector<LookedImage>& images) {
+  std::vector<std::vector<RelativeBox>> all(images.size());
+  for (size_t i = 0; i < images.size(); ++i)
+    for (const LookedImage& other : images)
+      if (is_same_size(images[i], other))
+        all[i].insert(all[i].end(), other.boxes.begin(), other.boxes.end());
+  for (size_t i = 0; i < images.size(); ++i) images[i].boxes = std::move(all[i]);
+}
+
+}  // namespace
+
+Status RedactionOptions::validate() const {
+  ENGRAM_RETURN_IF_ERROR(ltm::validate(detector));
+  if (!(grow >= 0 && grow <= kMaxGrow))
+    return invalid_argument("grow: found {}, needs 0 to {}", grow, kMaxGrow);
+  if (hold < Duration(0) || hold > std::chrono::hours(24))
+    return invalid_argument("hold: found {}, needs 0s to 1d", to_string(hold));
+  return {};
+}
+
+void RedactionCounters::add(const RedactionCounters& more) {
+  images += more.images;
+  redacted += more.redacted;
+  boxes += more.boxes;
+  dropped += more.dropped;
+  unanswered += more.unanswered;
+  unreadable += more.unreadable;
+}
+
+struct Redactor::State {
+  struct Rule {
+    EntityPattern match;
+    std::optional<RedactionOptions> options;
+    std::unique_ptr<Detector> detector;  ///< Null where nothing is redacted.
+    Mutex mutex;
+    std::map<MemoryId, HeldBoxes> held ENGRAM_GUARDED_BY(mutex);
+  };
+
+  std::vector<std::unique_ptr<Rule>> rules;
+  mutable Mutex mutex;
+  RedactionCounters counters ENGRAM_GUARDED_BY(mutex);
+
+  [[nodiscard]] Rule* rule_of(const MemoryId& entity) const {
+    const auto found =
+        std::ranges::find_if(rules, [&](const auto& rule) { return rule->match.matches(entity); });
+    return found == rules.end() || !(*found)->detector ? nullptr : found->get();
+  }
+
+  /// Looks at one image. Errors: those of the detector.
+  static Result<std::vector<RelativeBox>> look(Rule& rule, const MemoryId& entity, Time time,
+                                               const LookedImage& image, size_t& found) {
+    const ImageLayout& layout = image.member->layout;
+    const GreyOrRgb pixels = pixels_of(*image.member->array, layout, image.place.image);
+    ENGRAM_ASSIGN_OR_RETURN(
+        const std::vector<Box> boxes,
+        rule.detector->find({static_cast<int>(layout.width), static_cast<int>(layout.height),
+                             pixels.channels, pixels.pixels, entity.to_string(), image.place.member,
+                             time}));
+    found += boxes.size();
+    std::vector<RelativeBox> relative;
+    for (const Box& box : boxes)
+      if (const auto one = grown(box, rule.options->grow, layout)) relative.push_back(*one);
+    return relative;
+  }
+
+  /// Adds to the boxes of images those that hold of earlier times, and remembers the new ones.
+  static void hold(Rule& rule, const MemoryId& entity, Time time,
+                   std::vector<LookedImage>& images) {
+    const Duration length = rule.options->hold;
+    const MutexLock lock(rule.mutex);
+    const bool is_found =
+        std::ranges::any_of(images, [](const auto& i) { return !i.boxes.empty(); });
+    const auto known = rule.held.find(entity);
+    if (known == rule.held.end() && !is_found) return;
+    if (known == rule.held.end() && rule.held.size() >= kMaxHeldEntities) {
+      std::erase_if(rule.held, [&](const auto& one) { return one.second.is_over(time, length); });
+      if (rule.held.size() >= kMaxHeldEntities) rule.held.erase(rule.held.begin());
+    }
+    HeldBoxes& held = rule.held[entity];
+    for (LookedImage& image : images) {
+      const auto holding = held.hold(image.place, time, length, image.boxes);
+      image.boxes.insert(image.boxes.end(), holding.begin(), holding.end());
+    }
+    if (held.empty()) rule.held.erase(entity);
+  }
+
+  /// Redacts the images of one array.
+  static uint64_t change(const Rule& rule, std::span<const LookedImage> images,
+                         RedactionOutcome& outcome) {
+    uint64_t changed = 0;
+    std::vector<ImagePart> parts;
+    for (const LookedImage& image : images) {
+      changed += image.boxes.empty() ? 0 : 1;
+      for (const RelativeBox& box : image.boxes)
+        parts.push_back(part_of(box, image.member->layout, image.place.image));
+    }
+    if (parts.empty()) return 0;
+    const ImageMember& member = *images.front().member;
+    outcome.originals.push_back(member.array->buffer());
+    if (rule.options->action == RedactAction::kFill)
+      fill(*member.array, member.layout, parts);
+    else
+      pixelate(*member.array, member.layout, parts);
+    return changed;
+  }
+
+  RedactionOutcome redact(Rule& rule, const MemoryId& entity, Time time,
+                          std::span<idf::Data* const> values, RedactionMemory memory,
+                          RedactionCounters& counts) {
+    RedactionOutcome outcome;
+    std::vector<FoundImages> found;
+    std::vector<LookedImage> images;
+    for (idf::Data* const value : values) {
+      found.push_back(find_images(*value));
+      if (!found.back().encoded) continue;
+      ++counts.unreadable;
+      outcome.dropped = fmt::format(
+          "'{}' is a file of an image or video, in which no detector looks", *found.back().encoded);
+      return outcome;
+    }
+    for (size_t i = 0; i < found.size(); ++i)
+      for (const ImageMember& member : found[i].members)
+        for (int64_t n = 0; n < member.layout.images; ++n)
+          images.push_back({{i, member.path, n}, &member, {}});
+    if (images.empty()) return outcome;
+    size_t boxes = 0;
+    for (LookedImage& image : images) {
+      auto seen = look(rule, entity, time, image, boxes);
+      ++counts.images;
+      if (!seen.ok()) {
+        ++counts.unanswered;
+        outcome.is_unanswered = true;
+        outcome.dropped = seen.status().message();
+        return outcome;
+      }
+      image.boxes = *std::move(seen);
+    }
+    outcome.boxes = boxes;
+    if (memory == RedactionMemory::kHold) hold(rule, entity, time, images);
+    share_boxes(images);
+    const bool has_any =
+        std::ranges::any_of(images, [](const auto& i) { return !i.boxes.empty(); });
+    if (has_any && rule.options->action == RedactAction::kDrop) {
+      outcome.dropped = fmt::format("detector '{}' found something", rule.detector->name());
+      return outcome;
+    }
+    for (size_t begin = 0, end = 0; has_any && begin < images.size(); begin = end) {
+      while (end < images.size() && images[end].member == images[begin].member) ++end;
+      outcome.redacted += change(rule, std::span(images).subspan(begin, end - begin), outcome);
+    }
+    return outcome;
+  }
+};
+
+Redactor::Redactor(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Redactor::~Redactor() = default;
+
+Result<std::unique_ptr<Redactor>> Redactor::create(std::vector<RedactionRule> rules) {
+  auto state = std::make_unique<State>();
+  for (RedactionRule& rule : rules) {
+    auto made = std::make_unique<State::Rule>();
+    made->match = std::move(rule.match);
+    made->options = std::move(rule.redact);
+    if (made->options) {
+      const std::string context = fmt::format("redact '{}'", made->match.to_string());
+      if (const Status status = made->options->validate(); !status.ok())
+        return status.with_context(context);
+      auto detector = make_detector(made->options->detector);
+      if (!detector.ok()) return detector.status().with_context(context);
+      made->detector = *std::move(detector);
+    }
+    state->rules.push_back(std::move(made));
+  }
+  return std::unique_ptr<Redactor>(new Redactor(std::move(state)));
+}
+
+bool Redactor::applies_to(const MemoryId& entity) const {
+  return state_->rule_of(entity) != nullptr;
+}
+
+bool Redactor::may_apply_in(std::string_view memory) const {
+  return std::ranges::any_of(state_->rules, [&](const auto& rule) {
+    return rule->detector && rule->match.may_match_in(memory);
+  });
+}
+
+RedactionOutcome Redactor::redact(Snapshot& snapshot, RedactionMemory memory) {
+  if (!applies_to(snapshot.entity)) return {};
+  std::vector<idf::Data*> values;
+  for (Instance& instance : snapshot.instances) values.push_back(&instance.data);
+  return redact(snapshot.entity, snapshot.time, values, memory);
+}
+
+RedactionOutcome Redactor::redact(const MemoryId& entity, Time time,
+                                  std::span<idf::Data* const> values, RedactionMemory memory) {
+  State::Rule* const rule = state_->rule_of(entity);
+  if (rule == nullptr) return {};
+  RedactionCounters counts;
+  RedactionOutcome outcome = state_->redact(*rule, entity, time, values, memory, counts);
+  counts.redacted = outcome.redacted;
+  counts.boxes = outcome.boxes;
+  counts.dropped = outcome.is_dropped() ? 1 : 0;
+  const MutexLock lock(state_->mutex);
+  state_->counters.add(counts);
+  return outcome;
+}
+
+RedactionCounters Redactor::counters() const {
+  const MutexLock lock(state_->mutex);
+  return state_->counters;
+}
+
+}  // namespace engram::ltm
