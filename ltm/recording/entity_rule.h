@@ -9,6 +9,7 @@
 #include "ltm/filter/entity_pattern.h"
 #include "ltm/filter/registry.h"
 #include "ltm/memory/ahead_limits.h"
+#include "ltm/redaction/redaction_options.h"
 
 namespace engram::ltm {
 
@@ -19,6 +20,8 @@ struct EntityRule {
   std::vector<FilterOptions> filters;  ///< Applied in this order. Empty: everything is kept.
   /// How far ahead of the clock times may lie; empty: as for all entities. AheadLimits::kNone: any.
   std::optional<Duration> max_ahead;
+  /// How their images are redacted, ahead of filters; empty: not at all.
+  std::optional<RedactionOptions> redact;
   PackOptions pack;
 };
 

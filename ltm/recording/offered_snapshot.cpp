@@ -3,8 +3,16 @@
 
 namespace engram::ltm {
 
+void OfferedSnapshot::redact(Redactor& redactor) {
+  if (!redactor.applies_to(given->entity)) return;
+  if (!cast) cast = *given;
+  redaction = redactor.redact(*cast);
+  // They still hold what must not be kept.
+  redaction.originals.clear();
+}
+
 Result<OfferedSnapshot> OfferedSnapshot::of(const Snapshot& update, const SegmentTypes& types) {
-  OfferedSnapshot offered{&update, std::nullopt, {}, 0};
+  OfferedSnapshot offered{&update, std::nullopt, {}, 0, {}};
   for (size_t i = 0; i < update.instances.size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(auto cast, types.cast_misfit(update.entity, update.instances[i].data));
     if (!cast) continue;
@@ -18,7 +26,8 @@ Result<OfferedSnapshot> OfferedSnapshot::of(const Snapshot& update, const Segmen
 
 Result<OfferedSnapshot> OfferedSnapshot::of(const CheckedSnapshot& update,
                                             const SegmentTypes& types) {
-  if (update.is_of(types)) return OfferedSnapshot{&update, std::nullopt, {}, update.raw_bytes()};
+  if (update.is_of(types))
+    return OfferedSnapshot{&update, std::nullopt, {}, update.raw_bytes(), {}};
   return of(static_cast<const Snapshot&>(update), types);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ltm/memory/checked_snapshot.h"
+#include "ltm/redaction/redactor.h"
 
 namespace engram::ltm {
 
@@ -15,8 +16,12 @@ struct OfferedSnapshot {
   std::optional<Snapshot> cast;     ///< Set if values were cast to their segment's type.
   std::vector<std::string> notes;   ///< What the casts lost.
   uint64_t raw_bytes = 0;
+  RedactionOutcome redaction;
 
   [[nodiscard]] const Snapshot& snapshot() const { return cast ? *cast : *given; }
+
+  /// Redacts it, in a copy whose arrays are shared as far as they do not change.
+  void redact(Redactor& redactor);
 
   /// Checks the values of an update, and casts those that are not of their segment's type.
   /// Errors: those of cast_to_type.

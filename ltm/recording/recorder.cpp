@@ -8,6 +8,7 @@
 #include "ltm/recording/entity_seal_rules.h"
 #include "ltm/recording/offered_snapshot.h"
 #include "ltm/recording/recording_channel.h"
+#include "ltm/recording/redaction_rules.h"
 #include "ltm/recording/worker_pool.h"
 #include "ltm/store/manifest.h"
 
@@ -43,6 +44,7 @@ struct Recorder::State {
   Options options;
   Clock clock;
   std::unique_ptr<StoreWriter> writer;
+  std::unique_ptr<Redactor> redactor;  ///< Null if nothing is redacted.
   RecordingChannels channels;
   WorkerPool workers;
   uint64_t commits = 0;
@@ -51,10 +53,12 @@ struct Recorder::State {
   std::vector<Kept> pending;
   Time last_notes;
 
-  State(const Options& chosen, Clock now, std::unique_ptr<StoreWriter> store)
+  State(const Options& chosen, Clock now, std::unique_ptr<StoreWriter> store,
+        std::unique_ptr<Redactor> redacting)
       : options(chosen),
         clock(std::move(now)),
         writer(std::move(store)),
+        redactor(std::move(redacting)),
         channels(options),
         workers(options.threads),
         last_notes(clock()) {}
@@ -97,9 +101,17 @@ struct Recorder::State {
     return all;
   }
 
+  /// Those of working memory were redacted before they came there.
+  static void redact(std::span<const CheckedSnapshot* const>, std::vector<OfferedSnapshot>&) {}
+  void redact(std::span<const Snapshot* const>, std::vector<OfferedSnapshot>& offered) {
+    if (!redactor) return;
+    for (OfferedSnapshot& each : offered) each.redact(*redactor);
+  }
+
   template <typename Update>
   Status commit(std::span<const Update* const> updates) {
     ENGRAM_ASSIGN_OR_RETURN(std::vector<OfferedSnapshot> offered, prepare(updates));
+    redact(updates, offered);
     ++commits;
     std::vector<Kept> kept;
     kept.reserve(offered.size());
@@ -114,6 +126,15 @@ struct Recorder::State {
     counters.offered_bytes += offered.raw_bytes;
     counters.reinterpreted += offered.notes.size();
     if (!offered.notes.empty()) counters.last_reinterpretation = offered.notes.back();
+    counters.redacted_images += offered.redaction.redacted;
+    counters.redacted_boxes += offered.redaction.boxes;
+    counters.redact_unanswered += offered.redaction.is_unanswered ? 1 : 0;
+  }
+
+  static void drop(RecordingChannel& channel, const OfferedSnapshot& offered) {
+    ++channel.counters->redact_dropped;
+    ++channel.dropped;
+    channel.dropped_bytes += offered.raw_bytes;
   }
 
   static void take_output(RecordingChannel& channel, FilterChain::Output output,
@@ -128,6 +149,7 @@ struct Recorder::State {
     const Snapshot& snapshot = offered.snapshot();
     RecordingChannel& channel = channels.of(snapshot.entity);
     count(offered, *channel.counters);
+    if (offered.redaction.is_dropped()) return drop(channel, offered);
     if (channel.is_event_source) channel.last_offered = snapshot;
     if (channel.chain.empty()) {
       Candidate counted;
@@ -325,11 +347,13 @@ Recorder::~Recorder() = default;
 Result<Recorder> Recorder::open(const std::filesystem::path& store, const Options& options,
                                 Clock clock) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
+  ENGRAM_ASSIGN_OR_RETURN(auto redactor, make_redactor(options.rules));
   if (is_store_absent(store)) ENGRAM_RETURN_IF_ERROR(create_store(store));
   StoreWriter::Options writing = options.store;
   if (!writing.seal_rules) writing.seal_rules = seal_rules_of(options);
   ENGRAM_ASSIGN_OR_RETURN(auto writer, StoreWriter::open(store, writing, clock));
-  return Recorder(std::make_unique<State>(options, std::move(clock), std::move(writer)));
+  return Recorder(
+      std::make_unique<State>(options, std::move(clock), std::move(writer), std::move(redactor)));
 }
 
 Status Recorder::declare(const MemoryId& segment, const idf::Type& type) {

@@ -13,6 +13,7 @@
 #include "ltm/memory/checked_snapshot.h"
 #include "ltm/memory/commit.h"
 #include "ltm/recording/entity_rule.h"
+#include "ltm/redaction/redactor.h"
 #include "ltm/store/store_writer.h"
 
 namespace engram::ltm {
@@ -38,6 +39,13 @@ struct RecordingCounters {
   /// Instances that were cast to their segment's type and lost members or digits.
   uint64_t reinterpreted = 0;
   std::string last_reinterpretation;  ///< What the last such cast lost.
+  /// Images that were redacted, and the boxes that were found in them.
+  uint64_t redacted_images = 0;
+  uint64_t redacted_boxes = 0;
+  /// Snapshots that redaction dropped, which `dropped_by` counts as "redact", and those of them
+  /// that no detector answered for. No filter saw them.
+  uint64_t redact_dropped = 0;
+  uint64_t redact_unanswered = 0;
 };
 
 /// How to treat a snapshot whose time is not after the entity's last one.
@@ -46,7 +54,8 @@ enum class LateSnapshots : uint8_t {
   kRefuse,  ///< Its commit is refused.
 };
 
-/// The online phase: filters incoming snapshots, encodes those that are kept, and stores them.
+/// The online phase: redacts incoming snapshots where a rule says so, filters them, encodes those
+/// that are kept, and stores them.
 ///
 /// Threading: one thread; it has its own threads for encoding.
 /// Source: docs/recording.md.
@@ -79,7 +88,7 @@ class Recorder {
 
   /// Opens `store` for writing and makes it if it does not exist.
   /// Errors: kInvalidArgument; kFailedPrecondition if another process writes to it; those of
-  /// StoreWriter::open.
+  /// StoreWriter::open and of Redactor::create.
   static Result<Recorder> open(const std::filesystem::path& store, const Options& options,
                                Clock clock = system_now);
 
@@ -103,7 +112,8 @@ class Recorder {
   Status commit(const Commit& commit);
 
   /// The same for snapshots that were checked before, such as those of working memory: their times
-  /// are not checked again, and their values only if their segment's type has changed since.
+  /// are not checked again, and their values only if their segment's type has changed since. They
+  /// are not redacted, because working memory must not have them unredacted either.
   Status commit_checked(std::span<const CheckedSnapshot* const> updates);
 
   /// The types of all segments, declared in this session or earlier ones.

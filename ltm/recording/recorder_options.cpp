@@ -13,6 +13,9 @@ Status Recorder::Options::validate() const {
         return status.with_context(fmt::format("rule '{}'", rule.name));
     if (const Status status = rule.pack.validate(); !status.ok())
       return status.with_context(fmt::format("rule '{}'", rule.name));
+    if (rule.redact)
+      if (const Status status = rule.redact->validate(); !status.ok())
+        return status.with_context(fmt::format("rule '{}': redact", rule.name));
     if (rule.max_ahead && *rule.max_ahead < Duration(0))
       return invalid_argument("rule '{}': max_ahead is {}, needs 0s or more", rule.name,
                               to_string(*rule.max_ahead));

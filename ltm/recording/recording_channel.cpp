@@ -47,6 +47,7 @@ void RecordingChannel::count() const {
   for (const FilterCounters& filter : counters->filters)
     if (const uint64_t count = filter.dropped(); count > 0)
       counters->dropped_by[filter.filter] += count;
+  if (counters->redact_dropped > 0) counters->dropped_by["redact"] += counters->redact_dropped;
   counters->held = chain.held();
   counters->held.snapshots += pending;
   counters->held.bytes += pending_bytes;

@@ -8,6 +8,7 @@
 #include "ltm/filter/config_choice.h"
 #include "ltm/filter/filter_config.h"
 #include "ltm/recording/codec_choice.h"
+#include "ltm/redaction/redaction_config.h"
 
 namespace engram::ltm {
 
@@ -62,6 +63,9 @@ Result<EntityRule> read_rule(const ConfigValue& value) {
   ENGRAM_RETURN_IF_ERROR(map.read("name", rule.name, &ConfigValue::text));
   if (const auto filters = map.find("filters")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.filters, read_filters(*filters));
+  }
+  if (const auto redact = map.find("redact")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.redact, read_redaction(*redact));
   }
   if (const auto ahead = map.find("max_ahead")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.max_ahead, ahead->duration_or_never());

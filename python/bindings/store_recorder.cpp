@@ -31,6 +31,9 @@ py::dict counts_of(const ltm::RecordingCounters& of) {
   py::dict dropped;
   for (const auto& [filter, count] : of.dropped_by) dropped[py::str(filter)] = count;
   counts["dropped_by"] = std::move(dropped);
+  counts["redacted"] = of.redacted_images;
+  counts["redacted_boxes"] = of.redacted_boxes;
+  counts["redact_unanswered"] = of.redact_unanswered;
   counts["late"] = of.late;
   counts["failed"] = of.failed;
   return counts;

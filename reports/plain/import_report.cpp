@@ -31,6 +31,9 @@ Json entity_json(const ltm::MemoryId& id, const ltm::RecordingCounters& counters
           {"held_bytes", counters.held.bytes},
           {"late", counters.late},
           {"failed", counters.failed},
+          {"redacted", counters.redacted_images},
+          {"redacted_boxes", counters.redacted_boxes},
+          {"redact_unanswered", counters.redact_unanswered},
           {"filters", std::move(filters)},
           {"reinterpreted", counters.reinterpreted},
           {"offered_bytes", counters.offered_bytes},
@@ -69,6 +72,11 @@ void print_filters(const ltm::MemoryId& id, const ltm::RecordingCounters& counte
   if (counters.late > 0)
     print(fmt::format("{}: {} snapshots came late, past the filters", id.printable(),
                       count_text(counters.late)));
+  if (counters.redacted_images + counters.redact_dropped > 0)
+    print(fmt::format(
+        "{}: {} images redacted in {} boxes; {} snapshots dropped, {} of them without an answer",
+        id.printable(), count_text(counters.redacted_images), count_text(counters.redacted_boxes),
+        count_text(counters.redact_dropped), count_text(counters.redact_unanswered)));
   if (counters.failed > 0)
     print(fmt::format("{}: {} snapshots could not be stored", id.printable(),
                       count_text(counters.failed)));

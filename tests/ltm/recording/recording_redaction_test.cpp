@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include "ltm/recall/recall.h"
+#include "ltm/recording/recorder.h"
+#include "ltm/recording/recording_config.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/redaction/marker_program.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::ltm {
+namespace {
+
+using testing::has_secret_file;
+using ::testing::HasSubstr;
+using testing::image_with_secret;
+using testing::marker_redaction;
+
+/// Stores arrays as they are, so that their bytes can be looked for.
+EntityRule plain_rule() {
+  EntityRule rule{"cameras", *EntityPattern::parse("Vision"), {}, {}, {}, {}};
+  rule.pack.rules = {PackRule{.codec = "none"}};
+  return rule;
+}
+
+class RecordingRedactionTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path store() const { return scratch_ / "store"; }
+
+  /// Records `count` snapshots of which every second shows a secret.
+  RecordingCounters record(const EntityRule& rule, int count = 6) {
+    auto recorder = *Recorder::open(store(), {.rules = {rule}});
+    for (int i = 0; i < count; ++i) {
+      const auto image = image_with_secret(64, 48, i % 2 == 0 ? 10 + i : -1, 5);
+      EXPECT_OK(recorder.commit({{{*MemoryId::parse("Vision/RGB/head/cam"),
+                                   time_from_ns(1'000'000'000 * int64_t{i + 1}),
+                                   {{idf::Dict{{"n", i}, {"image", image}}, {}}}}}}));
+    }
+    const RecordingCounters counters = recorder.counters().begin()->second;
+    was_in_journal_ = has_secret_file(store());
+    EXPECT_OK(recorder.close());
+    return counters;
+  }
+
+  /// Whether any file of the store held a secret before it was sealed: the journal has arrays as
+  /// they are, segments compress them.
+  bool was_in_journal_ = false;
+  ScratchDirectory scratch_;
+};
+
+TEST_F(RecordingRedactionTest, WritesWhatIsFoundIntoNoFile) {
+  record(plain_rule());
+  ASSERT_TRUE(was_in_journal_) << "else nothing would be proven below";
+  std::filesystem::remove_all(store());
+  EntityRule rule = plain_rule();
+  rule.redact = marker_redaction(scratch_.path());
+  const RecordingCounters counters = record(rule);
+  EXPECT_FALSE(was_in_journal_);
+  EXPECT_FALSE(has_secret_file(store()));
+  EXPECT_EQ(counters.offered, 6u);
+  EXPECT_EQ(counters.kept, 6u);
+  EXPECT_EQ(counters.redacted_images, 3u);
+  EXPECT_EQ(counters.redacted_boxes, 3u);
+}
+
+TEST_F(RecordingRedactionTest, DropsWithoutAnAnswerAndCountsIt) {
+  EntityRule rule = plain_rule();
+  rule.redact = marker_redaction(scratch_.path(), "silent");
+  const RecordingCounters counters = record(rule);
+  EXPECT_FALSE(was_in_journal_);
+  EXPECT_FALSE(has_secret_file(store()));
+  EXPECT_EQ(counters.offered, 6u);
+  EXPECT_GE(counters.redact_unanswered, 1u);
+  EXPECT_EQ(counters.dropped_by.at("redact"), counters.redact_dropped);
+  EXPECT_EQ(counters.offered, counters.kept + counters.redact_dropped);
+  const auto summary =
+      (*StoreReader::open(store()))->summary(*MemoryId::parse("Vision/RGB/head/cam"));
+  if (counters.kept == 0) return;
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->offered, 6u);
+  EXPECT_EQ(summary->dropped_by.at("redact"), counters.redact_dropped);
+}
+
+TEST_F(RecordingRedactionTest, DropsWhatIsFoundAheadOfFilters) {
+  EntityRule rule = plain_rule();
+  rule.redact = marker_redaction(scratch_.path());
+  rule.redact->action = RedactAction::kDrop;
+  rule.filters = {EqualityFilter::Options{}};
+  const RecordingCounters counters = record(rule);
+  EXPECT_FALSE(was_in_journal_);
+  EXPECT_FALSE(has_secret_file(store()));
+  EXPECT_EQ(counters.dropped_by.at("redact"), 3u);
+  EXPECT_EQ(counters.offered, 6u);
+  EXPECT_EQ(counters.kept, 3u);
+  EXPECT_EQ(counters.filters.at(0).offered, 3u);
+}
+
+TEST_F(RecordingRedactionTest, IsReadFromAConfiguration) {
+  const auto options = parse_recording_config(
+      "entities:\n  - match: Vision\n    redact: {detector: people, grow: 0.5}\n", "r.yaml");
+  ASSERT_OK(options);
+  ASSERT_TRUE(options->rules[0].redact);
+  EXPECT_EQ(options->rules[0].redact->grow, 0.5);
+  EXPECT_THAT(parse_recording_config("entities:\n  - match: Vision\n    redact: people\n", "r.yaml")
+                  .status()
+                  .message(),
+              HasSubstr("r.yaml:3"));
+  const auto opened = Recorder::open(
+      store(), *parse_recording_config(
+                   "entities: [{match: V, redact: {detector: {onnx: /no/such.onnx}}}]", "r.yaml"));
+  EXPECT_EQ(opened.status().code(), StatusCode::kNotFound);
+  EXPECT_FALSE(std::filesystem::exists(store())) << "no store is made without its detectors";
+}
+
+}  // namespace
+}  // namespace engram::ltm
