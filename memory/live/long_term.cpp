@@ -47,8 +47,11 @@ LongTerm::LongTerm(std::unique_ptr<State> state) : state_(std::move(state)) {}
 LongTerm::~LongTerm() = default;
 
 Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock clock) {
+  // What comes was redacted before working memory took it; the recorder needs no detectors.
+  ltm::Recorder::Options recording = options.recording;
+  for (ltm::EntityRule& rule : recording.rules) rule.redact.reset();
   ENGRAM_ASSIGN_OR_RETURN(auto recorder,
-                          ltm::Recorder::open(options.store, options.recording, std::move(clock)));
+                          ltm::Recorder::open(options.store, recording, std::move(clock)));
   return std::unique_ptr<LongTerm>(new LongTerm(std::make_unique<State>(std::move(recorder))));
 }
 

@@ -12,7 +12,8 @@
 
 namespace engram::memory {
 
-/// Records what leaves a working memory: through the online phase to the store.
+/// Records what leaves a working memory: through the online phase to the store. It redacts nothing:
+/// see MemoryService::commit.
 ///
 /// Threading: thread-safe; one caller at a time writes, the others wait.
 /// Source: docs/server.md, section "Queries".

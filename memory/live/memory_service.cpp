@@ -8,6 +8,7 @@
 
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
+#include "memory/live/redacted_commit.h"
 
 namespace engram::memory {
 
@@ -54,8 +55,9 @@ struct MemoryService::State {
   const Options options;
   const Clock clock;
   std::unique_ptr<ltm::WorkingMemory> memory;
-  std::unique_ptr<LongTerm> store;  ///< Null without a store.
-  Mutex recalling;                  ///< Held while `recall` answers: one query at a time.
+  std::unique_ptr<ltm::Redactor> redactor;  ///< Null if nothing is redacted.
+  std::unique_ptr<LongTerm> store;          ///< Null without a store.
+  Mutex recalling;                          ///< Held while `recall` answers: one query at a time.
   std::optional<ltm::Recall> recall ENGRAM_GUARDED_BY(recalling);
   const ltm::JoinedPast* past = nullptr;  ///< The past that `recall` answers from.
   ltm::Recall::Options recalling_options;
@@ -169,6 +171,7 @@ struct MemoryService::State {
     std::unique_ptr<ltm::AccessLog> accesses;
     ltm::RecordedEntities* recorded = &nothing_recorded;
     if (options.store) {
+      ENGRAM_ASSIGN_OR_RETURN(redactor, ltm::make_redactor(options.store->recording.rules));
       ENGRAM_ASSIGN_OR_RETURN(store, LongTerm::open(*options.store, clock));
       const std::filesystem::path& path = options.store->store;
       ENGRAM_ASSIGN_OR_RETURN(stored, ltm::StorePast::open(path, std::move(loader),
@@ -296,6 +299,14 @@ Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
   for (const ltm::EntityUpdate& update : commit.updates)
     ENGRAM_RETURN_IF_ERROR(owns(update.entity));
   ENGRAM_RETURN_IF_ERROR(state_->check_room(commit));
+  // Ahead of working memory, from which queries, subscribers, predictions and the store get it.
+  // A commit that is refused below is not looked at.
+  if (state_->redactor && commit.check().ok() && redact(*state_->redactor, commit, encoded) &&
+      commit.updates.empty()) {
+    ltm::Admission nothing;
+    nothing.queued = state_->memory->taken();
+    return nothing;
+  }
   return state_->memory->admit(std::move(commit), std::move(encoded),
                                durability == Durability::kJournal);
 }
@@ -415,8 +426,13 @@ Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& en
   return state_->recall->records(entity, at, ahead, options);
 }
 
+bool MemoryService::may_redact_in(std::string_view memory) const {
+  return state_->redactor && state_->redactor->may_apply_in(memory);
+}
+
 MemoryService::Counters MemoryService::counters() const {
   Counters counters;
+  if (state_->redactor) counters.redaction = state_->redactor->counters();
   counters.memory = state_->memory->counters();
   if (state_->store) counters.store = state_->store->counters();
   if (state_->past->store() != nullptr) counters.reading = state_->past->store()->counters();

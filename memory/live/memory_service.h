@@ -54,6 +54,7 @@ class MemoryService {
     uint64_t queries = 0;
     uint64_t queries_of_store = 0;  ///< Queries that working memory alone could not answer.
     uint64_t predictions = 0;
+    ltm::RedactionCounters redaction{};
     uint64_t store_failures = 0;  ///< Failed attempts to hand over; what waits stays.
     std::string last_store_failure;
   };
@@ -74,8 +75,10 @@ class MemoryService {
   /// See ltm::WorkingMemory::declare and ltm::Recorder::declare.
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);
 
-  /// See ltm::WorkingMemory::admit; kResourceExhausted also beyond `max_entities`. After ok the
-  /// commit can be read; with Durability::kJournal it is durable once when_stored() says so.
+  /// Redacts images where a recording rule says so (ltm::Redactor); a snapshot that it drops is
+  /// counted and is not admitted, without an error. Then see ltm::WorkingMemory::admit;
+  /// kResourceExhausted also beyond `max_entities`. After ok the commit can be read; with
+  /// Durability::kJournal it is durable once when_stored() says so.
   Result<ltm::Admission> commit(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded = {},
                                 Durability durability = Durability::kMemory);
 
@@ -115,6 +118,10 @@ class MemoryService {
   /// first. With `at` as of that moment.
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
                                                  std::optional<Time> at, ltm::SharedView view = {});
+
+  /// Whether images of a memory may be redacted. What others may read as it comes, such as shared
+  /// memory, must not be used for it.
+  [[nodiscard]] bool may_redact_in(std::string_view memory) const;
 
   [[nodiscard]] Counters counters() const;
 

@@ -108,6 +108,8 @@ Result<WireCommit> CommitStream::take(v1::CommitRequest& message) {
 std::optional<BlockRef> CommitStream::lease(const v1::CommitRequest& message) {
   if (message.lease_bytes() == 0 || !context_.sharing || sharing_ == kServerItself)
     return std::nullopt;
+  // Whoever may read a memory may read each block of it at once, before anything is redacted.
+  if (context_.service.may_redact_in(message.lease_memory())) return std::nullopt;
   // An empty lease is not an error: the client then sends plain bytes.
   auto leased = context_.sharing->lease(sharing_, message.lease_memory(), message.lease_bytes());
   return leased.ok() ? std::optional(*leased) : std::nullopt;

@@ -35,6 +35,15 @@ std::vector<Figure> figures(const memory::MemoryService::Counters& counters) {
       {"queries_of_store", "That the store was needed for.", number(counters.queries_of_store)},
       {"predictions", "Moments predicted.", number(counters.predictions)},
       {"store_failures", "Attempts to store that failed.", number(counters.store_failures)}};
+  const ltm::RedactionCounters& redaction = counters.redaction;
+  if (redaction.images + redaction.dropped > 0) {
+    all.push_back({"redact_images", "Images that detectors looked at.", number(redaction.images)});
+    all.push_back({"redact_redacted", "Images that were redacted.", number(redaction.redacted)});
+    all.push_back({"redact_boxes", "Boxes that were found.", number(redaction.boxes)});
+    all.push_back({"redact_dropped", "Snapshots dropped by redaction.", number(redaction.dropped)});
+    all.push_back({"redact_unanswered", "Of these, without an answer of the detector.",
+                   number(redaction.unanswered)});
+  }
   if (!counters.store) return all;
   const memory::LongTerm::Counters& store = *counters.store;
   const ltm::StorePast::Counters& reading = counters.reading;

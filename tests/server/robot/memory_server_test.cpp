@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "ltm/recall/recall.h"
+#include "tests/ltm/redaction/marker_program.h"
 #include "tests/server/robot/running_server.h"
 
 namespace engram::server {
@@ -151,6 +152,44 @@ TEST(MemoryServer, TellsLargePayloadsThroughSharedMemory) {
   ASSERT_TRUE(answer.ok());
   EXPECT_EQ(answer->entities()[0]->snapshots[0].instances[0].data,
             idf::Data(idf::NdArray::take({1 << 20}, pixels)));
+}
+
+TEST(MemoryServer, PutsNothingIntoSharedMemoryThatIsStillToBeRedacted) {
+  RunningServer running;
+  running.with_store();
+  ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
+  rule.redact = ltm::testing::marker_redaction(running.folder.path());
+  running.options.service.store->recording.rules = {rule};
+  running.start();
+  const auto producer = running.client();
+  const auto consumer = running.client();
+  Told told;
+  const auto subscription =
+      consumer->subscribe({.names = {"Vision"}, .with_data = true}, told.handlers());
+  ASSERT_TRUE(subscription.ok());
+  const idf::NdArray image = ltm::testing::image_with_secret(400, 300, 200, 100);
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_TRUE(producer->commit(RunningServer::commit(kCam, i, image)).ok());
+    EXPECT_THAT(producer->info()->figures_json, HasSubstr("\"shared_bytes\":0"));
+  }
+  ASSERT_TRUE(told.wait_for(5));
+  {
+    const std::scoped_lock lock(told.mutex);
+    ASSERT_THAT(told.snapshots, SizeIs(5));
+    for (const ToldSnapshot& one : told.snapshots)
+      EXPECT_FALSE(ltm::testing::has_secret(one.snapshot.instances[0].data.get<idf::NdArray>()));
+  }
+  const auto answer = consumer->query(*ltm::Query::parse(std::string(kCam) + " @ latest"));
+  ASSERT_TRUE(answer.ok());
+  const idf::Data& kept = answer->entities()[0]->snapshots[0].instances[0].data;
+  EXPECT_EQ(kept.get<idf::NdArray>().shape(), image.shape());
+  EXPECT_FALSE(ltm::testing::has_secret(kept.get<idf::NdArray>()));
+  EXPECT_THAT(producer->info()->figures_json, HasSubstr("\"redact_redacted\":5"));
+  // Other memories share as before.
+  const auto plain = idf::NdArray::take({1 << 20}, std::vector<uint8_t>(1 << 20, 7));
+  for (int i = 1; i <= 2; ++i)
+    ASSERT_TRUE(producer->commit(RunningServer::commit("Robot/a/b/c", i, plain)).ok());
+  EXPECT_THAT(producer->info()->figures_json, ::testing::Not(HasSubstr("\"shared_bytes\":0")));
 }
 
 TEST(MemoryServer, PredictsWhatComesByTheBestEngine) {
