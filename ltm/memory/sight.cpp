@@ -44,7 +44,7 @@ bool TimeWindows::contains(Time time) const {
 }
 
 Sight sight_of(const View* view, const MemoryId& entity) {
-  return view == nullptr ? Sight{TimeWindows::all(), true} : view->of(entity);
+  return view == nullptr ? Sight{TimeWindows::all(), TimeWindows::all(), true} : view->of(entity);
 }
 
 }  // namespace engram::ltm

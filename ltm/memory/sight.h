@@ -43,10 +43,14 @@ class TimeWindows {
 
 /// What somebody may see of one entity.
 struct Sight {
-  TimeWindows times;         ///< Of which snapshots. Empty: the entity is not there.
+  TimeWindows times;  ///< Of which snapshots. Empty: the entity is not there.
+  /// Of which of these the images as they are. Of others only redacted ones.
+  TimeWindows exact = TimeWindows::all();
   bool predictions = false;  ///< Also what models and engines say, which learned from all times.
 
-  [[nodiscard]] bool is_all() const { return times.is_all() && predictions; }
+  /// Whether all of the past may be seen as it is.
+  [[nodiscard]] bool is_whole() const { return times.is_all() && exact.is_all(); }
+  [[nodiscard]] bool is_all() const { return is_whole() && predictions; }
 };
 
 /// What somebody may see of a memory. Answers that are made for a view are as if there were nothing

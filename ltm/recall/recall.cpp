@@ -293,7 +293,7 @@ Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity,
                             entity.to_string());
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
-  if (request.plan && !sight_of(options.view.get(), *request.plan).times.is_all())
+  if (request.plan && !sight_of(options.view.get(), *request.plan).is_whole())
     return failed_precondition("'{}': not all of this plan may be seen", request.plan->to_string());
   return retried(*state_->past, [&] {
     return state_->predictor.predict(entity, request, {options.prefer, options.max_horizon});

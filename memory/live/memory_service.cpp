@@ -348,10 +348,10 @@ std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, 
   auto selected = state.memory->select(query, state.elsewhere());
   size_t bytes = 0;
   for (ltm::SelectedEntity& entity : selected) {
-    const ltm::TimeWindows seen = ltm::sight_of(view, entity.entity).times;
-    if (seen.empty()) continue;
-    // What was selected of all moments is not what would be of some.
-    if (!seen.is_all()) return std::nullopt;
+    const ltm::Sight sight = ltm::sight_of(view, entity.entity);
+    if (sight.times.empty()) continue;
+    // What was selected of all moments is not what would be of some, and redacting takes long.
+    if (!sight.is_whole()) return std::nullopt;
     if (entity.reaches_elsewhere || !entity.future.empty()) return std::nullopt;
     // Reading the sizes takes long where nobody wants to know.
     if (max_bytes != SIZE_MAX) bytes += State::bytes_of(entity, query.is_ids_only());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ltm/redaction/redaction_config.h"
 #include "server/access/grants.h"
 #include "server/access/private_file.h"
 
@@ -92,7 +93,7 @@ Status Identity::check(Right needed, const MemoryId& id, Time time) const {
 }
 
 bool Identity::may_read_all(const MemoryId& id) const {
-  return holder_->of(id).times.is_all();
+  return holder_->of(id).is_whole();
 }
 
 ltm::SharedView Identity::view() const {
@@ -125,6 +126,10 @@ Result<AccessPolicy> AccessPolicy::parse(const ConfigValue& config,
                                          const std::filesystem::path& directory, SteadyTime now) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, config.map());
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue tokens, map.require("tokens"));
+  std::optional<ltm::RedactionOptions> redaction;
+  if (const auto redact = map.find("redact")) {
+    ENGRAM_ASSIGN_OR_RETURN(redaction, ltm::read_redaction(*redact));
+  }
   ENGRAM_RETURN_IF_ERROR(map.finish());
   ENGRAM_ASSIGN_OR_RETURN(const auto list, tokens.list());
   if (list.empty() || list.size() > kMaxTokens)
@@ -138,9 +143,13 @@ Result<AccessPolicy> AccessPolicy::parse(const ConfigValue& config,
       if (other->hash == holder->hash)
         return value.error(fmt::format("has the token of '{}'", other->name));
     }
+    if (holder->grants.redact() && !redaction)
+      return value.error("has a grant with the form redacted, needs 'redact' in this file");
     holders.push_back(std::move(holder));
   }
-  return AccessPolicy(std::move(holders));
+  AccessPolicy policy(std::move(holders));
+  policy.redaction_ = std::move(redaction);
+  return policy;
 }
 
 Result<AccessPolicy::SharedHolder> AccessPolicy::read_holder(const ConfigValue& config,

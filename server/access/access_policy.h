@@ -12,6 +12,7 @@
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
 #include "ltm/memory/sight.h"
+#include "ltm/redaction/redaction_options.h"
 #include "server/access/rate_limit.h"
 #include "server/access/right.h"
 #include "server/access/token.h"
@@ -35,7 +36,7 @@ class Identity {
   /// The same for a snapshot of this time.
   [[nodiscard]] Status check(Right needed, const ltm::MemoryId& id, Time time) const;
 
-  /// Whether the holder may read all that lies below an ID, of all times.
+  /// Whether the holder may read all that lies below an ID, of all times, as it is.
   [[nodiscard]] bool may_read_all(const ltm::MemoryId& id) const;
 
   /// What the holder sees: nothing once the token has expired. Null for who sees everything for
@@ -80,6 +81,9 @@ class AccessPolicy {
   static Result<AccessPolicy> parse(const ConfigValue& config,
                                     const std::filesystem::path& directory, SteadyTime now);
 
+  /// How images are redacted for who may only see them so; nothing where there is nobody.
+  [[nodiscard]] const std::optional<ltm::RedactionOptions>& redaction() const { return redaction_; }
+
   /// Whether this is everyone(): callers then cannot be distinguished.
   [[nodiscard]] bool is_everyone() const { return everyone_ != nullptr; }
 
@@ -95,6 +99,7 @@ class AccessPolicy {
                                           const std::filesystem::path& directory, SteadyTime now);
 
   std::vector<SharedHolder> holders_;
+  std::optional<ltm::RedactionOptions> redaction_;
   SharedHolder everyone_;  ///< Set only for everyone().
 };
 

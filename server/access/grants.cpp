@@ -97,6 +97,14 @@ Result<Grant> read_grant(const ConfigValue& config) {
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue may, map.require("may"));
   ENGRAM_ASSIGN_OR_RETURN(grant.may, read_rights(may));
   ENGRAM_ASSIGN_OR_RETURN(const bool has_window, read_window(map, grant));
+  if (const auto form = map.find("form")) {
+    ENGRAM_ASSIGN_OR_RETURN(const std::string text, form->text());
+    if (text != "exact" && text != "redacted")
+      return form->error(fmt::format("found '{}', needs exact or redacted", text));
+    grant.is_redacted = text == "redacted";
+    if (grant.is_redacted && grant.may != std::vector{Right::kRead})
+      return form->error("found redacted beside other rights than read, needs a grant of its own");
+  }
   ENGRAM_RETURN_IF_ERROR(map.finish());
   if (has(grant.may, Right::kModels)) {
     if (!has(grant.may, Right::kRead))
@@ -184,8 +192,20 @@ ltm::TimeWindows Grants::times(Right right, const MemoryId& id, Time now) const 
   return times;
 }
 
+bool Grants::redact() const {
+  return std::ranges::any_of(grants_, [](const Grant& grant) { return grant.is_redacted; });
+}
+
 ltm::Sight Grants::sight_of(const MemoryId& entity, Time now) const {
-  return {times(Right::kRead, entity, now), give(Right::kModels, entity)};
+  ltm::Sight sight{{}, {}, give(Right::kModels, entity)};
+  for (const Grant& grant : grants_) {
+    if (!grant.gives(Right::kRead, entity)) continue;
+    sight.times.add(grant.window_at(now));
+    if (!grant.is_redacted) sight.exact.add(grant.window_at(now));
+  }
+  // Without redaction the two are equal, and no snapshot has to be looked at.
+  if (!redact()) sight.exact = ltm::TimeWindows::all();
+  return sight;
 }
 
 }  // namespace engram::server

@@ -23,6 +23,7 @@ struct Grant {
   std::vector<Right> may;
   ltm::TimeWindows::Window window;  ///< Of snapshots.
   std::optional<Duration> last;     ///< Instead of a window: those of so long before now.
+  bool is_redacted = false;         ///< Images are read redacted.
 
   /// Whether it lets do this at any time.
   [[nodiscard]] bool gives(Right right, const ltm::MemoryId& id) const;
@@ -48,6 +49,9 @@ class Grants {
 
   /// The snapshots with which it may be done.
   [[nodiscard]] ltm::TimeWindows times(Right right, const ltm::MemoryId& id, Time now) const;
+
+  /// Whether any of them gives images redacted.
+  [[nodiscard]] bool redact() const;
 
   [[nodiscard]] ltm::Sight sight_of(const ltm::MemoryId& entity, Time now) const;
 

@@ -34,10 +34,15 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
   if (!options.tokens.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(access, AccessPolicy::read_file(options.tokens));
   }
+  std::unique_ptr<ltm::Redactor> redactor;
+  if (access.redaction()) {
+    ENGRAM_ASSIGN_OR_RETURN(redactor, ltm::Redactor::create({{{}, access.redaction()}}));
+  }
   ENGRAM_ASSIGN_OR_RETURN(state->service,
                           memory::MemoryService::open(options.service, std::move(loader)));
   state->context =
       std::make_unique<RpcContext>(*state->service, std::move(access), options.threads);
+  state->context->redactor = std::move(redactor);
   state->context->durability = options.durability;
   state->context->audit = options.audit;
   for (const Endpoint& endpoint : options.rpc.endpoints) {

@@ -68,6 +68,14 @@ std::vector<Figure> all_figures(RpcContext& context,
   all.push_back({"subscribers", "Subscriptions.", number(context.hub.size())});
   all.push_back({"connections_cut", "That opened too many streams which came to no end.",
                  number(ConnectionGuard::of_process()->cut())});
+  if (context.redactor) {
+    const ltm::RedactionCounters answers = context.redactor->counters();
+    all.push_back(
+        {"answers_redacted", "Images of answers that were redacted.", number(answers.redacted)});
+    all.push_back({"answers_withheld",
+                   "Snapshots left out of answers, since nothing could say what to redact.",
+                   number(answers.dropped)});
+  }
   if (!context.sharing) return all;
   const PoolCounters pool = context.sharing->pool().counters();
   all.push_back({"shared_clients", "That share memory with the server.", number(pool.clients)});

@@ -83,9 +83,30 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
                                             context_.service.begin_query(query, engine, view_));
                   }
                   auto part = context_.service.next_part(**cursor, kStepBytes);
+                  if (part.ok()) redact(*part);
                   is_last = (*cursor)->is_done();
                   return part;
                 }});
+}
+
+/// Redacts the images that the reader may not see as they are. Each is looked at alone.
+void QueryStream::redact(ltm::Answer& answer) const {
+  if (!view_ || answer.is_ids_only) return;
+  for (ltm::RecalledEntity& entity : answer.entities) {
+    const ltm::TimeWindows exact = view_->of(entity.id).exact;
+    if (exact.is_all()) continue;
+    std::erase_if(entity.snapshots, [&](ltm::RecalledSnapshot& snapshot) {
+      if (exact.contains(snapshot.answer.time)) return false;
+      std::vector<idf::Data*> values;
+      for (ltm::InstanceResult& instance : snapshot.answer.instances)
+        values.push_back(&instance.data);
+      // The bytes in which it came would be sent instead.
+      snapshot.held.reset();
+      return context_.redactor
+          ->redact(entity.id, snapshot.answer.time, values, ltm::RedactionMemory::kNone)
+          .is_dropped();
+    });
+  }
 }
 
 /// Checks entities that a query names letter by letter, whether they exist or not.

@@ -30,6 +30,7 @@ class QueryStream final : public ReplyStream {
   void on_query(const v1::QueryRequest& message);
   void on_prediction(const v1::QueryRequest& message);
   void answer(uint64_t number, Result<ltm::Answer> answer, bool is_last = true);
+  void redact(ltm::Answer& answer) const;
   [[nodiscard]] Status check_named(const ltm::Query& query) const;
   [[nodiscard]] Result<Predicted> asked_of(const v1::QueryRequest& message) const;
   /// Hands the next waiting query to another thread, if none is being answered and the client keeps

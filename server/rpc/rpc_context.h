@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ltm/core/mutex.h"
+#include "ltm/redaction/redactor.h"
 #include "memory/live/event_hub.h"
 #include "memory/live/memory_service.h"
 #include "server/access/access_policy.h"
@@ -26,7 +27,8 @@ struct RpcContext {
 
   memory::MemoryService& service;
   const AccessPolicy access;
-  std::shared_ptr<AuditLog> audit;  ///< Null: nobody keeps one.
+  std::unique_ptr<ltm::Redactor> redactor;  ///< Of answers; null: nobody needs it.
+  std::shared_ptr<AuditLog> audit;          ///< Null: nobody keeps one.
   memory::EventHub hub;
   std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
   RpcMetrics metrics;

@@ -77,7 +77,7 @@ void SubscribeStream::OnReadDone(bool ok) {
 }
 
 const WireBytes& SubscribeStream::form_of(WireEvent& event) const {
-  if (!with_data_) return event.ids_only();
+  if (!with_data_ || !may_have_data(*event.snapshot)) return event.ids_only();
   const WireBytes& data = event.with_data();
   return data.size <= inline_bytes_ ? data : event.ids_only();
 }
@@ -90,12 +90,14 @@ size_t SubscribeStream::kept_bytes(const WireEvent& event) const {
 
 size_t SubscribeStream::told_bytes(WireEvent& event) const {
   const WireEvent::Shared* shared =
-      with_data_ && with_shared_memory_ ? event.shared(context_.sharing->pool()) : nullptr;
+      with_data_ && with_shared_memory_ && may_have_data(*event.snapshot)
+          ? event.shared(context_.sharing->pool())
+          : nullptr;
   return shared != nullptr ? shared->bytes.size : form_of(event).size;
 }
 
 const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& last_shared) const {
-  if (!with_data_ || !with_shared_memory_) return nullptr;
+  if (!with_data_ || !with_shared_memory_ || !may_have_data(*event.snapshot)) return nullptr;
   const WireEvent::Shared* shared = event.shared(context_.sharing->pool());
   if (shared == nullptr) return nullptr;
   // All events of a message that lie in one block share one lease.
@@ -109,6 +111,11 @@ const WireBytes* SubscribeStream::shared_form_of(WireEvent& event, uint64_t& las
 bool SubscribeStream::may_see(const ltm::HeldSnapshot& snapshot) const {
   // The hub remembers who wants an entity, but a token may expire, and may be for some times.
   return !view_ || view_->of(snapshot.entity).times.contains(snapshot.time);
+}
+
+/// A detector would take too long for the thread that commits.
+bool SubscribeStream::may_have_data(const ltm::HeldSnapshot& snapshot) const {
+  return !view_ || view_->of(snapshot.entity).exact.contains(snapshot.time);
 }
 
 void SubscribeStream::offer(std::span<const memory::SharedEvent> events) {

@@ -34,6 +34,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
  private:
   Status start(const v1::SubscribeRequest& request) ENGRAM_EXCLUDES(mutex_);
+  [[nodiscard]] bool may_have_data(const ltm::HeldSnapshot& snapshot) const;
   [[nodiscard]] bool may_see(const ltm::HeldSnapshot& snapshot) const;
   [[nodiscard]] const WireBytes& form_of(WireEvent& event) const;
   /// The size of an event in a message.

@@ -88,7 +88,7 @@ class ViewOfOne final : public View {
       : entity_(std::move(entity)), times_(std::move(times)), predictions_(predictions) {}
 
   [[nodiscard]] Sight of(const MemoryId& entity) const override {
-    return entity == entity_ ? Sight{times_, predictions_} : Sight{};
+    return entity == entity_ ? Sight{times_, TimeWindows::all(), predictions_} : Sight{};
   }
 
  private:

@@ -151,6 +151,44 @@ TEST(AccessPolicy, LetsAWindowMoveWithTheClock) {
   EXPECT_OK(identity.check(Right::kRead, id("Vision"), system_now() + minutes(5)));
 }
 
+TEST(AccessPolicy, GivesImagesRedactedWhereNoOtherGrantGivesThemAsTheyAre) {
+  const std::string redact = "redact: {detector: people}\n";
+  const std::string some =
+      "{ids: all, may: [read], form: redacted}, {ids: [Hall], may: [read], form: exact}, "
+      "{ids: [Bath], may: [read], until: '1970-01-01T00:00:10Z'}";
+  const auto policy = parse(redact + "tokens:\n" + entry("v", "v", grants(some)) +
+                            entry("w", "w", rules("read", "[Bath]")));
+  ASSERT_OK(policy);
+  EXPECT_TRUE(policy->redaction().has_value());
+  const Identity identity = *policy->authenticate("v");
+  const auto sees = [&](const char* entity, int64_t s) {
+    const ltm::Sight sight = identity.view()->of(id(entity));
+    EXPECT_TRUE(sight.times.is_all());
+    return sight.exact.contains(time_from_ns(s * 1'000'000'000));
+  };
+  EXPECT_TRUE(sees("Hall/a/b/c", 99));
+  EXPECT_FALSE(sees("Bed/a/b/c", 99));
+  EXPECT_TRUE(sees("Bath/a/b/c", 10));
+  EXPECT_FALSE(sees("Bath/a/b/c", 11));
+  EXPECT_TRUE(identity.may_read_all(id("Hall")));
+  EXPECT_FALSE(identity.may_read_all(id("Bath")));
+  EXPECT_FALSE(identity.may_read_all(id("")));
+  EXPECT_TRUE(policy->authenticate("w")->may_read_all(id("Bath")));
+  const auto refuses = [](const std::string& text, const std::string& why) {
+    EXPECT_FAILS(parse(text), StatusCode::kInvalidArgument, why);
+  };
+  refuses("tokens:\n" + entry("v", "v", grants(some)), "needs 'redact' in this file");
+  refuses(redact + "tokens:\n" + entry("v", "v", grants("{ids: all, may: [read], form: blurred}")),
+          "needs exact or redacted");
+  for (const char* other : {"[read, models]", "[read, write]", "[write]"})
+    refuses(
+        redact + "tokens:\n" +
+            entry("v", "v", grants(fmt::format("{{ids: all, may: {}, form: redacted}}", other))),
+        "needs a grant of its own");
+  refuses("redact: {detector: ghosts}\ntokens:\n" + entry("v", "v", rules("read", "all")),
+          "ghosts");
+}
+
 TEST(AccessPolicy, RefusesGrantsThatContradictThemselves) {
   const auto refuses = [](const std::string& rest, const std::string& why) {
     EXPECT_FAILS(parse("tokens:\n" + entry("x", "x", rest)), StatusCode::kInvalidArgument, why);
