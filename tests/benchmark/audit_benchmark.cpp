@@ -29,8 +29,8 @@ BENCHMARK(AuditAdd);
 
 void AuditAddLimit(benchmark::State& state) {
   const ScratchDirectory scratch;
-  const File log = std::move(*File::open(scratch.path() / "log", File::Mode::kAppend));
-  const File where = std::move(*File::open(scratch.path() / "where", File::Mode::kWrite));
+  File log = std::move(*File::open(scratch.path() / "log", File::Mode::kAppend));
+  File where = std::move(*File::open(scratch.path() / "where", File::Mode::kWrite));
   const std::string record(330, 'r'), link(250, 'l');
   for (auto _ : state)
     if (!log.append(as_bytes(record)).ok() || !where.write_at(0, as_bytes(link)).ok()) std::abort();
