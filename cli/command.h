@@ -37,6 +37,7 @@ void add_export_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
 void add_predict_command(CLI::App& app, ExitCode& exit_code);
 void add_forget_command(CLI::App& app, ExitCode& exit_code);
+void add_redact_command(CLI::App& app, ExitCode& exit_code);
 void add_compact_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
 void add_check_command(CLI::App& app, ExitCode& exit_code);

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <poll.h>
 #include <unistd.h>
 
-#include <cstdio>
-#include <iostream>
-
 #include "cli/command.h"
+#include "cli/confirm.h"
 #include "cli/interrupt.h"
 #include "cli/learning_module.h"
 #include "cli/progress_line.h"
@@ -76,20 +73,6 @@ std::string question_text(const ltm::ForgetPlan& plan, bool erases) {
                      plan.snapshots(), plan.fading());
 }
 
-/// Asks on the terminal. Returns false unless the answer is yes, or if Ctrl-C comes first.
-bool is_agreed(const ltm::ForgetPlan& plan, bool erases) {
-  fmt::print(stderr, "{} [y/N] ", question_text(plan, erases));
-  std::fflush(stderr);
-  constexpr int kLook_ms = 100;
-  pollfd input{STDIN_FILENO, POLLIN, 0};
-  // The interrupt thread takes the signal, so a blocking read would not see Ctrl-C.
-  while (::poll(&input, 1, kLook_ms) == 0)
-    if (interrupt_token().stop_requested()) return false;
-  std::string answer;
-  std::getline(std::cin, answer);
-  return answer == "y" || answer == "yes";
-}
-
 Status check(const ForgetArguments& arguments) {
   if (arguments.targets.empty() && arguments.config.empty() && !arguments.erases)
     return invalid_argument("forget: found nothing to forget, needs IDs, queries or --config");
@@ -150,7 +133,7 @@ ExitCode run(const ForgetArguments& arguments) {
   }
   const bool is_work = arguments.erases || plan->snapshots() + plan->fading() > 0;
   const bool needs_answer = is_work && !arguments.is_confirmed;
-  if (needs_answer && !is_agreed(*plan, arguments.erases))
+  if (needs_answer && !is_confirmed(question_text(*plan, arguments.erases)))
     return fail(cancelled("forget: nothing was changed"));
   return carry_out(arguments, job, *std::move(plan), progress);
 }

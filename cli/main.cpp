@@ -77,6 +77,7 @@ struct Program {
     if (learning != nullptr) learning->add_eval_command(app, exit_code);
     add_predict_command(app, exit_code);
     add_forget_command(app, exit_code);
+    add_redact_command(app, exit_code);
     add_compact_command(app, exit_code);
     add_simulate_command(app, exit_code);
     add_idf_command(app, exit_code);
@@ -96,7 +97,7 @@ struct Program {
 };
 
 /// What stays where a command is cut off; the others change nothing.
-constexpr std::array<std::pair<std::string_view, const char*>, 10> kInterruptNotes{{
+constexpr std::array<std::pair<std::string_view, const char*>, 11> kInterruptNotes{{
     {"augment", "what was stored of the new store is whole"},
     {"commit", "what was acknowledged is stored"},
     {"compact", "each step is whole or was not begun; the same command goes on"},
@@ -106,6 +107,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 10> kInterruptNot
     {"forget", "each step is whole or was not begun; the same command goes on"},
     {"import", "what was acknowledged is in the store"},
     {"recover", "the copy is unfinished; the source is as it was"},
+    {"redact", "each snapshot is in its old or its new form; the same command goes on"},
     {"simulate", "what was acknowledged is in the store"},
 }};
 

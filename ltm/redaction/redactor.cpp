@@ -174,6 +174,7 @@ struct Redactor::State {
       found.push_back(find_images(*value));
       if (!found.back().encoded) continue;
       ++counts.unreadable;
+      outcome.is_unreadable = true;
       outcome.dropped = fmt::format(
           "'{}' is a file of an image or video, in which no detector looks", *found.back().encoded);
       return outcome;

@@ -31,6 +31,8 @@ struct RedactionOutcome {
   std::string dropped;
   /// The detector gave no answer: another try may succeed.
   bool is_unanswered = false;
+  /// It has an image or video in a form in which no detector looks.
+  bool is_unreadable = false;
   uint64_t redacted = 0;  ///< Images that were changed.
   uint64_t boxes = 0;     ///< That were found now; those that were held come on top.
   /// The buffers that held images before they were changed. What shares an owner with them still

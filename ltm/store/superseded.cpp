@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/store/superseded.h"
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -99,7 +100,38 @@ Result<RewriteReport> keep_staying(const std::filesystem::path& store, const Mem
   return report;
 }
 
+bool may_have_any(const SegmentInfo& segment, const ForgetSet& replaced) {
+  return std::ranges::any_of(replaced, [&segment](const auto& one) {
+    const SegmentEntity* part = segment.find(one.first);
+    return part != nullptr && part->snapshots > 0 && one.second.has_any_in(part->first, part->last);
+  });
+}
+
 }  // namespace
+
+Result<RewriteReport> remove_superseded_recorded(const std::filesystem::path& store,
+                                                 const ForgetSet& replaced,
+                                                 const ProgressSink& progress,
+                                                 const std::stop_token& stop) {
+  RewriteReport report;
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest before, read_manifest(store));
+  for (size_t i = 0; i < before.segments.size(); ++i) {
+    const SegmentInfo& segment = before.segments[i];
+    if (segment.kind != SegmentKind::kRecorded || !may_have_any(segment, replaced)) continue;
+    if (stop.stop_requested()) return cancelled("rewriting segments was stopped");
+    if (progress) progress({"rewrite " + store.string(), i, before.segments.size(), "", -1});
+    // Opened again for each, since a reader does not see what was replaced after it was opened.
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+    const auto& now = reader->manifest().segments;
+    const auto found = std::ranges::find(now, segment.file, &SegmentInfo::file);
+    if (found == now.end())
+      return unavailable("store '{}': segment '{}' was replaced meanwhile: try again",
+                         store.string(), segment.file);
+    SegmentRewriter rewriter(store, *reader, [](const auto&, const auto&) { return Fate::kKeep; });
+    ENGRAM_RETURN_IF_ERROR(rewriter.rewrite({static_cast<uint32_t>(found - now.begin())}, report));
+  }
+  return report;
+}
 
 Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& store,
                                                 const MemoryId& entity) {

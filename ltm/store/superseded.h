@@ -22,4 +22,12 @@ Result<RewriteReport> remove_superseded_latents(const std::filesystem::path& sto
 Result<RewriteReport> remove_latents(const std::filesystem::path& store, const MemoryId& entity,
                                      const TimeSet& unwanted);
 
+/// Removes from recorded segments the rows that newer ones replaced, from those segments that have
+/// any of these snapshots. The snapshots stay in their newest form.
+/// Errors: those of compact; kCancelled on a stop, between two segments.
+Result<RewriteReport> remove_superseded_recorded(const std::filesystem::path& store,
+                                                 const ForgetSet& replaced,
+                                                 const ProgressSink& progress = {},
+                                                 const std::stop_token& stop = {});
+
 }  // namespace engram::ltm

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 #include <random>
 #include <set>
 #include <thread>
@@ -18,6 +19,7 @@
 #include "ltm/codec/group_codec.h"
 #include "ltm/core/file.h"
 #include "ltm/forgetting/carry_out.h"
+#include "ltm/forgetting/redact_store.h"
 #include "ltm/recall/recall.h"
 #include "ltm/store/night_lock.h"
 #include "ltm/store/recover.h"
@@ -285,6 +287,107 @@ TEST_P(NightAfterErasing, FindsNothingOfACanary) {
   EXPECT_EQ(reader()->summary(entity_)->latent_snapshots, kCount - gone_[entity_].size());
 }
 
+/// Redacts canaries in whatever form they are kept. The detector knows them by their times, because
+/// a network that was hardly trained shows nothing that a program could find.
+class RedactedForms : public EraseTest {
+ protected:
+  Result<ltm::StoreRedaction> redact() {
+    const std::filesystem::path program = folder_.path() / "find_canaries.py";
+    std::filesystem::create_directories(folder_.path());
+    std::ofstream(program) << R"(import json, sys
+print('{"ready": true}', flush=True)
+while line := sys.stdin.buffer.readline():
+    head = json.loads(line)
+    pixels = sys.stdin.buffer.read(head['bytes'])
+    found = (head['time_ns'] // 200000000 - 1) % 13 == 5
+    boxes = [[0, 0, head['width'], head['height']]] if found else []
+    print(json.dumps({'image': head['image'], 'boxes': boxes}), flush=True)
+)";
+    ltm::StoreRedactionJob job{.store = store_.path()};
+    ltm::ProgramDetector::Options detector{{"/usr/bin/python3", program.string()}};
+    detector.timeout = std::chrono::minutes(1);
+    job.options.detector = detector;
+    job.options.action = ltm::RedactAction::kFill;
+    job.options.hold = Duration(0);
+    job.loader = encoders::load_model;
+    job.code_anew = code_anew;
+    return ltm::redact_store(job);
+  }
+
+  /// All snapshots are there, canaries black, the others as good as told.
+  void expect_redacted() const {
+    ltm::Recall recall(reader(), encoders::load_model);
+    const auto found = recall.query(ltm::Query::of_entity(entity_, ltm::select::All{}), {});
+    ASSERT_TRUE(found.ok()) << found.status().to_string();
+    const auto& answers = found->entities().front()->snapshots;
+    EXPECT_EQ(answers.size(), static_cast<size_t>(kCount));
+    for (const ltm::SnapshotResult& answer : answers) {
+      const auto index = index_of(answer.time);
+      const idf::Data& value = answer.instances.front().data;
+      expect_unlike_canaries(image_of(value));
+      if (is_canary(static_cast<int>(index))) {
+        EXPECT_EQ(answer.source, ltm::Source::kRecorded);
+        for (const uint8_t pixel : image_of(value).values<uint8_t>()) ASSERT_EQ(pixel, 0);
+        continue;
+      }
+      if (answer.source != ltm::Source::kReconstructed) continue;
+      const ltm::MeasuredError real = *compare(recorded_[index], value);
+      const auto& instance = answer.instances.front();
+      const double told = (instance.bound ? *instance.bound : *instance.error).image_mse;
+      EXPECT_LE(real.image_mse, told * 1.01) << index;
+    }
+    const auto report = ltm::check_store(store_.path(), {}, {}, {});
+    ASSERT_TRUE(report.ok());
+    for (const ltm::Finding& finding : report->findings) ADD_FAILURE() << finding.what;
+  }
+
+  void expect_redacted_after_night() const {
+    ltm::Recall recall(reader(), encoders::load_model);
+    ltm::Recall::Options options;
+    options.prefer = ltm::Prefer::kLatent;
+    const auto found = recall.query(ltm::Query::of_entity(entity_, ltm::select::All{}), options);
+    ASSERT_TRUE(found.ok()) << found.status().to_string();
+    EXPECT_EQ(found->entities().front()->snapshots.size(), static_cast<size_t>(kCount));
+    for (const ltm::SnapshotResult& answer : found->entities().front()->snapshots)
+      expect_unlike_canaries(image_of(answer.instances.front().data));
+  }
+
+  ScratchPath folder_{"redact_program"};
+};
+
+TEST_P(RedactedForms, ShowNothingOfACanaryAnyMore) {
+  make();
+  const auto pieces = pieces_of_canaries();
+  const auto before = reader()->manifest().models;
+  const auto report = redact();
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  EXPECT_EQ(report->total().redacted, gone_[entity_].size());
+  expect_redacted();
+  EXPECT_THAT(files_with(pieces), ::testing::IsEmpty());
+  expect_learned_models_gone(before);
+  // Nothing comes back, and the next night learns from what is left.
+  consolidate_store();
+  expect_redacted_after_night();
+  EXPECT_THAT(files_with(pieces), ::testing::IsEmpty());
+}
+
+TEST_P(RedactedForms, AreDoneByTheNextRunIfOneIsKilled) {
+  make();
+  const auto pieces = pieces_of_canaries();
+  std::mt19937 random(11);
+  for (int round = 0; round < 3; ++round) {
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(redact().ok() ? 0 : 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100 + random() % 700));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+  }
+  const auto report = redact();
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  expect_redacted();
+  EXPECT_THAT(files_with(pieces), ::testing::IsEmpty());
+}
+
 const Form kVideo{"video"};
 const Form kRecorded{.name = "recorded", .drops_recorded = false};
 const Form kVideoAndNumbers{.name = "video_and_numbers", .has_numbers = true};
@@ -303,6 +406,9 @@ INSTANTIATE_TEST_SUITE_P(Forms, EraseTest,
 INSTANTIATE_TEST_SUITE_P(Forms, KilledErasing, ::testing::Values(kVideo, kLatents), kNameOf);
 INSTANTIATE_TEST_SUITE_P(Forms, NightAfterErasing, ::testing::Values(kRecorded, kRecordedLatents),
                          kNameOf);
+
+INSTANTIATE_TEST_SUITE_P(Forms, RedactedForms,
+                         ::testing::Values(kVideo, kRecorded, kLatents, kFaded, kGist), kNameOf);
 
 TEST(EraseReference, TakesThePictureThatVideosBeginFrom) {
   using engram::testing::kRoomCamera, engram::testing::kRoomRows;

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/forgetting/redact_store.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "ltm/codec/group_codec.h"
+#include "ltm/core/file.h"
+#include "ltm/store/store_check.h"
+#include "ltm/store/store_writer.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/redaction/marker_program.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/ltm/store/example_snapshots.h"
+
+namespace engram::ltm {
+namespace {
+
+using testing::has_secret;
+using testing::image_with_secret;
+using testing::marker_redaction;
+
+constexpr int kCount = 12;
+
+/// Every third snapshot shows a secret.
+bool shows_secret(int index) {
+  return index % 3 == 1;
+}
+
+class RedactStoreTest : public ::testing::Test {
+ protected:
+  static Time time(int index) { return time_from_ns(1'000'000'000 * int64_t{index + 1}); }
+  static MemoryId camera() { return *MemoryId::parse("Vision/RGB/head/cam"); }
+
+  static Snapshot snapshot(int index) {
+    InstanceMetadata metadata{time(index), time(index), time(index), "camera", 0.5f};
+    const auto image = image_with_secret(64, 48, shows_secret(index) ? 10 + index : -1, 5);
+    return {camera(), time(index), {{idf::Dict{{"n", index}, {"image", image}}, metadata}}};
+  }
+
+  /// Seals a store, with images by this codec.
+  void make(const std::string& codec = "png") {
+    const PackOptions pack{.rules = {{.kind = MediumKind::kImage, .codec = codec}}};
+    ASSERT_OK(create_store(store_));
+    StoreWriter::Options writing{.durability = Durability::kNone};
+    writing.seal_rules = [&pack](const MemoryId&) { return *SealRules::create(pack); };
+    const auto writer = *StoreWriter::open(store_, writing);
+    for (int i = 0; i < kCount; ++i) {
+      PackedSnapshot packed = pack_snapshot(snapshot(i));
+      packed.instances[0].value = *engram::ltm::pack(snapshot(i).instances[0].data, pack);
+      packed.dropped = 2;
+      ASSERT_OK(writer->append({packed}, nullptr));
+    }
+    ASSERT_OK(writer->seal());
+  }
+
+  [[nodiscard]] StoreRedactionJob job() const {
+    StoreRedactionJob job{.store = store_, .options = marker_redaction(scratch_.path())};
+    job.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+      return Erasures();
+    };
+    return job;
+  }
+
+  /// Reads every snapshot.
+  [[nodiscard]] std::vector<Snapshot> all() const {
+    const auto reader = *StoreReader::open(store_);
+    std::vector<Snapshot> read;
+    for (const SnapshotEntry& entry : **reader->index(camera()))
+      read.push_back(*reader->read_recorded(camera(), entry));
+    return read;
+  }
+
+  /// Pieces of the encoded images that show a secret.
+  [[nodiscard]] std::set<std::string> pieces() const {
+    std::set<std::string> found;
+    const auto reader = *StoreReader::open(store_);
+    int index = 0;
+    for (const SnapshotEntry& entry : **reader->index(camera())) {
+      if (!shows_secret(index++)) continue;
+      const PackedSnapshot packed = *reader->read_packed(camera(), entry);
+      for (const PackedMedium& medium : packed.instances[0].value.media) {
+        const auto bytes = as_text(medium.bytes.bytes());
+        found.emplace(bytes.substr(bytes.size() / 2, 24));
+      }
+    }
+    return found;
+  }
+
+  [[nodiscard]] bool is_in_any_file(const std::set<std::string>& pieces) const {
+    for (const auto& file : std::filesystem::recursive_directory_iterator(store_)) {
+      if (!file.is_regular_file()) continue;
+      const Buffer content = *read_file(file.path());
+      for (const std::string& piece : pieces)
+        if (as_text(content.bytes()).find(piece) != std::string_view::npos) return true;
+    }
+    return false;
+  }
+
+  void expect_redacted() const {
+    const std::vector<Snapshot> read = all();
+    ASSERT_EQ(read.size(), static_cast<size_t>(kCount));
+    for (int i = 0; i < kCount; ++i) {
+      const Snapshot& now = read[static_cast<size_t>(i)];
+      const Snapshot before = snapshot(i);
+      EXPECT_EQ(now.time, before.time);
+      EXPECT_EQ(now.instances[0].metadata, before.instances[0].metadata);
+      EXPECT_EQ(*now.instances[0].data.at("n"), *before.instances[0].data.at("n"));
+      EXPECT_FALSE(has_secret(now.instances[0].data.at("image")->get<idf::NdArray>()));
+      EXPECT_EQ(now == before, !shows_secret(i)) << i;
+    }
+    const auto checked = check_store(store_, {}, {}, {});
+    ASSERT_OK(checked);
+    for (const Finding& finding : checked->findings) ADD_FAILURE() << finding.what;
+  }
+
+  ScratchDirectory scratch_;
+  std::filesystem::path store_ = scratch_ / "store";
+};
+
+TEST_F(RedactStoreTest, LeavesNothingOfWhatIsFoundInAnyFile) {
+  for (const std::string codec : {"png", "ffv1:group=4"}) {
+    if (!codec.starts_with("png") && !make_group_codec(codec).ok()) continue;
+    SCOPED_TRACE(codec);
+    std::filesystem::remove_all(store_);
+    make(codec);
+    const auto secrets = pieces();
+    ASSERT_TRUE(is_in_any_file(secrets));
+    const EntitySummary before = *(*StoreReader::open(store_))->summary(camera());
+    const auto report = redact_store(job());
+    ASSERT_OK(report);
+    EXPECT_EQ(report->total().looked_at, 12u);
+    EXPECT_EQ(report->total().redacted, 4u);
+    EXPECT_EQ(report->total().boxes, 4u);
+    expect_redacted();
+    EXPECT_FALSE(is_in_any_file(secrets));
+    EXPECT_TRUE(std::filesystem::exists(store_ / report->erased->report));
+    EXPECT_FALSE(std::filesystem::exists(store_ / "erasures/redaction.pending"));
+    const EntitySummary summary = *(*StoreReader::open(store_))->summary(camera());
+    EXPECT_EQ(summary.forgotten.snapshots, 4u);
+    EXPECT_EQ(summary.offered, before.offered + 4);
+    EXPECT_EQ(summary.raw_bytes, before.raw_bytes);
+    EXPECT_EQ(summary.offered_bytes, before.offered_bytes + before.raw_bytes / 3);
+    // There is nothing left to do.
+    const auto again = redact_store(job());
+    ASSERT_OK(again);
+    EXPECT_EQ(again->total().redacted, 0u);
+    EXPECT_FALSE(again->erased);
+  }
+}
+
+TEST_F(RedactStoreTest, OnlyLooksIfItIsADryRun) {
+  make();
+  const auto secrets = pieces();
+  StoreRedactionJob dry = job();
+  dry.is_dry_run = true;
+  const auto report = redact_store(dry);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->total().redacted, 4u);
+  EXPECT_TRUE(is_in_any_file(secrets));
+  EXPECT_EQ(all()[1], snapshot(1));
+  EXPECT_FALSE(std::filesystem::exists(store_ / "erasures"));
+}
+
+TEST_F(RedactStoreTest, FinishesWhatAKilledRunBegan) {
+  make();
+  const auto secrets = pieces();
+  StoreRedactionJob killed = job();
+  killed.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    return cancelled("killed");
+  };
+  EXPECT_EQ(redact_store(killed).status().code(), StatusCode::kCancelled);
+  // Every answer is redacted, but the originals are still there.
+  expect_redacted();
+  EXPECT_TRUE(is_in_any_file(secrets));
+  const auto report = redact_store(job());
+  ASSERT_OK(report);
+  EXPECT_EQ(report->taken_up, 4u);
+  EXPECT_EQ(report->total().redacted, 0u);
+  expect_redacted();
+  EXPECT_FALSE(is_in_any_file(secrets));
+}
+
+TEST_F(RedactStoreTest, RefusesADamagedNoteOfWhatIsPending) {
+  make();
+  std::filesystem::create_directories(store_ / "erasures");
+  for (const char* text : {"", "[]", R"({"Vision": [1]})", R"({"A/b/c/d": [1.5]})", "{"}) {
+    std::ofstream(store_ / "erasures/redaction.pending", std::ios::trunc) << text;
+    EXPECT_EQ(redact_store(job()).status().code(), StatusCode::kDataLoss) << text;
+  }
+}
+
+TEST_F(RedactStoreTest, ForgetsSnapshotsIfThatIsTheAction) {
+  make();
+  const auto secrets = pieces();
+  StoreRedactionJob dropping = job();
+  dropping.options.action = RedactAction::kDrop;
+  const auto report = redact_store(dropping);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->total().dropped, 4u);
+  EXPECT_EQ(all().size(), 8u);
+  EXPECT_FALSE(is_in_any_file(secrets));
+}
+
+TEST_F(RedactStoreTest, LeavesWhatHasNoAnswerAsItIs) {
+  make();
+  StoreRedactionJob silent = job();
+  silent.options = marker_redaction(scratch_.path(), "silent");
+  const auto report = redact_store(silent);
+  ASSERT_OK(report);
+  EXPECT_GE(report->total().unanswered, 1u);
+  EXPECT_EQ(report->total().redacted, 0u);
+  for (int i = 0; i < kCount; ++i) EXPECT_EQ(all()[static_cast<size_t>(i)], snapshot(i));
+}
+
+TEST_F(RedactStoreTest, LooksOnlyAtWhatIsNamed) {
+  make();
+  StoreRedactionJob part = job();
+  part.targets = {"Vision @ until:" + to_string(time(3))};
+  const auto report = redact_store(part);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->total().looked_at, 4u);
+  EXPECT_EQ(report->total().redacted, 1u);
+  EXPECT_EQ(all()[4], snapshot(4));
+  part.targets = {"Nothing/a/b/c"};
+  EXPECT_EQ(redact_store(part).status().code(), StatusCode::kNotFound);
+}
+
+TEST_F(RedactStoreTest, TakesAugmentedSnapshotsAlongThatWereMadeOfIt) {
+  make();
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (const int origin : {0, 1}) {
+      Snapshot made = snapshot(0);
+      made.entity = *MemoryId::parse("Vision/RGB/head/changed");
+      made.time = time(origin);
+      made.instances[0].metadata.origin = camera().at(time(origin)).instance(0);
+      made.instances[0].metadata.recipe = "{}";
+      ASSERT_OK(writer->append({pack_snapshot(made)}, nullptr));
+    }
+    ASSERT_OK(writer->seal());
+  }
+  const auto report = redact_store(job());
+  ASSERT_OK(report);
+  EXPECT_EQ(report->made_of, 1u);
+  const auto summary =
+      (*StoreReader::open(store_))->summary(*MemoryId::parse("Vision/RGB/head/changed"));
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->snapshots, 1u);
+}
+
+TEST_F(RedactStoreTest, IsRefusedWhileSomebodyRecords) {
+  make();
+  const auto writer = *StoreWriter::open(store_, {});
+  EXPECT_EQ(redact_store(job()).status().code(), StatusCode::kFailedPrecondition);
+}
+
+}  // namespace
+}  // namespace engram::ltm
