@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "ltm/core/buffer.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
 #include "ltm/core/printable.h"

@@ -68,7 +68,7 @@ class Interrupt : public ::testing::TestWithParam<std::vector<std::string>> {
   [[nodiscard]] static bool writes() {
     const std::string& command = GetParam().front();
     return command == "import" || command == "consolidate" || command == "forget" ||
-           command == "compact";
+           command == "redact" || command == "compact";
   }
 
   static std::unique_ptr<ScratchDirectory> folder_;
@@ -131,6 +131,8 @@ INSTANTIATE_TEST_SUITE_P(
         {"forget", "STORE", "Vision @ all", "--dry-run"},
         {"forget", "STORE", "Vision @ all", "--yes"},
         {"forget", "STORE", "Vision @ until:2022-02-18T13:00:05Z", "--erase", "--yes"},
+        {"redact", "STORE", "Vision @ latest:25", "--detector", "people", "--dry-run"},
+        {"redact", "STORE", "Vision @ latest:25", "--detector", "people", "--yes"},
         {"compact", "STORE"},
         {"recover", "STORE", "-o", "NEW"},
         {"audit", "verify", "LOG"},
