@@ -277,4 +277,11 @@ Result<StoreRedaction> redact_store(const StoreRedactionJob& job) {
   return report;
 }
 
+Result<uint64_t> pending_redactions(const std::filesystem::path& store) {
+  ENGRAM_ASSIGN_OR_RETURN(const ForgetSet pending, read_pending_redaction(store));
+  uint64_t count = 0;
+  for (const auto& [entity, times] : pending) count += times.size();
+  return count;
+}
+
 }  // namespace engram::ltm

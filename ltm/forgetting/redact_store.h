@@ -72,4 +72,9 @@ struct StoreRedaction {
 /// Source: docs/forgetting.md, section "Redacting".
 Result<StoreRedaction> redact_store(const StoreRedactionJob& job);
 
+/// The number of redacted snapshots whose originals may still be in the store, because a redaction
+/// was cut off.
+/// Errors: kDataLoss if the file that tells is damaged; kUnavailable.
+Result<uint64_t> pending_redactions(const std::filesystem::path& store);
+
 }  // namespace engram::ltm

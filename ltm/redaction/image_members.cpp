@@ -80,6 +80,9 @@ bool begins_encoded(std::span<const std::byte> bytes) {
                                       "P5\n"sv};
   if (std::ranges::any_of(kBegins, [&](std::string_view each) { return text.starts_with(each); }))
     return true;
+  // The same as text, by base64.
+  for (const std::string_view each : {"data:image/"sv, "data:video/"sv, "/9j/"sv, "iVBORw0KGgo"sv})
+    if (text.starts_with(each)) return true;
   const std::string_view kind = text.substr(8, 4);
   if (text.starts_with("RIFF") && (kind == "WEBP" || kind == "AVI ")) return true;
   if (text.substr(4, 4) == "ftyp") return true;  // HEIF, AVIF, MP4

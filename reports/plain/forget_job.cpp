@@ -4,6 +4,7 @@
 #include "ltm/core/log.h"
 #include "ltm/forgetting/erasure.h"
 #include "ltm/forgetting/plan_forgetting.h"
+#include "ltm/forgetting/redact_store.h"
 
 namespace engram::reports {
 
@@ -29,6 +30,12 @@ Result<ltm::ForgetPlan> ForgetJob::plan_with(const ltm::ForgetOptions& with) con
                             ltm::plan_forgetting_of(source, chosen, with.protection, context));
     plan.notes = ltm::notes_on_targets(targets);
   }
+  ENGRAM_ASSIGN_OR_RETURN(const uint64_t pending, ltm::pending_redactions(store));
+  if (erases && pending > 0)
+    plan.notes.push_back(fmt::format(
+        "a redaction was cut off, and originals of {} snapshots may still be there: the same "
+        "'engram redact' takes them",
+        pending));
   if (erases && plan.unsealed() > 0)
     plan.notes.push_back("what is in journals is sealed first, and goes, too, where it is meant");
   ENGRAM_RETURN_IF_ERROR(erases ? ltm::add_made_of(*opened, plan)

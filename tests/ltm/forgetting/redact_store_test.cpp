@@ -174,8 +174,10 @@ TEST_F(RedactStoreTest, FinishesWhatAKilledRunBegan) {
   // Every answer is redacted, but the originals are still there.
   expect_redacted();
   EXPECT_TRUE(is_in_any_file(secrets));
+  EXPECT_EQ(*pending_redactions(store_), 4u);
   const auto report = redact_store(job());
   ASSERT_OK(report);
+  EXPECT_EQ(*pending_redactions(store_), 0u);
   EXPECT_EQ(report->taken_up, 4u);
   EXPECT_EQ(report->total().redacted, 0u);
   expect_redacted();

@@ -59,6 +59,7 @@ TEST(ImageMembers, AreToldFromFilesOfImagesInBytes) {
   EXPECT_EQ(encoded("\x89PNG\r\n\x1A\n"), "a/0");
   EXPECT_EQ(encoded("RIFF....WEBP"), "a/0");
   EXPECT_EQ(encoded("....ftypavif"), "a/0");
+  EXPECT_EQ(encoded("data:image/jpeg;base64,"), "a/0");
   EXPECT_EQ(encoded("what anybody writes"), std::nullopt);
   idf::Data text = std::string("\x89PNG\r\n\x1A\n and so on, as a text");
   EXPECT_TRUE(find_images(text).encoded);
