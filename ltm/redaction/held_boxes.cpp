@@ -9,7 +9,8 @@ namespace {
 
 /// The time between two times, which may be the first and the last there are.
 uint64_t ns_between(Time a, Time b) {
-  const auto [low, high] = std::minmax(to_ns(a), to_ns(b));
+  const int64_t low = to_ns(std::min(a, b));
+  const int64_t high = to_ns(std::max(a, b));
   return static_cast<uint64_t>(high) - static_cast<uint64_t>(low);
 }
 

@@ -11,8 +11,9 @@
 namespace engram::ltm {
 
 /// The sides between which detectors of gradients see an image: smaller ones are enlarged, because
-/// they look for at least some 100 pixels of a person, larger ones are reduced, because the time
-/// grows with the pixels. Unit: pixels of the longer side.
+/// they look for at least some 100 pixels of a person (192 x 108: boxes in 77 of 139 images with
+/// 640, in 34 with 400), larger ones are reduced, because the time grows with the pixels. Unit:
+/// pixels of the longer side.
 inline constexpr int kMinSeenSide = 640;
 inline constexpr int kMaxSeenSide = 1280;
 /// Images with a shorter side show nobody. Unit: pixels.

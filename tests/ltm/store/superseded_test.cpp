@@ -70,6 +70,36 @@ TEST_F(Superseded, GoWithTheirModelsAndNothingElse) {
   EXPECT_TRUE(check_store(store_, {}, {}, {})->findings.empty());
 }
 
+TEST_F(Superseded, RowsOfRecordedSegmentsGo) {
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (const int64_t i : {7, 8, 30}) ASSERT_OK(writer->append({packed_example(i)}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  const auto rows = [this] {
+    std::vector<uint64_t> of_segments;
+    for (const SegmentInfo& segment : read_manifest(store_)->segments)
+      if (segment.kind == SegmentKind::kRecorded)
+        of_segments.push_back(segment.entities.front().rows);
+    return of_segments;
+  };
+  ASSERT_EQ(rows(), (std::vector<uint64_t>{20, 3}));
+  // Only segments that have one of these are looked at.
+  ASSERT_OK(remove_superseded_recorded(store_, {{example_entity(), {example_time(40)}}}));
+  EXPECT_EQ(rows(), (std::vector<uint64_t>{20, 3}));
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_EQ(remove_superseded_recorded(store_, {{example_entity(), {example_time(7)}}}, {},
+                                       stopped.get_token())
+                .status()
+                .code(),
+            StatusCode::kCancelled);
+  ASSERT_OK(remove_superseded_recorded(store_, {{example_entity(), {example_time(7)}}}));
+  EXPECT_EQ(rows(), (std::vector<uint64_t>{18, 3}));
+  EXPECT_EQ(versions().size(), 21u);
+  EXPECT_TRUE(check_store(store_, {}, {}, {})->findings.empty());
+}
+
 TEST_F(Superseded, AreNotThoseOfSnapshotsThatWereRecordedAnew) {
   publish(2, 0, 3);
   {
