@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: Apache-2.0
+// Encrypted copies of a store as a whole: datasets/vault.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "ltm/store/rewrite.h"
+#include "tests/datasets/vault/vault_fixture.h"
+
+namespace engram::datasets::vault {
+namespace {
+
+class Vault : public VaultFixture {
+ protected:
+  /// The packed image of the camera's first snapshot.
+  Buffer image_in_store() {
+    const auto reader = *ltm::StoreReader::open(store_);
+    const auto packed = *reader->read_packed(camera(), (*reader->index(camera()))->front());
+    return packed.instances[0].value.media[0].bytes;
+  }
+};
+
+TEST_F(Vault, GivesBackEqualAnswersAndTypes) {
+  make_store();
+  const auto out = exported();
+  EXPECT_EQ(out.added, 9U);
+  EXPECT_EQ(out.snapshots, 3U * kDays * kPerDay);
+  EXPECT_TRUE(out.unread.empty());
+  EXPECT_TRUE(checked().is_whole());
+  const auto back = scratch_ / "back";
+  const auto in = imported(back);
+  EXPECT_EQ(in.snapshots, out.snapshots);
+  EXPECT_EQ(in.instances, out.instances);
+  EXPECT_TRUE(in.damaged.empty());
+  EXPECT_EQ(answers(store_), answers(back));
+  const auto found = answers(back);
+  EXPECT_EQ(found.entities().size(), 3U);
+  EXPECT_EQ(ltm::read_manifest(store_)->types, ltm::read_manifest(back)->types);
+  EXPECT_NE(ltm::read_manifest(back)->types.find(arm().parent()), nullptr);
+  expect_whole_store(back);
+  const auto summary = *(*ltm::StoreReader::open(back))->summary(camera());
+  EXPECT_EQ(summary.offered, 3U * (kPerDay + 3U)) << "with what filters had dropped";
+}
+
+TEST_F(Vault, CarriesWhatWasRecordedInThePackedFormThatItHas) {
+  make_store();
+  exported();
+  const auto back = scratch_ / "back";
+  imported(back);
+  const auto before = *ltm::StoreReader::open(store_), after = *ltm::StoreReader::open(back);
+  const auto *entries = *before->index(camera()), *entries_back = *after->index(camera());
+  ASSERT_EQ(entries->size(), entries_back->size());
+  for (size_t i = 0; i < entries->size(); ++i) {
+    const auto packed = *before->read_packed(camera(), (*entries)[i]);
+    const auto packed_back = *after->read_packed(camera(), (*entries_back)[i]);
+    ASSERT_EQ(packed_back.instances.size(), 1U);
+    const auto &medium = packed.instances[0].value.media.at(0),
+               &medium_back = packed_back.instances[0].value.media.at(0);
+    EXPECT_EQ(medium.codec, "zstd");
+    EXPECT_EQ(medium_back.codec, "zstd");
+    EXPECT_EQ(text_of(medium.bytes.bytes()), text_of(medium_back.bytes.bytes()));
+    EXPECT_EQ(packed.raw_bytes, packed_back.raw_bytes);
+  }
+}
+
+TEST_F(Vault, TellsNothingByItsNamesAndHoldsNothingInPlain) {
+  make_store();
+  exported();
+  for (const std::string& name : names()) {
+    const std::string bytes = content(places_.vault / name);
+    for (const char* word : {"number", "driver", "cam", "Vision", "image", "Arm", "blur"})
+      EXPECT_EQ(bytes.find(word), std::string::npos) << word << " in " << name;
+    EXPECT_TRUE(name == "engram.vault" || name.size() == 32) << name;
+  }
+  EXPECT_EQ(names().size(), 10U);
+}
+
+TEST_F(Vault, AddsOnlyWhatIsNew) {
+  make_store();
+  exported();
+  const auto before = names();
+  const auto old_keys = keys();
+  const auto again = exported();
+  EXPECT_EQ(again.unchanged, 9U);
+  EXPECT_EQ(again.added + again.replaced + again.bytes, 0U);
+  EXPECT_EQ(names(), before);
+  {
+    const auto writer = *ltm::StoreWriter::open(store_, {});
+    const Time late = time_at(kFirstDay + kDays - 1, kPerDay) - std::chrono::minutes(5);
+    ASSERT_OK(writer->append({ltm::pack_snapshot(snapshot(arm(), late, 7))}, nullptr));
+  }
+  const auto third = exported();
+  EXPECT_EQ(third.replaced, 1U);
+  EXPECT_EQ(third.snapshots, static_cast<uint64_t>(kPerDay + 1));
+  EXPECT_EQ(third.unchanged, 8U);
+  // The day that changed has another file and another key, and nothing of the old ones is left.
+  const Day last = kFirstDay + kDays - 1;
+  const VaultDay old_day = *old_keys.find(arm(), last), new_day = *keys().find(arm(), last);
+  EXPECT_NE(old_day.file, new_day.file);
+  EXPECT_EQ(content(places_.keys).find(text_of(old_day.key.bytes())), std::string::npos);
+  EXPECT_NE(content(places_.keys).find(text_of(new_day.key.bytes())), std::string::npos);
+  EXPECT_FALSE(names().contains(to_text(old_day.file)));
+  EXPECT_EQ(names().size(), before.size());
+  imported(scratch_ / "back");
+  EXPECT_EQ(answers(store_), answers(scratch_ / "back"));
+}
+
+TEST_F(Vault, KnowsDaysAgainAfterSealingAndCompaction) {
+  make_store();
+  exported();
+  const auto before = names();
+  { ASSERT_OK((*ltm::StoreWriter::open(store_, {}))->seal()); }
+  ASSERT_OK(ltm::compact(store_, {}));
+  const auto again = exported();
+  EXPECT_EQ(again.unchanged, 9U);
+  EXPECT_EQ(again.added + again.replaced, 0U);
+  EXPECT_EQ(names(), before);
+}
+
+TEST_F(Vault, TakesWholeDaysOfWhichAQuerySelectsAnything) {
+  make_store();
+  const std::string time = to_string(time_at(kFirstDay + 1, 3));
+  const auto out = exported("Vision @ " + time);
+  EXPECT_EQ(out.added, 1U);
+  EXPECT_EQ(out.snapshots, static_cast<uint64_t>(kPerDay));
+  EXPECT_EQ(exported("Vision @ latest").added, 1U);
+  EXPECT_EQ(exported().added, 7U);
+}
+
+TEST_F(Vault, WritesAgainWhatSomebodyRemoved) {
+  make_store();
+  exported();
+  std::filesystem::remove(file_of(arm(), kFirstDay));
+  EXPECT_FALSE(checked().is_whole());
+  EXPECT_EQ(exported().replaced, 1U);
+  EXPECT_TRUE(checked().is_whole());
+}
+
+TEST_F(Vault, GoesOnWithAnImportThatWasStopped) {
+  make_store();
+  exported();
+  const auto back = scratch_ / "back";
+  // A part of it is there, as after a stop.
+  {
+    VaultPlaces part{scratch_ / "part", scratch_ / "part.keys"};
+    std::swap(part, places_);
+    exported("Body");
+    exported("Vision @ latest");
+    imported(back);
+    std::swap(part, places_);
+  }
+  const auto in = imported(back);
+  EXPECT_EQ(in.already_there, 2U * kPerDay);
+  EXPECT_EQ(in.snapshots, 3U * kDays * kPerDay - 2U * kPerDay);
+  EXPECT_EQ(answers(store_), answers(back));
+  EXPECT_EQ(imported(back).already_there, 3U * kDays * kPerDay);
+}
+
+TEST_F(Vault, LeavesWhatTheStoreHasAlready) {
+  make_store();
+  exported();
+  const auto back = scratch_ / "back";
+  ASSERT_OK(ltm::create_store(back));
+  const auto other = snapshot(arm(), time_at(kFirstDay, 0), 999);
+  {
+    const auto writer = *ltm::StoreWriter::open(back, {});
+    ASSERT_OK(writer->append({ltm::pack_snapshot(other)}, nullptr));
+  }
+  EXPECT_EQ(imported(back).already_there, 1U);
+  const auto answer = answers(back, "Body");
+  const auto found = answers(back, "Body @ " + to_string(other.time));
+  EXPECT_EQ(found.find_snapshot(other.id())->instances[0].data, other.instances[0].data);
+}
+
+TEST_F(Vault, StopsAtOnceAndLeavesNothingUnfinished) {
+  make_store();
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FAILS(try_export("@ all", stop.get_token()), StatusCode::kCancelled, "stopped");
+  EXPECT_EQ(names(), std::set<std::string>{"engram.vault"});
+  EXPECT_EQ(exported().added, 9U);
+  EXPECT_FAILS(check_vault(places_, {}, stop.get_token()), StatusCode::kCancelled, "stopped");
+  const auto in = import_from_vault(places_, scratch_ / "back", {}, stop.get_token());
+  ASSERT_OK(in);
+  EXPECT_TRUE(in->is_cancelled);
+}
+
+TEST_F(Vault, IsOfOneStore) {
+  make_store();
+  exported();
+  const auto first = store_;
+  store_ = scratch_ / "other";
+  make_store();
+  EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "--force");
+  options_.takes_other_store = true;
+  EXPECT_OK(try_export());
+}
+
+TEST_F(Vault, LeavesOutADayThatTheStoreCannotRead) {
+  make_store();
+  const std::string file = store_ / ltm::read_manifest(store_)->segments[0].file;
+  std::string bytes = content(file);
+  const auto at = bytes.find(text_of(image_in_store().bytes()));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] ^= 1;
+  overwrite(file, bytes);
+  const auto out = exported();
+  ASSERT_EQ(out.unread.size(), 1U);
+  EXPECT_EQ(out.unread[0].entity, camera());
+  EXPECT_EQ(out.unread[0].day, kFirstDay);
+  EXPECT_EQ(out.added, 8U);
+  EXPECT_TRUE(checked().is_whole());
+  EXPECT_EQ(names().size(), 1 + out.added);
+}
+
+TEST_F(Vault, DryRunChangesNothing) {
+  make_store();
+  options_.is_dry = true;
+  const auto out = exported();
+  EXPECT_EQ(out.added, 9U);
+  EXPECT_EQ(out.snapshots, 3U * kDays * kPerDay);
+  EXPECT_FALSE(std::filesystem::exists(places_.vault));
+  EXPECT_FALSE(std::filesystem::exists(places_.keys));
+}
+
+// Destroyed keys.
+
+TEST_F(Vault, ADestroyedKeyLeavesNothingOfItsDay) {
+  make_store();
+  exported();
+  const auto before = keys();
+  const VaultDay gone = *before.find(camera(), kFirstDay);
+  const std::string sealed = content(file_of(camera(), kFirstDay)).substr(kSealedHeaderBytes, 64);
+  const int old_inode = ::open(places_.keys.c_str(), O_RDONLY);
+  {
+    auto folder = VaultFolder::open_keys(places_);
+    ASSERT_OK(folder);
+    ASSERT_OK(folder->destroy({{camera(), kFirstDay}}, system_now()));
+  }
+  // Neither in the key file, nor in its old blocks, nor anywhere beside it.
+  const std::string key = text_of(gone.key.bytes());
+  std::string old(1 << 20, '\0');
+  old.resize(
+      static_cast<size_t>(std::max<ssize_t>(::pread(old_inode, old.data(), old.size(), 0), 0)));
+  ::close(old_inode);
+  EXPECT_GT(old.size(), 1000U);
+  EXPECT_EQ(old.find(key), std::string::npos);
+  EXPECT_EQ(old.find("ENGRAMVK"), std::string::npos) << "the old bytes were overwritten";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(scratch_.path()))
+    if (entry.is_regular_file()) {
+      const std::string bytes = content(entry.path());
+      EXPECT_EQ(bytes.find(key), std::string::npos) << entry.path();
+      EXPECT_EQ(bytes.find(sealed), std::string::npos) << entry.path();
+    }
+  EXPECT_FALSE(names().contains(to_text(gone.file)));
+  const auto check = checked();
+  EXPECT_TRUE(check.is_whole());
+  EXPECT_EQ(check.destroyed, 1U);
+  // All other days are as they were, and it is told that this one is gone.
+  const auto back = scratch_ / "back";
+  const auto in = imported(back);
+  EXPECT_EQ(in.destroyed, 1U);
+  EXPECT_TRUE(in.damaged.empty());
+  EXPECT_EQ(in.snapshots, 3U * kDays * kPerDay - kPerDay);
+  EXPECT_EQ(answers(store_, "Body @ all"), answers(back, "Body @ all"));
+  const std::string rest = "Vision @ " + to_string(day_begin(kFirstDay + 1)) + ".." +
+                           to_string(day_end(kFirstDay + kDays));
+  EXPECT_EQ(answers(store_, rest), answers(back, rest));
+  // Nothing forgotten comes back.
+  const auto again = exported();
+  EXPECT_EQ(again.destroyed, 1U);
+  EXPECT_EQ(again.added, 0U);
+}
+
+TEST_F(Vault, KeysAreDestroyedWhereTheVaultIsOutOfReach) {
+  make_store();
+  exported();
+  const auto elsewhere = scratch_ / "unmounted";
+  std::filesystem::rename(places_.vault, elsewhere);
+  {
+    auto folder = VaultFolder::open_keys(places_);
+    ASSERT_OK(folder);
+    EXPECT_FALSE(folder->is_within_reach());
+    ASSERT_OK(folder->destroy({{arm(), kFirstDay}, {odd(), kFirstDay}}, system_now()));
+  }
+  EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "mounted");
+  EXPECT_FALSE(std::filesystem::exists(places_.vault)) << "no second vault was begun";
+  std::filesystem::rename(elsewhere, places_.vault);
+  EXPECT_EQ(checked().remains, 2U);
+  exported();
+  EXPECT_EQ(checked().remains, 0U);
+  EXPECT_EQ(names().size(), 8U);
+}
+
+TEST_F(Vault, FindsTheDaysThatTextsName) {
+  make_store();
+  exported();
+  const auto found = [this](const std::string& text) { return find_vault_days(keys(), {text}); };
+  using Days = std::vector<EntityDay>;
+  const auto day = [](int i) { return day_text(kFirstDay + i); };
+  EXPECT_EQ(*found("Vision/RGB"),
+            (Days{{camera(), kFirstDay}, {camera(), kFirstDay + 1}, {camera(), kFirstDay + 2}}));
+  EXPECT_EQ(*found("Body @ " + day(1)), (Days{{arm(), kFirstDay + 1}}));
+  EXPECT_EQ(*found("Body @ " + day(0) + ".." + day(1)),
+            (Days{{arm(), kFirstDay}, {arm(), kFirstDay + 1}}));
+  EXPECT_EQ(*found("Body @ until:" + to_string(time_at(kFirstDay, 1))), (Days{{arm(), kFirstDay}}));
+  EXPECT_EQ(*found(arm().at(time_at(kFirstDay + 2, 5)).to_string()),
+            (Days{{arm(), kFirstDay + 2}}));
+  EXPECT_EQ(found(".* @ all")->size(), 9U);
+  EXPECT_EQ(found(odd().to_string())->size(), 3U) << "though its name has an @";
+  EXPECT_FAILS(found("Body @ latest"), StatusCode::kInvalidArgument, "needs a day");
+  EXPECT_FAILS(found("Body @ before:" + to_string(time_at(kFirstDay, 1))),
+               StatusCode::kInvalidArgument, "needs a day");
+  EXPECT_FAILS(found("Nothing"), StatusCode::kNotFound, "names no day");
+  EXPECT_FAILS(found(""), StatusCode::kNotFound, "names no day");
+  EXPECT_FAILS(found("Body @ " + day(2) + ".." + day(1)), StatusCode::kInvalidArgument, "ends");
+  EXPECT_FAILS(find_vault_days(keys(), {"Body", "Nothing"}), StatusCode::kNotFound, "Nothing");
+}
+
+// Keys and places.
+
+TEST_F(Vault, RefusesKeysThatOthersMayReadOrThatLieInTheVault) {
+  make_store();
+  exported();
+  namespace fs = std::filesystem;
+  EXPECT_EQ(fs::status(places_.keys).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  for (const auto others :
+       {fs::perms::group_read, fs::perms::others_read, fs::perms::group_write}) {
+    fs::permissions(places_.keys, others, fs::perm_options::add);
+    EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "chmod 600");
+    EXPECT_FAILS(check_vault(places_, {}, {}), StatusCode::kFailedPrecondition, "chmod 600");
+    EXPECT_FAILS(import_from_vault(places_, scratch_ / "back", {}, {}),
+                 StatusCode::kFailedPrecondition, "chmod 600");
+    fs::permissions(places_.keys, others, fs::perm_options::remove);
+  }
+  EXPECT_OK(try_export());
+  const auto keys_path = places_.keys;
+  fs::create_directory(scratch_ / "folder");
+  fs::create_symlink(places_.vault, scratch_ / "link");
+  for (const auto& inside : {places_.vault / "robot.keys", places_.vault / ".." / "vault" / "k",
+                             scratch_ / "link" / "robot.keys",
+                             scratch_ / "folder" / ".." / "link" / "deep" / "robot.keys"}) {
+    places_.keys = inside;
+    EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "inside the vault");
+  }
+  places_.keys = keys_path;
+  EXPECT_EQ(names().size(), 10U);
+}
+
+TEST_F(Vault, RefusesTheKeysOfAnotherVault) {
+  make_store();
+  exported();
+  VaultPlaces other{scratch_ / "other", scratch_ / "other.keys"};
+  std::swap(places_, other);
+  exported();
+  std::swap(places_.keys, other.keys);
+  for (const StatusCode code :
+       {try_export().status().code(), check_vault(places_, {}, {}).status().code(),
+        VaultFolder::open_keys(places_).status().code()})
+    EXPECT_EQ(code, StatusCode::kFailedPrecondition);
+  places_.keys = scratch_ / "missing.keys";
+  EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "needs the one");
+  EXPECT_FALSE(std::filesystem::exists(places_.keys));
+  EXPECT_FAILS(check_vault(places_, {}, {}), StatusCode::kNotFound, "missing.keys");
+}
+
+TEST_F(Vault, RefusesADirectoryWithOtherFiles) {
+  make_store();
+  std::filesystem::create_directory(places_.vault);
+  EXPECT_OK(replace_file(places_.vault / "letter.txt", as_bytes("dear diary")));
+  EXPECT_FAILS(try_export(), StatusCode::kAlreadyExists, "has other files");
+  EXPECT_EQ(names(), std::set<std::string>{"letter.txt"});
+}
+
+TEST_F(Vault, AnOlderCopyOfTheKeysRemovesNothingNewer) {
+  make_store();
+  exported("Body @ all");
+  std::filesystem::copy_file(places_.keys, scratch_ / "copy.keys");
+  exported();
+  places_.keys = scratch_ / "copy.keys";
+  EXPECT_EQ(checked().without_key, 6U);
+  exported("Body");
+  EXPECT_EQ(names().size(), 10U);
+}
+
+TEST_F(Vault, OneProcessChangesItAtATime) {
+  make_store();
+  exported();
+  const auto first = VaultFolder::open(places_);
+  ASSERT_OK(first);
+  EXPECT_FAILS(VaultFolder::open(places_), StatusCode::kFailedPrecondition, "another process");
+  EXPECT_TRUE(checked().is_whole()) << "reading needs no lock";
+}
+
+TEST_F(Vault, LeftoversOfAKilledReplacementAreWiped) {
+  make_store();
+  exported();
+  const std::string old = content(places_.keys);
+  const auto left = places_.keys.string() + ".replaced";
+  overwrite(left, old);
+  std::filesystem::permissions(left, std::filesystem::status(places_.keys).permissions());
+  const int inode = ::open(left.c_str(), O_RDONLY);
+  exported();
+  EXPECT_FALSE(std::filesystem::exists(left));
+  std::string bytes(old.size(), '\0');
+  EXPECT_EQ(::pread(inode, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(old.size()));
+  ::close(inode);
+  EXPECT_EQ(bytes.find("ENGRAMVK"), std::string::npos);
+  // A kill before the rename left a second name of the file itself, which must stay whole.
+  std::filesystem::create_hard_link(places_.keys, left);
+  exported();
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_TRUE(checked().is_whole());
+}
+
+}  // namespace
+}  // namespace engram::datasets::vault
