@@ -4,9 +4,11 @@
 #include "cli/progress_line.h"
 #include "datasets/export.h"
 #include "datasets/formats.h"
+#include "datasets/vault/vault_export.h"
 #include "ltm/core/log.h"
 #include "memory/model_loader.h"
 #include "reports/plain/export_text.h"
+#include "reports/plain/vault_text.h"
 
 namespace engram::cli {
 
@@ -23,17 +25,22 @@ constexpr const char* kExportFooter = R"(Formats:
 <entity> is Memory/Core/Provider/Entity. In names / % # leading dots and control characters are %XX.
 Whole recordings, which "engram import --from" reads too, are one file or folder (docs/formats.md); what
 the format cannot hold is listed before anything is written, with --dry-run without writing.
+A vault is an encrypted copy that goes on where the last export ended; 'engram vault --help'.
 
 Examples:
   engram export robot.engram --to jsonl -o out
   engram export robot.engram 'Vision/.*/.*/cam @ last:10s' --to mp4 -o videos
-  engram export robot.engram 'RobotState @ all' --to csv -o tables)";
+  engram export robot.engram 'RobotState @ all' --to csv -o tables
+  engram export robot.engram --to vault -o /mnt/nas/robot.vault --keys ~/robot.keys)";
+
+constexpr std::string_view kVaultName = "vault";
 
 struct ExportArguments {
   std::string store;
   std::string query = "@ all";
   std::string format;
   std::string directory;
+  std::string keys;
   std::string prefer = "recorded";
   datasets::ExportOptions options;
   datasets::WritingOptions writing;
@@ -59,6 +66,7 @@ std::vector<std::string> format_names() {
   std::vector<std::string> names(datasets::kExportFormats.begin(), datasets::kExportFormats.end());
   for (const auto& format : datasets::all_recording_formats())
     if (format->can_write()) names.emplace_back(format->name());
+  names.emplace_back(kVaultName);
   return names;
 }
 
@@ -103,7 +111,39 @@ ExitCode run_recording(const ExportArguments& arguments, const datasets::Recordi
   return damaged == 0 ? ExitCode::kDone : warn_of_damage(arguments, damaged);
 }
 
+/// Adds what is new to an encrypted copy.
+ExitCode run_vault(const ExportArguments& arguments) {
+  if (arguments.keys.empty())
+    return wrong_usage(invalid_argument("export: a vault needs --keys, a file outside of it"));
+  const auto query = ltm::Query::parse(arguments.query);
+  if (!query.ok()) return wrong_usage(query.status());
+  auto reader = ltm::StoreReader::open(arguments.store);
+  if (!reader.ok()) return fail(reader.status());
+  const uint64_t damaged = (*reader)->damaged_places();
+  ltm::Recall recall(std::move(*reader), model_loader());
+  datasets::vault::VaultExportOptions options;
+  options.recall.prefer = prefer_of(arguments);
+  options.takes_other_store = arguments.is_forced;
+  options.is_dry = arguments.is_dry;
+  ProgressLine progress;
+  const auto report =
+      datasets::vault::export_to_vault(recall, *query, {arguments.directory, arguments.keys},
+                                       options, progress.sink(), interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  if (arguments.is_json)
+    print_json(reports::vault_export_json(*report));
+  else
+    reports::print_vault_export(*report, arguments.directory, arguments.is_dry);
+  if (damaged > 0) return warn_of_damage(arguments, damaged);
+  return report->unread.empty() ? ExitCode::kDone : ExitCode::kDoneWithLoss;
+}
+
 ExitCode run(const ExportArguments& arguments) {
+  if (arguments.format == kVaultName) return run_vault(arguments);
+  if (!arguments.keys.empty())
+    return wrong_usage(
+        invalid_argument("export: --keys is for a vault, found --to {}", arguments.format));
   if (const auto format = datasets::find_recording_format(arguments.format); format.ok())
     return run_recording(arguments, **format);
   const auto query = ltm::Query::parse(arguments.query);
@@ -153,7 +193,10 @@ void add_export_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("-o,--out", arguments->directory,
                    "Directory, made where it is missing; whole recordings: the new file")
       ->required();
-  command->add_flag("--force", arguments->is_forced, "Write into a directory that has files");
+  command->add_option("--keys", arguments->keys,
+                      "vault: the file with its keys, outside of it; made where it is missing");
+  command->add_flag("--force", arguments->is_forced,
+                    "Write into a directory that has files; vault: that is of another store");
   command
       ->add_option("--rate", arguments->options.rate_hz,
                    "mp4: images per second; 0: the times of the snapshots")
@@ -170,7 +213,7 @@ void add_export_command(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   command->add_flag("--dry-run", arguments->is_dry,
-                    "Whole recordings: only tell what the format cannot hold");
+                    "Whole recordings: only tell what the format cannot hold; vault: what is new");
   command->add_option("--prefer", arguments->prefer, "Which form is taken where both are there")
       ->check(CLI::IsMember({"recorded", "latent"}))
       ->capture_default_str();

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <set>
+
 #include "cli/command.h"
 #include "cli/import_options.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "datasets/recordings/import_recording.h"
+#include "datasets/vault/vault_import.h"
 #include "ltm/core/log.h"
+#include "ltm/core/printable.h"
 #include "reports/plain/import_report.h"
+#include "reports/plain/vault_text.h"
 
 namespace engram::cli {
 
@@ -14,6 +19,7 @@ namespace {
 constexpr const char* kImportFooter = R"(Examples:
   engram import --from recording.mcap --dry-run
   engram import --from recording.mcap robot.engram
+  engram import --from /mnt/nas/robot.vault --keys ~/robot.keys robot.engram
   engram import --from demos.hdf5 --episodes demo_0,demo_1 --start '2022-02-18 13:00' robot.engram
   engram import --video V.mp4 --table T.csv --entity Vision/RGB/head/cam \
       --state-entity RobotState/Proprioception/robot/joints robot.engram
@@ -27,6 +33,9 @@ constexpr const char* kImportFooter = R"(Examples:
 
 Recordings (--from) come in whole, nothing is thinned unless --rate, --preset or --config say so; what
 a format holds that a memory cannot is counted at the end (docs/formats.md).
+
+A vault ('engram vault --help') comes back as it was exported, so nothing else can be chosen. Times that
+the store has already stay as they are, and an import that was stopped goes on.
 
 Of a video every frame becomes a snapshot {"image", "state"}, every row of the table a snapshot of its
 columns ("a.b" becomes {"a": {"b": ...}}) with a link to its image; each links to the nearest of
@@ -73,7 +82,62 @@ ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
                                                            : ExitCode::kDone;
 }
 
-ExitCode run(const ImportArguments& arguments) {
+[[nodiscard]] bool is_vault(const ImportArguments& arguments) {
+  if (arguments.from.empty()) return false;
+  if (arguments.format != "auto") return arguments.format == "vault";
+  const auto id = datasets::vault::read_vault_id(arguments.from);
+  // What is damaged is told by who reads it.
+  return id.ok() || id.status().code() == StatusCode::kDataLoss;
+}
+
+/// The name of an option that was given and that a vault leaves no choice for; empty if there is
+/// none.
+std::string option_without_choice(const CLI::App& command) {
+  static const std::set<std::string> kChoices{"store",     "--from", "--format", "--keys",
+                                              "--dry-run", "--json", "--help"};
+  for (const CLI::Option* option : command.get_options())
+    if (option->count() > 0 && !kChoices.contains(option->get_name(false, false)))
+      return option->get_name(false, false);
+  return {};
+}
+
+ExitCode run_vault(const ImportArguments& arguments, const CLI::App& command) {
+  if (arguments.keys.empty())
+    return wrong_usage(
+        invalid_argument("import: '{}' is a vault, which needs --keys", printable(arguments.from)));
+  if (const std::string option = option_without_choice(command); !option.empty())
+    return wrong_usage(invalid_argument("import: a vault comes back as it was, found {}", option));
+  if (arguments.store.empty() && !arguments.is_dry)
+    return wrong_usage(invalid_argument("import: needs a STORE"));
+  const datasets::vault::VaultPlaces places{arguments.from, arguments.keys};
+  if (arguments.is_dry) {
+    const auto keys = datasets::vault::read_keys_of(places);
+    if (!keys.ok()) return fail(keys.status());
+    if (arguments.is_json)
+      print_json(reports::vault_list_json(*keys));
+    else
+      reports::print_vault_list(*keys);
+    return ExitCode::kDone;
+  }
+  ProgressLine progress;
+  const auto report = datasets::vault::import_from_vault(places, arguments.store, progress.sink(),
+                                                         interrupt_token());
+  progress.finish();
+  if (!report.ok()) return fail(report.status());
+  if (arguments.is_json)
+    print_json(reports::vault_import_json(*report));
+  else
+    reports::print_vault_import(*report);
+  if (report->is_cancelled)
+    return fail(cancelled("import was stopped; what came in stays, and the same command goes on"));
+  return report->damaged.empty() ? ExitCode::kDone : ExitCode::kDoneWithLoss;
+}
+
+ExitCode run(const ImportArguments& arguments, const CLI::App& command) {
+  if (is_vault(arguments)) return run_vault(arguments, command);
+  if (!arguments.keys.empty())
+    return wrong_usage(
+        invalid_argument("import: '{}' is no vault, found --keys", printable(arguments.from)));
   const auto recording = recorder_options(arguments);
   if (!recording.ok()) return wrong_usage(recording.status());
   if (const Status status = recording->validate(); !status.ok()) return wrong_usage(status);
@@ -107,7 +171,7 @@ void add_import_command(CLI::App& app, ExitCode& exit_code) {
   add_import_options(*command, *arguments);
   command->callback([arguments, command, &exit_code] {
     arguments->has_rate = command->count("--rate") > 0;
-    exit_code = run(*arguments);
+    exit_code = run(*arguments, *command);
   });
 }
 

@@ -107,6 +107,7 @@ void add_reading_options(CLI::App& command, ImportArguments& arguments) {
     return command.add_option(name, value, about)->needs(from)->capture_default_str();
   };
   add("--format", arguments.format, "Its format, or auto");
+  command.add_option("--keys", arguments.keys, "The key file, if it is a vault")->needs(from);
   add("--provider", arguments.reading.provider, "Third name of the entities that are made");
   add("--episodes", arguments.reading.episodes, "Names of the episodes to take; else all")
       ->allow_extra_args(false)

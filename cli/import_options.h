@@ -16,6 +16,7 @@ namespace engram::cli {
 /// The options of `engram import`, unparsed.
 struct ImportArguments {
   std::string store;
+  std::string keys;  ///< Key file of a vault.
   std::string from;
   std::string format = "auto";
   datasets::ReadingOptions reading;

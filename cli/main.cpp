@@ -10,6 +10,7 @@
 #include "cli/interrupt.h"
 #include "cli/learning_environment.h"
 #include "cli/learning_module.h"
+#include "cli/vault_command.h"
 #include "ltm/core/log.h"
 
 namespace engram::cli {
@@ -32,6 +33,8 @@ constexpr const char* kMainFooter = R"(Examples:
   engram predict robot.engram Vision/RGB/head/cam --compare --picture predict.png
   engram crossval robot.engram --entity Vision/RGB/head/cam --training 5m
   engram forget robot.engram --config robot.yaml --dry-run
+  engram export robot.engram --to vault -o robot.vault --keys robot.keys
+  engram vault forget robot.vault --keys robot.keys 'Vision @ 2022-02-18'
   engram compact robot.engram
   engram idf generate kitchen.xml --cpp generated
   engram check robot.engram
@@ -78,6 +81,7 @@ struct Program {
     add_predict_command(app, exit_code);
     add_forget_command(app, exit_code);
     add_redact_command(app, exit_code);
+    add_vault_command(app, exit_code);
     add_compact_command(app, exit_code);
     add_simulate_command(app, exit_code);
     add_idf_command(app, exit_code);
@@ -103,12 +107,13 @@ constexpr std::array<std::pair<std::string_view, const char*>, 11> kInterruptNot
     {"compact", "each step is whole or was not begun; the same command goes on"},
     {"consolidate", "what was published stays; the same command goes on from the last checkpoint"},
     {"crossval", "no result was finished"},
-    {"export", "what it began to write is not whole"},
+    {"export", "what it began to write is not whole; an export to a vault goes on"},
     {"forget", "each step is whole or was not begun; the same command goes on"},
     {"import", "what was acknowledged is in the store"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},
     {"simulate", "what was acknowledged is in the store"},
+    {"vault", "a key is destroyed or as before; the same command goes on"},
 }};
 
 void note_what_stays(std::span<char*> words) {
