@@ -248,8 +248,9 @@ Result<std::optional<VaultSnapshot>> DayReader::next() {
 }
 
 Status DayReader::take_columns(const Buffer& payload) {
-  ENGRAM_ASSIGN_OR_RETURN(const idf::Data data, idf::decode(payload));
-  const auto* paths = data.get_if<idf::List>();
+  const auto data = idf::decode(payload);
+  if (!data.ok()) return broken(data.status().message());
+  const auto* paths = data->get_if<idf::List>();
   if (paths == nullptr) return broken("its columns are no list");
   for (const idf::Data& path : *paths) {
     const auto* text = path.get_if<std::string>();
@@ -267,10 +268,13 @@ Result<VaultSnapshot> DayReader::snapshot_of(const Buffer& payload) {
   if (!in.is_whole()) return broken("a snapshot is cut off");
   VaultSnapshot snapshot;
   if (!note.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(snapshot.reconstructed, idf::decode(Buffer::copy(note)));
+    auto reconstructed = idf::decode(Buffer::copy(note));
+    if (!reconstructed.ok()) return broken(reconstructed.status().message());
+    snapshot.reconstructed = *std::move(reconstructed);
   }
-  ENGRAM_ASSIGN_OR_RETURN(snapshot.packed,
-                          ltm::decode_frame(payload.slice(payload.size() - in.rest(), in.rest())));
+  auto frame = ltm::decode_frame(payload.slice(payload.size() - in.rest(), in.rest()));
+  if (!frame.ok()) return broken(frame.status().message());
+  snapshot.packed = *std::move(frame);
   auto& instances = snapshot.packed.instances;
   for (const GroupUse& use : uses) {
     if (use.instance >= instances.size() ||
