@@ -50,6 +50,7 @@ struct Format {
   std::string name;
   std::string file;
   std::vector<std::string> carries;  ///< Entities that come back with the values that they had.
+  bool has_keys = false;             ///< It needs a file with keys beside it.
 };
 
 void PrintTo(const Format& format, std::ostream* out) {
@@ -81,11 +82,22 @@ class RoundTrips : public ::testing::TestWithParam<Format> {
     const std::filesystem::path folder = directory_ / std::to_string(i);
     std::filesystem::create_directory(folder);
     const std::string file = folder / GetParam().file;
-    const RunResult out =
-        run_engram({"export", store(i), "@ all", "--to", GetParam().name, "-o", file});
+    const RunResult out = run_engram(
+        with_keys({"export", store(i), "@ all", "--to", GetParam().name, "-o", file}, i));
     ASSERT_EQ(out.exit_code, 0) << out.err;
-    const RunResult in = run_engram({"import", "--from", file, store(i + 1)});
+    const RunResult in = run_engram(with_keys({"import", "--from", file, store(i + 1)}, i));
     ASSERT_EQ(in.exit_code, 0) << in.err;
+  }
+
+  /// The arguments, and the key file number `i` if the format has one.
+  [[nodiscard]] std::vector<std::string> with_keys(std::vector<std::string> arguments,
+                                                   int i) const {
+    if (GetParam().has_keys)
+      for (const std::string& word : {std::string("--keys"), keys(i)}) arguments.push_back(word);
+    return arguments;
+  }
+  [[nodiscard]] std::string keys(int i) const {
+    return (directory_ / (std::to_string(i) + ".keys")).string();
   }
 
   /// Of all snapshots.
@@ -125,8 +137,8 @@ TEST_P(RoundTrips, ChangeNothingTheSecondTime) {
 
 TEST_P(RoundTrips, SayFirstWhatIsNotHeld) {
   const std::string file = directory_ / GetParam().file;
-  const RunResult dry =
-      run_engram({"export", store(0), "@ all", "--to", GetParam().name, "-o", file, "--dry-run"});
+  const RunResult dry = run_engram(with_keys(
+      {"export", store(0), "@ all", "--to", GetParam().name, "-o", file, "--dry-run"}, 0));
   EXPECT_EQ(dry.exit_code, 0) << dry.err;
   EXPECT_FALSE(std::filesystem::exists(file));
   if (GetParam().name == "tum") {
@@ -143,7 +155,7 @@ TEST_P(RoundTrips, NameFilesThatAreNotWhatTheySay) {
   for (const bool is_empty : {false, true}) {
     if (is_empty) std::ofstream(file, std::ios::trunc).close();
     const RunResult in =
-        run_engram({"import", "--from", file, "--format", GetParam().name, store(1)});
+        run_engram(with_keys({"import", "--from", file, "--format", GetParam().name, store(1)}, 0));
     EXPECT_EQ(in.exit_code, 1);
     EXPECT_THAT(in.err, HasSubstr(GetParam().file));
     EXPECT_FALSE(std::filesystem::exists(store(1))) << "nothing came in";
@@ -167,7 +179,8 @@ INSTANTIATE_TEST_SUITE_P(Formats, RoundTrips,
                                                   "robot",
                                                   {kImages, kDepth,
                                                    "RobotState/Localization/robot/base>"
-                                                   "RobotState/Localization/robot/groundtruth"}}),
+                                                   "RobotState/Localization/robot/groundtruth"}},
+                                           Format{"vault", "robot.vault", kAll, true}),
                          [](const auto& format) { return format.param.name; });
 
 }  // namespace

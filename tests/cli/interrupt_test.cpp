@@ -36,7 +36,13 @@ class Interrupt : public ::testing::TestWithParam<std::vector<std::string>> {
                   .exit_code,
               0);
     make_audit_log();
+    ASSERT_EQ(
+        run_engram({"export", made_, "--to", "vault", "-o", vault(), "--keys", keys()}).exit_code,
+        0);
   }
+
+  static std::string vault() { return folder_->path() / "made.vault"; }
+  static std::string keys() { return folder_->path() / "made.keys"; }
 
   /// A log that no server wrote, with keys to make for each of its records, and for gaps.
   static void make_audit_log() {
@@ -59,6 +65,9 @@ class Interrupt : public ::testing::TestWithParam<std::vector<std::string>> {
       if (word == "NEW") word = store + ".new" + std::to_string(round);
       if (word == "VIDEO") word = folder_->path() / "scene.mp4";
       if (word == "LOG") word = folder_->path() / "audit.log";
+      if (word == "VAULT") word = vault();
+      if (word == "KEYS") word = keys();
+      if (word == "NEW_KEYS") word = store + ".keys" + std::to_string(round);
       all.push_back(std::move(word));
     }
     return all;
@@ -136,11 +145,16 @@ INSTANTIATE_TEST_SUITE_P(
         {"compact", "STORE"},
         {"recover", "STORE", "-o", "NEW"},
         {"audit", "verify", "LOG"},
+        {"export", "STORE", "--to", "vault", "-o", "NEW", "--keys", "NEW_KEYS"},
+        {"import", "--from", "VAULT", "--keys", "KEYS", "NEW"},
+        {"vault", "verify", "VAULT", "--keys", "KEYS"},
     }),
     [](const auto& command) {
       std::string name = command.param.front();
       for (const std::string& word : command.param)
-        if (word == "--jobs")
+        if (word == "VAULT" || word == "NEW_KEYS")
+          name += "_vault";
+        else if (word == "--jobs")
           name += "_in_two_processes";
         else if (word == "--dry-run")
           name += "_dry_run";
