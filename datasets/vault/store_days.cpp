@@ -68,13 +68,10 @@ class DayLister {
   /// Nothing if all days are wanted.
   Result<std::optional<std::set<Day>>> wanted_days(const ltm::MemoryId& entity,
                                                    ltm::Timeline& timeline) {
-    const auto queries = query_.snapshots_of(entity);
-    if (std::ranges::any_of(queries, [](const ltm::SnapshotQuery& query) {
-          return std::holds_alternative<ltm::select::All>(query.selector);
-        }))
-      return std::optional<std::set<Day>>();
+    if (selects_all(query_, entity)) return std::optional<std::set<Day>>();
     std::set<Day> days;
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor, SnapshotCursor::create(timeline, queries));
+    ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor,
+                            SnapshotCursor::create(timeline, query_.snapshots_of(entity)));
     while (true) {
       if (stop_.stop_requested()) return cancelled("export was stopped");
       ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
@@ -101,6 +98,12 @@ class DayLister {
 };
 
 }  // namespace
+
+bool selects_all(const ltm::Query& query, const ltm::MemoryId& entity) {
+  return std::ranges::any_of(query.snapshots_of(entity), [](const ltm::SnapshotQuery& each) {
+    return std::holds_alternative<ltm::select::All>(each.selector);
+  });
+}
 
 Result<std::vector<StoreDay>> days_of_store(ltm::Recall& recall, const ltm::Query& query,
                                             ltm::Prefer prefer, const std::stop_token& stop) {

@@ -21,6 +21,9 @@ struct StoreDay {
   uint64_t source = 0;
 };
 
+/// True if a query selects all snapshots of an entity.
+[[nodiscard]] bool selects_all(const ltm::Query& query, const ltm::MemoryId& entity);
+
 /// Lists the days of which a query selects any snapshot, whole, in the order of entities and time.
 /// Values are not read. Memory: per day.
 /// Errors: those of exported_entities and Timeline; kCancelled after a stop.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "datasets/recordings/merged_snapshots.h"
 #include "datasets/vault/day_records.h"
@@ -42,6 +43,19 @@ idf::Data error_data(const std::optional<ltm::MeasuredError>& error) {
   return dict;
 }
 
+/// Counts the days that the store has no more, of entities of which the query selects everything.
+uint64_t count_vault_alone(const VaultKeys& keys, const std::vector<StoreDay>& days,
+                           const ltm::Query& query) {
+  std::set<EntityDay> in_store;
+  for (const StoreDay& day : days) in_store.insert({day.entity, day.day});
+  uint64_t count = 0;
+  for (const auto& [entity, of_entity] : keys.days) {
+    if (!selects_all(query, entity)) continue;
+    for (const auto& [day, kept] : of_entity) count += in_store.contains({entity, day}) ? 0 : 1;
+  }
+  return count;
+}
+
 /// How values are packed that have no recorded form.
 ltm::PackOptions lossless() {
   ltm::PackOptions options;
@@ -60,8 +74,9 @@ class VaultExport {
         folder_(std::move(folder)),
         packer_(std::move(packer)) {}
 
-  Result<VaultExportReport> run(const std::vector<StoreDay>& days) {
+  Result<VaultExportReport> run(const std::vector<StoreDay>& days, const ltm::Query& query) {
     ENGRAM_RETURN_IF_ERROR(check_store());
+    report_.vault_alone = count_vault_alone(folder_.keys(), days, query);
     std::vector<const StoreDay*> work;
     for (const StoreDay& day : days)
       if (is_work(day)) work.push_back(&day);
@@ -229,7 +244,8 @@ class VaultExport {
 };
 
 /// Changes nothing, not even the vault's directory.
-Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const VaultPlaces& places) {
+Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const ltm::Query& query,
+                                  const VaultPlaces& places) {
   VaultExportReport report;
   VaultKeys keys;
   auto found = read_keys_of(places);
@@ -237,6 +253,7 @@ Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const Vault
     keys = *std::move(found);
   else if (found.status().code() != StatusCode::kNotFound)
     return found.status();
+  report.vault_alone = count_vault_alone(keys, days, query);
   for (const StoreDay& day : days) {
     const VaultDay* kept = keys.find(day.entity, day.day);
     if (keys.is_destroyed(day.entity, day.day)) {
@@ -261,7 +278,7 @@ Result<VaultExportReport> export_to_vault(ltm::Recall& recall, const ltm::Query&
   if (options.is_dry) {
     ENGRAM_ASSIGN_OR_RETURN(const auto days,
                             days_of_store(recall, query, options.recall.prefer, stop));
-    return dry_run(days, places);
+    return dry_run(days, query, places);
   }
   // First what is wrong with the places, which takes no time.
   ENGRAM_ASSIGN_OR_RETURN(VaultFolder folder, VaultFolder::open(places));
@@ -269,7 +286,7 @@ Result<VaultExportReport> export_to_vault(ltm::Recall& recall, const ltm::Query&
                           days_of_store(recall, query, options.recall.prefer, stop));
   ENGRAM_ASSIGN_OR_RETURN(ltm::Packer packer, ltm::Packer::create(lossless()));
   VaultExport run(recall, options, progress, stop, std::move(folder), std::move(packer));
-  return run.run(days);
+  return run.run(days, query);
 }
 
 }  // namespace engram::datasets::vault

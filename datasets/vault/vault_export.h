@@ -37,6 +37,8 @@ struct VaultExportReport {
   uint64_t replaced = 0;   ///< Days that changed: they have a new file and key.
   uint64_t unchanged = 0;  ///< Days that were as the vault has them.
   uint64_t destroyed = 0;  ///< Days that are not exported, as their keys were destroyed.
+  /// Days that the vault alone has: the store forgot them, and the query selects all of its entity.
+  uint64_t vault_alone = 0;
   uint64_t snapshots = 0;  ///< Of the days that were written; of a dry run those to be written.
   uint64_t instances = 0;
   uint64_t reconstructed = 0;        ///< Snapshots that were decoded from latents.

@@ -76,6 +76,7 @@ Json vault_export_json(const VaultExportReport& report) {
           {"replaced", report.replaced},
           {"unchanged", report.unchanged},
           {"destroyed", report.destroyed},
+          {"vault_alone", report.vault_alone},
           {"snapshots", report.snapshots},
           {"instances", report.instances},
           {"reconstructed", report.reconstructed},
@@ -100,6 +101,9 @@ void print_vault_export(const VaultExportReport& report, const std::filesystem::
   if (report.destroyed > 0)
     print(fmt::format("{} entity-days are left out, as their keys were destroyed",
                       count_text(report.destroyed)));
+  if (report.vault_alone > 0)
+    print(fmt::format("{} entity-days are in the vault alone; 'engram vault forget' takes them out",
+                      count_text(report.vault_alone)));
   if (!report.unread.empty()) print("Left out, as the store cannot read it:");
   print_vault_findings(report.unread);
 }

@@ -116,6 +116,26 @@ TEST_F(Vault, KnowsDaysAgainAfterSealingAndCompaction) {
   EXPECT_EQ(names(), before);
 }
 
+TEST_F(Vault, TellsWhatTheStoreForgotSince) {
+  make_store();
+  { ASSERT_OK((*ltm::StoreWriter::open(store_, {}))->seal()); }
+  EXPECT_EQ(exported().vault_alone, 0U);
+  TimeSet whole, half;
+  for (int64_t i = 0; i < kPerDay; ++i) {
+    whole.insert(time_at(kFirstDay, i));
+    if (i < kPerDay / 2) half.insert(time_at(kFirstDay + 1, i));
+  }
+  const VaultDay old = *keys().find(arm(), kFirstDay + 1);
+  ASSERT_OK(ltm::forget_snapshots(store_, {{camera(), whole}, {arm(), half}}));
+  const auto out = exported();
+  EXPECT_EQ(out.vault_alone, 1U);
+  // What is left of a day takes its place, and its old key goes.
+  EXPECT_EQ(out.replaced, 1U);
+  EXPECT_EQ(out.snapshots, static_cast<uint64_t>(kPerDay / 2));
+  EXPECT_EQ(content(places_.keys).find(text_of(old.key.bytes())), std::string::npos);
+  EXPECT_EQ(exported("Vision @ latest").vault_alone, 0U);
+}
+
 TEST_F(Vault, TakesWholeDaysOfWhichAQuerySelectsAnything) {
   make_store();
   const std::string time = to_string(time_at(kFirstDay + 1, 3));
