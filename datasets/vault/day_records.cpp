@@ -19,6 +19,9 @@ enum RecordKind : uint8_t { kColumns = 1, kGroup = 2, kSnapshot = 3, kEnd = 4 };
 /// copied.
 constexpr size_t kAlignment = 8;
 
+/// A record is read in pieces, each as large as all before.
+constexpr size_t kFirstPiece = 1 << 20;
+
 /// Of one flush, far more than any has.
 constexpr size_t kMaxGroups = 1 << 20;
 
@@ -209,8 +212,13 @@ Result<DayReader::Record> DayReader::read_record() {
   const auto size = in.number<uint64_t>();
   // Whoever sealed the file may have lied.
   if (size > file_.bytes_left()) return broken("a record is longer than its file");
-  std::vector<std::byte> payload(static_cast<size_t>(size));
-  ENGRAM_RETURN_IF_ERROR(file_.read(payload));
+  // Nor is there memory for a file that is large because nothing is in it: seals come first.
+  std::vector<std::byte> payload;
+  while (payload.size() < size) {
+    const size_t known = payload.size();
+    payload.resize(std::min(static_cast<size_t>(size), std::max(2 * known, kFirstPiece)));
+    ENGRAM_RETURN_IF_ERROR(file_.read(std::span(payload).subspan(known)));
+  }
   record.payload = Buffer::take(std::move(payload));
   return record;
 }

@@ -248,11 +248,11 @@ Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const ltm::
                                   const VaultPlaces& places) {
   VaultExportReport report;
   VaultKeys keys;
-  auto found = read_keys_of(places);
-  if (found.ok())
-    keys = *std::move(found);
-  else if (found.status().code() != StatusCode::kNotFound)
-    return found.status();
+  std::error_code error;
+  const bool has_vault = read_vault_id(places.vault).status().code() != StatusCode::kNotFound;
+  if (has_vault || std::filesystem::exists(places.keys, error)) {
+    ENGRAM_ASSIGN_OR_RETURN(keys, read_keys_of(places));
+  }
   report.vault_alone = count_vault_alone(keys, days, query);
   for (const StoreDay& day : days) {
     const VaultDay* kept = keys.find(day.entity, day.day);

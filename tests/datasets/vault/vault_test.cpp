@@ -240,6 +240,14 @@ TEST_F(Vault, DryRunChangesNothing) {
   EXPECT_EQ(out.snapshots, 3U * kDays * kPerDay);
   EXPECT_FALSE(std::filesystem::exists(places_.vault));
   EXPECT_FALSE(std::filesystem::exists(places_.keys));
+  options_.is_dry = false;
+  exported("Body @ all");
+  const auto before = names();
+  options_.is_dry = true;
+  EXPECT_EQ(exported().added, 6U);
+  EXPECT_EQ(names(), before);
+  places_.keys = scratch_ / "missing.keys";
+  EXPECT_FAILS(try_export(), StatusCode::kNotFound, "missing.keys");
 }
 
 // Destroyed keys.
