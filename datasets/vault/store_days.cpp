@@ -53,9 +53,11 @@ class DayLister {
       if (stop_.stop_requested()) return cancelled("export was stopped");
       const Day day = day_of(entry.time);
       if (open && open->day != day) close();
-      if (!open) open = StoreDay{entity, day, 0, 0};
+      if (!open) open = StoreDay{entity, day, 0, 0, 0, 0};
       ++open->snapshots;
       open->source = place_of(open->source, entry);
+      open->times = sum_of({open->times, to_ns(entry.time), 0, 0, 0, 0});
+      open->latents_only += entry.recorded ? 0 : 1;
       return {};
     }));
     close();

@@ -19,6 +19,8 @@ struct StoreDay {
   /// Made of the places where the store has these snapshots: another one if any of them changed.
   /// Compaction changes it too.
   uint64_t source = 0;
+  uint64_t times = 0;         ///< Made of their times alone.
+  uint64_t latents_only = 0;  ///< Snapshots whose recorded form is gone.
 };
 
 /// True if a query selects all snapshots of an entity.

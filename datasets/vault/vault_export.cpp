@@ -43,6 +43,12 @@ idf::Data error_data(const std::optional<ltm::MeasuredError>& error) {
   return dict;
 }
 
+/// True if the vault has the same snapshots, and more of them as they were recorded: what a night
+/// made of them in the store must not take their place.
+bool is_better_than(const StoreDay& day, const VaultDay& kept) {
+  return kept.times == day.times && kept.reconstructed < day.latents_only;
+}
+
 /// Counts the days that the store has no more, of entities of which the query selects everything.
 uint64_t count_vault_alone(const VaultKeys& keys, const std::vector<StoreDay>& days,
                            const ltm::Query& query) {
@@ -110,8 +116,12 @@ class VaultExport {
   bool is_work(const StoreDay& day) {
     if (folder_.keys().is_destroyed(day.entity, day.day)) return ++report_.destroyed, false;
     const VaultDay* kept = folder_.keys().find(day.entity, day.day);
-    if (kept == nullptr || kept->source != day.source || !is_there(*kept)) return true;
-    return ++report_.unchanged, false;
+    if (kept == nullptr || !is_there(*kept)) return true;
+    const bool is_better = is_better_than(day, *kept);
+    if (kept->source != day.source && !is_better) return true;
+    ++report_.unchanged;
+    report_.kept_recorded += is_better ? 1 : 0;
+    return false;
   }
 
   /// A file that somebody removed or cut off is written again.
@@ -123,6 +133,7 @@ class VaultExport {
   Status add(const StoreDay& day) {
     VaultDay made;
     made.source = day.source;
+    made.times = day.times;
     ENGRAM_RETURN_IF_ERROR(fill_random(made.file));
     ENGRAM_ASSIGN_OR_RETURN(made.key, SecretKey::random());
     unread_.reset();
@@ -258,8 +269,9 @@ Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const ltm::
     const VaultDay* kept = keys.find(day.entity, day.day);
     if (keys.is_destroyed(day.entity, day.day)) {
       ++report.destroyed;
-    } else if (kept != nullptr && kept->source == day.source) {
+    } else if (kept != nullptr && (kept->source == day.source || is_better_than(day, *kept))) {
       ++report.unchanged;
+      report.kept_recorded += is_better_than(day, *kept) ? 1 : 0;
     } else {
       ++(kept == nullptr ? report.added : report.replaced);
       report.snapshots += day.snapshots;

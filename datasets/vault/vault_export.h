@@ -36,6 +36,8 @@ struct VaultExportReport {
   uint64_t added = 0;      ///< Days that the vault did not have.
   uint64_t replaced = 0;   ///< Days that changed: they have a new file and key.
   uint64_t unchanged = 0;  ///< Days that were as the vault has them.
+  /// Of them, days that the vault has as they were recorded, and the store in part as latents only.
+  uint64_t kept_recorded = 0;
   uint64_t destroyed = 0;  ///< Days that are not exported, as their keys were destroyed.
   /// Days that the vault alone has: the store forgot them, and the query selects all of its entity.
   uint64_t vault_alone = 0;
@@ -47,7 +49,8 @@ struct VaultExportReport {
 };
 
 /// Encrypts what a store has into a vault: each day of which the query selects anything, whole.
-/// Days that the vault has already are left as they are. After a stop, what was committed by then
+/// Days that the vault has already are left as they are, also if the store has no more than latents
+/// of what was recorded. After a stop, what was committed by then
 /// stays, and the next export goes on.
 ///
 /// Memory: bounded, whatever the size of a day. Threading: one thread; `progress` is called from

@@ -19,7 +19,7 @@ constexpr uint32_t kKeysVersion = 1;
 constexpr size_t kDigestBytes = 32;
 
 /// A key file has about so many bytes for each day and for each entity.
-constexpr size_t kDayBytes = 160;
+constexpr size_t kDayBytes = 168;
 constexpr size_t kEntityBytes = 300;
 
 Result<std::array<std::byte, kDigestBytes>> sha256(std::span<const std::byte> bytes) {
@@ -41,7 +41,7 @@ void write_day(FieldWriter<SecretBytes>& out, Day day, const VaultDay& kept) {
   out.bytes(kept.file);
   out.bytes(kept.key.bytes());
   for (const uint64_t number : {kept.snapshots, kept.instances, kept.raw_bytes, kept.file_bytes,
-                                kept.reconstructed, kept.source, kept.digest})
+                                kept.reconstructed, kept.source, kept.times, kept.digest})
     out.number(number);
   out.number(to_ns(kept.first));
   out.number(to_ns(kept.last));
@@ -53,7 +53,7 @@ VaultDay read_day(FieldReader& in) {
   const auto key = in.bytes(SecretKey::kBytes);
   if (key.size() == SecretKey::kBytes) kept.key = SecretKey(key.first<SecretKey::kBytes>());
   for (uint64_t* number : {&kept.snapshots, &kept.instances, &kept.raw_bytes, &kept.file_bytes,
-                           &kept.reconstructed, &kept.source, &kept.digest})
+                           &kept.reconstructed, &kept.source, &kept.times, &kept.digest})
     *number = in.number<uint64_t>();
   kept.first = time_of(in);
   kept.last = time_of(in);

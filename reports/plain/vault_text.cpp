@@ -75,6 +75,7 @@ Json vault_export_json(const VaultExportReport& report) {
   return {{"added", report.added},
           {"replaced", report.replaced},
           {"unchanged", report.unchanged},
+          {"kept_recorded", report.kept_recorded},
           {"destroyed", report.destroyed},
           {"vault_alone", report.vault_alone},
           {"snapshots", report.snapshots},
@@ -98,6 +99,9 @@ void print_vault_export(const VaultExportReport& report, const std::filesystem::
   if (report.reconstructed > 0)
     print(fmt::format("{} of them were decoded from latents, as nothing recorded is left",
                       count_text(report.reconstructed)));
+  if (report.kept_recorded > 0)
+    print(fmt::format("{} of those as before stay as they were recorded; the store has latents",
+                      count_text(report.kept_recorded)));
   if (report.destroyed > 0)
     print(fmt::format("{} entity-days are left out, as their keys were destroyed",
                       count_text(report.destroyed)));

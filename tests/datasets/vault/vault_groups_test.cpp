@@ -135,6 +135,32 @@ TEST_F(VaultLatents, WhatIsOnlyALatentIsDecodedAndItsErrorIsNoted) {
   }
 }
 
+TEST_F(VaultLatents, WhatTheVaultHasAsRecordedStaysWhenTheStoreDropsIt) {
+  make_store(6, false);
+  const auto export_all = [this] {
+    ltm::Recall recall = open(loader());
+    auto report = export_to_vault(recall, *ltm::Query::parse("@ all"), places_, {}, {}, {});
+    EXPECT_OK(report);
+    return report.ok() ? *report : VaultExportReport();
+  };
+  EXPECT_EQ(export_all().added, 2U);
+  ASSERT_OK(ltm::drop_recorded(store_, ltm::example_entity(), {}));
+  for (int i = 0; i < 2; ++i) {
+    const auto again = export_all();
+    EXPECT_EQ(again.unchanged, 2U);
+    EXPECT_EQ(again.kept_recorded, 1U);
+    EXPECT_EQ(again.replaced, 0U);
+  }
+  const auto in = import_from_vault(places_, scratch_ / "back", {}, {});
+  ASSERT_OK(in);
+  EXPECT_EQ(in->reconstructed, 0U);
+  // A file that somebody removed is written from what there is.
+  const auto keys = *read_keys(places_.keys);
+  const Day day = day_of(ltm::example_time(0));
+  std::filesystem::remove(day_file(places_.vault, keys.find(ltm::example_entity(), day)->file));
+  EXPECT_EQ(export_all().reconstructed, 6U);
+}
+
 TEST_F(VaultLatents, WithoutTheModelTheDayIsLeftOutAndNamed) {
   make_store(6, true);
   ltm::Recall recall = open({});
