@@ -104,8 +104,8 @@ ExitCode forget_in_vault(const VaultArguments& arguments) {
   Json json{{"days", reports::vault_days_json(folder->keys(), *days)}};
   if (!arguments.is_json) reports::print_vault_days(folder->keys(), *days);
   if (!arguments.is_confirmed &&
-      !is_confirmed(fmt::format("Destroy the keys of {} entity-days? Nobody can read them afterwards.",
-                             days->size())))
+      !is_confirmed(fmt::format(
+          "Destroy the keys of {} entity-days? Nobody can read them afterwards.", days->size())))
     return fail(cancelled("vault forget: nothing was changed"));
   const ExitCode done = destroy(arguments, *folder, *days);
   if (done != ExitCode::kDone || !arguments.is_json) return done;
