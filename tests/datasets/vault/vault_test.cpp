@@ -344,6 +344,25 @@ TEST_F(Vault, FindsTheDaysThatTextsName) {
   EXPECT_FAILS(find_vault_days(keys(), {"Body", "Nothing"}), StatusCode::kNotFound, "Nothing");
 }
 
+TEST_F(Vault, OfFormat1IsReadForEver) {
+  // Made by this fixture, with the camera's first day destroyed.
+  const std::filesystem::path golden =
+      std::filesystem::path(ENGRAM_SOURCE_DIR) / "tests/golden/vault/format_1";
+  std::filesystem::copy(golden / "robot.vault", places_.vault,
+                        std::filesystem::copy_options::recursive);
+  std::filesystem::copy(golden / "robot.keys", places_.keys);
+  std::filesystem::permissions(
+      places_.keys, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  EXPECT_TRUE(checked().is_whole());
+  EXPECT_EQ(checked().snapshots, 8U * kPerDay);
+  const auto in = imported(scratch_ / "back");
+  EXPECT_EQ(in.destroyed, 1U);
+  make_store();
+  for (const std::string query : {"Body @ all", "Vision @ latest:24"})
+    EXPECT_EQ(answers(store_, query), answers(scratch_ / "back", query)) << query;
+  EXPECT_EQ(answers(scratch_ / "back").find_snapshot(camera().at(time_at(kFirstDay, 0))), nullptr);
+}
+
 // Keys and places.
 
 TEST_F(Vault, RefusesKeysThatOthersMayReadOrThatLieInTheVault) {
