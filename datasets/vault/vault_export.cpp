@@ -22,6 +22,8 @@ namespace {
 /// kill.
 constexpr uint64_t kCommitBytes = uint64_t{256} << 20;
 constexpr size_t kCommitFiles = 4096;
+/// So much is forced to any disk in a moment.
+constexpr uint64_t kQuickBytes = uint64_t{16} << 20;
 /// A commit may take this share of the time.
 constexpr int kMinWorkPerCommit = 10;
 
@@ -91,7 +93,7 @@ class VaultExport {
     progress_.begin(total);
     last_commit_ = steady_now();
     for (const StoreDay* day : work) {
-      ENGRAM_RETURN_IF_ERROR(add(*day));
+      if (const Status added = add(*day); !added.ok()) return end_early(added);
       if (is_commit_due()) ENGRAM_RETURN_IF_ERROR(commit());
     }
     ENGRAM_RETURN_IF_ERROR(commit());
@@ -223,6 +225,16 @@ class VaultExport {
     columns_ = forms.columns;
     columns_entity_ = entity;
     return columns_;
+  }
+
+  /// Keeps the days that are finished, unless that would let Ctrl-C wait.
+  Status end_early(const Status& why) {
+    const bool is_stopped = why.code() == StatusCode::kCancelled;
+    if (is_stopped && folder_.waiting_bytes() > kQuickBytes) return why;
+    if (const Status kept = commit(); !kept.ok())
+      log::warning("vault: days that were finished are written again by the next export: {}",
+                   kept.message());
+    return why;
   }
 
   [[nodiscard]] bool is_commit_due() const {
