@@ -25,6 +25,10 @@ class EventWindows {
   [[nodiscard]] bool listens_to(const MemoryId& entity) const;
   [[nodiscard]] bool is_open_at(Time time) const { return buffer_.is_open_at(time); }
   [[nodiscard]] HeldSnapshots held() const { return buffer_.held(); }
+  void add_held_times(TimeSet& times) const { buffer_.add_held_times(times); }
+  void forget(const TimeSet& times, FilterDecisions& decisions) {
+    buffer_.forget(times, decisions);
+  }
 
  private:
   std::vector<EventDetector> detectors_;
@@ -58,6 +62,11 @@ class ImportanceFilter final : public Filter {
   void offer(Candidate candidate, FilterDecisions& decisions) override;
   void flush(FilterDecisions& decisions) override { windows_.flush(decisions); }
   [[nodiscard]] HeldSnapshots held() const override { return windows_.held(); }
+  void add_held_times(TimeSet& times) const override { windows_.add_held_times(times); }
+  bool forget(const TimeSet& times, FilterDecisions& decisions) override {
+    windows_.forget(times, decisions);
+    return true;
+  }
   [[nodiscard]] bool listens_to(const MemoryId& entity) const override {
     return windows_.listens_to(entity);
   }
@@ -97,6 +106,11 @@ class TriggerFilter final : public Filter {
   }
   void flush(FilterDecisions& decisions) override { windows_.flush(decisions); }
   [[nodiscard]] HeldSnapshots held() const override { return windows_.held(); }
+  void add_held_times(TimeSet& times) const override { windows_.add_held_times(times); }
+  bool forget(const TimeSet& times, FilterDecisions& decisions) override {
+    windows_.forget(times, decisions);
+    return true;
+  }
   [[nodiscard]] bool listens_to(const MemoryId& entity) const override {
     return windows_.listens_to(entity);
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "ltm/core/time_set.h"
 #include "ltm/idf/type.h"
 #include "ltm/memory/snapshot.h"
 
@@ -69,6 +70,14 @@ class Filter {
   virtual void flush(FilterDecisions&) {}
 
   [[nodiscard]] virtual HeldSnapshots held() const { return {}; }
+
+  /// Adds the times of what it holds.
+  virtual void add_held_times(TimeSet&) const {}
+
+  /// Drops what it holds of these times, as kForgotten. Returns false if it may remember more of
+  /// what it saw, such as a value that it compares with: then a new filter has to take its place.
+  virtual bool forget(const TimeSet&, FilterDecisions&) { return false; }
+  static constexpr std::string_view kForgotten = "forgotten";
 
   /// True if notice() must be called for this entity, which is not the filter's own.
   [[nodiscard]] virtual bool listens_to(const MemoryId&) const { return false; }

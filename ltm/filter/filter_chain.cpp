@@ -37,12 +37,26 @@ void FilterChain::begin_anew(Output& output) {
   // Filters remember times after the new ones, so they would drop all until the old time is
   // reached again. Only new filters forget it.
   flush(output);
-  for (size_t i = 0; i < stages_.size(); ++i) {
-    auto filter = make_filter(options_[i]);
-    ENGRAM_CHECK(filter.ok(), "{}", filter.status().message());
-    stages_[i].filter = *std::move(filter);
-  }
+  for (size_t i = 0; i < stages_.size(); ++i) replace_filter(i);
   late_run_ = 0;
+}
+
+void FilterChain::replace_filter(size_t stage) {
+  auto filter = make_filter(options_[stage]);
+  ENGRAM_CHECK(filter.ok(), "{}", filter.status().message());
+  stages_[stage].filter = *std::move(filter);
+}
+
+void FilterChain::add_held_times(TimeSet& times) const {
+  for (const Stage& stage : stages_) stage.filter->add_held_times(times);
+}
+
+void FilterChain::forget(const TimeSet& times, Output& output) {
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    FilterDecisions decisions;
+    if (!stages_[i].filter->forget(times, decisions)) replace_filter(i);
+    settle(i, std::move(decisions), output);
+  }
 }
 
 void FilterChain::offer(Candidate candidate, Output& output) {

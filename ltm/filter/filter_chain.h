@@ -53,6 +53,11 @@ class FilterChain {
   /// it returns false, nothing happened: make the candidate and offer it.
   bool drop_at(Time time, uint64_t raw_bytes, Output& output);
   void flush(Output& output);
+  /// Adds the times of what filters hold.
+  void add_held_times(TimeSet& times) const;
+  /// Drops what filters hold of these times. Filters that remember values start again, so that
+  /// nothing is compared with one that was forgotten.
+  void forget(const TimeSet& times, Output& output);
   void notice(const Snapshot& snapshot, Output& output);
   [[nodiscard]] bool listens_to(const MemoryId& entity) const;
 
@@ -73,6 +78,7 @@ class FilterChain {
 
   [[nodiscard]] bool is_late(Time time);
   void begin_anew(Output& output);
+  void replace_filter(size_t stage);
   void pass(size_t stage, Candidate candidate, Output& output);
   void settle(size_t stage, FilterDecisions decisions, Output& output);
 

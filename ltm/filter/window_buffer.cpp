@@ -47,6 +47,19 @@ void WindowBuffer::flush(FilterDecisions& decisions) {
   while (!queue_.empty()) pop(options_.reason, decisions);
 }
 
+void WindowBuffer::add_held_times(TimeSet& times) const {
+  for (const Held& held : queue_) times.insert(held.candidate.snapshot.time);
+}
+
+void WindowBuffer::forget(const TimeSet& times, FilterDecisions& decisions) {
+  std::erase_if(queue_, [&](const Held& held) {
+    if (!times.contains(held.candidate.snapshot.time)) return false;
+    held_bytes_ -= held.candidate.raw_bytes;
+    decisions.drop(Filter::kForgotten, held.candidate);
+    return true;
+  });
+}
+
 void WindowBuffer::pop(std::string_view reason, FilterDecisions& decisions) {
   Held& front = queue_.front();
   held_bytes_ -= front.candidate.raw_bytes;

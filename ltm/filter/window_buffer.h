@@ -41,6 +41,10 @@ class WindowBuffer {
 
   void flush(FilterDecisions& decisions);
 
+  void add_held_times(TimeSet& times) const;
+  /// See Filter::forget.
+  void forget(const TimeSet& times, FilterDecisions& decisions);
+
   [[nodiscard]] bool is_open_at(Time time) const;
   [[nodiscard]] HeldSnapshots held() const { return {queue_.size(), held_bytes_}; }
 

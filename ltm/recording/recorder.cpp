@@ -295,6 +295,27 @@ struct Recorder::State {
     log::warning("snapshot '{}', which a filter had held, is lost: {}", id, status.to_string());
   }
 
+  void forget(const std::map<MemoryId, TimeSet>& gone) {
+    for (const auto& [entity, times] : gone) {
+      const auto found = channels.all().find(entity);
+      if (found == channels.all().end()) continue;
+      RecordingChannel& channel = found->second;
+      FilterChain::Output output;
+      channel.chain.forget(times, output);
+      channel.dropped += output.dropped;
+      channel.dropped_bytes += output.dropped_bytes;
+      channel.last_offered.reset();
+    }
+    std::erase_if(pending, [&gone](const Kept& each) {
+      const auto times = gone.find(each.snapshot().entity);
+      if (times == gone.end() || !times->second.contains(each.snapshot().time)) return false;
+      --each.channel->pending;
+      each.channel->pending_bytes -= each.candidate.raw_bytes;
+      ++each.channel->counters->failed;
+      return true;
+    });
+  }
+
   /// Stores what filters hold, and seals the store.
   Status finish() {
     ++commits;
@@ -376,6 +397,26 @@ bool Recorder::drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes
   if (!state_->drop_unmade(entity, time, raw_bytes)) return false;
   state_->note_drops_if_due();
   return true;
+}
+
+std::map<MemoryId, TimeSet> Recorder::waiting_times() const {
+  std::map<MemoryId, TimeSet> waiting;
+  for (const auto& [entity, channel] : state_->channels.all()) {
+    TimeSet times;
+    channel.chain.add_held_times(times);
+    if (!times.empty()) waiting[entity] = std::move(times);
+  }
+  for (const Kept& each : state_->pending)
+    waiting[each.snapshot().entity].insert(each.snapshot().time);
+  return waiting;
+}
+
+void Recorder::forget(const std::map<MemoryId, TimeSet>& gone) {
+  state_->forget(gone);
+}
+
+Status Recorder::seal() {
+  return state_->writer->seal();
 }
 
 Status Recorder::close() {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/core/time_set.h"
 #include "ltm/filter/filter_chain.h"
 #include "ltm/memory/checked_snapshot.h"
 #include "ltm/memory/commit.h"
@@ -123,6 +124,18 @@ class Recorder {
   /// time alone. Use it for values that are expensive to make. If it returns false, nothing
   /// happened: make the snapshot and commit it. `raw_bytes` is what Snapshot::raw_bytes would be.
   bool drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes);
+
+  /// The times of what waits in memory, by entity: what filters hold, and what they kept when the
+  /// disk failed.
+  [[nodiscard]] std::map<MemoryId, TimeSet> waiting_times() const;
+
+  /// Drops what waits in memory of these times, and lets filters of these entities compare with
+  /// nothing that they saw. What is in the store stays. Counts it as dropped by the filter that
+  /// held it, or as failed.
+  void forget(const std::map<MemoryId, TimeSet>& gone);
+
+  /// Publishes what is in the journals, see StoreWriter::seal.
+  Status seal();
 
   /// Releases what filters hold, seals everything and closes the store. Without it, what was kept
   /// stays in the journal.

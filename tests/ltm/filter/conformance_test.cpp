@@ -113,6 +113,35 @@ class FilterConformance : public ::testing::TestWithParam<size_t> {
   }
 };
 
+TEST_P(FilterConformance, ForgetsWhatItHoldsOfTheseTimesAndKeepsNoneOfIt) {
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const auto filter = make();
+    FilterDecisions decisions;
+    const std::vector<Candidate> offered = made_up(seed);
+    for (const Candidate& each : offered) filter->offer(each, decisions);
+    TimeSet held;
+    filter->add_held_times(held);
+    ASSERT_EQ(held.size(), filter->held().snapshots);
+    TimeSet gone;
+    for (size_t i = 0; i < offered.size(); i += 2) gone.insert(offered[i].snapshot.time);
+    FilterDecisions forgetting;
+    const bool goes_on = filter->forget(gone, forgetting);
+    EXPECT_TRUE(forgetting.kept.empty());
+    for (const FilterDecisions::Drop& drop : forgetting.dropped)
+      EXPECT_EQ(drop.reason, Filter::kForgotten);
+    TimeSet left;
+    filter->add_held_times(left);
+    EXPECT_EQ(left.size() + forgetting.dropped.size(), held.size());
+    for (const Time time : left) EXPECT_FALSE(gone.contains(time));
+    // One that holds nothing is replaced instead.
+    EXPECT_TRUE(goes_on || left.empty());
+    FilterDecisions rest;
+    filter->flush(rest);
+    for (const Candidate& kept : rest.kept) EXPECT_FALSE(gone.contains(kept.snapshot.time));
+    EXPECT_EQ(filter->held().bytes, 0u);
+  }
+}
+
 TEST_P(FilterConformance, IsDeterministicKeepsOrderAndCountsEverything) {
   for (uint64_t seed = 0; seed < 20; ++seed) {
     const std::vector<Candidate> offered = made_up(seed);

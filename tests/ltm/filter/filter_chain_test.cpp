@@ -142,6 +142,34 @@ TEST(FilterChain, FiltersAgainWhereTheClockWasSetBack) {
   EXPECT_EQ(counters.offered, counters.kept + counters.dropped());
 }
 
+TEST(FilterChain, ComparesWithNothingThatWasForgotten) {
+  auto chain = *FilterChain::create({EqualityFilter::Options{}});
+  FilterChain::Output output;
+  chain.offer(candidate(0, 1), output);
+  chain.offer(candidate(1, 1), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0}));
+  chain.forget({at_second(0)}, output);
+  chain.offer(candidate(2, 1), output);
+  chain.offer(candidate(3, 1), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 2}));
+}
+
+TEST(FilterChain, ForgetsWhatIsHeldAndLetsTheRestFollow) {
+  auto chain = *FilterChain::create(
+      {TriggerFilter::Options{.events = {trigger()}, .before = std::chrono::seconds(10)}});
+  FilterChain::Output output;
+  for (int i = 0; i < 5; ++i) chain.offer(candidate(i), output);
+  TimeSet held;
+  chain.add_held_times(held);
+  EXPECT_EQ(held.size(), 5u);
+  chain.forget({at_second(1), at_second(3)}, output);
+  EXPECT_EQ(output.dropped, 2u);
+  EXPECT_EQ(chain.held().snapshots, 3u);
+  EXPECT_EQ(chain.counters()[0].dropped_by.at("forgotten"), 2u);
+  chain.notice(candidate(5, idf::None{}, "event").snapshot, output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 2, 4}));
+}
+
 TEST(FilterChain, RefusesOptionsThatDoNotValidate) {
   EXPECT_FAILS(FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 0}}),
                StatusCode::kInvalidArgument, "0 Hz");
