@@ -68,4 +68,22 @@ void EntityHistory::erase(size_t index) {
   entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
+std::vector<EntityHistory::Taken> EntityHistory::take(const TimeSet& times) {
+  std::vector<Taken> taken;
+  const size_t leaving = leaving_;
+  size_t kept = 0;
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    if (!times.contains(entries_[i].time)) {
+      if (kept != i) entries_[kept] = std::move(entries_[i]);
+      ++kept;
+      continue;
+    }
+    const bool was_leaving = i < leaving;
+    if (was_leaving) --leaving_;
+    taken.push_back({std::move(entries_[i]), was_leaving});
+  }
+  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(kept), entries_.end());
+  return taken;
+}
+
 }  // namespace engram::ltm

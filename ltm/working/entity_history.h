@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "ltm/core/time_set.h"
 #include "ltm/working/held_snapshot.h"
 
 namespace engram::ltm {
@@ -61,6 +62,14 @@ class EntityHistory {
   Entry& choose_oldest();
 
   void erase(size_t index);
+
+  /// Removes the entries of these times and returns them, in the order of time.
+  /// Complexity: O(n log t) for t times.
+  struct Taken {
+    Entry entry;
+    bool was_leaving = false;
+  };
+  std::vector<Taken> take(const TimeSet& times);
 
  private:
   std::deque<Entry> entries_;

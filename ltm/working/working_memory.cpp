@@ -102,7 +102,8 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
     return resource_exhausted(
         "working memory: {} bytes of {} snapshots wait for the online phase, needs at most {} to "
         "take more",
-        state.counts.waiting_bytes, state.waiting.size(), state.options.max_waiting_bytes);
+        state.counts.waiting_bytes, state.waiting.size() - state.forgotten_waiting,
+        state.options.max_waiting_bytes);
   }
   state.counts.reinterpreted += reinterpreted;
   for (ArrivingSnapshot& arrival : arrivals) state.put(std::move(arrival), now, to_store);
@@ -116,28 +117,49 @@ Result<size_t> WorkingMemory::store(const Sink& sink, size_t max_bytes) {
   State& state = *state_;
   const MutexLock one_at_a_time(state.storing);
   std::vector<SharedSnapshot> taken;
+  size_t count = 0;  // In the queue, with those that were forgotten.
   {
     const SharedLock lock(state.mutex);
     size_t bytes = 0;
     for (const WaitingSnapshot& next : state.waiting) {
       bytes += next.bytes;
       if (bytes > max_bytes && !taken.empty()) break;
-      taken.push_back(next.snapshot);
+      ++count;
+      if (next.snapshot) taken.push_back(next.snapshot);
     }
   }
-  if (taken.empty()) return size_t{0};
+  if (count == 0) return size_t{0};
   // `mutex` is free while the sink writes to the disk, so commits and queries go on. Commits append
   // to `waiting`, and `storing` keeps others from shortening it: the taken ones are still its
   // first.
-  ENGRAM_RETURN_IF_ERROR(sink(taken));
+  if (!taken.empty()) ENGRAM_RETURN_IF_ERROR(sink(taken));
   const ExclusiveLock lock(state.mutex);
-  for (size_t i = 0; i < taken.size(); ++i) {
-    state.counts.waiting_bytes -= state.waiting[i].bytes;
-    state.stored(taken[i]);
+  const auto end = state.waiting.begin() + static_cast<std::ptrdiff_t>(count);
+  for (auto next = state.waiting.begin(); next != end; ++next) {
+    state.counts.waiting_bytes -= next->bytes;
+    if (!next->snapshot) --state.forgotten_waiting;
   }
-  state.waiting.erase(state.waiting.begin(),
-                      state.waiting.begin() + static_cast<std::ptrdiff_t>(taken.size()));
+  for (const SharedSnapshot& snapshot : taken) state.stored(snapshot);
+  state.waiting.erase(state.waiting.begin(), end);
   return taken.size();
+}
+
+size_t WorkingMemory::forget(const std::map<MemoryId, TimeSet>& gone,
+                             const std::function<void(std::span<const SharedSnapshot>)>& unstored) {
+  State& state = *state_;
+  // Declared before the locks, so that snapshots are freed after unlocking.
+  std::vector<SharedSnapshot> freed;
+  std::vector<SharedSnapshot> waited;
+  size_t count = 0;
+  // No sink has any of them now, and none gets them later.
+  const MutexLock one_at_a_time(state.storing);
+  {
+    const ExclusiveLock lock(state.mutex);
+    waited = state.forget_waiting(gone);
+    for (const auto& [entity, times] : gone) count += state.forget(entity, times, freed);
+  }
+  if (unstored && !waited.empty()) unstored(waited);
+  return count;
 }
 
 void WorkingMemory::expire() {
@@ -185,7 +207,7 @@ MemoryCounters WorkingMemory::counters() const {
   MemoryCounters counts = state_->counts;
   counts.entities = state_->entities.size();
   counts.bytes = state_->parts.front().bytes;
-  counts.waiting = state_->waiting.size();
+  counts.waiting = state_->waiting.size() - state_->forgotten_waiting;
   counts.reads = state_->reads.load(std::memory_order_relaxed);
   return counts;
 }

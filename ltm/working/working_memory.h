@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "ltm/core/time_set.h"
 #include "ltm/memory/ahead_limits.h"
 #include "ltm/memory/commit.h"
 #include "ltm/memory/query.h"
@@ -28,7 +30,7 @@ enum class StoreMode : uint8_t {
 
 /// What happened in a working memory since it was created. Unit: snapshots, unless named.
 ///
-/// committed = superseded + left + dropped + the snapshots in it.
+/// committed = superseded + left + dropped + forgotten + the snapshots in it.
 struct MemoryCounters {
   size_t entities = 0;   ///< Entities in it now.
   size_t snapshots = 0;  ///< In it now, including those that wait.
@@ -39,6 +41,7 @@ struct MemoryCounters {
   uint64_t superseded = 0;     ///< Replaced by another of the same entity and time.
   uint64_t left = 0;           ///< They left it, and the online phase has them.
   uint64_t dropped = 0;        ///< They left it and were not stored: StoreMode::kLatest.
+  uint64_t forgotten = 0;      ///< Taken out of it by forget().
   uint64_t stored = 0;         ///< Taken by the online phase.
   uint64_t refused = 0;        ///< Refused commits.
   uint64_t reinterpreted = 0;  ///< Instances that lost something in the cast to their type.
@@ -123,7 +126,8 @@ class WorkingMemory {
   Result<Admission> admit(Commit commit, std::vector<std::vector<Buffer>> encoded = {},
                           bool to_store = false);
 
-  /// The number of snapshots that the online phase took, of all that ever waited.
+  /// The number of snapshots that the online phase took or that were forgotten before, of all that
+  /// ever waited, up to the first one that waits now.
   [[nodiscard]] uint64_t taken() const;
 
   /// The newest snapshot of an entity, or the one of exactly this time; null where there is none.
@@ -163,6 +167,12 @@ class WorkingMemory {
   /// Threading: one thread at a time; the others wait.
   /// Errors: those of the sink.
   Result<size_t> store(const Sink& sink, size_t max_bytes = SIZE_MAX);
+
+  /// Removes the snapshots of these times, and those of the same times that wait for the online
+  /// phase: it never gets them. Before anything else can be stored, `unstored` is called with those
+  /// that waited, if there are any. Waits for a sink that runs. Returns how many snapshots left.
+  size_t forget(const std::map<MemoryId, TimeSet>& gone,
+                const std::function<void(std::span<const SharedSnapshot>)>& unstored = {});
 
   /// Chooses snapshots older than their limits to leave. Call it regularly.
   void expire();

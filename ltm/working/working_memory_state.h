@@ -29,7 +29,7 @@ struct ArrivingSnapshot {
 
 /// A snapshot that waits for the online phase.
 struct WaitingSnapshot {
-  SharedSnapshot snapshot;
+  SharedSnapshot snapshot;  ///< Null once it was forgotten: its number in the queue stays.
   size_t bytes = 0;
 };
 
@@ -53,7 +53,8 @@ struct WorkingMemory::State {
   std::deque<WaitingSnapshot> waiting ENGRAM_GUARDED_BY(mutex);
   /// Freed without the lock, see take_gone().
   std::vector<SharedSnapshot> gone ENGRAM_GUARDED_BY(mutex);
-  uint64_t queued ENGRAM_GUARDED_BY(mutex) = 0;  ///< The number that ever waited.
+  uint64_t queued ENGRAM_GUARDED_BY(mutex) = 0;           ///< The number that ever waited.
+  size_t forgotten_waiting ENGRAM_GUARDED_BY(mutex) = 0;  ///< Those in `waiting` that are null.
   MemoryCounters counts ENGRAM_GUARDED_BY(mutex);
   mutable std::atomic<uint64_t> reads{0};
   std::minstd_rand random ENGRAM_GUARDED_BY(mutex);
@@ -203,6 +204,39 @@ struct WorkingMemory::State {
     ++counts.left;
     --counts.snapshots;
     forget_if_empty(*entity);
+  }
+
+  /// Takes what waits of these times out of the queue. Its place stays, because the waiters of
+  /// others count by it.
+  std::vector<SharedSnapshot> forget_waiting(const std::map<MemoryId, TimeSet>& forgotten_times)
+      ENGRAM_REQUIRES(mutex) {
+    std::vector<SharedSnapshot> taken;
+    for (WaitingSnapshot& next : waiting) {
+      if (!next.snapshot) continue;
+      const auto times = forgotten_times.find(next.snapshot->entity);
+      if (times == forgotten_times.end() || !times->second.contains(next.snapshot->time)) continue;
+      counts.waiting_bytes -= std::exchange(next.bytes, 0);
+      taken.push_back(std::move(next.snapshot));
+      next.snapshot = nullptr;
+      ++forgotten_waiting;
+    }
+    return taken;
+  }
+
+  /// Removes what is here of one entity at these times. Returns how many snapshots that were.
+  size_t forget(const MemoryId& id, const TimeSet& times, std::vector<SharedSnapshot>& freed)
+      ENGRAM_REQUIRES(mutex) {
+    KeptEntity* entity = find(id);
+    if (entity == nullptr) return 0;
+    std::vector<EntityHistory::Taken> taken = entity->history.take(times);
+    for (EntityHistory::Taken& one : taken) {
+      if (!one.was_leaving) count_staying(*entity, one.entry.bytes, false);
+      freed.push_back(std::move(one.entry.snapshot));
+    }
+    counts.snapshots -= taken.size();
+    counts.forgotten += taken.size();
+    forget_if_empty(*entity);
+    return taken.size();
   }
 
   void select(const KeptEntity& entity, const Query& query, const KnownElsewhere& elsewhere,
