@@ -220,13 +220,22 @@ Status JoinedPast::follow() {
   return store_ && store_->is_outdated() ? renew() : Status();
 }
 
-Status JoinedPast::renew() {
+template <typename Renew>
+Status JoinedPast::renew_by(const Renew& renew) {
   if (!store_) return {};
   // The number is read first: a recording that ends during the renewal may not be in it.
   const uint64_t recorded = recorded_.recordings();
-  ENGRAM_RETURN_IF_ERROR(store_->renew());
+  ENGRAM_RETURN_IF_ERROR(renew(*store_));
   seen_ = recorded;
   return {};
+}
+
+Status JoinedPast::renew() {
+  return renew_by([](StorePast& store) { return store.renew(); });
+}
+
+Status JoinedPast::start_anew() {
+  return renew_by([](StorePast& store) { return store.start_anew(); });
 }
 
 }  // namespace engram::ltm

@@ -38,6 +38,7 @@ class JoinedPast final : public KnownPast {
     if (store_) store_->keep_decoded(keeps);
   }
   Status renew() override;
+  Status start_anew() override;
   /// Follows what a consolidation publishes, above all models. Recordings are followed without it.
   Status follow() override;
 
@@ -51,6 +52,8 @@ class JoinedPast final : public KnownPast {
 
   /// The past of an entity in the newest state of the store; null if the store has none.
   Result<std::unique_ptr<EntityPast>> stored(const MemoryId& entity);
+  template <typename Renew>
+  Status renew_by(const Renew& renew);
 
   const std::string name_;
   const WorkingMemory& memory_;

@@ -61,7 +61,7 @@ class KnownPast {
 
   /// The predictors of the entity's newest model: its own, if it has one, and a copy-last predictor
   /// with measured errors, if it has one. Empty if there is no model or no loader. They live as
-  /// long as this object.
+  /// long as this object, or until start_anew().
   /// Errors: those of the loader.
   virtual Result<std::vector<Engine>> models(const MemoryId& entity) = 0;
 
@@ -71,6 +71,10 @@ class KnownPast {
 
   /// Opens the newest state of the store.
   virtual Status renew() = 0;
+
+  /// Drops everything that was read of the store: decoded snapshots, and models with what belongs
+  /// to them. Then calls renew().
+  virtual Status start_anew() = 0;
 
   /// Calls renew() if the store changed in a way that this object follows but is not told of. Call
   /// it before each question; it takes microseconds if nothing changed.

@@ -14,7 +14,7 @@
 namespace engram::ltm {
 
 /// The models of one store. Each is opened when it is first needed and stays open as long as this
-/// object, so pointers to its parts stay valid.
+/// object, or until clear(), so pointers to its parts stay valid.
 ///
 /// Threading: one thread; counts may be read by others.
 class LoadedModels {
@@ -27,6 +27,12 @@ class LoadedModels {
   /// A model that is damaged or missing is tried once, and warned of.
   /// Errors: kFailedPrecondition without a loader; those of the loader.
   Result<const LoadedModel*> load(const std::filesystem::path& store, const ModelInfo& info);
+
+  /// Closes all of them.
+  void clear() {
+    models_.clear();
+    failed_.clear();
+  }
 
   /// Models that are damaged or missing.
   [[nodiscard]] uint64_t damaged() const { return damaged_; }

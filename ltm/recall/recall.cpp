@@ -264,6 +264,12 @@ StoreReader& Recall::store() {
   return state_->store->store();
 }
 
+Status Recall::start_anew() {
+  // First the predictor, which points to models of the past.
+  state_->predictor.start_anew();
+  return state_->past->start_anew();
+}
+
 Result<std::vector<Engine>> Recall::engines(const MemoryId& entity) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
   ENGRAM_ASSIGN_OR_RETURN(const auto past, state_->past->of(entity));

@@ -77,8 +77,14 @@ class Recall {
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
 
+  /// Drops everything that was read or learned for earlier questions: decoded snapshots, models,
+  /// and what engines learned. Call it after something was forgotten, so that no answer tells of
+  /// it. Errors: those of reading the store. Nothing of what was dropped comes back then either.
+  Status start_anew();
+
   /// The predictors of an entity: that of its newest model, if it has one, and a copy of the last
-  /// snapshot, with measured errors if the model file has them. They live as long as this object.
+  /// snapshot, with measured errors if the model file has them. They live as long as this object,
+  /// or until start_anew().
   /// Errors: kNotFound if there is no such entity.
   Result<std::vector<Engine>> engines(const MemoryId& entity);
 

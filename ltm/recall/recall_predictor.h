@@ -57,6 +57,9 @@ class RecallPredictor {
   RecallPredictor(KnownPast& past, MakeEngineChoice make_choice)
       : past_(past), make_choice_(std::move(make_choice)) {}
 
+  /// Drops what engines learned.
+  void start_anew() { learned_.clear(); }
+
   /// See Recall::engines().
   Result<std::vector<Engine>> engines(const MemoryId& entity);
 

@@ -18,6 +18,14 @@ void RecordedEntities::add(const MemoryId& entity, std::optional<Time> until) {
   entities_[entity].until = until;
 }
 
+void RecordedEntities::correct(const MemoryId& entity, std::optional<Time> until) {
+  const ExclusiveLock lock(mutex_);
+  if (until)
+    entities_[entity].until = until;
+  else
+    entities_.erase(entity);
+}
+
 void RecordedEntities::begin(std::span<const SharedSnapshot> snapshots) {
   const ExclusiveLock lock(mutex_);
   ++recordings_;

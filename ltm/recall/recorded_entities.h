@@ -21,6 +21,10 @@ class RecordedEntities {
   /// Adds an entity that the store had when it was opened.
   void add(const MemoryId& entity, std::optional<Time> until);
 
+  /// Corrects the last time of an entity after the store has forgotten some of it; empty: the store
+  /// has nothing of it any more. Nobody may record meanwhile.
+  void correct(const MemoryId& entity, std::optional<Time> until);
+
   /// Call begin() before snapshots are recorded and finish() after it. With begin() nobody takes an
   /// older state of the store for the newest one.
   void begin(std::span<const SharedSnapshot> snapshots);

@@ -124,6 +124,12 @@ Status StorePast::renew() {
   return {};
 }
 
+Status StorePast::start_anew() {
+  forget_decoded();
+  models_->clear();
+  return renew();
+}
+
 Status StorePast::follow() {
   if (!options_.follows_changes || look_at_store(reader_->store().path()) == mark_) return {};
   forget_decoded();

@@ -57,6 +57,7 @@ class StorePast final : public KnownPast {
   /// Errors: those of StoreReader::open; then nothing changes.
   void keep_decoded(bool keeps) override { keeps_decoded_ = keeps; }
   Status renew() override;
+  Status start_anew() override;
   Status follow() override;
 
   /// True if something was published since the store was opened.
