@@ -88,6 +88,10 @@ Json ErasureReport::to_json() const {
   return {{"entities", std::move(list)}, {"files_removed", files}};
 }
 
+bool is_made_of(const Snapshot& snapshot, const ForgetSet& gone) {
+  return is_any_made_of(snapshot.instances, gone);
+}
+
 Status seal_before_erasing(const std::filesystem::path& store) {
   // As small as it may be: erasing must be possible on a full disk, too.
   ENGRAM_ASSIGN_OR_RETURN(const auto writer, StoreWriter::open(store, {.min_free_bytes = 0}));

@@ -64,6 +64,9 @@ struct ErasureReport {
 /// Errors: kFailedPrecondition if the store is being recorded into; those of sealing.
 Status seal_before_erasing(const std::filesystem::path& store);
 
+/// Whether any instance of a snapshot was made of one of a snapshot that goes.
+[[nodiscard]] bool is_made_of(const Snapshot& snapshot, const ForgetSet& gone);
+
 /// Adds to a plan the augmented snapshots that were made of what goes, and those made of these.
 /// Errors: those of reading.
 Status add_made_of(StoreReader& reader, ForgetPlan& plan);
