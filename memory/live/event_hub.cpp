@@ -42,6 +42,16 @@ std::shared_ptr<const EventHub::Listeners> EventHub::listeners(const ltm::Memory
   return remembered;
 }
 
+void EventHub::forget(const IsForgotten& is_forgotten) {
+  Listeners all;
+  {
+    // Listeners are called without the lock, as publish() calls them.
+    const SharedLock lock(mutex_);
+    for (const Subscription& subscription : subscriptions_) all.push_back(subscription.listener);
+  }
+  for (const auto& listener : all) listener->forget(is_forgotten);
+}
+
 size_t EventHub::size() const {
   const SharedLock lock(mutex_);
   return subscriptions_.size();

@@ -25,6 +25,9 @@ class CommitEvent {
 
 using SharedEvent = std::shared_ptr<CommitEvent>;
 
+/// Whether a snapshot was forgotten.
+using IsForgotten = std::function<bool(const ltm::HeldSnapshot& snapshot)>;
+
 /// A receiver of commits.
 class EventListener {
  public:
@@ -33,6 +36,10 @@ class EventListener {
   /// Must queue the events and not wait, because it is called in the thread that commits.
   /// Threading: thread-safe.
   virtual void offer(std::span<const SharedEvent> events) = 0;
+
+  /// Must drop what was offered, is among these and was not passed on yet.
+  /// Threading: thread-safe.
+  virtual void forget(const IsForgotten& is_forgotten) = 0;
 };
 
 /// Offers commits to the listeners that subscribed to their IDs.
@@ -57,6 +64,9 @@ class EventHub {
   /// event; it is called only for snapshots that have listeners.
   template <typename Make>
   void publish(std::span<const ltm::SharedSnapshot> snapshots, const Make& make);
+
+  /// Lets all listeners drop what was forgotten before they passed it on.
+  void forget(const IsForgotten& is_forgotten);
 
   [[nodiscard]] size_t size() const;
 

@@ -30,6 +30,16 @@ class EventQueue {
     }
   }
 
+  /// Removes the events of which `is_gone` is true. They do not count as dropped.
+  template <typename IsGone>
+  void erase_if(const IsGone& is_gone) {
+    std::erase_if(waiting_, [&](const Waiting& one) {
+      if (!is_gone(one.event)) return false;
+      bytes_ -= one.bytes;
+      return true;
+    });
+  }
+
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
   [[nodiscard]] size_t size() const { return waiting_.size(); }
   [[nodiscard]] size_t bytes() const { return bytes_; }

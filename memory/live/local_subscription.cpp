@@ -26,6 +26,11 @@ class QueueingListener final : public EventListener {
     wake_.notify_one();
   }
 
+  void forget(const IsForgotten& is_forgotten) override {
+    const MutexLock lock(mutex_);
+    queue_.erase_if([&](const ltm::SharedSnapshot& snapshot) { return is_forgotten(*snapshot); });
+  }
+
   /// Calls the handlers until it is stopped.
   void tell(const std::stop_token& stop) {
     uint64_t told_lost = 0;

@@ -5,15 +5,17 @@
 #include <map>
 
 #include "ltm/core/mutex.h"
+#include "ltm/store/store_reader.h"
 
 namespace engram::memory {
 
 using ltm::MemoryId;
 
 struct LongTerm::State {
-  explicit State(ltm::Recorder opened)
-      : recorder(std::move(opened)), lost_frames(recorder->lost_frames()) {}
+  State(std::filesystem::path store, ltm::Recorder opened)
+      : path(std::move(store)), recorder(std::move(opened)), lost_frames(recorder->lost_frames()) {}
 
+  const std::filesystem::path path;
   Mutex writing;  ///< Held while the recorder is called: one commit after the other.
   std::optional<ltm::Recorder> recorder ENGRAM_GUARDED_BY(writing);
   bool is_closed ENGRAM_GUARDED_BY(writing) = false;
@@ -52,7 +54,8 @@ Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock c
   for (ltm::EntityRule& rule : recording.rules) rule.redact.reset();
   ENGRAM_ASSIGN_OR_RETURN(auto recorder,
                           ltm::Recorder::open(options.store, recording, std::move(clock)));
-  return std::unique_ptr<LongTerm>(new LongTerm(std::make_unique<State>(std::move(recorder))));
+  return std::unique_ptr<LongTerm>(
+      new LongTerm(std::make_unique<State>(options.store, std::move(recorder))));
 }
 
 Status LongTerm::declare(const MemoryId& segment, const idf::Type& type) {
@@ -79,6 +82,37 @@ Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
   state_->recorded.finish(snapshots);
   state_->recorded_count += snapshots.size() - refused.size();
   state_->refused_count += refused.size();
+  return {};
+}
+
+std::map<MemoryId, TimeSet> LongTerm::waiting_times() const {
+  const MutexLock lock(state_->writing);
+  return state_->recorder->waiting_times();
+}
+
+void LongTerm::forget(const std::map<MemoryId, TimeSet>& gone) {
+  const MutexLock lock(state_->writing);
+  state_->recorder->forget(gone);
+}
+
+Status LongTerm::seal() {
+  const MutexLock lock(state_->writing);
+  if (state_->is_closed) return failed_precondition("store: is closed");
+  return state_->recorder->seal();
+}
+
+Status LongTerm::note_forgotten(std::span<const MemoryId> entities) {
+  // Nothing is recorded meanwhile, so that nothing new is taken for forgotten.
+  const MutexLock lock(state_->writing);
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, ltm::StoreReader::open(state_->path));
+  for (const MemoryId& entity : entities) {
+    std::optional<Time> last;
+    if (reader->has(entity)) {
+      ENGRAM_ASSIGN_OR_RETURN(const ltm::Timeline* timeline, reader->timeline(entity));
+      last = timeline->last();
+    }
+    state_->recorded.correct(entity, last);
+  }
   return {};
 }
 

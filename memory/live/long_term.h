@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -57,6 +58,15 @@ class LongTerm {
   /// values. Refused snapshots do not hold up others.
   /// Errors: those of ltm::Recorder::commit where the disk fails; all snapshots may be tried again.
   Status record(std::span<const ltm::SharedSnapshot> snapshots, std::vector<Refused>& refused);
+
+  /// See ltm::Recorder::waiting_times, forget and seal.
+  [[nodiscard]] std::map<ltm::MemoryId, TimeSet> waiting_times() const;
+  void forget(const std::map<ltm::MemoryId, TimeSet>& gone);
+  Status seal();
+
+  /// Looks up in the store what it still has of these entities, and corrects recorded().
+  /// Errors: those of ltm::StoreReader.
+  Status note_forgotten(std::span<const ltm::MemoryId> entities);
 
   /// What was recorded of each entity, for those who read the store at the same time.
   [[nodiscard]] ltm::RecordedEntities& recorded();

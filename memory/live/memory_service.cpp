@@ -5,6 +5,7 @@
 #include <deque>
 #include <future>
 #include <thread>
+#include <unordered_set>
 
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
@@ -68,6 +69,8 @@ struct MemoryService::State {
   std::atomic<uint64_t> counts_of_predictions{0};
   std::atomic<bool> is_closed{false};
   SharedMutex admitting;  ///< Commits hold it shared, close() exclusively.
+  std::atomic<bool> is_forgetting{false};
+  std::stop_source stops_forgetting;
 
   mutable Mutex mutex;
   StoppableCondition wake;
@@ -146,6 +149,53 @@ struct MemoryService::State {
       });
     }
     for (const auto& [waiter, outcome] : told) waiter.done(outcome);
+  }
+
+  /// Tells those who wait for snapshots that were forgotten before they were stored.
+  void tell_unstored(std::span<const ltm::SharedSnapshot> waited) ENGRAM_EXCLUDES(mutex) {
+    std::unordered_set<const ltm::HeldSnapshot*> unstored;
+    for (const ltm::SharedSnapshot& one : waited) unstored.insert(one.get());
+    const Status status =
+        cancelled("server '{}': it was forgotten before it was stored", options.name);
+    std::vector<Waiter> told;
+    {
+      const MutexLock lock(mutex);
+      // For those that are going to wait: commits that come just now.
+      for (const ltm::SharedSnapshot& one : waited.last(std::min(waited.size(), kMaxRefused))) {
+        refused.push_back({one, status});
+        if (refused.size() > kMaxRefused) refused.pop_front();
+      }
+      std::erase_if(waiters, [&](Waiter& waiter) {
+        if (std::ranges::none_of(waiter.admission.snapshots, [&](const auto& snapshot) {
+              return unstored.contains(snapshot.get());
+            }))
+          return false;
+        told.push_back(std::move(waiter));
+        return true;
+      });
+    }
+    for (const Waiter& waiter : told) waiter.done(status);
+  }
+
+  [[nodiscard]] ForgettingParts forgetting_parts() {
+    return {
+        .name = "server '" + options.name + "'",
+        .memory = *memory,
+        .store = store.get(),
+        .path = options.store ? options.store->store : std::filesystem::path(),
+        .tools = options.erasing,
+        .ask =
+            [this](const std::function<Status(ltm::Recall&)>& with) {
+              const MutexLock lock(recalling);
+              return with(*recall);
+            },
+        .unstored = [this](std::span<const ltm::SharedSnapshot> waited) { tell_unstored(waited); }};
+  }
+
+  /// Waits until nobody forgets any more.
+  void stop_forgetting() {
+    stops_forgetting.request_stop();
+    is_forgetting.wait(true);
   }
 
   void run(const std::stop_token& stop) {
@@ -430,6 +480,27 @@ bool MemoryService::may_redact_in(std::string_view memory) const {
   return state_->redactor && state_->redactor->may_apply_in(memory);
 }
 
+Result<ForgetOutcome> MemoryService::forget(ForgetRequest request) {
+  State& state = *state_;
+  if (state.is_forgetting.exchange(true))
+    return failed_precondition("server '{}' is forgetting already: ask again when it has ended",
+                               state.options.name);
+  struct Ended {
+    std::atomic<bool>& is_forgetting;
+    ~Ended() {
+      is_forgetting = false;
+      is_forgetting.notify_all();
+    }
+  };
+  const Ended ended{state.is_forgetting};
+  if (state.is_closed) return unavailable("server '{}' is stopping", state.options.name);
+  std::stop_source stop;
+  const auto request_stop = [&stop] { stop.request_stop(); };
+  const std::stop_callback by_caller(std::exchange(request.stop, stop.get_token()), request_stop);
+  const std::stop_callback by_close(state.stops_forgetting.get_token(), request_stop);
+  return forget_live(state.forgetting_parts(), request);
+}
+
 MemoryService::Counters MemoryService::counters() const {
   Counters counters;
   if (state_->redactor) counters.redaction = state_->redactor->counters();
@@ -452,6 +523,7 @@ Status MemoryService::set_limits(const ltm::MemoryLimits& all) {
 Status MemoryService::close() {
   State& state = *state_;
   if (state.is_closed.exchange(true)) return {};
+  state.stop_forgetting();
   state.thread.request_stop();
   state.thread.join();
   // Waits for the commits that had passed their check before is_closed was set.

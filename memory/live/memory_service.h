@@ -10,6 +10,7 @@
 #include "ltm/recall/joined_past.h"
 #include "ltm/recall/recall.h"
 #include "ltm/working/working_memory.h"
+#include "memory/live/live_forgetting.h"
 #include "memory/live/long_term.h"
 
 namespace engram::memory {
@@ -34,6 +35,9 @@ class MemoryService {
     /// Max number of entities that the memory knows, those of the store included: each costs RAM as
     /// long as the server runs, wherever its snapshots are. Commits of further ones are refused.
     size_t max_entities = 1'000'000;
+    /// What erasing needs of the rooms that learn; empty: a store with models cannot be erased
+    /// from.
+    EraseTools erasing;
     /// How far after the last snapshot predictions may reach.
     Duration max_horizon = std::chrono::minutes(1);
 
@@ -122,6 +126,12 @@ class MemoryService {
   /// Whether images of a memory may be redacted. What others may read as it comes, such as shared
   /// memory, must not be used for it.
   [[nodiscard]] bool may_redact_in(std::string_view memory) const;
+
+  /// See forget_live(). Those who wait for commits that were never stored are told kCancelled.
+  /// close() stops it.
+  /// Errors: kFailedPrecondition while another call forgets; kUnavailable once it is closed; those
+  /// of forget_live().
+  Result<ForgetOutcome> forget(ForgetRequest request);
 
   [[nodiscard]] Counters counters() const;
 

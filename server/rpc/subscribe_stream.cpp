@@ -133,6 +133,13 @@ void SubscribeStream::offer(std::span<const memory::SharedEvent> events) {
   write_next();
 }
 
+void SubscribeStream::forget(const memory::IsForgotten& is_forgotten) {
+  const MutexLock lock(mutex_);
+  if (is_finished_ || !queue_) return;
+  queue_->erase_if(
+      [&](const memory::SharedEvent& event) { return is_forgotten(*event->snapshot); });
+}
+
 void SubscribeStream::write_next() {
   if (is_writing_ || is_finished_ || !queue_ || queue_->empty()) return;
   WireWriter message;

@@ -26,6 +26,7 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   void begin();
 
   void offer(std::span<const memory::SharedEvent> events) override;
+  void forget(const memory::IsForgotten& is_forgotten) override;
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;

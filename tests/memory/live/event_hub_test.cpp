@@ -27,6 +27,11 @@ class Listener final : public EventListener {
     for (const SharedEvent& event : events) times_.push_back(to_ns(event->snapshot->time));
   }
 
+  void forget(const IsForgotten& is_forgotten) override {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(times_, [&](int64_t at) { return is_forgotten(*snapshot("M/a/b/c", at)); });
+  }
+
   [[nodiscard]] std::vector<int64_t> times() const {
     const std::scoped_lock lock(mutex_);
     return times_;
@@ -142,6 +147,18 @@ TEST(EventHub, LosesNothingWhileOthersComeAndGo) {
   }
   EXPECT_EQ(steady->times().size(), size_t{kWriters} * kEach);
   EXPECT_EQ(hub.size(), 1u);
+}
+
+TEST(EventHub, ListenersLetGoOfWhatWasForgotten) {
+  EventHub hub;
+  const auto listener = std::make_shared<Listener>();
+  hub.subscribe(listener, everything());
+  const std::vector<ltm::SharedSnapshot> told{snapshot("M/a/b/c", 1), snapshot("M/a/b/c", 2),
+                                              snapshot("M/a/b/c", 3)};
+  hub.publish(told,
+              [](const ltm::SharedSnapshot& one) { return std::make_shared<CommitEvent>(one); });
+  hub.forget([](const ltm::HeldSnapshot& one) { return to_ns(one.time) == 2; });
+  EXPECT_THAT(listener->times(), ElementsAre(1, 3));
 }
 
 }  // namespace

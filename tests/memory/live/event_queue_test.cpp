@@ -74,5 +74,16 @@ TEST(EventQueue, CountsEachEventOnce) {
   }
 }
 
+TEST(EventQueue, ForgetsWithoutCountingItAsLost) {
+  EventQueue<int> queue({.events = 10, .bytes = 100});
+  for (int i = 0; i < 5; ++i) queue.push(i, 10);
+  queue.erase_if([](int event) { return event % 2 == 0; });
+  EXPECT_EQ(queue.size(), 2u);
+  EXPECT_EQ(queue.bytes(), 20u);
+  EXPECT_EQ(queue.lost(), 0u);
+  EXPECT_EQ(queue.pop(), 1);
+  EXPECT_EQ(queue.pop(), 3);
+}
+
 }  // namespace
 }  // namespace engram::memory
