@@ -38,12 +38,34 @@ class Identity::Holder final : public ltm::View {
     return failed_precondition("'{}' may not {} {}{}", name, verb_of(right), what, when);
   }
 
+  [[nodiscard]] Status refused_all(Right right) const {
+    return failed_precondition("'{}' may {} nothing", name, verb_of(right));
+  }
+
  private:
   static std::string_view verb_of(Right right) {
     return right == Right::kRead     ? "read"
            : right == Right::kModels ? "ask for predictions of"
-                                     : "write";
+           : right == Right::kWrite  ? "write"
+                                     : "erase";
   }
+};
+
+/// What the holder of a token may erase.
+class Identity::Erasable final : public ltm::View {
+ public:
+  explicit Erasable(std::shared_ptr<const Holder> holder) : holder_(std::move(holder)) {}
+
+  [[nodiscard]] ltm::Sight of(const MemoryId& entity) const override {
+    const Time now = system_now();
+    if (holder_->is_expired(now)) return {};
+    ltm::Sight sight;
+    sight.times = holder_->grants.times(Right::kErase, entity, now);
+    return sight;
+  }
+
+ private:
+  const std::shared_ptr<const Holder> holder_;
 };
 
 namespace {
@@ -92,6 +114,12 @@ Status Identity::check(Right needed, const MemoryId& id, Time time) const {
   return holder_->refused(needed, id, " at " + engram::to_string(time));
 }
 
+Status Identity::check_below(Right needed, const MemoryId& id) const {
+  ENGRAM_RETURN_IF_ERROR(holder_->check_time());
+  if (holder_->grants.give_below(needed, id)) return {};
+  return id.names().empty() ? holder_->refused_all(needed) : holder_->refused(needed, id, "");
+}
+
 bool Identity::may_read_all(const MemoryId& id) const {
   return holder_->of(id).is_whole();
 }
@@ -99,6 +127,12 @@ bool Identity::may_read_all(const MemoryId& id) const {
 ltm::SharedView Identity::view() const {
   const bool sees_all = !holder_->expires && holder_->of(MemoryId()).is_all();
   return sees_all ? nullptr : ltm::SharedView(holder_);
+}
+
+ltm::SharedView Identity::erasable() const {
+  auto erasable = std::make_shared<const Erasable>(holder_);
+  if (!holder_->expires && erasable->of(MemoryId()).times.is_all()) return nullptr;
+  return erasable;
 }
 
 Status Identity::take_request(SteadyTime now) const {

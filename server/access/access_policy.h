@@ -36,12 +36,19 @@ class Identity {
   /// The same for a snapshot of this time.
   [[nodiscard]] Status check(Right needed, const ltm::MemoryId& id, Time time) const;
 
+  /// Checks that the holder may do something with an ID or with something that lies below it.
+  [[nodiscard]] Status check_below(Right needed, const ltm::MemoryId& id) const;
+
   /// Whether the holder may read all that lies below an ID, of all times, as it is.
   [[nodiscard]] bool may_read_all(const ltm::MemoryId& id) const;
 
   /// What the holder sees: nothing once the token has expired. Null for who sees everything for
   /// ever.
   [[nodiscard]] ltm::SharedView view() const;
+
+  /// What the holder may erase, as if it were what can be seen. Null for who may erase everything
+  /// for ever.
+  [[nodiscard]] ltm::SharedView erasable() const;
 
   /// Counts a request against the rate of the token.
   /// Errors: kResourceExhausted if the rate is exceeded; kFailedPrecondition if it has expired.
@@ -50,6 +57,7 @@ class Identity {
  private:
   friend class AccessPolicy;
   class Holder;
+  class Erasable;
   explicit Identity(std::shared_ptr<const Holder> holder) : holder_(std::move(holder)) {}
 
   std::shared_ptr<const Holder> holder_;

@@ -12,7 +12,8 @@ using ltm::MemoryId;
 namespace {
 
 constexpr std::string_view kAllIds = "all";
-constexpr std::array kRights{Right::kRead, Right::kModels, Right::kWrite};
+constexpr std::array kRights{Right::kRead, Right::kModels, Right::kWrite, Right::kErase};
+constexpr std::string_view kRightNames = "read, models, write or erase";
 
 bool has(const std::vector<Right>& rights, Right right) {
   return std::ranges::find(rights, right) != rights.end();
@@ -21,7 +22,8 @@ bool has(const std::vector<Right>& rights, Right right) {
 Result<std::vector<Right>> read_role(const ConfigValue& config) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
   if (text == "read") return std::vector{Right::kRead, Right::kModels};
-  if (text == "write" || text == "admin") return std::vector(kRights.begin(), kRights.end());
+  if (text == "write") return std::vector{Right::kRead, Right::kModels, Right::kWrite};
+  if (text == "admin") return std::vector(kRights.begin(), kRights.end());
   return config.error(fmt::format("found '{}', needs read, write or admin", text));
 }
 
@@ -29,7 +31,7 @@ Result<Right> read_right(const ConfigValue& config) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string text, config.text());
   for (const Right right : kRights)
     if (text == to_string(right)) return right;
-  return config.error(fmt::format("found '{}', needs read, models or write", text));
+  return config.error(fmt::format("found '{}', needs {}", text, kRightNames));
 }
 
 Result<std::vector<Right>> read_rights(const ConfigValue& config) {
@@ -39,7 +41,8 @@ Result<std::vector<Right>> read_rights(const ConfigValue& config) {
     ENGRAM_ASSIGN_OR_RETURN(const Right right, read_right(value));
     rights.push_back(right);
   }
-  if (rights.empty()) return config.error("found an empty list, needs read, models or write");
+  if (rights.empty())
+    return config.error(fmt::format("found an empty list, needs {}", kRightNames));
   return rights;
 }
 
@@ -133,9 +136,11 @@ std::string_view to_string(Right right) {
     case Right::kModels:
       return "models";
     case Right::kWrite:
+      return "write";
+    case Right::kErase:
       break;
   }
-  return "write";
+  return "erase";
 }
 
 bool Grant::gives(Right right, const MemoryId& id) const {
@@ -179,6 +184,14 @@ Result<Grants> Grants::read(ConfigMap& token) {
   ENGRAM_ASSIGN_OR_RETURN(grant.ids, read_ids(memories));
   grants.grants_.push_back(std::move(grant));
   return grants;
+}
+
+bool Grants::give_below(Right right, const MemoryId& id) const {
+  return give(right, id) || std::ranges::any_of(grants_, [&](const Grant& grant) {
+           return has(grant.may, right) && std::ranges::any_of(grant.ids, [&](const MemoryId& of) {
+                    return id.is_prefix_of(of);
+                  });
+         });
 }
 
 bool Grants::give(Right right, const MemoryId& id) const {

@@ -47,6 +47,9 @@ class Grants {
 
   [[nodiscard]] bool give(Right right, const ltm::MemoryId& id) const;
 
+  /// Whether they give it for the ID or for anything that lies below it.
+  [[nodiscard]] bool give_below(Right right, const ltm::MemoryId& id) const;
+
   /// The snapshots with which it may be done.
   [[nodiscard]] ltm::TimeWindows times(Right right, const ltm::MemoryId& id, Time now) const;
 

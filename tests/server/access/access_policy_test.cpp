@@ -189,6 +189,36 @@ TEST(AccessPolicy, GivesImagesRedactedWhereNoOtherGrantGivesThemAsTheyAre) {
           "ghosts");
 }
 
+TEST(AccessPolicy, GivesTheRightToEraseToAdminsAndByGrantsOnly) {
+  const auto policy =
+      parse("tokens:\n" + entry("a", "a", rules("admin", "all")) +
+            entry("w", "w", rules("write", "all")) + entry("r", "r", rules("read", "all")) +
+            entry("g", "g",
+                  grants("{ids: [Hall/a], may: [erase], from: '1970-01-01T00:00:10Z', until: "
+                         "'1970-01-01T00:00:20Z'}, {ids: [Hall], may: [read]}")));
+  ASSERT_OK(policy);
+  EXPECT_OK(policy->authenticate("a")->check(Right::kErase, id("Hall")));
+  EXPECT_EQ(policy->authenticate("a")->erasable(), nullptr) << "everything";
+  for (const char* token : {"w", "r"}) {
+    const auto holder = policy->authenticate(token);
+    EXPECT_FAILS(holder->check(Right::kErase, id("Hall")), StatusCode::kFailedPrecondition,
+                 "may not erase 'Hall'");
+    EXPECT_FAILS(holder->check_below(Right::kErase, id("")), StatusCode::kFailedPrecondition,
+                 "may erase nothing");
+    EXPECT_TRUE(holder->erasable()->of(id("Hall/a/b/c")).times.empty());
+  }
+  const Identity identity = *policy->authenticate("g");
+  EXPECT_OK(identity.check_below(Right::kErase, id("")));
+  EXPECT_OK(identity.check_below(Right::kErase, id("Hall")));
+  EXPECT_FALSE(identity.check(Right::kErase, id("Hall")).ok());
+  EXPECT_FALSE(identity.check_below(Right::kErase, id("Hall/b")).ok());
+  const auto times = identity.erasable()->of(id("Hall/a/b/c")).times;
+  EXPECT_TRUE(times.contains(time_from_ns(15'000'000'000)));
+  EXPECT_FALSE(times.contains(time_from_ns(21'000'000'000)));
+  EXPECT_TRUE(identity.erasable()->of(id("Hall/b/b/c")).times.empty());
+  EXPECT_FALSE(identity.erasable()->of(id("Hall/a/b/c")).predictions);
+}
+
 TEST(AccessPolicy, RefusesGrantsThatContradictThemselves) {
   const auto refuses = [](const std::string& rest, const std::string& why) {
     EXPECT_FAILS(parse("tokens:\n" + entry("x", "x", rest)), StatusCode::kInvalidArgument, why);
@@ -197,7 +227,8 @@ TEST(AccessPolicy, RefusesGrantsThatContradictThemselves) {
   refuses(grants("{ids: all}"), "no key 'may'");
   refuses(grants("{may: [read]}"), "no key 'ids'");
   refuses(grants("{ids: all, may: []}"), "empty list");
-  refuses(grants("{ids: all, may: [forget]}"), "found 'forget', needs read, models or write");
+  refuses(grants("{ids: all, may: [forget]}"),
+          "found 'forget', needs read, models, write or erase");
   refuses(grants("{ids: [], may: [read]}"), "empty list");
   refuses(grants("{ids: all, may: [models]}"), "models without read");
   refuses(grants("{ids: all, may: [read, models], last: 1h}"), "models beside");
