@@ -66,6 +66,20 @@ struct SharedCommits {
   std::shared_ptr<Calls<v1::CommitReply>> calls;
 };
 
+Forgotten to_forgotten(const v1::ForgetReply& reply) {
+  Forgotten forgotten{{},
+                      reply.snapshots(),
+                      reply.from_memory(),
+                      reply.never_stored(),
+                      reply.from_store(),
+                      {reply.notes().begin(), reply.notes().end()},
+                      reply.erased_json()};
+  for (const v1::ForgetReply::Entity& entity : reply.entities())
+    forgotten.entities.push_back({entity.entity(), entity.snapshots(),
+                                  time_from_ns(entity.first_ns()), time_from_ns(entity.last_ns())});
+  return forgotten;
+}
+
 v1::Durability to_message(CommitDurability durability) {
   return static_cast<v1::Durability>(durability);
 }
@@ -387,6 +401,32 @@ Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
   v1::EnginesReply reply;
   ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Engines, to_request(entity, horizons, at), reply));
   return engines_in(reply, entity, horizons, at);
+}
+
+Result<Forgotten> MemoryClient::forget(const ForgetCall& call) {
+  v1::ForgetRequest request;
+  for (const std::string& target : call.targets) request.add_targets(target);
+  request.set_erase(call.erases);
+  request.set_dry_run(call.is_dry_run);
+  grpc::ClientContext context;
+  if (!state_->options.token.empty())
+    context.AddMetadata("authorization", "Bearer " + state_->options.token);
+  const std::stop_callback cancels(call.stop, [&context] { context.TryCancel(); });
+  const auto reader = state_->stub->Forget(&context, request);
+  v1::ForgetReply reply;
+  bool is_answered = false;
+  while (reader->Read(&reply)) {
+    is_answered = reply.is_last();
+    if (!is_answered && call.progress)
+      call.progress({reply.progress(), reply.done(), reply.total(), "", -1});
+    if (is_answered) break;
+  }
+  const grpc::Status status = reader->Finish();
+  if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
+    return failed_precondition("server '{}' is of a version that cannot forget", state_->endpoint);
+  if (!status.ok()) return to_status(status).with_context(state_->endpoint);
+  if (!is_answered) return unavailable("server '{}' did not say what it forgot", state_->endpoint);
+  return to_forgotten(reply);
 }
 
 Result<ServerInfo> MemoryClient::info() {

@@ -5,9 +5,11 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "ltm/core/progress.h"
 #include "ltm/core/time.h"
 #include "ltm/idf/type.h"
 #include "ltm/memory/commit.h"
@@ -41,6 +43,31 @@ struct ServerInfo {
   std::string version;
   std::vector<std::string> memories;  ///< Empty: the server takes any memory.
   std::string figures_json;
+};
+
+/// What a server is to forget; see memory::ForgetRequest.
+struct ForgetCall {
+  std::vector<std::string> targets;  ///< IDs of any level, or queries with a selector.
+  bool erases = false;
+  bool is_dry_run = false;
+  ProgressSink progress{};
+  std::stop_token stop{};
+};
+
+/// What a server forgot, or would; see memory::ForgetOutcome.
+struct Forgotten {
+  struct OfEntity {
+    std::string entity;
+    uint64_t snapshots = 0;
+    Time first{}, last{};
+  };
+  std::vector<OfEntity> entities;
+  uint64_t snapshots = 0;
+  uint64_t from_memory = 0;
+  uint64_t never_stored = 0;
+  uint64_t from_store = 0;
+  std::vector<std::string> notes;
+  std::string erased_json;  ///< Empty: nothing was to be erased.
 };
 
 /// The client of one memory server. Its streams are opened when they are first needed, and reopened
@@ -95,6 +122,12 @@ class MemoryClient {
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
                                                               std::span<const Duration> horizons,
                                                               std::optional<Time> at = {});
+  /// Lets the server forget, however long that takes. It is not tried again: what a broken
+  /// connection stopped is carried on by the same call.
+  /// Errors: those of memory::MemoryService::forget; kFailedPrecondition if the token may not
+  /// erase, or if the server is of a version that cannot forget; kCancelled.
+  Result<Forgotten> forget(const ForgetCall& call);
+
   /// Asks the server what it is and what it has.
   Result<ServerInfo> info();
   /// Returns the server's metrics as text for Prometheus.

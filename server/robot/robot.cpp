@@ -71,6 +71,7 @@ struct Robot::State {
       ENGRAM_RETURN_IF_ERROR(prepare_folder(endpoint));
     MemoryServer::Options options = server.options;
     options.audit = audit;
+    options.service.erasing = robot_options.erasing;
     auto started = MemoryServer::start(options, robot_options.loader, names_client.get());
     if (!started.ok()) return started.status().with_context(fmt::format("server '{}'", name));
     servers.push_back(*std::move(started));

@@ -23,6 +23,8 @@ class Robot {
     /// Name of the machine; empty: the host name of the system.
     std::string host;
     Duration interval = std::chrono::seconds(1);  ///< Interval of looks at the machine.
+    /// What erasing needs of the rooms that learn, see memory::MemoryService::Options.
+    memory::EraseTools erasing;
   };
 
   /// Starts the name system first, then each server. With a name system in this process, a server

@@ -28,6 +28,7 @@ std::vector<Figure> figures(const memory::MemoryService::Counters& counters) {
       {"memory_superseded", "Replaced by another of the same time.", number(memory.superseded)},
       {"memory_left", "Gone from memory, stored.", number(memory.left)},
       {"memory_dropped", "Gone from memory, not stored.", number(memory.dropped)},
+      {"memory_forgotten", "Taken out for good.", number(memory.forgotten)},
       {"memory_stored", "Taken by the online phase.", number(memory.stored)},
       {"memory_refused", "Commits that were not taken.", number(memory.refused)},
       {"memory_reads", "Snapshots given out with their data.", number(memory.reads)},

@@ -9,6 +9,7 @@
 #include "server/rpc/caller.h"
 #include "server/rpc/commit_stream.h"
 #include "server/rpc/figures.h"
+#include "server/rpc/forget_stream.h"
 #include "server/rpc/query_stream.h"
 #include "server/rpc/subscribe_stream.h"
 #include "server/wire/wire_snapshot.h"
@@ -25,7 +26,8 @@ using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
     v1::MemoryServer::WithRawCallbackMethod_Query<v1::MemoryServer::WithRawCallbackMethod_Subscribe<
         v1::MemoryServer::WithCallbackMethod_Declare<
             v1::MemoryServer::WithCallbackMethod_Info<v1::MemoryServer::WithCallbackMethod_Metrics<
-                v1::MemoryServer::WithCallbackMethod_Engines<v1::MemoryServer::Service>>>>>>>;
+                v1::MemoryServer::WithCallbackMethod_Engines<
+                    v1::MemoryServer::WithCallbackMethod_Forget<v1::MemoryServer::Service>>>>>>>>;
 
 constexpr int kMaxListedHorizons = 16;
 
@@ -100,6 +102,11 @@ class MemoryRpc final : public ServiceBase {
       reactor->Finish(to_grpc(engines(*call, *request, *reply)));
     });
     return reactor;
+  }
+
+  grpc::ServerWriteReactor<v1::ForgetReply>* Forget(grpc::CallbackServerContext* call,
+                                                    const v1::ForgetRequest* request) override {
+    return ForgetStream::begin(context_, let_in(*call), *request);
   }
 
  private:

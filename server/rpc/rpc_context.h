@@ -32,6 +32,7 @@ struct RpcContext {
   memory::EventHub hub;
   std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
   RpcMetrics metrics;
+  std::atomic<int> forgettings{0};  ///< Calls that forget, or look up what they may.
   std::atomic<int> streams{0};
   int max_streams = 4096;
   /// Max streams of one token, so that other tokens still find room.

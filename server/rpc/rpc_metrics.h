@@ -28,6 +28,8 @@ struct RpcMetrics {
                                             "Requests beyond the rate of their token.");
   Counter& refused_calls = registry.counter(
       "engram_calls_refused_total", "Calls without a token that is known, or that may do this.");
+  Counter& forgettings =
+      registry.counter("engram_forgettings_total", "Requests to forget that may do it.");
   Gauge& streams = registry.gauge("engram_streams", "Streams that are open.");
 };
 
