@@ -6,6 +6,8 @@
 #include "cli/interrupt.h"
 #include "cli/learning_module.h"
 #include "cli/progress_line.h"
+#include "cli/remote_forget.h"
+#include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/forget_config.h"
 #include "memory/model_loader.h"
@@ -29,12 +31,19 @@ Examples:
   engram forget robot.engram 'Grasp/.*/.*/blue-cup @ until:2022-01-01T00:00:00Z' --dry-run
   engram forget robot.engram 'Vision @ 2022-02-18T13:06:00Z..2022-02-18T13:07:00Z' --erase
   engram forget robot.engram --erase --yes   # what earlier forgetting left
+  engram forget --server unix:/run/robot.sock 'Vision/RGB/head/cam @ last:10min' --erase
 
 Without --erase no answer has what was forgotten, but parts of files may still hold it: the plan says
 what, and for how long. With it every byte goes: blocks of latents are coded anew from what stays,
-models that learned from it are removed, and a report without the content stays in erasures/.)";
+models that learned from it are removed, and a report without the content stays in erasures/.
+
+With --server a running server forgets, in its working memory and its store, also what was not stored
+yet; a token needs the right 'erase' for it (docs/access.md). A store that a server records into is
+forgotten from through this server: beside it, the server would go on to answer and store what it
+holds.)";
 
 struct ForgetArguments {
+  RemoteArguments remote;
   std::string store;
   std::vector<std::string> targets;
   std::string config;
@@ -51,15 +60,6 @@ Result<ltm::FadeReport> fade(const std::filesystem::path& store, const ltm::Fade
   return module->fade(store, what, progress, stop);
 }
 
-/// Loads what codes latents anew only if the store has any.
-Result<ltm::Erasures> code_anew(const std::filesystem::path& store, const ltm::ForgetSet& gone,
-                                const ProgressSink& progress, const std::stop_token& stop) {
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Manifest manifest, ltm::read_manifest(store));
-  if (manifest.models.empty()) return ltm::Erasures();
-  ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
-  return module->code_anew(store, gone, progress, stop);
-}
-
 std::string question_text(const ltm::ForgetPlan& plan, bool erases) {
   if (erases)
     return fmt::format("Erase {} snapshots, so that no file holds anything of them?",
@@ -73,8 +73,23 @@ std::string question_text(const ltm::ForgetPlan& plan, bool erases) {
                      plan.snapshots(), plan.fading());
 }
 
+Status check_server(const ForgetArguments& arguments) {
+  if (!arguments.remote.names.empty())
+    return invalid_argument("forget: found --names, needs the server itself: --server");
+  if (arguments.remote.server.empty())
+    return arguments.store.empty() ? invalid_argument("forget: needs a store, or --server")
+                                   : Status();
+  if (!arguments.config.empty())
+    return invalid_argument("forget: found --config beside --server, needs IDs or queries");
+  if (arguments.store.empty())
+    return invalid_argument("forget: found nothing to forget, needs IDs or queries");
+  return {};
+}
+
 Status check(const ForgetArguments& arguments) {
-  if (arguments.targets.empty() && arguments.config.empty() && !arguments.erases)
+  ENGRAM_RETURN_IF_ERROR(check_server(arguments));
+  if (arguments.remote.server.empty() && arguments.targets.empty() && arguments.config.empty() &&
+      !arguments.erases)
     return invalid_argument("forget: found nothing to forget, needs IDs, queries or --config");
   if (arguments.is_dry_run || arguments.is_confirmed) return {};
   if (arguments.is_json) return invalid_argument("forget: --json needs --yes or --dry-run");
@@ -108,8 +123,30 @@ ExitCode carry_out(const ForgetArguments& arguments, const reports::ForgetJob& j
   return conclude(arguments, *report);
 }
 
+ExitCode run_remotely(const ForgetArguments& arguments) {
+  RemoteForget what{arguments.remote,     {arguments.store}, arguments.erases,
+                    arguments.is_dry_run, arguments.is_json, arguments.is_confirmed};
+  what.targets.insert(what.targets.end(), arguments.targets.begin(), arguments.targets.end());
+  return forget_on_server(what);
+}
+
+/// A program that records into the store holds more than the store has.
+void warn_of_writer(const std::string& store) {
+  auto file = File::open(std::filesystem::path(store) / "WRITER.lock", File::Mode::kRead);
+  if (!file.ok()) return;
+  const auto is_free = file->lock(false, File::LockKind::kShared);
+  if (is_free.ok() && !*is_free)
+    log::warning(
+        "store '{}': another program records into it, and goes on to answer and store what it "
+        "holds "
+        "in memory; if it is a server, --server lets it forget that, too",
+        store);
+}
+
 ExitCode run(const ForgetArguments& arguments) {
   if (const Status status = check(arguments); !status.ok()) return wrong_usage(status);
+  if (!arguments.remote.server.empty()) return run_remotely(arguments);
+  warn_of_writer(arguments.store);
   ltm::ForgetOptions options;
   if (!arguments.config.empty()) {
     auto config = ltm::read_forget_config(arguments.config);
@@ -144,7 +181,7 @@ void add_forget_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ForgetArguments>();
   CLI::App* command = app.add_subcommand("forget", "Take snapshots out of a store for good");
   command->footer(kForgetFooter);
-  command->add_option("store", arguments->store, "Store")->required();
+  command->add_option("store", arguments->store, "Store; with --server the first of WHAT");
   command->add_option("what", arguments->targets, "IDs, or queries NAMES @ SELECTOR");
   command->add_option("--config", arguments->config, "YAML file with a section 'forget'");
   command->add_flag("--erase", arguments->erases,
@@ -152,6 +189,7 @@ void add_forget_command(CLI::App& app, ExitCode& exit_code) {
   command->add_flag("--dry-run", arguments->is_dry_run, "Only say what would go");
   command->add_flag("--json", arguments->is_json, "The plan and what was done as JSON");
   command->add_flag("-y,--yes", arguments->is_confirmed, "Do not ask");
+  add_remote_options(*command, arguments->remote);
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 

@@ -5,6 +5,7 @@
 
 #include <string_view>
 
+#include "ltm/store/manifest.h"
 #include "memory/model_loader.h"
 
 namespace engram::cli {
@@ -50,6 +51,14 @@ Status ready_for_models(const fs::path& store) {
   std::error_code error;
   if (fs::is_empty(store / "models", error) || error) return {};
   return learning_module().status();
+}
+
+Result<ltm::Erasures> code_anew(const std::filesystem::path& store, const ltm::ForgetSet& gone,
+                                const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Manifest manifest, ltm::read_manifest(store));
+  if (manifest.models.empty()) return ltm::Erasures();
+  ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
+  return module->code_anew(store, gone, progress, stop);
 }
 
 Status test_model(const fs::path& file) {

@@ -52,6 +52,11 @@ struct LearningModule {
 /// Errors: those of learning_module() if the store has models.
 [[nodiscard]] Status ready_for_models(const std::filesystem::path& store);
 
+/// Codes anew what is to stay when something is erased. An ltm::CodeAnew, which loads the module
+/// only if the store has models. Errors: those of learning_module() and of training::code_anew.
+Result<ltm::Erasures> code_anew(const std::filesystem::path& store, const ltm::ForgetSet& gone,
+                                const ProgressSink& progress, const std::stop_token& stop);
+
 /// Tests that a model file decodes as it did when it was written. An ltm::ModelTest.
 /// Errors: those of learning_module() and of encoders::load_model.
 [[nodiscard]] Status test_model(const std::filesystem::path& file);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "cli/interrupt.h"
+#include "cli/learning_module.h"
 #include "cli/remote.h"
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
@@ -159,6 +160,7 @@ ExitCode run_robot(const RobotConfig& config, bool is_json) {
   finish_after_interrupt();
   Robot::Options options;
   options.loader = model_loader();
+  options.erasing = {code_anew, ready_for_models};
   auto robot = Robot::start(config, std::move(options));
   if (!robot.ok()) return fail(robot.status());
   tell_served(**robot, is_json);

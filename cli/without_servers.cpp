@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Replaces the commands that use networks in a program that is built without servers
 // (ENGRAM_SERVER).
-#include "cli/remote.h"
+#include "cli/remote_forget.h"
 
 namespace engram::cli {
 
@@ -20,6 +20,10 @@ Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& /*argument
 }
 
 ExitCode show_server(const RemoteArguments& /*arguments*/, ServerFigures /*form*/) {
+  return fail(failed_precondition("this program was built without servers"));
+}
+
+ExitCode forget_on_server(const RemoteForget& /*what*/, const Agreed& /*is_agreed*/) {
   return fail(failed_precondition("this program was built without servers"));
 }
 

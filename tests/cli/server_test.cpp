@@ -76,6 +76,93 @@ TEST_F(Server, KeepsWhatItAcknowledgedAsDurableWhenItIsKilled) {
   EXPECT_THAT(none.err, HasSubstr("ENGRAM_SERVER"));
 }
 
+TEST_F(Server, ForgetsWhatItHoldsAndWhatItStored) {
+  constexpr const char* kCanary = "canary-that-nobody-may-find-again";
+  const auto has_canary = [this] {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path("robot.engram"))) {
+      if (!entry.is_regular_file()) continue;
+      std::ifstream file(entry.path(), std::ios::binary);
+      const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+      if (bytes.find(kCanary) != std::string::npos) return true;
+    }
+    return false;
+  };
+  const std::string value = R"({"said": ")" + std::string(kCanary) + "\"}";
+  RunningEngram server({"serve", path("robot.engram"), "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("listens at"));
+  ASSERT_EQ(commit(kCup, value, "1000", {"--durability", "journal"}).exit_code, 0);
+  ASSERT_EQ(commit(kCup, value, "2000").exit_code, 0);
+  ASSERT_EQ(commit("Objects/Things/kitchen/plate", R"({"height": 1})", "1000").exit_code, 0);
+  EXPECT_TRUE(has_canary());
+
+  const std::vector<std::string> forget{"forget", "--server", at("engram.sock"), kCup};
+  const auto with = [&forget](const std::vector<std::string>& more) {
+    std::vector<std::string> words = forget;
+    words.insert(words.end(), more.begin(), more.end());
+    return run_engram(words);
+  };
+  const RunResult counted = with({"Objects/Things/kitchen/plate @ latest", "--dry-run"});
+  EXPECT_EQ(counted.exit_code, 0) << counted.err;
+  EXPECT_THAT(counted.out, HasSubstr("In all 3 snapshots"));
+  const RunResult asked = with({});
+  EXPECT_EQ(asked.exit_code, 2) << "nobody to ask";
+  EXPECT_THAT(asked.err, HasSubstr("--yes"));
+  EXPECT_EQ(with({"--json"}).exit_code, 2);
+  // The command of the store says what it does not reach.
+  EXPECT_THAT(run_engram({"forget", path("robot.engram"), kCup, "--dry-run"}).err,
+              HasSubstr("--server lets it forget"));
+
+  const Json done = json_of(with({"--erase", "--yes", "--json"}));
+  EXPECT_EQ(done.at("plan").at("snapshots"), 2);
+  EXPECT_EQ(done.at("done").at("snapshots"), 2);
+  EXPECT_EQ(done.at("done").at("from_memory"), 2);
+  EXPECT_THAT(done.at("done").at("erased").at("report").get<std::string>(),
+              HasSubstr("erasures/000001"));
+  EXPECT_FALSE(has_canary());
+  EXPECT_EQ(run_engram({"query", std::string(kCup) + " @ all"}).exit_code, 1);
+  const RunResult again = with({"--yes"});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("names no snapshot"));
+  EXPECT_EQ(server.end(SIGTERM).exit_code, 0);
+  EXPECT_FALSE(has_canary());
+  EXPECT_EQ(json_of(run_engram({"query", path("robot.engram"), "Objects @ all", "--json"}))
+                .at("entities")
+                .size(),
+            1u);
+
+  EXPECT_THAT(with({"--yes"}).err, HasSubstr("no server listens"));
+  EXPECT_EQ(run_engram({"forget", "--server", at("engram.sock"), "--yes"}).exit_code, 2);
+  EXPECT_EQ(with({"--config", path("forget.yaml"), "--yes"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"forget", "--yes"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"forget", "--names", at("n"), kCup, "--yes"}).exit_code, 2);
+}
+
+TEST_F(Server, ErasesWhatAModelLearnedFrom) {
+  std::string lines;
+  for (int i = 0; i < 400; ++i)
+    lines += R"({"entity": "Robot/Joints/arm/left", "time": )" +
+             std::to_string(1'000'000'000 + i * 100'000'000LL) + R"(, "data": {"x": )" +
+             std::to_string(0.5 * (i % 20)) + "}}\n";
+  write("lines.jsonl", lines);
+  const std::string store = path("robot.engram");
+  ASSERT_EQ(run_engram({"commit", "--db", store, "--lines", path("lines.jsonl")}).exit_code, 0);
+  ASSERT_EQ(run_engram({"consolidate", store, "--budget", "4s", "--threads", "1"}).exit_code, 0);
+  ASSERT_FALSE(std::filesystem::is_empty(store + "/models"));
+  RunningEngram server({"serve", store, "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("listens at"));
+  const std::vector<std::string> predict{"predict", "Robot/Joints/arm/left", "--horizons", "1"};
+  EXPECT_EQ(run_engram(predict).exit_code, 0);
+  const Json done = json_of(run_engram({"forget", "--server", at("engram.sock"),
+                                        "Robot @ index:100..149", "--erase", "--yes", "--json"}));
+  EXPECT_EQ(done.at("done").at("from_store"), 50);
+  const Json& entity = done.at("done").at("erased").at("entities").at(0);
+  EXPECT_EQ(entity.at("models_removed").at(0), "v1");
+  EXPECT_TRUE(std::filesystem::is_empty(store + "/models"));
+  EXPECT_EQ(run_engram(predict).exit_code, 0);
+  EXPECT_EQ(server.end(SIGTERM).exit_code, 0);
+  EXPECT_EQ(run_engram({"check", store}).exit_code, 0);
+}
+
 TEST_F(Server, IsAskedAndWatchedAndCounts) {
   RunningEngram server({"serve", path("robot.engram"), "--listen", "127.0.0.1:0", "--json", "--log",
                         "json", "--no-system-state"});
