@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -46,6 +49,26 @@ Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss, 130 ended
 by Ctrl-C, 143 by SIGTERM (serve, mns and watch: 0).)";
 
+/// Writes the options that exclude or need each other in the order of their names: CLI11 keeps them
+/// by their addresses, so help texts would differ from run to run.
+class OrderedHelp final : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    if (!option->get_option_text().empty()) return text;
+    const auto ordered = [&text](const std::string& label, const std::set<CLI::Option*>& others) {
+      std::set<std::string> names;
+      for (const CLI::Option* other : others) names.insert(other->get_name());
+      return names.empty() ? "" : fmt::format(" {}: {}", label, fmt::join(names, " "));
+    };
+    const std::string needs = ordered(get_label("Needs"), option->get_needs());
+    const std::string excludes = ordered(get_label("Excludes"), option->get_excludes());
+    // They are the end of the text, as long in any order.
+    text.resize(text.size() - needs.size() - excludes.size());
+    return text + needs + excludes;
+  }
+};
+
 /// The parser of the program.
 struct Program {
   CLI::App app{"Engram: a deep episodic memory for robots"};
@@ -54,6 +77,7 @@ struct Program {
 
   /// Without `learning` the commands that learn are missing.
   explicit Program(const LearningModule* learning) {
+    app.formatter(std::make_shared<OrderedHelp>());  // Commands that are added take it, too.
     app.name("engram");
     app.footer(kMainFooter);
     app.require_subcommand(1);
