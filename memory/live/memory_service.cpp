@@ -265,15 +265,21 @@ struct MemoryService::State {
   }
 
   /// Whether the entities of a commit are known, or may become so. Those in working memory that the
-  /// store has, too, count twice; they are few where there are many.
+  /// store has, too, are only taken out of the sum where that decides.
   [[nodiscard]] Status check_room(const ltm::Commit& commit) const {
     const ltm::RecordedEntities& recorded = store ? store->recorded() : nothing_recorded;
-    const size_t known = memory->entity_count() + recorded.size();
+    size_t known = memory->entity_count() + recorded.size();
     if (known + commit.updates.size() <= options.max_entities) return {};
     size_t more = 0;
+    bool is_exact = false;
     for (const ltm::EntityUpdate& update : commit.updates) {
       if (memory->has(update.entity) || recorded.contains(update.entity)) continue;
-      if (known + ++more > options.max_entities)
+      if (known + ++more > options.max_entities && !is_exact) {
+        for (const MemoryId& entity : memory->matching(ltm::Query()))
+          if (recorded.contains(entity)) --known;
+        is_exact = true;
+      }
+      if (known + more > options.max_entities)
         return resource_exhausted(
             "'{}' would be a new entity, and server '{}' has {} already, of at most {} "
             "(max_entities)",

@@ -102,16 +102,16 @@ TEST(MemoryService, RefusesAnswersThatAreTooLarge) {
 
 TEST(MemoryService, KnowsSoManyEntities) {
   ServedMemory service;
-  service.options.max_entities = 6;
+  service.options.max_entities = 5;
   service.options.memory.all.snapshots = 1;
   service.open();
-  // The one in working memory counts twice, because the store has it, too.
+  // The one in working memory counts once, although the store has it, too.
   for (const char* entity : {"A/b/c/1", "A/b/c/2", "A/b/c/3", "A/b/c/4", "A/b/c/5"})
     ASSERT_OK(service.commit_durably(ServedMemory::commit(entity, 1)));
   const Status refused = service->commit(ServedMemory::commit("A/b/c/new", 1)).status();
   EXPECT_EQ(refused.code(), StatusCode::kResourceExhausted) << refused.to_string();
   EXPECT_THAT(refused.message(), HasSubstr("'A/b/c/new' would be a new entity"));
-  EXPECT_THAT(refused.message(), HasSubstr("at most 6"));
+  EXPECT_THAT(refused.message(), HasSubstr("has 5 already, of at most 5"));
   // A known one goes on.
   EXPECT_OK(service.commit_durably(ServedMemory::commit("A/b/c/2", 2)));
 }
