@@ -7,8 +7,8 @@ what the store takes on the disk beside its journal, and how long `info` and `ch
 450,000 snapshots are asked for at once: what clients and the server take in RAM, and what the server
 keeps. A million entities go through a working memory of 64 MiB.
 
-RAM is what a process has beside what it had before it was asked (server), or beside that of
-`engram --version` (client): libraries take 70 to 80 MB.
+RAM of a server is what it has beside what it had before it was asked; that of a client is all that it
+has at most, and what it has beside a client that asks for nearly nothing.
 """
 
 from __future__ import annotations
@@ -120,18 +120,21 @@ class Bars:
                     "data": {"name": f"state {i % 7}", "height": i * 0.25,
                              "pose": [i * 0.5, 1.0, 2.0]}}) + "\n")
         self.run("commit", "--db", store, "--lines", self.folder / "history")
-        libraries = self.run("--version")[1]
+        rest = self.run("query", store, "?ids Robot/State/arm/joint1 @ latest")[1]
+        self.told("client at rest: libraries", rest, None, "MB")
         answer = self.folder / "answer"
         for form in ((), ("--json",)):
             seconds, ram = self.run("query", store, "Robot @ all", *form, out=answer)
             name = " ".join(("query of a store", *form))
-            self.told(f"{count:,} snapshots, {name}", ram - libraries, 100, "MB")
+            self.told(f"{count:,} snapshots, {name}: client", ram, 100, "MB")
+            self.told("  beside one at rest", ram - rest, 100, "MB")
             self.told(f"  its {answer.stat().st_size / MB:.0f} MB", seconds, None, "s")
         server, at = self.serve(store)
         self.run("query", "--server", at, "Robot @ latest")
         before = resident(server.pid)
         seconds, ram = self.run("query", "--server", at, "Robot @ all", "--json", out=answer)
-        self.told(f"{count:,} snapshots, query of a server: client", ram - libraries, 100, "MB")
+        self.told(f"{count:,} snapshots, query of a server: client", ram, 100, "MB")
+        self.told("  beside one at rest", ram - rest, 100, "MB")
         self.told("  server, at most", resident(server.pid, "VmHWM") - before, 100, "MB")
         time.sleep(1)
         self.told("  server, afterwards", resident(server.pid) - before, 100, "MB")
@@ -149,12 +152,12 @@ class Bars:
         after = resident(server.pid)
         info = self.folder / "info"
         self.run("info", "--server", at, "--json", out=info)
-        held = json.loads(info.read_text())["working_memory"]
-        self.told(f"{count:,} entities: told working memory", held["bytes"] / MB, None, "MB")
-        self.told("entities in it", held["entities"], None, "")
+        held = json.loads(info.read_text())["figures"]
+        self.told(f"{count:,} entities: told working memory", held["memory_bytes"] / MB, None, "MB")
+        self.told("entities in it", held["memory_entities"], None, "")
         self.told("RAM of the server", after - before, None, "MB")
         self.told("RAM besides working memory, an entity",
-                  (after - before - held["bytes"] / MB) * MB / count, None, "bytes")
+                  (after - before - held["memory_bytes"] / MB) * MB / count, None, "bytes")
         self.told("end of the server", self.end(server), None, "s")
 
 
