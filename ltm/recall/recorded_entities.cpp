@@ -35,14 +35,21 @@ void RecordedEntities::begin(std::span<const SharedSnapshot> snapshots) {
   }
 }
 
-void RecordedEntities::finish(std::span<const SharedSnapshot> snapshots) {
+void RecordedEntities::finish(std::span<const SharedSnapshot> snapshots,
+                              std::span<const MemoryId> released) {
   const ExclusiveLock lock(mutex_);
   ++recordings_;
-  if (changed_.snapshots.size() + snapshots.size() > kMaxChanged) changed_ = {{}, true};
-  for (const SharedSnapshot& snapshot : snapshots) {
-    entities_[snapshot->entity].at = recordings_;
-    if (!changed_.is_all) changed_.snapshots.push_back(snapshot->id());
-  }
+  for (const SharedSnapshot& snapshot : snapshots) note_changed(snapshot->id());
+  for (const MemoryId& snapshot : released) note_changed(snapshot);
+}
+
+void RecordedEntities::note_changed(MemoryId snapshot) {
+  // Known since begin(), unless all that was known of it has been forgotten since.
+  Recorded& entity = entities_[snapshot.entity()];
+  entity.at = recordings_;
+  entity.until = std::max(entity.until.value_or(*snapshot.time()), *snapshot.time());
+  if (changed_.snapshots.size() == kMaxChanged) changed_ = {{}, true};
+  if (!changed_.is_all) changed_.snapshots.push_back(std::move(snapshot));
 }
 
 RecordedEntities::Changed RecordedEntities::take_changed() {

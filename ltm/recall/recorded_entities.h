@@ -28,7 +28,8 @@ class RecordedEntities {
   /// Call begin() before snapshots are recorded and finish() after it. With begin() nobody takes an
   /// older state of the store for the newest one.
   void begin(std::span<const SharedSnapshot> snapshots);
-  void finish(std::span<const SharedSnapshot> snapshots);
+  /// `released`: what else the recording stored, of which earlier ones began.
+  void finish(std::span<const SharedSnapshot> snapshots, std::span<const MemoryId> released);
 
   /// An upper bound of the entity's times in the store; empty if the store has no snapshot of it.
   /// Complexity: O(log n).
@@ -54,6 +55,8 @@ class RecordedEntities {
   [[nodiscard]] Changed take_changed();
 
  private:
+  void note_changed(MemoryId snapshot) ENGRAM_REQUIRES(mutex_);
+
   struct Recorded {
     std::optional<Time> until;
     uint64_t at = 0;

@@ -238,6 +238,8 @@ struct Recorder::State {
         ++channel.counters->kept;
         channel.counters->kept_bytes += kept[i].candidate.raw_bytes;
         channel.counters->stored_bytes += frame_bytes[i];
+        if (options.on_released && kept[i].candidate.commit != commits)
+          options.on_released(kept[i].snapshot().id());
         continue;
       }
       channel.dropped += packed[i].dropped;

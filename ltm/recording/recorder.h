@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -83,6 +84,10 @@ class Recorder {
     /// loses the counts of one interval. Each note costs about 200 bytes per entity that dropped
     /// any.
     Duration drop_note_interval = std::chrono::seconds(5);
+    /// Called with the ID of each snapshot that a commit stores and an earlier one offered: a
+    /// filter held it until then, or the disk failed. Its entity may be none of the commit's. May
+    /// be empty.
+    std::function<void(const MemoryId& snapshot)> on_released;
 
     [[nodiscard]] Status validate() const;
   };

@@ -12,12 +12,19 @@ namespace engram::memory {
 using ltm::MemoryId;
 
 struct LongTerm::State {
-  State(std::filesystem::path store, ltm::Recorder opened)
-      : path(std::move(store)), recorder(std::move(opened)), lost_frames(recorder->lost_frames()) {}
+  using Released = std::shared_ptr<std::vector<MemoryId>>;
+
+  State(std::filesystem::path store, ltm::Recorder opened, Released filled)
+      : path(std::move(store)),
+        recorder(std::move(opened)),
+        released(std::move(filled)),
+        lost_frames(recorder->lost_frames()) {}
 
   const std::filesystem::path path;
   Mutex writing;  ///< Held while the recorder is called: one commit after the other.
   std::optional<ltm::Recorder> recorder ENGRAM_GUARDED_BY(writing);
+  /// What the recorder stored of earlier commits and nobody was told of; it fills this.
+  const Released released ENGRAM_PT_GUARDED_BY(writing);
   bool is_closed ENGRAM_GUARDED_BY(writing) = false;
 
   ltm::RecordedEntities recorded;
@@ -52,10 +59,12 @@ Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock c
   // What comes was redacted before working memory took it; the recorder needs no detectors.
   ltm::Recorder::Options recording = options.recording;
   for (ltm::EntityRule& rule : recording.rules) rule.redact.reset();
+  const auto released = std::make_shared<std::vector<MemoryId>>();
+  recording.on_released = [released](const MemoryId& snapshot) { released->push_back(snapshot); };
   ENGRAM_ASSIGN_OR_RETURN(auto recorder,
                           ltm::Recorder::open(options.store, recording, std::move(clock)));
   return std::unique_ptr<LongTerm>(
-      new LongTerm(std::make_unique<State>(options.store, std::move(recorder))));
+      new LongTerm(std::make_unique<State>(options.store, std::move(recorder), released)));
 }
 
 Status LongTerm::declare(const MemoryId& segment, const idf::Type& type) {
@@ -79,7 +88,8 @@ Status LongTerm::record(std::span<const ltm::SharedSnapshot> snapshots,
   }
   state_->recorded.begin(snapshots);
   for (const auto& commit : commits) ENGRAM_RETURN_IF_ERROR(state_->record(commit, refused));
-  state_->recorded.finish(snapshots);
+  state_->recorded.finish(snapshots, *state_->released);
+  state_->released->clear();
   state_->recorded_count += snapshots.size() - refused.size();
   state_->refused_count += refused.size();
   return {};

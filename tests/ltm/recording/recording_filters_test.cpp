@@ -23,9 +23,11 @@ Snapshot at(double seconds, const std::string& name, idf::Data value = 1.0) {
 
 class RecordingFilters : public ::testing::Test {
  protected:
-  Recorder open(std::string_view config) {
+  Recorder open(std::string_view config,
+                std::function<void(const MemoryId&)> on_released = nullptr) {
     auto options = parse_recording_config(config, "test.yaml");
     EXPECT_OK(options);
+    options->on_released = std::move(on_released);
     auto recorder = Recorder::open(store(), *options, [this] { return now_; });
     EXPECT_OK(recorder);
     return *std::move(recorder);
@@ -95,7 +97,8 @@ entities:
     filters:
       - trigger: {events: [{entity: .*/.*/.*/force, path: z, bound: 10}], before: 2s, after: 1s}
 )";
-  auto recorder = open(config);
+  std::vector<MemoryId> released;
+  auto recorder = open(config, [&](const MemoryId& snapshot) { released.push_back(snapshot); });
   for (int i = 0; i < 20; ++i) {
     ASSERT_OK(recorder.commit({{at(i, "cam", i)}}));
     ASSERT_OK(recorder.commit({{at(i + 0.5, "force", idf::Dict{{"z", i == 9 ? 50.0 : 0.0}})}}));
@@ -103,6 +106,8 @@ entities:
   }
   // Triggered at 9.5.
   EXPECT_EQ(stored("cam"), (std::vector<double>{8, 9, 10}));
+  // The snapshot of 10 is stored by its own commit.
+  EXPECT_EQ(released, (std::vector{at(8, "cam").id(), at(9, "cam").id()}));
   const RecordingCounters& cam = recorder.counters().at(example_entity("cam"));
   EXPECT_EQ(cam.kept, 3u);
   EXPECT_EQ(cam.held.snapshots, 3u);

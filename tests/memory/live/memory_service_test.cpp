@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "ltm/recording/recording_config.h"
 #include "tests/memory/live/served_memory.h"
 
 namespace engram::memory {
@@ -40,6 +41,24 @@ TEST(MemoryService, CountsAReadOnceWhereverTheAnswerComesFrom) {
   EXPECT_EQ(memory->counters().memory.reads, 2u);
   ASSERT_OK(memory.ask("?ids A/b/c/d @ latest"));
   EXPECT_EQ(memory->counters().memory.reads, 2u);
+}
+
+TEST(MemoryService, AnswersWithWhatAFilterReleasesForAnotherEntity) {
+  ServedMemory service;
+  auto recording = ltm::parse_recording_config(
+      "entities: [{match: A, filters: [{trigger: {events: [{entity: X/.*/.*/.*}], before: 1s}}]}]",
+      "filters");
+  ASSERT_OK(recording);
+  recording->store = service.options.store->recording.store;
+  service.options.store->recording = *std::move(recording);
+  service.options.memory.all.snapshots = 1;
+  service.open();
+  for (int64_t at = 1; at <= 3; ++at)
+    ASSERT_OK(service.commit_durably(ServedMemory::commit(kEntity, at)));
+  // The filter holds all, so the store is opened without them.
+  ASSERT_THAT(*service.ask("A @ all"), ElementsAre(3));
+  ASSERT_OK(service.commit_durably(ServedMemory::commit("X/b/c/door", 4)));
+  EXPECT_THAT(*service.ask("A @ all"), ElementsAre(1, 2, 3));
 }
 
 TEST(MemoryService, KeepsEverythingOverAnEnd) {
