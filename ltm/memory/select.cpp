@@ -158,6 +158,16 @@ std::vector<SelectedSnapshot> in_order(std::vector<SelectedSnapshot> selected) {
 
 }  // namespace
 
+Result<std::optional<Time>> ListedMoments::at_or_after(Time time) {
+  const auto found = std::ranges::lower_bound(times_, time);
+  return found == times_.end() ? std::nullopt : std::optional(*found);
+}
+
+Result<std::optional<Time>> ListedMoments::at_or_before(Time time) {
+  const auto found = std::ranges::upper_bound(times_, time);
+  return found == times_.begin() ? std::nullopt : std::optional(*std::prev(found));
+}
+
 Result<Selection> select_times(const Selector& selector, Moments& moments) {
   return std::visit(Selecting{moments}, selector);
 }

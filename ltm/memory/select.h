@@ -28,6 +28,26 @@ class Moments {
   virtual Result<std::optional<Time>> nth(uint64_t index) = 0;
 };
 
+/// Moments in a list.
+class ListedMoments final : public Moments {
+ public:
+  /// `times` increase.
+  explicit ListedMoments(std::vector<Time> times) : times_(std::move(times)) {}
+
+  Result<std::optional<Time>> first() override { return nth(0); }
+  Result<std::optional<Time>> last() override {
+    return times_.empty() ? std::nullopt : std::optional(times_.back());
+  }
+  Result<std::optional<Time>> at_or_after(Time time) override;
+  Result<std::optional<Time>> at_or_before(Time time) override;
+  Result<std::optional<Time>> nth(uint64_t index) override {
+    return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
+  }
+
+ private:
+  std::vector<Time> times_;
+};
+
 /// The snapshots that a selector selects of one entity.
 struct Selection {
   /// All snapshots from `first` to `last`, which both are times of snapshots.

@@ -12,33 +12,6 @@ Time t(int64_t ns) {
   return time_from_ns(ns);
 }
 
-/// Moments in a list.
-class ListedMoments final : public Moments {
- public:
-  explicit ListedMoments(std::vector<Time> times) : times_(std::move(times)) {}
-
-  Result<std::optional<Time>> first() override {
-    return times_.empty() ? std::nullopt : std::optional(times_.front());
-  }
-  Result<std::optional<Time>> last() override {
-    return times_.empty() ? std::nullopt : std::optional(times_.back());
-  }
-  Result<std::optional<Time>> at_or_after(Time time) override {
-    const auto found = std::ranges::lower_bound(times_, time);
-    return found == times_.end() ? std::nullopt : std::optional(*found);
-  }
-  Result<std::optional<Time>> at_or_before(Time time) override {
-    const auto found = std::ranges::upper_bound(times_, time);
-    return found == times_.begin() ? std::nullopt : std::optional(*std::prev(found));
-  }
-  Result<std::optional<Time>> nth(uint64_t index) override {
-    return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
-  }
-
- private:
-  std::vector<Time> times_;
-};
-
 struct Case {
   Selector selector;
   size_t first;

@@ -13,22 +13,16 @@ namespace {
 /// The past of an entity as a list of moments, without data.
 class MomentsAlone final : public EntityPast {
  public:
-  explicit MomentsAlone(std::vector<Time> times) : times_(std::move(times)) {}
+  explicit MomentsAlone(const std::vector<Time>& times) : count_(times.size()), moments_(times) {}
 
-  Result<std::optional<Time>> first() override { return nth(0); }
-  Result<std::optional<Time>> last() override { return nth(times_.size() - 1); }
-  Result<std::optional<Time>> at_or_after(Time time) override {
-    const auto found = std::ranges::lower_bound(times_, time);
-    return found == times_.end() ? std::nullopt : std::optional(*found);
-  }
+  Result<std::optional<Time>> first() override { return moments_.first(); }
+  Result<std::optional<Time>> last() override { return moments_.last(); }
+  Result<std::optional<Time>> at_or_after(Time time) override { return moments_.at_or_after(time); }
   Result<std::optional<Time>> at_or_before(Time time) override {
-    const auto found = std::ranges::upper_bound(times_, time);
-    return found == times_.begin() ? std::nullopt : std::optional(*std::prev(found));
+    return moments_.at_or_before(time);
   }
-  Result<std::optional<Time>> nth(uint64_t index) override {
-    return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
-  }
-  Result<uint64_t> count() override { return uint64_t{times_.size()}; }
+  Result<std::optional<Time>> nth(uint64_t index) override { return moments_.nth(index); }
+  Result<uint64_t> count() override { return count_; }
   Result<RecalledSnapshot> read(Time /*moment*/, Prefer /*prefer*/) override {
     return RecalledSnapshot{};
   }
@@ -37,7 +31,8 @@ class MomentsAlone final : public EntityPast {
   }
 
  private:
-  std::vector<Time> times_;
+  uint64_t count_;
+  ListedMoments moments_;
 };
 
 const std::vector<std::string> kSelectors{
