@@ -7,9 +7,9 @@
 #include "cli/learning_module.h"
 #include "cli/progress_line.h"
 #include "cli/remote_forget.h"
-#include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "ltm/forgetting/forget_config.h"
+#include "ltm/store/store_writer.h"
 #include "memory/model_loader.h"
 #include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
@@ -132,10 +132,7 @@ ExitCode run_remotely(const ForgetArguments& arguments) {
 
 /// A program that records into the store holds more than the store has.
 void warn_of_writer(const std::string& store) {
-  auto file = File::open(std::filesystem::path(store) / "WRITER.lock", File::Mode::kRead);
-  if (!file.ok()) return;
-  const auto is_free = file->lock(false, File::LockKind::kShared);
-  if (is_free.ok() && !*is_free)
+  if (ltm::StoreWriter::is_open(store))
     log::warning(
         "store '{}': another program records into it, and goes on to answer and store what it "
         "holds "

@@ -13,6 +13,7 @@
 #include "ltm/store/salvage.h"
 #include "ltm/store/segment_format.h"
 #include "ltm/store/store_reader.h"
+#include "ltm/store/store_writer.h"
 
 namespace engram::ltm {
 
@@ -68,7 +69,7 @@ class Recovery {
   /// Takes the writer's lock so that no writer starts during recovery. Locking writes nothing to
   /// the source.
   Status lock() {
-    auto file = File::open(source_ / "WRITER.lock", File::Mode::kRead);
+    auto file = File::open(source_ / kWriterLock, File::Mode::kRead);
     if (file.status().code() == StatusCode::kNotFound) return {};
     if (!file.ok()) return file.status();
     lock_ = std::move(file).value();

@@ -255,11 +255,18 @@ StoreWriter::~StoreWriter() {
                  state_->path.string(), status.to_string());
 }
 
+bool StoreWriter::is_open(const std::filesystem::path& store) {
+  auto lock = File::open(store / kWriterLock, File::Mode::kRead);
+  if (!lock.ok()) return false;
+  const auto is_free = lock->lock(false, File::LockKind::kShared);
+  return is_free.ok() && !*is_free;
+}
+
 Result<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::filesystem::path& store,
                                                        const Options& options, Clock clock) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_RETURN_IF_ERROR(read_manifest(store).status());
-  ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / "WRITER.lock", File::Mode::kAppend));
+  ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / kWriterLock, File::Mode::kAppend));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(false));
   if (!is_locked)
     return failed_precondition("store '{}': another process is writing to it", store.string());

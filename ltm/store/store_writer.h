@@ -21,6 +21,9 @@ enum class Durability {
   kNone,      ///< Loses all data that the operating system has not written yet.
 };
 
+/// The file of a store that its writer locks.
+inline constexpr const char* kWriterLock = "WRITER.lock";
+
 /// The only writer of a store. It appends to the journal; its own threads seal journals into
 /// segments and force journals to the disk.
 ///
@@ -49,6 +52,9 @@ class StoreWriter {
 
     [[nodiscard]] Status validate() const;
   };
+
+  /// Whether a program has a writer of this store open now.
+  [[nodiscard]] static bool is_open(const std::filesystem::path& store);
 
   /// Opens a store and takes over the journals that a killed writer left.
   /// Errors: kFailedPrecondition if another process writes to it; those of read_manifest.
