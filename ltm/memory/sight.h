@@ -45,7 +45,7 @@ class TimeWindows {
 struct Sight {
   TimeWindows times;  ///< Of which snapshots. Empty: the entity is not there.
   /// Of which of these the images as they are. Of others only redacted ones.
-  TimeWindows exact = TimeWindows::all();
+  TimeWindows exact;
   bool predictions = false;  ///< Also what models and engines say, which learned from all times.
 
   /// Whether all of the past may be seen as it is.

@@ -89,14 +89,19 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
                 }});
 }
 
-/// Redacts the images that the reader may not see as they are. Each is looked at alone.
+/// Takes out what the reader may not see any more, and redacts the images that the reader may not
+/// see as they are. Each is looked at alone.
 void QueryStream::redact(ltm::Answer& answer) const {
   if (!view_ || answer.is_ids_only) return;
   for (ltm::RecalledEntity& entity : answer.entities) {
-    const ltm::TimeWindows exact = view_->of(entity.id).exact;
-    if (exact.is_all()) continue;
+    const ltm::Sight sight = view_->of(entity.id);
+    if (sight.is_whole()) continue;
     std::erase_if(entity.snapshots, [&](ltm::RecalledSnapshot& snapshot) {
-      if (exact.contains(snapshot.answer.time)) return false;
+      // A prediction is of a time after all, and only made for who sees all as it is.
+      if (snapshot.answer.source == ltm::Source::kPredicted) return !sight.predictions;
+      // The token may have expired since the answer was made.
+      if (!sight.times.contains(snapshot.answer.time)) return true;
+      if (sight.exact.contains(snapshot.answer.time)) return false;
       std::vector<idf::Data*> values;
       for (ltm::InstanceResult& instance : snapshot.answer.instances)
         values.push_back(&instance.data);

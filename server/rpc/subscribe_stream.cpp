@@ -146,11 +146,17 @@ void SubscribeStream::write_next() {
   uint64_t last_shared = 0;
   while (!queue_->empty()) {
     auto& told = static_cast<WireEvent&>(*queue_->next());
+    // The token may have expired while it waited.
+    if (!may_see(*told.snapshot)) {
+      queue_->pop();
+      continue;
+    }
     if (message.size() > 0 && message.size() + told_bytes(told) > kMessageBytes) break;
     const WireBytes* shared = shared_form_of(told, last_shared);
     message.field(v1::Notification::kEventsFieldNumber, shared ? *shared : form_of(told));
     queue_->pop();
   }
+  if (message.size() == 0) return;
   if (queue_->lost() > 0) message.field(v1::Notification::kLostFieldNumber, queue_->lost());
   written_ = message.take().to_byte_buffer();
   is_writing_ = true;
