@@ -86,10 +86,17 @@ struct Recall::State {
     return !found.ok() || *found != nullptr;
   }
 
+  /// The entities that match, without those of which the view sees nothing at any time. Whether it
+  /// sees any of the others takes a look at each: that is left to who answers, but for a view that
+  /// sees nothing of all of them, which gets none.
   [[nodiscard]] std::vector<MemoryId> matching(const Query& query, const Options& options) const {
     std::vector<MemoryId> entities = past->matching(query);
-    if (options.view)
-      std::erase_if(entities, [&](const MemoryId& entity) { return !sees_any(entity, options); });
+    if (!options.view) return entities;
+    std::erase_if(entities,
+                  [&](const MemoryId& entity) { return options.view->of(entity).times.empty(); });
+    if (std::ranges::none_of(entities,
+                             [&](const MemoryId& entity) { return sees_any(entity, options); }))
+      entities.clear();
     return entities;
   }
 
@@ -161,26 +168,28 @@ struct Recall::State {
     return {};
   }
 
-  Result<RecalledEntity> answer(const MemoryId& id, const Query& query, const Options& options,
-                                size_t& bytes) {
+  /// Nothing if the view sees nothing of the entity.
+  Result<std::optional<RecalledEntity>> answer(const MemoryId& id, const Query& query,
+                                               const Options& options, size_t& bytes) {
     RecalledEntity result{id, {}};
     ENGRAM_ASSIGN_OR_RETURN(const auto entity, seen(id, options));
-    if (!entity) return result;
+    if (!entity) return options.view ? std::nullopt : std::optional(std::move(result));
     ENGRAM_ASSIGN_OR_RETURN(const auto selection,
                             select_snapshots(query.snapshots_of(id), *entity));
     const auto future = std::ranges::find(selection, true, &SelectedSnapshot::is_future);
     for (auto selected = selection.begin(); selected != future; ++selected)
       ENGRAM_RETURN_IF_ERROR(add_past(*entity, *selected, query, options, bytes, result));
     ENGRAM_RETURN_IF_ERROR(add_future(*entity, {future, selection.end()}, query, options, result));
-    return result;
+    return std::optional(std::move(result));
   }
 
   /// Adds what follows of the entity at `position` until the part has `max_bytes`, and counts them.
-  /// Returns the position behind it.
+  /// Returns the position behind it. `is_seen` becomes false if the view sees nothing of it.
   Result<AnswerCursor::Position> add_next(const AnswerCursor& cursor,
                                           AnswerCursor::Position position, size_t max_bytes,
-                                          size_t& bytes, RecalledEntity& result) {
+                                          size_t& bytes, RecalledEntity& result, bool& is_seen) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entity, seen(result.id, cursor.options));
+    is_seen = entity != nullptr || !cursor.options.view;
     if (entity && !position.selected) {
       ENGRAM_ASSIGN_OR_RETURN(
           position.selected,
@@ -285,8 +294,8 @@ Result<Engine> Recall::engine(const MemoryId& entity, const std::string& name) {
 Result<std::vector<EngineRecord>> Recall::records(const MemoryId& entity, std::optional<Time> from,
                                                   Duration ahead, const Options& options) {
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
-  ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
-  return retried(*state_->past, [&] {
+  return retried(*state_->past, [&]() -> Result<std::vector<EngineRecord>> {
+    ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
     return state_->predictor.records(entity, from, ahead, {options.prefer, options.max_horizon});
   });
 }
@@ -298,10 +307,10 @@ Result<std::vector<SnapshotResult>> Recall::predict(const MemoryId& entity,
     return invalid_argument("entity '{}': found no horizon to predict, needs one",
                             entity.to_string());
   ENGRAM_RETURN_IF_ERROR(state_->past->follow());
-  ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
   if (request.plan && !sight_of(options.view.get(), *request.plan).is_whole())
     return failed_precondition("'{}': not all of this plan may be seen", request.plan->to_string());
-  return retried(*state_->past, [&] {
+  return retried(*state_->past, [&]() -> Result<std::vector<SnapshotResult>> {
+    ENGRAM_RETURN_IF_ERROR(state_->check_predicts(entity, options));
     return state_->predictor.predict(entity, request, {options.prefer, options.max_horizon});
   });
 }
@@ -314,12 +323,14 @@ Result<Answer> Recall::answer(const Query& query, const Options& options) {
   size_t bytes = 0;
   for (const MemoryId& entity : entities) {
     // A failed attempt may have counted bytes: a retry starts from the count before it.
-    ENGRAM_ASSIGN_OR_RETURN(RecalledEntity one, retried(*state_->past, [&, before = bytes] {
+    ENGRAM_ASSIGN_OR_RETURN(std::optional<RecalledEntity> one,
+                            retried(*state_->past, [&, before = bytes] {
                               bytes = before;
                               return state_->answer(entity, query, options, bytes);
                             }));
-    if (state_->accesses && !query.is_ids_only()) state_->note_reads(one);
-    answer.entities.push_back(std::move(one));
+    if (!one) continue;
+    if (state_->accesses && !query.is_ids_only()) state_->note_reads(*one);
+    answer.entities.push_back(*std::move(one));
   }
   return answer;
 }
@@ -340,13 +351,16 @@ Result<Answer> Recall::next(AnswerCursor& cursor, size_t bytes) {
   for (size_t filled = 0; position.entity < cursor.entities.size() && filled < bytes;) {
     RecalledEntity one{cursor.entities[position.entity], {}};
     size_t counted = filled;
+    bool is_seen = true;
     ENGRAM_ASSIGN_OR_RETURN(position, retried(*state_->past, [&] {
                               // A failed attempt has no effect.
                               one.snapshots.clear();
                               counted = filled;
-                              return state_->add_next(cursor, position, bytes, counted, one);
+                              return state_->add_next(cursor, position, bytes, counted, one,
+                                                      is_seen);
                             }));
     filled = counted;
+    if (!is_seen) continue;
     if (state_->accesses && !part.is_ids_only) state_->note_reads(one);
     part.entities.push_back(std::move(one));
   }
