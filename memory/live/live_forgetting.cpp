@@ -41,32 +41,17 @@ Result<ltm::Erasures> nothing_to_code_anew(const std::filesystem::path& /*store*
   return ltm::Erasures();
 }
 
-/// The times of snapshots that filters hold.
-class FilteredMoments final : public ltm::Moments {
- public:
-  explicit FilteredMoments(std::vector<Time> times) : times_(std::move(times)) {}
-
-  Result<std::optional<Time>> first() override { return nth(0); }
-  Result<std::optional<Time>> last() override { return nth(times_.size() - 1); }
-  Result<std::optional<Time>> at_or_after(Time time) override {
-    return nth(static_cast<uint64_t>(std::ranges::lower_bound(times_, time) - times_.begin()));
-  }
-  Result<std::optional<Time>> at_or_before(Time time) override {
-    return nth(static_cast<uint64_t>(std::ranges::upper_bound(times_, time) - times_.begin()) - 1);
-  }
-  Result<std::optional<Time>> nth(uint64_t index) override {
-    return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
-  }
-
- private:
-  const std::vector<Time> times_;
-};
-
 /// One call of forget_live().
 class LiveForgetting {
  public:
   LiveForgetting(const ForgettingParts& parts, const ForgetRequest& request)
-      : parts_(parts), request_(request) {}
+      : parts_(parts), request_(request), progress_(request.progress) {
+    // Erasing reaches what was made of it, and models of others, which the view may not see.
+    if (request.view && request.progress)
+      progress_ = [sink = request.progress](const Progress& progress) {
+        sink({"forget", progress.done, progress.total, "", progress.seconds_left});
+      };
+  }
 
   Result<ForgetOutcome> run() {
     ENGRAM_RETURN_IF_ERROR(check_erasing());
@@ -76,8 +61,7 @@ class LiveForgetting {
     ENGRAM_RETURN_IF_ERROR(note());
     ENGRAM_RETURN_IF_ERROR(check_stop("nothing was changed"));
     if (request_.is_dry_run) {
-      ENGRAM_RETURN_IF_ERROR(add_made_of_stored());
-      add_made_of_held();
+      ENGRAM_RETURN_IF_ERROR(add_made_of());
       return outcome();
     }
     Status status = forget();
@@ -85,6 +69,10 @@ class LiveForgetting {
     const Status anew = parts_.ask([](ltm::Recall& recall) { return recall.start_anew(); });
     if (status.ok()) status = anew;
     if (status.ok()) return outcome();
+    if (request_.view) {
+      log::warning("{}: forgetting: {}", parts_.name, status.to_string());
+      status = Status(status.code(), "it may not be told why");
+    }
     return status.with_context(fmt::format(
         "{}: working memory forgot {} snapshots, and the store not all of it yet; the same request "
         "carries on",
@@ -92,17 +80,13 @@ class LiveForgetting {
   }
 
  private:
-  [[nodiscard]] bool may_see(const MemoryId& entity) const {
-    return !ltm::sight_of(request_.view.get(), entity).times.empty();
-  }
-
   [[nodiscard]] Status check_stop(std::string_view what) const {
     if (!request_.stop.stop_requested()) return {};
     return cancelled("{}: forgetting was stopped; {}", parts_.name, what);
   }
 
   void tell(const std::string& what) const {
-    if (request_.progress) request_.progress({what, 0, 0, "", -1});
+    if (progress_) progress_({what, 0, 0, "", -1});
   }
 
   /// What would fail later fails before anything is changed.
@@ -135,6 +119,13 @@ class LiveForgetting {
                      request_.view ? " that may be erased" : "");
   }
 
+  /// Adds all at once, since a set takes long for each that does not come last.
+  uint64_t add(const MemoryId& entity, std::vector<Time> times) {
+    const uint64_t count = times.size();
+    if (count > 0) gone_[entity].insert_all(TimeSet(std::move(times)));
+    return count;
+  }
+
   Result<uint64_t> add_answer(const ltm::Query& query) {
     ltm::Recall::Options options;
     options.view = request_.view;
@@ -153,12 +144,12 @@ class LiveForgetting {
         ENGRAM_ASSIGN_OR_RETURN(part, recall.next(*cursor, kLookedUpBytes));
         return {};
       }));
-      for (const ltm::RecalledEntity& entity : part.entities)
-        for (const ltm::RecalledSnapshot& one : entity.snapshots) {
-          if (one.answer.source == ltm::Source::kPredicted) continue;
-          gone_[entity.id].insert(one.answer.time);
-          ++found;
-        }
+      for (const ltm::RecalledEntity& entity : part.entities) {
+        std::vector<Time> times;
+        for (const ltm::RecalledSnapshot& one : entity.snapshots)
+          if (one.answer.source != ltm::Source::kPredicted) times.push_back(one.answer.time);
+        found += add(entity.id, std::move(times));
+      }
     }
     return found;
   }
@@ -173,14 +164,13 @@ class LiveForgetting {
       std::vector<Time> visible;
       std::ranges::copy_if(times, std::back_inserter(visible),
                            [&seen](Time time) { return seen.contains(time); });
-      FilteredMoments moments(std::move(visible));
+      ltm::ListedMoments moments(std::move(visible));
       ENGRAM_ASSIGN_OR_RETURN(const auto selected,
                               ltm::select_snapshots(query.snapshots_of(entity), moments));
-      for (const ltm::SelectedSnapshot& one : selected) {
-        if (one.is_future) continue;
-        gone_[entity].insert(one.time);
-        ++found;
-      }
+      std::vector<Time> chosen;
+      for (const ltm::SelectedSnapshot& one : selected)
+        if (!one.is_future) chosen.push_back(one.time);
+      found += add(entity, std::move(chosen));
     }
     return found;
   }
@@ -217,8 +207,20 @@ class LiveForgetting {
     return {};
   }
 
+  /// The same of both: what was made of what goes may be held where that is stored, and stored
+  /// where that is held.
+  Status add_made_of() {
+    for (uint64_t known = 0; known != count_of(gone_);) {
+      known = count_of(gone_);
+      add_made_of_held();
+      ENGRAM_RETURN_IF_ERROR(add_made_of_stored());
+    }
+    return {};
+  }
+
   Status forget() {
-    // What was made of what goes may be held where that is stored, and stored where that is held.
+    // As add_made_of(), but all that is known by then goes before the next look: what is committed
+    // meanwhile may be made of it, too.
     for (uint64_t known = 0; known != count_of(gone_);) {
       known = count_of(gone_);
       add_made_of_held();
@@ -247,8 +249,7 @@ class LiveForgetting {
     // Without models there is nothing to code anew, and side files go all the same.
     if (request_.erases)
       tools.code_anew = parts_.tools.code_anew ? parts_.tools.code_anew : nothing_to_code_anew;
-    auto report =
-        ltm::carry_out(parts_.path, plan_of(gone_), {}, request_.progress, request_.stop, tools);
+    auto report = ltm::carry_out(parts_.path, plan_of(gone_), {}, progress_, request_.stop, tools);
     ENGRAM_RETURN_IF_ERROR(report.status());
     outcome_.from_store = report->rewritten.snapshots;
     outcome_.erased = std::move(report->erased);
@@ -265,18 +266,31 @@ class LiveForgetting {
   ForgetOutcome outcome() {
     for (const auto& [entity, times] : gone_) {
       // What was made of what goes may be where the one who asks sees nothing.
-      if (times.empty() || !may_see(entity)) continue;
-      outcome_.entities.push_back({entity, times.size(), times.front(), times.back()});
-      outcome_.snapshots += times.size();
+      const ltm::TimeWindows seen = ltm::sight_of(request_.view.get(), entity).times;
+      std::vector<Time> told;
+      std::ranges::copy_if(times, std::back_inserter(told),
+                           [&seen](Time time) { return seen.contains(time); });
+      if (told.empty()) continue;
+      outcome_.entities.push_back({entity, told.size(), told.front(), told.back()});
+      outcome_.snapshots += told.size();
     }
-    if (outcome_.erased)
-      std::erase_if(outcome_.erased->entities,
-                    [this](const auto& one) { return !may_see(one.first); });
+    if (request_.view) leave_out_hidden();
     return std::move(outcome_);
+  }
+
+  void leave_out_hidden() {
+    for (uint64_t* count : {&outcome_.from_memory, &outcome_.never_stored, &outcome_.from_store})
+      *count = std::min(*count, outcome_.snapshots);
+    if (!outcome_.erased) return;
+    std::erase_if(outcome_.erased->entities, [this](const auto& one) {
+      return ltm::sight_of(request_.view.get(), one.first).times.empty();
+    });
+    outcome_.erased->files.clear();
   }
 
   const ForgettingParts& parts_;
   const ForgetRequest& request_;
+  ProgressSink progress_;
   ForgetSet filtered_;  ///< What filters held when this began.
   ForgetSet gone_;
   ForgetOutcome outcome_;

@@ -77,6 +77,8 @@ struct MemoryService::State {
   std::vector<Waiter> waiters ENGRAM_GUARDED_BY(mutex);
   uint64_t last_waiter ENGRAM_GUARDED_BY(mutex) = 0;
   std::deque<RefusedSnapshot> refused ENGRAM_GUARDED_BY(mutex);  ///< The newest ones.
+  /// The newest that were forgotten before they were stored. Apart, because many may go at once.
+  std::deque<RefusedSnapshot> unstored ENGRAM_GUARDED_BY(mutex);
   uint64_t store_failures ENGRAM_GUARDED_BY(mutex) = 0;
   std::string last_store_failure ENGRAM_GUARDED_BY(mutex);
   bool has_handed_over_all ENGRAM_GUARDED_BY(mutex) = false;  ///< No waiter is told any more.
@@ -120,10 +122,11 @@ struct MemoryService::State {
   /// The status of a commit that the online phase took.
   [[nodiscard]] Status outcome(const ltm::Admission& admission) const ENGRAM_REQUIRES(mutex) {
     // Compares owners, not pointers: a refused snapshot may be freed, and its address used again.
-    for (const RefusedSnapshot& one : refused)
-      for (const ltm::SharedSnapshot& snapshot : admission.snapshots)
-        if (!one.snapshot.owner_before(snapshot) && !snapshot.owner_before(one.snapshot))
-          return one.status;
+    for (const auto* known : {&refused, &unstored})
+      for (const RefusedSnapshot& one : *known)
+        for (const ltm::SharedSnapshot& snapshot : admission.snapshots)
+          if (!one.snapshot.owner_before(snapshot) && !snapshot.owner_before(one.snapshot))
+            return one.status;
     return {};
   }
 
@@ -153,8 +156,8 @@ struct MemoryService::State {
 
   /// Tells those who wait for snapshots that were forgotten before they were stored.
   void tell_unstored(std::span<const ltm::SharedSnapshot> waited) ENGRAM_EXCLUDES(mutex) {
-    std::unordered_set<const ltm::HeldSnapshot*> unstored;
-    for (const ltm::SharedSnapshot& one : waited) unstored.insert(one.get());
+    std::unordered_set<const ltm::HeldSnapshot*> forgotten;
+    for (const ltm::SharedSnapshot& one : waited) forgotten.insert(one.get());
     const Status status =
         cancelled("server '{}': it was forgotten before it was stored", options.name);
     std::vector<Waiter> told;
@@ -162,12 +165,12 @@ struct MemoryService::State {
       const MutexLock lock(mutex);
       // For those that are going to wait: commits that come just now.
       for (const ltm::SharedSnapshot& one : waited.last(std::min(waited.size(), kMaxRefused))) {
-        refused.push_back({one, status});
-        if (refused.size() > kMaxRefused) refused.pop_front();
+        unstored.push_back({one, status});
+        if (unstored.size() > kMaxRefused) unstored.pop_front();
       }
       std::erase_if(waiters, [&](Waiter& waiter) {
         if (std::ranges::none_of(waiter.admission.snapshots, [&](const auto& snapshot) {
-              return unstored.contains(snapshot.get());
+              return forgotten.contains(snapshot.get());
             }))
           return false;
         told.push_back(std::move(waiter));

@@ -220,6 +220,7 @@ TEST_F(LiveForgetting, WhatAFilterHoldsIsForgottenToo) {
   EXPECT_EQ(done->snapshots, 3u);
   // The event lets the filter keep what it still holds.
   ASSERT_OK(service_.commit_durably(ServedMemory::commit("X/b/c/door", 7)));
+  EXPECT_THAT(*service_.ask("A/b/c/cup @ all"), ElementsAre(1, 3, 5));
   ASSERT_OK(service_->close());
   EXPECT_FALSE(has_bytes(store(), kCanary));
   service_.close();
