@@ -58,6 +58,20 @@ class LiveForgetting : public ::testing::Test {
     for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(service_->commit(ServedMemory::commit(kBed, at)));
   }
 
+  /// What is held was made of what is stored, and that of a cup.
+  void make_of() {
+    const auto made_of = [](const std::string& entity, int64_t at, const std::string& origin) {
+      ltm::Commit made = ServedMemory::commit(entity, at, std::string(kCanary) + " made of");
+      made.updates[0].instances[0].metadata.origin = *ltm::MemoryId::parse(origin);
+      made.updates[0].instances[0].metadata.recipe = "{}";
+      return made;
+    };
+    const std::string at4 = "/1970-01-01 00:00:00.000000004/0";
+    ASSERT_OK(service_.commit_durably(made_of("M/b/c/stored", 4, kCup + at4)));
+    ASSERT_OK(service_->commit(made_of("M/b/c/held", 4, "M/b/c/stored" + at4)));
+    ASSERT_OK(service_->commit(ServedMemory::commit("M/b/c/held", 5)));
+  }
+
   static ltm::Commit cup(int64_t at) {
     return ServedMemory::commit(kCup, at,
                                 idf::Data(at % 2 == 0 ? fmt::format("{}-{}", kCanary, at)
@@ -248,16 +262,7 @@ TEST_F(LiveForgetting, NothingIsComparedWithIt) {
 
 TEST_F(LiveForgetting, WhatWasMadeOfItGoesTooIfItIsErased) {
   fill();
-  const auto made_of = [](const std::string& entity, int64_t at, const std::string& origin) {
-    ltm::Commit made = ServedMemory::commit(entity, at, std::string(kCanary) + " made of");
-    made.updates[0].instances[0].metadata.origin = *ltm::MemoryId::parse(origin);
-    made.updates[0].instances[0].metadata.recipe = "{}";
-    return made;
-  };
-  const std::string at4 = "/1970-01-01 00:00:00.000000004/0";
-  ASSERT_OK(service_.commit_durably(made_of("M/b/c/stored", 4, kCup + at4)));
-  ASSERT_OK(service_->commit(made_of("M/b/c/held", 4, "M/b/c/stored" + at4)));
-  ASSERT_OK(service_->commit(ServedMemory::commit("M/b/c/held", 5)));
+  make_of();
   const auto kept = service_.ask("M @ all");
   EXPECT_THAT(*kept, ElementsAre(4, 5, 4));
   const auto done = forget({"A/b/c/cup @ all"}, true);
@@ -324,6 +329,44 @@ TEST_F(LiveForgetting, TakesOnlyWhatMayBeErased) {
   what = request({kBed});
   what.view = std::make_shared<Windows>();
   EXPECT_FAILS(service_->forget(what), StatusCode::kNotFound, "that may be erased");
+}
+
+TEST_F(LiveForgetting, CountsWhatWasMadeOfItAlsoWithoutForgetting) {
+  fill();
+  make_of();
+  ForgetRequest what = request({"A/b/c/cup @ time:4..4"});
+  what.erases = true;
+  what.is_dry_run = true;
+  EXPECT_EQ(service_->forget(what)->snapshots, 3u);
+  what.is_dry_run = false;
+  EXPECT_EQ(service_->forget(what)->snapshots, 3u);
+}
+
+TEST_F(LiveForgetting, TellsNothingOfWhatIsHiddenFromWhoErases) {
+  fill();
+  make_of();
+  ForgetRequest what = request({"A/b/c/cup @ time:4..4"});
+  what.view = std::make_shared<Windows>();
+  what.erases = true;
+  std::string progress;
+  what.progress = [&progress](const Progress& told) {
+    progress.append(told.what).append(told.detail).append("\n");
+  };
+  const auto done = service_->forget(what);
+  ASSERT_OK(done);
+  EXPECT_EQ(done->snapshots, 1u);
+  EXPECT_LE(done->from_memory, 1u);
+  EXPECT_LE(done->from_store, 1u);
+  ASSERT_EQ(done->entities.size(), 1u);
+  EXPECT_EQ(done->entities[0].entity.to_string(), kCup);
+  EXPECT_THAT(progress, ::testing::HasSubstr("forget"));
+  for (const char* hidden : {"M/", "stored", "held", "store.engram"})
+    EXPECT_THAT(progress, ::testing::Not(::testing::HasSubstr(hidden)));
+  ASSERT_TRUE(done->erased.has_value());
+  EXPECT_TRUE(done->erased->files.empty());
+  for (const auto& [entity, erased] : done->erased->entities) EXPECT_EQ(entity.to_string(), kCup);
+  // It went all the same.
+  EXPECT_THAT(*service_.ask("M @ all"), ElementsAre(5));
 }
 
 TEST_F(LiveForgetting, OthersGoOnToCommitAndAsk) {
