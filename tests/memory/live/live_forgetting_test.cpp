@@ -332,6 +332,10 @@ TEST_F(LiveForgetting, TakesOnlyWhatMayBeErased) {
 }
 
 TEST_F(LiveForgetting, CountsWhatWasMadeOfItAlsoWithoutForgetting) {
+  service_.close();
+  // What is held is not stored by itself meanwhile.
+  service_.options.store_interval = std::chrono::hours(1);
+  service_.open();
   fill();
   make_of();
   ForgetRequest what = request({"A/b/c/cup @ time:4..4"});
