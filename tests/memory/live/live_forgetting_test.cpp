@@ -58,7 +58,7 @@ class LiveForgetting : public ::testing::Test {
     for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(service_->commit(ServedMemory::commit(kBed, at)));
   }
 
-  /// What is held was made of what is stored, and that of a cup.
+  /// What is held was made of what is stored alone, and that of a cup.
   void make_of() {
     const auto made_of = [](const std::string& entity, int64_t at, const std::string& origin) {
       ltm::Commit made = ServedMemory::commit(entity, at, std::string(kCanary) + " made of");
@@ -68,6 +68,8 @@ class LiveForgetting : public ::testing::Test {
     };
     const std::string at4 = "/1970-01-01 00:00:00.000000004/0";
     ASSERT_OK(service_.commit_durably(made_of("M/b/c/stored", 4, kCup + at4)));
+    service_.close();
+    service_.open();
     ASSERT_OK(service_->commit(made_of("M/b/c/held", 4, "M/b/c/stored" + at4)));
     ASSERT_OK(service_->commit(ServedMemory::commit("M/b/c/held", 5)));
   }
