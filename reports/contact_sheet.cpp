@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "ltm/codec/codec.h"
 #include "ltm/core/file.h"
 #include "ltm/idf/layout.h"
 
@@ -134,10 +134,13 @@ Status write_contact_sheet(const std::filesystem::path& path, const std::vector<
                            const std::vector<std::string>& column_labels) {
   ENGRAM_RETURN_IF_ERROR(check(rows));
   try {
-    std::vector<uchar> png;
-    if (!cv::imencode(".png", draw(rows, column_labels), png))
-      return unavailable("'{}': the PNG encoder refused", path.string());
-    return replace_file(path, std::as_bytes(std::span(png)));
+    cv::Mat sheet = draw(rows, column_labels);
+    cv::cvtColor(sheet, sheet, cv::COLOR_BGR2RGB);
+    const auto image =
+        idf::NdArray::take<uint8_t>({sheet.rows, sheet.cols, 3}, {sheet.datastart, sheet.dataend});
+    auto png = ltm::find_codec("png")->encode(image);
+    if (!png.ok()) return png.status().with_context("'" + path.string() + "'");
+    return replace_file(path, *png);
   } catch (const cv::Exception& error) {
     return unavailable("'{}': {}", path.string(), error.what());
   }

@@ -8,12 +8,13 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "ltm/core/line_process.h"
 #include "augmentation/blender/render_script.h"
+#include "ltm/codec/codec.h"
+#include "ltm/codec/image_file.h"
+#include "ltm/core/file.h"
+#include "ltm/core/line_process.h"
 
 namespace engram::augmentation {
 
@@ -23,6 +24,7 @@ namespace {
 
 constexpr std::string_view kPrefix = "engram: ";
 constexpr auto kStart = std::chrono::minutes(1);
+constexpr int64_t kMaxRenderedPixels = int64_t{1} << 28;
 
 const char* word(ShapeKind kind) {
   switch (kind) {
@@ -79,12 +81,14 @@ Result<std::filesystem::path> make_folder() {
 }
 
 Result<idf::NdArray> read_image(const std::filesystem::path& file, const SceneCamera& camera) {
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
-  if (image.cols != camera.width || image.rows != camera.height)
-    return unavailable("Blender: found an image of {} x {} pixels, needs {} x {}", image.cols,
-                       image.rows, camera.width, camera.height);
-  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
-  return idf::NdArray::take<uint8_t>({image.rows, image.cols, 3}, {image.datastart, image.dataend});
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer bytes, read_file(file));
+  auto image = ltm::decode_any_image_file(bytes.bytes(), kMaxRenderedPixels);
+  if (!image.ok()) return image.status().with_context("Blender: '" + file.string() + "'");
+  const idf::Shape needed{camera.height, camera.width, 3};
+  if (image->type() != idf::ElementType::kUInt8 || image->shape() != needed)
+    return unavailable("Blender: found an image {} {}, needs uint8 {}", to_string(image->type()),
+                       idf::to_string(image->shape()), idf::to_string(needed));
+  return image;
 }
 
 }  // namespace
@@ -120,12 +124,9 @@ struct Blender::State {
     key =
         XXH3_64bits_withSeed(picture.shape().data(), picture.shape().size() * sizeof(int64_t), key);
     if (const auto known = textures.find(key); known != textures.end()) return known->second;
-    const cv::Mat rgb(static_cast<int>(picture.shape()[0]), static_cast<int>(picture.shape()[1]),
-                      CV_8UC3, const_cast<std::byte*>(bytes.data()));
-    cv::Mat bgr;
-    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+    ENGRAM_ASSIGN_OR_RETURN(const auto png, ltm::find_codec("png")->encode(picture));
     const std::string file = (folder / fmt::format("{:016x}.png", key)).string();
-    if (!cv::imwrite(file, bgr)) return unavailable("'{}' cannot be written", file);
+    ENGRAM_RETURN_IF_ERROR(replace_file(file, png));
     textures.emplace(key, file);
     return file;
   }

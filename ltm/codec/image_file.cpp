@@ -2,6 +2,8 @@
 #include "ltm/codec/image_file.h"
 
 #include "ltm/codec/codec.h"
+#include "ltm/codec/jpeg_file.h"
+#include "ltm/codec/png_file.h"
 #include "ltm/core/buffer.h"
 
 namespace engram::ltm {
@@ -73,6 +75,12 @@ Result<idf::NdArray> decode_image_file(std::span<const std::byte> file) {
     return invalid_argument("announces an image of {}, needs at most {} bytes",
                             idf::to_string(found->shape), kMaxImageBytes);
   return find_codec(found->codec)->decode(file, found->type, found->shape);
+}
+
+Result<idf::NdArray> decode_any_image_file(std::span<const std::byte> file, int64_t max_pixels) {
+  if (as_text(file).starts_with(kPngStart)) return read_png(file, max_pixels);
+  if (as_text(file).starts_with(kJpegStart)) return read_jpeg(file, max_pixels);
+  return invalid_argument("needs a PNG or JPEG file, found {} bytes", file.size());
 }
 
 }  // namespace engram::ltm

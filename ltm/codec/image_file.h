@@ -27,4 +27,10 @@ struct AnnouncedImage {
 /// kDataLoss if the file is damaged.
 Result<idf::NdArray> decode_image_file(std::span<const std::byte> file);
 
+/// As decode_image_file, and also what announced_image does not know: palettes and grey of fewer
+/// than 8 bits, which become 8 bits, and files with anything between their segments.
+/// Errors: kInvalidArgument if it is no PNG or JPEG file, or has transparency, RGB of 16 bits or
+/// CMYK; kDataLoss if it is damaged or has more than `max_pixels`.
+Result<idf::NdArray> decode_any_image_file(std::span<const std::byte> file, int64_t max_pixels);
+
 }  // namespace engram::ltm

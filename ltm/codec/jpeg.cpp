@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/jpeg.h"
 
-#include <opencv2/imgcodecs.hpp>
-
-#include "ltm/codec/cv_image.h"
-#include "ltm/codec/image_file.h"
+#include "ltm/codec/file_image.h"
+#include "ltm/codec/jpeg_file.h"
 
 namespace engram::ltm {
 
@@ -12,9 +10,6 @@ namespace {
 
 constexpr int64_t kMaxJpegSide = 65'500;
 constexpr int kDefaultQuality = 90;
-/// Max expansion of a byte: a block of 8 x 8 takes at least this share of a byte in the densest
-/// progressive file. It bounds what few bytes can announce.
-constexpr size_t kMaxJpegExpansion = 4096;
 
 /// True if the file is complete. Decoders fill the missing part of a truncated file with grey and
 /// report no error.
@@ -32,24 +27,23 @@ class JpegCodec final : public Codec {
   [[nodiscard]] double psnr_db() const override { return quality_ >= 90 ? 35 : 20; }
 
   [[nodiscard]] bool accepts(idf::ElementType type, const idf::Shape& shape) const override {
-    return cv_image::fits(type, shape, kMaxJpegSide, false);
+    return is_file_image(type, shape, kMaxJpegSide, false);
   }
 
   Result<std::vector<std::byte>> encode(const idf::NdArray& array) const override {
     if (!accepts(array.type(), array.shape()))
       return invalid_argument("jpeg: needs uint8 [H, W, 3] or [H, W, 1], found {} {}",
                               to_string(array.type()), idf::to_string(array.shape()));
-    return cv_image::encode("jpg", array, {cv::IMWRITE_JPEG_QUALITY, quality_});
+    return write_jpeg(array, quality_);
   }
 
   Result<idf::NdArray> decode(std::span<const std::byte> bytes, idf::ElementType type,
                               const idf::Shape& shape) const override {
     const auto found = announced_image(bytes);
-    if (!accepts(type, shape) || !is_whole(bytes) || !found || found->shape != shape ||
-        *idf::size_bytes(type, shape) / kMaxJpegExpansion > bytes.size())
+    if (!accepts(type, shape) || !is_whole(bytes) || !found || found->shape != shape)
       return data_loss("jpeg: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
-    return cv_image::decode("jpg", bytes, type, shape);
+    return read_announced(bytes, *found, read_jpeg);
   }
 
  private:

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/png.h"
 
-#include <opencv2/imgcodecs.hpp>
-
-#include "ltm/codec/cv_image.h"
-#include "ltm/codec/image_file.h"
+#include "ltm/codec/file_image.h"
+#include "ltm/codec/png_file.h"
 
 namespace engram::ltm {
 
 namespace {
 
 constexpr int64_t kMaxPngSide = 1 << 15;
-/// Max expansion of a byte by deflate.
-constexpr size_t kMaxPngExpansion = 1032;
 constexpr int kFastest = -1;
 
 class PngCodec final : public Codec {
@@ -23,26 +19,24 @@ class PngCodec final : public Codec {
   [[nodiscard]] bool is_lossless() const override { return true; }
 
   [[nodiscard]] bool accepts(idf::ElementType type, const idf::Shape& shape) const override {
-    return cv_image::fits(type, shape, kMaxPngSide, true);
+    return is_file_image(type, shape, kMaxPngSide, true);
   }
 
   Result<std::vector<std::byte>> encode(const idf::NdArray& array) const override {
     if (!accepts(array.type(), array.shape()))
       return invalid_argument("png: needs uint8 [H, W, 3], uint8 or uint16 [H, W, 1], found {} {}",
                               to_string(array.type()), idf::to_string(array.shape()));
-    std::vector<int> parameters;
-    if (level_ != kFastest) parameters = {cv::IMWRITE_PNG_COMPRESSION, level_};
-    return cv_image::encode("png", array, parameters);
+    return write_png(array, level_ == kFastest ? std::nullopt : std::optional(level_));
   }
 
   Result<idf::NdArray> decode(std::span<const std::byte> bytes, idf::ElementType type,
                               const idf::Shape& shape) const override {
     const auto found = announced_image(bytes);
     if (!accepts(type, shape) || !found || found->codec != name() || found->type != type ||
-        found->shape != shape || *idf::size_bytes(type, shape) / kMaxPngExpansion > bytes.size())
+        found->shape != shape)
       return data_loss("png: {} bytes hold no {} {}", bytes.size(), to_string(type),
                        idf::to_string(shape));
-    return cv_image::decode("png", bytes, type, shape);
+    return read_announced(bytes, *found, read_png);
   }
 
  private:

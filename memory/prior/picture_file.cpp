@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string_view>
-#include <vector>
+
+#include "ltm/codec/image_file.h"
 
 namespace engram::memory {
 
@@ -76,44 +74,19 @@ std::optional<Header> jpeg_header(Bytes bytes) {
   return std::nullopt;
 }
 
-Result<idf::NdArray> array_of(const cv::Mat& image) {
-  const bool is_colour = image.type() == CV_8UC3;
-  if (!is_colour && image.type() != CV_8UC1 && image.type() != CV_16UC1)
-    return invalid_argument(
-        "found a picture of {} channels of {} bits, needs 3 or 1 of 8 bits, or 1 of 16",
-        image.channels(), 8 * image.elemSize1());
-  std::vector<std::byte> plain(image.total() * image.elemSize());
-  cv::Mat out(image.rows, image.cols, image.type(), plain.data());
-  if (is_colour)
-    cv::cvtColor(image, out, cv::COLOR_BGR2RGB);
-  else
-    image.copyTo(out);
-  return idf::NdArray::create(
-      image.depth() == CV_16U ? idf::ElementType::kUInt16 : idf::ElementType::kUInt8,
-      {image.rows, image.cols, image.channels()}, Buffer::take(std::move(plain)));
-}
-
 }  // namespace
 
 Result<idf::NdArray> read_picture(Bytes bytes, int64_t max_pixels) {
   auto header = png_header(bytes);
   if (!header) header = jpeg_header(bytes);
-  if (!header || bytes.size() > std::numeric_limits<int>::max())
-    return invalid_argument("is neither a PNG nor a JPEG file");
+  if (!header) return invalid_argument("is neither a PNG nor a JPEG file");
   if (header->width == 0 || header->height == 0 || header->width > max_pixels / header->height)
     return invalid_argument("is a picture of {} x {} pixels, needs 1 to {}", header->width,
                             header->height, max_pixels);
   if (!header->is_complete) return invalid_argument("is a picture that lacks its end");
-  try {
-    // cv::Mat has no const view; imdecode only reads it.
-    const cv::Mat packed(1, static_cast<int>(bytes.size()), CV_8U,
-                         const_cast<std::byte*>(bytes.data()));
-    const cv::Mat image = cv::imdecode(packed, cv::IMREAD_UNCHANGED);
-    if (image.empty()) return invalid_argument("is a damaged picture");
-    return array_of(image);
-  } catch (const cv::Exception& error) {
-    return invalid_argument("is no picture: {}", error.what());
-  }
+  auto image = ltm::decode_any_image_file(bytes, max_pixels);
+  if (!image.ok()) return invalid_argument("is no picture to take: {}", image.status().message());
+  return image;
 }
 
 }  // namespace engram::memory

@@ -23,6 +23,8 @@ LIBRARIES = {
     "zstd": ("zstd.h", "zdict.h"),
     "zlib": ("zlib.h",),
     "OpenCV": ("opencv2/",),
+    "libspng": ("spng.h",),
+    "libjpeg-turbo": ("turbojpeg.h",),
     "Eigen": ("Eigen/",),
     "libav*": ("libav", "libsw"),
     "hdf5": ("hdf5",),

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/codec/image_file.h"
 
+#include <algorithm>
+#include <array>
+
 #include "ltm/codec/codec.h"
 #include "tests/ltm/expect_status.h"
 
@@ -20,6 +23,39 @@ TEST(ImageFile, IsDecodedAsItAnnouncesItself) {
   EXPECT_EQ(decode_image_file(encoded("png", deep)).value(), deep);
   EXPECT_EQ(decode_image_file(encoded("jpeg", colour))->shape(), colour.shape());
   EXPECT_EQ(announced_image(encoded("jpeg", colour))->codec, "jpeg");
+}
+
+/// A palette of two colours, three pixels in one row, of two bits each: 0, 1, 0.
+constexpr std::string_view kPalette(
+    "\x89PNG\r\n\x1a\n"
+    "\0\0\0\x0dIHDR\0\0\0\x03\0\0\0\x01\x02\x03\0\0\0\x66\x8e\xfc\x27"
+    "\0\0\0\x06PLTE\x0a\x14\x1e\x28\x32\x3c\xd5\x1b\xb4\xe9"
+    "\0\0\0\x0aIDAT\x78\x9c\x63\x10\0\0\0\x12\0\x11\xa5\x56\xc7\x4e"
+    "\0\0\0\0IEND\xae\x42\x60\x82",
+    85);
+
+TEST(ImageFile, MayHaveAPaletteWhereAnyIsTaken) {
+  const auto file = as_bytes(kPalette);
+  EXPECT_FALSE(announced_image(file));
+  EXPECT_EQ(*decode_any_image_file(file, 3),
+            idf::NdArray::take<uint8_t>({1, 3, 3}, {10, 20, 30, 40, 50, 60, 10, 20, 30}));
+  EXPECT_FAILS(decode_any_image_file(file, 2), StatusCode::kDataLoss, "3 x 1 pixels");
+  for (size_t size = 8; size < file.size(); ++size)
+    EXPECT_FALSE(decode_any_image_file(file.first(size), 3).ok()) << size;
+  EXPECT_FAILS(decode_any_image_file(as_bytes("GIF89a"), 3), StatusCode::kInvalidArgument,
+               "needs a PNG or JPEG file");
+}
+
+TEST(ImageFile, IsNotBelievedThatFewBytesAreManyPixels) {
+  const auto grey = idf::NdArray::take<uint8_t>({1, 1, 1}, {7});
+  auto png = encoded("png", grey);
+  png[18] = png[22] = std::byte{0x10};  // 4096 x 4096, with a wrong checksum in any case.
+  EXPECT_EQ(decode_any_image_file(png, int64_t{1} << 30).status().code(), StatusCode::kDataLoss);
+  auto jpeg = encoded("jpeg", grey);
+  const auto frame = std::ranges::search(jpeg, std::array{std::byte{0xff}, std::byte{0xc0}});
+  ASSERT_FALSE(frame.empty());
+  frame[5] = frame[7] = std::byte{0x70};
+  EXPECT_FAILS(decode_any_image_file(jpeg, int64_t{1} << 30), StatusCode::kDataLoss, "hold no");
 }
 
 TEST(ImageFile, MayBeFilledUpBetweenSegments) {
