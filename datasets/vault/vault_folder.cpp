@@ -203,6 +203,8 @@ Result<VaultFolder> VaultFolder::lock(const VaultPlaces& places) {
   if (!is_locked)
     return failed_precondition("key file '{}': another process is changing it",
                                name_of(places.keys));
+  // Not only at the end of hours of work.
+  ENGRAM_RETURN_IF_ERROR(check_replaceable(real.keys));
   return VaultFolder(std::move(real), std::move(lock));
 }
 

@@ -102,18 +102,31 @@ Status overwrite(const SecretDescriptor& file, const std::filesystem::path& path
   return force(file, path);
 }
 
-SecretDescriptor open_to_write(const std::filesystem::path& path) {
-  return SecretDescriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+/// Opens a file whose bytes are to be overwritten. Root may open any file, so the permissions are
+/// looked at as well: what its owner made read-only is not meant to change.
+Result<SecretDescriptor> open_to_overwrite(const std::filesystem::path& path) {
+  SecretDescriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+  struct stat info {};
+  const bool is_refused = file.fd() < 0 && errno == EACCES;
+  if (!is_refused) {
+    if (file.fd() < 0) return secret_file_error(path, "cannot open it to overwrite it");
+    if (::fstat(file.fd(), &info) != 0) return secret_file_error(path, "cannot inspect");
+    ENGRAM_RETURN_IF_ERROR(check_is_secret(path, info));
+  }
+  if (is_refused || (info.st_mode & S_IWUSR) == 0)
+    return failed_precondition(
+        "'{}': may not be written, needs the permissions 0600: the keys in it could not be "
+        "overwritten; chmod 600 it",
+        printable(path.string()));
+  return file;
 }
 
 /// Overwrites and removes a file; ok where there is none.
 Status wipe(const std::filesystem::path& path) {
-  const SecretDescriptor file = open_to_write(path);
-  if (file.fd() < 0) return errno == ENOENT ? Status() : secret_file_error(path, "cannot open");
-  struct stat info {};
-  if (::fstat(file.fd(), &info) != 0) return secret_file_error(path, "cannot inspect");
-  ENGRAM_RETURN_IF_ERROR(check_is_secret(path, info));
-  ENGRAM_RETURN_IF_ERROR(overwrite(file, path));
+  const auto file = open_to_overwrite(path);
+  if (file.status().code() == StatusCode::kNotFound) return {};
+  ENGRAM_RETURN_IF_ERROR(file.status());
+  ENGRAM_RETURN_IF_ERROR(overwrite(*file, path));
   return remove_file(path);
 }
 
@@ -128,13 +141,16 @@ Status write_new(const std::filesystem::path& path, std::span<const std::byte> b
 /// Renames `from` to `to` and overwrites what `to` held.
 Status take_place(const std::filesystem::path& from, const std::filesystem::path& to) {
   const std::filesystem::path old = old_of(to);
-  const SecretDescriptor before = open_to_write(to);
+  const auto before = open_to_overwrite(to);
+  const bool is_first = before.status().code() == StatusCode::kNotFound;
+  // Old bytes that cannot be overwritten must not lose the name by which they can be found.
+  if (!is_first) ENGRAM_RETURN_IF_ERROR(before.status());
   // The second name is there for the next run, should this one be killed before it has overwritten
   // the old bytes. File systems without such names do without.
-  if (before.fd() >= 0) static_cast<void>(::link(to.c_str(), old.c_str()));
+  if (!is_first) static_cast<void>(::link(to.c_str(), old.c_str()));
   if (::rename(from.c_str(), to.c_str()) != 0) return secret_file_error(from, "cannot rename");
   ENGRAM_RETURN_IF_ERROR(sync_directory(to.parent_path()));
-  if (before.fd() >= 0) ENGRAM_RETURN_IF_ERROR(overwrite(before, to));
+  if (!is_first) ENGRAM_RETURN_IF_ERROR(overwrite(*before, to));
   return remove_file(old);
 }
 
@@ -167,6 +183,11 @@ Status replace_secret_file(const std::filesystem::path& path, std::span<const st
   // Either it has its name now, or its keys must not stay beside the others.
   const Status wiped = wipe_leftovers(path);
   return status.ok() ? wiped : status;
+}
+
+Status check_replaceable(const std::filesystem::path& path) {
+  const Status opened = open_to_overwrite(path).status();
+  return opened.code() == StatusCode::kNotFound ? Status() : opened;
 }
 
 Status wipe_leftovers(const std::filesystem::path& path) {

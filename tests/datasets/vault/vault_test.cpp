@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "datasets/vault/wiped_file.h"
 #include "ltm/store/rewrite.h"
 #include "tests/datasets/vault/vault_fixture.h"
 
@@ -391,6 +392,41 @@ TEST_F(Vault, RefusesKeysThatOthersMayReadOrThatLieInTheVault) {
   }
   places_.keys = keys_path;
   EXPECT_EQ(names().size(), 10U);
+}
+
+TEST_F(Vault, DestroysNoKeyThatItCouldNotOverwrite) {
+  make_store();
+  exported();
+  namespace fs = std::filesystem;
+  const std::string before = content(places_.keys);
+  // Root, too: whoever may open the file all the same was told not to change it.
+  fs::permissions(places_.keys, fs::perms::owner_read);
+  EXPECT_FAILS(VaultFolder::open_keys(places_), StatusCode::kFailedPrecondition, "needs the perm");
+  EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "chmod 600");
+  EXPECT_TRUE(checked().is_whole()) << "reading needs no more";
+  fs::permissions(places_.keys, fs::perms::owner_write, fs::perm_options::add);
+  // It became so while the keys were open.
+  auto folder = VaultFolder::open_keys(places_);
+  ASSERT_OK(folder);
+  fs::permissions(places_.keys, fs::perms::owner_read);
+  EXPECT_FAILS(folder->destroy({{camera(), kFirstDay}}, system_now()),
+               StatusCode::kFailedPrecondition, "could not be overwritten");
+  EXPECT_EQ(content(places_.keys), before);
+  EXPECT_FALSE(fs::exists(places_.keys.string() + ".replacing"));
+}
+
+TEST_F(Vault, ReplacesNoSecretThatItCannotOpen) {
+  // A link is not followed, so that what it points to stays: that is no success.
+  const auto secret = scratch_ / "secret", link = scratch_ / "link";
+  ASSERT_OK(replace_secret_file(secret, as_bytes("the old key")));
+  std::filesystem::create_symlink(secret, link);
+  EXPECT_FAILS(replace_secret_file(link, as_bytes("the new key")), StatusCode::kUnavailable,
+               "to overwrite it");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(content(secret), "the old key");
+  EXPECT_FALSE(std::filesystem::exists(link.string() + ".replacing"));
+  ASSERT_OK(replace_secret_file(secret, as_bytes("the new key")));
+  EXPECT_EQ(content(secret), "the new key");
 }
 
 TEST_F(Vault, RefusesTheKeysOfAnotherVault) {
