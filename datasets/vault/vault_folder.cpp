@@ -114,6 +114,17 @@ Status check_same_vault(const VaultPlaces& places, const RandomId& found, const 
                              to_text(found));
 }
 
+/// The places of keys to be destroyed. Who holds the vault decides what its path leads to, so that
+/// counts for nothing here.
+Result<VaultPlaces> resolved_keys(const VaultPlaces& places) {
+  std::error_code error;
+  VaultPlaces real{fs::absolute(places.vault, error).lexically_normal(), {}};
+  real.keys = fs::weakly_canonical(fs::absolute(places.keys, error), error);
+  if (error) return unavailable("'{}': {}", name_of(places.keys), error.message());
+  if (!real.vault.has_filename()) real.vault = real.vault.parent_path();
+  return real;
+}
+
 /// True if the directory has a file of which there is a key.
 bool has_any_file(const fs::path& vault, const VaultKeys& keys) {
   std::error_code error;
@@ -194,22 +205,21 @@ Result<VaultFiles> list_files(const fs::path& vault) {
   return files;
 }
 
-Result<VaultFolder> VaultFolder::lock(const VaultPlaces& places) {
-  ENGRAM_ASSIGN_OR_RETURN(VaultPlaces real, resolved(places));
+Result<VaultFolder> VaultFolder::lock(const VaultPlaces& real) {
   fs::path name = real.keys;
   name += ".lock";
   ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(name, File::Mode::kAppend));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(false));
   if (!is_locked)
-    return failed_precondition("key file '{}': another process is changing it",
-                               name_of(places.keys));
+    return failed_precondition("key file '{}': another process is changing it", name_of(real.keys));
   // Not only at the end of hours of work.
   ENGRAM_RETURN_IF_ERROR(check_replaceable(real.keys));
-  return VaultFolder(std::move(real), std::move(lock));
+  return VaultFolder(real, std::move(lock));
 }
 
 Result<VaultFolder> VaultFolder::open(const VaultPlaces& places) {
-  ENGRAM_ASSIGN_OR_RETURN(VaultFolder folder, lock(places));
+  ENGRAM_ASSIGN_OR_RETURN(const VaultPlaces real, resolved(places));
+  ENGRAM_ASSIGN_OR_RETURN(VaultFolder folder, lock(real));
   ENGRAM_RETURN_IF_ERROR(folder.make_or_read_keys());
   ENGRAM_RETURN_IF_ERROR(folder.make_or_check_vault());
   ENGRAM_RETURN_IF_ERROR(folder.clean());
@@ -217,15 +227,19 @@ Result<VaultFolder> VaultFolder::open(const VaultPlaces& places) {
 }
 
 Result<VaultFolder> VaultFolder::open_keys(const VaultPlaces& places) {
-  ENGRAM_ASSIGN_OR_RETURN(VaultFolder folder, lock(places));
-  ENGRAM_RETURN_IF_ERROR(wipe_leftovers(folder.places_.keys));
-  ENGRAM_ASSIGN_OR_RETURN(folder.keys_, read_keys(folder.places_.keys));
-  const auto id = read_vault_id(folder.places_.vault);
-  if (!id.ok() && id.status().code() != StatusCode::kNotFound) return id.status();
-  folder.is_within_reach_ = id.ok();
-  if (!id.ok()) return folder;
-  ENGRAM_RETURN_IF_ERROR(check_same_vault(places, *id, folder.keys_));
-  ENGRAM_RETURN_IF_ERROR(folder.clean());
+  ENGRAM_ASSIGN_OR_RETURN(const VaultPlaces real, resolved_keys(places));
+  ENGRAM_ASSIGN_OR_RETURN(VaultFolder folder, lock(real));
+  ENGRAM_RETURN_IF_ERROR(wipe_leftovers(real.keys));
+  ENGRAM_ASSIGN_OR_RETURN(folder.keys_, read_keys(real.keys));
+  const auto id = read_vault_id(real.vault);
+  // These are likely the wrong keys. Nothing else about the vault may stop their destruction.
+  if (id.ok() && *id != folder.keys_.vault)
+    return check_same_vault(places, *id, folder.keys_)
+        .with_context("to destroy these keys all the same, name a place without a vault");
+  const bool is_damaged = id.status().code() == StatusCode::kDataLoss;
+  folder.is_within_reach_ = id.ok() || (is_damaged && has_any_file(real.vault, folder.keys_));
+  if (!folder.is_within_reach_ && id.status().code() != StatusCode::kNotFound)
+    folder.lose_reach(id.status());
   return folder;
 }
 
@@ -347,13 +361,11 @@ Status VaultFolder::commit() {
 }
 
 Status VaultFolder::destroy(const std::vector<EntityDay>& days, Time now) {
-  std::vector<RandomId> files;
   for (const auto& [entity, day] : days) {
     const auto of_entity = keys_.days.find(entity);
     if (of_entity == keys_.days.end()) continue;
     const auto kept = of_entity->second.find(day);
     if (kept == of_entity->second.end()) continue;
-    files.push_back(kept->second.file);
     keys_.destroyed[entity][day] = {kept->second.file, now};
     of_entity->second.erase(kept);
     if (of_entity->second.empty()) keys_.days.erase(of_entity);
@@ -361,11 +373,21 @@ Status VaultFolder::destroy(const std::vector<EntityDay>& days, Time now) {
   std::vector<ltm::MemoryId> entities;
   for (const auto& [entity, of_entity] : keys_.days) entities.push_back(entity);
   keys_.types = keys_.types.of_entities(entities);
-  // The keys go first: without them the files are noise.
+  // The keys go first: without them the files are noise, whoever holds them.
   ENGRAM_RETURN_IF_ERROR(save());
   if (!is_within_reach_) return {};
-  for (const RandomId& file : files) ENGRAM_RETURN_IF_ERROR(remove_file_of(file));
-  return sync_directory(places_.vault);
+  Status removed = clean();
+  if (removed.ok()) removed = sync_directory(places_.vault);
+  if (!removed.ok()) lose_reach(removed);
+  return {};
+}
+
+void VaultFolder::lose_reach(const Status& why) {
+  is_within_reach_ = false;
+  log::warning(
+      "vault '{}': files of days whose keys are destroyed stay there until an export removes them: "
+      "{}",
+      name_of(places_.vault), why.message());
 }
 
 Status VaultFolder::save() {

@@ -58,8 +58,9 @@ class VaultFolder {
   /// those of read_keys; kUnavailable.
   static Result<VaultFolder> open(const VaultPlaces& places);
 
-  /// Opens the keys to destroy some of them. The vault need not be within reach.
-  /// Errors: those of open().
+  /// Opens the keys to destroy some of them. The vault need not be within reach, and nothing that
+  /// is wrong with it keeps them from being opened, but for its being another one.
+  /// Errors: those of open() that the key file has; kFailedPrecondition if the vault is another.
   static Result<VaultFolder> open_keys(const VaultPlaces& places);
 
   VaultFolder(VaultFolder&&) noexcept;
@@ -67,6 +68,8 @@ class VaultFolder {
   ~VaultFolder();
 
   [[nodiscard]] const VaultKeys& keys() const { return keys_; }
+  /// False if files of destroyed days may be left in the vault: it is not there, or it cannot be
+  /// read or changed.
   [[nodiscard]] bool is_within_reach() const { return is_within_reach_; }
 
   /// The path at which a new file is written.
@@ -96,18 +99,20 @@ class VaultFolder {
   Status commit();
 
   /// Destroys the keys of days, and removes their files where they are within reach. Days without
-  /// keys are left out.
-  /// Errors: those of commit().
+  /// keys are left out. Files that cannot be removed are no error: they are noise now. A warning
+  /// says so, and the vault is not within reach any more.
+  /// Errors: those of replace_secret_file.
   Status destroy(const std::vector<EntityDay>& days, Time now);
 
  private:
   VaultFolder(VaultPlaces places, File lock) : places_(std::move(places)), lock_(std::move(lock)) {}
 
-  static Result<VaultFolder> lock(const VaultPlaces& places);
+  static Result<VaultFolder> lock(const VaultPlaces& real);
   Status make_or_read_keys();
   Status make_or_check_vault();
   Status clean();
   Status save();
+  void lose_reach(const Status& why);
   Status remove_file_of(const RandomId& file) const;
 
   VaultPlaces places_;

@@ -320,6 +320,61 @@ TEST_F(Vault, KeysAreDestroyedWhereTheVaultIsOutOfReach) {
   EXPECT_EQ(names().size(), 8U);
 }
 
+TEST_F(Vault, WhoHoldsTheVaultCannotStopTheDestructionOfKeys) {
+  make_store();
+  exported();
+  namespace fs = std::filesystem;
+  const auto mark = places_.vault / "engram.vault", real = scratch_ / "real";
+  const auto gone = [this] { return to_text(keys().find(camera(), kFirstDay)->file); };
+  const std::vector<std::pair<bool, std::function<void()>>> tricks{
+      {true, [&] { overwrite(mark, "garbage"); }},
+      {true, [&] { fs::resize_file(mark, uint64_t{1} << 20); }},
+      {false,
+       [&] {
+         fs::remove(mark);
+         fs::create_directory(mark);
+       }},
+      {false,
+       [&] {
+         fs::remove(places_.vault / gone());
+         fs::create_directories(places_.vault / gone() / "full");
+       }},
+      {false,
+       [&] {
+         fs::remove_all(places_.vault);
+         fs::create_symlink(places_.vault, places_.vault);
+       }},
+      {false,
+       [&] {
+         fs::remove_all(places_.vault);
+         fs::create_symlink(scratch_.path(), places_.vault);
+       }},
+      {false, [&] {
+         fs::remove_all(places_.vault);
+         overwrite_file(places_.vault, as_bytes("a file"));
+       }}};
+  fs::copy(places_.vault, real);
+  fs::copy(places_.keys, scratch_ / "kept.keys");
+  for (size_t i = 0; i < tricks.size(); ++i) {
+    SCOPED_TRACE(i);
+    fs::remove_all(places_.vault);
+    fs::copy(real, places_.vault);
+    fs::copy_file(scratch_ / "kept.keys", places_.keys, fs::copy_options::overwrite_existing);
+    const std::string key = text_of(keys().find(camera(), kFirstDay)->key.bytes());
+    const std::string file = gone();
+    tricks[i].second();
+    auto folder = VaultFolder::open_keys(places_);
+    ASSERT_OK(folder);
+    ASSERT_OK(folder->destroy({{camera(), kFirstDay}}, system_now()));
+    EXPECT_EQ(folder->is_within_reach(), tricks[i].first);
+    EXPECT_EQ(content(places_.keys).find(key), std::string::npos);
+    EXPECT_TRUE(keys().is_destroyed(camera(), kFirstDay));
+    if (tricks[i].first) {
+      EXPECT_FALSE(names().contains(file));
+    }
+  }
+}
+
 TEST_F(Vault, FindsTheDaysThatTextsName) {
   make_store();
   exported();
