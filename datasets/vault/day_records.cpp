@@ -38,9 +38,9 @@ size_t padding(size_t size) {
   return (kAlignment - size % kAlignment) % kAlignment;
 }
 
+/// Of a snapshot as it waits. The bytes of groups are counted once for all of their images.
 uint64_t bytes_of(const ltm::PackedSnapshot& packed) {
-  // What is no medium waits decoded; its plain size is a bound.
-  uint64_t bytes = packed.raw_bytes;
+  uint64_t bytes = bytes_without_media(packed);
   for (const ltm::PackedInstance& instance : packed.instances)
     for (const ltm::PackedMedium& medium : instance.value.media)
       if (!medium.group) bytes += medium.bytes.size();
@@ -69,6 +69,14 @@ std::vector<GroupUse> read_uses(FieldReader& in) {
 }
 
 }  // namespace
+
+uint64_t bytes_without_media(const ltm::PackedSnapshot& packed) {
+  uint64_t media = 0;
+  for (const ltm::PackedInstance& instance : packed.instances)
+    for (const ltm::PackedMedium& medium : instance.value.media)
+      media += idf::size_bytes(medium.type, medium.shape).value_or(0);
+  return packed.raw_bytes > media ? packed.raw_bytes - media : 0;
+}
 
 Status DayWriter::put_columns(const ColumnPaths& paths) {
   if (paths.empty()) return {};

@@ -27,6 +27,9 @@ struct VaultSnapshot {
   idf::Data reconstructed = {};
 };
 
+/// The plain size of what is no medium of a snapshot: that is held decoded, unlike media.
+[[nodiscard]] uint64_t bytes_without_media(const ltm::PackedSnapshot& packed);
+
 /// Writes the snapshots of one entity and day.
 ///
 /// Groups of images are kept as they are, but not those with images of other days: destroying the

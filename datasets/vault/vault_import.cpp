@@ -33,7 +33,7 @@ class ImportBatch {
         if (groups_.insert(medium.bytes.data()).second) bytes_ += medium.bytes.size();
         if (medium.group && medium.group->index + 1 < medium.group->count) ends_groups_ = false;
       }
-    bytes_ += packed.instances.empty() ? 0 : idf_bytes(packed);
+    bytes_ += bytes_without_media(packed);
     ++snapshots_;
     auto& entity = entities_[packed.entity];
     columns_[packed.entity].insert(columns.begin(), columns.end());
@@ -55,15 +55,6 @@ class ImportBatch {
   }
 
  private:
-  /// What is no medium waits as it is.
-  static uint64_t idf_bytes(const ltm::PackedSnapshot& packed) {
-    uint64_t media = 0;
-    for (const ltm::PackedInstance& instance : packed.instances)
-      for (const ltm::PackedMedium& medium : instance.value.media)
-        media += idf::size_bytes(medium.type, medium.shape).value_or(0);
-    return packed.raw_bytes > media ? packed.raw_bytes - media : 0;
-  }
-
   std::map<ltm::MemoryId, ltm::RecordedEntity> entities_;
   std::map<ltm::MemoryId, ColumnPaths> columns_;
   std::set<const std::byte*> groups_;

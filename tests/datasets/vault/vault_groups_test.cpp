@@ -97,6 +97,43 @@ TEST_F(VaultGroups, AnUpdateInAGroupTakesTheOthersOutOfIt) {
   expect_clean(store_);
 }
 
+TEST_F(VaultGroups, AreNotTakenApartBecauseTheirImagesWouldBeLargeDecoded) {
+  // A minute of 4K at one image a second: 1.5 GB decoded, far more than may wait.
+  constexpr uint32_t kImages = 60;
+  const std::vector<int64_t> shape{2160, 3840, 3};
+  const Buffer group = Buffer::copy(as_bytes(std::string(2000, 'g')));
+  VaultDay about;
+  ASSERT_OK(fill_random(about.file));
+  about.key = *SecretKey::random();
+  const auto path = scratch_ / to_text(about.file);
+  auto file = SealedFileWriter::create(path, about.file, about.key);
+  ASSERT_OK(file);
+  DayWriter writer(*file);
+  for (uint32_t i = 0; i < kImages; ++i) {
+    VaultSnapshot made{packed(snapshot(i, ltm::picture(i)), {.image_codec = "zstd"}), {}};
+    ltm::PackedValue& value = made.packed.instances[0].value;
+    ASSERT_EQ(value.media.size(), 1U);
+    value.media[0].shape = shape;
+    value.media[0].codec = "ffv1";
+    value.media[0].bytes = group;
+    value.media[0].group = {i, kImages};
+    made.packed.raw_bytes += uint64_t{2160} * 3840 * 3;
+    ASSERT_OK(writer.put(std::move(made)));
+  }
+  ASSERT_OK(writer.finish(about));
+  const Day day = day_of(ltm::example_time(0));
+  auto reader = DayReader::open(path, ltm::example_entity(), day, about);
+  ASSERT_OK(reader);
+  for (uint32_t i = 0; i < kImages; ++i) {
+    const auto found = reader->next();
+    ASSERT_OK(found);
+    const PackedMedium& medium = (*found)->packed.instances[0].value.media[0];
+    ASSERT_TRUE(medium.group.has_value()) << i;
+    EXPECT_EQ(medium.group->index, i);
+    EXPECT_EQ(text_of(medium.bytes.bytes()), text_of(group.bytes()));
+  }
+}
+
 class VaultLatents : public ltm::RecalledStore {
  protected:
   VaultPlaces places_{scratch_ / "vault", scratch_ / "keys"};
