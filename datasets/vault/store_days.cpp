@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "datasets/recordings/merged_snapshots.h"
+#include "ltm/forgetting/redacted_days.h"
 #include "ltm/store/checksum.h"
 
 namespace engram::datasets::vault {
@@ -31,8 +32,12 @@ uint64_t sum_of(const PlaceSum& place) {
 class DayLister {
  public:
   DayLister(ltm::Recall& recall, const ltm::Query& query, ltm::Prefer prefer,
-            const std::stop_token& stop)
-      : recall_(recall), query_(query), prefer_(prefer), stop_(stop) {
+            ltm::RedactedDays redacted, const std::stop_token& stop)
+      : recall_(recall),
+        query_(query),
+        prefer_(prefer),
+        redacted_(std::move(redacted)),
+        stop_(stop) {
     const ltm::Manifest& manifest = recall.store().manifest();
     store_ = ltm::checksum(as_bytes(manifest.store_id));
     // A place in a journal counts in one generation alone: sealing ends it.
@@ -46,7 +51,10 @@ class DayLister {
     ENGRAM_ASSIGN_OR_RETURN(const auto wanted, wanted_days(entity, *timeline));
     std::optional<StoreDay> open;
     const auto close = [&] {
-      if (open && (!wanted || wanted->contains(open->day))) days_.push_back(*open);
+      if (open && (!wanted || wanted->contains(open->day))) {
+        mark_redactions(*open);
+        days_.push_back(*open);
+      }
       open.reset();
     };
     ENGRAM_RETURN_IF_ERROR(timeline->for_each([&](const ltm::SnapshotEntry& entry) -> Status {
@@ -82,6 +90,14 @@ class DayLister {
     }
   }
 
+  /// A day without any keeps the mark of its times alone.
+  void mark_redactions(StoreDay& day) const {
+    const auto of_entity = redacted_.find(day.entity);
+    if (of_entity == redacted_.end()) return;
+    const auto mark = of_entity->second.find(ltm::redacted_day(day_begin(day.day)));
+    if (mark != of_entity->second.end()) day.times = sum_of({day.times, 0, mark->second, 0, 0, 0});
+  }
+
   [[nodiscard]] uint64_t place_of(uint64_t before, const ltm::SnapshotEntry& entry) const {
     const bool is_latent = entry.latent && (!entry.recorded || prefer_ == ltm::Prefer::kLatent);
     const ltm::SnapshotEntry::Location& at = is_latent ? *entry.latent : *entry.recorded;
@@ -92,6 +108,7 @@ class DayLister {
   ltm::Recall& recall_;
   const ltm::Query& query_;
   ltm::Prefer prefer_;
+  ltm::RedactedDays redacted_;
   const std::stop_token& stop_;
   uint64_t store_ = 0;
   uint64_t journals_ = 0;
@@ -110,7 +127,8 @@ bool selects_all(const ltm::Query& query, const ltm::MemoryId& entity) {
 Result<std::vector<StoreDay>> days_of_store(ltm::Recall& recall, const ltm::Query& query,
                                             ltm::Prefer prefer, const std::stop_token& stop) {
   ENGRAM_ASSIGN_OR_RETURN(const auto entities, exported_entities(recall, query));
-  DayLister lister(recall, query, prefer, stop);
+  ENGRAM_ASSIGN_OR_RETURN(auto redacted, ltm::read_redacted_days(recall.store().path()));
+  DayLister lister(recall, query, prefer, std::move(redacted), stop);
   for (const ltm::MemoryId& entity : entities) ENGRAM_RETURN_IF_ERROR(lister.add(entity));
   return lister.take();
 }

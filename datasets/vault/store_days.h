@@ -19,7 +19,8 @@ struct StoreDay {
   /// Made of the places where the store has these snapshots: another one if any of them changed.
   /// Compaction changes it too.
   uint64_t source = 0;
-  uint64_t times = 0;         ///< Made of their times alone.
+  /// Made of their times, and of the redactions that replaced originals of this day.
+  uint64_t times = 0;
   uint64_t latents_only = 0;  ///< Snapshots whose recorded form is gone.
 };
 
@@ -28,7 +29,7 @@ struct StoreDay {
 
 /// Lists the days of which a query selects any snapshot, whole, in the order of entities and time.
 /// Values are not read. Memory: per day.
-/// Errors: those of exported_entities and Timeline; kCancelled after a stop.
+/// Errors: those of exported_entities, read_redacted_days and Timeline; kCancelled after a stop.
 Result<std::vector<StoreDay>> days_of_store(ltm::Recall& recall, const ltm::Query& query,
                                             ltm::Prefer prefer, const std::stop_token& stop);
 

@@ -46,7 +46,7 @@ idf::Data error_data(const std::optional<ltm::MeasuredError>& error) {
 }
 
 /// True if the vault has the same snapshots, and more of them as they were recorded: what a night
-/// made of them in the store must not take their place.
+/// made of them in the store must not take their place. A redaction since then changes `times`.
 bool is_better_than(const StoreDay& day, const VaultDay& kept) {
   return kept.times == day.times && kept.reconstructed < day.latents_only;
 }
@@ -145,7 +145,7 @@ class VaultExport {
       ENGRAM_RETURN_IF_ERROR(remove_file(folder_.new_file(made.file)));
       if (status.ok()) {
         ++report_.unchanged;
-        folder_.keep(day.entity, day.day, day.source);
+        folder_.keep(day.entity, day.day, day.source, day.times);
         return {};
       }
       if (!unread_) return status;

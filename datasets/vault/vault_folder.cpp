@@ -328,8 +328,10 @@ void VaultFolder::put(const ltm::MemoryId& entity, Day day, const VaultDay& made
   has_changes_ = true;
 }
 
-void VaultFolder::keep(const ltm::MemoryId& entity, Day day, uint64_t source) {
-  keys_.days.at(entity).at(day).source = source;
+void VaultFolder::keep(const ltm::MemoryId& entity, Day day, uint64_t source, uint64_t times) {
+  VaultDay& kept = keys_.days.at(entity).at(day);
+  kept.source = source;
+  kept.times = times;
   has_changes_ = true;
 }
 

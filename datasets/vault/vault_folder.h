@@ -83,9 +83,9 @@ class VaultFolder {
   /// Takes a finished new file, in place of that of the same entity and day.
   void put(const ltm::MemoryId& entity, Day day, const VaultDay& made);
 
-  /// Notes that a day is the same although the store has it elsewhere now. Needs a known day
-  /// (checked).
-  void keep(const ltm::MemoryId& entity, Day day, uint64_t source);
+  /// Notes that a day is the same although the store has it elsewhere now, or a redaction found it
+  /// as it is. Needs a known day (checked).
+  void keep(const ltm::MemoryId& entity, Day day, uint64_t source, uint64_t times);
 
   /// Notes whose copy this is.
   void describe(const std::string& store_id, ltm::SegmentTypes types);

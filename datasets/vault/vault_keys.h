@@ -39,7 +39,7 @@ struct VaultDay {
   /// Snapshots whose recorded form was gone: their values were decoded from latents.
   uint64_t reconstructed = 0;
   uint64_t source = 0;  ///< Where the store had it; the same as long as nothing there changed.
-  uint64_t times = 0;   ///< Made of the times of the snapshots alone.
+  uint64_t times = 0;   ///< Made of the times of the snapshots, and of redactions of the day.
   uint64_t digest = 0;  ///< XXH3-64 of the plain bytes.
 };
 

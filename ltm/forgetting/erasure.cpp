@@ -18,8 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFolder = "erasures";
-
 /// Whether an instance was made of one of a snapshot that goes.
 bool is_made_of(const InstanceMetadata& instance, const ForgetSet& gone) {
   const MemoryId& origin = instance.origin;
@@ -69,13 +67,14 @@ void ErasureReport::add(const Erasures& later) {
     sum.expected_db = std::min(sum.expected_db, entity.expected_db);
     sum.certain_db = std::min(sum.certain_db, entity.certain_db);
     sum.models.insert(sum.models.end(), entity.models.begin(), entity.models.end());
+    sum.redacted_days.insert(entity.redacted_days.begin(), entity.redacted_days.end());
     sum.is_waiting = sum.is_waiting || entity.is_waiting;
   }
 }
 
 Json ErasureReport::to_json() const {
   Json list = Json::array();
-  for (const auto& [id, entity] : entities)
+  for (const auto& [id, entity] : entities) {
     list.push_back({{"id", id.to_string()},
                     {"erased", entity.erased},
                     {"coded_anew", entity.recoded},
@@ -85,6 +84,8 @@ Json ErasureReport::to_json() const {
                     {"certain_psnr", psnr_json(entity.certain_db)},
                     {"models_removed", entity.models},
                     {"waits_for_consolidation", entity.is_waiting}});
+    if (!entity.redacted_days.empty()) list.back()["redacted_days"] = entity.redacted_days;
+  }
   return {{"entities", std::move(list)}, {"files_removed", files}};
 }
 
@@ -177,10 +178,10 @@ Result<std::vector<std::string>> remove_side_files(const std::filesystem::path& 
 
 Status write_erasure_report(const std::filesystem::path& store, Time when, ErasureReport& report) {
   std::error_code failed;
-  std::filesystem::create_directories(store / kFolder, failed);
-  if (failed) return unavailable("'{}': {}", (store / kFolder).string(), failed.message());
+  std::filesystem::create_directories(store / kErasureFolder, failed);
+  if (failed) return unavailable("'{}': {}", (store / kErasureFolder).string(), failed.message());
   int number = 1;
-  const auto name_of = [](int n) { return fmt::format("{}/{:06}.json", kFolder, n); };
+  const auto name_of = [](int n) { return fmt::format("{}/{:06}.json", kErasureFolder, n); };
   while (std::filesystem::exists(store / name_of(number), failed)) ++number;
   Json json{{"when", to_string(when)}, {"when_ns", to_ns(when)}};
   json.update(report.to_json());

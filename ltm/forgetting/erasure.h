@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@
 #include "ltm/store/store_reader.h"
 
 namespace engram::ltm {
+
+/// Where a store has its reports of erasures.
+inline constexpr const char* kErasureFolder = "erasures";
 
 /// What was done to what stays of one entity, so that nothing of what was erased is left in it.
 struct EntityErasure {
@@ -32,6 +36,8 @@ struct EntityErasure {
   double certain_db = std::numeric_limits<double>::infinity();
   /// Models that had learned from what went, or kept pictures of it, and are gone: "v2".
   std::vector<std::string> models;
+  /// UTC days of which a redaction replaced originals (redacted_days.h).
+  std::set<std::string> redacted_days;
   /// Whether the entity waits for the next night to learn again.
   bool is_waiting = false;
 };

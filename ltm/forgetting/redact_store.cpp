@@ -6,6 +6,7 @@
 #include "ltm/forgetting/forget_plan.h"
 #include "ltm/forgetting/pending_redaction.h"
 #include "ltm/forgetting/plan_forgetting.h"
+#include "ltm/forgetting/redacted_days.h"
 #include "ltm/recall/recall.h"
 #include "ltm/recall/store_past.h"
 #include "ltm/store/night_lock.h"
@@ -203,6 +204,9 @@ Status erase_originals(const StoreRedactionJob& job, const ForgetSet& redacted,
     return {};
   }));
   for (const auto& [entity, times] : gone) erased.entities[entity].erased += times.size();
+  // Copies of these days cannot tell by their times that what they hold was replaced.
+  for (const auto& [entity, times] : redacted)
+    for (const Time time : times) erased.entities[entity].redacted_days.insert(redacted_day(time));
   ENGRAM_ASSIGN_OR_RETURN(erased.files, remove_side_files(job.store, erased.entities));
   return write_erasure_report(job.store, system_now(), erased);
 }

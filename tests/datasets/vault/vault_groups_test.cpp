@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images that a store keeps as groups, and values that are only latents.
 #include "ltm/codec/codec.h"
+#include "ltm/forgetting/redact_store.h"
 #include "tests/datasets/vault/vault_fixture.h"
 #include "tests/ltm/recall/recalled_store.h"
+#include "tests/ltm/redaction/marker_program.h"
 #include "tests/ltm/store/media_groups_fixture.h"
 
 namespace engram::datasets::vault {
@@ -196,6 +198,72 @@ TEST_F(VaultLatents, WhatTheVaultHasAsRecordedStaysWhenTheStoreDropsIt) {
   const Day day = day_of(ltm::example_time(0));
   std::filesystem::remove(day_file(places_.vault, keys.find(ltm::example_entity(), day)->file));
   EXPECT_EQ(export_all().reconstructed, 6U);
+}
+
+TEST_F(VaultLatents, ARedactionInTheStoreReachesADayThatTheVaultHasBetter) {
+  using namespace ltm::testing;
+  make_store(6, false);
+  const Time shown = ltm::example_time(20);
+  {
+    const auto writer = *ltm::StoreWriter::open(store_, {});
+    Snapshot secret = ltm::example_snapshot(ltm::example_entity(), 20);
+    secret.instances[0].data.get_if<idf::Dict>()->set("image", image_with_secret(64, 48, 9, 5));
+    ASSERT_OK(writer->append({ltm::pack_snapshot(secret)}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  const auto export_all = [this] {
+    ltm::Recall recall = open(loader());
+    auto report = export_to_vault(recall, *ltm::Query::parse("@ all"), places_, {}, {}, {});
+    EXPECT_OK(report);
+    return report.ok() ? *report : VaultExportReport();
+  };
+  const auto shows_secret = [&](const std::filesystem::path& back) {
+    EXPECT_OK(import_from_vault(places_, back, {}, {}));
+    ltm::Recall recall(*ltm::StoreReader::open(back), ltm::ModelLoader());
+    const auto found = *recall.query(ask(to_string(shown)));
+    const auto* snapshot = found.find_snapshot(ltm::example_entity().at(shown));
+    return has_secret(snapshot->instances[0].data.at("image")->get<idf::NdArray>());
+  };
+  EXPECT_EQ(export_all().added, 2U);
+  EXPECT_TRUE(shows_secret(scratch_ / "before"));
+  ASSERT_OK(ltm::drop_recorded(store_, ltm::example_entity(), {}));
+  EXPECT_EQ(export_all().kept_recorded, 1U);
+  const Day day = day_of(shown);
+  const VaultDay old = *read_keys(places_.keys)->find(ltm::example_entity(), day);
+  ltm::StoreRedactionJob job{.store = store_, .options = marker_redaction(scratch_.path())};
+  job.loader = loader();
+  job.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<ltm::Erasures> {
+    return ltm::Erasures();
+  };
+  const auto redacted = ltm::redact_store(job);
+  ASSERT_OK(redacted);
+  ASSERT_EQ(redacted->total().redacted, 1U);
+  // The times are the same, and others of the day are only latents in the store.
+  const auto out = export_all();
+  EXPECT_EQ(out.replaced, 1U);
+  EXPECT_EQ(out.kept_recorded, 0U);
+  EXPECT_EQ(content(places_.keys).find(text_of(old.key.bytes())), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(day_file(places_.vault, old.file)));
+  EXPECT_FALSE(shows_secret(scratch_ / "after"));
+  EXPECT_EQ(export_all().unchanged, 2U);
+}
+
+TEST_F(VaultLatents, ADamagedReportOfARedactionIsNamed) {
+  make_store(6, false);
+  std::filesystem::create_directory(store_ / "erasures");
+  const auto report = store_ / "erasures/000001.json";
+  ltm::Recall recall = open(loader());
+  for (const char* text : {"", "[]", "{\"when_ns\": 1}", "{\"when_ns\": 1, \"entities\": [3]",
+                           R"({"when_ns": 1, "entities": [{"id": "a", "redacted_days": 7}]})",
+                           R"({"when_ns": 1, "entities": [{"id": "a", "redacted_days": [7]}]})",
+                           R"({"when_ns": 1, "entities": [{"redacted_days": []}]})"}) {
+    overwrite_file(report, as_bytes(text));
+    EXPECT_FAILS(export_to_vault(recall, *ltm::Query::parse("@ all"), places_, {}, {}, {}),
+                 StatusCode::kDataLoss, "000001.json");
+  }
+  // One of an earlier program, or of forgetting, names no days.
+  overwrite_file(report, as_bytes(R"({"when_ns": 1, "entities": [{"id": "a", "erased": 2}]})"));
+  EXPECT_OK(export_to_vault(recall, *ltm::Query::parse("@ all"), places_, {}, {}, {}));
 }
 
 TEST_F(VaultLatents, WithoutTheModelTheDayIsLeftOutAndNamed) {

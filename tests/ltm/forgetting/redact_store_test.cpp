@@ -7,6 +7,7 @@
 
 #include "ltm/codec/group_codec.h"
 #include "ltm/core/file.h"
+#include "ltm/forgetting/redacted_days.h"
 #include "ltm/store/store_check.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
@@ -17,9 +18,12 @@
 namespace engram::ltm {
 namespace {
 
+using ::testing::ElementsAre;
 using testing::has_secret;
 using testing::image_with_secret;
+using ::testing::Key;
 using testing::marker_redaction;
+using ::testing::Pair;
 
 constexpr int kCount = 12;
 
@@ -136,6 +140,10 @@ TEST_F(RedactStoreTest, LeavesNothingOfWhatIsFoundInAnyFile) {
     expect_redacted();
     EXPECT_FALSE(is_in_any_file(secrets));
     EXPECT_TRUE(std::filesystem::exists(store_ / report->erased->report));
+    // Copies of that day can tell that it was redacted.
+    const auto days = read_redacted_days(store_);
+    ASSERT_OK(days);
+    EXPECT_THAT(*days, ElementsAre(Pair(camera(), ElementsAre(Key(redacted_day(time(1)))))));
     EXPECT_FALSE(std::filesystem::exists(store_ / "erasures/redaction.pending"));
     const EntitySummary summary = *(*StoreReader::open(store_))->summary(camera());
     EXPECT_EQ(summary.forgotten.snapshots, 4u);
