@@ -23,10 +23,11 @@ constexpr uint64_t kBatchSnapshots = 20'000;
 /// A group of images that has begun may exceed that so far.
 constexpr uint64_t kMaxBatchBytes = 4 * kBatchBytes;
 
-/// The snapshots of the next segment.
+/// The snapshots of the next segment, and what a report says of them once they are in.
 class ImportBatch {
  public:
-  void add(ltm::PackedSnapshot packed, const ColumnPaths& columns) {
+  void add(VaultSnapshot snapshot, const ColumnPaths& columns) {
+    ltm::PackedSnapshot& packed = snapshot.packed;
     ends_groups_ = true;
     for (const ltm::PackedInstance& instance : packed.instances)
       for (const ltm::PackedMedium& medium : instance.value.media) {
@@ -34,7 +35,11 @@ class ImportBatch {
         if (medium.group && medium.group->index + 1 < medium.group->count) ends_groups_ = false;
       }
     bytes_ += bytes_without_media(packed);
-    ++snapshots_;
+    ++counts_.snapshots;
+    counts_.instances += packed.instances.size();
+    counts_.reconstructed += snapshot.reconstructed.is<idf::None>() ? 0 : 1;
+    counts_.first = std::min(counts_.first.value_or(packed.time), packed.time);
+    counts_.last = std::max(counts_.last.value_or(packed.time), packed.time);
     auto& entity = entities_[packed.entity];
     columns_[packed.entity].insert(columns.begin(), columns.end());
     entity.snapshots.push_back(std::move(packed));
@@ -42,14 +47,24 @@ class ImportBatch {
 
   [[nodiscard]] bool is_full() const {
     if (bytes_ >= kMaxBatchBytes) return true;
-    return ends_groups_ && (bytes_ >= kBatchBytes || snapshots_ >= kBatchSnapshots);
+    return ends_groups_ && (bytes_ >= kBatchBytes || counts_.snapshots >= kBatchSnapshots);
   }
 
-  Status publish(const std::filesystem::path& store, const ltm::SegmentTypes& types) {
+  /// Whether it is published in a moment.
+  [[nodiscard]] bool is_small() const { return bytes_ <= kBatchBytes; }
+
+  /// Adds what came in to a report.
+  Status publish(const std::filesystem::path& store, const ltm::SegmentTypes& types,
+                 VaultImportReport& report) {
     if (entities_.empty()) return {};
     for (auto& [id, entity] : entities_)
       entity.rules = ltm::SealRules::columns(std::move(columns_[id]));
     ENGRAM_RETURN_IF_ERROR(ltm::publish_recorded(store, entities_, types));
+    report.snapshots += counts_.snapshots;
+    report.instances += counts_.instances;
+    report.reconstructed += counts_.reconstructed;
+    report.first = std::min(report.first.value_or(*counts_.first), *counts_.first);
+    report.last = std::max(report.last.value_or(*counts_.last), *counts_.last);
     *this = {};
     return {};
   }
@@ -59,10 +74,11 @@ class ImportBatch {
   std::map<ltm::MemoryId, ColumnPaths> columns_;
   std::set<const std::byte*> groups_;
   uint64_t bytes_ = 0;
-  uint64_t snapshots_ = 0;
+  VaultImportReport counts_;
   bool ends_groups_ = true;
 };
 
+/// One import: day by day, in batches that are published as they fill.
 class VaultImport {
  public:
   VaultImport(const VaultPlaces& places, std::filesystem::path store, const VaultKeys& keys,
@@ -80,8 +96,10 @@ class VaultImport {
     for (const auto& [entity, days] : keys_.days)
       for (const auto& [day, kept] : days) {
         ENGRAM_RETURN_IF_ERROR(take(entity, day, kept));
-        // What waits is not published: the next import reads it again.
-        if (report_.is_cancelled) return std::move(report_);
+        if (!report_.is_cancelled) continue;
+        // The next import reads again what would let Ctrl-C wait.
+        if (batch_.is_small()) ENGRAM_RETURN_IF_ERROR(publish());
+        return std::move(report_);
       }
     ENGRAM_RETURN_IF_ERROR(publish());
     progress_.end();
@@ -130,18 +148,12 @@ class VaultImport {
   }
 
   Status take(VaultSnapshot snapshot, const ColumnPaths& columns) {
-    const ltm::PackedSnapshot& packed = snapshot.packed;
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, is_in_store(packed));
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, is_in_store(snapshot.packed));
     if (is_there) {
       ++report_.already_there;
       return {};
     }
-    ++report_.snapshots;
-    report_.instances += packed.instances.size();
-    report_.reconstructed += snapshot.reconstructed.is<idf::None>() ? 0 : 1;
-    report_.first = std::min(report_.first.value_or(packed.time), packed.time);
-    report_.last = std::max(report_.last.value_or(packed.time), packed.time);
-    batch_.add(std::move(snapshot.packed), columns);
+    batch_.add(std::move(snapshot), columns);
     return batch_.is_full() ? publish() : Status();
   }
 
@@ -165,7 +177,7 @@ class VaultImport {
     if (free < needed)
       return resource_exhausted("store '{}': the disk has {} bytes left, importing needs {}",
                                 store_.string(), free, needed);
-    return batch_.publish(store_, writer_->types());
+    return batch_.publish(store_, writer_->types(), report_);
   }
 
   std::filesystem::path vault_;

@@ -205,6 +205,28 @@ TEST_F(Vault, StopsAtOnceAndLeavesNothingUnfinished) {
   EXPECT_TRUE(in->is_cancelled);
 }
 
+TEST_F(Vault, AStoppedImportReportsWhatCameIn) {
+  make_store();
+  exported();
+  const auto back = scratch_ / "back";
+  std::stop_source stop;
+  const ProgressSink progress = [&stop](const Progress& told) {
+    if (told.done >= 40) stop.request_stop();
+  };
+  const auto in = import_from_vault(places_, back, progress, stop.get_token());
+  ASSERT_OK(in);
+  EXPECT_TRUE(in->is_cancelled);
+  EXPECT_GE(in->snapshots, 40U);
+  EXPECT_LT(in->snapshots, 50U);
+  uint64_t found = 0;
+  const auto reader = *ltm::StoreReader::open(back);
+  for (const auto& entity : reader->entities()) found += (*reader->index(entity))->size();
+  EXPECT_EQ(found, in->snapshots);
+  const auto rest = imported(back);
+  EXPECT_EQ(rest.already_there, found);
+  EXPECT_EQ(answers(store_), answers(back));
+}
+
 TEST_F(Vault, IsOfOneStore) {
   make_store();
   exported();
