@@ -111,15 +111,23 @@ class VaultImport {
     if (ltm::is_store_absent(store_)) ENGRAM_RETURN_IF_ERROR(ltm::create_store(store_));
     ENGRAM_ASSIGN_OR_RETURN(writer_, ltm::StoreWriter::open(store_, {}));
     ENGRAM_RETURN_IF_ERROR(writer_->seal());
+    ENGRAM_RETURN_IF_ERROR(check_types());
+    for (const auto& [segment, type] : keys_.types.all())
+      if (writer_->types().find(segment) == nullptr)
+        ENGRAM_RETURN_IF_ERROR(writer_->declare(segment, type));
+    ENGRAM_ASSIGN_OR_RETURN(before_, ltm::StoreReader::open(store_));
+    return {};
+  }
+
+  /// Of all segments before any is declared: a store that does not fit stays as it is.
+  Status check_types() {
     for (const auto& [segment, type] : keys_.types.all()) {
       const idf::Type* known = writer_->types().find(segment);
       if (known != nullptr && !(*known == type))
         return failed_precondition(
             "store '{}': segment '{}' has another type than in the vault; needs a new store",
             store_.string(), segment.printable());
-      if (known == nullptr) ENGRAM_RETURN_IF_ERROR(writer_->declare(segment, type));
     }
-    ENGRAM_ASSIGN_OR_RETURN(before_, ltm::StoreReader::open(store_));
     return {};
   }
 

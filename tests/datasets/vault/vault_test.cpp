@@ -192,6 +192,21 @@ TEST_F(Vault, LeavesWhatTheStoreHasAlready) {
   EXPECT_EQ(found.find_snapshot(other.id())->instances[0].data, other.instances[0].data);
 }
 
+TEST_F(Vault, ARefusedImportDeclaresNothing) {
+  make_store();
+  const auto cage = *ltm::MemoryId::from_names({"Zoo", "Ape", "cage"});
+  ASSERT_OK((*ltm::StoreWriter::open(store_, {}))->declare(cage, arm_type()));
+  exported();
+  const auto back = scratch_ / "back";
+  ASSERT_OK(ltm::create_store(back));
+  const auto other = idf::Type::object("Cage", {{"doors", idf::Type::string()}});
+  ASSERT_OK((*ltm::StoreWriter::open(back, {}))->declare(cage, other));
+  EXPECT_FAILS(import_from_vault(places_, back, {}, {}), StatusCode::kFailedPrecondition,
+               "another type");
+  EXPECT_EQ(ltm::read_manifest(back)->types.all().size(), 1U);
+  EXPECT_EQ(ltm::read_manifest(back)->types.find(arm().parent()), nullptr);
+}
+
 TEST_F(Vault, StopsAtOnceAndLeavesNothingUnfinished) {
   make_store();
   std::stop_source stop;
