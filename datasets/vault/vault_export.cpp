@@ -12,6 +12,7 @@
 #include "datasets/vault/work_progress.h"
 #include "ltm/codec/packed_value.h"
 #include "ltm/core/log.h"
+#include "ltm/core/printable.h"
 #include "ltm/idf/binary.h"
 
 namespace engram::datasets::vault {
@@ -51,6 +52,44 @@ bool is_better_than(const StoreDay& day, const VaultDay& kept) {
   return kept.times == day.times && kept.reconstructed < day.latents_only;
 }
 
+/// What becomes of a day of the store.
+enum class DayPlan { kDestroyed, kAsBefore, kBetterInVault, kNew, kChanged };
+
+/// A file that somebody removed or cut off is written again.
+bool is_there(const std::filesystem::path& vault, const VaultDay& kept) {
+  std::error_code error;
+  return std::filesystem::file_size(day_file(vault, kept.file), error) == kept.file_bytes && !error;
+}
+
+DayPlan plan_of(const StoreDay& day, const VaultKeys& keys, const std::filesystem::path& vault) {
+  if (keys.is_destroyed(day.entity, day.day)) return DayPlan::kDestroyed;
+  const VaultDay* kept = keys.find(day.entity, day.day);
+  if (kept == nullptr) return DayPlan::kNew;
+  if (!is_there(vault, *kept)) return DayPlan::kChanged;
+  if (is_better_than(day, *kept)) return DayPlan::kBetterInVault;
+  const bool is_same = kept->source == day.source && kept->times == day.times;
+  return is_same ? DayPlan::kAsBefore : DayPlan::kChanged;
+}
+
+/// Counts a day that is not written. Returns whether it is one.
+bool count_idle(DayPlan plan, VaultExportReport& report) {
+  report.destroyed += plan == DayPlan::kDestroyed ? 1 : 0;
+  report.kept_recorded += plan == DayPlan::kBetterInVault ? 1 : 0;
+  const bool is_unchanged = plan == DayPlan::kAsBefore || plan == DayPlan::kBetterInVault;
+  report.unchanged += is_unchanged ? 1 : 0;
+  return is_unchanged || plan == DayPlan::kDestroyed;
+}
+
+Status check_is_copy_of(const ltm::StoreReader& store, const VaultKeys& keys,
+                        const VaultExportOptions& options) {
+  const std::string& id = store.manifest().store_id;
+  if (keys.store_id.empty() || keys.store_id == id || options.takes_other_store) return {};
+  return failed_precondition(
+      "store '{}': is {}, the vault is a copy of {}; needs that one, another vault, or --force to "
+      "put both into one, where days of the same entity replace each other",
+      printable(store.path().string()), id, keys.store_id);
+}
+
 /// Counts the days that the store has no more, of entities of which the query selects everything.
 uint64_t count_vault_alone(const VaultKeys& keys, const std::vector<StoreDay>& days,
                            const ltm::Query& query) {
@@ -71,6 +110,7 @@ ltm::PackOptions lossless() {
   return options;
 }
 
+/// One export: each day that is new or changed into a file of its own.
 class VaultExport {
  public:
   VaultExport(ltm::Recall& recall, const VaultExportOptions& options, const ProgressSink& progress,
@@ -83,11 +123,13 @@ class VaultExport {
         packer_(std::move(packer)) {}
 
   Result<VaultExportReport> run(const std::vector<StoreDay>& days, const ltm::Query& query) {
-    ENGRAM_RETURN_IF_ERROR(check_store());
+    const ltm::Manifest& manifest = recall_.store().manifest();
+    ENGRAM_RETURN_IF_ERROR(check_is_copy_of(recall_.store(), folder_.keys(), options_));
+    folder_.describe(manifest.store_id, united(manifest.types, folder_.keys().types));
     report_.vault_alone = count_vault_alone(folder_.keys(), days, query);
     std::vector<const StoreDay*> work;
     for (const StoreDay& day : days)
-      if (is_work(day)) work.push_back(&day);
+      if (!count_idle(plan_of(day, folder_.keys(), folder_.vault()), report_)) work.push_back(&day);
     uint64_t total = 0;
     for (const StoreDay* day : work) total += day->snapshots;
     progress_.begin(total);
@@ -102,36 +144,6 @@ class VaultExport {
   }
 
  private:
-  Status check_store() {
-    const ltm::Manifest& manifest = recall_.store().manifest();
-    const std::string& of = folder_.keys().store_id;
-    if (!of.empty() && of != manifest.store_id && !options_.takes_other_store)
-      return failed_precondition(
-          "store '{}': is {}, the vault is a copy of {}; needs that one, another vault, or --force "
-          "to "
-          "put both into one, where days of the same entity replace each other",
-          recall_.store().path().string(), manifest.store_id, of);
-    folder_.describe(manifest.store_id, united(manifest.types, folder_.keys().types));
-    return {};
-  }
-
-  bool is_work(const StoreDay& day) {
-    if (folder_.keys().is_destroyed(day.entity, day.day)) return ++report_.destroyed, false;
-    const VaultDay* kept = folder_.keys().find(day.entity, day.day);
-    if (kept == nullptr || !is_there(*kept)) return true;
-    const bool is_better = is_better_than(day, *kept);
-    if (kept->source != day.source && !is_better) return true;
-    ++report_.unchanged;
-    report_.kept_recorded += is_better ? 1 : 0;
-    return false;
-  }
-
-  /// A file that somebody removed or cut off is written again.
-  [[nodiscard]] bool is_there(const VaultDay& kept) const {
-    std::error_code error;
-    return std::filesystem::file_size(folder_.file(kept.file), error) == kept.file_bytes && !error;
-  }
-
   Status add(const StoreDay& day) {
     VaultDay made;
     made.source = day.source;
@@ -141,7 +153,8 @@ class VaultExport {
     unread_.reset();
     const Status status = write(day, made);
     const VaultDay* kept = folder_.keys().find(day.entity, day.day);
-    if (!status.ok() || (kept != nullptr && kept->digest == made.digest && is_there(*kept))) {
+    if (!status.ok() ||
+        (kept != nullptr && kept->digest == made.digest && is_there(folder_.vault(), *kept))) {
       ENGRAM_RETURN_IF_ERROR(remove_file(folder_.new_file(made.file)));
       if (status.ok()) {
         ++report_.unchanged;
@@ -268,7 +281,8 @@ class VaultExport {
 
 /// Changes nothing, not even the vault's directory.
 Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const ltm::Query& query,
-                                  const VaultPlaces& places) {
+                                  const ltm::StoreReader& store, const VaultPlaces& places,
+                                  const VaultExportOptions& options) {
   VaultExportReport report;
   VaultKeys keys;
   std::error_code error;
@@ -276,18 +290,13 @@ Result<VaultExportReport> dry_run(const std::vector<StoreDay>& days, const ltm::
   if (has_vault || std::filesystem::exists(places.keys, error)) {
     ENGRAM_ASSIGN_OR_RETURN(keys, read_keys_of(places));
   }
+  ENGRAM_RETURN_IF_ERROR(check_is_copy_of(store, keys, options));
   report.vault_alone = count_vault_alone(keys, days, query);
   for (const StoreDay& day : days) {
-    const VaultDay* kept = keys.find(day.entity, day.day);
-    if (keys.is_destroyed(day.entity, day.day)) {
-      ++report.destroyed;
-    } else if (kept != nullptr && (kept->source == day.source || is_better_than(day, *kept))) {
-      ++report.unchanged;
-      report.kept_recorded += is_better_than(day, *kept) ? 1 : 0;
-    } else {
-      ++(kept == nullptr ? report.added : report.replaced);
-      report.snapshots += day.snapshots;
-    }
+    const DayPlan plan = plan_of(day, keys, places.vault);
+    if (count_idle(plan, report)) continue;
+    ++(plan == DayPlan::kNew ? report.added : report.replaced);
+    report.snapshots += day.snapshots;
   }
   return report;
 }
@@ -302,7 +311,7 @@ Result<VaultExportReport> export_to_vault(ltm::Recall& recall, const ltm::Query&
   if (options.is_dry) {
     ENGRAM_ASSIGN_OR_RETURN(const auto days,
                             days_of_store(recall, query, options.recall.prefer, stop));
-    return dry_run(days, query, places);
+    return dry_run(days, query, recall.store(), places, options);
   }
   // First what is wrong with the places, which takes no time.
   ENGRAM_ASSIGN_OR_RETURN(VaultFolder folder, VaultFolder::open(places));

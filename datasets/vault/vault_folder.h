@@ -75,10 +75,7 @@ class VaultFolder {
   /// The path at which a new file is written.
   [[nodiscard]] std::filesystem::path new_file(const RandomId& file) const;
 
-  /// The path of a file that counts.
-  [[nodiscard]] std::filesystem::path file(const RandomId& file) const {
-    return day_file(places_.vault, file);
-  }
+  [[nodiscard]] const std::filesystem::path& vault() const { return places_.vault; }
 
   /// Takes a finished new file, in place of that of the same entity and day.
   void put(const ltm::MemoryId& entity, Day day, const VaultDay& made);

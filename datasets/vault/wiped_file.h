@@ -20,8 +20,8 @@ Result<SecretBytes> read_secret_file(const std::filesystem::path& path);
 /// Puts other content in place of a file, or makes it, with permissions for its owner alone: the
 /// new content is on the disk before it takes the old one's name, and the old bytes are then
 /// overwritten. After a kill in between, the next call overwrites them.
-/// Errors: those of check_replaceable, with which nothing changes; kResourceExhausted if the disk is
-/// full, else kUnavailable. The old content then stays, or the next call overwrites it.
+/// Errors: those of check_replaceable, with which nothing changes; kResourceExhausted if the disk
+/// is full, else kUnavailable. The old content then stays, or the next call overwrites it.
 Status replace_secret_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 /// Checks whether the bytes of a file, if there is one, could be overwritten.

@@ -249,6 +249,9 @@ TEST_F(Vault, IsOfOneStore) {
   store_ = scratch_ / "other";
   make_store();
   EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "--force");
+  options_.is_dry = true;
+  EXPECT_FAILS(try_export(), StatusCode::kFailedPrecondition, "--force");
+  options_.is_dry = false;
   options_.takes_other_store = true;
   EXPECT_OK(try_export());
 }
@@ -286,6 +289,26 @@ TEST_F(Vault, DryRunChangesNothing) {
   EXPECT_EQ(names(), before);
   places_.keys = scratch_ / "missing.keys";
   EXPECT_FAILS(try_export(), StatusCode::kNotFound, "missing.keys");
+}
+
+TEST_F(Vault, DryRunTellsWhatAnExportDoes) {
+  make_store();
+  exported();
+  std::filesystem::remove(file_of(arm(), kFirstDay));
+  {
+    auto folder = VaultFolder::open_keys(places_);
+    ASSERT_OK(folder);
+    ASSERT_OK(folder->destroy({{odd(), kFirstDay}}, system_now()));
+  }
+  for (const bool is_dry : {true, false}) {
+    options_.is_dry = is_dry;
+    const auto out = exported();
+    EXPECT_EQ(out.added, 0U);
+    EXPECT_EQ(out.replaced, 1U) << "a file that somebody removed";
+    EXPECT_EQ(out.unchanged, 7U);
+    EXPECT_EQ(out.destroyed, 1U);
+    EXPECT_EQ(out.snapshots, static_cast<uint64_t>(kPerDay));
+  }
 }
 
 // Destroyed keys.
