@@ -24,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMarkName = "engram.vault";
 constexpr std::string_view kMarkMagic = "ENGRAMVM";
 constexpr uint32_t kMarkVersion = 1;
+/// Magic, version and ID.
+constexpr uint64_t kMarkBytes = 8 + 4 + 16;
 constexpr std::string_view kUnfinished = ".new";
 
 /// A reader may meet a key file whose old bytes are being overwritten.
@@ -88,6 +90,15 @@ fs::path unfinished_file(const fs::path& vault, const RandomId& file) {
   return vault / (to_text(file) + std::string(kUnfinished));
 }
 
+/// Of the mark, which anybody may have made as large as they like, no more than one has.
+Result<std::vector<std::byte>> read_mark(const fs::path& vault) {
+  ENGRAM_ASSIGN_OR_RETURN(const File file, File::open(vault / kMarkName, File::Mode::kRead));
+  ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, file.size());
+  std::vector<std::byte> bytes(std::min(size, kMarkBytes + 1));
+  ENGRAM_RETURN_IF_ERROR(file.read_at(0, bytes));
+  return bytes;
+}
+
 Status write_mark(const fs::path& vault, const RandomId& id) {
   std::vector<std::byte> bytes;
   FieldWriter out(bytes);
@@ -137,12 +148,12 @@ bool has_any_file(const fs::path& vault, const VaultKeys& keys) {
 }  // namespace
 
 Result<RandomId> read_vault_id(const fs::path& vault) {
-  const auto bytes = read_file(vault / kMarkName);
+  const auto bytes = read_mark(vault);
   if (!bytes.ok() && bytes.status().code() != StatusCode::kNotFound) return bytes.status();
   if (!bytes.ok())
     return not_found("'{}': is no vault, as there is no file '{}' in it", name_of(vault),
                      kMarkName);
-  FieldReader in(bytes->bytes());
+  FieldReader in(*bytes);
   const bool is_mark = as_text(in.bytes(kMarkMagic.size())) == kMarkMagic;
   const auto version = in.number<uint32_t>();
   if (is_mark && in.is_whole() && version > kMarkVersion)

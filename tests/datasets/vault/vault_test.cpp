@@ -569,6 +569,15 @@ TEST_F(Vault, RefusesADirectoryWithOtherFiles) {
   EXPECT_EQ(names(), std::set<std::string>{"letter.txt"});
 }
 
+TEST_F(Vault, AMarkOfATerabyteIsNotReadWhole) {
+  make_store();
+  exported();
+  std::filesystem::resize_file(places_.vault / "engram.vault", uint64_t{1} << 40);
+  EXPECT_FAILS(read_vault_id(places_.vault), StatusCode::kDataLoss, "is damaged");
+  EXPECT_OK(try_export());
+  EXPECT_EQ(std::filesystem::file_size(places_.vault / "engram.vault"), 28U);
+}
+
 TEST_F(Vault, AnOlderCopyOfTheKeysRemovesNothingNewer) {
   make_store();
   exported("Body @ all");
