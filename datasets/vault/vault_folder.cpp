@@ -125,6 +125,30 @@ Status check_same_vault(const VaultPlaces& places, const RandomId& found, const 
                              to_text(found));
 }
 
+/// Locks the file that names a vault, since copies of its key file have locks of their own. Nothing
+/// if there is no such file.
+/// Errors: kFailedPrecondition if another process holds it; kUnavailable.
+Result<std::optional<File>> lock_mark(const fs::path& vault) {
+  const fs::path path = vault / kMarkName;
+  auto file = File::open(path, File::Mode::kRead);
+  if (file.status().code() == StatusCode::kNotFound) return std::optional<File>();
+  ENGRAM_RETURN_IF_ERROR(file.status());
+  auto is_locked = file->lock(false);
+  // NFS locks only what may be written.
+  if (!is_locked.ok()) {
+    file = File::open(path, File::Mode::kWrite);
+    if (file.ok()) is_locked = file->lock(false);
+  }
+  if (!file.ok() || !is_locked.ok()) {
+    log::warning("vault '{}': nothing here can be locked, so only one process may change it: {}",
+                 name_of(vault), (file.ok() ? is_locked.status() : file.status()).message());
+    return std::optional<File>();
+  }
+  if (!*is_locked)
+    return failed_precondition("vault '{}': another process is changing it", name_of(vault));
+  return std::optional(*std::move(file));
+}
+
 /// The places of keys to be destroyed. Who holds the vault decides what its path leads to, so that
 /// counts for nothing here.
 Result<VaultPlaces> resolved_keys(const VaultPlaces& places) {
@@ -251,6 +275,12 @@ Result<VaultFolder> VaultFolder::open_keys(const VaultPlaces& places) {
   folder.is_within_reach_ = id.ok() || (is_damaged && has_any_file(real.vault, folder.keys_));
   if (!folder.is_within_reach_ && id.status().code() != StatusCode::kNotFound)
     folder.lose_reach(id.status());
+  if (!folder.is_within_reach_) return folder;
+  auto locked = lock_mark(real.vault);
+  if (locked.ok())
+    folder.lock_of_mark_ = *std::move(locked);
+  else
+    folder.lose_reach(locked.status());
   return folder;
 }
 
@@ -283,11 +313,13 @@ Status VaultFolder::make_or_read_keys() {
 
 Status VaultFolder::make_or_check_vault() {
   is_within_reach_ = true;
+  // Before it may be written anew, and then the new one: neither is anybody else's.
+  ENGRAM_ASSIGN_OR_RETURN(lock_of_mark_, lock_mark(places_.vault));
   const auto id = read_vault_id(places_.vault);
   if (id.ok()) return check_same_vault(places_, *id, keys_);
   const StatusCode why = id.status().code();
   if (why != StatusCode::kNotFound && why != StatusCode::kDataLoss) return id.status();
-  if (has_any_file(places_.vault, keys_)) return write_mark(places_.vault, keys_.vault);
+  if (has_any_file(places_.vault, keys_)) return make_mark();
   if (why == StatusCode::kDataLoss) return id.status();
   if (keys_.day_count() + keys_.destroyed_count() > 0)
     return failed_precondition(
@@ -301,7 +333,13 @@ Status VaultFolder::make_or_check_vault() {
                           name_of(places_.vault));
   std::error_code error;
   fs::permissions(places_.vault, fs::perms::owner_all, error);
-  return write_mark(places_.vault, keys_.vault);
+  return make_mark();
+}
+
+Status VaultFolder::make_mark() {
+  ENGRAM_RETURN_IF_ERROR(write_mark(places_.vault, keys_.vault));
+  ENGRAM_ASSIGN_OR_RETURN(lock_of_new_mark_, lock_mark(places_.vault));
+  return {};
 }
 
 /// Ends what a killed process began.

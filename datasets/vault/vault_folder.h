@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -48,14 +49,14 @@ Result<VaultFiles> list_files(const std::filesystem::path& vault);
 /// What changes counts once commit() returns. A process that is killed at any moment leaves what
 /// counted before or after, and files without keys, which the next one removes.
 ///
-/// Threading: one thread. One per key file, over all processes (file lock).
+/// Threading: one thread. One per key file and one per vault, over all processes (file locks).
 /// Source: docs/vault.md, section "Writing, kills and locks".
 class VaultFolder {
  public:
   /// Opens a vault for more days, and makes vault and keys where there are none.
   /// Errors: kFailedPrecondition if vault and keys do not belong together, if one of them is
-  /// missing, or if another process changes it; kAlreadyExists if the directory has other files;
-  /// those of read_keys; kUnavailable.
+  /// missing, or if another process changes one of them; kAlreadyExists if the directory has other
+  /// files; those of read_keys; kUnavailable.
   static Result<VaultFolder> open(const VaultPlaces& places);
 
   /// Opens the keys to destroy some of them. The vault need not be within reach, and nothing that
@@ -107,13 +108,16 @@ class VaultFolder {
   static Result<VaultFolder> lock(const VaultPlaces& real);
   Status make_or_read_keys();
   Status make_or_check_vault();
+  Status make_mark();
   Status clean();
   Status save();
   void lose_reach(const Status& why);
   Status remove_file_of(const RandomId& file) const;
 
   VaultPlaces places_;
-  File lock_;
+  File lock_;  ///< Of the key file.
+  std::optional<File> lock_of_mark_;
+  std::optional<File> lock_of_new_mark_;  ///< If the mark was written anew.
   VaultKeys keys_;
   bool is_within_reach_ = false;
   bool has_changes_ = false;

@@ -598,6 +598,31 @@ TEST_F(Vault, OneProcessChangesItAtATime) {
   EXPECT_TRUE(checked().is_whole()) << "reading needs no lock";
 }
 
+TEST_F(Vault, OneOfTwoCopiesOfTheKeysChangesItAtATime) {
+  make_store();
+  exported();
+  std::filesystem::copy_file(places_.keys, scratch_ / "copy.keys");
+  const VaultPlaces copy{places_.vault, scratch_ / "copy.keys"};
+  {
+    const auto first = VaultFolder::open(places_);
+    ASSERT_OK(first);
+    EXPECT_FAILS(VaultFolder::open(copy), StatusCode::kFailedPrecondition, "another process");
+    // Nobody can hold up the destruction of keys, but the files are the other's now.
+    auto folder = VaultFolder::open_keys(copy);
+    ASSERT_OK(folder);
+    ASSERT_OK(folder->destroy({{camera(), kFirstDay}}, system_now()));
+    EXPECT_FALSE(folder->is_within_reach());
+    EXPECT_EQ(names().size(), 10U);
+  }
+  EXPECT_OK(VaultFolder::open(copy));
+  EXPECT_EQ(names().size(), 9U);
+  // Also where the mark was damaged, and is written anew.
+  overwrite(places_.vault / "engram.vault", "garbage");
+  const auto first = VaultFolder::open(copy);
+  ASSERT_OK(first);
+  EXPECT_FAILS(VaultFolder::open(places_), StatusCode::kFailedPrecondition, "another process");
+}
+
 TEST_F(Vault, LeftoversOfAKilledReplacementAreWiped) {
   make_store();
   exported();
