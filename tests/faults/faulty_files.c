@@ -76,7 +76,7 @@ static const char* path_of(int fd) {
 
 static int needs_space(int change) {
   return change == kFileCreate || change == kFileWrite || change == kFileMkdir ||
-         change == kFileRename;
+         change == kFileRename || change == kFileLink;
 }
 
 // Counts a call. The error that it shall fail with, or 0; `is_half`: it takes half of the bytes.
@@ -251,6 +251,9 @@ int fsync(int fd) {
 int fdatasync(int fd) {
   return change_open(fd, SYS_fdatasync, kFileSync, 0);
 }
+int syncfs(int fd) {
+  return change_open(fd, SYS_syncfs, kFileSyncSystem, 0);
+}
 int ftruncate(int fd, off_t size) {
   return change_open(fd, SYS_ftruncate, kFileTruncate, size);
 }
@@ -267,6 +270,8 @@ static int change_names(int change, const char* path, const char* second, mode_t
   int result = 0;
   if (change == kFileRename)
     result = (int)syscall(SYS_rename, path, second);
+  else if (change == kFileLink)
+    result = (int)syscall(SYS_link, path, second);
   else if (change == kFileUnlink)
     result = (int)syscall(SYS_unlink, path);
   else
@@ -280,6 +285,9 @@ static int change_names(int change, const char* path, const char* second, mode_t
 
 int rename(const char* from, const char* to) {
   return change_names(kFileRename, from, to, 0);
+}
+int link(const char* from, const char* to) {
+  return change_names(kFileLink, from, to, 0);
 }
 int unlink(const char* path) {
   return change_names(kFileUnlink, path, NULL, 0);

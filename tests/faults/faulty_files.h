@@ -25,6 +25,9 @@ enum FileChange {
   kFileRename = 5,
   kFileUnlink = 6,
   kFileMkdir = 7,
+  kFileLink = 8,  ///< A second name of a file.
+  kFileSyncSystem =
+      9,  ///< Forces all files of the file system; told with the path of its descriptor.
 };
 
 enum FileFault {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every change of files that an export or the destruction of a key makes fails once, as by a kill
 // and as on a full disk. The next run ends what was begun.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <fstream>
 
 #include "tests/datasets/vault/vault_fixture.h"
@@ -106,6 +109,12 @@ TEST_F(VaultFaults, AKeyIsDestroyedOrAsBefore) {
   exported();
   keep();
   const std::string key = text_of(keys().find(camera(), kFirstDay)->key.bytes());
+  const auto copied = [&key](int inode) {
+    std::string bytes(1 << 20, '\0');
+    const ssize_t size = ::pread(inode, bytes.data(), bytes.size(), 0);
+    EXPECT_GT(size, 1000);
+    return bytes.find(key) != std::string::npos;
+  };
   const auto destroy = [this] {
     auto folder = VaultFolder::open_keys(places_);
     if (folder.ok()) static_cast<void>(folder->destroy({{camera(), kFirstDay}}, system_now()).ok());
@@ -116,6 +125,9 @@ TEST_F(VaultFaults, AKeyIsDestroyedOrAsBefore) {
     for (const int kind : kKinds) {
       SCOPED_TRACE(fmt::format("call {}, fault {}", call, kind));
       bring_back_kept();
+      // The blocks of the file that is replaced, which no name may lead to any more.
+      const int old = ::open(places_.keys.c_str(), O_RDONLY | O_CLOEXEC);
+      ASSERT_TRUE(copied(old));
       run_with_fault(call, kind, destroy);
       // The file may be gone already only if its key is.
       EXPECT_TRUE(checked().is_whole());
@@ -123,6 +135,8 @@ TEST_F(VaultFaults, AKeyIsDestroyedOrAsBefore) {
       EXPECT_TRUE(checked().is_whole());
       EXPECT_EQ(checked().destroyed, 1U);
       EXPECT_EQ(checked().remains, 0U);
+      EXPECT_FALSE(copied(old)) << "though the first run was cut off";
+      ::close(old);
       for (const auto& entry : std::filesystem::directory_iterator(scratch_.path()))
         if (entry.is_regular_file() && entry.path().filename() != "keys.kept") {
           EXPECT_EQ(content(entry.path()).find(key), std::string::npos) << entry.path();
