@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "ltm/core/private_file.h"
 #include "ltm/redaction/redaction_config.h"
 #include "server/access/grants.h"
-#include "server/access/private_file.h"
 
 namespace engram::server {
 

@@ -8,7 +8,7 @@
 #include <charconv>
 #include <vector>
 
-#include "server/access/private_file.h"
+#include "ltm/core/private_file.h"
 
 namespace engram::server {
 

@@ -8,9 +8,9 @@
 
 #include "ltm/core/buffer.h"
 #include "ltm/core/file.h"
+#include "ltm/core/private_file.h"
 #include "server/access/audit_chain.h"
 #include "server/access/audit_log.h"
-#include "server/access/private_file.h"
 
 namespace engram::server {
 

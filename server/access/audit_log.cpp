@@ -12,9 +12,9 @@
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
+#include "ltm/core/private_file.h"
 #include "ltm/core/time.h"
 #include "server/access/audit_chain.h"
-#include "server/access/private_file.h"
 
 namespace engram::server {
 

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "ltm/core/private_file.h"
 #include "server/access/certificate.h"
-#include "server/access/private_file.h"
 
 namespace engram::server {
 
