@@ -22,6 +22,10 @@ constexpr size_t kAlignment = 8;
 /// A record is read in pieces, each as large as all before.
 constexpr size_t kFirstPiece = 1 << 20;
 
+/// So much waits at most for the ends of groups.
+constexpr uint64_t kWaitingBytes = uint64_t{128} << 20;
+constexpr size_t kWaitingSnapshots = 4096;
+
 /// Of one flush, far more than any has.
 constexpr size_t kMaxGroups = 1 << 20;
 

@@ -35,16 +35,13 @@ struct VaultSnapshot {
 /// Groups of images are kept as they are, but not those with images of other days: destroying the
 /// key of one day would leave its images in the file of the next. Images of such groups are taken
 /// out, without further loss. So a group must be seen as a whole before it is written.
-/// Memory: the snapshots that share groups, about kWaitingBytes at most; where groups of several
+/// Memory: the snapshots that share groups, about 128 MiB at most; where groups of several
 /// image members never end together, what waits by then is taken out of its groups.
 ///
 /// Threading: one thread. The file must outlive it.
 /// Source: docs/vault.md, section "What a file of a day holds".
 class DayWriter {
  public:
-  static constexpr uint64_t kWaitingBytes = uint64_t{128} << 20;
-  static constexpr size_t kWaitingSnapshots = 4096;
-
   explicit DayWriter(SealedFileWriter& file) : file_(file) {}
 
   /// The first record, if the entity has such numbers.

@@ -134,12 +134,6 @@ std::string to_text(const RandomId& id) {
   return text;
 }
 
-uint64_t sealed_size(uint64_t plain_bytes) {
-  const uint64_t chunks =
-      std::max<uint64_t>((plain_bytes + kPlainChunkBytes - 1) / kPlainChunkBytes, 1);
-  return kSealedHeaderBytes + plain_bytes + chunks * kSealBytes;
-}
-
 struct SealedFileWriter::State {
   File file;
   ChunkCipher cipher;

@@ -26,9 +26,6 @@ inline constexpr size_t kSealedHeaderBytes = 32;
 inline constexpr size_t kPlainChunkBytes = 64 << 10;
 inline constexpr size_t kSealBytes = 16;
 
-/// The size of the file that seals so many bytes.
-[[nodiscard]] uint64_t sealed_size(uint64_t plain_bytes);
-
 /// Encrypts bytes by AES-256-GCM in chunks, with a key that seals this one file and nothing else.
 ///
 /// The number of a chunk and whether it is the last are its nonce; these and the header are sealed

@@ -19,13 +19,15 @@ namespace engram::datasets::vault {
 
 namespace {
 
-/// New files wait for a commit until they have so many bytes, or are so many: each is lost to a
-/// kill.
+/// New files wait for a commit so long, until they have so many bytes, or are so many: each is lost
+/// to a kill.
+constexpr SteadyTime::duration kCommitInterval = std::chrono::seconds(1);
 constexpr uint64_t kCommitBytes = uint64_t{256} << 20;
 constexpr size_t kCommitFiles = 4096;
 /// So much is forced to any disk in a moment.
 constexpr uint64_t kQuickBytes = uint64_t{16} << 20;
-/// A commit may take this share of the time.
+/// A commit writes the key file as a whole. Where that takes long, so many times as long is worked
+/// before the next one.
 constexpr int kMinWorkPerCommit = 10;
 
 /// The types of a store, and of segments that only the vault knows.
@@ -253,8 +255,7 @@ class VaultExport {
   [[nodiscard]] bool is_commit_due() const {
     return folder_.waiting_bytes() >= kCommitBytes || folder_.waiting() >= kCommitFiles ||
            steady_now() - last_commit_ >=
-               std::max<SteadyTime::duration>(options_.commit_interval,
-                                              kMinWorkPerCommit * commit_took_);
+               std::max(kCommitInterval, kMinWorkPerCommit * commit_took_);
   }
 
   Status commit() {

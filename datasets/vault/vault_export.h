@@ -19,9 +19,6 @@ struct VaultExportOptions {
   bool takes_other_store = false;
   /// Only count what would be written.
   bool is_dry = false;
-  /// How long new files may wait for their keys to be written. A key file is written as a whole, so
-  /// it is written less often where that takes long.
-  Duration commit_interval = std::chrono::seconds(1);
 };
 
 /// A day that is not as it should be, and why.
@@ -50,13 +47,13 @@ struct VaultExportReport {
 
 /// Encrypts what a store has into a vault: each day of which the query selects anything, whole.
 /// Days that the vault has already are left as they are, also if the store has no more than latents
-/// of what was recorded. After a stop, what was committed by then
-/// stays, and the next export goes on.
+/// of what was recorded. After a stop, what was committed by then stays, and the next export goes
+/// on.
 ///
 /// Memory: bounded, whatever the size of a day. Threading: one thread; `progress` is called from
-/// it. Errors: those of VaultFolder and exported_entities; kFailedPrecondition if the vault is a
-/// copy of another store; kCancelled after a stop; kResourceExhausted if the disk is full. Source:
-/// docs/vault.md.
+/// it. Errors: those of VaultFolder and days_of_store; kFailedPrecondition if the vault is a copy
+/// of another store; kCancelled after a stop; kResourceExhausted if the disk is full.
+/// Source: docs/vault.md.
 Result<VaultExportReport> export_to_vault(ltm::Recall& recall, const ltm::Query& query,
                                           const VaultPlaces& places,
                                           const VaultExportOptions& options,

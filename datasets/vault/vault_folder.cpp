@@ -231,10 +231,7 @@ Result<VaultFiles> list_files(const fs::path& vault) {
     const bool is_unfinished = name.ends_with(kUnfinished);
     const auto id = id_of_name(
         std::string_view(name).substr(0, name.size() - (is_unfinished ? kUnfinished.size() : 0)));
-    if (id)
-      (is_unfinished ? files.unfinished : files.whole).push_back(*id);
-    else if (name != kMarkName)
-      ++files.others;
+    if (id) (is_unfinished ? files.unfinished : files.whole).push_back(*id);
   }
   if (error) return unavailable("vault '{}': {}", name_of(vault), error.message());
   return files;

@@ -36,11 +36,10 @@ Result<VaultKeys> read_keys(const std::filesystem::path& keys);
 /// those of read_vault_id and read_keys.
 Result<VaultKeys> read_keys_of(const VaultPlaces& places);
 
-/// The files of a vault, by their names.
+/// The files of days in a vault, by their names. Other files count for nothing.
 struct VaultFiles {
   std::vector<RandomId> whole;
   std::vector<RandomId> unfinished;  ///< They have the name of files that are being written.
-  uint64_t others = 0;               ///< Files that no vault has.
 };
 Result<VaultFiles> list_files(const std::filesystem::path& vault);
 

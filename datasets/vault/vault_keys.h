@@ -40,7 +40,7 @@ struct VaultDay {
   uint64_t reconstructed = 0;
   uint64_t source = 0;  ///< Where the store had it; the same as long as nothing there changed.
   uint64_t times = 0;   ///< Made of the times of the snapshots, and of redactions of the day.
-  uint64_t digest = 0;  ///< XXH3-64 of the plain bytes.
+  uint64_t digest = 0;  ///< Made of the records of the file: the same for the same content.
 };
 
 /// A day whose key was destroyed.
