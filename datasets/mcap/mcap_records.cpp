@@ -3,43 +3,37 @@
 
 #include <zlib.h>
 
-#include <bit>
 #include <cstring>
 
-#include "ltm/core/buffer.h"
+#include "ltm/core/byte_fields.h"
 
 namespace engram::datasets::mcap {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
-
-/// Reads fields. The first field that does not fit is remembered, and all later ones are empty.
+/// Reads the fields of a record, and tells the first one that does not fit.
 class Fields {
  public:
   Fields(std::string_view record, std::span<const std::byte> content)
-      : record_(record), content_(content) {}
+      : record_(record), size_(content.size()), in_(content) {}
 
   template <typename T>
   T number() {
-    T value{};
-    const auto bytes = take(sizeof(T));
-    if (!bytes.empty()) std::memcpy(&value, bytes.data(), sizeof(T));
-    return value;
+    return in_.number<T>();
   }
 
-  std::string text() { return std::string(as_text(take(number<uint32_t>()))); }
+  std::string text() { return std::string(in_.text()); }
 
-  std::span<const std::byte> long_bytes() { return take(number<uint64_t>()); }
+  std::span<const std::byte> long_bytes() { return in_.bytes(number<uint64_t>()); }
 
-  std::span<const std::byte> rest() { return take(content_.size() - at_); }
+  std::span<const std::byte> rest() { return in_.bytes(in_.rest()); }
 
   /// Calls `read` for the entries of a map until its bytes are used up.
   template <typename F>
   void map(F read) {
-    Fields entries(record_, take(number<uint32_t>()));
-    while (entries.status_.ok() && entries.at_ < entries.content_.size()) read(entries);
-    if (status_.ok()) status_ = entries.status_;
+    Fields entries(record_, in_.sized());
+    while (entries.in_.rest() > 0) read(entries);
+    if (status().ok()) in_map_ = entries.status();
   }
 
   std::map<std::string, std::string> texts() {
@@ -51,24 +45,18 @@ class Fields {
     return result;
   }
 
-  [[nodiscard]] uint64_t at() const { return at_; }
-  [[nodiscard]] const Status& status() const { return status_; }
-
- private:
-  std::span<const std::byte> take(uint64_t size) {
-    if (status_.ok() && size > content_.size() - at_)
-      status_ = data_loss("{} record: byte {} of {}, a field needs {} more", record_, at_,
-                          content_.size(), size);
-    if (!status_.ok()) return {};
-    const auto bytes = content_.subspan(at_, size);
-    at_ += size;
-    return bytes;
+  [[nodiscard]] uint64_t at() const { return in_.at(); }
+  [[nodiscard]] Status status() const {
+    if (!in_map_.ok() || in_.is_whole()) return in_map_;
+    return data_loss("{} record: byte {} of {}, a field needs {} more", record_, in_.at(), size_,
+                     in_.missing());
   }
 
+ private:
   std::string_view record_;
-  std::span<const std::byte> content_;
-  uint64_t at_ = 0;
-  Status status_;
+  uint64_t size_;
+  FieldReader in_;
+  Status in_map_;  ///< What is missing in a map.
 };
 
 template <typename T>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "datasets/vault/byte_fields.h"
+#include "ltm/core/byte_fields.h"
 #include "ltm/core/printable.h"
 #include "ltm/idf/binary.h"
 #include "ltm/store/checksum.h"

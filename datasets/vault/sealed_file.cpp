@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "datasets/vault/byte_fields.h"
+#include "ltm/core/byte_fields.h"
 #include "ltm/core/printable.h"
 
 namespace engram::datasets::vault {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "datasets/vault/byte_fields.h"
 #include "datasets/vault/wiped_file.h"
+#include "ltm/core/byte_fields.h"
 #include "ltm/core/log.h"
 #include "ltm/core/printable.h"
 

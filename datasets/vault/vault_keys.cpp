@@ -6,7 +6,7 @@
 #include <charconv>
 #include <chrono>
 
-#include "datasets/vault/byte_fields.h"
+#include "ltm/core/byte_fields.h"
 #include "ltm/core/printable.h"
 #include "ltm/idf/binary.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <openssl/evp.h>
 
-#include "datasets/vault/byte_fields.h"
 #include "datasets/vault/vault_keys.h"
+#include "ltm/core/byte_fields.h"
 #include "tests/fuzz/fuzz_check.h"
 
 /// A key file that reads is written as it was. The checksum is made to fit, or nothing would read.

@@ -11,7 +11,7 @@
 
 #include "ltm/core/buffer.h"
 
-namespace engram::datasets::vault {
+namespace engram {
 
 static_assert(std::endian::native == std::endian::little, "fields are written as they lie");
 
@@ -58,13 +58,12 @@ class FieldReader {
 
   /// Views the next bytes; empty if there are fewer.
   std::span<const std::byte> bytes(uint64_t count) {
-    if (count > bytes_.size()) {
-      is_whole_ = false;
-      bytes_ = {};
+    if (count > rest()) {
+      if (is_whole()) missing_ = count;
       return {};
     }
-    const auto taken = bytes_.first(static_cast<size_t>(count));
-    bytes_ = bytes_.subspan(static_cast<size_t>(count));
+    const auto taken = bytes_.subspan(at_, static_cast<size_t>(count));
+    at_ += taken.size();
     return taken;
   }
 
@@ -78,12 +77,19 @@ class FieldReader {
   }
 
   /// False once more was read than there was.
-  [[nodiscard]] bool is_whole() const { return is_whole_; }
-  [[nodiscard]] size_t rest() const { return bytes_.size(); }
+  [[nodiscard]] bool is_whole() const { return missing_ == 0; }
+  /// Bytes that were not read yet; none once something is missing.
+  [[nodiscard]] size_t rest() const { return is_whole() ? bytes_.size() - at_ : 0; }
+
+  /// Where the next field begins, or the one that is missing.
+  [[nodiscard]] size_t at() const { return at_; }
+  /// The size that the missing field needs; 0 if none is missing. Unit: bytes.
+  [[nodiscard]] uint64_t missing() const { return missing_; }
 
  private:
   std::span<const std::byte> bytes_;
-  bool is_whole_ = true;
+  size_t at_ = 0;
+  uint64_t missing_ = 0;
 };
 
-}  // namespace engram::datasets::vault
+}  // namespace engram
