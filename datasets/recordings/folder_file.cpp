@@ -7,10 +7,6 @@ namespace engram::datasets {
 
 namespace {
 
-bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& path) {
-  return std::ranges::mismatch(folder, path).in1 == folder.end();
-}
-
 /// Returns the folder in the hub's cache that the links of a snapshot point to; else empty.
 std::filesystem::path blobs_of(const std::filesystem::path& folder) {
   const auto snapshots = folder.parent_path();
@@ -19,6 +15,10 @@ std::filesystem::path blobs_of(const std::filesystem::path& folder) {
 }
 
 }  // namespace
+
+bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& path) {
+  return std::ranges::mismatch(folder, path).in1 == folder.end();
+}
 
 Result<std::filesystem::path> file_in_folder(const std::filesystem::path& folder,
                                              const std::filesystem::path& name) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "datasets/recordings/folder_file.h"
 #include "datasets/vault/wiped_file.h"
 #include "ltm/core/byte_fields.h"
 #include "ltm/core/log.h"
@@ -48,12 +49,6 @@ std::optional<RandomId> id_of_name(std::string_view name) {
   return id;
 }
 
-bool lies_inside(const fs::path& file, const fs::path& directory) {
-  const auto [end, rest] =
-      std::mismatch(directory.begin(), directory.end(), file.begin(), file.end());
-  return end == directory.end();
-}
-
 /// Both paths without links, since the key file is replaced and a link to it must not be.
 Result<VaultPlaces> resolved(const VaultPlaces& places) {
   std::error_code error;
@@ -63,7 +58,7 @@ Result<VaultPlaces> resolved(const VaultPlaces& places) {
     return unavailable("'{}', '{}': {}", name_of(places.vault), name_of(places.keys),
                        error.message());
   if (!real.vault.has_filename()) real.vault = real.vault.parent_path();
-  if (lies_inside(real.keys, real.vault))
+  if (is_inside(real.vault, real.keys))
     return failed_precondition(
         "key file '{}': lies inside the vault '{}', needs a place outside: who gets the vault "
         "would "
